@@ -44,7 +44,8 @@
 //! 2. `scene` resolves it once: SI units, keyframed tracks, no dangling names. A scene that exists is valid.
 //! 3. `snapshot` freezes one shutter interval: everything is placed relative to the camera.
 //! 4. `accel` answers about its triangles: nearest hit, any hit, and which parts of a ray lie in shadow.
-//! 5. `scattering` knows what matter does to light: phase functions, optical depth, surfaces.
+//! 5. `scattering` knows what surfaces send on, `light` what reaches a point, `fog` what is lost and
+//!    scattered on a way. `indirect` solves light that was scattered before.
 //! 6. `transport` turns a ray into a colour: surface light times transmittance, plus the shafts.
 //! 7. `film` turns samples into pixels and passes.
 //! 8. `render` is the one loop that joins transport and film; `scanline` draws a frame without rays or

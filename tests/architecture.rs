@@ -33,8 +33,14 @@ const ORDER: [&str; 22] = [
 /// As `max_width` in rustfmt.toml, which does not hold for comments.
 const MOST_COLUMNS: usize = 110;
 
-/// Lines a file may have; beyond that it holds more than one concept.
-const MOST_LINES: usize = 600;
+/// Lines a file may have, tests aside; beyond that it holds more than one concept.
+const MOST_LINES: usize = 400;
+
+/// Lines of code a function may have.
+const MOST_LINES_OF_A_FUNCTION: usize = 60;
+
+/// Arguments a function may have beside `self`; beyond that some are one thing.
+const MOST_ARGUMENTS: usize = 5;
 
 fn source_files(folder: &Path, out: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("the source is there") {
@@ -145,13 +151,14 @@ fn expand(base: &[String], text: &str, found: &mut Vec<Vec<String>>) {
     found.push(path);
 }
 
-/// The parts of a list between commas that are in no braces.
+/// The parts of a list between commas that are in no brackets.
 fn split_list(list: &str) -> Vec<&str> {
     let (mut parts, mut start, mut depth) = (Vec::new(), 0, 0);
     for (at, character) in list.char_indices() {
         match character {
-            '{' => depth += 1,
-            '}' => depth -= 1,
+            '{' | '(' | '[' | '<' => depth += 1,
+            '>' if list[..at].ends_with(['-', '=']) => {}
+            '}' | ')' | ']' | '>' => depth -= 1,
             ',' if depth == 0 => {
                 parts.push(&list[start..at]);
                 start = at + 1;
@@ -262,8 +269,91 @@ fn comments_keep_to_the_columns_of_code() {
 fn every_file_tells_its_invariant_and_holds_one_concept() {
     for (file, _, text) in sources() {
         assert!(text.starts_with("//! "), "{file} does not say what it is");
-        assert!(text.lines().count() <= MOST_LINES, "{file} is too long");
+        let is_of_tests = file.ends_with("/tests.rs");
+        assert!(is_of_tests || text.lines().count() <= MOST_LINES, "{file} is too long");
     }
+}
+
+/// A function as it is written.
+#[derive(Debug, PartialEq)]
+struct Function {
+    name: String,
+    /// Beside `self`.
+    arguments: usize,
+    /// Of code; 0 if it is only declared.
+    lines: usize,
+}
+
+/// The functions that stand in a text as rustfmt leaves it.
+fn functions(text: &str) -> Vec<Function> {
+    let code = code(text);
+    let mut found = Vec::new();
+    for (at, _) in code.match_indices("fn ") {
+        let before = code[..at].rsplit('\n').next().expect("a line");
+        if before.contains(|c: char| !c.is_alphabetic() && !" ():".contains(c)) || before.contains("fn ") {
+            continue;
+        }
+        let rest = &code[at + 3..];
+        let name_ends = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(0);
+        let (name, signature) = rest.split_at(name_ends);
+        if name.is_empty() {
+            continue;
+        }
+        let arguments_begin = if signature.starts_with('<') { bracketed(signature) } else { 0 };
+        let arguments = &signature[arguments_begin..];
+        let (arguments, after) = arguments.split_at(bracketed(arguments));
+        let listed = split_list(&arguments[1..arguments.len() - 1]);
+        let end = format!("\n{}}}", " ".repeat(before.len() - before.trim_start().len()));
+        let first = |sign: &str| after.find(sign).unwrap_or(usize::MAX);
+        let is_declared = first(";\n") < first("{");
+        let is_one_line = rest.lines().next().is_some_and(|line| line.ends_with('}'));
+        let lines = match (is_declared, is_one_line) {
+            (true, _) => 0,
+            (_, true) => 1,
+            _ => rest.split(&end).next().map_or(0, |body| body.lines().count() + 1),
+        };
+        let is_self = |argument: &&str| !argument.contains(':');
+        let arguments = listed.iter().filter(|argument| !is_self(argument)).count();
+        found.push(Function { name: name.to_owned(), arguments, lines });
+    }
+    found
+}
+
+/// How far the bracket reaches that a text begins with.
+fn bracketed(text: &str) -> usize {
+    let mut depth = 0;
+    for (at, character) in text.char_indices() {
+        match character {
+            '(' | '[' | '{' | '<' => depth += 1,
+            '>' if text[..at].ends_with(['-', '=']) => {}
+            ')' | ']' | '}' | '>' => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return at + 1;
+        }
+    }
+    text.len()
+}
+
+#[test]
+fn functions_are_short_and_take_five_arguments() {
+    let mut count = 0;
+    for (file, _, text) in sources() {
+        for Function { name, arguments, lines } in functions(&text) {
+            count += 1;
+            assert!(arguments <= MOST_ARGUMENTS, "{file}: `{name}` has {arguments} arguments");
+            assert!(lines <= MOST_LINES_OF_A_FUNCTION, "{file}: `{name}` has {lines} lines");
+        }
+    }
+    assert!(count > 3_000, "functions are found: {count}");
+}
+
+#[test]
+fn functions_are_read_in_every_form() {
+    let text = "fn none() {}\nimpl A {\n    /// fn no()\n    pub(crate) const fn two<F: Fn(B) -> C>(\n        &self,\n        (a, b): (D, E),\n        call: impl Fn(F, G) -> H,\n    ) -> [I; 2] {\n        // a comment\n        call(a)\n    }\n    fn declared(self, a: [A; 2]) -> B;\n}\n";
+    let function = |name: &str, arguments, lines| Function { name: name.to_owned(), arguments, lines };
+    assert_eq!(functions(text), [function("none", 0, 1), function("two", 2, 7), function("declared", 1, 0)]);
 }
 
 /// What each module that is a file names of others, re-exports followed to where things are written.

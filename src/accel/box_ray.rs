@@ -71,53 +71,53 @@ impl<L: Lanes> BoxRay<L> {
         }
         (near.le(far).bits(), near)
     }
+
+    /// Visits the leaves whose boxes the ray meets before `t_far`, near ones first. Says whether a
+    /// visit ended the query.
+    #[inline(always)]
+    pub(super) fn visit_leaves<S: Simd<Lanes = L>>(
+        &self,
+        simd: S,
+        tree: &WideTree,
+        mut t_far: f32,
+        stack: &mut Stack,
+        visitor: &mut impl LeafVisitor<S>,
+    ) -> bool {
+        let Some(root) = tree.root else { return false };
+        let base = stack.len();
+        let mut child = root;
+        loop {
+            if child & LEAF != 0 {
+                if visitor.visit(simd, child & !LEAF, stack, &mut t_far) {
+                    stack.truncate(base);
+                    return true;
+                }
+            } else {
+                let node = &tree.nodes[child as usize];
+                let (hits, near) = self.meet(simd, node, t_far);
+                if hits != 0 {
+                    child = nearest(simd, node, hits, near, stack);
+                    continue;
+                }
+            }
+            loop {
+                match stack.pop(base) {
+                    None => return false,
+                    Some(entry) if entry.t_near <= t_far => {
+                        child = entry.child;
+                        break;
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+    }
 }
 
 /// What happens at the leaves of a tree.
 pub(super) trait LeafVisitor<S: Simd> {
     /// Visits a leaf, may shorten `t_far`, and says whether the query is over.
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;
-}
-
-/// Visits the leaves whose boxes the ray meets before `t_far`, near ones first. Says whether a
-/// visit ended the query.
-#[inline(always)]
-pub(super) fn visit_leaves<S: Simd>(
-    simd: S,
-    tree: &WideTree,
-    ray: &BoxRay<S::Lanes>,
-    mut t_far: f32,
-    stack: &mut Stack,
-    visitor: &mut impl LeafVisitor<S>,
-) -> bool {
-    let Some(root) = tree.root else { return false };
-    let base = stack.len();
-    let mut child = root;
-    loop {
-        if child & LEAF != 0 {
-            if visitor.visit(simd, child & !LEAF, stack, &mut t_far) {
-                stack.truncate(base);
-                return true;
-            }
-        } else {
-            let node = &tree.nodes[child as usize];
-            let (hits, near) = ray.meet(simd, node, t_far);
-            if hits != 0 {
-                child = nearest(simd, node, hits, near, stack);
-                continue;
-            }
-        }
-        loop {
-            match stack.pop(base) {
-                None => return false,
-                Some(entry) if entry.t_near <= t_far => {
-                    child = entry.child;
-                    break;
-                }
-                Some(_) => {}
-            }
-        }
-    }
 }
 
 /// The nearest of the children that are hit; the others go onto the stack, the farthest first.

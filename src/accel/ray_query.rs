@@ -6,7 +6,7 @@
 
 use super::{
     block::Block,
-    box_ray::{BoxRay, LeafVisitor, padding, visit_leaves},
+    box_ray::{BoxRay, LeafVisitor, padding},
     hit::{Hit, PrimitiveId},
     instance::{Instance, Instances},
     mesh_tree::MeshTree,
@@ -51,7 +51,7 @@ impl Kernel for Trace<'_> {
         let (origin, direction) = (ray.origin.as_vec3().to_array(), ray.direction.as_vec3().to_array());
         let box_ray = BoxRay::new(simd, origin, direction, padding, 0.0);
         let mut query = RayQuery { ray, instances, skip, any, t_max, nearest: None };
-        visit_leaves(simd, tree, &box_ray, round_up(t_max), &mut stack, &mut query);
+        box_ray.visit_leaves(simd, tree, round_up(t_max), &mut stack, &mut query);
         query.nearest
     }
 }
@@ -96,7 +96,7 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
             query: self,
         };
         let local_t_far = round_up(query.query.t_max - t_centre);
-        let over = visit_leaves(simd, &mesh.tree, &box_ray, local_t_far, stack, &mut query);
+        let over = box_ray.visit_leaves(simd, &mesh.tree, local_t_far, stack, &mut query);
         *t_far = round_up(self.t_max);
         over
     }

@@ -22,7 +22,7 @@ use super::wall_light::WallLight;
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::scene::Bounces;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{FrozenSky, Snapshot};
 use glam::DVec3;
 
 /// Things at least so many cells wide are walls.
@@ -107,58 +107,47 @@ impl Field {
         let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
         let Found { sources, beams, glows } = first.found();
         let wall_light = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls };
-        let has_sky = snapshot.sky.is_some_and(|sky| !sky.has_sun());
-        let scatterers = Scatterers { matter: &matter, walls: &walls };
-        let to_eye = TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot));
         let sky = snapshot.sky;
+        let has_sky = sky.is_some_and(|sky| !sky.has_sun());
         let rounds = Rounds {
             sweeper,
-            scatterers,
+            scatterers: Scatterers { matter: &matter, walls: &walls },
             ordinates: &ordinates,
             grid: &grid,
             sky,
             has_sky,
             beams,
-            to_eye,
+            to_eye: TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot)),
             has_inner,
             has_gloss: snapshot.has_gloss(),
             cancelled,
         };
-        let halo = outer.as_mut().and_then(|outer| {
-            let radiances = outer.radiances.take()?;
-            Some(Halo::new(&grid, radiances, |world| outer.corners_seen_from(world)))
-        });
-        let Light { all: light, of_sky, last, is_endless } =
-            rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());
-        let is_unseen_by_fog = sky.is_some_and(|sky| !sky.lights_fog());
-        let light_in_fog = of_sky.as_ref().filter(|_| is_unseen_by_fog).map(|of_sky| {
-            let mut seen = light.clone();
-            seen.add(of_sky, [-1.0; 3]);
-            NodeMoments::of(&seen)
-        });
+        let halo = outer.as_mut().and_then(|outer| outer.halo(&grid));
+        let lit = rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());
+        let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
         let is_uneven = sky.is_some_and(|sky| sky.is_uneven());
-        let of_sky = of_sky.filter(|_| is_uneven).map(|of_sky| NodeMoments::of(&of_sky));
-        let (outer, light) = (outer.map(Box::new), NodeMoments::of(&light));
-        let (third, fourth) = (last.third.as_ref().map(NodeMoments::of), NodeMoments::of(&last.fourth));
-        let towards_eye = last.towards_eye.map(|moments| TowardsEye::of(&moments));
-        let radiances = last.radiances;
-        let on_faces = walls.faces.irradiances(&light, &fourth);
         Self {
             grid,
-            outer,
+            outer: outer.map(Box::new),
+            on_faces: walls.faces.irradiances(&light, &fourth),
             walls,
             light,
-            third,
+            third: lit.last.third.as_ref().map(NodeMoments::of),
             fourth,
-            of_sky,
-            light_in_fog,
-            towards_eye,
-            on_faces,
-            radiances,
+            light_in_fog: light_in_fog(&lit, sky),
+            of_sky: lit.of_sky.as_ref().filter(|_| is_uneven).map(NodeMoments::of),
+            towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments)),
+            radiances: lit.last.radiances,
             glows,
             has_sky,
-            is_endless,
+            is_endless: lit.is_endless,
         }
+    }
+
+    /// What a finer grid within it gets from it, once.
+    fn halo(&mut self, grid: &Grid) -> Option<Halo> {
+        let radiances = self.radiances.take()?;
+        Some(Halo::new(grid, radiances, |world| self.corners_seen_from(world)))
     }
 
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
@@ -331,4 +320,12 @@ impl Field {
         let outer = self.outer.as_ref()?;
         Some(outer.outer_volume().unwrap_or_else(|| outer.volume()))
     }
+}
+
+/// What fog gets where the sky lights surfaces alone: all but what comes straight from there.
+fn light_in_fog(lit: &Light, sky: Option<FrozenSky>) -> Option<NodeMoments> {
+    let of_sky = lit.of_sky.as_ref().filter(|_| sky.is_some_and(|sky| !sky.lights_fog()))?;
+    let mut seen = lit.all.clone();
+    seen.add(of_sky, [-1.0; 3]);
+    Some(NodeMoments::of(&seen))
 }

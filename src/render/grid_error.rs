@@ -9,7 +9,7 @@ use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::scene::{Bounces, Sampling};
 use crate::snapshot::Snapshot;
-use crate::transport::{Component, Scratch, radiance_of_component};
+use crate::transport::{Component, Scratch};
 use rayon::prelude::*;
 
 /// Parts of the picture across and down, and rays along each side of one.
@@ -75,8 +75,7 @@ impl GridError {
                         // The same numbers for both: what else is in the picture is the same.
                         let mut sampler = Sampler::new(job.seed, (part * RAYS * RAYS + number) as u32, 0, 0);
                         let all = Component::All;
-                        *sum += radiance_of_component(all, snapshot, &transport, &ray, &mut sampler, scratch)
-                            .radiance;
+                        *sum += transport.radiance_of(all, snapshot, &ray, &mut sampler, scratch).radiance;
                     }
                 }
                 let [coarse, fine] = sums.map(|sum| sum / (RAYS * RAYS) as f64);

@@ -16,8 +16,8 @@ use crate::light::LightPlace;
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Window};
 use crate::snapshot::Exposure;
-use crate::transport::slices::{Fan, Outline, Piece, SliceJob, SliceScratch, count_segments, solve};
-use crate::transport::{Component, Sample, Scratch, Transport, radiance_of_component};
+use crate::transport::slices::{Fan, Outline, Piece, SliceJob, SliceScratch, count_segments};
+use crate::transport::{Component, Sample, Scratch, Transport};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -120,7 +120,7 @@ impl<'a> LightPicture<'a> {
         };
         outline.start(round.region_side());
         let outlined = has_outline.then_some(&mut *outline);
-        if let Some(segments) = solve(&slice_job, &slice.slice, chords, outlined, slices, add) {
+        if let Some(segments) = slice_job.solve(&slice.slice, chords, outlined, slices, add) {
             self.tally.add(segments);
             if has_outline {
                 shares.by_swath(fan, pieces, outline, |sample, splat| samples.add(sample, splat));
@@ -218,14 +218,8 @@ impl Picture for LightPicture<'_> {
             let mut sampler = Sampler::new(job.seed, x as u32, y as u32, 0);
             let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let (snapshot, ray) = camera_ray(exposure, job.size, centre, &mut sampler);
-            let value = radiance_of_component(
-                Component::Light(light),
-                snapshot,
-                &self.transport,
-                &ray,
-                &mut sampler,
-                &mut scratch,
-            );
+            let component = Component::Light(light);
+            let value = self.transport.radiance_of(component, snapshot, &ray, &mut sampler, &mut scratch);
             film.add(&Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 }, &value);
         }
     }

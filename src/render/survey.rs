@@ -7,7 +7,7 @@ use crate::color::{Rgb, luminance};
 use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::snapshot::Snapshot;
-use crate::transport::{Component, Scratch, radiance_of_component};
+use crate::transport::{Component, Scratch};
 use rayon::prelude::*;
 
 /// Rays across and down the picture, for each component: a hundredth and less of what the picture takes.
@@ -73,9 +73,7 @@ fn mean_luminance(snapshot: &Snapshot, job: &Job, indirect: Option<&Indirect>, c
         .par_iter()
         .map_init(Scratch::default, |scratch, (number, ray)| {
             let mut sampler = Sampler::new(job.seed, *number, 0, 0);
-            luminance(
-                radiance_of_component(component, snapshot, &transport, ray, &mut sampler, scratch).radiance,
-            )
+            luminance(transport.radiance_of(component, snapshot, ray, &mut sampler, scratch).radiance)
         })
         .collect();
     luminances.iter().sum::<f64>() / luminances.len() as f64

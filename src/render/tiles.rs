@@ -8,7 +8,7 @@ use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Sampling, Window};
 use crate::snapshot::Exposure;
-use crate::transport::{Component, Scratch, Transport, radiance_of_component};
+use crate::transport::{Component, Scratch, Transport};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -96,8 +96,7 @@ impl<'a> RayPicture<'a> {
                 };
                 let film_px = DVec2::new(x as f64, y as f64) + 0.5 + from_centre;
                 let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
-                let value =
-                    radiance_of_component(component, snapshot, transport, &ray, &mut sampler, scratch);
+                let value = transport.radiance_of(component, snapshot, &ray, &mut sampler, scratch);
                 let splat = Splat { pixel: (x, y), weight: 1.0, from_centre_px: from_centre.length() };
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.
                 let is_fresh = !round.is_first() || 2 * number >= round.samples();

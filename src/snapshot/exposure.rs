@@ -69,7 +69,7 @@ impl<'scene> Exposure<'scene> {
                 *ever |= now;
             }
         }
-        let freeze = |time_s: &f64| Snapshot::at(scene, trees, camera, aspect, *time_s, &shines);
+        let freeze = |time_s: &f64| Snapshot::at(scene, trees, (camera, aspect), *time_s, &shines);
         Self { moments: chosen(&times_s).iter().map(freeze).collect() }
     }
 

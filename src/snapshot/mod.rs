@@ -117,15 +117,14 @@ impl<'scene> Snapshot<'scene> {
         shutter: Shutter,
     ) -> Self {
         let time_s = shutter.middle_s();
-        Self::at(scene, trees, camera, aspect, time_s, &shining(scene, time_s))
+        Self::at(scene, trees, (camera, aspect), time_s, &shining(scene, time_s))
     }
 
     /// Freezes a moment with those of the scene's lights of which `shining` says so.
     fn at(
         scene: &'scene Scene,
         trees: &MeshTrees,
-        camera: usize,
-        aspect: f64,
+        (camera, aspect): (usize, f64),
         time_s: f64,
         shining: &[bool],
     ) -> Self {

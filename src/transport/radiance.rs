@@ -93,28 +93,44 @@ pub fn radiance(
     sampler: &mut Sampler,
     scratch: &mut Scratch,
 ) -> Sample {
-    radiance_of_component(Component::All, snapshot, transport, ray, sampler, scratch)
+    transport.radiance_of(Component::All, snapshot, ray, sampler, scratch)
 }
 
-/// The same of one component; of a single light without [`Sample::hue`].
-pub fn radiance_of_component(
-    component: Component,
-    snapshot: &Snapshot,
-    transport: &Transport,
-    ray: &Ray,
-    sampler: &mut Sampler,
-    scratch: &mut Scratch,
-) -> Sample {
-    let wanted = match component {
-        Component::All => {
-            Wanted { lights: 0..snapshot.lights.len(), with_hues: true, self_luminous: true, sky: true }
+impl Transport<'_> {
+    /// The same of one component; of a single light without [`Sample::hue`].
+    ///
+    /// Of each light one point for the whole ray: fog, surface and mirrors then see the same light, and
+    /// shafts fit the shadows they cast.
+    pub fn radiance_of(
+        &self,
+        component: Component,
+        snapshot: &Snapshot,
+        ray: &Ray,
+        sampler: &mut Sampler,
+        scratch: &mut Scratch,
+    ) -> Sample {
+        let Wanted { lights: range, with_hues, self_luminous, sky } = Wanted::of(component, snapshot);
+        let mut lights = std::mem::take(&mut scratch.lights);
+        lights.clear();
+        let mut hue = Rgb::ONE;
+        for luminaire in &snapshot.lights[range] {
+            lights.push(if luminaire.is_delta() {
+                luminaire.centre()
+            } else if with_hues {
+                luminaire.point(sampler.next_3d())
+            } else {
+                let point;
+                (point, hue) = luminaire.hued_point(sampler.next_3d());
+                point
+            });
         }
-        Component::Light(light) => {
-            Wanted { lights: light..light + 1, with_hues: false, self_luminous: light == 0, sky: false }
-        }
-        Component::Sky => Wanted { lights: 0..0, with_hues: false, self_luminous: false, sky: true },
-    };
-    radiance_of(wanted, snapshot, transport, ray, sampler, scratch)
+        let light = Illumination { lights: &lights, self_luminous, sky };
+        let mut path = Path { snapshot, transport: self, light, sampler, scratch };
+        let (leg, surface) = path.follow(ray, Start::Camera, self.mirror_depth);
+        let sample = path.sample(&leg, surface.as_ref(), ray, hue);
+        scratch.lights = lights;
+        sample
+    }
 }
 
 /// Which light a camera ray is to see.
@@ -127,37 +143,18 @@ struct Wanted {
     sky: bool,
 }
 
-/// Of each light one point for the whole ray: fog, surface and mirrors then see the same light, and
-/// shafts fit the shadows they cast.
-fn radiance_of(
-    wanted: Wanted,
-    snapshot: &Snapshot,
-    transport: &Transport,
-    ray: &Ray,
-    sampler: &mut Sampler,
-    scratch: &mut Scratch,
-) -> Sample {
-    let Wanted { lights: range, with_hues, self_luminous, sky } = wanted;
-    let mut lights = std::mem::take(&mut scratch.lights);
-    lights.clear();
-    let mut hue = Rgb::ONE;
-    for luminaire in &snapshot.lights[range] {
-        lights.push(if luminaire.is_delta() {
-            luminaire.centre()
-        } else if with_hues {
-            luminaire.point(sampler.next_3d())
-        } else {
-            let point;
-            (point, hue) = luminaire.hued_point(sampler.next_3d());
-            point
-        });
+impl Wanted {
+    fn of(component: Component, snapshot: &Snapshot) -> Self {
+        match component {
+            Component::All => {
+                Self { lights: 0..snapshot.lights.len(), with_hues: true, self_luminous: true, sky: true }
+            }
+            Component::Light(light) => {
+                Self { lights: light..light + 1, with_hues: false, self_luminous: light == 0, sky: false }
+            }
+            Component::Sky => Self { lights: 0..0, with_hues: false, self_luminous: false, sky: true },
+        }
     }
-    let light = Illumination { lights: &lights, self_luminous, sky };
-    let mut path = Path { snapshot, transport, light, sampler, scratch };
-    let (leg, surface) = path.follow(ray, Start::Camera, transport.mirror_depth);
-    let sample = path.sample(&leg, surface.as_ref(), ray, hue);
-    scratch.lights = lights;
-    sample
 }
 
 impl Path<'_> {

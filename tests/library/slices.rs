@@ -10,7 +10,7 @@ use sunfleck::scene::{
     RayVisibility, Scene, Size, Track,
 };
 use sunfleck::snapshot::{MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch};
 use sunfleck::transport::{Scratch, radiance};
 use sunfleck::{description, scene};
 
@@ -57,7 +57,7 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
         let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
         let chords = areas.map(|area| slice.ray(area));
-        solve(&job, &slice, chords, None, &mut scratch, |Piece { place, .. }, value| {
+        job.solve(&slice, chords, None, &mut scratch, |Piece { place, .. }, value| {
             let film = place.film_px;
             let (x, y) = (film.x / SIZE.width as f64, film.y / SIZE.height as f64);
             let ray = snapshot.view.ray_from(lens_point, x, y);

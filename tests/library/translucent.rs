@@ -8,7 +8,7 @@ use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::scene::{Instance, LightKind, Material, Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch};
 use sunfleck::transport::{Scratch, radiance};
 use sunfleck::{description, scene};
 
@@ -125,7 +125,7 @@ fn slices_see_the_same_light_as_rays() {
             let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
             let areas = (0..100).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 100.0);
             let chords = areas.map(|area| slice.ray(area));
-            solve(&job, &slice, chords, None, &mut slices, |Piece { place, .. }, value| {
+            job.solve(&slice, chords, None, &mut slices, |Piece { place, .. }, value| {
                 let film = place.film_px / DVec2::new(160.0, 90.0);
                 let ray = snapshot.view.ray(film.x, film.y);
                 let mut sampler = Sampler::new(0, 0, 0, 0);

@@ -3,7 +3,7 @@
 
 use super::buffers::Buffers;
 use super::draco::Unpacked;
-use super::json::{Accessor, Document, Sparse};
+use super::json::{Accessor, Document};
 use crate::diagnostic::Diagnostic;
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -142,9 +142,7 @@ impl<'a> Accessors<'a> {
             }
             (None, None) => vec![0.0; count * wanted.width],
         };
-        if let Some(sparse) = &accessor.sparse {
-            self.replace_sparse(&mut values, accessor, sparse, component, wanted.width, &path)?;
-        }
+        self.replace_sparse(&mut values, accessor, component, wanted.width, &path)?;
         if accessor.normalized {
             for value in &mut values {
                 *value = (*value / component.one()).max(-1.0);
@@ -255,11 +253,11 @@ impl<'a> Accessors<'a> {
         &self,
         values: &mut [f64],
         accessor: &Accessor,
-        sparse: &Sparse,
         component: Component,
         width: usize,
         path: &str,
     ) -> Result<(), Diagnostic> {
+        let Some(sparse) = &accessor.sparse else { return Ok(()) };
         let path = format!("{path}.sparse");
         if sparse.count > accessor.count {
             return Err(self.invalid(format!("{path}.count"), "more elements are replaced than there are"));

@@ -43,23 +43,27 @@ pub(super) fn unpack(
     for (mesh_index, mesh) in document.meshes.iter().enumerate() {
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             let path = format!("meshes[{mesh_index}].primitives[{number}]");
-            if let Err(damage) = fill(primitive, document, buffers, file, &path, &mut unpacked) {
-                damaged.insert((mesh_index, number), damage);
+            match of_primitive(primitive, document, buffers, file, &path) {
+                Ok(filled) => unpacked.extend(filled),
+                Err(damage) => {
+                    damaged.insert((mesh_index, number), damage);
+                }
             }
         }
     }
     (unpacked, damaged)
 }
 
-fn fill(
+/// The accessors that a primitive fills.
+fn of_primitive(
     primitive: &Primitive,
     document: &Document,
     buffers: &Buffers<'_>,
     file: &Path,
     path: &str,
-    unpacked: &mut BTreeMap<usize, Unpacked>,
-) -> Result<(), Diagnostic> {
-    let Some(extension) = primitive.extensions.get(EXTENSION) else { return Ok(()) };
+) -> Result<Vec<(usize, Unpacked)>, Diagnostic> {
+    let mut unpacked = Vec::new();
+    let Some(extension) = primitive.extensions.get(EXTENSION) else { return Ok(unpacked) };
     let path = format!("{path}.extensions.{EXTENSION}");
     let damaged = |found: String| {
         invalid(file, path.as_str(), found).expected("a mesh as Draco 2.2 compresses it").remedy(
@@ -79,28 +83,24 @@ fn fill(
 
     for attribute in geometry.attributes() {
         let Some(&index) = primitive.attributes.get(attribute.semantic()) else { continue };
-        unpacked.insert(
-            index,
-            Unpacked {
-                count: attribute.count(),
-                width: usize::from(attribute.components()),
-                component_type: attribute.component_type() as u32,
-                bytes: attribute.bytes().to_vec(),
-            },
-        );
+        let filled = Unpacked {
+            count: attribute.count(),
+            width: usize::from(attribute.components()),
+            component_type: attribute.component_type() as u32,
+            bytes: attribute.bytes().to_vec(),
+        };
+        unpacked.push((index, filled));
     }
     if let (Some(index), Some(indices)) = (primitive.indices, geometry.indices()) {
-        unpacked.insert(
-            index,
-            Unpacked {
-                count: indices.count(),
-                width: 1,
-                component_type: indices.component_type() as u32,
-                bytes: indices.bytes().to_vec(),
-            },
-        );
+        let filled = Unpacked {
+            count: indices.count(),
+            width: 1,
+            component_type: indices.component_type() as u32,
+            bytes: indices.bytes().to_vec(),
+        };
+        unpacked.push((index, filled));
     }
-    Ok(())
+    Ok(unpacked)
 }
 
 /// What the mesh must be like: as its accessors say, and not much larger than it is

@@ -1,7 +1,7 @@
 //! The JSON of a glTF file, word for word: names, defaults and nesting are those of the glTF 2.0
 //! specification. Invariant: nothing here has been checked; indices may point anywhere.
 
-pub(super) use super::json_buffers::{Accessor, Buffer, BufferView, MeshoptView, Sparse};
+pub(super) use super::json_buffers::{Accessor, Buffer, BufferView, MeshoptView};
 pub(super) use super::json_materials::{
     Glossiness, Image, Material, Sampler, SpecularGlossiness, Texture, TextureInfo, TextureTransform,
 };

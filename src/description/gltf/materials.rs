@@ -188,20 +188,19 @@ impl Extensions<'_> {
 
     /// A number from 0 to `most`, put into that range; `default` if there is none.
     fn number(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> f64 {
-        self.numbers(extension, field, [default], most, report, |value| Some([value.as_f64()?]))[0]
+        self.numbers((extension, field), [default], most, report, |value| Some([value.as_f64()?]))[0]
     }
 
     /// Three such numbers.
     fn color(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> DVec3 {
         let default = [default; 3];
         let three = |value: &Value| serde_json::from_value(value.clone()).ok();
-        DVec3::from(self.numbers(extension, field, default, most, report, three))
+        DVec3::from(self.numbers((extension, field), default, most, report, three))
     }
 
     fn numbers<const N: usize>(
         &self,
-        extension: &str,
-        field: &str,
+        (extension, field): (&str, &str),
         default: [f64; N],
         most: f64,
         report: &mut Report,

@@ -81,8 +81,8 @@ fn read_primitive(
         report.index_exists(&format!("{path}.material"), material, document.materials.len(), "material")
     });
     let slots = material.map(|material| slots(&document.materials[material])).unwrap_or_default();
-    let targets = morphs::targets(primitive, vertices, path, mesh, accessors, report);
-    let influences = skins::influences(&primitive.attributes, vertices, path, mesh, accessors, report);
+    let targets = morphs::targets(primitive, vertices, (path, mesh), accessors, report);
+    let influences = skins::influences(&primitive.attributes, vertices, (path, mesh), accessors, report);
 
     let mut attributes = Attributes { document, primitive, vertices, path, mesh, accessors, report };
     let normals = attributes.normals();

@@ -19,8 +19,7 @@ const DIFFERENCES: Wanted = Wanted {
 pub(super) fn targets(
     primitive: &json::Primitive,
     vertices: usize,
-    path: &str,
-    mesh: &str,
+    (path, mesh): (&str, &str),
     accessors: &Accessors<'_>,
     report: &mut Report,
 ) -> Result<Vec<MorphTarget>, Diagnostic> {

@@ -6,6 +6,8 @@ use super::report::Report;
 use super::{GltfScene, LightKind, LoadError, invalid, textures};
 use crate::description::Files;
 use crate::description::image::{self, DecodedImage, Encoding};
+use crate::diagnostic::Diagnostic;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Reads them all; what else is malformed is reported with the other extras.
@@ -13,7 +15,8 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
     let named = scene.extras.get("sunfleck_env").and_then(|sky| sky.get("image"));
     if let Some(uri) = named.and_then(|name| name.as_str()) {
         let place = format!("scenes[{}].extras.sunfleck_env.image", scene.scene);
-        scene.sky_image = decoded(scene, uri, &place, Encoding::Radiance, files, report)?;
+        let bytes = bytes_of(scene, uri, &place, files)?;
+        scene.sky_image = decoded(bytes, &place, Encoding::Radiance, report);
     }
     let mut on_suns = BTreeMap::new();
     for index in shown_suns(scene) {
@@ -28,7 +31,7 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
             report.error(place, "the images on suns are too large together", "2^28 texels in all");
             break;
         }
-        let image = decoded(scene, uri, &place, Encoding::Srgb, files, report)?;
+        let image = decoded(bytes_of(scene, uri, &place, files)?, &place, Encoding::Srgb, report);
         on_suns.extend(image.map(|image| (uri.to_owned(), image)));
     }
     scene.sun_images = on_suns;
@@ -53,20 +56,27 @@ fn shown_suns(scene: &GltfScene) -> Vec<usize> {
     suns
 }
 
-fn decoded(
+/// The file of an image, or why there is none.
+fn bytes_of<'a>(
     scene: &GltfScene,
     uri: &str,
     place: &str,
-    encoding: Encoding,
     files: &mut Files,
-    report: &mut Report,
-) -> Result<Option<DecodedImage>, LoadError> {
+) -> Result<Result<Cow<'a, [u8]>, Diagnostic>, LoadError> {
     let bytes = fetch(uri, &scene.path, files, &format!("{}: {place}", scene.path.display()))?;
-    let bytes = bytes.map_err(|found| {
+    Ok(bytes.map_err(|found| {
         invalid(&scene.path, place, found)
             .expected("an image beside the file, or a data URI")
             .remedy("give the image's name relative to the file")
-    });
+    }))
+}
+
+fn decoded(
+    bytes: Result<Cow<'_, [u8]>, Diagnostic>,
+    place: &str,
+    encoding: Encoding,
+    report: &mut Report,
+) -> Option<DecodedImage> {
     let image = bytes.and_then(|bytes| image::decode(&bytes, encoding, report.at(place)));
-    Ok(report.keep(image))
+    report.keep(image)
 }

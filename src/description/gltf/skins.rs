@@ -79,8 +79,7 @@ fn inverse_bind_matrices(
 pub(super) fn influences(
     attributes: &BTreeMap<String, usize>,
     vertices: usize,
-    path: &str,
-    mesh: &str,
+    (path, mesh): (&str, &str),
     accessors: &Accessors<'_>,
     report: &mut Report,
 ) -> Result<Option<Influences>, Diagnostic> {

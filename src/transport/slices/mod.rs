@@ -30,4 +30,4 @@ pub use fan::{Fan, Separation};
 pub use outline::{FARTHEST_SHIFT_PX, Outline, Strip};
 pub use slice::{Place, Ring, Slice};
 pub use slice_job::SliceJob;
-pub use solve::{Piece, SliceScratch, count_segments, solve};
+pub use solve::{Piece, SliceScratch, count_segments};

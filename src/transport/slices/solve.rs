@@ -52,42 +52,44 @@ pub struct Piece<'a> {
     number: usize,
 }
 
-/// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its
-/// sample sees by the slice's light alone. Rays that blended surfaces touch are followed by themselves. Notes
-/// the outline of what is seen if it is given one, begun by the caller. Returns how many segments the slice
-/// gathered; `None` if there is no chord, and so nothing done.
-pub fn solve(
-    job: &SliceJob,
-    slice: &Slice,
-    of_slice: impl Iterator<Item = Chord>,
-    mut outline: Option<&mut Outline>,
-    scratch: &mut SliceScratch,
-    mut sample: impl FnMut(&Piece, &Sample),
-) -> Option<usize> {
-    let SliceScratch { chords, edges, of_rays } = scratch;
-    chords.clear();
-    chords.extend(of_slice);
-    let mut rays = Rays::new(job, slice, chords, of_rays)?;
-    let light_rays = rays.light_rays;
-    let borders = Borders::new(job.snapshot, job.fan, slice, light_rays);
-    for chord in chords.iter() {
-        rays.enter(chord);
-        let [highest_slope, lowest_slope] = chord.slopes;
-        let (mut piece_start, mut piece_slope) = (chord.start, highest_slope);
-        let ends = edges.pieces(chord, slice, rays.sweeps(), light_rays, highest_slope..lowest_slope);
-        for (number, end) in ends.iter().enumerate() {
-            let piece = Piece::new(chord, slice, number, [piece_start, end.area]);
-            sample(&piece, &rays.value(&piece));
-            if let Some(outline) = &mut outline {
-                outline.add(chord.pixel, piece_slope, end.slope);
-                if number + 1 < ends.len() {
-                    outline.end(end.origin.and_then(|origin| borders.of(&origin)));
+impl SliceJob<'_> {
+    /// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its
+    /// sample sees by the slice's light alone. Rays that blended surfaces touch are followed by themselves.
+    /// Notes the outline of what is seen if it is given one, begun by the caller. Returns how many segments
+    /// the slice gathered; `None` if there is no chord, and so nothing done.
+    pub fn solve(
+        &self,
+        slice: &Slice,
+        of_slice: impl Iterator<Item = Chord>,
+        mut outline: Option<&mut Outline>,
+        scratch: &mut SliceScratch,
+        mut sample: impl FnMut(&Piece, &Sample),
+    ) -> Option<usize> {
+        let SliceScratch { chords, edges, of_rays } = scratch;
+        chords.clear();
+        chords.extend(of_slice);
+        let mut rays = Rays::new(self, slice, chords, of_rays)?;
+        let light_rays = rays.light_rays;
+        let borders = Borders::new(self.snapshot, self.fan, slice, light_rays);
+        for chord in chords.iter() {
+            rays.enter(chord);
+            let [highest_slope, lowest_slope] = chord.slopes;
+            let (mut piece_start, mut piece_slope) = (chord.start, highest_slope);
+            let ends = edges.pieces(chord, slice, rays.sweeps(), light_rays, highest_slope..lowest_slope);
+            for (number, end) in ends.iter().enumerate() {
+                let piece = Piece::new(chord, slice, number, [piece_start, end.area]);
+                sample(&piece, &rays.value(&piece));
+                if let Some(outline) = &mut outline {
+                    outline.add(chord.pixel, piece_slope, end.slope);
+                    if number + 1 < ends.len() {
+                        outline.end(end.origin.and_then(|origin| borders.of(&origin)));
+                    }
                 }
+                (piece_start, piece_slope) = (end.area, end.slope);
             }
-            (piece_start, piece_slope) = (end.area, end.slope);
         }
+        Some(rays.segments)
     }
-    Some(rays.segments)
 }
 
 impl<'a> Piece<'a> {

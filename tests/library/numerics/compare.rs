@@ -10,7 +10,7 @@ use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::scene::{Scene, Size};
 use sunfleck::snapshot::{FrozenLight, Luminaire, MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch};
 use sunfleck::transport::{Sample, Scratch, radiance};
 
 /// What a comparison found.
@@ -237,7 +237,7 @@ pub(crate) fn by_slices_through(
         let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
         let areas = plan.areas.iter().map(|share| share * slice.area_per_rad);
         let chords = areas.map(|area| slice.ray(area));
-        solve(&job, &slice, chords, None, &mut scratch, |Piece { place, .. }, value| {
+        job.solve(&slice, chords, None, &mut scratch, |Piece { place, .. }, value| {
             let ray = Ray { origin: fan.eye, direction: place.direction };
             errors.add(&truth, &ray, snapshot.view.depth(ray.direction), value);
         });

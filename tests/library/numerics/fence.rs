@@ -8,7 +8,7 @@ use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler, gauss_legendre};
 use sunfleck::scene::{Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch};
 use sunfleck::transport::{Scratch, radiance};
 
 const SLATS: u32 = 100_000;
@@ -118,7 +118,7 @@ fn in_a_slice() {
         let (mut squares, mut sum, mut rays) = (0.0, 0.0, 0);
         let mut scratch = Scratch::default();
         let chords = areas.map(|area| slice.ray(area));
-        solve(&job, &slice, chords, None, &mut SliceScratch::default(), |Piece { place, .. }, value| {
+        job.solve(&slice, chords, None, &mut SliceScratch::default(), |Piece { place, .. }, value| {
             let ray = Ray { origin: DVec3::ZERO, direction: place.direction };
             let mut sampler = Sampler::new(0, 0, 0, 0);
             let own = radiance(&snapshot, &EXACT, &ray, &mut sampler, &mut scratch);

@@ -8,7 +8,7 @@ use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::scene::{LightKind, Scene, Size};
 use sunfleck::snapshot::{MeshTrees, Snapshot};
-use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch, solve};
+use sunfleck::transport::slices::{Fan, Piece, Ring, SliceJob, SliceScratch};
 use sunfleck::transport::{Sample, Scratch, radiance};
 
 const ALBEDO: f64 = 0.8;
@@ -148,7 +148,7 @@ fn slices() {
                 let Some(slice) = fan.slice(angle, Ring::WHOLE) else { continue };
                 let areas = (0..9).map(|index| slice.area_per_rad * (f64::from(index) + 0.5) / 9.0);
                 let chords = areas.map(|area| slice.ray(area));
-                solve(&job, &slice, chords, None, &mut scratch, |Piece { place, .. }, value| {
+                job.solve(&slice, chords, None, &mut scratch, |Piece { place, .. }, value| {
                     let direction = place.direction;
                     let error = error(value, layer.look(y, direction, to_sun));
                     if error > worst.0 || error.is_nan() {
