@@ -120,6 +120,20 @@ class OpenJobDescription(WithShot):
         self.assertNotEqual(worker.returncode, 0)
         self.assertRegex(out, r"openjd_fail: .*nowhere\.ron.*cannot be read")
 
+    def test_a_frame_that_fails_says_why_and_the_others_are_kept(self):
+        frames = self.job / "frames"
+        blocked, first = frames / "a shot.0003.exr", frames / "a shot.0001.exr"
+        blocked.mkdir(parents=True)
+        worker = self.worker(*self.tasks("1-8"))
+        out, _ = worker.communicate(timeout=120)
+        self.assertNotEqual(worker.returncode, 0)
+        self.assertRegex(out, r"openjd_fail: frame 3: .*a shot\.0003\.exr is a folder.*remedy: ")
+        kept = first.stat().st_mtime_ns
+        blocked.rmdir()
+        self.assertIn("openjd_status: frame 2 skipped", self.ends_well(self.worker(*self.tasks("1-8"))))
+        self.assertEqual(first.stat().st_mtime_ns, kept)
+        self.assertEqual(len(list(frames.glob("*.exr"))), 8)
+
     @unittest.skipUnless(importlib.util.find_spec("openjd"), "the modules of openjd are not installed")
     def test_paths_of_windows_are_mapped(self):
         from openjd.model import ParameterValue, ParameterValueType, create_job, decode_job_template
