@@ -6,6 +6,7 @@ use super::faces::TowardsFaces;
 use super::grid::Grid;
 use super::halo::Halo;
 use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
+use super::highlights::Highlights;
 use super::matter::{Matter, Shade};
 use super::moments::Moments;
 use super::ordinates::{Ordinate, Ordinates};
@@ -27,6 +28,8 @@ pub(super) struct Sources<'a> {
     pub(super) beams: &'a [Beam],
     /// Radiance that leaves each wall patch, by channel.
     pub(super) of_walls: &'a [Vec<f32>; 3],
+    /// What they send out beyond that along single ordinates.
+    pub(super) highlights: Option<&'a Highlights>,
     pub(super) inflow: Inflow<'a>,
 }
 
@@ -73,6 +76,8 @@ pub(super) struct Carrier<'a> {
     /// What leaves the cells of a plane, with a rim of what comes from outside.
     before: Vec<f32>,
     behind: Vec<f32>,
+    /// What leaves walls along one ordinate.
+    of_walls: Vec<f32>,
 }
 
 /// An ordinate that goes forwards along the axis, and its opposite.
@@ -152,6 +157,7 @@ impl<'a> Carrier<'a> {
             radiance: [nodes(), nodes()],
             before: rim.clone(),
             behind: rim,
+            of_walls: Vec::new(),
         }
     }
 
@@ -212,7 +218,11 @@ impl<'a> Carrier<'a> {
         self.prepare(ordinate.direction, sources);
         for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
             let arriving = Arriving { inflow: sources.inflow, ordinate: numbers[side] };
-            self.cross(side, &Taps::of(direction, &self.planes), (sources, &arriving));
+            self.of_walls.clone_from(&sources.of_walls[self.channel]);
+            if let Some(highlights) = sources.highlights {
+                highlights.add_to(&mut self.of_walls, self.channel, numbers[side]);
+            }
+            self.cross(side, &Taps::of(direction, &self.planes), &arriving);
         }
         ordinate
     }
@@ -246,7 +256,7 @@ impl<'a> Carrier<'a> {
     }
 
     /// Carries light from plane to plane.
-    fn cross(&mut self, side: usize, taps: &Taps, (sources, arriving): (&Sources, &Arriving)) {
+    fn cross(&mut self, side: usize, taps: &Taps, arriving: &Arriving) {
         let planes = self.planes;
         let row = planes.row();
         arriving.fill(
@@ -278,14 +288,14 @@ impl<'a> Carrier<'a> {
                 radiance: &mut self.radiance[side][nodes],
                 stride: planes.stride[1],
             });
-            self.past_walls((side, plane), taps, &sources.of_walls[self.channel]);
+            self.past_walls((side, plane), taps);
             std::mem::swap(&mut self.before, &mut self.behind);
         }
     }
 
     /// The same for nodes some of whose neighbours are behind walls: from there comes
     /// what the walls send out.
-    fn past_walls(&mut self, (side, plane): (usize, usize), taps: &Taps, of_walls: &[f32]) {
+    fn past_walls(&mut self, (side, plane): (usize, usize), taps: &Taps) {
         let planes = self.planes;
         let steps = [0, 1, 2, 3].map(|tap| taps.step(tap));
         let links = steps.map(|step| {
@@ -300,7 +310,7 @@ impl<'a> Carrier<'a> {
                 if taps.shares[tap] > 0.0 {
                     entering += taps.shares[tap]
                         * match seen.wall_at(links[tap]) {
-                            Some(patch) => of_walls[patch],
+                            Some(patch) => self.of_walls[patch],
                             None => self.before[planes.shifted(here, steps[tap])],
                         };
                 }

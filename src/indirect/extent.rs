@@ -20,6 +20,9 @@ const FEWEST_CELLS: f64 = 16.0;
 const MOST_LEVELS: usize = 5;
 /// A grid reaches beyond the one within it by so many of that one's longest sides.
 const MARGIN: f64 = 1.5;
+/// Or to the end of the world, if that is at most so many times as long: where two grids meet, light is known
+/// less well.
+const ONE_GRID: f64 = 12.0;
 /// There is another grid where the world is so many times as long as all of them.
 const LARGER: f64 = 1.01;
 /// The innermost grid reaches to the world's end on sides where that is nearer than this share of its longest
@@ -53,7 +56,8 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f6
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
     let mut bounds = inner;
     while grids.len() < MOST_LEVELS && diagonal(world) > LARGER * diagonal(bounds) {
-        let margin = DVec3::splat(MARGIN * (bounds.1 - bounds.0).max_element());
+        let is_last = diagonal(world) <= ONE_GRID * diagonal(bounds);
+        let margin = if is_last { f64::INFINITY } else { MARGIN * (bounds.1 - bounds.0).max_element() };
         bounds = union(inner, ((bounds.0 - margin).max(world.0), (bounds.1 + margin).min(world.1)));
         let nodes = if grids.len() == 1 { OUTER_NODES } else { FAR_NODES };
         cell_m = (scale * (self::side(bounds).element_product() / nodes).cbrt()).max(2.0 * cell_m);

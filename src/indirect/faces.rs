@@ -64,12 +64,10 @@ impl Faces {
         likest.map_or(node, |(_, number)| self.nodes + number)
     }
 
-    /// What each face gathers, W/m^2, of moments up to degree 2 and of degree 4.
-    pub(super) fn irradiances(&self, light: &NodeMoments, fourth: &NodeMoments) -> Vec<[f32; 3]> {
+    /// What each face gathers, W/m^2.
+    pub(super) fn irradiances(&self, light: &NodeMoments) -> Vec<[f32; 3]> {
         let of_face = |(face, number): (&Face, usize)| {
-            let lobe = Lobe::cosine(face.normal);
-            let of_fourth = lobe.of_fourth_of_travel().map(|of| product(&of, &fourth.at(number)));
-            let irradiance = product(&lobe.of_travel(), &light.at(number)) + of_fourth.unwrap_or_default();
+            let irradiance = product(&Lobe::flux(face.normal).of_travel(), &light.at(number));
             irradiance.to_array().map(|channel| channel as f32)
         };
         self.all.iter().zip(self.nodes..).map(of_face).collect()

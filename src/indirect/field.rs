@@ -2,6 +2,7 @@
 //! [`Field`] that tells irradiance on surfaces and light that fog scatters. Invariant: what it holds has been
 //! scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
+use super::cut_patches::cut_patches;
 use super::first_light::{FirstLight, Found};
 use super::fluence::Glow;
 use super::grid::{Corners, Grid};
@@ -14,7 +15,7 @@ use super::occluders::OFF_WALL;
 use super::ordinates::Ordinates;
 use super::radiances::Radiances;
 use super::rounds::{Light, Rounds, Scatterers};
-use super::surroundings::Surroundings;
+use super::surroundings::{Surfels, Surroundings, WallTriangle};
 use super::sweep::Sweeper;
 use super::swept_fog::SweptFog;
 use super::towards_eye::{SEEN_DEGREES, TowardsEye};
@@ -77,6 +78,20 @@ pub(super) struct Field {
     is_endless: bool,
 }
 
+/// Small things that a grid holds.
+fn surfels_of(grid: &Grid, surroundings: &Surroundings) -> Surfels {
+    let mut surfels = surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m);
+    surfels.all.retain(|surfel| grid.holds(surfel.position));
+    surfels
+}
+
+/// Walls, each patch of which knows who sees it.
+fn walls_of((grid, snapshot): (&Grid, &Snapshot), triangles: &[WallTriangle]) -> Walls {
+    let mut walls = Walls::new(grid, snapshot, triangles);
+    cut_patches((grid, snapshot), &mut walls);
+    walls.introduce()
+}
+
 impl Field {
     /// Solves it on grids, the innermost first: from the outermost inwards.
     pub(super) fn on(grids: Vec<Grid>, context: &Context) -> Option<Self> {
@@ -86,12 +101,9 @@ impl Field {
 
     fn new(grid: Grid, mut outer: Option<Self>, has_inner: bool, context: &Context) -> Self {
         let &Context { snapshot, surroundings, bounces, cancelled } = context;
-        let width = WALL_CELLS * grid.cell_m;
-        let mut surfels = surroundings.surfels(width, grid.cell_m);
-        surfels.all.retain(|surfel| grid.holds(surfel.position));
-        let wall_triangles = surroundings.walls(width);
-        let are_walls = wall_triangles.iter().map(|triangle| triangle.primitive).collect();
-        let walls = Walls::new(&grid, snapshot, &wall_triangles).introduce();
+        let surfels = surfels_of(&grid, surroundings);
+        let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
+        let walls = walls_of((&grid, snapshot), &triangles);
         let fog = SweptFog::new(&snapshot.medium, bounces);
         let matter = Matter::new(&grid, &walls, snapshot.view.eye, &fog, &surfels);
         let first = FirstLight {
@@ -101,12 +113,14 @@ impl Field {
             matter: &matter,
             cancelled,
             walls: &walls,
-            are_walls,
+            are_walls: triangles.iter().map(|triangle| triangle.primitive).collect(),
         };
         let ordinates = Ordinates::new();
+        let fine = walls.are_at_angles().then(Ordinates::fine);
         let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
         let Found { sources, beams, glows } = first.found();
-        let wall_light = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls };
+        let along = fine.as_ref().unwrap_or(&ordinates);
+        let lit = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls, ordinates: along }.found();
         let sky = snapshot.sky;
         let has_sky = sky.is_some_and(|sky| !sky.has_sun());
         let rounds = Rounds {
@@ -118,18 +132,20 @@ impl Field {
             has_sky,
             beams,
             to_eye: TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot)),
+            fine: fine.as_ref(),
+            highlights: lit.highlights,
             has_inner,
             has_gloss: snapshot.has_gloss(),
             cancelled,
         };
         let halo = outer.as_mut().and_then(|outer| outer.halo(&grid));
-        let lit = rounds.run(bounces, sources, &wall_light.irradiances(), halo.as_ref());
+        let lit = rounds.run(bounces, sources, &lit.irradiances, halo.as_ref());
         let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
         let is_uneven = sky.is_some_and(|sky| sky.is_uneven());
         Self {
             grid,
             outer: outer.map(Box::new),
-            on_faces: walls.faces.irradiances(&light, &fourth),
+            on_faces: walls.faces.irradiances(&light),
             walls,
             light,
             third: lit.last.third.as_ref().map(NodeMoments::of),

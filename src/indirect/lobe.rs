@@ -35,6 +35,11 @@ impl Lobe {
         Self { axis: normal, shares: [first, second, third, 0.0, COSINE_LOBE_4], beneath: None }
     }
 
+    /// The same of light all of which comes from above the surface: the flux through it.
+    pub(super) fn flux(normal: DVec3) -> Self {
+        Self { axis: normal, shares: [0.0, 4.0 * PI / 3.0, 0.0, 0.0, 0.0], beneath: None }
+    }
+
     /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they
     /// are as wide as a power of the cosine `s = (2 / alpha^2 - 2) / 4`, of which degree l keeps
     /// `exp(-l^2 / 2 s)` (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq.

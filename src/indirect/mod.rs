@@ -8,6 +8,7 @@
 
 mod beam;
 mod carrier;
+mod cut_patches;
 mod extent;
 mod faces;
 mod field;
@@ -16,6 +17,7 @@ mod fluence;
 mod grid;
 mod halo;
 mod harmonics;
+mod highlights;
 mod leaf_light;
 mod lobe;
 mod matter;

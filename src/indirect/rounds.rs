@@ -7,6 +7,7 @@ use super::carrier::{Inflow, Sources};
 use super::grid::Grid;
 use super::halo::Halo;
 use super::harmonics::{by_lobe, irradiance_lobe};
+use super::highlights::Highlights;
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::{Ordinate, Ordinates};
@@ -42,6 +43,10 @@ pub(super) struct Rounds<'a> {
     pub(super) has_sky: bool,
     /// What first sources have beyond harmonics.
     pub(super) beams: Vec<Beam>,
+    /// Along which the first order is swept, where that needs finer ones.
+    pub(super) fine: Option<&'a Ordinates>,
+    /// What of lamps' and suns' light shines on walls, along those of the first order.
+    pub(super) highlights: Highlights,
     /// The way to the eye from each node, where fog needs more than harmonics for it.
     pub(super) to_eye: Option<[Vec<f32>; 3]>,
     /// Whether a finer grid lies within this one.
@@ -76,15 +81,15 @@ pub(super) struct Scatterers<'a> {
 struct Leaving {
     matter: Moments,
     walls: Vec<Rgb>,
-    /// Whether suns' light is in it that fog scatters first.
-    has_beams: bool,
+    /// Whether light of lamps and suns is in it that is scattered first.
+    has_first: bool,
 }
 
 impl Leaving {
     /// `self += factor * other`, the factor by channel.
     fn add(&mut self, other: &Self, factor: [f64; 3]) {
         self.matter.add(&other.matter, factor.map(|factor| factor as f32));
-        self.has_beams |= other.has_beams;
+        self.has_first |= other.has_first;
         let factor = Rgb::from_array(factor);
         self.walls.iter_mut().zip(&other.walls).for_each(|(sum, added)| *sum += factor * *added);
     }
@@ -104,12 +109,12 @@ impl Rounds<'_> {
         halo: Option<&Halo>,
     ) -> Light {
         let dark = vec![Rgb::ZERO; on_walls.len()];
-        let mut leaving = Leaving { matter: first, walls: dark.clone(), has_beams: true };
+        let mut leaving = Leaving { matter: first, walls: dark.clone(), has_first: true };
         let mut light = Moments::zero(self.scatterers.walls.faces.count_with_nodes());
         let mut of_sky = None;
         self.scatterers.matter.emit(&mut leaving.matter);
         self.scatterers.add_first(on_walls, &mut leaving.walls);
-        let nothing = Leaving { matter: leaving.matter.emptied(), walls: dark, has_beams: false };
+        let nothing = Leaving { matter: leaving.matter.emptied(), walls: dark, has_first: false };
         let mut from_outside = Vec::new();
         let to_eye = self.to_eye.take();
         if let Some(halo) = halo {
@@ -137,10 +142,11 @@ impl Rounds<'_> {
                 from_outside.push(swept);
             }
         }
-        let (sent, is_endless) = self.go_on(bounces, leaving, &mut light);
         let wanted = self.last(to_eye.as_ref());
+        let first = self.sweep_finely(&leaving, &Wanted { moments: true, ..wanted });
+        let (sent, is_endless) = self.go_on(bounces, (leaving, first.as_ref()), &mut light);
         let mut last = self.sweep(&sent, Inflow::Nothing, &wanted);
-        from_outside.iter().for_each(|swept| last.add_last(swept));
+        from_outside.iter().chain(&first).for_each(|swept| last.add_last(swept));
         Light { all: light, of_sky, last, is_endless }
     }
 
@@ -150,22 +156,32 @@ impl Rounds<'_> {
         Wanted { moments: false, last: true, third, to_eye, radiances }
     }
 
-    /// Adds order after order; all that was sent out on the way, and whether there is no end to it.
-    fn go_on(&mut self, bounces: Bounces, mut leaving: Leaving, light: &mut Moments) -> (Leaving, bool) {
+    /// Adds order after order; all that was sent out on the way and not swept finely, and whether there is no
+    /// end to it.
+    fn go_on(
+        &mut self,
+        bounces: Bounces,
+        (mut leaving, mut first): (Leaving, Option<&Swept>),
+        light: &mut Moments,
+    ) -> (Leaving, bool) {
         let rounds = match bounces {
             Bounces::UpTo(count) => count,
             Bounces::All => MOST_ROUNDS,
         };
         let mut series = Series::default();
         let dark = vec![Rgb::ZERO; leaving.walls.len()];
-        let mut sent = Leaving { matter: leaving.matter.emptied(), walls: dark, has_beams: false };
+        let mut sent = Leaving { matter: leaving.matter.emptied(), walls: dark, has_first: false };
         for round in 1..=rounds {
             if (self.cancelled)() {
                 break;
             }
-            let next = self.sweep(&leaving, Inflow::Nothing, &Wanted::ORDERS).moments;
+            let next = if let Some(first) = first.take() {
+                first.moments.clone()
+            } else {
+                sent.add(&leaving, [1.0; 3]);
+                self.sweep(&leaving, Inflow::Nothing, &Wanted::ORDERS).moments
+            };
             light.add(&next, [1.0; 3]);
-            sent.add(&leaving, [1.0; 3]);
             if bounces == Bounces::All {
                 let told = series.go_on(next.total(), light.total());
                 if round >= FEWEST_ROUNDS && told || round == rounds {
@@ -179,10 +195,33 @@ impl Rounds<'_> {
         (sent, series.is_endless)
     }
 
+    /// Light of the first order where walls stand in each other's light: along ordinates of all orders a wall
+    /// that is seen at an angle gets, or gives, up to a tenth too much or too little.
+    fn sweep_finely(&self, leaving: &Leaving, wanted: &Wanted) -> Option<Swept> {
+        let fine = self.fine?;
+        let sources = Sources {
+            of_matter: &leaving.matter,
+            beams: &self.beams,
+            of_walls: &leaving.of_walls(),
+            highlights: Some(&self.highlights),
+            inflow: Inflow::Nothing,
+        };
+        Some(self.sweep_along(fine, &sources, wanted))
+    }
+
+    /// Along other ordinates than those of all orders.
+    fn sweep_along(&self, fine: &Ordinates, sources: &Sources, wanted: &Wanted) -> Swept {
+        let Scatterers { matter, walls } = self.scatterers;
+        let mut swept = Sweeper::new(self.grid, matter, walls, fine).sweep(sources, wanted, self.cancelled);
+        swept.radiances = swept.radiances.map(|radiances| radiances.along(fine, self.ordinates));
+        swept
+    }
+
     fn sweep(&mut self, leaving: &Leaving, inflow: Inflow, wanted: &Wanted) -> Swept {
         let of_walls = leaving.of_walls();
-        let beams = if leaving.has_beams { self.beams.as_slice() } else { &[] };
-        let sources = Sources { of_matter: &leaving.matter, beams, of_walls: &of_walls, inflow };
+        let beams = if leaving.has_first { self.beams.as_slice() } else { &[] };
+        let highlights = leaving.has_first.then_some(&self.highlights);
+        let sources = Sources { of_matter: &leaving.matter, beams, of_walls: &of_walls, highlights, inflow };
         self.sweeper.sweep(&sources, wanted, self.cancelled)
     }
 
@@ -200,11 +239,9 @@ impl Rounds<'_> {
         let fine = Ordinates::fine();
         let inflow = inflow(sky, &fine);
         let (of_walls, inflow) = (nothing.of_walls(), Inflow::Even(&inflow));
-        let sources = Sources { of_matter: &nothing.matter, beams: &[], of_walls: &of_walls, inflow };
-        let Scatterers { matter, walls } = self.scatterers;
-        let mut swept = Sweeper::new(self.grid, matter, walls, &fine).sweep(&sources, wanted, self.cancelled);
-        swept.radiances = swept.radiances.map(|radiances| radiances.along(&fine, self.ordinates));
-        swept
+        let sources =
+            Sources { of_matter: &nothing.matter, beams: &[], of_walls: &of_walls, highlights: None, inflow };
+        self.sweep_along(&fine, &sources, wanted)
     }
 }
 
@@ -235,7 +272,7 @@ impl Scatterers<'_> {
             by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, face)))
         });
         let walls = self.walls.scattered(&irradiances);
-        Leaving { matter: self.matter.scatter(light, is_seen_by_fog), walls, has_beams: false }
+        Leaving { matter: self.matter.scatter(light, is_seen_by_fog), walls, has_first: false }
     }
 
     /// What walls make of lamps and suns, and what they emit.

@@ -352,7 +352,7 @@ pub(super) fn scatters_of(point: &SurfacePoint) -> Scatters {
 }
 
 /// All that comes back, whatever way: what shines counts as matte.
-fn reflectance(point: &SurfacePoint) -> Rgb {
+pub(super) fn reflectance(point: &SurfacePoint) -> Rgb {
     /// About where most light falls and most is seen.
     const COS: f64 = 0.6;
     let coat = point.gloss.as_ref().map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));

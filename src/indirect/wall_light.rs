@@ -1,13 +1,17 @@
-//! Light of lamps and suns on walls. In go patches of walls, out comes the irradiance on each. Invariant:
+//! Light of lamps and suns on walls. In go patches of walls, out come the irradiance on each and
+//! what shines of it. Invariant:
 //! where its shadow rays start depends on the wall and the grid alone.
 
 use super::grid::Grid;
+use super::highlights::{self, Arriving, Highlights};
+use super::ordinates::Ordinates;
 use super::swept_fog::SweptFog;
 use super::walls::{Patch, Walls};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::{Ray, kronecker};
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Shadow rays to a patch of wall, along each side.
@@ -18,19 +22,30 @@ pub(super) struct WallLight<'a> {
     pub(super) grid: &'a Grid,
     pub(super) fog: &'a SweptFog<'a>,
     pub(super) walls: &'a Walls,
+    pub(super) ordinates: &'a Ordinates,
+}
+
+/// What falls on walls, and what of it goes its own way.
+pub(super) struct LitWalls {
+    /// Of each patch, W/m^2.
+    pub(super) irradiances: Vec<Rgb>,
+    pub(super) highlights: Highlights,
 }
 
 impl WallLight<'_> {
-    /// The irradiance of all lights on each patch of wall, W/m^2.
-    pub(super) fn irradiances(&self) -> Vec<Rgb> {
-        self.walls
-            .patches
-            .par_iter()
-            .map(|patch| self.snapshot.lights.iter().map(|light| self.irradiance(light, patch)).sum())
-            .collect()
+    /// Of all lights.
+    pub(super) fn found(&self) -> LitWalls {
+        let lit = |patch: &Patch| {
+            let lights = self.snapshot.lights.iter().filter_map(|light| self.arriving(light, patch));
+            let lights: Vec<Arriving> = lights.collect();
+            let highlights = highlights::of_patch(self.snapshot, patch, &lights, self.ordinates);
+            (lights.iter().map(|light| light.irradiance).sum::<Rgb>(), highlights)
+        };
+        let (irradiances, along): (Vec<Rgb>, Vec<_>) = self.walls.patches.par_iter().map(lit).unzip();
+        LitWalls { irradiances, highlights: Highlights::new(&along) }
     }
 
-    fn irradiance(&self, light: &Luminaire, patch: &Patch) -> Rgb {
+    fn arriving(&self, light: &Luminaire, patch: &Patch) -> Option<Arriving> {
         let (right, up) = patch.normal.any_orthonormal_pair();
         // About the middle of the patch's cell, on its plane: where it is depends on no leaf.
         let middle =
@@ -38,7 +53,7 @@ impl WallLight<'_> {
         let middle = middle - (middle - patch.position).dot(patch.normal) * patch.normal;
         let step = self.grid.cell_m / SHADOW_RAYS as f64;
         let off_wall = 0.02 * self.grid.cell_m * patch.normal - self.snapshot.view.eye;
-        let (mut sum, mut count) = (Rgb::ZERO, 0.0);
+        let (mut sum, mut way_to_light, mut count) = (Rgb::ZERO, DVec3::ZERO, 0.0);
         for number in 0..SHADOW_RAYS * SHADOW_RAYS {
             let offset = |index: usize| (index as f64 + 0.5 - 0.5 * SHADOW_RAYS as f64) * step;
             let place = middle + offset(number % SHADOW_RAYS) * right + offset(number / SHADOW_RAYS) * up;
@@ -54,10 +69,13 @@ impl WallLight<'_> {
             let cos = to_light.dot(patch.normal);
             if cos > 0.0 && arriving != Rgb::ZERO {
                 let ray = Ray { origin, direction: to_light };
-                sum += cos * arriving * self.reaching(&point, &ray, distance, patch.primitive);
+                let irradiance = cos * arriving * self.reaching(&point, &ray, distance, patch.primitive);
+                sum += irradiance;
+                way_to_light += irradiance.element_sum() * to_light;
             }
         }
-        sum / f64::max(count, 1.0)
+        let to_light = way_to_light.try_normalize()?;
+        Some(Arriving { to_light, irradiance: sum / f64::max(count, 1.0) })
     }
 
     /// What is left of a light's that comes along a ray from a distance.

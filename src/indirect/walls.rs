@@ -9,7 +9,7 @@ use super::surroundings::{MeanScatters, Scatters, WallTriangle, scatters};
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::snapshot::Snapshot;
-use glam::DVec3;
+use glam::{DVec3, IVec3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
@@ -23,6 +23,11 @@ pub(super) fn link_of(step: [i32; 3]) -> usize {
     (step[0] + 1 + 3 * (step[1] + 1) + 9 * (step[2] + 1)) as usize
 }
 
+/// The other way round.
+pub(super) fn step_of(link: usize) -> IVec3 {
+    IVec3::new(link as i32 % 3 - 1, link as i32 / 3 % 3 - 1, link as i32 / 9 - 1)
+}
+
 /// A node some of whose neighbours are behind walls.
 pub(super) struct WalledNode {
     pub(super) node: usize,
@@ -31,10 +36,10 @@ pub(super) struct WalledNode {
 }
 
 #[derive(Clone, Copy)]
-struct Seen {
+pub(super) struct Seen {
     /// As a share of the link.
-    at: f32,
-    patch: u32,
+    pub(super) at: f32,
+    pub(super) patch: u32,
 }
 
 impl WalledNode {
@@ -42,6 +47,11 @@ impl WalledNode {
     pub(super) fn wall_at(&self, link: usize) -> Option<usize> {
         let patch = self.seen[link].patch;
         (patch != NO_PATCH).then_some(patch as usize)
+    }
+
+    /// By link.
+    pub(super) fn seen_along(&mut self) -> impl Iterator<Item = (usize, &mut Seen)> {
+        self.seen.iter_mut().enumerate().filter(|(_, seen)| seen.patch != NO_PATCH)
     }
 }
 
@@ -86,6 +96,11 @@ impl Walls {
         let seen_by = |walled: &WalledNode| (walled.node, walled.seen.iter().filter_map(normal_of).collect());
         let faces = Faces::new(grid.count(), nodes.iter().map(seen_by));
         Self { nodes, patches, faces, occluders: Occluders::new(grid, about_cell) }
+    }
+
+    /// Nodes that see walls, and what they see.
+    pub(super) fn parts_mut(&mut self) -> (&mut [WalledNode], &mut Vec<Patch>) {
+        (&mut self.nodes, &mut self.patches)
     }
 
     /// Those some of whose neighbours are behind walls.
@@ -256,6 +271,19 @@ impl Walls {
             }
         }
         self
+    }
+
+    /// Whether some stand at an angle to others, and so in each other's light.
+    pub(super) fn are_at_angles(&self) -> bool {
+        /// Of all patches.
+        const FEW: f64 = 0.05;
+        let mut along = [0; 3];
+        for patch in &self.patches {
+            let normal = patch.normal.abs();
+            along[(0..3).max_by(|a, b| normal[*a].total_cmp(&normal[*b])).expect("three")] += 1;
+        }
+        let most = along.into_iter().max().unwrap_or(0);
+        (self.patches.len() - most) as f64 > FEW * self.patches.len() as f64
     }
 
     /// What each patch scatters of the irradiance on all of them, as radiance: of its own, and what comes

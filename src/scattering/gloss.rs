@@ -98,6 +98,12 @@ impl Gloss {
         self.alpha
     }
 
+    /// The same with a lobe at least as wide as that of an alpha, for its shape alone: it reflects no longer
+    /// as much as [`Gloss::albedo`] says.
+    pub fn widened(self, least_alpha: f64) -> Self {
+        Self { alpha: self.alpha.max(least_alpha), ..self }
+    }
+
     /// The same as Cycles has it in its Principled BSDF.
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;

@@ -1,0 +1,61 @@
+//! Patches of walls that other walls cut in two, such as the floor on both sides of a wall that stands on it.
+//! In go patches and who sees them, out come patches each of which lies on one side. Invariant: no other wall
+//! stands between where a patch is lit and where it is seen.
+
+use super::grid::Grid;
+use super::walls::{Patch, Walls, step_of};
+use crate::math::Ray;
+use crate::snapshot::Snapshot;
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// So far off a wall, in cells, rays along it start.
+const OFF_WALL: f64 = 0.02;
+
+/// Adds to patches in cells that more than one mesh goes through a second one each, for those who see it
+/// where its place is hidden.
+pub(super) fn cut_patches((grid, snapshot): (&Grid, &Snapshot), walls: &mut Walls) {
+    let (nodes, patches) = walls.parts_mut();
+    let is_crowded = in_crowded_cells(grid, patches);
+    let mut others: HashMap<u32, u32> = HashMap::new();
+    for walled in nodes {
+        let from = grid.position(walled.node);
+        for (link, seen) in walled.seen_along() {
+            if !is_crowded[seen.patch as usize] {
+                continue;
+            }
+            let point = from + f64::from(seen.at) * grid.cell_m * step_of(link).as_dvec3();
+            let patch = &patches[seen.patch as usize];
+            if is_open((grid, snapshot), patch, point) {
+                continue;
+            }
+            let other = Patch { position: point, seen_by: Vec::new(), ..*patch };
+            seen.patch = *others.entry(seen.patch).or_insert_with(|| {
+                patches.push(other);
+                patches.len() as u32 - 1
+            });
+        }
+    }
+}
+
+/// Of each patch, whether a patch of another mesh is in its cell.
+fn in_crowded_cells(grid: &Grid, patches: &[Patch]) -> Vec<bool> {
+    let cell = |patch: &Patch| grid.nearest(patch.position + 0.25 * grid.cell_m * patch.normal);
+    let mut only_mesh: HashMap<usize, Option<u32>> = HashMap::new();
+    for patch in patches {
+        let mesh = Some(patch.primitive.instance);
+        let known = only_mesh.entry(cell(patch)).or_insert(mesh);
+        if *known != mesh {
+            *known = None;
+        }
+    }
+    patches.iter().map(|patch| only_mesh[&cell(patch)].is_none()).collect()
+}
+
+/// Whether no wall stands between a patch's place and another one of it.
+fn is_open((grid, snapshot): (&Grid, &Snapshot), patch: &Patch, point: DVec3) -> bool {
+    let off_wall = OFF_WALL * grid.cell_m * patch.normal - snapshot.view.eye;
+    let way = point - patch.position;
+    let ray = Ray { origin: patch.position + off_wall, direction: way.normalize_or_zero() };
+    !snapshot.tree.any_hit(&ray, way.length(), Some(patch.primitive))
+}

@@ -1,0 +1,158 @@
+//! Lamps' and suns' light that shining walls send on: more of it about the mirrored direction. In go a patch
+//! and the light that falls on it, out comes radiance along ordinates beyond that of a matte wall. Invariant:
+//! along all ordinates together a patch sends out what its coat and what lies beneath make of that light.
+
+use super::ordinates::Ordinates;
+use super::surroundings::reflectance;
+use super::walls::Patch;
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::scattering::Gloss;
+use crate::snapshot::Snapshot;
+use glam::DVec3;
+use std::f64::consts::FRAC_1_PI;
+
+/// Light of one lamp or sun that reaches a patch.
+#[derive(Clone, Copy)]
+pub(super) struct Arriving {
+    /// Unit length.
+    pub(super) to_light: DVec3,
+    /// W/m^2.
+    pub(super) irradiance: Rgb,
+}
+
+/// Of all patches that shine.
+#[derive(Default)]
+pub(super) struct Highlights {
+    patches: Vec<u32>,
+    /// By channel, then by ordinate, then by patch, W m^-2 sr^-1.
+    radiances: [Vec<f32>; 3],
+}
+
+impl Highlights {
+    /// Of each patch along each ordinate; nothing of those that do not shine.
+    pub(super) fn new(of_patches: &[Vec<Rgb>]) -> Self {
+        let shining = || of_patches.iter().zip(0..).filter(|(along, _)| !along.is_empty());
+        let ordinates = of_patches.iter().map(Vec::len).max().unwrap_or(0);
+        let of_channel = |channel: usize| {
+            let along = |ordinate: usize| shining().map(move |(along, _)| along[ordinate][channel] as f32);
+            (0..ordinates).flat_map(along).collect()
+        };
+        Self { patches: shining().map(|(_, number)| number).collect(), radiances: [0, 1, 2].map(of_channel) }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.patches.is_empty()
+    }
+
+    /// Adds those along one ordinate to what leaves walls of one channel.
+    pub(super) fn add_to(&self, of_walls: &mut [f32], channel: usize, ordinate: usize) {
+        let start = ordinate * self.patches.len();
+        for (&patch, radiance) in self.patches.iter().zip(&self.radiances[channel][start..]) {
+            of_walls[patch as usize] += radiance;
+        }
+    }
+}
+
+/// Of one patch along each ordinate; nothing if it does not shine.
+pub(super) fn of_patch(
+    snapshot: &Snapshot,
+    patch: &Patch,
+    lights: &[Arriving],
+    ordinates: &Ordinates,
+) -> Vec<Rgb> {
+    let towards = Ray { origin: patch.position + patch.normal - snapshot.view.eye, direction: -patch.normal };
+    let point = snapshot.facet(patch.primitive).seen_along(&towards, 1.0);
+    let Some(gloss) = point.gloss.filter(|_| !lights.is_empty()) else { return Vec::new() };
+    // A texture's mean over the patch, by what it is at this place.
+    let (here, mean) = (reflectance(&point), patch.scatters.reflectance);
+    let tint = Rgb::select(here.cmpgt(Rgb::ZERO), mean / here, Rgb::ZERO);
+    let mut along = vec![Rgb::ZERO; ordinates.as_slice().len()];
+    for light in lights {
+        let radiances = reflected((&gloss, point.albedo), patch.normal, light.to_light, ordinates);
+        for ((sum, radiance), ordinate) in along.iter_mut().zip(radiances).zip(ordinates.iter()) {
+            if ordinate.direction.dot(patch.normal) > 0.0 {
+                *sum += light.irradiance * (tint * radiance - FRAC_1_PI * mean);
+            }
+        }
+    }
+    along
+}
+
+/// Radiance along each ordinate that leaves a coat and what is matte beneath, for an irradiance of one.
+fn reflected(
+    (gloss, albedo): (&Gloss, Rgb),
+    normal: DVec3,
+    to_light: DVec3,
+    ordinates: &Ordinates,
+) -> Vec<Rgb> {
+    /// Of narrower highlights ordinates know no more than where they are.
+    const LEAST_ALPHA: f64 = 0.35;
+    let (wide, cos_light) = (gloss.widened(LEAST_ALPHA), normal.dot(to_light));
+    let coat = |direction: DVec3| wide.brdf(normal, direction, to_light);
+    let cos = |direction: DVec3| direction.dot(normal).max(0.0);
+    let all: Rgb = ordinates.iter().map(|o| o.weight * cos(o.direction) * coat(o.direction)).sum();
+    let per_all = Rgb::select(all.cmpgt(Rgb::ZERO), gloss.albedo(cos_light) / all, Rgb::ZERO);
+    let along = |direction: DVec3| match cos(direction) {
+        0.0 => Rgb::ZERO,
+        cos => per_all * coat(direction) + FRAC_1_PI * albedo * gloss.beneath(cos, cos_light),
+    };
+    ordinates.iter().map(|ordinate| along(ordinate.direction)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// How much leaves a surface, and which way on the mean.
+    fn flux(radiances: impl Iterator<Item = (DVec3, f64, f64)>, normal: DVec3) -> DVec3 {
+        radiances
+            .map(|(direction, weight, radiance)| {
+                weight * direction.dot(normal).max(0.0) * radiance * direction
+            })
+            .sum()
+    }
+
+    /// By the BRDF on fine steps.
+    fn exact(gloss: &Gloss, normal: DVec3, to_light: DVec3) -> DVec3 {
+        const RINGS: usize = 400;
+        let (across, up) = normal.any_orthonormal_pair();
+        let step = |number: usize| {
+            let height = ((number / RINGS) as f64 + 0.5) / RINGS as f64;
+            let (sin, cos) = (TAU * (number % RINGS) as f64 / RINGS as f64).sin_cos();
+            let direction = (1.0 - height * height).sqrt() * (cos * across + sin * up) + height * normal;
+            let radiance = gloss.brdf(normal, direction, to_light).x;
+            (direction, TAU / (RINGS * RINGS) as f64, radiance)
+        };
+        flux((0..RINGS * RINGS).map(step), normal)
+    }
+
+    #[test]
+    fn highlights_go_where_the_coat_sends_them() {
+        let normal = DVec3::new(0.1, 0.9, -0.2).normalize();
+        for ordinates in [Ordinates::new(), Ordinates::fine()] {
+            // A narrow lobe is widened, and so leans towards the normal.
+            for (roughness, to_light, degrees) in [
+                (0.2, DVec3::new(1.0, 1.0, 0.3), 15.0),
+                (0.6, DVec3::new(0.6, 1.0, -0.7), 6.0),
+                (1.0, DVec3::Y, 6.0),
+            ] {
+                let to_light = to_light.normalize();
+                let gloss = Gloss::new(Rgb::splat(0.9), Rgb::ONE, roughness);
+                let radiances = reflected((&gloss, Rgb::ZERO), normal, to_light, &ordinates);
+                let leaving = || ordinates.iter().zip(&radiances);
+                let weighed = leaving().map(|(o, radiance)| (o.direction, o.weight, radiance.x));
+                let (found, exact) = (flux(weighed, normal), exact(&gloss, normal, to_light));
+                let off = found.normalize().dot(exact.normalize()).acos().to_degrees();
+                assert!(off < degrees, "{roughness}: {off} degrees");
+                let all: f64 =
+                    leaving().map(|(o, r)| o.weight * o.direction.dot(normal).max(0.0) * r.x).sum();
+                assert!(
+                    (all / gloss.albedo(normal.dot(to_light)).x - 1.0).abs() < 1e-12,
+                    "{roughness}: {all}"
+                );
+            }
+        }
+    }
+}
