@@ -1,6 +1,7 @@
-//! Patches of walls that other walls cut in two, such as the floor on both sides of a wall that stands on it.
-//! In go patches and who sees them, out come patches each of which lies on one side. Invariant: no other wall
-//! stands between where a patch is lit and where it is seen.
+//! Patches of walls that walls cut in two: the floor on both sides of a wall that stands on it, or the top of
+//! a slab, as seen from above, and its bottom, as seen from within. In go patches and who sees them, out come
+//! patches each of which lies on one side. Invariant: no other wall stands between where a patch is lit and
+//! where it is seen.
 
 use super::grid::Grid;
 use super::walls::{Patch, Walls, step_of};
@@ -11,9 +12,11 @@ use std::collections::HashMap;
 
 /// So far off a wall, in cells, rays along it start.
 const OFF_WALL: f64 = 0.02;
+/// Places that lie so far from a patch's plane, in cells, may be of another side of a thin body.
+const OFF_PLANE: f64 = 0.05;
 
-/// Adds to patches in cells that more than one mesh goes through a second one each, for those who see it
-/// where its place is hidden.
+/// Adds to patches a second one each, for those who see it where its place is hidden. That may be in cells
+/// that more than one mesh goes through, and off a patch's plane.
 pub(super) fn cut_patches((grid, snapshot): (&Grid, &Snapshot), walls: &mut Walls) {
     let (nodes, patches) = walls.parts_mut();
     let is_crowded = in_crowded_cells(grid, patches);
@@ -21,12 +24,11 @@ pub(super) fn cut_patches((grid, snapshot): (&Grid, &Snapshot), walls: &mut Wall
     for walled in nodes {
         let from = grid.position(walled.node);
         for (link, seen) in walled.seen_along() {
-            if !is_crowded[seen.patch as usize] {
-                continue;
-            }
             let point = from + f64::from(seen.at) * grid.cell_m * step_of(link).as_dvec3();
             let patch = &patches[seen.patch as usize];
-            if is_open((grid, snapshot), patch, point) {
+            let off_plane = (point - patch.position).dot(patch.normal).abs();
+            let may_be_cut = is_crowded[seen.patch as usize] || off_plane > OFF_PLANE * grid.cell_m;
+            if !may_be_cut || is_open((grid, snapshot), patch, point) {
                 continue;
             }
             let other = Patch { position: point, seen_by: Vec::new(), ..*patch };

@@ -223,6 +223,22 @@ fn shine() -> Scene {
     scene
 }
 
+/// A wall that stands on a sunlit floor fills the picture; `sunbeam` goes past it, or meets it too.
+fn wall_on(floor: Material, sunbeam: DVec3) -> Scene {
+    let mut scene = camera_at(DVec3::new(0.3, 1.9, -1.2));
+    add_box(&mut scene, DVec3::new(-4.0, -0.1, -4.0), DVec3::new(4.0, 0.0, 4.0), floor);
+    add_box(&mut scene, DVec3::new(-3.0, 0.0, -3.1), DVec3::new(3.0, 4.0, -3.0), matte(0.8, 0.0));
+    // Something small, so that the wall is not in the innermost grid.
+    add_box(&mut scene, DVec3::new(0.1, 0.8, 1.0), DVec3::new(0.5, 0.85, 1.4), matte(0.5, 0.0));
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, sunbeam, Rgb::splat(5.0));
+    scene
+}
+
+fn metal() -> Material {
+    let coat = Coat { metallic: 1.0, ..coat(0.6) };
+    Material { base_color: Rgb::splat(0.9), coat: Some(coat), ..Material::default() }
+}
+
 /// Two ways to one answer.
 #[test]
 fn the_grid_has_the_same_light() {
@@ -244,6 +260,8 @@ fn the_grid_has_the_same_light() {
         ("room", room, 8, 0.03),
         // Walks find what glows by chance alone.
         ("shine", shine(), 128, 0.06),
+        ("wall on a floor", wall_on(matte(0.6, 0.0), DVec3::new(-0.3, -1.0, 0.2)), 32, 0.03),
+        ("wall on metal", wall_on(metal(), DVec3::new(-0.3, -1.0, -0.3)), 32, 0.03),
         ("even haze", haze(0.0), 8, 0.01),
         ("haze", haze(0.5), 8, 0.01),
         ("haze ahead", haze(0.8), 8, 0.02),
