@@ -216,6 +216,17 @@ class Faces(MotionCase):
             # 8 units a second are 1 a frame.
             np.testing.assert_allclose(points[:, 2], frame % 1, atol=1e-5, err_msg=str(frame))
 
+    def test_that_move_by_velocities_from_the_only_sample(self):
+        stage = self.stage()
+        stage.SetTimeCodesPerSecond(8)
+        mesh = quad(stage, "/a")
+        mesh.GetPointsAttr().Set(QUAD, 1)
+        mesh.CreateVelocitiesAttr().Set([(0, 0, 8)] * 4, 1)
+        gltf = self.load(stage)
+        for frame in (1, 1.5, 3, 5):
+            points = self.bent(gltf, self.shown(gltf, frame)[0], frame)
+            np.testing.assert_allclose(points[:, 2], frame - 1, atol=1e-5, err_msg=str(frame))
+
     def test_a_time_that_cannot_be_read_is_left_out(self):
         stage = self.stage()
         mesh = quad(stage, "/a")
@@ -302,6 +313,16 @@ class Instances(MotionCase):
             instancer.CreateVelocitiesAttr().Set([(10, 0, 0)], code)
         gltf = self.load(stage)
         self.assertEqual([self.x_of(gltf, frame) for frame in (1, 2, 4, 5)], [[0], [1], [3], [100]])
+
+    def test_velocities_carry_on_from_the_only_sample(self):
+        stage = self.stage()
+        stage.SetTimeCodesPerSecond(10)
+        instancer = self.crowd(stage)
+        instancer.CreateProtoIndicesAttr([0])
+        instancer.CreatePositionsAttr().Set([(0, 0, 0)], 1)
+        instancer.CreateVelocitiesAttr().Set([(10, 0, 0)], 1)
+        gltf = self.load(stage)
+        self.assertEqual([self.x_of(gltf, frame) for frame in (1, 2, 4, 5)], [[0], [1], [3], [4]])
 
     def test_a_prototype_that_is_missing_leaves_the_others(self):
         stage = self.stage()

@@ -16,7 +16,7 @@ from pxr import Usd, UsdGeom
 from ...errors import SceneError
 from .losses import Losses, TooMuch
 from .nodes import Nodes
-from .places import codes_of, parts, steady
+from .places import codes_of, is_carried, parts, steady, while_carried
 from .properties import SPACE
 from .source import Source
 
@@ -53,6 +53,8 @@ class _Reader:
         self.codes = codes_of(
             [prim.GetAttribute(name) for name in names if prim.GetAttribute(name)], source.codes
         )
+        if is_carried(prim):
+            self.codes = while_carried(self.codes, source.codes)
         ids = self.instancer.GetIdsAttr()
         self.mixes = (
             not self.instancer.GetVelocitiesAttr().HasAuthoredValue() and ids.ValueMightBeTimeVarying()

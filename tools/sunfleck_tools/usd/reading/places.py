@@ -42,6 +42,17 @@ def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
     return np.unique(np.round(np.concatenate(found), 6))
 
 
+def is_carried(prim: Usd.Prim) -> bool:
+    """True if velocities carry points or instances on from a sample, and be it the only one."""
+    attributes = [prim.GetAttribute(name) for name in ("velocities", "angularVelocities")]
+    return any(attribute and attribute.GetNumTimeSamples() > 0 for attribute in attributes)
+
+
+def while_carried(moves: np.ndarray, codes: np.ndarray) -> np.ndarray:
+    """Codes of what moves, joined by all whole frames and as far as a shutter reaches beyond them."""
+    return np.unique(np.round(np.concatenate([moves, codes, reach(codes)]), 6))
+
+
 def is_placed(prim: Usd.Prim, source: Source) -> bool:
     """True if a prim has a word on where it stands."""
     return UsdGeom.Tokens.xformOpOrder in source.authored(prim)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .places import codes_of, reach
+from .places import codes_of, is_carried, reach, while_carried
 from .solids import sizes_of
 from .source import Source
 
@@ -46,6 +46,9 @@ def read_spans(prim: Usd.Prim, source: Source) -> list[Span]:
         return [Span(codes_of(sizes_of(prim), source.codes), source.first)]
     attributes = [prim.GetAttribute(name) for name in ("points", "faceVertexCounts", "faceVertexIndices")]
     if not any(attribute.ValueMightBeTimeVarying() for attribute in attributes):
+        if is_carried(prim):
+            codes = while_carried(source.codes[:1], source.codes)
+            return [Span(codes, source.first, points_at=_carried(UsdGeom.Mesh(prim)))]
         return [Span(source.codes[:1], source.first)]
     codes = codes_of(attributes[:1], source.codes)
     starts = _changes(attributes, source)
@@ -80,10 +83,14 @@ def _span(mesh: UsdGeom.Mesh, codes: np.ndarray, start: float, end: float, sourc
         return Span(np.union1d(inside, [rests_at]), rests_at, start, end)
     frame = codes[1] - codes[0] if len(codes) > 1 else 1.0
     last = min(end, codes[-1] + frame) - BEFORE_THE_NEXT * frame
+    return Span(np.union1d(inside, [rests_at, last]), rests_at, start, end, _carried(mesh))
+
+
+def _carried(mesh: UsdGeom.Mesh) -> Callable[[float], np.ndarray]:
+    """Points at a code, carried on by their velocities."""
 
     def points_at(code: float) -> np.ndarray:
-        return np.array(mesh.ComputePointsAtTime(Usd.TimeCode(code), Usd.TimeCode(code)), float).reshape(
-            -1, 3
-        )
+        time = Usd.TimeCode(code)
+        return np.array(mesh.ComputePointsAtTime(time, time), float).reshape(-1, 3)
 
-    return Span(np.union1d(inside, [rests_at, last]), rests_at, start, end, points_at)
+    return points_at
