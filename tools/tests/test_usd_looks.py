@@ -100,6 +100,18 @@ class Connections(LookCase):
         found = self.case("S_binding_full").document.raw["materials"][0]
         self.assertEqual(found["pbrMetallicRoughness"]["baseColorFactor"], [1.0, 0.0, 0.0, 1.0])
 
+    def test_a_binding_to_nothing_is_said(self):
+        stage = self.stage()
+        for path in ("/group", "/group/by_parent", "/by_itself"):
+            stage.DefinePrim(path, "Xform") if path == "/group" else quad(stage, path)
+        for path in ("/group", "/by_itself"):
+            rel = UsdShade.MaterialBindingAPI.Apply(stage.GetPrimAtPath(path)).GetDirectBindingRel()
+            (rel or stage.GetPrimAtPath(path).CreateRelationship("material:binding")).SetTargets(["/gone"])
+        self.load(stage)
+        (loss,) = self.imported.lost
+        self.assertEqual((loss.kind, loss.count), ("usd-missing", 2))
+        self.assertIn("is bound to /gone, which is no material", loss.sentence)
+
     def test_a_surface_that_is_known_goes_before_one_that_is_not(self):
         stage = self.stage()
         mesh = quad(stage, "/leaf")
@@ -401,6 +413,15 @@ class Values(SurfaceCase):
         np.testing.assert_allclose(pbr["baseColorFactor"], [0.18, 0.18, 0.18, 1.0])
         self.assertEqual(pbr["roughnessFactor"], 0.5)
         self.assertEqual({loss.kind: loss.count for loss in self.imported.lost}, {"usd-material-value": 3})
+
+    def test_what_is_out_of_range_is_put_into_it_and_said(self):
+        stage = self.stage()
+        colors = {"diffuseColor": (-1, 0.5, 5), "emissiveColor": (-1, 0, 2)}
+        found = self.shown(stage, self.surface(stage, **colors, roughness=3.0, metallic=-0.5))
+        pbr = found["pbrMetallicRoughness"]
+        np.testing.assert_allclose(pbr["baseColorFactor"], [0, 0.5, 1, 1])
+        self.assertEqual((pbr["roughnessFactor"], pbr["metallicFactor"]), (1, 0))
+        self.assertEqual([(loss.kind, loss.count) for loss in self.imported.lost], [("usd-material-value", 4)])
 
     def test_textures_are_placed_by_numbers_alone(self):
         stage = self.stage()

@@ -95,6 +95,18 @@ class Parts(LookCase):
                 import_usd(path, self.folder / "none.glb", ImportOptions(variants=(variant,)))
             self.assertIn(said, str(caught.exception))
 
+    def test_a_variant_that_the_set_lacks_is_said(self):
+        stage = self.stage()
+        prim = UsdGeom.Xform.Define(stage, "/tree").GetPrim()
+        seasons = prim.GetVariantSets().AddVariantSet("season")
+        seasons.AddVariant("spring")
+        seasons.SetVariantSelection("winter")
+        quad(stage, "/leaf")
+        self.load(stage)
+        (loss,) = self.imported.lost
+        self.assertEqual(loss.kind, "usd-missing")
+        self.assertIn("/tree: the variant set `season` has no `winter`; it has spring", loss.sentence)
+
     def test_masks_bring_what_is_needed(self):
         target = self.folder / "out.glb"
         import_usd(CASES / "S_binding_full.usda", target, ImportOptions(masks=("/World/Quad",)))

@@ -106,6 +106,17 @@ class Refusals(ImportCase):
                 self.assertEqual((self.imported.frames, self.imported.fps), (frames, 24))
                 self.assertEqual({loss.kind for loss in self.imported.lost}, {"usd-clock"})
 
+    def test_rates_and_units_that_are_none(self):
+        stage = self.stage()
+        stage.SetTimeCodesPerSecond(0)
+        stage.SetMetadata("metersPerUnit", -1.0)
+        quad(stage, "/a")
+        self.load(stage)
+        self.assertEqual(self.imported.fps, 24)
+        said = {loss.kind: loss.sentence for loss in self.imported.lost}
+        self.assertEqual(said["usd-clock"], "/: 0 time codes a second are no rate; 24 are taken")
+        self.assertEqual(said["usd-unit"], "/: -1 metres are no unit; 0.01 are taken")
+
     def test_textures_that_are_not_there(self):
         stage = self.stage()
         mesh = quad(stage, "/a")

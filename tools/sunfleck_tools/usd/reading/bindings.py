@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from pxr import Usd, UsdShade
 
+from .losses import Losses
 from .shaders import surface_of
 
 PURPOSES = (UsdShade.Tokens.full, UsdShade.Tokens.preview)
@@ -45,7 +46,21 @@ def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
     return found[0].GetPrim() if found else None
 
 
-def read_bound(prim: Usd.Prim) -> Bound:
-    """All bindings of a prim."""
+def _missing(prim: Usd.Prim) -> str | None:
+    """What a prim without a material is bound to all the same, itself or by what it is in."""
+    while prim and not prim.IsPseudoRoot():
+        api = UsdShade.MaterialBindingAPI(prim)
+        for purpose in (UsdShade.Tokens.allPurpose, *PURPOSES):
+            for target in api.GetDirectBindingRel(purpose).GetTargets():
+                return str(target)
+        prim = prim.GetParent()
+    return None
+
+
+def read_bound(prim: Usd.Prim, lost: Losses) -> Bound:
+    """All bindings of a prim; one that leads to no material is said."""
+    bound = bound_material(prim)
+    if bound is None and (target := _missing(prim)) is not None:
+        lost.add("usd-missing", prim.GetPath(), f"is bound to {target}, which is no material")
     subsets = [each.GetPrim() for each in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()]
-    return Bound(bound_material(prim), [(each, bound_material(each)) for each in subsets])
+    return Bound(bound, [(each, bound_material(each)) for each in subsets])

@@ -14,6 +14,8 @@ from ...errors import SceneError
 from .losses import Losses
 
 MOST_FRAMES = 100_000
+USUAL_RATE = 24.0
+"""Time codes a second of a layer that does not say (SdfLayer)."""
 NEAR_TELEVISION = 0.005
 """Frames a second: 23.98 and 23.976 both stand for 24000/1001."""
 
@@ -34,13 +36,12 @@ def read_clock(
     """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before
     the stage's own range.
 
-    A range that cannot be is said, and another taken. Raises `SceneError` if rates, or what was
-    asked for, cannot be.
+    Rates and a range that cannot be are said, and others taken. Raises `SceneError` if what was asked for
+    cannot be.
     """
-    per_second = stage.GetTimeCodesPerSecond()
-    rate = stage.GetFramesPerSecond() if stage.GetRootLayer().HasFramesPerSecond() else per_second
-    if not all(math.isfinite(each) and 1e-3 < each < 1e6 for each in (per_second, rate)):
-        raise SceneError(f"{path}: {rate} frames and {per_second} time codes a second are no rates")
+    per_second = _rate(stage.GetTimeCodesPerSecond(), "time codes", lost)
+    has_own = stage.GetRootLayer().HasFramesPerSecond()
+    rate = _rate(stage.GetFramesPerSecond(), "frames", lost) if has_own else per_second
     fps, codes_per_second = exact_rate(rate), exact_rate(per_second)
     codes_per_frame = float(codes_per_second / fps)
     start, end = (
@@ -52,6 +53,14 @@ def read_clock(
     # glTF has no times before 0.
     frames = np.arange(max(first, 0), max(last, 0) + 1)
     return fps, codes_per_second, frames * codes_per_frame
+
+
+def _rate(rate: float, what: str, lost: Losses) -> float:
+    """A rate, or USD's own default where it is none."""
+    if math.isfinite(rate) and 1e-3 < rate < 1e6:
+        return rate
+    lost.add("usd-clock", "/", f"{rate:g} {what} a second are no rate; {USUAL_RATE:g} are taken")
+    return USUAL_RATE
 
 
 def _frames(start: float, end: float, codes_per_frame: float) -> tuple[int, int]:

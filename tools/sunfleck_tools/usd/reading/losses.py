@@ -14,7 +14,7 @@ from ...errors import SceneError
 
 KINDS = {
     "usd-camera-or-light-type": "a light or a shape of a kind that is not carried",
-    "usd-clock": "a range of frames that cannot be",
+    "usd-clock": "a rate or a range of frames that cannot be",
     "usd-composition": "an arc or an opinion that USD itself passes over",
     "usd-dome-animated": "a DomeLight that changes over time",
     "usd-dome-picture": "the picture of a DomeLight that is tilted or not by longitude and latitude",
@@ -32,7 +32,7 @@ KINDS = {
     "usd-material-value": "an input of a material, or a colour of a mesh, that is none that can be",
     "usd-mesh-light": "a mesh that is a light: it is seen to shine, and lights other things by indirect "
                       "light alone",
-    "usd-missing": "a layer or a prim that the stage refers to and that is not there",
+    "usd-missing": "a layer, a prim or a variant that the stage refers to and that is not there",
     "usd-normal-map": "a normal map that does not say how it is to be read",
     "usd-prim": "a prim that cannot be read, and is left out",
     "usd-primvar": "values that do not fit their mesh",
@@ -46,6 +46,7 @@ KINDS = {
     "usd-texture-range": "numbers of a texture that are clipped, or more than 256 steps can tell apart",
     "usd-texture-size": "a texture that is made smaller",
     "usd-texture-wrap": "a texture with black around it",
+    "usd-unit": "a unit of length that is none",
 }
 """Ids and what they stand for; docs/usd.md lists them for users."""
 

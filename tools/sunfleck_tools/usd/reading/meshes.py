@@ -45,7 +45,7 @@ class Meshes:
     def pieces(self, prims: list[Usd.Prim]) -> list[Piece]:
         """The meshes of prims that stand in one place; written once, be there ever so many
         instances of the prims."""
-        bound = [read_bound(prim) for prim in prims]
+        bound = [read_bound(prim, self.lost) for prim in prims]
         key = tuple((path_of(prim), each.key(), _color_key(prim)) for prim, each in zip(prims, bound))
         if key not in self._read:
             self._read[key] = self._pieces(prims, bound)

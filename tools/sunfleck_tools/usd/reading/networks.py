@@ -6,6 +6,7 @@ Invariant: whatever cannot feed it is said, and the input has its default.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from pxr import Usd, UsdShade
@@ -17,6 +18,11 @@ from .textures import Texture, Textures, file_input
 
 COLORS_OF_MESH = {"diffuseColor": "displayColor", "opacity": "displayOpacity"}
 """Inputs that vertex colours can feed, and by which primvar."""
+
+SHARES = frozenset(
+    {"diffuseColor", "specularColor", "opacity", "metallic", "roughness", "clearcoat", "clearcoatRoughness"}
+)
+"""Inputs from 0 to 1; emission is from 0 on."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,10 @@ class Network:
             node = UsdShade.Shader(attributes[0].GetPrim())
             return self._node(node, attributes[0].GetName().rpartition(":")[2], default, ours)
         numbers = self._numbers(attributes[0], default)
+        most = 1.0 if ours in SHARES else math.inf
+        if (ours in SHARES or ours == "emissiveColor") and not all(0 <= each <= most for each in numbers):
+            said = ", ".join(f"{each:g}" for each in numbers)
+            self.lost.add("usd-material-value", attributes[0].GetPath(), f"{said} lies outside its range, and the nearest within is taken")
         return Fed(numbers, changing=attributes[0] if attributes[0].ValueMightBeTimeVarying() else None)
 
     def _numbers(self, attribute: Usd.Attribute, default: tuple[float, ...]) -> tuple[float, ...]:

@@ -100,9 +100,7 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
     if options.masks:
         stage = _masked(path, stage, options.masks)
     _say_what_is_missing(path, stage, lost)
-    metres = _metres(stage)
-    if not (math.isfinite(metres) and metres > 0):
-        raise SceneError(f"{path}: a unit of {metres} metres is no unit")
+    _put_unit_right(stage, lost)
     fps, codes_per_second, codes = read_clock(path, stage, options.frames, lost)
     said = stage.GetRootLayer().documentation
     ours = stage.GetRootLayer().customLayerData.get("sunfleck")
@@ -123,6 +121,15 @@ def _metres(stage: Usd.Stage) -> float:
     """Of a unit. Exporters also write it in single precision, which `UsdGeom.GetStageMetersPerUnit`
     takes for an error."""
     return float(stage.GetMetadata(UsdGeom.Tokens.metersPerUnit))
+
+
+def _put_unit_right(stage: Usd.Stage, lost: Losses) -> None:
+    """Takes USD's own default in place of a unit that is none."""
+    metres = _metres(stage)
+    if not (math.isfinite(metres) and metres > 0):
+        lost.add("usd-unit", "/", f"{metres:g} metres are no unit; 0.01 are taken")
+        with Usd.EditContext(stage, stage.GetSessionLayer()):
+            stage.SetMetadata(UsdGeom.Tokens.metersPerUnit, UsdGeom.LinearUnits.centimeters)
 
 
 def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice: str) -> None:
@@ -168,6 +175,19 @@ def _say_what_is_missing(path: Path, stage: Usd.Stage, lost: Losses) -> None:
     for error in errors:
         kind = "usd-missing" if isinstance(error, MISSING) else "usd-composition"
         lost.add(kind, error.rootSite.path, " ".join(str(error).split()))
+    for prim in stage.Traverse():
+        if prim.HasVariantSets():
+            _say_what_is_chosen_in_vain(prim, lost)
+
+
+def _say_what_is_chosen_in_vain(prim: Usd.Prim, lost: Losses) -> None:
+    """Chosen variants that a set does not have: USD takes none of them."""
+    sets = prim.GetVariantSets()
+    for name in sets.GetNames():
+        chosen, there = sets.GetVariantSelection(name), sets.GetVariantSet(name).GetVariantNames()
+        if chosen and chosen not in there:
+            what = f"the variant set `{name}` has no `{chosen}`; it has {', '.join(there)}"
+            lost.add("usd-missing", prim.GetPath(), what)
 
 
 def _said(error: Exception) -> str:
