@@ -13,6 +13,8 @@ use std::time::Instant;
 
 /// Steps of the bar a frame, so that it moves within one too.
 const STEPS_PER_FRAME: f64 = 1000.0;
+/// Of a frame: less says nothing of the rest, as indirect light is solved before its first sample.
+const LEAST_BASIS: f64 = 0.05;
 
 /// How progress is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -207,15 +209,17 @@ impl State {
     }
 
     /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis,
-    /// and nothing at the end.
+    /// and nothing at the end. Within the first frame it is a bound: most pixels need fewer samples than
+    /// they may have.
     fn time_left(&self) -> String {
-        let is_under_way = self.rendered() > 0.0 && self.skipped + self.written < self.frames;
+        let is_under_way = self.rendered() >= LEAST_BASIS && self.skipped + self.written < self.frames;
         let Some(first_begun) = self.first_begun.filter(|_| is_under_way) else {
             return String::new();
         };
         let seconds_per_frame = first_begun.elapsed().as_secs_f64() / self.rendered();
         let seconds = seconds_per_frame * (self.frames as f64 - self.done()).max(0.0);
-        format!(", about {} left", duration(seconds))
+        let bound = if self.rendered() < 1.0 { "at most" } else { "about" };
+        format!(", {bound} {} left", duration(seconds))
     }
 
     fn sentence(&self, event: &Event) -> Option<String> {
@@ -454,6 +458,20 @@ mod tests {
     #[test]
     fn none_is_silent() {
         assert_eq!(lines(ProgressStyle::None), [""; 0]);
+    }
+
+    #[test]
+    fn the_time_left_is_a_bound_within_the_first_frame() {
+        let told = |begun: usize, fraction: f64| {
+            let first_begun = Instant::now().checked_sub(std::time::Duration::from_secs(10));
+            let (out, percent_told) = (Box::new(std::io::sink()), None);
+            let (frames, skipped, written, most_noise) = (4, 0, begun - 1, None);
+            State { out, frames, skipped, begun, written, most_noise, fraction, first_begun, percent_told }
+                .time_left()
+        };
+        assert_eq!(told(1, 0.04), "");
+        assert_eq!(told(1, 0.5), ", at most 70 s left");
+        assert_eq!(told(2, 0.0), ", about 30 s left");
     }
 
     #[test]
