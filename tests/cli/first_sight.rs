@@ -107,6 +107,21 @@ fn a_mesh_is_an_input_by_itself() {
     assert!(studio.fail("render nothing.obj", 4).contains("nothing.obj: error: cannot be read"));
 }
 
+/// As a glTF file of points is: it is a file, and its losses say why there is nothing.
+#[test]
+fn a_mesh_of_points_alone_is_an_empty_picture_and_says_so() {
+    let studio = Studio::new();
+    std::fs::write(studio.path("cloud.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\nl 1 2 3\n").unwrap();
+    let outcome = studio.succeed(&format!("render cloud.obj {SMALL}"));
+    for loss in ["points-and-lines", "nothing-to-draw"] {
+        assert!(outcome.err.contains(&format!("warning[{loss}]")), "{}", outcome.err);
+    }
+    assert!(studio.fail(&format!("render cloud.obj {SMALL} --strict"), 3).contains("points-and-lines"));
+    let scene = r#"Scene(version: 1, cameras: { "c": () }, meshes: { "m": Obj("cloud.obj") }, objects: { "o": (mesh: "m") })"#;
+    std::fs::write(studio.path("names_it.ron"), scene).unwrap();
+    assert!(studio.fail(&format!("render names_it.ron {SMALL}"), 3).contains("no triangles"));
+}
+
 /// The made-up camera and light depend on the whole range, so a frame is the same alone and in it.
 #[test]
 fn frames_are_the_same_alone_and_in_a_range() {

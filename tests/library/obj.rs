@@ -112,7 +112,7 @@ fn all_ways_to_write_a_file_say_the_same() {
     let mut with_mark = b"\xef\xbb\xbf".to_vec();
     with_mark.extend(&plain.as_bytes()["mtllib a.mtl\n".len()..]);
     with_mark.extend(b"mtllib a.mtl\n");
-    let cases: [(&str, Vec<u8>); 20] = [
+    let cases: [(&str, Vec<u8>); 22] = [
         ("plain", plain.clone().into_bytes()),
         ("a mark before the first vertex, mtllib last", with_mark),
         ("mtllib after usemtl", with("mtllib a.mtl\n", "").into_iter().chain(*b"mtllib a.mtl\n").collect()),
@@ -121,6 +121,8 @@ fn all_ways_to_write_a_file_say_the_same() {
         ("weights", with("v 9 -9 0\n", "v 9 -9 0 0.5\n")),
         ("a face on several lines", with(FACE, "f 1/1 \\\n2/2\\\n 3/3 4/4\n")),
         ("a comment after a face", with(FACE, "f 1/1 2/2 3/3 4/4 # the square 5/5\n")),
+        ("a comment right after a face", with(FACE, "f 1/1 2/2 3/3 4/4# the square 5/5\n")),
+        ("UTF-16 without a mark", plain.encode_utf16().flat_map(u16::to_le_bytes).collect()),
         ("old line ends", with("\n", "\r")),
         ("line ends of Windows", with("\n", "\r\n")),
         ("tabs", with(" ", "\t")),

@@ -1,5 +1,5 @@
 //! Wavefront OBJ and MTL files in, indexed triangles out. Invariant: every index is in range,
-//! every number finite, there is at least one triangle, and no triangle is without area.
+//! every number finite, and no triangle without area.
 //!
 //! What an exporter got wrong is left out and said, so that the rest is seen. tobj gets the text without it.
 
@@ -62,7 +62,20 @@ pub struct ObjTriangle {
 /// # Errors
 /// [`LoadError`] if the file cannot be read, or holds no triangle.
 pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, LoadError> {
-    let text = text::decoded(files.read(path, Some(referrer))?);
+    let model = read(path, Some(referrer), files)?;
+    if model.triangles.is_empty() { Err(nothing_left(path, &model.remarks).into()) } else { Ok(model) }
+}
+
+/// The same of a file that is an input by itself. It may hold no triangle: points and lines are a file too.
+///
+/// # Errors
+/// [`LoadError`] if the file cannot be read.
+pub fn load_alone(path: &Path, files: &mut Files) -> Result<ObjModel, LoadError> {
+    read(path, None, files)
+}
+
+fn read(path: &Path, referrer: Option<&str>, files: &mut Files) -> Result<ObjModel, LoadError> {
+    let text = text::decoded(files.read(path, referrer)?);
     let mut tally = Tally::default();
     let vertices = Vertices::of(&text, path, &mut tally);
     let library = Library::of(&text, path, files, &mut tally);
@@ -84,7 +97,7 @@ pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, 
     }
     part::merge(parts, &mut model);
     model.remarks.0.extend(tally.into_remarks().0);
-    if model.triangles.is_empty() { Err(nothing_left(path, &model.remarks).into()) } else { Ok(model) }
+    Ok(model)
 }
 
 /// A mesh a group, in the groups' order.

@@ -30,12 +30,12 @@ impl Vertices {
     pub(super) fn of(text: &str, path: &Path, tally: &mut Tally) -> Self {
         let mut vertices = Self::default();
         let has_colors = statements(text)
-            .any(|statement| statement.keyword() == "v" && statement.words().take(6).count() == 6);
+            .any(|statement| statement.keyword() == "v" && statement.numbers().take(6).count() == 6);
         for statement in statements(text) {
             let Some(kind) = kind_of(&statement) else { continue };
             let (keyword, least) = KINDS[kind];
             // `w` is the weight of a curve's point, and no polygon's.
-            let numbers: Vec<&str> = statement.words().take(if kind == 0 { 6 } else { 3 }).collect();
+            let numbers: Vec<&str> = statement.numbers().take(if kind == 0 { 6 } else { 3 }).collect();
             let are_numbers = numbers.len() >= least && numbers.iter().all(|word| number(word).is_some());
             let is_good = are_numbers && (kind != 2 || numbers.iter().any(|word| number(word) != Some(0.0)));
             if !are_numbers {
@@ -112,7 +112,7 @@ pub(super) fn faces(
                 }
                 material = found.unwrap_or(usize::MAX);
             }
-            "s" => smoothing = smoothing_group(statement.words().next().unwrap_or("off")),
+            "s" => smoothing = smoothing_group(statement.numbers().next().unwrap_or("off")),
             "o" | "g" | "mtllib" => {}
             "l" | "p" => tally.add_at(Loss::PointsAndLines, statement.keyword(), at),
             other => tally.add_at(Loss::ObjStatement, other, at),
@@ -140,7 +140,7 @@ struct Face {
 impl Face {
     fn read(statement: &Statement<'_>, vertices: &Vertices, so_far: [usize; 3]) -> Result<Self, Loss> {
         let (mut corners, mut has, mut any) = (Vec::new(), [true; 3], [false; 3]);
-        for word in statement.words() {
+        for word in statement.numbers() {
             let mut corner = [0; 3];
             if word.split('/').count() > 3 {
                 return Err(Loss::ObjNumbers);

@@ -3,12 +3,14 @@
 
 use std::borrow::Cow;
 
-/// The text of a file: UTF-8, UTF-16 with its byte order mark, or Latin-1 in the lines that are no UTF-8.
-/// Lines end with a line feed, also those of old Macs.
+/// The text of a file: UTF-8, UTF-16, or Latin-1 in the lines that are no UTF-8. UTF-16 is told by its byte
+/// order mark, or by the zero beside its first letter. Lines end with a line feed, also those of old Macs.
 pub(super) fn decoded(bytes: Vec<u8>) -> String {
     let text = match bytes.as_slice() {
         [0xff, 0xfe, rest @ ..] => from_utf16(rest, u16::from_le_bytes),
         [0xfe, 0xff, rest @ ..] => from_utf16(rest, u16::from_be_bytes),
+        [1..=255, 0, ..] => from_utf16(&bytes, u16::from_le_bytes),
+        [0, 1..=255, ..] => from_utf16(&bytes, u16::from_be_bytes),
         [0xef, 0xbb, 0xbf, rest @ ..] => from_utf8_or_latin1(rest.to_vec()),
         _ => from_utf8_or_latin1(bytes),
     };
@@ -53,6 +55,11 @@ impl Statement<'_> {
     /// The words that follow the keyword, up to a comment.
     pub(super) fn words(&self) -> impl Iterator<Item = &str> {
         self.rest().split_whitespace().take_while(|word| !word.starts_with('#'))
+    }
+
+    /// The words of a statement of numbers, in which a comment needs no space before it.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = &str> {
+        self.rest().split('#').next().unwrap_or_default().split_whitespace()
     }
 }
 
@@ -110,6 +117,8 @@ mod tests {
             with_mark,
             utf16.iter().flat_map(|unit| unit.to_le_bytes()).collect(),
             utf16.iter().flat_map(|unit| unit.to_be_bytes()).collect(),
+            utf16[1..].iter().flat_map(|unit| unit.to_le_bytes()).collect(),
+            utf16[1..].iter().flat_map(|unit| unit.to_be_bytes()).collect(),
             plain.bytes().map(|byte| if byte == b'a' { 0xe4 } else { byte }).collect(),
         ] {
             assert_eq!(read(&bytes), expected);

@@ -21,7 +21,7 @@ pub(crate) mod suggest;
 mod version;
 
 use super::image::DecodedImage;
-use super::obj::{ObjModel, ObjPictures};
+use super::obj::{self, ObjModel, ObjPictures};
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Place};
 use parse::Document;
@@ -125,17 +125,13 @@ pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadErr
 /// [`LoadError`] if a file cannot be read, or does not hold what it should.
 pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let mesh = Mesh::Obj(path.file_name().unwrap_or_default().into());
-    let scene =
-        references::load(path, SceneFile::of_mesh(&name, mesh), BTreeMap::new(), files).map_err(|error| {
-            match error {
-                // Nobody but the user asked for it.
-                LoadError::Io { path: missing, source, .. } if missing == path => {
-                    LoadError::Io { path: missing, referrer: None, source }
-                }
-                error => error,
-            }
-        })?;
+    let mesh_path = PathBuf::from(path.file_name().unwrap_or_default());
+    let model = obj::load_alone(path, files)?;
+    let mut file = SceneFile::of_mesh(&name, Mesh::Obj(mesh_path.clone()));
+    if model.triangles.is_empty() {
+        (file.meshes, file.objects) = (Named::default(), Named::default());
+    }
+    let scene = references::load(path, file, BTreeMap::from([(mesh_path, model)]), files)?;
     Ok(LoadedScene { is_mesh_alone: true, ..scene })
 }
 

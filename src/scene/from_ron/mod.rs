@@ -31,7 +31,7 @@ use crate::color::Rgb;
 use crate::description::image::DecodedImage;
 use crate::description::obj::{ObjModel, ObjPicture};
 use crate::description::ron::{self, LoadedScene, SceneFile};
-use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use glam::{DVec2, DVec3};
 use problems::Problems;
 use std::collections::BTreeMap;
@@ -93,6 +93,10 @@ pub(super) fn resolve(loaded: LoadedScene, baking: &Baking) -> Result<(Scene, Re
     let (mut scene, problems) = resolver.finish();
     for model in models.values_mut() {
         scene.remarks.0.append(&mut model.remarks.0);
+    }
+    if is_mesh_alone && scene.instances.is_empty() {
+        let (place, found) = (Place::File(path.clone()), Loss::NothingToDraw.sentence());
+        scene.remarks.push(Diagnostic::warning(Loss::NothingToDraw, place, found));
     }
     problems.unless_any((scene, settings))
 }
