@@ -91,7 +91,7 @@ fn dim_lights(scene: &Scene, time_s: f64) -> Option<f64> {
         LightKind::Area { .. } => false,
     };
     let most = scene.lights.iter().map(|light| brightest(light, time_s)).fold(0.0, f64::max);
-    let are_dim = scene.light_units == Some(LightUnits::Spec) && scene.lights.iter().all(is_dim);
+    let are_dim = scene.guessed_light_units == Some(LightUnits::Spec) && scene.lights.iter().all(is_dim);
     (are_dim && most > 0.0).then_some(most * LUMENS_PER_WATT)
 }
 
@@ -160,7 +160,7 @@ mod tests {
             meshes: vec![Mesh { positions, ..Mesh::default() }],
             materials: vec![Material::default()],
             instances: vec![instance],
-            light_units: Some(LightUnits::Spec),
+            guessed_light_units: Some(LightUnits::Spec),
             ..Scene::default()
         };
         default_view::add(&mut scene);
@@ -203,7 +203,7 @@ mod tests {
         let told = remark(&dim).expect("a remark").to_string();
         assert!(told.contains("6.830 lux") && told.contains("--light-units compat"), "{told}");
         for units in [None, Some(LightUnits::Compat)] {
-            assert_eq!(remark(&Scene { light_units: units, ..dim.clone() }), None);
+            assert_eq!(remark(&Scene { guessed_light_units: units, ..dim.clone() }), None);
         }
         let mut both = dim.clone();
         both.lights.extend(scene(FAR, 3.0).lights);

@@ -82,8 +82,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// What the lights of a glTF file were taken to be measured in, if it has any.
-    pub light_units: Option<LightUnits>,
+    /// What the lights of a glTF file were taken to be measured in, as neither it nor anyone else says.
+    pub guessed_light_units: Option<LightUnits>,
     /// Banks of fog.
     pub fogs: Vec<Fog>,
     /// Radiance of rays that leave the scene, W m^-2 sr^-1; it lights nothing.

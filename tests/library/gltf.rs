@@ -252,7 +252,7 @@ fn what_is_not_honoured_is_said_once_a_kind() {
         ("g_pbr.glb", "vertex colours after the first are not honoured (COLOR_1): `vcol`"),
         (
             "g_pbr.glb",
-            "metals show lights alone, and what stands around them only at roughness 0: `pbr_full`",
+            "metals show what stands around them blurred, as indirect light has it, and sharply only at roughness 0: `pbr_full`",
         ),
         ("b_leafcards.glb", "masked meshes are cut out along alpha = cutoff, to 0.25 texels: "),
         (

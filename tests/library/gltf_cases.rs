@@ -2,7 +2,7 @@
 //! as it can be, and what is lost is told by its kind. Most show the triangle of ok.gltf: then the
 //! rest of them must look like it.
 
-use crate::common::{EXACT, INSTANT, camera_at};
+use crate::common::{EXACT, INSTANT, camera_at, look};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -137,6 +137,7 @@ fn what_is_damaged_is_left_out_and_the_rest_is_drawn() {
     let primitive = "/meshes/0/primitives/-";
     let cases: Vec<(&str, Value, &[&str])> = vec![
         (primitive, json!({ "attributes": {}, "material": 0 }), &["primitive-without-positions"]),
+        (primitive, json!({}), &["primitive-without-positions"]),
         (primitive, json!({ "attributes": { "POSITION": 9 } }), &["primitive-damaged"]),
         (primitive, json!({ "attributes": { "POSITION": 0 }, "mode": 7 }), &["primitive-damaged"]),
         (primitive, json!({ "attributes": { "POSITION": 1 } }), &["primitive-damaged"]),
@@ -174,6 +175,68 @@ fn what_is_damaged_is_left_out_and_the_rest_is_drawn() {
     }
 }
 
+/// A member that is null is one that is not there.
+#[test]
+fn nulls_are_passed_over() {
+    let whole = seen(load("ok.gltf", None).unwrap().0, 0.0);
+    for at in ["/nodes/0/children", "/nodes/0/skin", "/meshes/0/weights", "/animations", "/asset/extras"] {
+        let mut document = json_of("ok.gltf");
+        put(&mut document, at, Value::Null);
+        let (scene, _) = load_json(&document).unwrap_or_else(|problems| panic!("{at}: {problems}"));
+        assert_eq!(losses(&scene), [""; 0], "{at}");
+        assert_eq!(seen(scene, 0.0), whole, "{at}");
+    }
+}
+
+/// A GLB file of chunks.
+fn glb(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+    let mut body = Vec::new();
+    for (kind, data) in chunks {
+        body.extend((data.len() as u32).to_le_bytes());
+        body.extend(*kind);
+        body.extend(*data);
+    }
+    let length = (body.len() as u32 + 12).to_le_bytes();
+    [b"glTF".as_slice(), &2_u32.to_le_bytes(), &length, &body].concat()
+}
+
+/// Readers have to pass over chunks that they do not know (glTF 2.0, 4.4.3), and may pass over marks.
+#[test]
+fn chunks_that_gltf_does_not_know_may_stand_anywhere() {
+    let whole = seen(load("ok.gltf", None).unwrap().0, 0.0);
+    let bytes = std::fs::read(folder().join("ok.glb")).unwrap();
+    let json_length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let (json, binary) = (&bytes[20..20 + json_length], &bytes[28 + json_length..]);
+    let alone = std::fs::read(folder().join("ok.gltf")).unwrap();
+    let (text, bin, other, empty): (_, _, (&[u8; 4], &[u8]), (&[u8; 4], &[u8])) =
+        ((b"JSON", json), (b"BIN\0", binary), (b"XYZW", b"12345678"), (b"NONE", b""));
+    let marked = [b"\xef\xbb\xbf".as_slice(), json].concat();
+    let zeros = [json, b"\0\0\0\0"].concat();
+    let cases: [(&[(&[u8; 4], &[u8])], &[&str]); 9] = [
+        (&[text, other, bin], &["container-rest"]),
+        (&[other, text, bin], &["container-rest"]),
+        (&[text, empty, bin, other], &["container-rest"]),
+        (&[text, bin, bin], &["container-rest"]),
+        (&[text, bin, text], &["container-rest"]),
+        (&[(b"JSON", &alone), other], &["container-rest"]),
+        (&[(b"JSON", &alone), empty], &["container-rest"]),
+        (&[(b"JSON", &marked), bin], &[]),
+        (&[(b"JSON", &zeros), bin], &[]),
+    ];
+    for (number, (chunks, expected)) in cases.into_iter().enumerate() {
+        let path = folder().join("changed.glb");
+        let mut files = Files::default();
+        let scene =
+            gltf::parse(&glb(chunks), &path, &mut files).unwrap_or_else(|error| panic!("{number}: {error}"));
+        let (scene, content_hash) = (SceneSource::Gltf(scene), files.content_hash());
+        let (scene, _) =
+            resolved(Description { path, scene, sequence: None, content_hash, files: Vec::new() }, None)
+                .unwrap();
+        assert_eq!(losses(&scene), *expected, "{number}");
+        assert_eq!(seen(scene, 0.0), whole, "{number}");
+    }
+}
+
 /// Puts a value at a JSON pointer; `-` is the end of a list.
 fn put(document: &mut Value, at: &str, value: Value) {
     let (parent, last) = at.rsplit_once('/').unwrap();
@@ -191,6 +254,13 @@ fn a_file_of_which_nothing_would_be_left_is_refused_with_the_reason() {
     let problems = load_json(&document).unwrap_err();
     assert!(problems.contains("nowhere.bin") && problems.contains("cannot be read"), "{problems}");
 
+    // A mesh that no node of the scene has is none that is missed.
+    put(&mut document, "/nodes/0", json!({}));
+    assert_eq!(
+        losses(&load_json(&document).unwrap().0),
+        ["buffer-unreadable", "nothing-to-draw", "primitive-damaged"]
+    );
+
     // With another mesh in a buffer that is there, that one is drawn.
     let mut document = json_of("ok.gltf");
     let lost = document["buffers"].as_array().unwrap().len();
@@ -204,6 +274,46 @@ fn a_file_of_which_nothing_would_be_left_is_refused_with_the_reason() {
     let (scene, _) = load_json(&document).unwrap();
     assert_eq!(losses(&scene), ["buffer-unreadable", "primitive-damaged"]);
     assert_eq!(seen(scene, 0.0), seen(load("ok.gltf", None).unwrap().0, 0.0));
+}
+
+/// Of files that say their units nobody doubts them: those of other programs are dim by intent.
+#[test]
+fn units_are_doubted_where_they_were_guessed() {
+    let path = folder().join("../../first/light_intensity_3_lux.gltf");
+    let mut document: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
+    let guessed = |document: &Value| load_json(document).unwrap().0.guessed_light_units;
+    assert_eq!(guessed(&document), Some(scene::LightUnits::Spec));
+    put(&mut document, "/scenes/0/extras", json!({ "sunfleck": { "version": 1, "light_units": "spec" } }));
+    assert_eq!(guessed(&document), None);
+}
+
+/// White metal under light along the view, which it meets at right angles. It gives back `D / 4` by single
+/// scattering, with `D = 1 / (pi alpha^2)`. All of it together gives back the inverse share of its albedo
+/// more (Turquin 2019, equation 8).
+#[test]
+fn rough_metals_keep_their_energy() {
+    for roughness in ["0.2", "0.5", "1.0"] {
+        let (scene, _) = load(&format!("metal_roughness_{roughness}.gltf"), None).unwrap();
+        let alpha = roughness.parse::<f64>().unwrap().powi(2);
+        let found = look(&scene, &EXACT, 0.5, 0.5).radiance.x;
+        let expected = IRRADIANCE / (4.0 * PI * alpha * alpha) / albedo_upright(alpha);
+        assert!((found / expected - 1.0).abs() < 3e-3, "{roughness}: {found} {expected}");
+    }
+}
+
+/// What single scattering by GGX with Smith's heights gives back of light along the normal: the integral of
+/// `D(h) G1(l) cos(h)` over microfacets `h` that send it upwards.
+fn albedo_upright(alpha: f64) -> f64 {
+    const STEPS: usize = 20_000;
+    let step = PI / 4.0 / STEPS as f64;
+    let share = |index: usize| {
+        let tilt = (index as f64 + 0.5) * step;
+        let squared = alpha * alpha;
+        let density = squared / (PI * ((squared - 1.0) * tilt.cos().powi(2) + 1.0).powi(2));
+        let unshadowed = 2.0 / (1.0 + (1.0 + squared * (2.0 * tilt).tan().powi(2)).sqrt());
+        2.0 * PI * tilt.sin() * tilt.cos() * density * unshadowed * step
+    };
+    (0..STEPS).map(share).sum()
 }
 
 #[test]

@@ -80,8 +80,15 @@ fn angles_out_of_range_are_brought_back_and_said() {
         assert!(remarks.contains("a spot's angles are not 0 <= inner <= outer <= pi/2"), "{remarks}");
         assert!(remarks.contains("`lamp`"), "{remarks}");
     }
-    let error = of_file(&json!({ "outerConeAngle": 0 })).unwrap_err();
-    assert!(error.contains("lights[0].spot.outerConeAngle") && error.contains("more than 0"), "{error}");
+    for outer in [0.0, -0.3] {
+        let scene = of_file(&json!({ "outerConeAngle": outer })).unwrap();
+        let remarks = scene.remarks.to_string();
+        assert!(scene.lights.iter().all(|light| !matches!(light.kind, LightKind::Spot { .. })), "{outer}");
+        assert!(
+            remarks.contains("light-unusable") && remarks.contains("lights[0].spot.outerConeAngle"),
+            "{remarks}"
+        );
+    }
 }
 
 /// To the last bit, as far as glTF can say it.

@@ -12,6 +12,9 @@ use std::path::Path;
 const GLB_HEADER_BYTES: usize = 12;
 /// Length and type before the data of a chunk.
 const CHUNK_HEADER_BYTES: usize = 8;
+/// Types of the two chunks that glTF knows.
+const JSON_CHUNK: &[u8] = b"JSON";
+const BINARY_CHUNK: &[u8] = b"BIN\0";
 /// What some editors put before UTF-8; readers may pass over it (RFC 8259, section 8.1).
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Integers up to here are exact in double precision.
@@ -56,37 +59,59 @@ fn chunks<'a>(
             whole_file(path, format!("this is version {version} of the GLB container")).expected("version 2")
         );
     }
-    // The crate subtracts the header from the length it finds without looking.
     if bytes.len() < GLB_HEADER_BYTES || length < GLB_HEADER_BYTES || length > bytes.len() {
         return Err(whole_file(
             path,
             format!("the file is cut short: it has {} bytes and says {length} in its header", bytes.len()),
         ));
     }
-    match gltf::Glb::from_slice(&bytes[..length]) {
-        Ok(glb) => {
-            let (json, binary) = (borrowed(glb.json), glb.bin.map(borrowed));
-            let chunk = |data: &[u8]| CHUNK_HEADER_BYTES + data.len().next_multiple_of(4);
-            let known = GLB_HEADER_BYTES + chunk(json) + binary.map_or(0, chunk);
-            let unknown = [
-                (length.saturating_sub(known), "after the known chunks"),
-                (bytes.len() - length, "after the end"),
-            ];
-            for (count, place) in unknown.into_iter().filter(|(count, _)| *count > 0) {
-                report.not_honoured(Loss::ContainerRest, &format!("{count} bytes {place}"));
+    let (mut json, mut binary, mut unknown, mut rest) = (None, None, 0, &bytes[GLB_HEADER_BYTES..length]);
+    while !rest.is_empty() {
+        let (kind, data, after) = match next_chunk(rest) {
+            Some(chunk) => chunk,
+            // Nothing that is needed is missing. Up to three bytes fill the last chunk.
+            None if binary.is_some() => {
+                unknown += if rest.len() < 4 { 0 } else { rest.len() };
+                break;
             }
-            Ok((json, binary))
+            None => return Err(damaged(path, "its last chunk is cut short")),
+        };
+        match kind {
+            JSON_CHUNK if json.is_none() => json = Some(data),
+            BINARY_CHUNK if json.is_some() && binary.is_none() => binary = Some(data),
+            BINARY_CHUNK if json.is_none() => {
+                return Err(damaged(path, "was not expecting BIN before its JSON"));
+            }
+            _ => unknown += CHUNK_HEADER_BYTES + data.len(),
         }
-        Err(error) => Err(whole_file(path, format!("the GLB container is damaged: {error}"))),
+        rest = after;
     }
+    let rests = [(unknown, "in chunks that glTF does not know"), (bytes.len() - length, "after the end")];
+    for (count, place) in rests.into_iter().filter(|(count, _)| *count > 0) {
+        report.not_honoured(Loss::ContainerRest, &format!("{count} bytes {place}"));
+    }
+    let json = json.ok_or_else(|| damaged(path, "it has no JSON"))?;
+    Ok((unpadded(json), binary))
 }
 
-/// The crate lends what it was lent.
-fn borrowed(bytes: std::borrow::Cow<'_, [u8]>) -> &[u8] {
-    match bytes {
-        std::borrow::Cow::Borrowed(bytes) => bytes,
-        std::borrow::Cow::Owned(_) => &[],
-    }
+/// Type and data of a chunk, and what follows it; nothing if it is cut short.
+fn next_chunk(bytes: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
+    let (head, rest) = bytes.split_at_checked(CHUNK_HEADER_BYTES)?;
+    let (length, kind) = head.split_at_checked(4)?;
+    let length = u32::from_le_bytes(length.try_into().ok()?);
+    let (data, rest) = rest.split_at_checked(usize::try_from(length).ok()?)?;
+    Some((kind, data, rest))
+}
+
+/// Some exporters fill the chunk with zeros where the specification has spaces, or put a byte order mark.
+fn unpadded(json: &[u8]) -> &[u8] {
+    let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
+    let zeros = json.iter().rev().take_while(|byte| **byte == 0).count();
+    &json[..json.len() - zeros]
+}
+
+fn damaged(path: &Path, found: &str) -> Diagnostic {
+    whole_file(path, format!("the GLB container is damaged: {found}"))
 }
 
 fn parse(json: &[u8], path: &Path, is_text_file: bool) -> Result<Document, Diagnostic> {
@@ -103,6 +128,7 @@ fn parse(json: &[u8], path: &Path, is_text_file: bool) -> Result<Document, Diagn
         return Err(another_version(path, &version));
     }
     with_integers(&mut value);
+    without_nulls(&mut value);
     serde_path_to_error::deserialize(value).map_err(|error| {
         let at = error.path().to_string();
         let place = if at == "." { Place::File(path.to_owned()) } else { field(path, at) };
@@ -124,6 +150,19 @@ fn with_integers(value: &mut Value) {
         }
         Value::Array(values) => values.iter_mut().for_each(with_integers),
         Value::Object(values) => values.values_mut().for_each(with_integers),
+        _ => {}
+    }
+}
+
+/// A member that is null is one that is not there. What authors attach is theirs.
+fn without_nulls(value: &mut Value) {
+    match value {
+        Value::Array(values) => values.iter_mut().for_each(without_nulls),
+        Value::Object(values) => {
+            values.retain(|_, value| !value.is_null());
+            let ours = values.iter_mut().filter(|(name, _)| *name != "extras");
+            ours.for_each(|(_, value)| without_nulls(value));
+        }
         _ => {}
     }
 }

@@ -2,9 +2,9 @@
 //! [`GltfScene`] every index points somewhere, nodes form trees and every number is finite. What the file
 //! asks for that is not here stands in [`GltfScene::remarks`].
 //!
-//! The container is taken apart by the `gltf` crate. Its JSON types and accessors are not used: they refuse
-//! files that Blender writes (animation pointers) and panic on damaged ones. So everything is checked here,
-//! before any value is read.
+//! The `gltf` crate is not used: it refuses files that Blender writes (animation pointers) and chunks that
+//! readers have to pass over, and panics on damaged files. So everything is checked here, before any value
+//! is read.
 
 mod accessor;
 mod animations;
@@ -262,6 +262,18 @@ pub enum Values {
 }
 
 impl GltfScene {
+    /// Whether any node of the scene that is shown has a mesh.
+    fn shows_meshes(&self) -> bool {
+        let mut waiting = self.roots.clone();
+        while let Some(node) = waiting.pop().and_then(|index| self.nodes.get(index)) {
+            if node.mesh.is_some() {
+                return true;
+            }
+            waiting.extend(&node.children);
+        }
+        false
+    }
+
     /// The numbers of the animations with a name, else of the one with that number, counted from 0.
     pub fn animations_called(&self, wanted: &str) -> Vec<usize> {
         let named =
@@ -328,6 +340,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     pictures::read(&mut scene, files, &mut report)?;
     (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report);
     if scene.meshes.iter().all(|mesh| mesh.primitives.is_empty())
+        && scene.shows_meshes()
         && let Some(damage) = report.first_damage(Loss::PrimitiveDamaged).cloned()
     {
         // Without its only meshes a file would be a picture of nothing.

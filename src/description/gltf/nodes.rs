@@ -234,22 +234,32 @@ fn clip_m(camera: &json::Camera, name: &str, report: &mut Report) -> (f64, f64) 
 pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Report) -> Vec<Light> {
     let lights = &document.extensions.lights_punctual.lights;
     for (index, light) in lights.iter().enumerate() {
-        if !["directional", "point", "spot"].contains(&light.kind.as_str()) {
-            let path = format!("extensions.KHR_lights_punctual.lights[{index}].type");
-            report.put_right(Loss::LightUnusable, &path, format!("`{}` is no kind of light", light.kind));
+        if let Some((field, found)) = unusable(light) {
+            let path = format!("extensions.KHR_lights_punctual.lights[{index}].{field}");
+            report.put_right(Loss::LightUnusable, &path, found);
             nodes.iter_mut().for_each(|node| node.light = node.light.filter(|&light| light != index));
         }
     }
     lights.iter().enumerate().map(|(index, light)| convert_light(index, light, report)).collect()
 }
 
+/// The field for which a light cannot shine, and what is wrong with it.
+fn unusable(light: &json::Light) -> Option<(&'static str, String)> {
+    match (light.kind.as_str(), &light.spot) {
+        ("spot", Some(spot)) if spot.outer_cone_angle <= 0.0 => {
+            Some(("spot.outerConeAngle", format!("the cone's outer angle is {}", spot.outer_cone_angle)))
+        }
+        ("directional" | "point" | "spot", _) => None,
+        (other, _) => Some(("type", format!("`{other}` is no kind of light"))),
+    }
+}
+
 /// Inner and outer angle of a spot's cone. Both may be the same, which Blender's hard edges are, though glTF
 /// wants the inner one to be less.
-fn cone(spot: &json::Spot, path: &str, name: &str, report: &mut Report) -> [f64; 2] {
+fn cone(spot: &json::Spot, name: &str, report: &mut Report) -> [f64; 2] {
     let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
     if outer <= 0.0 {
-        let found = format!("the cone's outer angle is {outer}");
-        report.error(format!("{path}.spot.outerConeAngle"), found, "more than 0 and at most pi/2");
+        // Left out as unusable.
         return [0.0, FRAC_PI_2];
     }
     if inner < 0.0 || inner > outer + ROUNDING || outer > FRAC_PI_2 + ROUNDING {
@@ -274,7 +284,7 @@ fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Ligh
         ("directional", _) => LightKind::Directional,
         ("point", _) => LightKind::Point,
         ("spot", Some(spot)) => {
-            let [inner_angle, outer_angle] = cone(spot, &path, &named(&light.name, "light", index), report);
+            let [inner_angle, outer_angle] = cone(spot, &named(&light.name, "light", index), report);
             LightKind::Spot { inner_angle, outer_angle }
         }
         ("spot", None) => LightKind::Spot { inner_angle: 0.0, outer_angle: PI / 4.0 },

@@ -27,8 +27,8 @@ impl Builder<'_> {
                 self.add_area_light(&node.name, number, &extras, &path);
             }
         }
-        self.scene.light_units = any.then_some(units);
         if any && asked.is_none() && in_extras.is_none() {
+            self.scene.guessed_light_units = Some(units);
             self.report.push(
                 Diagnostic::note(
                     self.report.at("extensions.KHR_lights_punctual"),
