@@ -255,7 +255,7 @@ fn a_file_of_which_nothing_would_be_left_is_refused_with_the_reason() {
     assert!(problems.contains("nowhere.bin") && problems.contains("cannot be read"), "{problems}");
 
     // A mesh that no node of the scene has is none that is missed.
-    put(&mut document, "/nodes/0", json!({}));
+    document["nodes"][0] = json!({});
     assert_eq!(
         losses(&load_json(&document).unwrap().0),
         ["buffer-unreadable", "nothing-to-draw", "primitive-damaged"]
