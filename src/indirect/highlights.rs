@@ -41,10 +41,6 @@ impl Highlights {
         Self { patches: shining().map(|(_, number)| number).collect(), radiances: [0, 1, 2].map(of_channel) }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.patches.is_empty()
-    }
-
     /// Adds those along one ordinate to what leaves walls of one channel.
     pub(super) fn add_to(&self, of_walls: &mut [f32], channel: usize, ordinate: usize) {
         let start = ordinate * self.patches.len();

@@ -200,6 +200,9 @@ fn glb(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     [b"glTF".as_slice(), &2_u32.to_le_bytes(), &length, &body].concat()
 }
 
+/// Its type and its data.
+type Chunk<'a> = (&'a [u8; 4], &'a [u8]);
+
 /// Readers have to pass over chunks that they do not know (glTF 2.0, 4.4.3), and may pass over marks.
 #[test]
 fn chunks_that_gltf_does_not_know_may_stand_anywhere() {
@@ -208,11 +211,11 @@ fn chunks_that_gltf_does_not_know_may_stand_anywhere() {
     let json_length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     let (json, binary) = (&bytes[20..20 + json_length], &bytes[28 + json_length..]);
     let alone = std::fs::read(folder().join("ok.gltf")).unwrap();
-    let (text, bin, other, empty): (_, _, (&[u8; 4], &[u8]), (&[u8; 4], &[u8])) =
-        ((b"JSON", json), (b"BIN\0", binary), (b"XYZW", b"12345678"), (b"NONE", b""));
+    let [text, bin, other, empty]: [Chunk; 4] =
+        [(b"JSON", json), (b"BIN\0", binary), (b"XYZW", b"12345678"), (b"NONE", b"")];
     let marked = [b"\xef\xbb\xbf".as_slice(), json].concat();
     let zeros = [json, b"\0\0\0\0"].concat();
-    let cases: [(&[(&[u8; 4], &[u8])], &[&str]); 9] = [
+    let cases: [(&[Chunk], &[&str]); 9] = [
         (&[text, other, bin], &["container-rest"]),
         (&[other, text, bin], &["container-rest"]),
         (&[text, empty, bin, other], &["container-rest"]),

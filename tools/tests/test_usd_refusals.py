@@ -5,7 +5,7 @@ from __future__ import annotations
 import unittest
 
 import numpy as np
-from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, Vt
 
 from sunfleck_tools import SceneError
 from sunfleck_tools.usd import export_usd, import_usd
@@ -116,6 +116,21 @@ class Refusals(ImportCase):
         said = {loss.kind: loss.sentence for loss in self.imported.lost}
         self.assertEqual(said["usd-clock"], "/: 0 time codes a second are no rate; 24 are taken")
         self.assertEqual(said["usd-unit"], "/: -1 metres are no unit; 0.01 are taken")
+
+    def test_samples_beneath_a_rate_of_none(self):
+        """USD itself looks for them without end."""
+        beneath = Usd.Stage.CreateNew(str(self.folder / "beneath.usda"))
+        beneath.SetTimeCodesPerSecond(24)
+        place = quad(beneath, "/a").AddTranslateOp()
+        place.Set((1, 0, 0), 1)
+        place.Set((2, 0, 0), 5)
+        beneath.Save()
+        stage = self.stage()
+        stage.SetTimeCodesPerSecond(0)
+        stage.GetRootLayer().subLayerPaths.append("beneath.usda")
+        self.load(stage)
+        self.assertEqual(self.imported.frames, (1, 5))
+        self.assertEqual({loss.kind for loss in self.imported.lost}, {"usd-clock"})
 
     def test_textures_that_are_not_there(self):
         stage = self.stage()

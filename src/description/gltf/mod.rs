@@ -2,9 +2,9 @@
 //! [`GltfScene`] every index points somewhere, nodes form trees and every number is finite. What the file
 //! asks for that is not here stands in [`GltfScene::remarks`].
 //!
-//! The `gltf` crate is not used: it refuses files that Blender writes (animation pointers) and chunks that
-//! readers have to pass over, and panics on damaged files. So everything is checked here, before any value
-//! is read.
+//! The container is taken apart by the `gltf` crate, or here where that refuses chunks that readers have to
+//! pass over. Its JSON types and accessors are not used: they refuse files that Blender writes (animation
+//! pointers) and panic on damaged ones. So everything is checked here, before any value is read.
 
 mod accessor;
 mod animations;

@@ -30,6 +30,17 @@ def exact_rate(rate: float) -> Fraction:
     return Fraction(rate).limit_denominator(1001)
 
 
+def put_rates_right(stage: Usd.Stage, lost: Losses) -> None:
+    """Takes from layers time codes a second that are no rate, in memory alone. Samples of a layer beneath one
+    of 0 would lie at no time, and USD would look for them without end."""
+    for layer in stage.GetUsedLayers():
+        if layer.HasTimeCodesPerSecond():
+            rate = layer.timeCodesPerSecond
+            if _rate(rate, "time codes", lost) != rate:
+                layer.SetPermissionToEdit(True)
+                layer.ClearTimeCodesPerSecond()
+
+
 def read_clock(
     path: Path, stage: Usd.Stage, asked: tuple[int, int] | None, lost: Losses
 ) -> tuple[Fraction, Fraction, np.ndarray]:

@@ -17,7 +17,7 @@ import numpy as np
 from pxr import Pcp, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from ...errors import SceneError
-from .clock import read_clock
+from .clock import put_rates_right, read_clock
 from .losses import Losses
 from .options import ImportOptions
 
@@ -95,6 +95,7 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
     if not path.is_file():
         raise SceneError(f"{path}: cannot be read: there is no such file")
     stage = Usd.Stage.Open(str(path))
+    put_rates_right(stage, lost)
     for variant in options.variants:
         _choose(path, stage, *variant)
     if options.masks:
