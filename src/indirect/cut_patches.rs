@@ -1,6 +1,6 @@
-//! Patches of walls that walls cut in two. A floor goes on behind the wall that stands on it. A slab has a top,
-//! seen from above, and a bottom, seen from within. In go patches and who sees them, out come patches of one
-//! side each. Invariant: no other wall stands between where a patch is lit and where it is seen.
+//! Patches of walls that walls cut in two. A floor goes on behind the wall that stands on it. A slab has a
+//! top, seen from above, and a bottom, seen from within. In go patches and who sees them, out come patches of
+//! one side each. Invariant: no other wall stands between where a patch is lit and where it is seen.
 
 use super::grid::Grid;
 use super::walls::{Patch, Walls, step_of};
