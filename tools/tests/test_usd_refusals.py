@@ -117,6 +117,14 @@ class Refusals(ImportCase):
         self.assertEqual(said["usd-clock"], "/: 0 time codes a second are no rate; 24 are taken")
         self.assertEqual(said["usd-unit"], "/: -1 metres are no unit; 0.01 are taken")
 
+    def test_an_axis_that_points_up_and_is_none(self):
+        stage = self.stage()
+        stage.SetMetadata("upAxis", "X")
+        quad(stage, "/a")
+        self.load(stage)
+        said = {loss.kind: loss.sentence for loss in self.imported.lost}
+        self.assertEqual(said["usd-unit"], "/: up along X is neither Y nor Z; Y is taken")
+
     def test_samples_beneath_a_rate_of_none(self):
         """USD itself looks for them without end."""
         beneath = Usd.Stage.CreateNew(str(self.folder / "beneath.usda"))

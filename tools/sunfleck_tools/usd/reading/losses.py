@@ -46,7 +46,7 @@ KINDS = {
     "usd-texture-range": "numbers of a texture that are clipped, or more than 256 steps can tell apart",
     "usd-texture-size": "a texture that is made smaller",
     "usd-texture-wrap": "a texture with black around it",
-    "usd-unit": "a unit of length that is none",
+    "usd-unit": "a unit of length, or an axis that points up, that is none",
 }
 """Ids and what they stand for; docs/usd.md lists them for users."""
 

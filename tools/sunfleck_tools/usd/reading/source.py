@@ -125,7 +125,10 @@ def _metres(stage: Usd.Stage) -> float:
 
 
 def _put_unit_right(stage: Usd.Stage, lost: Losses) -> None:
-    """Takes USD's own default in place of a unit that is none."""
+    """Takes USD's own defaults in place of a unit and an axis that are none."""
+    up = UsdGeom.GetStageUpAxis(stage)
+    if up not in (UsdGeom.Tokens.y, UsdGeom.Tokens.z):
+        lost.add("usd-unit", "/", f"up along {up} is neither Y nor Z; Y is taken")
     metres = _metres(stage)
     if not (math.isfinite(metres) and metres > 0):
         lost.add("usd-unit", "/", f"{metres:g} metres are no unit; 0.01 are taken")
