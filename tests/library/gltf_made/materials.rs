@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 const PLACES: [(f64, f64); 3] = [(0.45, 0.52), (0.6, 0.4), (0.33, 0.66)];
 
 fn merge(into: &mut Value, from: &Value) {
-    match from.as_object() {
+    match from.as_object().filter(|fields| !fields.is_empty()) {
         Some(fields) => fields.iter().for_each(|(name, value)| merge(&mut into[name], value)),
         None => *into = from.clone(),
     }
