@@ -195,8 +195,8 @@ impl Rounds<'_> {
         (sent, series.is_endless)
     }
 
-    /// Light of the first order where walls stand in each other's light: along ordinates of all orders a wall
-    /// that is seen at an angle gets, or gives, up to a tenth too much or too little.
+    /// Light of the first order where walls stand in each other's light: of the ordinates of all orders a
+    /// quarter of the sphere, such as floor and wall share, has too many or too few.
     fn sweep_finely(&self, leaving: &Leaving, wanted: &Wanted) -> Option<Swept> {
         let fine = self.fine?;
         let sources = Sources {

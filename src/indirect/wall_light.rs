@@ -1,6 +1,5 @@
-//! Light of lamps and suns on walls. In go patches of walls, out come the irradiance on each and
-//! what shines of it. Invariant:
-//! where its shadow rays start depends on the wall and the grid alone.
+//! Light of lamps and suns on walls. In go patches of walls, out come the irradiance on each and what shines
+//! of it. Invariant: where its shadow rays start depends on the wall and the grid alone.
 
 use super::grid::Grid;
 use super::highlights::{self, Arriving, Highlights};
