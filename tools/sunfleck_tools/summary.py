@@ -74,6 +74,8 @@ class Rendered:
 
     frames: list[FrameSummary]
     options: Options
+    is_still: bool = False
+    """True of a picture by itself: its name says no number."""
 
     @property
     def decoded(self) -> list[FrameSummary]:

@@ -413,26 +413,26 @@ def flicker(folder: Path) -> None:
         rewrite(frame_path(folder, number), lambda channels: scaled(channels, 1.08))
 
 
-def with_motion(folder: Path, value: float) -> None:
-    """Adds a motion pass to all frames, with one odd value in the victim's."""
+def with_pass(folder: Path, channel: str, value: float) -> None:
+    """Adds a pass of zeros to all frames, with one odd value in the victim's."""
     for number in range(1, 13):
 
         def add(channels: Channels, number: int = number) -> Channels:
-            motion = np.zeros_like(channels["Z"])
-            motion[7, 5] = value if number == VICTIM else 0
-            return {**channels, "motion.X": motion}
+            added = np.zeros_like(channels["Z"])
+            added[7, 5] = value if number == VICTIM else 0
+            return {**channels, channel: added}
 
         rewrite(frame_path(folder, number), add)
 
 
 @damage("motion of a million pixels", "motion")
 def far_motion(folder: Path) -> None:
-    with_motion(folder, 1e6)
+    with_pass(folder, "motion.X", 1e6)
 
 
 @damage("motion that is NaN", "motion")
 def nan_motion(folder: Path) -> None:
-    with_motion(folder, np.nan)
+    with_pass(folder, "motion.X", np.nan)
 
 
 def _flipped(kind: int) -> Callable[[Path], None]:

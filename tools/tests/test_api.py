@@ -52,7 +52,7 @@ class Tables(unittest.TestCase):
             name: (tuple(re.findall(r'"(.*?)"', channels)), unit)
             for name, channels, unit in row.findall((ROOT / "src/passes.rs").read_text())
         }
-        self.assertEqual(len(rows), 12)
+        self.assertIn("shafts", rows)
         self.assertEqual({name: row for name, row in PASSES.items() if name != "beauty"}, rows)
 
     def test_versions_are_one(self):

@@ -40,6 +40,15 @@ class WithSequence(unittest.TestCase):
         self.folder = good_sequence(Path(scratch.name) / "frames")
 
 
+class ByItself(WithSequence):
+    def test_a_picture_whose_name_has_no_number_is_any_frame(self):
+        still = self.folder.parent / "still.exr"
+        still.write_bytes(frame_path(self.folder, 7).read_bytes())
+        self.assertEqual(validate(still, HERE).findings, [])
+        numbered = still.rename(still.with_name("still.0008.exr"))
+        self.assertEqual({finding.check for finding in validate(numbered, HERE).findings}, {"image-counter"})
+
+
 class FrameLists(unittest.TestCase):
     def test_read_as_render_reads_them(self):
         for text, frames in (

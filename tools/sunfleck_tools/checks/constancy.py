@@ -150,6 +150,8 @@ def frame_rate(rendered: Rendered) -> Iterator[Found]:
 )
 def image_counter(rendered: Rendered) -> Iterator[Found]:
     """Swapped, copied and renumbered frames. Other renderers' may be renumbered, as long as all are."""
+    if rendered.is_still:
+        return
     is_own = any(frame.provenance for frame in rendered.frames)
     if not is_own:
         said = [frame for frame in rendered.frames if number_said(frame) is not None]
