@@ -1,5 +1,5 @@
 //! Ctrl-C and what a farm sends. In go signals, out comes the end of the process, soon. Invariant: whatever
-//! the program is at (loading, baking, building trees, rendering, writing), it has ended a tenth of a second
+//! the program is at (loading, baking, building trees, rendering, writing), it ends about a tenth of a second
 //! after the signal, and no file is half-written.
 
 use super::{CliError, tell};

@@ -177,6 +177,18 @@ fn what_is_damaged_is_left_out_and_the_rest_is_drawn() {
 
 /// A member that is null is one that is not there.
 #[test]
+fn what_is_not_shown_is_not_read() {
+    let mut document = json_of("missing_image_file.gltf");
+    assert!(losses(&load_json(&document).unwrap().0).contains(&"texture-unreadable"));
+    let nodes = document["nodes"].as_array_mut().unwrap();
+    nodes.push(json!({ "name": "empty" }));
+    let empty = nodes.len() - 1;
+    document["scenes"] = json!([{ "nodes": [empty] }]);
+    let said = losses(&load_json(&document).unwrap().0);
+    assert!(!said.contains(&"texture-unreadable"), "{said:?}");
+}
+
+#[test]
 fn nulls_are_passed_over() {
     let whole = seen(load("ok.gltf", None).unwrap().0, 0.0);
     for at in ["/nodes/0/children", "/nodes/0/skin", "/meshes/0/weights", "/animations", "/asset/extras"] {

@@ -11,21 +11,23 @@ use super::{AlphaMode, Clearcoat, Files, Material, Sheen, Texture, TextureMap, n
 use crate::diagnostic::Loss;
 use glam::DVec3;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Of smoother sheens the extension's fitted shadowing gives more than there is (`scattering/sheen.rs`).
 const LEAST_HONOURED_SHEEN: f64 = 0.3;
 
-/// All materials, and the textures of those that a mesh uses.
+/// All materials, and the textures of those that a mesh uses which is shown.
 pub(super) fn read(
-    document: &Document,
+    (document, shown): (&Document, &BTreeSet<usize>),
     buffers: &Buffers<'_>,
     file: &Path,
     files: &mut Files,
     report: &mut Report,
 ) -> (Vec<Material>, Vec<Texture>) {
     let mut used = vec![false; document.materials.len()];
-    for primitive in document.meshes.iter().flat_map(|mesh| &mesh.primitives) {
+    let shown = shown.iter().filter_map(|&mesh| document.meshes.get(mesh));
+    for primitive in shown.flat_map(|mesh| &mesh.primitives) {
         if let Some(used) = primitive.material.and_then(|material| used.get_mut(material)) {
             *used = true;
         }

@@ -40,7 +40,7 @@ pub use optics::{Camera, Lens, Light, LightKind};
 pub use pointers::Property;
 use report::Report;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 pub use surfaces::{AlphaMode, Clearcoat, Material, Sheen, Texture, TextureMap, Wrap};
 
@@ -262,16 +262,14 @@ pub enum Values {
 }
 
 impl GltfScene {
-    /// Whether any node of the scene that is shown has a mesh.
-    fn shows_meshes(&self) -> bool {
-        let mut waiting = self.roots.clone();
+    /// The meshes that nodes of the scene that is shown have.
+    fn shown_meshes(&self) -> BTreeSet<usize> {
+        let (mut shown, mut waiting) = (BTreeSet::new(), self.roots.clone());
         while let Some(node) = waiting.pop().and_then(|index| self.nodes.get(index)) {
-            if node.mesh.is_some() {
-                return true;
-            }
+            shown.extend(node.mesh);
             waiting.extend(&node.children);
         }
-        false
+        shown
     }
 
     /// The numbers of the animations with a name, else of the one with that number, counted from 0.
@@ -338,9 +336,11 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     skins::check_nodes(&mut scene, &mut report);
     nodes::choose_scene(&document, &mut scene, &mut report);
     pictures::read(&mut scene, files, &mut report)?;
-    (scene.materials, scene.textures) = materials::read(&document, &buffers, path, files, &mut report);
+    let shown = scene.shown_meshes();
+    (scene.materials, scene.textures) =
+        materials::read((&document, &shown), &buffers, path, files, &mut report);
     if scene.meshes.iter().all(|mesh| mesh.primitives.is_empty())
-        && scene.shows_meshes()
+        && !shown.is_empty()
         && let Some(damage) = report.first_damage(Loss::PrimitiveDamaged).cloned()
     {
         // Without its only meshes a file would be a picture of nothing.
