@@ -41,9 +41,11 @@ impl Solved {
         let aspect = job.size.width as f64 / job.size.height as f64;
         let solve = |scale: f64| Indirect::on_cells(scale, snapshot, job.bounces, aspect, cancelled);
         let no_grid = job.bounces == Bounces::NONE || job.method == Method::Paths;
-        let indirect = if no_grid { None } else { solve(1.0) };
+        let solve_if = |wanted: bool, scale: f64| if wanted { solve(scale) } else { None };
+        // At once: each has stretches on its way that keep one core busy.
+        let (indirect, coarse) =
+            rayon::join(|| solve_if(!no_grid, 1.0), || solve_if(!no_grid && job.is_judged(), 2.0));
         let Some(mut indirect) = indirect else { return Self { indirect: None, error: None } };
-        let coarse = if job.is_judged() { solve(2.0) } else { None };
         let mut error = coarse.map(|coarse| GridError::between(&coarse, &indirect, snapshot, job));
         if let (Some(known), Sampling::Until { tolerance, .. }) = (&error, job.sampling)
             && known.relative > tolerance
