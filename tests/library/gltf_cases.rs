@@ -175,7 +175,6 @@ fn what_is_damaged_is_left_out_and_the_rest_is_drawn() {
     }
 }
 
-/// A member that is null is one that is not there.
 #[test]
 fn what_is_not_shown_is_not_read() {
     let mut document = json_of("missing_image_file.gltf");
@@ -188,6 +187,7 @@ fn what_is_not_shown_is_not_read() {
     assert!(!said.contains(&"texture-unreadable"), "{said:?}");
 }
 
+/// A member that is null is one that is not there.
 #[test]
 fn nulls_are_passed_over() {
     let whole = seen(load("ok.gltf", None).unwrap().0, 0.0);

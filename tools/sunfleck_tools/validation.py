@@ -104,7 +104,8 @@ def _check(
         progress(len(frames))
     _look_again(frames, options, processes)
     findings = [finding for frame in frames for finding in frame.findings]
-    for scope, subject in ((Scope.LISTING, listing), (Scope.SEQUENCE, Rendered(frames, options, listing.is_still))):
+    rendered = Rendered(frames, options, listing.is_still)
+    for scope, subject in ((Scope.LISTING, listing), (Scope.SEQUENCE, rendered)):
         for check in checks_of(scope):
             if check.id not in options.skip_checks:
                 findings += check.run(subject)

@@ -103,7 +103,7 @@ class Frames(WithFolder):
 
     def test_the_camera_is_a_matrix_of_columns(self):
         camera = sunfleck.render(FIRST_LEAF, 1, size=SIZE, samples=1, bounces=0).metadata["worldToCamera"]
-        # By the scene at (0, 1.2, 4.5): what is there is the origin.
+        # By the scene at (0, 1.2, 3.2): what is there is the origin.
         np.testing.assert_allclose(camera @ [0.0, 1.2, 3.2, 1.0], [0.0, 0.0, 0.0, 1.0], atol=1e-5)
 
     def test_a_crop_has_the_whole_picture_around_it(self):
