@@ -1,11 +1,12 @@
 //! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of
 //! `f0` and of `f90` in the albedo. Together they are the albedo of a white coat, for light that is reflected
-//! once. Two more follow under Cycles' shadowing. One is what goes from the first factor to the second where
-//! Fresnel's equations take the place of Schlick's term. The other is the mean of those equations over the
-//! microfacets that the eye sees and that mirror it upwards, each counted alike. Invariant: a table is made
-//! once, when it is first asked.
+//! once. Under Cycles' shadowing more is known, for the refractive indices of [`Fresnel`]. One number each is
+//! what goes from the first factor to the second where Fresnel's equations take the place of Schlick's term.
+//! The other is the mean of those equations over the microfacets that the eye sees and that mirror it
+//! upwards, each counted alike. Invariant: a table is made once, when it is first asked.
 
-use super::ggx::{Shadowing, fresnel, schlick, visible_normal};
+use super::fresnel::{Fresnel, INDICES, schlick};
+use super::ggx::{Shadowing, visible_normal};
 use crate::math::gauss_legendre;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -55,12 +56,26 @@ impl CoatAlbedos {
     }
 
     /// For light from a direction.
-    pub(super) fn towards(self, cos: f64) -> [f64; 4] {
+    pub(super) fn towards(self, cos: f64) -> [f64; 2] {
+        self.between(cos, |entry| entry.once)
+    }
+
+    /// What goes from the first factor to the second by Fresnel's equations.
+    pub(super) fn beyond_schlick(self, cos: f64, fresnel: &Fresnel) -> f64 {
+        fresnel.mix(self.between(cos, |entry| entry.beyond_schlick))
+    }
+
+    /// The mean of those equations over microfacets that the eye sees.
+    pub(super) fn risen(self, cos: f64, fresnel: &Fresnel) -> f64 {
+        fresnel.mix(self.between(cos, |entry| entry.risen))
+    }
+
+    fn between<const PARTS: usize>(self, cos: f64, of: impl Fn(&Entry) -> [f64; PARTS]) -> [f64; PARTS] {
         let column = self.columns * (1.0 + cos.clamp(0.0, 1.0).sqrt() / self.roughness).ln();
         let (left, fraction) = split(column, LAST_COLUMN);
         let table = self.table();
         self.between_rows(|row| {
-            let [a, b] = [left, left + 1].map(|column| table.directional[row][column]);
+            let [a, b] = [left, left + 1].map(|column| of(&table.directional[row][column]));
             std::array::from_fn(|part| a[part] + fraction * (b[part] - a[part]))
         })
     }
@@ -89,9 +104,17 @@ pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
 /// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the
 /// roughness, and columns in that of the cosine's root over it, plus one.
 struct Albedos {
-    directional: Vec<[[f64; 4]; LAST_COLUMN + 1]>,
+    directional: Vec<[Entry; LAST_COLUMN + 1]>,
     /// Over all directions, by their cosine.
     means: [[f64; 2]; LAST_ROW + 1],
+}
+
+/// Of light from a direction.
+#[derive(Clone, Copy, Default)]
+struct Entry {
+    once: [f64; 2],
+    beyond_schlick: [f64; INDICES.len()],
+    risen: [f64; INDICES.len()],
 }
 
 fn row_of(roughness: f64) -> f64 {
@@ -125,13 +148,13 @@ fn albedos(shadowing: Shadowing) -> Albedos {
             directional_albedo(shadowing, roughness * roughness, cos(column), &around)
         })
     };
-    let directional: Vec<[[f64; 4]; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
+    let directional: Vec<[Entry; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
     // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
     let mean = |row: usize| {
         let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
         [0, 1].map(|part| {
             let piece = |column: usize| {
-                let [a, b] = [column, column + 1].map(|column| directional[row][column][part]);
+                let [a, b] = [column, column + 1].map(|column| directional[row][column].once[part]);
                 let (from, to) = (square(column as f64), square((column + 1) as f64));
                 // In parts: the end's value less what the squares before the end lack.
                 let before = gauss_legendre(4).iter().map(|(x, weight)| {
@@ -149,10 +172,11 @@ fn albedos(shadowing: Shadowing) -> Albedos {
 /// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those
 /// each reflects `F G1(l)`, or what Cycles has there (Heitz 2018, "Sampling the GGX distribution of visible
 /// normals", equation 19).
-fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> [f64; 4] {
+fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> Entry {
     let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let alpha2 = alpha * alpha;
-    let mut sum = [0.0; 4];
+    let mut entry = Entry::default();
+    let weight = 1.0 / (RINGS * AROUND) as f64;
     for ring in 0..RINGS {
         for (step, &around) in around.iter().enumerate() {
             // Denser towards the rim, where light begins to be lost below the surface. No two at the same
@@ -162,18 +186,22 @@ fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec
             let half = visible_normal(alpha, to_eye, around, 1.0 - left * left);
             let cos_half = to_eye.dot(half);
             let cos_light = 2.0 * cos_half * half.z - cos;
-            if cos_light > 0.0 {
-                let shown = 2.0 * left * 2.0 * cos_light / shadowing.smith_of_light(alpha2, cos, cos_light);
-                let risen = schlick(cos_half);
-                sum[0] += shown * (1.0 - risen);
-                sum[1] += shown * risen;
-                if matches!(shadowing, Shadowing::Correlated) {
-                    let fresnel = fresnel(cos_half);
-                    sum[2] += shown * (fresnel - risen);
-                    sum[3] += 2.0 * left * fresnel;
+            if cos_light <= 0.0 {
+                continue;
+            }
+            let seen = 2.0 * left * weight;
+            let shown = seen * 2.0 * cos_light / shadowing.smith_of_light(alpha2, cos, cos_light);
+            let risen = schlick(cos_half);
+            entry.once[0] += shown * (1.0 - risen);
+            entry.once[1] += shown * risen;
+            if matches!(shadowing, Shadowing::Correlated) {
+                for (index, eta) in INDICES.into_iter().enumerate() {
+                    let fresnel = Fresnel::rise(eta, cos_half);
+                    entry.beyond_schlick[index] += shown * (fresnel - risen);
+                    entry.risen[index] += seen * fresnel;
                 }
             }
         }
     }
-    sum.map(|sum| sum / (RINGS * AROUND) as f64)
+    entry
 }

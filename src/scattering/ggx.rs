@@ -49,21 +49,3 @@ pub(super) fn visible_normal(alpha: f64, to_eye: DVec3, around: DVec2, to_rim: f
     let across = around * (1.0 - z * z).max(0.0).sqrt();
     ((across.extend(z) + stretched) * DVec3::new(alpha, alpha, 1.0)).normalize()
 }
-
-/// What Schlick's term stands for, by Fresnel's equations: how far the reflectance has risen from that along
-/// the normal, 0, to that at grazing angles, 1; of a dielectric of refractive index 1.5 (Pharr, Jakob and
-/// Humphreys 2023, "Physically based rendering", 9.3.5).
-pub(super) fn fresnel(cos: f64) -> f64 {
-    const ETA: f64 = 1.5;
-    const F0: f64 = 0.04;
-    let cos = cos.clamp(0.0, 1.0);
-    let cos_within = (1.0 - (1.0 - cos * cos) / (ETA * ETA)).sqrt();
-    let parallel = (ETA * cos - cos_within) / (ETA * cos + cos_within);
-    let perpendicular = (cos - ETA * cos_within) / (cos + ETA * cos_within);
-    (0.5 * (parallel * parallel + perpendicular * perpendicular) - F0) / (1.0 - F0)
-}
-
-/// `(1 - cos)^5`.
-pub(super) fn schlick(cos: f64) -> f64 {
-    (1.0 - cos).clamp(0.0, 1.0).powi(5)
-}

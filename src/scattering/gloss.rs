@@ -20,14 +20,11 @@
 //! alone, which is not reciprocal.
 
 use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};
-use super::ggx::{Shadowing, distribution, fresnel, schlick, smith, visible_normal};
+use super::fresnel::{Fresnel, schlick};
+use super::ggx::{Shadowing, distribution, smith, visible_normal};
 use crate::color::Rgb;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
-
-/// The mean of [`fresnel`] over the hemisphere, as a surface sees it: 0.0918 of all light is
-/// reflected at an index of 1.5.
-const MEAN_FRESNEL: f64 = (0.0918 - 0.04) / 0.96;
 
 /// A coat.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +47,7 @@ pub struct Gloss {
 struct Principled {
     /// How much of the surface is no metal.
     share: f64,
+    fresnel: Fresnel,
     /// Of what the coat reflects, what is added where light meets several microfacets.
     further: Rgb,
 }
@@ -104,14 +102,16 @@ impl Gloss {
         Self { alpha: self.alpha.max(least_alpha), ..self }
     }
 
-    /// The same as Cycles has it in its Principled BSDF.
+    /// The same as Cycles has it in its Principled BSDF, of the refractive index that the coat's reflectance
+    /// along the normal stands for.
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;
+        let fresnel = Fresnel::of_reflectance(f0.max_element());
         let shadowing = Shadowing::Correlated;
         let own = Self { shadowing, albedos: self.albedos.under(shadowing), ..self };
-        let further = own.further(f0 + (f90 - f0) * MEAN_FRESNEL);
+        let further = own.further(f0 + (f90 - f0) * fresnel.mean());
         let repeated = Some(Reflectance { f0: further * f0, f90: further * f90 });
-        Self { principled: Some(Principled { share: 1.0, further }), repeated, ..own }
+        Self { principled: Some(Principled { share: 1.0, fresnel, further }), repeated, ..own }
     }
 
     /// The same where a share of the surface, `0..=1`, is metal of a colour. What metal
@@ -155,7 +155,7 @@ impl Gloss {
         let schlick = schlick(cos_half);
         let mut reflected = self.all.at(schlick);
         if let Some(own) = self.principled {
-            reflected += own.share * (self.coat.f90 - self.coat.f0) * (fresnel(cos_half) - schlick);
+            reflected += own.share * (self.coat.f90 - self.coat.f0) * (own.fresnel.at(cos_half) - schlick);
         }
         if let Some(repeated) = self.repeated {
             reflected += repeated.at(schlick) * lacking(self.albedos.towards(cos_eye));
@@ -196,7 +196,7 @@ impl Gloss {
         let [mean0, mean90] = self.albedos.mean();
         let left = Rgb::ONE - self.coat.albedo(mean0, mean90);
         let lets = |cos: f64| {
-            let [part0, part90, ..] = self.albedos.towards(cos);
+            let [part0, part90] = self.albedos.towards(cos);
             Rgb::ONE - self.coat.albedo(part0, part90)
         };
         // A coat that reflects all leaves nothing.
@@ -209,17 +209,19 @@ impl Gloss {
     /// there: microfacets count alike, however much of their light others hide, and what is hidden is taken
     /// off all of it (`bsdf_microfacet_estimate_albedo`).
     fn let_out(&self, own: Principled, cos: f64) -> f64 {
-        let [part0, part90, _, risen] = self.albedos.towards(cos);
+        let [part0, part90] = self.albedos.towards(cos);
         let white = part0 + part90;
-        let reflected = self.coat.at(risen) * (white + own.further * (1.0 - white));
+        let reflected =
+            self.coat.at(self.albedos.risen(cos, &own.fresnel)) * (white + own.further * (1.0 - white));
         (1.0 - reflected.max_element()).max(0.0)
     }
 
     /// Share of the light from a direction that the coat reflects, all directions together.
     pub fn albedo(&self, cos: f64) -> Rgb {
-        let parts @ [part0, part90, beyond, _] = self.albedos.towards(cos);
+        let parts @ [part0, part90] = self.albedos.towards(cos);
         let mut once = self.all.albedo(part0, part90);
         if let Some(own) = self.principled {
+            let beyond = self.albedos.beyond_schlick(cos, &own.fresnel);
             once += own.share * (self.coat.f90 - self.coat.f0) * beyond;
         }
         self.repeated.map_or(once, |repeated| once + repeated.albedo(part0, part90) * lacking(parts))
@@ -227,7 +229,7 @@ impl Gloss {
 }
 
 /// What a white coat lacks of all that falls on it, over what it reflects, of which these are the parts.
-fn lacking([part0, part90, ..]: [f64; 4]) -> f64 {
+fn lacking([part0, part90]: [f64; 2]) -> f64 {
     (1.0 - part0 - part90) / (part0 + part90)
 }
 
@@ -285,8 +287,11 @@ mod tests {
     fn the_table_is_the_integral_of_the_brdf() {
         for roughness in [0.0, 0.07, 0.2, 0.5, 0.77, 1.0] {
             let gloss = Gloss::new(Rgb::new(0.0, 0.04, 1.0), Rgb::ONE, roughness);
-            for (gloss, cos) in [gloss, gloss.principled()]
-                .into_iter()
+            // Of refractive indices from 1.33 to 1.8.
+            let principled =
+                [0.02, 0.04, 0.08].map(|f0| Gloss::new(Rgb::splat(f0), Rgb::ONE, roughness).principled());
+            for (gloss, cos) in std::iter::once(gloss)
+                .chain(principled)
                 .flat_map(|gloss| [0.001, 0.02, 0.1, 0.35, 0.8, 1.0].map(|cos| (gloss, cos)))
             {
                 let to_eye = direction(cos, 0.4);
@@ -389,15 +394,6 @@ mod tests {
                 assert!((all - 1.0).abs() < bar, "{roughness} {cos}: {shone} + {beneath}");
             }
         }
-    }
-
-    /// Known values: Fresnel's equations along the normal, at Brewster's angle, and along the surface.
-    #[test]
-    fn fresnel_rises_from_none_to_all() {
-        assert!(fresnel(1.0).abs() < 1e-12 && (fresnel(0.0) - 1.0).abs() < 1e-12);
-        let brewster = 1.5_f64.atan().cos();
-        let perpendicular = ((1.0 - 1.5 * 1.5) / (1.0 + 1.5 * 1.5_f64)).powi(2);
-        assert!((0.04 + 0.96 * fresnel(brewster) - 0.5 * perpendicular).abs() < 1e-12);
     }
 
     /// Of every roughness, at every angle: a white surface under no coat along the normal, under a leaf's,

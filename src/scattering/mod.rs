@@ -2,6 +2,7 @@
 //! nothing here knows visibility, cameras or pixels.
 
 mod albedos;
+mod fresnel;
 mod ggx;
 mod gloss;
 mod layers;

@@ -28,6 +28,36 @@ def smooth_principled(scene):
     bpy.data.materials["floor"].node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.15
 
 
+def refracting(scene, index, roughness=0.5, level=0.5):
+    """Floor, wall and card of a refractive index."""
+    default_principled(scene)
+    for name in ("floor", "wall", "card"):
+        inputs = bpy.data.materials[name].node_tree.nodes["Principled BSDF"].inputs
+        inputs["IOR"].default_value, inputs["Specular IOR Level"].default_value = index, level
+        inputs["Roughness"].default_value = roughness
+
+
+def like_water(scene):
+    refracting(scene, 1.33)
+
+
+def like_smooth_water(scene):
+    refracting(scene, 1.33, roughness=0.1)
+
+
+def like_old_files(scene):
+    """With the default of Blender 3."""
+    refracting(scene, 1.45)
+
+
+def like_diamond(scene):
+    refracting(scene, 2.1, roughness=0.3)
+
+
+def shinier(scene):
+    refracting(scene, 1.5, level=1.0)
+
+
 def coloured_metal(scene):
     shader = bpy.data.materials["floor"].node_tree.nodes["Principled BSDF"]
     shader.inputs["Metallic"].default_value, shader.inputs["Roughness"].default_value = 1.0, 0.6

@@ -266,7 +266,8 @@ def on_stage(build):
 
 EXACT = (
     scenes.sun, sun_disc, point, sphere, spot, area, warm_sun, world_colour, world_image, materials.default_principled,
-    materials.rough_principled, materials.smooth_principled, materials.coloured_metal, materials.textures, materials.colour_attributes,
+    materials.rough_principled, materials.smooth_principled, materials.like_water, materials.like_smooth_water,
+    materials.like_old_files, materials.like_diamond, materials.shinier, materials.coloured_metal, materials.textures, materials.colour_attributes,
     materials.random_colours, materials.translucent_leaf, materials.alpha_mask, materials.alpha_blend, materials.glowing, hidden_things,
     unseen_things, shadowless_things, holdout, hair, words_curves_and_balls, shape_keys, armature, instances_on_faces, smooth_normals, camera_markers, border, pixel_aspect,
     film_exposure, orthographic, shifted_lens, depth_of_field, motion_blur, fog_box,
