@@ -9,6 +9,7 @@ use super::grid::{Corners, Grid};
 use super::halo::Halo;
 use super::harmonics::{COUNT, DEGREE, basis, product};
 use super::lobe::Lobe;
+use super::masses::{Mass, Masses};
 use super::matter::Matter;
 use super::moments::NodeMoments;
 use super::occluders::OFF_WALL;
@@ -39,6 +40,7 @@ pub(super) struct Gathered {
     fourth: [[f32; COUNT]; 3],
     /// Of each sun what goes on nearly straight, W/m^2 on a plane that faces it.
     glows: Vec<Rgb>,
+    mass: Mass,
 }
 
 /// What a field is solved for.
@@ -73,6 +75,7 @@ pub(super) struct Field {
     /// What a finer grid within it gets, until that is solved.
     radiances: Option<Radiances>,
     glows: Vec<Glow>,
+    masses: Masses,
     /// Whether the sky's own light is part of it.
     pub(super) has_sky: bool,
     is_endless: bool,
@@ -105,7 +108,7 @@ impl Field {
         let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
         let walls = walls_of((&grid, snapshot), &triangles);
         let fog = SweptFog::new(&snapshot.medium, bounces);
-        let matter = Matter::new(&grid, &walls, snapshot.view.eye, &fog, &surfels);
+        let matter = Matter::new((&grid, &walls), snapshot.view.eye, &fog, &surfels, bounces);
         let first = FirstLight {
             snapshot,
             fog: &fog,
@@ -115,10 +118,9 @@ impl Field {
             walls: &walls,
             are_walls: triangles.iter().map(|triangle| triangle.primitive).collect(),
         };
-        let ordinates = Ordinates::new();
-        let fine = walls.are_at_angles().then(Ordinates::fine);
+        let (ordinates, fine) = (Ordinates::new(), walls.are_at_angles().then(Ordinates::fine));
         let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
-        let Found { sources, beams, glows } = first.found();
+        let Found { sources, beams, glows, met_again } = first.found();
         let along = fine.as_ref().unwrap_or(&ordinates);
         let lit = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls, ordinates: along }.found();
         let sky = snapshot.sky;
@@ -155,6 +157,7 @@ impl Field {
             towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments)),
             radiances: lit.last.radiances,
             glows,
+            masses: matter.into_masses(&met_again),
             has_sky,
             is_endless: lit.is_endless,
         }
@@ -221,16 +224,25 @@ impl Field {
         let field = self.level_at(world);
         let corners = field.corners_before(world, normal);
         let glows = field.glows.iter().map(|glow| glow.mean(&corners)).collect();
-        Gathered { moments: field.light.mean(&corners), fourth: field.fourth.mean(&corners), glows }
+        let mass = field.masses.at(&field.grid, world);
+        Gathered { moments: field.light.mean(&corners), fourth: field.fourth.mean(&corners), glows, mass }
     }
 
-    /// What of it a lobe gathers; by a cosine that is irradiance, W/m^2.
-    pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe) -> Rgb {
+    /// What a leaf gathers of what it would by itself, where it sends a share of all light on.
+    pub(super) fn within_mass(&self, world: DVec3, by_itself: Rgb, sent: Rgb) -> Rgb {
+        let field = self.level_at(world);
+        field.masses.gathered(field.masses.at(&field.grid, world), by_itself, sent)
+    }
+
+    /// What of it a lobe gathers on a leaf that sends a share of all light on; by a cosine that is
+    /// irradiance, W/m^2.
+    pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
         // A leaf's shine sees no more than harmonics up to l = 2.
         let lobe = &if lobe.has_third() { lobe.up_to_second() } else { *lobe };
         let beyond = lobe.of_fourth_of_travel().map_or(Rgb::ZERO, |of| product(&of, &gathered.fourth));
         let irradiance = product(&lobe.of_travel(), &gathered.moments) + beyond;
-        self.with_glows(irradiance, |glow| gathered.glows[glow], lobe)
+        let by_itself = self.with_glows(irradiance, |glow| gathered.glows[glow], lobe);
+        self.masses.gathered(gathered.mass, by_itself, sent)
     }
 
     /// Nodes about a place a little away from a surface, so that what it sends out itself does not light it.

@@ -37,6 +37,8 @@ struct Left {
     fluence: Fluence,
     /// What leaves scatter of it, as sources.
     scattered: NodeMoments,
+    /// What of that meets leaves of the same mass, W m^-3 by node.
+    met_again: Vec<[f32; 3]>,
 }
 
 /// What becomes of light where it is scattered first.
@@ -47,6 +49,8 @@ pub(super) struct Found {
     pub(super) beams: Vec<Beam>,
     /// Of suns what goes on nearly straight.
     pub(super) glows: Vec<Glow>,
+    /// What leaves scatter that meets leaves of the same mass, W m^-3 by node.
+    pub(super) met_again: Vec<[f32; 3]>,
 }
 
 pub(super) struct FirstLight<'a> {
@@ -64,22 +68,30 @@ impl FirstLight<'_> {
     /// What all lights make of fog and leaves.
     pub(super) fn found(&self) -> Found {
         let nothing = Moments::zero(self.grid.count());
-        let mut found = Found { sources: nothing, beams: Vec::new(), glows: Vec::new() };
+        let (beams, glows, met_again) = (Vec::new(), Vec::new(), self.nothing_met());
+        let mut found = Found { sources: nothing, beams, glows, met_again };
         let emitters = Emitters { snapshot: self.snapshot, grid: self.grid, fog: self.fog };
         let per_volume = self.per_volume();
         for light in &self.snapshot.lights {
             match light.centre() {
                 FrozenLight::Sun { to_light, .. } => {
                     let groups = self.followed(&emitters.of_sun(light, to_light));
+                    add_met_again(&groups, &mut found.met_again);
                     self.add_sun(-to_light, &groups, &per_volume, &mut found);
                 }
                 FrozenLight::Point { .. } => {
                     let groups = self.followed(&of_lamp(light));
+                    add_met_again(&groups, &mut found.met_again);
                     self.add_lamp(&groups, &per_volume, &mut found.sources);
                 }
             }
         }
         found
+    }
+
+    /// Room for what meets leaves of the same mass, where there are masses.
+    fn nothing_met(&self) -> Vec<[f32; 3]> {
+        vec![[0.0; 3]; if self.matter.clumping.is_none() { 0 } else { self.grid.count() }]
     }
 
     /// What groups of rays leave on their way.
@@ -88,8 +100,11 @@ impl FirstLight<'_> {
         let chunk = rays.len().div_ceil(CHUNKS).max(1);
         let groups = rays.par_chunks(chunk).map(|rays| {
             let has_directions = !rays[0].is_of_sun;
-            let mut left =
-                Left { fluence: Fluence::zero(count, has_directions), scattered: NodeMoments::zero(count) };
+            let mut left = Left {
+                fluence: Fluence::zero(count, has_directions),
+                scattered: NodeMoments::zero(count),
+                met_again: self.nothing_met(),
+            };
             for ray in rays {
                 if (self.cancelled)() {
                     break;
@@ -102,7 +117,7 @@ impl FirstLight<'_> {
     }
 
     fn add_lamp(&self, groups: &[Left], per_volume: &[f32], sources: &mut Moments) {
-        for Left { fluence, scattered } in groups {
+        for Left { fluence, scattered, .. } in groups {
             for channel in 0..3 {
                 let peaks = self.matter.first_peak(channel);
                 for (index, degree) in DEGREE.into_iter().enumerate() {
@@ -121,7 +136,7 @@ impl FirstLight<'_> {
         let count = self.grid.count();
         let mut irradiance = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut glow = vec![[0.0; 3]; count];
-        for Left { fluence, scattered } in groups {
+        for Left { fluence, scattered, .. } in groups {
             for channel in 0..3 {
                 for (node, value) in fluence.of(channel, 0).enumerate() {
                     irradiance[channel][node] += per_volume[node] * value;
@@ -182,7 +197,7 @@ impl FirstLight<'_> {
             let Some(point) = point.filter(|_| start <= leave + self.grid.cell_m) else { break };
             if !self.are_walls.contains(&point.primitive) && t >= enter - self.grid.cell_m {
                 let fog = exp_minus(from.depths[0] + dimming.optical_depth(ray.origin, ray.direction, t));
-                self.land(point, power * fog * point.alpha, &mut left.scattered);
+                self.land(point, power * fog * point.alpha, left);
             }
             power *= point.see_through;
             if power == Rgb::ZERO {
@@ -237,11 +252,30 @@ impl FirstLight<'_> {
         }
     }
 
+    /// The share of what a leaf scatters of power that gets out of its mass; what does not stays there.
+    fn leaves_mass(&self, point: &SurfacePoint, power: Rgb, left: &mut Left) -> Rgb {
+        let world = self.snapshot.world_from_relative(point.position);
+        let index = self.matter.clumping.at(self.grid.nearest(world));
+        if index == 1.0 {
+            return Rgb::ONE;
+        }
+        let scatters = scatters_of(point);
+        let sent = scatters.reflectance + scatters.transmittance;
+        let out = self.matter.clumping.inside(index, sent);
+        let met_again = (1.0 - index) / index * out * sent * power / self.grid.cell_volume();
+        for (node, share) in self.grid.corners(world).iter() {
+            let sums = left.met_again[node].iter_mut().zip(met_again.to_array());
+            sums.for_each(|(sum, value)| *sum += (share * value) as f32);
+        }
+        out
+    }
+
     /// What a leaf makes of power that meets it.
-    fn land(&self, point: &SurfacePoint, power: Rgb, scattered: &mut NodeMoments) {
+    fn land(&self, point: &SurfacePoint, power: Rgb, left: &mut Left) {
         let scatters = scatters_of(point);
         let normal = point.geometric_normal;
         let factor = FRAC_1_PI / self.grid.cell_volume();
+        let out = self.leaves_mass(point, power, left);
         for (side, radiosity) in [(normal, scatters.reflectance), (-normal, scatters.transmittance)] {
             if radiosity == Rgb::ZERO {
                 continue;
@@ -250,8 +284,16 @@ impl FirstLight<'_> {
                 self.snapshot.world_from_relative(point.position + cells * self.grid.cell_m * side)
             });
             let corners = self.walls.occluders.corners(self.grid, place, seen_from);
-            let (lobe, sent) = (cosine_lobe(side), factor * power * radiosity);
-            scattered.add(&corners, &sent.to_array().map(|sent| lobe.map(|value| sent * value)));
+            let (lobe, sent) = (cosine_lobe(side), factor * out * power * radiosity);
+            left.scattered.add(&corners, &sent.to_array().map(|sent| lobe.map(|value| sent * value)));
+        }
+    }
+}
+
+fn add_met_again(groups: &[Left], all: &mut [[f32; 3]]) {
+    for left in groups {
+        for (sum, value) in all.as_flattened_mut().iter_mut().zip(left.met_again.as_flattened()) {
+            *sum += value;
         }
     }
 }

@@ -126,6 +126,35 @@ impl Grid {
         x + row * y + layer * z
     }
 
+    /// The node whose cell a place lies in, and in which of so many pieces along each side.
+    pub(super) fn piece(&self, world: DVec3, pieces: usize) -> (usize, [usize; 3]) {
+        let node = self.nearest(world);
+        let within = (world - self.position(node)) / self.cell_m + 0.5;
+        let piece = |place: f64| ((place * pieces as f64).max(0.0) as usize).min(pieces - 1);
+        (node, within.to_array().map(piece))
+    }
+
+    /// The mean of what a node has and those next to it, the nearer the more; nothing lies outside.
+    pub(super) fn mean_about<const N: usize>(&self, node: usize, of: &[[f32; N]]) -> [f32; N] {
+        const SHARES: [f32; 3] = [0.25, 0.5, 0.25];
+        let cell = self.cell_of(node);
+        let range = |axis: usize| {
+            let (low, high) =
+                (usize::from(cell[axis] == 0), 3 - usize::from(cell[axis] + 1 == self.size[axis]));
+            low..high
+        };
+        let [_, row, layer] = self.strides();
+        let mut mean = [0.0; N];
+        for (z, y) in range(2).flat_map(|z| range(1).map(move |y| (z, y))) {
+            for x in range(0) {
+                let share = SHARES[x] * SHARES[y] * SHARES[z];
+                let other = node + x + row * y + layer * z - (1 + row + layer);
+                mean.iter_mut().zip(&of[other]).for_each(|(sum, value)| *sum += share * value);
+            }
+        }
+        mean
+    }
+
     /// The cells that a part of a ray of world space runs through, one after the other, if all of it lies
     /// within the grid's (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing").
     pub(super) fn stretches(&self, ray: &Ray, start: f64, end: f64) -> impl Iterator<Item = Stretch> {

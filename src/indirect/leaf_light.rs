@@ -11,7 +11,7 @@ use crate::snapshot::Snapshot;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Of more, each ray gathers by itself: memory.
+/// Of more, each ray gathers by itself: memory. Which parts are leaves is known all the same.
 const MOST_LEAVES: usize = 200_000;
 const NO_LEAF: u32 = u32::MAX;
 
@@ -27,7 +27,6 @@ pub(super) struct LeafLight {
 
 impl LeafLight {
     pub(super) fn new(field: &Field, snapshot: &Snapshot, leaves: &[Leaf]) -> Self {
-        let leaves = if leaves.len() > MOST_LEAVES { &[] } else { leaves };
         let meshes = snapshot.lasting_count();
         let mut starts = vec![0; meshes + 1];
         for leaf in leaves {
@@ -45,18 +44,19 @@ impl LeafLight {
             let sides = [leaf.normal, -leaf.normal].map(|normal| field.gather(leaf.position, normal));
             (leaf.normal, sides)
         };
-        Self { starts, leaf_of, sides: leaves.par_iter().map(gather).collect() }
+        let gathered = if leaves.len() > MOST_LEAVES { &[] } else { leaves };
+        Self { starts, leaf_of, sides: gathered.par_iter().map(gather).collect() }
     }
 
-    /// What the side of a leaf that `normal` faces has gathered; `None` where a triangle is part of none.
-    pub(super) fn of(&self, snapshot: &Snapshot, primitive: PrimitiveId) -> Option<LeafSides<'_>> {
+    /// The leaf that a triangle is part of, if it is, with what it has gathered, if it has.
+    pub(super) fn of(&self, snapshot: &Snapshot, primitive: PrimitiveId) -> Option<Option<LeafSides<'_>>> {
         let mesh = snapshot.lasting_number(primitive.instance as usize);
         let parts = &self.leaf_of[self.starts[mesh] as usize..self.starts[mesh + 1] as usize];
         if parts.is_empty() {
             return None;
         }
         let leaf = *parts.get(snapshot.part_of(primitive))?;
-        (leaf != NO_LEAF).then(|| LeafSides(&self.sides[leaf as usize]))
+        (leaf != NO_LEAF).then(|| self.sides.get(leaf as usize).map(LeafSides))
     }
 }
 
@@ -64,9 +64,10 @@ impl LeafLight {
 pub(super) struct LeafSides<'a>(&'a (DVec3, [Gathered; 2]));
 
 impl LeafSides<'_> {
-    /// What a lobe gathers at a place of it; by a cosine that is irradiance, W/m^2.
-    pub(super) fn gathered_by(&self, field: &Field, lobe: &Lobe) -> Rgb {
+    /// What a lobe gathers at a place of it that sends a share of all light on; by a cosine that is
+    /// irradiance, W/m^2.
+    pub(super) fn gathered_by(&self, field: &Field, lobe: &Lobe, sent: Rgb) -> Rgb {
         let (faces, sides) = self.0;
-        field.of_gathered(&sides[usize::from(!lobe.is_of_side(*faces))], lobe)
+        field.of_gathered(&sides[usize::from(!lobe.is_of_side(*faces))], lobe, sent)
     }
 }

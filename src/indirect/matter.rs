@@ -6,8 +6,10 @@
 //! takes the place of a distribution of normals. Of `|cos|` the harmonics up to l = 2 are kept:
 //! `3/16 + 15/16 cos^2`. So a node's leaves are two sums of outer products.
 
+use super::clumping::Clumping;
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
+use super::masses::Masses;
 use super::moments::Moments;
 use super::occluders::OFF_WALL;
 use super::surroundings::{Scatters, Surfel, Surfels};
@@ -15,6 +17,7 @@ use super::swept_fog::{FogHere, SweptFog};
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::fog::BEAM_DEGREES;
+use crate::scene::Bounces;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
@@ -42,6 +45,7 @@ pub(super) struct Matter {
     pub(super) leaves: Vec<Leaves>,
     /// What they take of light, in the same order.
     pub(super) shades: Vec<Shade>,
+    pub(super) clumping: Clumping,
 }
 
 /// Extinction of a node's leaves, by direction.
@@ -71,7 +75,7 @@ impl Shade {
 #[derive(Clone)]
 pub(super) struct Leaves {
     pub(super) node: usize,
-    /// Leaf area by volume, 1/m.
+    /// Leaf area by volume, 1/m; of masses what meets light from elsewhere.
     density: f32,
     /// The same by outer products of normals: xx, yy, zz, xy, yz, zx.
     density_by_normal: [f32; 6],
@@ -80,6 +84,8 @@ pub(super) struct Leaves {
     odd: [[f32; ODD_PAIRS]; 3],
     /// What they emit, by channel.
     emitted: [[f32; COUNT]; 3],
+    /// The share of light that they send on, times their density.
+    sent: Rgb,
 }
 
 impl Leaves {
@@ -91,7 +97,23 @@ impl Leaves {
             even: [[0.0; EVEN_PAIRS]; 3],
             odd: [[0.0; ODD_PAIRS]; 3],
             emitted: [[0.0; COUNT]; 3],
+            sent: Rgb::ZERO,
         }
+    }
+
+    /// Puts them in masses of a clumping index. Light that is scattered there several times has forgotten on
+    /// which side of a leaf.
+    fn gather(&mut self, clumping: &Clumping) {
+        let index = clumping.at(self.node);
+        let inside = clumping.inside(index, self.sent / f64::from(self.density));
+        for (channel, inside) in inside.to_array().into_iter().enumerate() {
+            let [even, odd] = [index * inside, index * index].map(|factor| factor as f32);
+            self.even[channel].iter_mut().for_each(|pair| *pair *= even);
+            self.odd[channel].iter_mut().for_each(|pair| *pair *= odd);
+            self.emitted[channel].iter_mut().for_each(|value| *value *= inside as f32);
+        }
+        self.density *= index as f32;
+        self.density_by_normal.iter_mut().for_each(|density| *density *= index as f32);
     }
 
     fn add(&mut self, surfel: &SurfelTerms, density: f32) {
@@ -99,6 +121,7 @@ impl Leaves {
         for (sum, product) in self.density_by_normal.iter_mut().zip(surfel.normals) {
             *sum += density * product;
         }
+        self.sent += f64::from(density) * surfel.sent;
         for channel in 0..3 {
             let (even, odd) = (density * surfel.even[channel], density * surfel.odd[channel]);
             for (sum, pair) in self.even[channel].iter_mut().zip(&surfel.even_pairs) {
@@ -166,6 +189,8 @@ struct SurfelTerms {
     even: [f32; 3],
     odd: [f32; 3],
     emission: [f32; 3],
+    /// Share of light that it sends on.
+    sent: Rgb,
 }
 
 impl SurfelTerms {
@@ -182,13 +207,20 @@ impl SurfelTerms {
             even: channels(2.0 * FRAC_1_PI * (reflectance + transmittance)),
             odd: channels(-2.0 * FRAC_1_PI * (reflectance - transmittance)),
             emission: channels(scatters.emission),
+            sent: reflectance + transmittance,
         }
     }
 }
 
 impl Matter {
     /// Fog, which `eye` is the origin of in world space, and surfels, which stay on their side of walls.
-    pub(super) fn new(grid: &Grid, walls: &Walls, eye: DVec3, fog: &SweptFog, surfels: &Surfels) -> Self {
+    pub(super) fn new(
+        (grid, walls): (&Grid, &Walls),
+        eye: DVec3,
+        fog: &SweptFog,
+        surfels: &Surfels,
+        bounces: Bounces,
+    ) -> Self {
         let count = grid.count();
         let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut matter = Self {
@@ -199,6 +231,7 @@ impl Matter {
             leaves_of: vec![NO_LEAVES; count],
             leaves: Vec::new(),
             shades: Vec::new(),
+            clumping: Clumping::of(grid, surfels, bounces),
         };
         if !fog.dimming.is_empty() {
             matter.add_fog(grid, walls, (fog, eye));
@@ -206,6 +239,9 @@ impl Matter {
         for surfel in &surfels.all {
             let terms = SurfelTerms::of(surfel, surfels.scatters(surfel));
             matter.add_leaf(grid, walls, (surfel, &terms));
+        }
+        if !matter.clumping.is_none() {
+            matter.leaves.iter_mut().for_each(|leaves| leaves.gather(&matter.clumping));
         }
         matter.shades = matter.leaves.iter().map(Shade::of).collect();
         matter
@@ -284,6 +320,17 @@ impl Matter {
             }
         }
         sources
+    }
+
+    /// Masses of its leaves that get power of each other, W m^-3 by node.
+    pub(super) fn into_masses(self, met_again: &[[f32; 3]]) -> Masses {
+        let mut given = vec![[0.0; 3]; met_again.len()];
+        for leaves in self.leaves.iter().filter(|_| !met_again.is_empty()) {
+            // What meets light is less than the area of all leaves, which have two sides each.
+            let sides = 2.0 * leaves.density / self.clumping.at(leaves.node) as f32;
+            given[leaves.node] = met_again[leaves.node].map(|power| power / sides);
+        }
+        Masses::new(self.clumping, given)
     }
 
     /// What leaves emit by themselves, as sources.

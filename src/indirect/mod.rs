@@ -8,6 +8,7 @@
 
 mod beam;
 mod carrier;
+mod clumping;
 mod cut_patches;
 mod extent;
 mod faces;
@@ -20,6 +21,7 @@ mod harmonics;
 mod highlights;
 mod leaf_light;
 mod lobe;
+mod masses;
 mod matter;
 mod moments;
 mod occluders;
@@ -114,9 +116,10 @@ impl Indirect {
     /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1.
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
-        let leaf = self.leaves.of(snapshot, point.primitive);
-        let gathered = |lobe: Lobe| match &leaf {
-            Some(leaf) => leaf.gathered_by(&self.field, &lobe),
+        let sent = point.albedo + point.transmission;
+        let gathered = |lobe: Lobe| match self.leaves.of(snapshot, point.primitive) {
+            Some(Some(leaf)) => leaf.gathered_by(&self.field, &lobe, sent),
+            Some(None) => self.field.within_mass(world, self.field.gathered_by(world, &lobe), sent),
             None => self.field.gathered_by(world, &lobe),
         };
         let normal = point.shading_normal;

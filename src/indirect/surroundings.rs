@@ -27,10 +27,19 @@ pub(super) struct Surfel {
 /// Small things; memory matters where there are a million of them.
 pub(super) struct Surfels {
     pub(super) all: Vec<Surfel>,
+    /// Of one of them, on the mean, m^2.
+    pub(super) leaf_area_m2: f64,
     scatters: Vec<Scatters>,
 }
 
 impl Surfels {
+    /// Leaves at places of world space, each of one surfel.
+    #[cfg(test)]
+    pub(super) fn of_leaves(places: impl Iterator<Item = DVec3>, area: f64) -> Self {
+        let leaf = |position: DVec3| Surfel { position, normal: DVec3::Y, area, exposed: 1.0, scatters: 0 };
+        Self { all: places.map(leaf).collect(), leaf_area_m2: area, scatters: vec![Scatters::default()] }
+    }
+
     pub(super) fn scatters(&self, surfel: &Surfel) -> &Scatters {
         &self.scatters[surfel.scatters as usize]
     }
@@ -173,8 +182,10 @@ impl<'a> Surroundings<'a> {
             };
             chosen.iter().zip(0..).filter_map(surfel).collect()
         };
-        let all = leaves.par_iter().flat_map_iter(surfels_of).collect();
-        Surfels { all, scatters }
+        let by_leaf: Vec<Vec<Surfel>> = leaves.par_iter().map(surfels_of).collect();
+        let leaf_area_m2 =
+            by_leaf.iter().flatten().map(|surfel| surfel.area).sum::<f64>() / by_leaf.len().max(1) as f64;
+        Surfels { all: by_leaf.into_iter().flatten().collect(), leaf_area_m2, scatters }
     }
 
     /// A large part that one sees through: all of its triangles, in pieces no longer than a cell.

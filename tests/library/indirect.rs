@@ -42,7 +42,7 @@ pub(crate) fn add_box(scene: &mut Scene, low: DVec3, high: DVec3, material: Mate
     add_instance(scene);
 }
 
-fn add_instance(scene: &mut Scene) {
+pub(crate) fn add_instance(scene: &mut Scene) {
     let node = place(scene, DAffine3::IDENTITY);
     let (mesh, leaf_id) = (scene.meshes.len() - 1, scene.instances.len() as u32 + 1);
     scene.instances.push(Instance { node, mesh, material: None, leaf_id, deformation: None });

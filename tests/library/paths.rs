@@ -3,7 +3,7 @@
 //! their mean's standard error.
 
 use crate::common::{INSTANT, add_fog, add_light, camera_at, coat};
-use crate::indirect::{EVEN_SKY, add_box, add_leaves, dark_room, leaves500, picture, truth};
+use crate::indirect::{EVEN_SKY, add_box, add_instance, add_leaves, dark_room, leaves500, picture, truth};
 use glam::{DVec2, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::indirect::Indirect;
@@ -11,8 +11,8 @@ use sunfleck::math::Sampler;
 use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Method, Watch, render};
 use sunfleck::scene::{
-    AlphaMode, AreaShape, Bounces, Clearcoat, Coat, LightKind, Material, PixelFilter, Sampling, Scene, Sheen,
-    Size, Sky, SkyPicture, Track, Window,
+    AlphaMode, AreaShape, Bounces, Clearcoat, Coat, LightKind, Material, Mesh, PixelFilter, Sampling, Scene,
+    Sheen, Size, Sky, SkyPicture, Track, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
@@ -186,6 +186,35 @@ fn sunny_leaves() -> Scene {
     scene
 }
 
+/// A wall that a sky lights through a crown behind the camera: leaves of 4 cm, each mass of them a mesh of 20 cm.
+/// Cells of the grid are about as wide as a mass.
+fn masses() -> Scene {
+    const MASSES: usize = 1500;
+    const LEAVES: usize = 40;
+    let mut scene = camera_at(DVec3::ZERO);
+    add_box(&mut scene, DVec3::new(-3.0, -3.0, -1.2), DVec3::new(3.0, 3.0, -1.0), matte(0.6, 0.0));
+    scene.materials.push(matte(0.45, 0.35));
+    let material = scene.materials.len() - 1;
+    let mut sampler = Sampler::new(11, 0, 0, 0);
+    let mut next = || DVec3::from(sampler.next_3d()) - 0.5;
+    for _ in 0..MASSES {
+        let middle = DVec3::new(6.0, 6.0, 3.0) * next() + 1.8 * DVec3::Z;
+        let mut mesh = Mesh::default();
+        for leaf in 0..LEAVES as u32 {
+            let (place, normal) = (middle + 0.2 * next(), next().normalize());
+            let (right, up) = normal.any_orthonormal_pair();
+            let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+            mesh.positions.extend(corners.map(|(x, y)| (place + 0.02 * (x * right + y * up)).as_vec3()));
+            let faces = [[0, 1, 2], [0, 2, 3]].map(|face| face.map(|corner| 4 * leaf + corner));
+            mesh.triangles.extend(faces.map(|vertices| Triangle { vertices, material }));
+        }
+        scene.meshes.push(mesh);
+        add_instance(&mut scene);
+    }
+    scene.sky = Sky::new(EVEN_SKY);
+    scene
+}
+
 /// Suns are looked for where fog scatters, lamps all along a walk's legs: of a lamp so far
 /// away both find the same.
 #[test]
@@ -257,6 +286,7 @@ fn the_grid_has_the_same_light() {
     }
     let scenes = [
         ("leaves", sunny_leaves(), 8, 0.02),
+        ("masses", masses(), 32, 0.06),
         ("room", room, 8, 0.03),
         // Walks find what glows by chance alone.
         ("shine", shine(), 128, 0.06),

@@ -1,0 +1,49 @@
+//! What leaves that stand in a mass are to each other, where light is gathered. In goes a place, out comes
+//! its [`Mass`]. Invariant: where a mass absorbs nothing, in even light, its leaves get what they would each
+//! by itself.
+
+use super::clumping::Clumping;
+use super::grid::Grid;
+use crate::color::Rgb;
+use glam::DVec3;
+
+/// All masses of a grid.
+pub(super) struct Masses {
+    clumping: Clumping,
+    /// What leaves give each other of the light that they scatter first, W/m^2 by node.
+    given: Vec<[f32; 3]>,
+}
+
+/// The leaves that a leaf stands among.
+#[derive(Clone, Copy)]
+pub(super) struct Mass {
+    /// Of clumping.
+    index: f64,
+    /// What they give each other of the light that they scatter first, W/m^2.
+    given: Rgb,
+}
+
+impl Masses {
+    pub(super) fn new(clumping: Clumping, given: Vec<[f32; 3]>) -> Self {
+        Self { clumping, given }
+    }
+
+    /// About a place of world space.
+    pub(super) fn at(&self, grid: &Grid, world: DVec3) -> Mass {
+        if self.clumping.is_none() {
+            return Mass { index: 1.0, given: Rgb::ZERO };
+        }
+        let share = |(node, share): (usize, f64)| share * Rgb::from_array(self.given[node].map(f64::from));
+        let given = grid.corners(world).iter().map(share).sum();
+        Mass { index: self.clumping.at(grid.nearest(world)), given }
+    }
+
+    /// What a leaf of a mass gathers of what it would by itself, if it sends a share of all light on.
+    pub(super) fn gathered(&self, mass: Mass, by_itself: Rgb, sent: Rgb) -> Rgb {
+        if mass.index < 1.0 {
+            self.clumping.inside(mass.index, sent) * by_itself + mass.given
+        } else {
+            by_itself
+        }
+    }
+}
