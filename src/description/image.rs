@@ -67,7 +67,9 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_DECODER_BYTES);
     reader.limits(limits);
-    let (width, height) = dimensions(bytes).map_err(&reject)?;
+    let is_exr = reader.format() == Some(ImageFormat::OpenExr);
+    let size = if is_exr { radiances::size_of_exr(bytes) } else { dimensions(bytes) };
+    let (width, height) = size.map_err(&reject)?;
     if width.min(height) == 0
         || width.max(height) > MAX_SIDE
         || u64::from(width) * u64::from(height) > MAX_TEXELS
@@ -76,7 +78,7 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
             "the image has {width}x{height} texels; at most {MAX_SIDE} a side and {MAX_TEXELS} in all are read"
         )));
     }
-    if reader.format() == Some(ImageFormat::OpenExr) {
+    if is_exr {
         return radiances::of_exr(bytes, MAX_TEXELS).map_err(reject);
     }
     let decoded = reader

@@ -22,13 +22,32 @@ const MOST_RADIANCE: f32 = 1e15;
 /// Most bytes of a part's samples, or of a tile's.
 const MOST_PART_BYTES: u64 = 1 << 30;
 
+/// Width and height of an OpenEXR image, as its header claims.
+///
+/// # Errors
+/// With the reason if the header is damaged.
+pub(super) fn size_of_exr(bytes: &[u8]) -> Result<(u32, u32), String> {
+    let meta = meta_of(bytes)?;
+    let Vec2(width, height) =
+        meta.headers.first().map_or(Vec2(0, 0), |header| header.shared_attributes.display_window.size);
+    let side = |texels: usize| u32::try_from(texels).unwrap_or(u32::MAX);
+    Ok((side(width), side(height)))
+}
+
+fn meta_of(bytes: &[u8]) -> Result<MetaData, String> {
+    MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(said)
+}
+
+fn said(error: exr::error::Error) -> String {
+    format!("the image cannot be decoded: {error}")
+}
+
 /// The first part of an OpenEXR image that has red, green and blue, black where its pixels do not reach.
 ///
 /// # Errors
 /// With the reason if it is damaged, of a kind that is not read, or too large.
 pub(super) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, String> {
-    let said = |error: exr::error::Error| format!("the image cannot be decoded: {error}");
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(said)?;
+    let meta = meta_of(bytes)?;
     check(&meta.headers, most_texels)?;
     let ours_from_its = ours_from_its(&meta.headers)?;
     let image = exr::image::read::read()

@@ -6,8 +6,9 @@ use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Bounces, Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture, Texture};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
-use image::codecs::openexr::OpenExrEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use exr::image::write::WritableImage;
+use exr::image::{Image, SpecificChannels};
+use exr::math::Vec2;
 use serde_json::{Map, Value, json};
 use std::io::Cursor;
 
@@ -123,16 +124,14 @@ impl Writer<'_> {
 
 /// An image of radiances as a data URI: OpenEXR keeps single precision.
 fn exr_uri(image: &Texture) -> Result<String, Diagnostic> {
-    let pixels: Vec<u8> =
-        image.texels.iter().flat_map(|[r, g, b, _]| [r, g, b]).flat_map(f32::to_ne_bytes).collect();
+    let texels: Vec<[f32; 4]> = image.texels.iter().collect();
+    let channels = SpecificChannels::rgb(|Vec2(x, y)| {
+        let [red, green, blue, _] = texels[y * image.width + x];
+        (red, green, blue)
+    });
     let mut bytes = Cursor::new(Vec::new());
-    let written = OpenExrEncoder::new(&mut bytes).write_image(
-        &pixels,
-        image.width as u32,
-        image.height as u32,
-        ExtendedColorType::Rgb32F,
-    );
-    written.map_err(|error| {
+    let exr = Image::from_channels((image.width, image.height), channels);
+    exr.write().non_parallel().to_buffered(&mut bytes).map_err(|error| {
         let found = format!("the sky's image `{}` cannot be stored as OpenEXR: {error}", image.name);
         Diagnostic::error(Place::Nowhere, found)
             .expected("an image that OpenEXR can hold")
