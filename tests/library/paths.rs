@@ -186,8 +186,8 @@ fn sunny_leaves() -> Scene {
     scene
 }
 
-/// A wall that a sky lights through a crown behind the camera: leaves of 4 cm, each mass of them a mesh of 20 cm.
-/// Cells of the grid are about as wide as a mass.
+/// A wall that a sky lights through a crown behind the camera: leaves of 4 cm, each mass of them a mesh of 20
+/// cm. Cells of the grid are about as wide as a mass.
 fn masses() -> Scene {
     const MASSES: usize = 1500;
     const LEAVES: usize = 40;
