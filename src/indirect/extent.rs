@@ -14,6 +14,8 @@ const OUTER_NODES: f64 = 24_000.0;
 const FAR_NODES: f64 = 8_000.0;
 /// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
 const LEAVES_PER_CELL: f64 = 2.0;
+/// Fewer leaves are no reason for large cells of fog: where cells are small beside them they are walls.
+const FEW_LEAVES: usize = 16;
 /// Along the longest side, however large leaves are.
 const FEWEST_CELLS: f64 = 16.0;
 /// All grids together.
@@ -49,7 +51,8 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f6
     let world = world(snapshot, inner, all);
     let inner = with_near_sides(inner, world);
     let side = side(inner);
-    let finest = LEAVES_PER_CELL * surroundings.leaf_width_m(widest);
+    let few = if fog.is_some() { FEW_LEAVES } else { 1 };
+    let finest = LEAVES_PER_CELL * surroundings.leaf_width_m(widest, few);
     let finest = finest.min(side.max_element() / FEWEST_CELLS);
     let fine = (side.element_product() / NODES).cbrt();
     let mut cell_m = (scale * fine.max(finest)).max(finest);

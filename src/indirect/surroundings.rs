@@ -148,9 +148,12 @@ impl<'a> Surroundings<'a> {
     }
 
     /// How wide leaves are, as the mean by their area over all parts narrower than
-    /// `widest_m`; 0 if there are none.
-    pub(super) fn leaf_width_m(&self, widest_m: f64) -> f64 {
+    /// `widest_m`; 0 if there are fewer than `few`.
+    pub(super) fn leaf_width_m(&self, widest_m: f64, few: usize) -> f64 {
         let leaves = self.parts.iter().filter(|part| part.width_m < widest_m);
+        if leaves.clone().count() < few {
+            return 0.0;
+        }
         let (weighted, all) = leaves.fold((0.0, 0.0), |(weighted, all), leaf| {
             let area = (leaf.part.high - leaf.part.low).length_squared();
             (weighted + area * leaf.width_m, all + area)
