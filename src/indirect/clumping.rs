@@ -73,7 +73,7 @@ impl Clumping {
     /// What leaves of an index get of light from elsewhere, over what they would get each by itself, if they
     /// send an `albedo` of all they get on. Of their own light as much leaves the mass.
     pub(super) fn inside(&self, index: f64, albedo: Rgb) -> Rgb {
-        let met_again = (1.0 - index) * albedo;
+        let met_again = (1.0 - index) * albedo.min(Rgb::ONE);
         match self.bounces {
             Bounces::All => index / (Rgb::ONE - met_again),
             // As many terms of the series.
@@ -209,6 +209,9 @@ mod tests {
         let few = [1, 2].map(|count| clumping(Bounces::UpTo(count)).inside(0.6, albedo));
         assert!((few[0] - 0.6).abs().max_element() < 1e-12, "{few:?}");
         assert!((few[1] - 0.6 * Rgb::new(1.4, 1.2, 1.0)).abs().max_element() < 1e-12, "{few:?}");
+        // What sends out more than it gets is taken for white.
+        let more = clumping(Bounces::All).inside(0.6, Rgb::splat(3.0));
+        assert!((more - 1.0).abs().max_element() < 1e-12, "{more}");
         let many = clumping(Bounces::UpTo(u32::MAX)).inside(0.6, albedo);
         assert!((many - all).abs().max_element() < 1e-9, "{many} {all}");
     }

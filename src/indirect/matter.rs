@@ -29,6 +29,9 @@ const ODD: [usize; 3] = [1, 2, 3];
 const EVEN_PAIRS: usize = 21;
 const ODD_PAIRS: usize = 6;
 const NO_LEAVES: u32 = u32::MAX;
+/// A node has leaves of so much of the mean density, at least, where power is shared out among them: rays
+/// meet a leaf all over, and what it counts at is its middle.
+const LEAST_SIDES: f32 = 0.02;
 
 /// What fills the cells of a grid.
 pub(super) struct Matter {
@@ -105,6 +108,9 @@ impl Leaves {
     /// which side of a leaf.
     fn gather(&mut self, clumping: &Clumping) {
         let index = clumping.at(self.node);
+        if index == 1.0 || self.density <= 0.0 {
+            return;
+        }
         let inside = clumping.inside(index, self.sent / f64::from(self.density));
         for (channel, inside) in inside.to_array().into_iter().enumerate() {
             let [even, odd] = [index * inside, index * index].map(|factor| factor as f32);
@@ -325,10 +331,15 @@ impl Matter {
     /// Masses of its leaves that get power of each other, W m^-3 by node.
     pub(super) fn into_masses(self, met_again: &[[f32; 3]]) -> Masses {
         let mut given = vec![[0.0; 3]; met_again.len()];
-        for leaves in self.leaves.iter().filter(|_| !met_again.is_empty()) {
-            // What meets light is less than the area of all leaves, which have two sides each.
-            let sides = 2.0 * leaves.density / self.clumping.at(leaves.node) as f32;
-            given[leaves.node] = met_again[leaves.node].map(|power| power / sides);
+        let leaves = if met_again.is_empty() { &[] } else { &self.leaves[..] };
+        // What meets light is less than the area of all leaves, which have two sides each.
+        let sides = |leaves: &Leaves| 2.0 * leaves.density / self.clumping.at(leaves.node) as f32;
+        let least = LEAST_SIDES * leaves.iter().map(sides).sum::<f32>() / leaves.len().max(1) as f32;
+        for leaves in leaves {
+            let sides = sides(leaves).max(least);
+            if sides > 0.0 {
+                given[leaves.node] = met_again[leaves.node].map(|power| power / sides);
+            }
         }
         Masses::new(self.clumping, given)
     }

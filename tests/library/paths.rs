@@ -4,7 +4,7 @@
 
 use crate::common::{INSTANT, add_fog, add_light, camera_at, coat};
 use crate::indirect::{EVEN_SKY, add_box, add_instance, add_leaves, dark_room, leaves500, picture, truth};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use sunfleck::color::Rgb;
 use sunfleck::indirect::Indirect;
 use sunfleck::math::Sampler;
@@ -211,6 +211,16 @@ fn masses() -> Scene {
         scene.meshes.push(mesh);
         add_instance(&mut scene);
     }
+    // A leaf that is not there at all, by itself.
+    scene.materials.push(Material { alpha_mode: AlphaMode::Blend, opacity: 0.0, ..matte(0.5, 0.0) });
+    let material = scene.materials.len() - 1;
+    let corners = [Vec3::ZERO, 0.04 * Vec3::X, 0.04 * Vec3::Y];
+    scene.meshes.push(Mesh {
+        positions: corners.map(|corner| corner + Vec3::new(2.9, 2.9, 5.0)).to_vec(),
+        triangles: vec![Triangle { vertices: [0, 1, 2], material }],
+        ..Mesh::default()
+    });
+    add_instance(&mut scene);
     scene.sky = Sky::new(EVEN_SKY);
     scene
 }
