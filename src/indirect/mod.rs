@@ -117,7 +117,8 @@ impl Indirect {
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
         let sent = point.albedo + point.transmission;
-        let gathered = |lobe: Lobe| match self.leaves.of(snapshot, point.primitive) {
+        let leaf = self.leaves.of(snapshot, point.primitive);
+        let gathered = |lobe: Lobe| match &leaf {
             Some(Some(leaf)) => leaf.gathered_by(&self.field, &lobe, sent),
             Some(None) => self.field.within_mass(world, self.field.gathered_by(world, &lobe), sent),
             None => self.field.gathered_by(world, &lobe),
