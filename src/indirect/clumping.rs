@@ -28,6 +28,11 @@ const LEAST: f64 = 0.2;
 /// Of leaves that face all ways each hides half of its area.
 const G: f64 = 0.5;
 
+/// Of a geometric series: what comes after is next to nothing.
+const MOST_TERMS: u32 = 32;
+/// Columns of all cells and axes: memory.
+const MOST_IN_ALL: f64 = 16e6;
+
 /// Of leaves, by node.
 pub(super) struct Clumping {
     /// None where cells are too small for masses.
@@ -42,7 +47,8 @@ impl Clumping {
         if leaf_m <= 0.0 {
             return none;
         }
-        let across = ((grid.cell_m / (LEAVES_ACROSS * leaf_m)) as usize).min(MOST_COLUMNS);
+        let most = MOST_COLUMNS.min((MOST_IN_ALL / (3 * grid.count()) as f64).sqrt() as usize);
+        let across = ((grid.cell_m / (LEAVES_ACROSS * leaf_m)) as usize).min(most);
         if across < 2 {
             return none;
         }
@@ -84,9 +90,6 @@ impl Clumping {
     }
 }
 
-/// Of a geometric series: what comes after is next to nothing.
-const MOST_TERMS: u32 = 32;
-
 /// Columns of all cells along each axis.
 struct Columns {
     /// Along each side of a cell.
@@ -126,6 +129,9 @@ impl Columns {
             let behind = (cell[axis] + 1 < grid.size[axis]).then(|| node + strides[axis]);
             let cells = [before, Some(node), behind].into_iter().flatten();
             let cells: Vec<&[f32]> = cells.map(|cell| self.of_cell(cell, axis)).collect();
+            if cells.iter().all(|cell| cell.iter().all(|area_m2| *area_m2 == 0.0)) {
+                continue;
+            }
             let depth = |column: usize| {
                 let area_m2: f64 = cells.iter().map(|cell| f64::from(cell[column])).sum();
                 G * area_m2 / self.side_m.powi(2)

@@ -6,8 +6,11 @@
 pub(super) const INDICES: [f64; 4] = [1.15, 1.4, 1.5, 2.1];
 /// The means of [`Fresnel::rise`] over the hemisphere, by cosine.
 const MEANS: [f64; 4] = [0.030_402, 0.050_435, 0.053_935, 0.054_358];
-/// Indices beyond these are taken for these: one of 1 reflects nothing.
-const RANGE: [f64; 2] = [1.05, 3.0];
+/// The fourth roots of their reflectances along the normal, `sqrt((eta - 1) / (eta + 1))`.
+const PLACES: [f64; 4] = [0.264_135_271_898, 0.408_248_290_464, 0.447_213_595_500, 0.595_683_397_181];
+/// Square roots of the reflectance beyond these are taken for these: of indices of 1.05, as one of 1 reflects
+/// nothing, and of 3.
+const ROOTS: [f64; 2] = [0.05 / 2.05, 0.5];
 
 /// Of a dielectric.
 #[derive(Clone, Copy, Debug)]
@@ -21,14 +24,14 @@ pub(super) struct Fresnel {
 impl Fresnel {
     /// Of a reflectance along the normal, `0..=1`.
     pub(super) fn of_reflectance(f0: f64) -> Self {
-        let root = f0.clamp(0.0, 1.0).sqrt();
-        let eta = ((1.0 + root) / (1.0 - root)).clamp(RANGE[0], RANGE[1]);
+        let root = f0.max(0.0).sqrt().clamp(ROOTS[0], ROOTS[1]);
         // Lagrange's polynomials in the reflectance's fourth root: shares are within 0.0016 from 1.15 to 2.2.
-        let place = |eta: f64| ((eta - 1.0) / (eta + 1.0)).sqrt();
+        let place = root.sqrt();
         let share = |of: usize| {
-            let others = (0..INDICES.len()).filter(|other| *other != of).map(|other| place(INDICES[other]));
-            others.map(|other| (place(eta) - other) / (place(INDICES[of]) - other)).product()
+            let others = (0..INDICES.len()).filter(|other| *other != of);
+            others.map(|other| (place - PLACES[other]) / (PLACES[of] - PLACES[other])).product()
         };
+        let eta = (1.0 + root) / (1.0 - root);
         Self { eta, shares: std::array::from_fn(share) }
     }
 
@@ -90,6 +93,9 @@ mod tests {
             let nodes = gauss_legendre(64).iter();
             nodes.map(|(x, weight)| weight * 0.5 * (x + 1.0) * f(0.5 * (x + 1.0))).sum()
         };
+        for (place, eta) in PLACES.into_iter().zip(INDICES) {
+            assert!((place * place - (eta - 1.0) / (eta + 1.0)).abs() < 1e-11);
+        }
         for (eta, mean) in INDICES.into_iter().zip(MEANS) {
             let exact = over_hemisphere(&|cos| Fresnel::rise(eta, cos));
             assert!((mean - exact).abs() < 1e-5, "{eta}: {mean} {exact}");

@@ -22,7 +22,7 @@ PASSES = {"beauty": "", "surfaces": "indirect.", "fog": "indirect_shafts."}
 
 
 def means(arguments: argparse.Namespace, scene: Path, out: Path, flags: list[str]) -> dict[str, np.ndarray]:
-    """Of each pass, by channel, where both ways have numbers."""
+    """Of each pass, by channel."""
     command = [os.environ.get("SUNFLECK", "sunfleck"), "render", str(scene), "--frames", str(arguments.frame)]
     command += ["--size", arguments.size, "--passes", "indirect,indirect-shafts", "--progress", "none", "--out", str(out)]
     subprocess.run([*command, *flags], check=True)
