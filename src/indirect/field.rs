@@ -28,7 +28,7 @@ use crate::snapshot::{FrozenSky, Snapshot};
 use glam::DVec3;
 
 /// Things at least so many cells wide are walls.
-const WALL_CELLS: f64 = 2.0;
+pub(super) const WALL_CELLS: f64 = 2.0;
 
 /// Away from a surface, in cells, light is gathered.
 const AWAY: f64 = 0.25;
@@ -64,8 +64,6 @@ pub(super) struct Field {
     third: Option<NodeMoments>,
     /// And of degree 4: a cosine gathers a share of it, orders of scattering do without.
     fourth: NodeMoments,
-    /// What of it comes straight from a sky that is not even, on a grid that is the only one.
-    of_sky: Option<NodeMoments>,
     /// What fog gets: the same unless the sky lights surfaces alone.
     light_in_fog: Option<NodeMoments>,
     /// What fog sends to the eye of it beyond its harmonics.
@@ -143,7 +141,6 @@ impl Field {
         let halo = outer.as_mut().and_then(|outer| outer.halo(&grid));
         let lit = rounds.run(bounces, sources, &lit.irradiances, halo.as_ref());
         let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
-        let is_uneven = sky.is_some_and(|sky| sky.is_uneven());
         Self {
             grid,
             outer: outer.map(Box::new),
@@ -153,7 +150,6 @@ impl Field {
             third: lit.last.third.as_ref().map(NodeMoments::of),
             fourth,
             light_in_fog: light_in_fog(&lit, sky),
-            of_sky: lit.of_sky.as_ref().filter(|_| is_uneven).map(NodeMoments::of),
             towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments)),
             radiances: lit.last.radiances,
             glows,
@@ -180,25 +176,6 @@ impl Field {
             });
             field.with_glows(irradiance, |glow| field.glows[glow].mean(&corners), lobe)
         })
-    }
-
-    /// Whether the sky's own light can be told apart.
-    pub(super) fn knows_sky(&self) -> bool {
-        self.of_sky.is_some()
-    }
-
-    /// What a surface gathers but for the sky's own light, where that can be told apart.
-    pub(super) fn gathered_but_sky(&self, world: DVec3, lobe: &Lobe) -> Option<Rgb> {
-        let of_sky = self.of_sky.as_ref()?;
-        let lobe = &lobe.up_to_second();
-        let corners = self.corners_before(world, lobe.normal());
-        let lit = self.walls.faces.of_corners(&corners, lobe.normal());
-        let (mut moments, sky) = (self.light.mean(&lit), of_sky.mean(&lit));
-        for (sum, value) in moments.as_flattened_mut().iter_mut().zip(sky.as_flattened()) {
-            *sum -= value;
-        }
-        let irradiance = product(&lobe.of_travel(), &moments);
-        Some(self.with_glows(irradiance, |glow| self.glows[glow].mean(&corners), lobe))
     }
 
     /// What grids find at a place, mixed where one goes over into a larger.

@@ -52,19 +52,16 @@ use crate::scene::Bounces;
 use crate::snapshot::{Snapshot, SurfacePoint};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
-
-/// Whether most of what a surface sends out is shine.
-fn is_metal(point: &SurfacePoint) -> bool {
-    const MOST: f64 = 0.5;
-    let cos = point.shading_normal.dot(point.to_eye).max(0.0);
-    point.gloss.as_ref().is_some_and(|gloss| gloss.albedo(cos).max_element() > MOST)
-}
+use std::ops::Range;
 
 /// Indirect light of a shutter interval.
 pub struct Indirect {
     field: Field,
     leaves: LeafLight,
     fog: Option<ViewedFog>,
+    bounces: Bounces,
+    /// After one bounce less, where that is asked for.
+    once_less: Option<Box<Self>>,
 }
 
 impl Indirect {
@@ -88,13 +85,35 @@ impl Indirect {
         aspect: f64,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
+        let mut indirect = Self::solved(scale, snapshot, bounces, cancelled)?;
+        indirect.fog = ViewedFog::new(&indirect.field, snapshot, aspect);
+        if let Bounces::UpTo(count @ 2..) = bounces
+            && snapshot.has_gloss()
+        {
+            indirect.once_less =
+                Self::solved(scale, snapshot, Bounces::UpTo(count - 1), cancelled).map(Box::new);
+        }
+        Some(indirect)
+    }
+
+    /// What no camera sees yet.
+    fn solved(
+        scale: f64,
+        snapshot: &Snapshot,
+        bounces: Bounces,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let surroundings = Surroundings::of(snapshot);
         let grids = levels(snapshot, &surroundings, scale);
         let context = Context { snapshot, surroundings: &surroundings, bounces, cancelled };
         let field = Field::on(grids, &context)?;
         let leaves = LeafLight::new(&field, snapshot, &surroundings.leaves(field.cell_m()));
-        let fog = ViewedFog::new(&field, snapshot, aspect);
-        Some(Self { field, leaves, fog })
+        Some(Self { field, leaves, fog: None, bounces, once_less: None })
+    }
+
+    /// Light that was scattered once less than this, if there is any.
+    pub fn once_less(&self) -> Option<&Self> {
+        if self.bounces == Bounces::All { Some(self) } else { self.once_less.as_deref() }
     }
 
     /// Side of a cell, metres.
@@ -113,8 +132,24 @@ impl Indirect {
         self.field.has_sky
     }
 
-    /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1.
-    pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint) -> Rgb {
+    /// Which share of a surface's shine is to be found by rays: harmonics are too wide for what stands near.
+    pub fn share_of_rays(point: &SurfacePoint) -> f64 {
+        /// From hardly seen to seen: between the two both ways count.
+        const SEEN: Range<f64> = 0.05..0.1;
+        /// Of coats, by glTF's `alpha`: from narrow to as blurred as harmonics are.
+        const BLURRED: Range<f64> = 0.1..0.2;
+        /// From where shine is the most that is seen it is found by rays however blurred it is.
+        const MOST: Range<f64> = 0.3..0.5;
+        let share =
+            |range: Range<f64>, of: f64| ((of - range.start) / (range.end - range.start)).clamp(0.0, 1.0);
+        let Some(gloss) = &point.gloss else { return 0.0 };
+        let shine = gloss.albedo(point.shading_normal.dot(point.to_eye).max(0.0)).max_element();
+        share(SEEN, shine) * (1.0 - share(BLURRED, gloss.alpha())).max(share(MOST, shine))
+    }
+
+    /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1, with a share of what it shows in its
+    /// shine.
+    pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
         let sent = point.albedo + point.transmission;
         let leaf = self.leaves.of(snapshot, point.primitive);
@@ -133,19 +168,14 @@ impl Indirect {
         if point.transmission != Rgb::ZERO {
             radiance += FRAC_1_PI * beneath * point.transmission * gathered(Lobe::cosine(-normal));
         }
-        if let (Some(shine), Some(gloss)) = (shine, &point.gloss) {
+        if let (Some(shine), Some(gloss)) = (shine, &point.gloss)
+            && share_of_shine > 0.0
+        {
             let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
             let lobe = Lobe::glossy(mirrored, normal, gloss.alpha());
-            let but_sky = is_metal(point).then(|| self.field.gathered_but_sky(world, &lobe)).flatten();
-            radiance += FRAC_1_PI * shine * but_sky.unwrap_or_else(|| gathered(lobe));
+            radiance += share_of_shine * FRAC_1_PI * shine * gathered(lobe);
         }
         radiance
-    }
-
-    /// Whether [`Indirect::scattered`] leaves it to rays what a surface's shine makes of the sky: metals in
-    /// an uneven one. Nine harmonics a place know too little of it.
-    pub fn leaves_sky_to_rays(&self, point: &SurfacePoint) -> bool {
-        self.field.knows_sky() && is_metal(point)
     }
 
     /// Radiance that fog scatters into a camera ray before it has gone `distance` metres, if it lets

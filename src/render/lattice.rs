@@ -255,6 +255,10 @@ impl RoundLattice<'_> {
             phase: (ring.shift_along + phase(place, *per_row)).fract(),
             weight_per_area: ring.weight_per_area * spread,
             swath_rad,
+            random: (
+                ring.shift_along.to_bits() as u32 ^ (self.places.step as u32).rotate_left(16),
+                number as u32,
+            ),
         })
     }
 }
@@ -272,6 +276,8 @@ pub(super) struct PlacedSlice {
     /// From the middle between it and the slice before, of its round or its draw, to the middle
     /// between it and the next.
     swath_rad: f64,
+    /// See [`Chord::random`].
+    random: (u32, u32),
 }
 
 impl PlacedSlice {
@@ -300,12 +306,12 @@ impl PlacedSlice {
 
     /// Its chords in those pixels that are to be seen.
     pub(super) fn chords(&self, size: Size, seen: &Mask) -> impl Iterator<Item = Chord> {
-        let weight_per_area = self.weight_per_area;
+        let (weight_per_area, random) = (self.weight_per_area, self.random);
         self.slice.crossings(size, |x, y| seen.unwanted_around(x, y)).map(move |crossing| {
             let Crossing { pixel, .. } = crossing;
             let ([start, end], slopes) = (self.slice.areas(&crossing), self.slice.slopes(&crossing));
             let phase = (self.phase + dither(pixel.0, pixel.1)).fract();
-            Chord { pixel, start, end, slopes, phase, weight_per_area }
+            Chord { pixel, start, end, slopes, phase, weight_per_area, random }
         })
     }
 }

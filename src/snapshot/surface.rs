@@ -163,9 +163,10 @@ impl Facet<'_> {
         height / ray.direction.dot(self.normal)
     }
 
-    /// Whether anything of it shows in the dark.
-    pub fn shines_or_mirrors(&self) -> bool {
-        self.material.emission != Rgb::ZERO || self.material.mirror != Rgb::ZERO
+    /// Whether anything of it shows in the dark, or of what stands around it, if that is seen in shine.
+    pub fn shows(&self, is_seen_around: bool) -> bool {
+        let Material { emission, mirror, coat, .. } = self.material;
+        *emission != Rgb::ZERO || *mirror != Rgb::ZERO || is_seen_around && coat.is_some()
     }
 
     /// What a ray that meets it at a distance sees there.

@@ -4,8 +4,9 @@
 
 use super::path::{Path, Start};
 use super::visibility::Way;
-use super::{paths, sky_light};
+use super::{paths, shine, sky_light};
 use crate::color::Rgb;
+use crate::indirect::Indirect;
 use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
 
@@ -15,9 +16,14 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
         let of_sky = if path.walks_have_sky() { sky_light::by_surface(path, point) } else { Rgb::ZERO };
         return of_sky + paths::scattered(path, bounces, point);
     }
-    let Some(indirect) = path.indirect() else { return Rgb::ZERO };
-    let radiance = indirect.scattered(path.snapshot, point);
-    if indirect.leaves_sky_to_rays(point) { radiance + sky_light::by_shine(path, point) } else { radiance }
+    let Some(indirect) = path.transport.indirect else { return Rgb::ZERO };
+    let by_rays = if path.light.is_in_shine { 0.0 } else { Indirect::share_of_rays(point) };
+    let seen = if by_rays > 0.0 { by_rays * shine::seen(path, indirect, point) } else { Rgb::ZERO };
+    if path.light.self_luminous {
+        seen + indirect.scattered(path.snapshot, point, 1.0 - by_rays)
+    } else {
+        seen
+    }
 }
 
 /// Radiance that fog scatters into the ray on its way, past blended surfaces, W m^-2 sr^-1.

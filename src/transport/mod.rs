@@ -13,6 +13,7 @@ mod paths;
 mod radiance;
 mod sample;
 mod shafts;
+mod shine;
 mod sky_light;
 pub mod slices;
 mod stack;

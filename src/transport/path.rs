@@ -72,6 +72,9 @@ pub(super) struct Illumination<'a> {
     pub(super) self_luminous: bool,
     /// Whether the light of the sky belongs to it.
     pub(super) sky: bool,
+    /// Whether it is seen in a surface that shines: what lies beyond the scene is looked for by itself then,
+    /// and shine seen in shine is as blurred as a grid tells it.
+    pub(super) is_in_shine: bool,
 }
 
 impl Illumination<'_> {
@@ -82,7 +85,8 @@ impl Illumination<'_> {
 
     /// What lies behind everything.
     pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3) -> Rgb {
-        if self.self_luminous { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
+        let is_seen = self.self_luminous && !self.is_in_shine;
+        if is_seen { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
     }
 }
 

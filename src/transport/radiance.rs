@@ -124,7 +124,7 @@ impl Transport<'_> {
                 point
             });
         }
-        let light = Illumination { lights: &lights, self_luminous, sky };
+        let light = Illumination { lights: &lights, self_luminous, sky, is_in_shine: false };
         let mut path = Path { snapshot, transport: self, light, sampler, scratch };
         let (leg, surface) = path.follow(ray, Start::Camera, self.mirror_depth);
         let sample = path.sample(&leg, surface.as_ref(), ray, hue);

@@ -29,12 +29,8 @@ pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint) -> Rgb {
     if path.light.sky { from_sky(path, point) } else { Rgb::ZERO }
 }
 
-/// Of that what shines.
-pub(super) fn by_shine(path: &mut Path, point: &SurfacePoint) -> Rgb {
-    from_sky(path, &SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, ..*point })
-}
-
-fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
+/// The same, whether or not light of the sky is wanted.
+pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
     let sky = snapshot.sky.as_ref().filter(|sky| sky.lights_surfaces());
     let Some(sky) = sky else { return Rgb::ZERO };

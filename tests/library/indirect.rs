@@ -215,7 +215,7 @@ fn a_leaf_keeps_its_light_where_another_is_hidden() {
         let ray = middle.view.ray(along(number), along(number / 32));
         let light = |snapshot: &Snapshot| {
             let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None)?;
-            Some((hit.t, indirect.scattered(snapshot, &snapshot.surface(&ray, &hit))))
+            Some((hit.t, indirect.scattered(snapshot, &snapshot.surface(&ray, &hit), 1.0)))
         };
         if let (Some((t, one)), Some((u, other))) = (light(&middle), light(&moment))
             && t == u

@@ -21,6 +21,9 @@ pub struct Chord {
     pub phase: f64,
     /// What a sample counts for each unit of area per radian that it stands for.
     pub weight_per_area: f64,
+    /// For what is chosen at random beyond its surfaces: a seed, and its slice's number among those of
+    /// that seed. Slices side by side follow each other.
+    pub random: (u32, u32),
 }
 
 /// A pixel that a slice crosses, and what it has passed where it enters and where it leaves it.
@@ -43,6 +46,7 @@ impl Slice {
             slopes: [slope; 2],
             phase: 0.0,
             weight_per_area: 1.0,
+            random: (0, 0),
         }
     }
 

@@ -38,7 +38,8 @@ impl SliceRay<'_> {
     /// The path that it begins.
     fn path<'s>(&'s self, sampler: &'s mut Sampler, scratch: &'s mut Scratch) -> Path<'s> {
         let SliceJob { snapshot, transport, light, self_luminous, .. } = *self.job;
-        let light = Illumination { lights: std::slice::from_ref(light), self_luminous, sky: false };
+        let lights = std::slice::from_ref(light);
+        let light = Illumination { lights, self_luminous, sky: false, is_in_shine: false };
         Path { snapshot, transport, light, sampler, scratch }
     }
 
@@ -74,7 +75,8 @@ impl SliceRay<'_> {
             });
         let is_hole = self.meeting.is_some_and(|(meeting, _)| snapshot.is_holdout(meeting.primitive));
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
-            let has_light = meeting.is_lit || facet.shines_or_mirrors() || path.indirect().is_some();
+            let is_seen_around = transport.indirect.is_some();
+            let has_light = meeting.is_lit || facet.shows(is_seen_around) || path.indirect().is_some();
             !is_hole && (has_light || transport.features)
         };
         let seen = self.meeting.filter(shows);
@@ -95,7 +97,6 @@ impl SliceRay<'_> {
         let radiance = behind_fog.radiance * transmittance + shafts;
         let emitted = behind_fog.emitted * transmittance;
         let indirect = behind_fog.indirect * transmittance;
-        let covered = self.meeting.is_some();
         let mattes = mattes(snapshot, &[], surface.as_ref());
         let held_out = if is_hole { mean(transmittance) } else { 0.0 };
         let leg = Leg {
@@ -105,7 +106,7 @@ impl SliceRay<'_> {
             shafts,
             indirect_shafts,
             transmittance,
-            covered,
+            covered: self.meeting.is_some(),
             held_out,
             mattes,
         };

@@ -185,15 +185,14 @@ impl<'a> Rays<'a> {
         {
             self.met = Some(job.snapshot.facet(primitive));
         }
-        let random = (piece.chord.phase * f64::from(u32::MAX)) as u32;
-        let (x, y) = piece.chord.pixel;
+        let ((x, y), (seed, number)) = (piece.chord.pixel, piece.chord.random);
         let ray = SliceRay {
             job,
             ray: Ray { origin: job.fan.eye, direction },
             planar,
             light_rays,
             meeting: meeting.zip(self.met.as_ref()),
-            sampler: Sampler::new(x as u32, y as u32, piece.number as u32, random),
+            sampler: Sampler::new(seed ^ piece.number as u32, x as u32, y as u32, number),
         };
         if self.has_veils && self.veils.touches(&planar, light_rays, ray.distance()) {
             ray.by_itself(self.followed)

@@ -1,0 +1,48 @@
+//! What is seen in a surface that shines, about the mirrored direction. In go a point and uniform numbers,
+//! out comes an estimate of the radiance that it shows of what stands around it. Invariant: unbiased; lights
+//! are not among what is seen, nor is the sky but by a ray of its own, as direct light has them.
+
+use super::direct::scattered_per_radiance;
+use super::lobes::Lobes;
+use super::path::{Illumination, Path, Start, Transport};
+use super::sky_light;
+use crate::color::Rgb;
+use crate::indirect::Indirect;
+use crate::math::Ray;
+use crate::snapshot::SurfacePoint;
+use glam::DVec2;
+
+/// Radiance of what was scattered before that a surface reflects in its shine, W m^-2 sr^-1.
+pub(super) fn seen(path: &mut Path, indirect: &Indirect, point: &SurfacePoint) -> Rgb {
+    let shining = SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, mirror: Rgb::ZERO, ..*point };
+    let of_sky = if indirect.has_sky() && path.light.self_luminous {
+        sky_light::from_sky(path, &shining)
+    } else {
+        Rgb::ZERO
+    };
+    of_sky + reflected(path, indirect, &shining)
+}
+
+/// Of that what a ray meets, picked as densely as microfacets reflect.
+fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rgb {
+    let Some(lobes) = Lobes::of(shining) else { return Rgb::ZERO };
+    let direction = lobes.pick(shining, DVec2::from(path.sampler.next_2d()));
+    let scattered = scattered_per_radiance(shining, direction);
+    if scattered == Rgb::ZERO {
+        return Rgb::ZERO;
+    }
+    // What is seen has been scattered once less than what it shows.
+    let transport = Transport { indirect: indirect.once_less(), ..*path.transport };
+    let sky = if indirect.has_sky() { path.light.self_luminous } else { path.light.sky };
+    let mut seen_from_there = Path {
+        snapshot: path.snapshot,
+        transport: &transport,
+        light: Illumination { sky, is_in_shine: true, ..path.light },
+        sampler: &mut *path.sampler,
+        scratch: &mut *path.scratch,
+    };
+    let ray = Ray { origin: shining.position, direction };
+    let start = Start::Surface(shining.primitive);
+    let (leg, _) = seen_from_there.follow(&ray, start, transport.mirror_depth);
+    scattered * leg.radiance / lobes.picked(shining, direction)
+}
