@@ -17,6 +17,7 @@ use super::grid::Grid;
 use super::surroundings::Surfels;
 use crate::color::Rgb;
 use crate::scene::Bounces;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Columns are so much wider than a leaf, at least: narrower ones would tell of single leaves.
@@ -25,9 +26,6 @@ const LEAVES_ACROSS: f64 = 1.2;
 const MOST_COLUMNS: usize = 6;
 /// A cell whose leaves are one on the other would let everything through.
 const LEAST: f64 = 0.2;
-/// Of leaves that face all ways each hides half of its area.
-const G: f64 = 0.5;
-
 /// Of a geometric series: what comes after is next to nothing.
 const MOST_TERMS: u32 = 32;
 /// Columns of all cells and axes: memory.
@@ -53,15 +51,12 @@ impl Clumping {
             return none;
         }
         let columns = Columns::of(grid, surfels, across);
-        let by_chance = columns.index_by_chance(surfels.leaf_area_m2);
-        let depths: Vec<[f32; 2]> = (0..grid.count())
-            .into_par_iter()
-            .map(|node| columns.depths(grid, node))
-            .map(|[found, even]| [found as f32, (by_chance * even) as f32])
-            .collect();
+        let by_chance = columns.indices_by_chance(surfels);
+        let depths: Vec<[f32; 2]> =
+            (0..grid.count()).into_par_iter().map(|node| columns.depths(grid, node, by_chance)).collect();
         let index = |node: usize| {
-            let [found, even] = grid.mean_about(node, &depths);
-            if even > 0.0 { (found / even).clamp(LEAST as f32, 1.0) } else { 1.0 }
+            let [found, anywhere] = grid.mean_about(node, &depths);
+            if anywhere > 0.0 { (found / anywhere).clamp(LEAST as f32, 1.0) } else { 1.0 }
         };
         Self { indices: (0..grid.count()).map(index).collect(), bounces }
     }
@@ -95,7 +90,7 @@ struct Columns {
     /// Along each side of a cell.
     across: usize,
     side_m: f64,
-    /// Leaf area, m^2, by node, by axis, by column.
+    /// Of leaf area what is seen along them, m^2, by node, by axis, by column.
     areas_m2: Vec<f32>,
 }
 
@@ -106,8 +101,8 @@ impl Columns {
         for surfel in &surfels.all {
             let (node, [x, y, z]) = grid.piece(surfel.position, across);
             for (axis, [u, v]) in [[y, z], [z, x], [x, y]].into_iter().enumerate() {
-                areas_m2[((3 * node + axis) * across + u) * across + v] +=
-                    surfel.exposed * surfel.area as f32;
+                let seen = surfel.normal[axis].abs() * surfel.area;
+                areas_m2[((3 * node + axis) * across + u) * across + v] += surfel.exposed * seen as f32;
             }
         }
         Self { across, side_m, areas_m2 }
@@ -118,12 +113,13 @@ impl Columns {
         &self.areas_m2[(3 * node + axis) * count..][..count]
     }
 
-    /// Optical depth of leaves by what columns let through, and if all of their area were spread evenly, as
-    /// means along the three axes. A mass may be longer than a cell, so columns reach into the next cells.
-    fn depths(&self, grid: &Grid, node: usize) -> [f64; 2] {
+    /// Optical depth of leaves by what columns let through, and as if they stood anywhere, as means along the
+    /// three axes. A mass may be longer than a cell, so columns reach into the next cells. Leaves that lie on
+    /// the ground are no mass: from the side next to nothing of them is seen.
+    fn depths(&self, grid: &Grid, node: usize, by_chance: DVec3) -> [f32; 2] {
         let (cell, strides) = (grid.cell_of(node), grid.strides());
         let count = self.across * self.across;
-        let (mut found, mut even) = (0.0, 0.0);
+        let (mut found, mut anywhere) = (0.0, 0.0);
         for axis in 0..3 {
             let before = (cell[axis] > 0).then(|| node - strides[axis]);
             let behind = (cell[axis] + 1 < grid.size[axis]).then(|| node + strides[axis]);
@@ -134,22 +130,28 @@ impl Columns {
             }
             let depth = |column: usize| {
                 let area_m2: f64 = cells.iter().map(|cell| f64::from(cell[column])).sum();
-                G * area_m2 / self.side_m.powi(2)
+                area_m2 / self.side_m.powi(2)
             };
             let (through, all) = (0..count)
                 .map(depth)
                 .fold((0.0, 0.0), |(through, all), depth| (through + (-depth).exp(), all + depth));
             found -= (through / count as f64).ln() / 3.0;
-            even += all / count as f64 / 3.0;
+            anywhere += by_chance[axis] * all / count as f64 / 3.0;
         }
-        [found, even]
+        [found as f32, anywhere as f32]
     }
 
-    /// What leaves seem to have that stand anywhere, each by itself: each is in a column as a whole, and
-    /// their number is Poisson's.
-    fn index_by_chance(&self, leaf_area_m2: f64) -> f64 {
-        let depth = G * leaf_area_m2 / self.side_m.powi(2);
-        -(-depth).exp_m1() / depth
+    /// What leaves seem to have that stand anywhere, each by itself, along each axis: each is in a column as
+    /// a whole, and their number is Poisson's.
+    fn indices_by_chance(&self, surfels: &Surfels) -> DVec3 {
+        let leaf = surfels.leaf_area_m2 / self.side_m.powi(2);
+        let (mut taken, mut all) = (DVec3::ZERO, DVec3::ZERO);
+        for surfel in &surfels.all {
+            let depth = leaf * surfel.normal.abs();
+            taken += surfel.area * (DVec3::ONE - (-depth).exp());
+            all += surfel.area * depth;
+        }
+        DVec3::select(all.cmpgt(DVec3::ZERO), taken / all, DVec3::ONE)
     }
 }
 
@@ -161,8 +163,9 @@ mod tests {
     const CELL_M: f64 = 2.0;
     const LEAF_AREA_M2: f64 = 0.04;
 
-    /// The mean index of the cells of a box full of leaves that stand together by so many.
-    fn index(leaves_a_mass: usize) -> f64 {
+    /// The mean index of the cells of a box full of leaves that stand together by so many, in a layer so
+    /// high.
+    fn index(leaves_a_mass: usize, layer: f64) -> f64 {
         let half_m = 8.0;
         let grid = Grid::covering(DVec3::splat(-half_m), DVec3::splat(half_m), CELL_M);
         let masses = 40_000 / leaves_a_mass;
@@ -175,7 +178,9 @@ mod tests {
                 z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
                 (z ^ (z >> 31)) as f64 / u64::MAX as f64
             };
-            half_m * (2.0 * DVec3::new(uniform(0), uniform(1), uniform(2)) - 1.0)
+            half_m
+                * DVec3::new(1.0, layer, 1.0)
+                * (2.0 * DVec3::new(uniform(0), uniform(1), uniform(2)) - 1.0)
         };
         let places = (0..masses).flat_map(|number| std::iter::repeat_n(place(number), leaves_a_mass));
         let clumping = Clumping::of(&grid, &Surfels::of_leaves(places, LEAF_AREA_M2), Bounces::All);
@@ -187,7 +192,7 @@ mod tests {
 
     #[test]
     fn leaves_that_stand_anywhere_have_an_index_of_one() {
-        let index = index(1);
+        let index = index(1, 1.0);
         assert!((0.97..=1.0).contains(&index), "{index}");
     }
 
@@ -196,13 +201,22 @@ mod tests {
     #[test]
     fn masses_have_that_of_as_many_large_leaves() {
         let across = ((CELL_M / (LEAVES_ACROSS * LEAF_AREA_M2.sqrt())) as usize).min(MOST_COLUMNS);
-        let columns = Columns { across, side_m: CELL_M / across as f64, areas_m2: Vec::new() };
-        for leaves in [4, 10, 25] {
-            let expected =
-                columns.index_by_chance(leaves as f64 * LEAF_AREA_M2) / columns.index_by_chance(LEAF_AREA_M2);
-            let found = index(leaves);
+        let by_chance = |area_m2: f64| {
+            let depth = area_m2 / (CELL_M / across as f64).powi(2);
+            -(-depth).exp_m1() / depth
+        };
+        for leaves in [2, 4, 12] {
+            let expected = by_chance(leaves as f64 * LEAF_AREA_M2) / by_chance(LEAF_AREA_M2);
+            let found = index(leaves, 1.0);
             assert!((found / expected - 1.0).abs() < 0.06, "{leaves}: {found} {expected}");
         }
+    }
+
+    /// They hide nothing of each other: all face up.
+    #[test]
+    fn leaves_that_lie_on_the_ground_are_no_mass() {
+        let index = index(1, 1e-3);
+        assert!(index > 0.95, "{index}");
     }
 
     /// What gets in and is sent on gets out, and terms of the series are those of its sum.

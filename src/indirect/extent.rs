@@ -2,6 +2,7 @@
 //! out come nested grids. Invariant: sides of cells are powers of the root of two, so they change
 //! rarely where bounds move.
 
+use super::field::WALL_CELLS;
 use super::grid::Grid;
 use super::surroundings::Surroundings;
 use crate::snapshot::Snapshot;
@@ -43,18 +44,20 @@ type Bounds = (DVec3, DVec3);
 /// there are things or fog. Cells are `scale` times as wide as they would be, but no finer than leaves allow.
 /// The innermost comes first.
 pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f64) -> Vec<Grid> {
-    let all = surroundings.bounds(0.0..f64::INFINITY);
+    let all = surroundings.bounds(f64::INFINITY);
     let fog = bounded_fog(snapshot);
     let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
-    let leaves = surroundings.bounds(0.0..widest);
+    let leaves = surroundings.bounds(widest);
     let Some(inner) = [fog, leaves].into_iter().flatten().reduce(union).or(all) else { return Vec::new() };
     let world = world(snapshot, inner, all);
     let inner = with_near_sides(inner, world);
     let side = side(inner);
-    let few = if fog.is_some() { FEW_LEAVES } else { 1 };
-    let finest = LEAVES_PER_CELL * surroundings.leaf_width_m(widest, few);
-    let finest = finest.min(side.max_element() / FEWEST_CELLS);
     let fine = (side.element_product() / NODES).cbrt();
+    let leaf_m = match surroundings.leaf_width_m(widest.min(WALL_CELLS * fine), FEW_LEAVES) {
+        0.0 if fog.is_none() => surroundings.leaf_width_m(widest, 1),
+        leaf_m => leaf_m,
+    };
+    let finest = (LEAVES_PER_CELL * leaf_m).min(side.max_element() / FEWEST_CELLS);
     let mut cell_m = (scale * fine.max(finest)).max(finest);
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
     let mut bounds = inner;
@@ -116,8 +119,12 @@ fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
     let high = DVec3::new(reach(DVec3::X), reach(DVec3::Y), reach(DVec3::Z));
     let low = DVec3::new(reach(-DVec3::X), reach(-DVec3::Y), reach(-DVec3::Z));
     let mut fog = (middle - low, middle + high);
-    // Below what things stand on nothing is seen.
-    fog.0.y = fog.0.y.max(known.0.y);
+    let is_covered =
+        [known.0.cmple(fog.0), known.1.cmpge(fog.1)].iter().all(|sides| sides.test(0) && sides.test(2));
+    if is_covered {
+        // Below what things stand on nothing is seen.
+        fog.0.y = fog.0.y.max(known.0.y);
+    }
     union(known, fog)
 }
 

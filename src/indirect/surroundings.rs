@@ -89,7 +89,9 @@ struct PlacedPart<'a> {
     mesh_number: usize,
     part: &'a MeshPart,
     number: usize,
-    /// Of its sides the second longest: how wide a leaf is, or a trunk, or a wall; metres.
+    /// Of its sides the shortest.
+    thickness_m: f64,
+    /// The second longest: how wide a leaf is, or a trunk, or a wall; metres.
     width_m: f64,
     /// The longest.
     length_m: f64,
@@ -98,7 +100,22 @@ struct PlacedPart<'a> {
 impl PlacedPart<'_> {
     /// Whether it stops light as a wall does: what one sees through is matter however large it is.
     fn is_wall(&self, width_m: f64) -> bool {
-        self.width_m >= width_m && !self.mesh.is_blended
+        self.is_large(width_m) && !self.mesh.is_blended
+    }
+
+    fn is_large(&self, width_m: f64) -> bool {
+        self.width_m >= width_m || self.is_panel(width_m)
+    }
+
+    /// Whether it is a board: above a window walls are narrow too, and close what is beside them.
+    fn is_panel(&self, width_m: f64) -> bool {
+        /// As shares of what is wide enough by itself.
+        const NARROWEST: f64 = 0.25;
+        const SHORTEST: f64 = 2.0;
+        /// As a share of its width.
+        const THICKEST: f64 = 0.25;
+        let is_flat = self.thickness_m <= THICKEST * self.width_m;
+        is_flat && self.width_m >= NARROWEST * width_m && self.length_m >= SHORTEST * width_m
     }
 
     fn looks(&self) -> Looks {
@@ -134,15 +151,16 @@ impl<'a> Surroundings<'a> {
             mesh.parts().iter().enumerate().map(move |(number, part)| {
                 let mut sides = ((part.high - part.low) * scale).to_array();
                 sides.sort_by(f64::total_cmp);
-                PlacedPart { mesh, mesh_number, part, number, width_m: sides[1], length_m: sides[2] }
+                let [thickness_m, width_m, length_m] = sides;
+                PlacedPart { mesh, mesh_number, part, number, thickness_m, width_m, length_m }
             })
         };
         Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
     }
 
-    /// The box about all parts of at most that width, in world space; `None` if there is none.
-    pub(super) fn bounds(&self, width_m: std::ops::Range<f64>) -> Option<(DVec3, DVec3)> {
-        let parts = self.parts.iter().filter(|part| width_m.contains(&part.width_m));
+    /// The box about all parts that are narrower, in world space; `None` if there is none.
+    pub(super) fn bounds(&self, widest_m: f64) -> Option<(DVec3, DVec3)> {
+        let parts = self.parts.iter().filter(|part| !part.is_large(widest_m));
         let corners = parts.flat_map(|part| self.corners(part));
         corners.map(|corner| (corner, corner)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
@@ -150,7 +168,7 @@ impl<'a> Surroundings<'a> {
     /// How wide leaves are, as the mean by their area over all parts narrower than
     /// `widest_m`; 0 if there are fewer than `few`.
     pub(super) fn leaf_width_m(&self, widest_m: f64, few: usize) -> f64 {
-        let leaves = self.parts.iter().filter(|part| part.width_m < widest_m);
+        let leaves = self.parts.iter().filter(|part| !part.is_large(widest_m));
         if leaves.clone().count() < few {
             return 0.0;
         }
@@ -175,7 +193,7 @@ impl<'a> Surroundings<'a> {
         }
         let surfels_of = |leaf: &&PlacedPart| {
             let mean = first[&leaf.looks()];
-            if leaf.width_m >= width_m {
+            if leaf.is_large(width_m) {
                 return self.pane(leaf, (mean, &scatters), cell_m);
             }
             let is_small = leaf.length_m < SMALL_CELLS * cell_m;
