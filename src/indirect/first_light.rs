@@ -9,7 +9,7 @@ use super::harmonics::{DEGREE, basis, cosine_lobe};
 use super::matter::Matter;
 use super::moments::{Moments, NodeMoments};
 use super::occluders::OFF_WALL;
-use super::power_rays::{Emitters, PowerRay, of_lamp};
+use super::power_rays::{BUNDLE, Emitters, PowerRay, of_lamp};
 use super::surroundings::scatters_of;
 use super::swept_fog::SweptFog;
 use super::towards_eye::TowardsEye;
@@ -97,7 +97,7 @@ impl FirstLight<'_> {
     /// What groups of rays leave on their way.
     fn followed(&self, rays: &[PowerRay]) -> Vec<Left> {
         let count = self.grid.count();
-        let chunk = rays.len().div_ceil(CHUNKS).max(1);
+        let chunk = rays.len().div_ceil(CHUNKS).max(1).next_multiple_of(BUNDLE);
         let groups = rays.par_chunks(chunk).map(|rays| {
             let has_directions = !rays[0].is_of_sun;
             let mut left = Left {
@@ -105,11 +105,11 @@ impl FirstLight<'_> {
                 scattered: NodeMoments::zero(count),
                 met_again: self.nothing_met(),
             };
-            for ray in rays {
+            for rays in rays.chunks(BUNDLE) {
                 if (self.cancelled)() {
                     break;
                 }
-                self.follow(ray, &mut left);
+                self.follow(rays, &mut left);
             }
             left
         });
@@ -177,32 +177,68 @@ impl FirstLight<'_> {
         shares.map(|share| per_cell / share.max(LEAST)).collect()
     }
 
-    /// Leaves its light in fog and on leaves, up to where it ends.
-    fn follow(&self, from: &PowerRay, left: &mut Left) {
-        let (snapshot, ray) = (self.snapshot, &from.ray);
-        let dimming = self.fog.dimming_of(from.is_of_sun);
+    /// Leaves the light of rays in fog and on leaves, up to where they end.
+    fn follow(&self, rays: &[PowerRay], left: &mut Left) {
+        let mut ends: Vec<(f64, &PowerRay)> = Vec::with_capacity(BUNDLE);
+        for ray in rays {
+            let stops = self.stops(&ray.ray);
+            match &stops[..] {
+                [] if ray.is_of_sun => ends.push((f64::INFINITY, ray)),
+                [(t, point)] if ray.is_of_sun && point.see_through == Rgb::ZERO => {
+                    self.land_at(ray, (*t, point), ray.power, left);
+                    ends.push((*t, ray));
+                }
+                _ => self.follow_alone(ray, &stops, left),
+            }
+        }
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut start = 0.0;
+        for first in 0..ends.len() {
+            let end = ends[first].0;
+            if end > start {
+                let together = PowerRay::together(ends[first..].iter().map(|(_, ray)| *ray));
+                self.light_fog(&together, (start, end), together.power, &mut left.fluence);
+                start = end;
+            }
+        }
+    }
+
+    /// What a ray meets until something opaque ends it.
+    fn stops(&self, ray: &Ray) -> Vec<(f64, SurfacePoint)> {
+        let snapshot = self.snapshot;
         let opaque = snapshot.tree.nearest_hit(ray, f64::INFINITY, None);
         let end = opaque.map_or(f64::INFINITY, |hit| hit.t);
-        let blended = snapshot.blended_hits(ray, &(0.0..end), None);
-        let mut stops: Vec<(f64, SurfacePoint)> = blended.into_iter().map(|hit| (hit.t, hit.point)).collect();
-        if let Some(hit) = opaque {
-            stops.push((end, snapshot.surface(ray, &hit)));
-        }
-        let (enter, leave) = self.inside(ray);
+        let blended = snapshot.blended_hits(ray, &(0.0..end), None).into_iter();
+        blended
+            .map(|hit| (hit.t, hit.point))
+            .chain(opaque.map(|hit| (end, snapshot.surface(ray, &hit))))
+            .collect()
+    }
+
+    fn follow_alone(&self, from: &PowerRay, stops: &[(f64, SurfacePoint)], left: &mut Left) {
         let mut power = from.power;
-        let mut start = enter;
+        let mut start = 0.0;
         for (t, point) in stops.iter().map(|(t, point)| (*t, Some(point))).chain([(f64::INFINITY, None)]) {
-            self.light_fog(from, (start, t.min(leave)), power, &mut left.fluence);
-            start = start.max(t);
-            let Some(point) = point.filter(|_| start <= leave + self.grid.cell_m) else { break };
-            if !self.are_walls.contains(&point.primitive) && t >= enter - self.grid.cell_m {
-                let fog = exp_minus(from.depths[0] + dimming.optical_depth(ray.origin, ray.direction, t));
-                self.land(point, power * fog * point.alpha, left);
-            }
+            self.light_fog(from, (start, t), power, &mut left.fluence);
+            start = t;
+            let Some(point) = point else { break };
+            self.land_at(from, (t, point), power, left);
             power *= point.see_through;
             if power == Rgb::ZERO {
                 break;
             }
+        }
+    }
+
+    /// What a ray meets, if it is in the grid and no wall, gets its light.
+    fn land_at(&self, from: &PowerRay, (t, point): (f64, &SurfacePoint), power: Rgb, left: &mut Left) {
+        let ray = &from.ray;
+        let (enter, leave) = self.inside(ray);
+        let is_inside = (enter - self.grid.cell_m..=leave + self.grid.cell_m).contains(&t);
+        if is_inside && !self.are_walls.contains(&point.primitive) {
+            let dimming = self.fog.dimming_of(from.is_of_sun);
+            let fog = exp_minus(from.depths[0] + dimming.optical_depth(ray.origin, ray.direction, t));
+            self.land(point, power * fog * point.alpha, left);
         }
     }
 
@@ -224,6 +260,8 @@ impl FirstLight<'_> {
         power: Rgb,
         fluence: &mut Fluence,
     ) {
+        let (enter, leave) = self.inside(ray);
+        let (start, end) = (start.max(enter), end.min(leave));
         if start >= end || self.snapshot.medium.is_empty() {
             return;
         }

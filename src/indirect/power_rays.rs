@@ -10,6 +10,8 @@ use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
+/// So many rays of a sun are side by side in their order, and light fog as one where they have not ended.
+pub(super) const BUNDLE: usize = 4;
 /// Rays of a sun that go through a cell, along each side.
 const RAYS_PER_CELL: f64 = 8.0;
 /// Of a sun.
@@ -28,6 +30,17 @@ pub(super) struct PowerRay {
     pub(super) is_of_sun: bool,
 }
 
+impl PowerRay {
+    /// Parallel rays as one in their middle.
+    pub(super) fn together<'a>(rays: impl Iterator<Item = &'a Self> + Clone) -> Self {
+        let count = rays.clone().count() as f64;
+        let mean = |of: &dyn Fn(&Self) -> DVec3| rays.clone().map(of).sum::<DVec3>() / count;
+        let ray = Ray { origin: mean(&|ray| ray.ray.origin), direction: mean(&|ray| ray.ray.direction) };
+        let depths = [0, 1].map(|which| mean(&|ray| ray.depths[which]));
+        Self { ray, power: count * mean(&|ray| ray.power), depths, is_of_sun: true }
+    }
+}
+
 /// What suns shine on.
 pub(super) struct Emitters<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
@@ -36,7 +49,8 @@ pub(super) struct Emitters<'a> {
 }
 
 impl Emitters<'_> {
-    /// Evenly spaced across the sun's direction; where they lie depends on nothing but that.
+    /// Evenly spaced across the sun's direction; where they lie depends on nothing but that. [`BUNDLE`] lie
+    /// side by side, then the next.
     pub(super) fn of_sun(&self, light: &Luminaire, to_light: DVec3) -> Vec<PowerRay> {
         let (low, high) = self.grid.volume();
         let (right, up) = to_light.any_orthonormal_pair();
@@ -60,11 +74,12 @@ impl Emitters<'_> {
         let farthest =
             boxes.map(|(low, high)| DVec3::select(to_light.cmpgt(DVec3::ZERO), high, low).dot(to_light));
         let start = farthest.fold(most.z - eye.dot(to_light), f64::max) + self.grid.cell_m;
-        let first = [least.x, least.y].map(|least| (least / spacing).floor() as i64);
-        let last = [most.x, most.y].map(|most| (most / spacing).ceil() as i64);
+        let bundle = BUNDLE as i64;
+        let columns = (least.x / spacing).floor() as i64..=(most.x / spacing).ceil() as i64;
+        let columns = bundle * columns.start().div_euclid(bundle)..bundle * (columns.end() / bundle + 1);
         let mut rays = Vec::new();
-        for row in first[1]..=last[1] {
-            for column in first[0]..=last[0] {
+        for row in (least.y / spacing).floor() as i64..=(most.y / spacing).ceil() as i64 {
+            for column in columns.clone() {
                 let across = (column as f64 + 0.5) * spacing * right + (row as f64 + 0.5) * spacing * up;
                 let across = across - across.dot(to_light) * to_light;
                 let relative = across - (eye - eye.dot(to_light) * to_light);

@@ -7,7 +7,7 @@ use super::towards_eye::SEEN_DEGREES;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::Snapshot;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 
 /// Rays across the picture.
@@ -32,8 +32,7 @@ pub(super) struct ViewedFog {
 /// What is seen of fog before a distance: its mean radiance by channel, weighed by what it takes of light
 /// behind it, and that weight.
 #[derive(Clone, Copy, Default)]
-#[repr(align(16))]
-struct Seen([f32; 4]);
+struct Seen(Vec4);
 
 impl ViewedFog {
     /// `aspect` is width / height of the picture; `None` where there is no fog.
@@ -73,19 +72,18 @@ impl ViewedFog {
         let depth = self.depths.step(distance).clamp(0.0, steps as f64);
         let cell = [(at.x as usize).min(self.columns - 1), (at.y as usize).min(self.rows - 1)];
         let step = (depth as usize).min(steps - 1);
-        let beyond = [at.x - cell[0] as f64, at.y - cell[1] as f64, depth - step as f64];
-        let mut sum = [0.0; 4];
-        for corner in 0..8 {
-            let is_far = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let part = |axis: usize| if is_far[axis] == 1 { beyond[axis] } else { 1.0 - beyond[axis] };
-            let share = (part(0) * part(1) * part(2)) as f32;
-            let ray = cell[0] + is_far[0] + (self.columns + 1) * (cell[1] + is_far[1]);
-            let seen = &self.sums[ray * (steps + 1) + step + is_far[2]];
-            for (sum, value) in sum.iter_mut().zip(seen.0) {
-                *sum += share * value;
-            }
-        }
-        let [red, green, blue, weight] = sum.map(f64::from);
+        let [across, down] = [0, 1].map(|axis| (at[axis] - cell[axis] as f64) as f32);
+        let later = (depth - step as f64) as f32;
+        let of_ray = |ray: usize| {
+            let seen = &self.sums[ray * (steps + 1) + step..][..2];
+            seen[0].0.lerp(seen[1].0, later)
+        };
+        let of_row = |row: usize| {
+            let ray = cell[0] + (self.columns + 1) * row;
+            of_ray(ray).lerp(of_ray(ray + 1), across)
+        };
+        let seen = of_row(cell[1]).lerp(of_row(cell[1] + 1), down);
+        let [red, green, blue, weight] = seen.to_array().map(f64::from);
         if weight <= 0.0 {
             return Rgb::ZERO;
         }
@@ -203,7 +201,7 @@ impl<'a> Walk<'a> {
         let weighed = |channel: usize| {
             if lost[channel] > 0.0 { (weight * self.light[channel] / lost[channel]) as f32 } else { 0.0 }
         };
-        Seen([weighed(0), weighed(1), weighed(2), weight as f32])
+        Seen(Vec4::new(weighed(0), weighed(1), weighed(2), weight as f32))
     }
 
     /// The source in the middle of a step; just behind a wall that before it.
