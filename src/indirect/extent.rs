@@ -5,6 +5,7 @@
 use super::field::WALL_CELLS;
 use super::grid::Grid;
 use super::surroundings::Surroundings;
+use crate::math::Ray;
 use crate::snapshot::Snapshot;
 use glam::DVec3;
 
@@ -33,6 +34,8 @@ const LARGER: f64 = 1.01;
 const NEAR: f64 = 0.25;
 /// Fog without bounds counts as far as this optical depth, or nearly all that there is of it.
 const FOG_DEPTH: f64 = 4.0;
+/// Beneath things, where they end before it does: less of that is seen.
+const DEPTH_BENEATH: f64 = 2.0;
 const NEARLY_ALL: f64 = 0.95;
 /// Or as far as so many times the size of the innermost grid.
 const FARTHEST: f64 = 1e3;
@@ -115,24 +118,25 @@ fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
         return known;
     }
     let middle = 0.5 * (inner.0 + inner.1);
-    let reach = |direction: DVec3| reach_m(snapshot, middle - snapshot.view.eye, direction, diagonal(inner));
+    let ray = |direction: DVec3| Ray { origin: middle - snapshot.view.eye, direction };
+    let reach = |direction: DVec3| reach_m(snapshot, &ray(direction), (diagonal(inner), FOG_DEPTH));
     let high = DVec3::new(reach(DVec3::X), reach(DVec3::Y), reach(DVec3::Z));
     let low = DVec3::new(reach(-DVec3::X), reach(-DVec3::Y), reach(-DVec3::Z));
     let mut fog = (middle - low, middle + high);
     let is_covered =
         [known.0.cmple(fog.0), known.1.cmpge(fog.1)].iter().all(|sides| sides.test(0) && sides.test(2));
-    if is_covered {
-        // Below what things stand on nothing is seen.
-        fog.0.y = fog.0.y.max(known.0.y);
-    }
+    let beneath = if is_covered { 0.0 } else { DEPTH_BENEATH };
+    let lowest = middle.y - reach_m(snapshot, &ray(-DVec3::Y), (diagonal(inner), beneath));
+    fog.0.y = fog.0.y.max(lowest.min(known.0.y));
     union(known, fog)
 }
 
-/// How far fog goes on that matters.
-fn reach_m(snapshot: &Snapshot, origin: DVec3, direction: DVec3, size_m: f64) -> f64 {
-    let depth = |reach_m: f64| snapshot.medium.optical_depth(origin, direction, reach_m).max_element();
+/// How far fog goes on that matters, up to an optical depth.
+fn reach_m(snapshot: &Snapshot, ray: &Ray, (size_m, most): (f64, f64)) -> f64 {
+    let depth =
+        |reach_m: f64| snapshot.medium.optical_depth(ray.origin, ray.direction, reach_m).max_element();
     let farthest = FARTHEST * size_m;
-    let enough = FOG_DEPTH.min(NEARLY_ALL * depth(farthest));
+    let enough = most.min(NEARLY_ALL * depth(farthest));
     let (mut near, mut far) = (0.0, farthest);
     for _ in 0..40 {
         let middle = 0.5 * (near + far);
