@@ -86,7 +86,6 @@ losses! {
     Anisotropy "anisotropy" "anisotropy of highlights is not honoured"
     Iridescence "iridescence" "iridescence is not honoured"
     UnknownMaterialExtension "unknown-material-extension" "extensions of materials that are not known are passed over"
-    MetalReflections "metal-reflections" "metals show what stands around them blurred, as indirect light has it, and sharply only at roughness 0"
     BackfaceCulling "backface-culling" "backface culling is not honoured, these materials show from both sides"
     MaskTooFine "mask-too-fine" "masks of hardly anything but edges are not cut out, these meshes are drawn whole"
     MaskTooWide "mask-too-wide" "texture coordinates reach too far for masks to be cut out, these meshes are drawn whole"

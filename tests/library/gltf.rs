@@ -250,10 +250,6 @@ fn every_sample_loads_or_is_refused_with_the_reason() {
 fn what_is_not_honoured_is_said_once_a_kind() {
     let said = [
         ("g_pbr.glb", "vertex colours after the first are not honoured (COLOR_1): `vcol`"),
-        (
-            "g_pbr.glb",
-            "metals show what stands around them blurred, as indirect light has it, and sharply only at roughness 0: `pbr_full`",
-        ),
         ("b_leafcards.glb", "masked meshes are cut out along alpha = cutoff, to 0.25 texels: "),
         (
             "h_lights_pointer_scene.glb",

@@ -17,7 +17,7 @@ use sunfleck::transport::{Scratch, radiance};
 /// What the light of ok.gltf brings: 2000 lux, straight onto the triangle.
 const IRRADIANCE: f64 = 2000.0 / 683.0;
 /// Losses that have nothing to do with what is tested.
-const BESIDE: [&str; 3] = ["backface-culling", "metal-reflections", "no-light"];
+const BESIDE: [&str; 2] = ["backface-culling", "no-light"];
 /// Rays a side of the picture.
 const SIDE: usize = 12;
 

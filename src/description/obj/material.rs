@@ -140,7 +140,7 @@ impl Reader<'_> {
             clearcoat: self.clearcoat(),
             normal_map: self.texture(&["norm", "map_bump", "bump"]),
             normal_map_is_sure,
-            coat: self.coat(&name),
+            coat: self.coat(),
             name,
         };
         self.say_other_placements(&material);
@@ -221,7 +221,7 @@ impl Reader<'_> {
         share.filter(|share| *share > 0.0).map(|share| (share, roughness.unwrap_or(0.0)))
     }
 
-    fn coat(&mut self, name: &str) -> Option<ObjCoat> {
+    fn coat(&mut self) -> Option<ObjCoat> {
         let (illum, ior) = (self.number("illum", f64::MAX), self.number("ni", f64::MAX));
         let (ka, ks) = (self.color("ka", f64::MAX), self.color("ks", 1.0));
         let (ns, pr, pm) = (self.number("ns", f64::MAX), self.number("pr", 1.0), self.number("pm", 1.0));
@@ -252,9 +252,8 @@ impl Reader<'_> {
         // Files that say nothing of refraction often write an index of 1.
         let ior = ior.filter(|ior| *ior > 1.0).unwrap_or(DIELECTRIC_IOR);
         let f0 = (2.0 * specular * ((ior - 1.0) / (ior + 1.0)).powi(2)).min(1.0);
-        if metallic > 0.0 || metallic_texture.is_some() {
-            self.tally.add_at(Loss::MetalReflections, name, (self.path, 1));
-        } else if f0 == 0.0 {
+        let is_metal = metallic > 0.0 || metallic_texture.is_some();
+        if !is_metal && f0 == 0.0 {
             return None;
         }
         let roughness = pr.unwrap_or(from_ns);

@@ -85,13 +85,8 @@ impl Builder<'_> {
 
     /// Says what materials ask for that is not honoured.
     pub(super) fn report_material(&mut self, material: &gltf::Material) {
-        let is_mirror = is_mirror(material);
-        let asked = [
-            (material.metallic > 0.0 && !is_mirror && !material.unlit, Loss::MetalReflections),
-            (!material.double_sided, Loss::BackfaceCulling),
-        ];
-        for (_, loss) in asked.iter().filter(|(asked, _)| *asked) {
-            self.report.not_honoured(*loss, &material.name);
+        if !material.double_sided {
+            self.report.not_honoured(Loss::BackfaceCulling, &material.name);
         }
     }
 }
