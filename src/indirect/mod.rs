@@ -184,8 +184,11 @@ impl Indirect {
         self.fog.as_ref().map_or(Rgb::ZERO, |fog| fog.before(snapshot, ray, distance, through))
     }
 
-    /// The same of any ray.
-    pub fn in_scattered(&self, snapshot: &Snapshot, ray: &Ray, distance: f64) -> Rgb {
-        view::along(&self.field, snapshot, ray, distance)
+    /// The same of any ray, in steps: `is_exact` wants more of them.
+    pub fn in_scattered(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, is_exact: bool) -> Rgb {
+        const STEPS: u32 = 24;
+        const FEW_STEPS: u32 = 6;
+        let steps = if is_exact { STEPS } else { FEW_STEPS };
+        view::along(&self.field, snapshot, ray, (distance, steps))
     }
 }

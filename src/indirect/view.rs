@@ -234,16 +234,15 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The same along a ray from anywhere, such as a mirror.
-pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, distance: f64) -> Rgb {
-    const STEPS: u32 = 24;
+/// The same along a ray from anywhere, such as a mirror, in so many steps.
+pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, (distance, steps): (f64, u32)) -> Rgb {
     let (low, high) = field.outer_volume().unwrap_or_else(|| field.volume());
     let origin = snapshot.world_from_relative(ray.origin);
     let distance = distance.min(farthest_m((low - origin, high - origin)));
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
     let mut walk = Walk::new(field, snapshot, *ray, false);
-    for step in 1..=STEPS {
-        walk.to(start + (end - start) * f64::from(step) / f64::from(STEPS));
+    for step in 1..=steps {
+        walk.to(start + (end - start) * f64::from(step) / f64::from(steps));
     }
     walk.light
 }

@@ -4,7 +4,7 @@
 
 use super::direct::scattered_per_radiance;
 use super::lobes::Lobes;
-use super::path::{Illumination, Path, Start, Transport};
+use super::path::{Illumination, Path, Start, Transport, VolumeMethod};
 use super::sky_light;
 use crate::color::Rgb;
 use crate::indirect::Indirect;
@@ -31,8 +31,10 @@ fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rg
     if scattered == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    // What is seen has been scattered once less than what it shows.
-    let transport = Transport { indirect: indirect.once_less(), ..*path.transport };
+    // What is seen has been scattered once less than what it shows. The ray is one of chance, so exact shafts
+    // along it would be dear and no use.
+    let volume = VolumeMethod::Equiangular { points: 1 };
+    let transport = Transport { indirect: indirect.once_less(), volume, ..*path.transport };
     let sky = if indirect.has_sky() { path.light.self_luminous } else { path.light.sky };
     let mut seen_from_there = Path {
         snapshot: path.snapshot,
