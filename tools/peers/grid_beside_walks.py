@@ -3,7 +3,8 @@ r"""Light of all orders on the grid beside that of random walks, of scenes that 
     cd tools && SUNFLECK=../target/release/sunfleck python peers/grid_beside_walks.py ../sequences/title.ron --frame 24
 
 prints the ratio of means, by channel, of the picture and of the two passes that are indirect light: what
-surfaces show, and what fog scatters. Walks are noisy, and right.
+surfaces show, and what fog scatters. Walks are noisy, and right. With `--pictures N` there are N of them, and
+by what blocks of 10x10 pixels of the picture differ is printed too, root mean square, their noise taken out.
 """
 
 from __future__ import annotations
@@ -16,21 +17,38 @@ from pathlib import Path
 
 import numpy as np
 
+from all_orders import blocks
+
 from sunfleck_tools.exr.decode import decode
 
 PASSES = {"beauty": "", "surfaces": "indirect.", "fog": "indirect_shafts."}
 
 
-def means(arguments: argparse.Namespace, scene: Path, out: Path, flags: list[str]) -> dict[str, np.ndarray]:
-    """Of each pass, by channel."""
-    command = [os.environ.get("SUNFLECK", "sunfleck"), "render", str(scene), "--frames", str(arguments.frame)]
-    command += ["--size", arguments.size, "--passes", "indirect,indirect-shafts", "--progress", "none", "--out", str(out)]
-    subprocess.run([*command, *flags], check=True)
-    channels = decode(out)
+def passes(arguments: argparse.Namespace, scene: Path, flags: list[str]) -> dict[str, np.ndarray]:
+    """Each pass, height x width x 3, W m^-2 sr^-1."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder, "picture.exr")
+        command = [os.environ.get("SUNFLECK", "sunfleck"), "render", str(scene), "--frames", str(arguments.frame)]
+        command += ["--size", arguments.size, "--bounces", arguments.bounces, "--passes", "indirect,indirect-shafts"]
+        subprocess.run([*command, "--progress", "none", "--out", str(out), *flags], check=True)
+        channels = decode(out)
     return {
-        name: np.array([np.asarray(channels[prefix + color], float).mean() for color in "RGB"])
+        name: np.stack([np.asarray(channels[prefix + color], float) for color in "RGB"], axis=-1)
         for name, prefix in PASSES.items()
     }
+
+
+def told(grid: dict[str, np.ndarray], walks: list[dict[str, np.ndarray]]) -> str:
+    """Ratios of means, and how blocks differ if there are several pictures by walks."""
+    means = {name: np.mean([picture[name] for picture in walks], axis=0) for name in PASSES}
+    ratios = {name: grid[name].mean(axis=(0, 1)) / means[name].mean(axis=(0, 1)) for name in PASSES}
+    text = ", ".join(f"{name} {' '.join(f'{ratio:.3f}' for ratio in ratios[name])}" for name in PASSES)
+    if len(walks) == 1:
+        return text
+    theirs = np.stack([blocks(picture["beauty"]) for picture in walks])
+    noise = theirs.var(axis=0, ddof=1).mean() / len(walks)
+    off = ((blocks(grid["beauty"]) - theirs.mean(axis=0)) ** 2).mean() - noise
+    return f"{text}, blocks {100 * np.sqrt(max(off, 0.0)) / theirs.mean():.2f} %"
 
 
 def main() -> None:
@@ -41,15 +59,15 @@ def main() -> None:
     parser.add_argument("scenes", type=Path, nargs="+")
     parser.add_argument("--frame", type=int, default=24)
     parser.add_argument("--size", default="160x90")
+    parser.add_argument("--bounces", default="all")
     parser.add_argument("--walks", type=int, default=16, help="samples a pixel of walks")
+    parser.add_argument("--pictures", type=int, default=1, help="by walks")
     arguments = parser.parse_args()
     for scene in arguments.scenes:
-        with tempfile.TemporaryDirectory() as folder:
-            grid = means(arguments, scene, Path(folder, "grid.exr"), ["--samples", "16"])
-            flags = ["--samples", str(arguments.walks), "--volume", "paths"]
-            walks = means(arguments, scene, Path(folder, "walks.exr"), flags)
-        told = [f"{name} {' '.join(f'{ratio:.3f}' for ratio in grid[name] / walks[name])}" for name in PASSES]
-        print(f"{scene.stem:16} {', '.join(told)}", flush=True)
+        grid = passes(arguments, scene, ["--samples", "16"])
+        by_walks = ["--samples", str(arguments.walks), "--volume", "paths", "--seed"]
+        walks = [passes(arguments, scene, [*by_walks, str(seed)]) for seed in range(arguments.pictures)]
+        print(f"{scene.stem:16} {told(grid, walks)}", flush=True)
 
 
 if __name__ == "__main__":
