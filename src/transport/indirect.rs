@@ -38,7 +38,9 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way, from: Start) -
             let through = path.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
             indirect.seen_in_fog(path.snapshot, ray, distance, through)
         }
-        Start::Surface(_) => indirect.in_scattered(path.snapshot, ray, distance, !path.light.is_in_shine),
+        Start::Surface(_) | Start::Shine(_) => {
+            indirect.in_scattered(path.snapshot, ray, distance, !path.light.is_in_shine)
+        }
     };
     let (mut sum, mut so_far, mut seen_through) = (Rgb::ZERO, Rgb::ZERO, Rgb::ONE);
     for hit in &way.blended {

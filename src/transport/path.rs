@@ -72,8 +72,7 @@ pub(super) struct Illumination<'a> {
     pub(super) self_luminous: bool,
     /// Whether the light of the sky belongs to it.
     pub(super) sky: bool,
-    /// Whether it is seen in a surface that shines: what lies beyond the scene is looked for by itself then,
-    /// and shine seen in shine is as blurred as a grid tells it.
+    /// Whether it is seen in a surface that shines: shine seen in shine is as blurred as a grid tells it.
     pub(super) is_in_shine: bool,
 }
 
@@ -85,8 +84,7 @@ impl Illumination<'_> {
 
     /// What lies behind everything.
     pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3) -> Rgb {
-        let is_seen = self.self_luminous && !self.is_in_shine;
-        if is_seen { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
+        if self.self_luminous { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
     }
 }
 
@@ -97,6 +95,8 @@ pub(super) enum Start {
     Camera,
     /// On a mirror.
     Surface(PrimitiveId),
+    /// On a surface that shines: what lies beyond the scene is looked for by itself.
+    Shine(PrimitiveId),
 }
 
 impl Start {
@@ -104,13 +104,13 @@ impl Start {
     pub(super) fn leaving(self) -> Option<PrimitiveId> {
         match self {
             Self::Camera => None,
-            Self::Surface(primitive) => Some(primitive),
+            Self::Surface(primitive) | Self::Shine(primitive) => Some(primitive),
         }
     }
 
     /// Whether rays from there see a triangle.
     pub(super) fn sees(self, snapshot: &Snapshot, primitive: PrimitiveId) -> bool {
-        matches!(self, Self::Surface(_)) || snapshot.is_seen(primitive)
+        !matches!(self, Self::Camera) || snapshot.is_seen(primitive)
     }
 
     /// Whether they see a hole in the picture in its place.

@@ -198,7 +198,7 @@ impl Path<'_> {
         let (snapshot, light) = (self.snapshot, self.light);
         let shown = match from {
             Start::Camera => snapshot.view.shown_along(ray),
-            Start::Surface(_) => 0.0..f64::INFINITY,
+            Start::Surface(_) | Start::Shine(_) => 0.0..f64::INFINITY,
         };
         let RayEnd { hit, passes_hidden } = ray_end(snapshot, ray, &shown, from);
         let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
@@ -208,7 +208,9 @@ impl Path<'_> {
         let shown = shown.start..distance.min(shown.end);
         let blended = match from {
             Start::Camera => snapshot.blended_seen(ray, &shown),
-            Start::Surface(primitive) => snapshot.blended_hits(ray, &shown, Some(primitive)),
+            Start::Surface(primitive) | Start::Shine(primitive) => {
+                snapshot.blended_hits(ray, &shown, Some(primitive))
+            }
         };
         let way = Way { distance, blended, passes_hidden };
         let (shafts, indirect_shafts, fog) = if snapshot.medium.is_empty() {
@@ -222,7 +224,7 @@ impl Path<'_> {
         let (mut shown, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;
         let behind_fog = match &surface {
-            None if is_hole => Shown::default(),
+            None if is_hole || matches!(from, Start::Shine(_)) => Shown::default(),
             None => Shown::emitted(light.background(snapshot, ray.direction)),
             Some(point) => self.scattered(point) + self.emitted_and_mirrored(ray, point, mirrors_left),
         };

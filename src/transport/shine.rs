@@ -44,7 +44,7 @@ fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rg
         scratch: &mut *path.scratch,
     };
     let ray = Ray { origin: shining.position, direction };
-    let start = Start::Surface(shining.primitive);
+    let start = Start::Shine(shining.primitive);
     let (leg, _) = seen_from_there.follow(&ray, start, transport.mirror_depth);
     scattered * leg.radiance / lobes.picked(shining, direction)
 }

@@ -358,6 +358,24 @@ fn the_grid_has_the_same_light() {
     }
 }
 
+/// In even light all that reflects everything is as bright as that, also a mirror that is seen in a metal.
+#[test]
+fn a_metal_shows_the_sky_in_a_mirror() {
+    let mut scene = camera_at(DVec3::ZERO);
+    let white = Material { base_color: Rgb::ONE, ..metal() };
+    add_box(&mut scene, DVec3::new(-2.0, -2.0, -4.1), DVec3::new(2.0, 2.0, -4.0), white);
+    let mirror = Material { base_color: Rgb::ZERO, mirror: Rgb::ONE, ..Material::default() };
+    add_box(&mut scene, DVec3::new(-4.0, -4.0, 3.0), DVec3::new(4.0, 4.0, 3.1), mirror);
+    scene.sky = Sky::new(EVEN_SKY);
+    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+    let grid = Indirect::new(&snapshot, Bounces::All, 1.0, &|| false);
+    let on_grid =
+        Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(Bounces::All) };
+    let (mean, error) = estimate(&scene, &on_grid, 16);
+    println!("a metal before a mirror: {mean:.4} +- {error:.4}");
+    assert!(((mean - 1.0).abs() - SIGMAS * error).max_element() < 0.02, "{mean} +- {error}");
+}
+
 /// Blocks of 10x10 pixels differ from Mitsuba's by both renderers' noise alone, so that their
 /// mean difference is none.
 #[test]
