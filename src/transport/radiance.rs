@@ -206,11 +206,9 @@ impl Path<'_> {
         let surface = hit.filter(|_| !is_hole).map(|hit| snapshot.surface(ray, &hit));
 
         let shown = shown.start..distance.min(shown.end);
-        let blended = match from {
-            Start::Camera => snapshot.blended_seen(ray, &shown),
-            Start::Surface(primitive) | Start::Shine(primitive) => {
-                snapshot.blended_hits(ray, &shown, Some(primitive))
-            }
+        let blended = match from.leaving() {
+            None => snapshot.blended_seen(ray, &shown),
+            leaving => snapshot.blended_hits(ray, &shown, leaving),
         };
         let way = Way { distance, blended, passes_hidden };
         let (shafts, indirect_shafts, fog) = if snapshot.medium.is_empty() {
