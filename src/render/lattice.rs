@@ -255,8 +255,9 @@ impl RoundLattice<'_> {
             phase: (ring.shift_along + phase(place, *per_row)).fract(),
             weight_per_area: ring.weight_per_area * spread,
             swath_rad,
+            // Of a round and a ring; a shift has few bits.
             random: (
-                ring.shift_along.to_bits() as u32 ^ (self.places.step as u32).rotate_left(16),
+                (ring.shift_along * f64::from(u32::MAX)) as u32 ^ self.places.step as u32,
                 number as u32,
             ),
         })

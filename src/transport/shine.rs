@@ -1,6 +1,6 @@
 //! What is seen in a surface that shines, about the mirrored direction. In go a point and uniform numbers,
-//! out comes an estimate of the radiance that it shows of what stands around it. Invariant: unbiased; lights
-//! are not among what is seen, nor is the sky but by a ray of its own, as direct light has them.
+//! out comes an estimate of the radiance that it shows of what stands around it. Invariant: lights are not
+//! among what is seen, nor is the sky but by a ray of its own, as direct light has them.
 
 use super::direct::scattered_per_radiance;
 use super::lobes::Lobes;
