@@ -2,12 +2,13 @@
 //! out come moments. Invariant: an ordinate and its opposite share what half a cell does to light.
 
 use super::beam::Beam;
+use super::extinction::Shade;
 use super::faces::TowardsFaces;
 use super::grid::Grid;
 use super::halo::Halo;
 use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
 use super::highlights::Highlights;
-use super::matter::{Matter, Shade};
+use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::{Ordinate, Ordinates};
 use super::planes::{Layout, Planes};

@@ -3,20 +3,24 @@
 //! scattered at least once, or comes from the sky; never straight from a lamp or a sun.
 
 use super::cut_patches::cut_patches;
+use super::extinction::Extinction;
 use super::first_light::{FirstLight, Found};
 use super::fluence::Glow;
 use super::grid::{Corners, Grid};
 use super::halo::Halo;
 use super::harmonics::{COUNT, DEGREE, basis, product};
+use super::leaf_index::LeafIndex;
+use super::leaf_power::{self, LeafPower, Scattered};
 use super::lobe::Lobe;
 use super::masses::{Mass, Masses};
 use super::matter::Matter;
 use super::moments::NodeMoments;
 use super::occluders::OFF_WALL;
 use super::ordinates::Ordinates;
+use super::own_light::{Alone, Arriving, OwnLight};
 use super::radiances::Radiances;
 use super::rounds::{Light, Rounds, Scatterers};
-use super::surroundings::{Surfels, Surroundings, WallTriangle};
+use super::surroundings::{Leaf, Surfels, Surroundings, WallTriangle};
 use super::sweep::Sweeper;
 use super::swept_fog::SweptFog;
 use super::towards_eye::{SEEN_DEGREES, TowardsEye};
@@ -47,6 +51,7 @@ pub(super) struct Gathered {
 pub(super) struct Context<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) surroundings: &'a Surroundings<'a>,
+    pub(super) leaves: &'a LeafIndex,
     pub(super) bounces: Bounces,
     /// Once it says true, what comes is of no use.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
@@ -74,6 +79,9 @@ pub(super) struct Field {
     radiances: Option<Radiances>,
     glows: Vec<Glow>,
     masses: Masses,
+    extinction: Extinction,
+    own_light: OwnLight,
+    on_leaves: LeafPower,
     /// Whether the sky's own light is part of it.
     pub(super) has_sky: bool,
     is_endless: bool,
@@ -101,7 +109,7 @@ impl Field {
     }
 
     fn new(grid: Grid, mut outer: Option<Self>, has_inner: bool, context: &Context) -> Self {
-        let &Context { snapshot, surroundings, bounces, cancelled } = context;
+        let &Context { snapshot, surroundings, leaves, bounces, cancelled } = context;
         let surfels = surfels_of(&grid, surroundings);
         let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
         let walls = walls_of((&grid, snapshot), &triangles);
@@ -114,11 +122,12 @@ impl Field {
             matter: &matter,
             cancelled,
             walls: &walls,
+            leaves,
             are_walls: triangles.iter().map(|triangle| triangle.primitive).collect(),
         };
         let (ordinates, fine) = (Ordinates::new(), walls.are_at_angles().then(Ordinates::fine));
         let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
-        let Found { sources, beams, glows, met_again } = first.found();
+        let Found { sources, beams, glows, met_again, on_leaves } = first.found();
         let along = fine.as_ref().unwrap_or(&ordinates);
         let lit = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls, ordinates: along }.found();
         let sky = snapshot.sky;
@@ -140,9 +149,9 @@ impl Field {
         };
         let halo = outer.as_mut().and_then(|outer| outer.halo(&grid));
         let lit = rounds.run(bounces, sources, &lit.irradiances, halo.as_ref());
+        let (masses, extinction) = matter.told(&met_again);
         let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
         Self {
-            grid,
             outer: outer.map(Box::new),
             on_faces: walls.faces.irradiances(&light),
             walls,
@@ -153,7 +162,11 @@ impl Field {
             towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments)),
             radiances: lit.last.radiances,
             glows,
-            masses: matter.into_masses(&met_again),
+            masses,
+            extinction,
+            own_light: OwnLight::new(&grid, &ordinates, bounces),
+            on_leaves,
+            grid,
             has_sky,
             is_endless: lit.is_endless,
         }
@@ -196,13 +209,27 @@ impl Field {
         }
     }
 
-    /// What comes to a place of world space on the side that `normal` faces.
-    pub(super) fn gather(&self, world: DVec3, normal: DVec3) -> Gathered {
-        let field = self.level_at(world);
-        let corners = field.corners_before(world, normal);
-        let glows = field.glows.iter().map(|glow| glow.mean(&corners)).collect();
-        let mass = field.masses.at(&field.grid, world);
-        Gathered { moments: field.light.mean(&corners), fourth: field.fourth.mean(&corners), glows, mass }
+    /// What comes to the two sides of a leaf of all light but its own.
+    pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
+        let field = self.level_at(leaf.position);
+        let mass = field.masses.at(&field.grid, leaf.position);
+        let (out, inside) = field.masses.leaves(mass, leaf);
+        let facing = [leaf.normal, -leaf.normal];
+        let nodes =
+            facing.map(|facing| leaf_power::nodes_of(&field.grid, &field.walls.occluders, (leaf, facing)));
+        let unmet = field.on_leaves.scattered(number, leaf);
+        let mut sides = [0, 1].map(|side| Gathered {
+            moments: field.light.mean(&nodes[side][0]),
+            fourth: field.fourth.mean(&nodes[side][0]),
+            glows: field.glows.iter().map(|glow| glow.mean(&nodes[side][0])).collect(),
+            mass: mass.of_leaf(leaf, out * unmet[side].all()),
+        });
+        let scattered = unmet.map(|side| Scattered { back: out * side.back, through: out * side.through });
+        let (fog, shade) = field.extinction.at(field.grid.nearest(leaf.position));
+        let alone = Alone { leaf, scattered, nodes, fog, shade, index: mass.index(), inside };
+        let arriving = sides.each_mut().map(|side| Arriving(&mut side.moments, &mut side.fourth));
+        field.own_light.take(&field.grid, &alone, arriving);
+        sides
     }
 
     /// What a leaf gathers of what it would by itself, where it sends a share of all light on.

@@ -6,11 +6,13 @@ use super::beam::Beam;
 use super::fluence::{Fluence, Glow};
 use super::grid::{Grid, Stretch};
 use super::harmonics::{DEGREE, basis, cosine_lobe};
+use super::leaf_index::LeafIndex;
+use super::leaf_power::{self, LeafPower};
 use super::matter::Matter;
 use super::moments::{Moments, NodeMoments};
 use super::occluders::OFF_WALL;
 use super::power_rays::{BUNDLE, Emitters, PowerRay, of_lamp};
-use super::surroundings::scatters_of;
+use super::scatters::scatters_of;
 use super::swept_fog::SweptFog;
 use super::towards_eye::TowardsEye;
 use super::walls::Walls;
@@ -39,6 +41,7 @@ struct Left {
     scattered: NodeMoments,
     /// What of that meets leaves of the same mass, W m^-3 by node.
     met_again: Vec<[f32; 3]>,
+    on_leaves: LeafPower,
 }
 
 /// What becomes of light where it is scattered first.
@@ -51,6 +54,8 @@ pub(super) struct Found {
     pub(super) glows: Vec<Glow>,
     /// What leaves scatter that meets leaves of the same mass, W m^-3 by node.
     pub(super) met_again: Vec<[f32; 3]>,
+    /// What leaves get that are known one by one.
+    pub(super) on_leaves: LeafPower,
 }
 
 pub(super) struct FirstLight<'a> {
@@ -62,6 +67,7 @@ pub(super) struct FirstLight<'a> {
     pub(super) walls: &'a Walls,
     /// Triangles that are walls: their light is another matter, see `wall_light.rs`.
     pub(super) are_walls: HashSet<PrimitiveId>,
+    pub(super) leaves: &'a LeafIndex,
 }
 
 impl FirstLight<'_> {
@@ -69,23 +75,25 @@ impl FirstLight<'_> {
     pub(super) fn found(&self) -> Found {
         let nothing = Moments::zero(self.grid.count());
         let (beams, glows, met_again) = (Vec::new(), Vec::new(), self.nothing_met());
-        let mut found = Found { sources: nothing, beams, glows, met_again };
+        let on_leaves = LeafPower::zero(self.leaves.kept().len());
+        let mut found = Found { sources: nothing, beams, glows, met_again, on_leaves };
         let emitters = Emitters { snapshot: self.snapshot, grid: self.grid, fog: self.fog };
         let per_volume = self.per_volume();
         for light in &self.snapshot.lights {
             match light.centre() {
                 FrozenLight::Sun { to_light, .. } => {
                     let groups = self.followed(&emitters.of_sun(light, to_light));
-                    add_met_again(&groups, &mut found.met_again);
+                    add_on_leaves(&groups, &mut found);
                     self.add_sun(-to_light, &groups, &per_volume, &mut found);
                 }
                 FrozenLight::Point { .. } => {
                     let groups = self.followed(&of_lamp(light));
-                    add_met_again(&groups, &mut found.met_again);
+                    add_on_leaves(&groups, &mut found);
                     self.add_lamp(&groups, &per_volume, &mut found.sources);
                 }
             }
         }
+        self.send_from_leaves(&mut found);
         found
     }
 
@@ -104,6 +112,7 @@ impl FirstLight<'_> {
                 fluence: Fluence::zero(count, has_directions),
                 scattered: NodeMoments::zero(count),
                 met_again: self.nothing_met(),
+                on_leaves: LeafPower::zero(self.leaves.kept().len()),
             };
             for rays in rays.chunks(BUNDLE) {
                 if (self.cancelled)() {
@@ -290,30 +299,64 @@ impl FirstLight<'_> {
         }
     }
 
-    /// The share of what a leaf scatters of power that gets out of its mass; what does not stays there.
-    fn leaves_mass(&self, point: &SurfacePoint, power: Rgb, left: &mut Left) -> Rgb {
-        let world = self.snapshot.world_from_relative(point.position);
+    /// The share of what a leaf of an exposed share scatters of power that gets out of it and of its mass;
+    /// what meets that again stays there.
+    fn leaves_mass(
+        &self,
+        world: DVec3,
+        (exposed, sent): (f64, Rgb),
+        power: Rgb,
+        met_again: &mut [[f32; 3]],
+    ) -> Rgb {
         let index = self.matter.clumping.at(self.grid.nearest(world));
-        if index == 1.0 {
-            return Rgb::ONE;
-        }
-        let scatters = scatters_of(point);
-        let sent = scatters.reflectance + scatters.transmittance;
-        let out = self.matter.clumping.inside(index, sent);
-        let met_again = (1.0 - index) / index * out * sent * power / self.grid.cell_volume();
-        for (node, share) in self.grid.corners(world).iter() {
-            let sums = left.met_again[node].iter_mut().zip(met_again.to_array());
-            sums.for_each(|(sum, value)| *sum += (share * value) as f32);
+        let out = self.matter.clumping.inside(index * exposed, sent);
+        if index < 1.0 {
+            let again = (1.0 - index) / index * out * sent * power / self.grid.cell_volume();
+            for (node, share) in self.grid.corners(world).iter() {
+                let sums = met_again[node].iter_mut().zip(again.to_array());
+                sums.for_each(|(sum, value)| *sum += (share * value) as f32);
+            }
         }
         out
     }
 
+    /// What leaves make of all power that meets them.
+    fn send_from_leaves(&self, found: &mut Found) {
+        let mut sent = NodeMoments::zero(self.grid.count());
+        for (number, leaf) in self.leaves.kept().iter().enumerate() {
+            let power = found.on_leaves.of(number);
+            if power == [Rgb::ZERO; 2] {
+                continue;
+            }
+            let share = (leaf.exposed, leaf.scatters.sent());
+            let out = self.leaves_mass(leaf.position, share, power[0] + power[1], &mut found.met_again);
+            let scattered = found.on_leaves.scattered(number, leaf);
+            for (scattered, facing) in scattered.into_iter().zip([leaf.normal, -leaf.normal]) {
+                let nodes = leaf_power::nodes_of(self.grid, &self.walls.occluders, (leaf, facing));
+                let factor = FRAC_1_PI / self.grid.cell_volume() * out;
+                sent.add_lobe(&nodes[0], &cosine_lobe(facing), factor * scattered.through);
+                sent.add_lobe(&nodes[1], &cosine_lobe(facing), factor * scattered.back);
+            }
+        }
+        found.sources.add_nodes(&sent);
+    }
+
     /// What a leaf makes of power that meets it.
     fn land(&self, point: &SurfacePoint, power: Rgb, left: &mut Left) {
-        let scatters = scatters_of(point);
         let normal = point.geometric_normal;
+        let leaves = self.leaves.kept();
+        if let Some((number, leaf)) = self
+            .leaves
+            .number(self.snapshot, point.primitive)
+            .and_then(|number| Some((number, leaves.get(number)?)))
+        {
+            left.on_leaves.add(number, usize::from(normal.dot(leaf.normal) < 0.0), power);
+            return;
+        }
+        let scatters = scatters_of(point);
         let factor = FRAC_1_PI / self.grid.cell_volume();
-        let out = self.leaves_mass(point, power, left);
+        let world = self.snapshot.world_from_relative(point.position);
+        let out = self.leaves_mass(world, (1.0, scatters.sent()), power, &mut left.met_again);
         for (side, radiosity) in [(normal, scatters.reflectance), (-normal, scatters.transmittance)] {
             if radiosity == Rgb::ZERO {
                 continue;
@@ -322,17 +365,16 @@ impl FirstLight<'_> {
                 self.snapshot.world_from_relative(point.position + cells * self.grid.cell_m * side)
             });
             let corners = self.walls.occluders.corners(self.grid, place, seen_from);
-            let (lobe, sent) = (cosine_lobe(side), factor * out * power * radiosity);
-            left.scattered.add(&corners, &sent.to_array().map(|sent| lobe.map(|value| sent * value)));
+            left.scattered.add_lobe(&corners, &cosine_lobe(side), factor * out * power * radiosity);
         }
     }
 }
 
-fn add_met_again(groups: &[Left], all: &mut [[f32; 3]]) {
+fn add_on_leaves(groups: &[Left], found: &mut Found) {
     for left in groups {
-        for (sum, value) in all.as_flattened_mut().iter_mut().zip(left.met_again.as_flattened()) {
-            *sum += value;
-        }
+        found.on_leaves.add_all(&left.on_leaves);
+        let sums = found.met_again.as_flattened_mut().iter_mut();
+        sums.zip(left.met_again.as_flattened()).for_each(|(sum, value)| *sum += value);
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) struct Grid {
 }
 
 /// Eight nodes about a place, and what each counts: trilinear interpolation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corners {
     pub(super) nodes: [usize; 8],
     pub(super) weights: [f64; 8],

@@ -3,7 +3,7 @@
 //! along all ordinates together a patch sends out what its coat and what lies beneath make of that light.
 
 use super::ordinates::Ordinates;
-use super::surroundings::reflectance;
+use super::scatters::reflectance;
 use super::walls::Patch;
 use crate::color::Rgb;
 use crate::math::Ray;

@@ -3,60 +3,32 @@
 //! stands for all of it.
 
 use super::field::{Field, Gathered};
+use super::leaf_index::LeafIndex;
 use super::lobe::Lobe;
-use super::surroundings::Leaf;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::snapshot::Snapshot;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Of more, each ray gathers by itself: memory. Which parts are leaves is known all the same.
-const MOST_LEAVES: usize = 200_000;
-const NO_LEAF: u32 = u32::MAX;
-
 /// What both sides of leaves get.
 pub(super) struct LeafLight {
-    /// Where the parts of each mesh begin in `leaf_of`, by the number that it has at all moments; of the
-    /// last they end with it.
-    starts: Vec<u32>,
-    leaf_of: Vec<u32>,
+    index: LeafIndex,
     /// By leaf: its normal, and what comes to its side and to the other.
     sides: Vec<(DVec3, [Gathered; 2])>,
 }
 
 impl LeafLight {
-    pub(super) fn new(field: &Field, snapshot: &Snapshot, leaves: &[Leaf]) -> Self {
-        let meshes = snapshot.lasting_count();
-        let mut starts = vec![0; meshes + 1];
-        for leaf in leaves {
-            // Up to the last of its parts that is a leaf.
-            starts[snapshot.lasting_number(leaf.mesh) + 1] = leaf.part as u32 + 1;
-        }
-        for mesh in 0..meshes {
-            starts[mesh + 1] += starts[mesh];
-        }
-        let mut leaf_of = vec![NO_LEAF; starts[meshes] as usize];
-        for (leaf, number) in leaves.iter().zip(0..) {
-            leaf_of[starts[snapshot.lasting_number(leaf.mesh)] as usize + leaf.part] = number;
-        }
-        let gather = |leaf: &Leaf| {
-            let sides = [leaf.normal, -leaf.normal].map(|normal| field.gather(leaf.position, normal));
-            (leaf.normal, sides)
-        };
-        let gathered = if leaves.len() > MOST_LEAVES { &[] } else { leaves };
-        Self { starts, leaf_of, sides: gathered.par_iter().map(gather).collect() }
+    pub(super) fn new(field: &Field, index: LeafIndex) -> Self {
+        let gather = |(number, leaf)| field.gather_leaf(number, leaf);
+        let leaves = index.kept().par_iter().enumerate();
+        let sides = leaves.map(|(number, leaf)| (leaf.normal, gather((number, leaf)))).collect();
+        Self { index, sides }
     }
 
     /// The leaf that a triangle is part of, if it is, with what it has gathered, if it has.
     pub(super) fn of(&self, snapshot: &Snapshot, primitive: PrimitiveId) -> Option<Option<LeafSides<'_>>> {
-        let mesh = snapshot.lasting_number(primitive.instance as usize);
-        let parts = &self.leaf_of[self.starts[mesh] as usize..self.starts[mesh + 1] as usize];
-        if parts.is_empty() {
-            return None;
-        }
-        let leaf = *parts.get(snapshot.part_of(primitive))?;
-        (leaf != NO_LEAF).then(|| self.sides.get(leaf as usize).map(LeafSides))
+        Some(self.sides.get(self.index.number(snapshot, primitive)?).map(LeafSides))
     }
 }
 

@@ -4,6 +4,7 @@
 
 use super::clumping::Clumping;
 use super::grid::Grid;
+use super::surroundings::Leaf;
 use crate::color::Rgb;
 use glam::DVec3;
 
@@ -23,6 +24,22 @@ pub(super) struct Mass {
     given: Rgb,
 }
 
+impl Mass {
+    pub(super) fn index(self) -> f64 {
+        self.index
+    }
+
+    /// Of a leaf that is bent: a mass by itself. Of the first light that a side of it scatters, so much gets
+    /// out, W.
+    pub(super) fn of_leaf(self, leaf: &Leaf, out: Rgb) -> Self {
+        let met_again = (1.0 - leaf.exposed) / (self.index * leaf.exposed) * out;
+        Self {
+            index: self.index * leaf.exposed,
+            given: self.given + met_again / leaf.area_m2.max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
 impl Masses {
     pub(super) fn new(clumping: Clumping, given: Vec<[f32; 3]>) -> Self {
         Self { clumping, given }
@@ -36,6 +53,12 @@ impl Masses {
         let share = |(node, share): (usize, f64)| share * Rgb::from_array(self.given[node].map(f64::from));
         let given = grid.corners(world).iter().map(share).sum();
         Mass { index: self.clumping.at(grid.nearest(world)), given }
+    }
+
+    /// Of what a leaf scatters, as shares, what gets out of it and its mass, and out of its mass alone.
+    pub(super) fn leaves(&self, mass: Mass, leaf: &Leaf) -> (Rgb, Rgb) {
+        let inside = |index: f64| self.clumping.inside(index, leaf.scatters.sent());
+        (inside(mass.index * leaf.exposed), inside(mass.index))
     }
 
     /// What a leaf of a mass gathers of what it would by itself, if it sends a share of all light on.

@@ -7,12 +7,14 @@
 //! `3/16 + 15/16 cos^2`. So a node's leaves are two sums of outer products.
 
 use super::clumping::Clumping;
+use super::extinction::{Extinction, Shade};
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
 use super::masses::Masses;
 use super::moments::Moments;
 use super::occluders::OFF_WALL;
-use super::surroundings::{Scatters, Surfel, Surfels};
+use super::scatters::Scatters;
+use super::surroundings::{Surfel, Surfels};
 use super::swept_fog::{FogHere, SweptFog};
 use super::walls::Walls;
 use crate::color::Rgb;
@@ -49,29 +51,6 @@ pub(super) struct Matter {
     /// What they take of light, in the same order.
     pub(super) shades: Vec<Shade>,
     pub(super) clumping: Clumping,
-}
-
-/// Extinction of a node's leaves, by direction.
-pub(super) struct Shade([f32; 8]);
-
-impl Shade {
-    /// Of leaf area by volume: `3/16` of it, and `15/16` of the outer products of normals.
-    fn of(leaves: &Leaves) -> Self {
-        let [xx, yy, zz, xy, yz, zx] = leaves.density_by_normal.map(|density| 15.0 / 16.0 * density);
-        Self([3.0 / 16.0 * leaves.density, xx, yy, zz, 2.0 * xy, 2.0 * yz, 2.0 * zx, 0.0])
-    }
-
-    /// What a direction of travel makes of them; see [`Shade::along`].
-    pub(super) fn products(DVec3 { x, y, z }: DVec3) -> [f32; 8] {
-        [1.0, x * x, y * y, z * z, x * y, y * z, z * x, 0.0].map(|product| product as f32)
-    }
-
-    /// Extinction of light, 1/m, by the products of its direction of travel.
-    #[inline]
-    pub(super) fn along(&self, products: &[f32; 8]) -> f32 {
-        let [a, b, c, d, e, f, g, h]: [f32; 8] = std::array::from_fn(|index| self.0[index] * products[index]);
-        (a + e) + (b + f) + ((c + g) + (d + h))
-    }
 }
 
 /// The leaves of a node.
@@ -249,7 +228,8 @@ impl Matter {
         if !matter.clumping.is_none() {
             matter.leaves.iter_mut().for_each(|leaves| leaves.gather(&matter.clumping));
         }
-        matter.shades = matter.leaves.iter().map(Shade::of).collect();
+        let shade = |leaves: &Leaves| Shade::of(leaves.density, leaves.density_by_normal);
+        matter.shades = matter.leaves.iter().map(shade).collect();
         matter
     }
 
@@ -328,8 +308,9 @@ impl Matter {
         sources
     }
 
-    /// Masses of its leaves that get power of each other, W m^-3 by node.
-    pub(super) fn into_masses(self, met_again: &[[f32; 3]]) -> Masses {
+    /// What is known of it by who gathers light: masses of its leaves that get power of each other, W m^-3 by
+    /// node.
+    pub(super) fn told(self, met_again: &[[f32; 3]]) -> (Masses, Extinction) {
         let mut given = vec![[0.0; 3]; met_again.len()];
         let leaves = if met_again.is_empty() { &[] } else { &self.leaves[..] };
         // What meets light is less than the area of all leaves, which have two sides each.
@@ -341,7 +322,8 @@ impl Matter {
                 given[leaves.node] = met_again[leaves.node].map(|power| power / sides);
             }
         }
-        Masses::new(self.clumping, given)
+        let extinction = Extinction::new(self.fog_extinction, self.leaves_of, self.shades);
+        (Masses::new(self.clumping, given), extinction)
     }
 
     /// What leaves emit by themselves, as sources.

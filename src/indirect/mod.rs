@@ -11,6 +11,7 @@ mod carrier;
 mod clumping;
 mod cut_patches;
 mod extent;
+mod extinction;
 mod faces;
 mod field;
 mod first_light;
@@ -19,17 +20,21 @@ mod grid;
 mod halo;
 mod harmonics;
 mod highlights;
+mod leaf_index;
 mod leaf_light;
+mod leaf_power;
 mod lobe;
 mod masses;
 mod matter;
 mod moments;
 mod occluders;
 mod ordinates;
+mod own_light;
 mod planes;
 mod power_rays;
 mod radiances;
 mod rounds;
+mod scatters;
 mod surroundings;
 mod sweep;
 mod sweep_kernels;
@@ -42,6 +47,7 @@ mod wanted;
 
 use self::extent::levels;
 use self::field::{Context, Field};
+use self::leaf_index::LeafIndex;
 use self::leaf_light::LeafLight;
 use self::lobe::Lobe;
 use self::surroundings::Surroundings;
@@ -105,9 +111,10 @@ impl Indirect {
     ) -> Option<Self> {
         let surroundings = Surroundings::of(snapshot);
         let grids = levels(snapshot, &surroundings, scale);
-        let context = Context { snapshot, surroundings: &surroundings, bounces, cancelled };
+        let leaves = LeafIndex::new(snapshot, surroundings.leaves(grids.first()?.cell_m));
+        let context = Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, cancelled };
         let field = Field::on(grids, &context)?;
-        let leaves = LeafLight::new(&field, snapshot, &surroundings.leaves(field.cell_m()));
+        let leaves = LeafLight::new(&field, leaves);
         Some(Self { field, leaves, fog: None, bounces, once_less: None })
     }
 

@@ -4,6 +4,7 @@
 
 use super::grid::Corners;
 use super::harmonics::COUNT;
+use crate::color::Rgb;
 
 /// Moments of all nodes of a grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,9 +104,9 @@ impl NodeMoments {
         Self(vec![[0.0; PER_NODE]; nodes])
     }
 
-    /// Adds to eight nodes, to each its share; `values` by channel, then by harmonic.
-    pub(super) fn add(&mut self, corners: &Corners, values: &[[f64; COUNT]; 3]) {
-        let values = values.map(|channel| channel.map(|value| value as f32));
+    /// Adds to eight nodes, to each its share, so much of a lobe by channel.
+    pub(super) fn add_lobe(&mut self, corners: &Corners, lobe: &[f64; COUNT], factor: Rgb) {
+        let values = factor.to_array().map(|factor| lobe.map(|value| (factor * value) as f32));
         for (&node, &weight) in corners.nodes.iter().zip(&corners.weights) {
             let sums = self.0[node].iter_mut();
             for (sum, value) in sums.zip(values.as_flattened()) {

@@ -2,10 +2,9 @@
 //! walls. In goes a snapshot, out come both and the box that they fill. Invariant: each visible triangle is
 //! part of one of them.
 
+use super::scatters::{MeanScatters, Scatters, scatters};
 use crate::accel::PrimitiveId;
-use crate::color::Rgb;
-use crate::math::Ray;
-use crate::snapshot::{DrawnMesh, MeshPart, PartPlace, Snapshot, SurfacePoint};
+use crate::snapshot::{DrawnMesh, MeshPart, PartPlace, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -43,19 +42,6 @@ impl Surfels {
     pub(super) fn scatters(&self, surfel: &Surfel) -> &Scatters {
         &self.scatters[surfel.scatters as usize]
     }
-}
-
-/// What becomes of light that meets a surface, and what it adds.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Scatters {
-    /// Share that comes back.
-    pub(super) reflectance: Rgb,
-    /// Share that comes through.
-    pub(super) transmittance: Rgb,
-    /// Emitted radiance.
-    pub(super) emission: Rgb,
-    /// Share that does not pass as if there were nothing.
-    pub(super) cover: f64,
 }
 
 /// A triangle of something that is larger than a cell.
@@ -131,10 +117,18 @@ pub(super) struct Leaf {
     /// In world space, of all of it.
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
+    /// What covers of one side, m^2.
+    pub(super) area_m2: f64,
+    /// Which share of light from all sides the leaf itself does not hide.
+    pub(super) exposed: f64,
+    /// On its mean.
+    pub(super) scatters: Scatters,
 }
 
 /// Of a leaf's area so much faces one way at least; a body's faces all ways.
 const FLAT: f64 = 0.5;
+/// A leaf that is rolled up hides next to all of itself.
+const LEAST_EXPOSED: f64 = 0.1;
 
 /// The parts that a snapshot shows.
 pub(super) struct Surroundings<'a> {
@@ -187,7 +181,8 @@ impl<'a> Surroundings<'a> {
         for leaf in &leaves {
             first.entry(leaf.looks()).or_insert_with(|| {
                 let first = scatters.len() as u32;
-                scatters.extend(self.part_scatters(leaf));
+                let exposed = if leaf.part.is_closed { 1.0 } else { leaf.part.exposed.max(LEAST_EXPOSED) };
+                scatters.extend(self.part_scatters(leaf).iter().map(|part| part.out_of_bent(exposed)));
                 first
             });
         }
@@ -233,12 +228,16 @@ impl<'a> Surroundings<'a> {
 
     /// Parts no longer than a cell that have two sides, in the order of their meshes.
     pub(super) fn leaves(&self, cell_m: f64) -> Vec<Leaf> {
-        let small =
-            self.parts.par_iter().filter(|part| part.length_m < SMALL_CELLS * cell_m && !part.part.is_closed);
-        small.filter_map(|part| self.leaf(part)).collect()
+        let is_small = |part: &&PlacedPart| part.length_m < SMALL_CELLS * cell_m && !part.part.is_closed;
+        let mut means: HashMap<Looks, Scatters> = HashMap::new();
+        for part in self.parts.iter().filter(is_small) {
+            means.entry(part.looks()).or_insert_with(|| self.part_scatters(part)[0]);
+        }
+        let small = self.parts.par_iter().filter(is_small);
+        small.filter_map(|part| self.leaf(part, means[&part.looks()])).collect()
     }
 
-    fn leaf(&self, part: &PlacedPart) -> Option<Leaf> {
+    fn leaf(&self, part: &PlacedPart, scatters: Scatters) -> Option<Leaf> {
         let (mut position, mut facing, mut all) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for place in &part.part.few_places {
             let [a, b, c] = self.world_corners(part.mesh.primitive(place.triangle)?);
@@ -254,6 +253,9 @@ impl<'a> Surroundings<'a> {
             part: part.number,
             position: position / all,
             normal: facing.normalize(),
+            area_m2: all * scatters.cover,
+            exposed: part.part.exposed.max(LEAST_EXPOSED),
+            scatters,
         })
     }
 
@@ -331,64 +333,6 @@ fn middles(count: f64) -> impl Iterator<Item = (f64, f64)> {
         let turned = (0..(side - i).saturating_sub(1)).map(move |j| middle(i, j, 2.0 / 3.0));
         upright.chain(turned)
     })
-}
-
-/// What several places do together, each by its area, and in colours as much as it covers.
-#[derive(Default)]
-pub(super) struct MeanScatters {
-    sum: Scatters,
-    area: f64,
-}
-
-impl MeanScatters {
-    pub(super) fn add(&mut self, area: f64, scatters: &Scatters) {
-        let covered = area * scatters.cover;
-        self.sum.reflectance += covered * scatters.reflectance;
-        self.sum.transmittance += covered * scatters.transmittance;
-        self.sum.emission += covered * scatters.emission;
-        self.sum.cover += covered;
-        self.area += area;
-    }
-
-    pub(super) fn mean(&self) -> Scatters {
-        let [per_cover, per_area] =
-            [self.sum.cover, self.area].map(|sum| if sum > 0.0 { 1.0 / sum } else { 0.0 });
-        Scatters {
-            reflectance: per_cover * self.sum.reflectance,
-            transmittance: per_cover * self.sum.transmittance,
-            emission: per_cover * self.sum.emission,
-            cover: per_area * self.sum.cover,
-        }
-    }
-}
-
-/// What a surface does to light on the side that `normal` faces, at a place of world space.
-pub(super) fn scatters(
-    snapshot: &Snapshot,
-    primitive: PrimitiveId,
-    position: DVec3,
-    normal: DVec3,
-) -> Scatters {
-    let towards = Ray { origin: position + normal - snapshot.view.eye, direction: -normal };
-    scatters_of(&snapshot.facet(primitive).seen_along(&towards, 1.0))
-}
-
-/// The same of a point.
-pub(super) fn scatters_of(point: &SurfacePoint) -> Scatters {
-    Scatters {
-        reflectance: reflectance(point),
-        transmittance: point.transmission,
-        emission: point.emission,
-        cover: 1.0 - (1.0 - point.alpha).clamp(0.0, 1.0),
-    }
-}
-
-/// All that comes back, whatever way: what shines counts as matte.
-pub(super) fn reflectance(point: &SurfacePoint) -> Rgb {
-    /// About where most light falls and most is seen.
-    const COS: f64 = 0.6;
-    let coat = point.gloss.as_ref().map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));
-    (point.albedo * (Rgb::ONE - coat) + coat + point.mirror).clamp(Rgb::ZERO, Rgb::ONE)
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@
 use super::faces::Faces;
 use super::grid::Grid;
 use super::occluders::{CLEAR, CellTriangle, Occluders};
-use super::surroundings::{MeanScatters, Scatters, WallTriangle, scatters};
+use super::scatters::{MeanScatters, Scatters, scatters};
+use super::surroundings::WallTriangle;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::snapshot::Snapshot;

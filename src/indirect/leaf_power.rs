@@ -1,0 +1,74 @@
+//! Light of lamps and suns that meets leaves, leaf by leaf. In go rays that end on them, out come sources on
+//! the grid. Invariant: all that leaves a leaf comes from one place of it, so what it makes of its own light
+//! is known; see `own_light.rs`.
+
+use super::grid::{Corners, Grid};
+use super::occluders::{OFF_WALL, Occluders};
+use super::surroundings::Leaf;
+use crate::color::Rgb;
+use glam::DVec3;
+
+/// From so far before a lit side, in roots of its area, comes what it scatters back: no leaf stands between it
+/// and its light, so what is next to that way gets out. It is the mean way of a cosine out of a leaf's shadow,
+/// `8 r / 3 pi` across it, for light from all sides. In canopies that is the hot spot (Kuusk 1991, "The hot
+/// spot effect in plant canopy reflectance").
+const WAY_OUT: f64 = 0.6;
+
+/// What both sides of each leaf get, W.
+#[derive(Clone)]
+pub(super) struct LeafPower(Vec<[[f32; 3]; 2]>);
+
+impl LeafPower {
+    /// Of so many leaves.
+    pub(super) fn zero(leaves: usize) -> Self {
+        Self(vec![[[0.0; 3]; 2]; leaves])
+    }
+
+    /// To the side that a leaf's normal shows, 0, or to its other side, 1.
+    pub(super) fn add(&mut self, leaf: usize, side: usize, power: Rgb) {
+        let sums = self.0[leaf][side].iter_mut().zip(power.to_array());
+        sums.for_each(|(sum, value)| *sum += value as f32);
+    }
+
+    /// `self += other`.
+    pub(super) fn add_all(&mut self, other: &Self) {
+        let values = other.0.as_flattened().as_flattened();
+        let sums = self.0.as_flattened_mut().as_flattened_mut().iter_mut();
+        sums.zip(values).for_each(|(sum, value)| *sum += value);
+    }
+
+    /// Of one leaf.
+    pub(super) fn of(&self, number: usize) -> [Rgb; 2] {
+        self.0[number].map(|power| Rgb::from_array(power.map(f64::from)))
+    }
+
+    /// What leaves each of its sides.
+    pub(super) fn scattered(&self, number: usize, leaf: &Leaf) -> [Scattered; 2] {
+        let power = self.of(number);
+        [0, 1].map(|side| Scattered {
+            back: leaf.scatters.reflectance * power[side],
+            through: leaf.scatters.transmittance * power[1 - side],
+        })
+    }
+}
+
+/// Power that leaves a side of a leaf, W, before the leaf itself meets any of it.
+#[derive(Clone, Copy)]
+pub(super) struct Scattered {
+    pub(super) back: Rgb,
+    pub(super) through: Rgb,
+}
+
+impl Scattered {
+    pub(super) fn all(self) -> Rgb {
+        self.back + self.through
+    }
+}
+
+/// Nodes that stand for a leaf as its side `facing` sees them, and those that stand for what that scatters
+/// back.
+pub(super) fn nodes_of(grid: &Grid, occluders: &Occluders, (leaf, facing): (&Leaf, DVec3)) -> [Corners; 2] {
+    let seen_from = leaf.position + OFF_WALL * grid.cell_m * facing;
+    [0.0, WAY_OUT * leaf.area_m2.sqrt()]
+        .map(|away_m| occluders.corners(grid, leaf.position + away_m * facing, seen_from))
+}
