@@ -149,7 +149,7 @@ impl<'a> Carrier<'a> {
             planes,
             matter,
             leaf_nodes: matter.leaves.iter().map(|leaves| layout.node(leaves.node)).collect(),
-            fog_extinction: layout.of_grid(&matter.fog_extinction[channel]),
+            fog_extinction: layout.of_grid(&matter.extinction.fog[channel]),
             walled: walled(grid, walls, layout, &planes),
             pairs: pairs(ordinates, axis),
             leaf_extinction: nodes(),
@@ -230,7 +230,7 @@ impl<'a> Carrier<'a> {
 
     fn prepare(&mut self, direction: DVec3, sources: &Sources) {
         let products = Shade::products(direction);
-        for (shade, &node) in self.matter.shades.iter().zip(&self.leaf_nodes) {
+        for (shade, &node) in self.matter.extinction.shades.iter().zip(&self.leaf_nodes) {
             self.leaf_extinction[node] = shade.along(&products);
         }
         let [along, against] = &mut self.added;

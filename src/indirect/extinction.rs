@@ -26,23 +26,29 @@ impl Shade {
     }
 }
 
+/// The number of a node's leaves that has none.
+pub(super) const NO_LEAVES: u32 = u32::MAX;
+
 /// Of all nodes of a grid.
 pub(super) struct Extinction {
-    /// Of fog, by channel.
-    fog: [Vec<f32>; 3],
-    /// Which of `shades` a node has, if any.
-    shade_of: Vec<u32>,
-    shades: Vec<Shade>,
+    /// Of fog, 1/m, by channel and node.
+    pub(super) fog: [Vec<f32>; 3],
+    /// Which of `shades` a node has.
+    pub(super) leaves_of: Vec<u32>,
+    /// Of nodes that have leaves.
+    pub(super) shades: Vec<Shade>,
 }
 
 impl Extinction {
-    pub(super) fn new(fog: [Vec<f32>; 3], shade_of: Vec<u32>, shades: Vec<Shade>) -> Self {
-        Self { fog, shade_of, shades }
+    /// Of nothing.
+    pub(super) fn zero(nodes: usize) -> Self {
+        let fog = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; nodes]);
+        Self { fog, leaves_of: vec![NO_LEAVES; nodes], shades: Vec::new() }
     }
 
     /// Of fog at a node, 1/m by channel, and what its leaves are.
     pub(super) fn at(&self, node: usize) -> ([f32; 3], Option<&Shade>) {
         let fog = [0, 1, 2].map(|channel: usize| self.fog[channel][node]);
-        (fog, self.shades.get(self.shade_of[node] as usize))
+        (fog, self.shades.get(self.leaves_of[node] as usize))
     }
 }

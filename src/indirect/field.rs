@@ -10,7 +10,7 @@ use super::grid::{Corners, Grid};
 use super::halo::Halo;
 use super::harmonics::{COUNT, DEGREE, basis, product};
 use super::leaf_index::LeafIndex;
-use super::leaf_power::{self, LeafPower, Scattered};
+use super::leaf_power::LeafPower;
 use super::lobe::Lobe;
 use super::masses::{Mass, Masses};
 use super::matter::Matter;
@@ -101,6 +101,16 @@ fn walls_of((grid, snapshot): (&Grid, &Snapshot), triangles: &[WallTriangle]) ->
     walls.introduce()
 }
 
+/// What leaves and fog make of lamps and suns.
+fn first_light(
+    (grid, walls, triangles): (&Grid, &Walls, &[WallTriangle]),
+    (matter, fog): (&Matter, &SweptFog),
+    &Context { snapshot, leaves, cancelled, .. }: &Context,
+) -> Found {
+    let are_walls = triangles.iter().map(|triangle| triangle.primitive).collect();
+    FirstLight { snapshot, fog, grid, matter, cancelled, walls, leaves, are_walls }.found()
+}
+
 impl Field {
     /// Solves it on grids, the innermost first: from the outermost inwards.
     pub(super) fn on(grids: Vec<Grid>, context: &Context) -> Option<Self> {
@@ -115,19 +125,10 @@ impl Field {
         let walls = walls_of((&grid, snapshot), &triangles);
         let fog = SweptFog::new(&snapshot.medium, bounces);
         let matter = Matter::new((&grid, &walls), snapshot.view.eye, &fog, &surfels, bounces);
-        let first = FirstLight {
-            snapshot,
-            fog: &fog,
-            grid: &grid,
-            matter: &matter,
-            cancelled,
-            walls: &walls,
-            leaves,
-            are_walls: triangles.iter().map(|triangle| triangle.primitive).collect(),
-        };
         let (ordinates, fine) = (Ordinates::new(), walls.are_at_angles().then(Ordinates::fine));
         let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
-        let Found { sources, beams, glows, met_again, on_leaves } = first.found();
+        let Found { sources, beams, glows, met_again, on_leaves } =
+            first_light((&grid, &walls, &triangles), (&matter, &fog), context);
         let along = fine.as_ref().unwrap_or(&ordinates);
         let lit = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls, ordinates: along }.found();
         let sky = snapshot.sky;
@@ -148,7 +149,9 @@ impl Field {
             cancelled,
         };
         let halo = outer.as_mut().and_then(|outer| outer.halo(&grid));
-        let lit = rounds.run(bounces, sources, &lit.irradiances, halo.as_ref());
+        let own_light = OwnLight::new(&grid, &ordinates, bounces);
+        let again = own_light.all_sent_again((&grid, &walls.occluders), &matter, (leaves, &on_leaves));
+        let lit = rounds.run(bounces, (sources, again), &lit.irradiances, halo.as_ref());
         let (masses, extinction) = matter.told(&met_again);
         let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
         Self {
@@ -164,7 +167,7 @@ impl Field {
             glows,
             masses,
             extinction,
-            own_light: OwnLight::new(&grid, &ordinates, bounces),
+            own_light,
             on_leaves,
             grid,
             has_sky,
@@ -212,23 +215,24 @@ impl Field {
     /// What comes to the two sides of a leaf of all light but its own.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         let field = self.level_at(leaf.position);
-        let mass = field.masses.at(&field.grid, leaf.position);
-        let (out, inside) = field.masses.leaves(mass, leaf);
-        let facing = [leaf.normal, -leaf.normal];
-        let nodes =
-            facing.map(|facing| leaf_power::nodes_of(&field.grid, &field.walls.occluders, (leaf, facing)));
         let unmet = field.on_leaves.scattered(number, leaf);
-        let mut sides = [0, 1].map(|side| Gathered {
-            moments: field.light.mean(&nodes[side][0]),
-            fourth: field.fourth.mean(&nodes[side][0]),
-            glows: field.glows.iter().map(|glow| glow.mean(&nodes[side][0])).collect(),
-            mass: mass.of_leaf(leaf, out * unmet[side].all()),
+        let alone = Alone::new(
+            (&field.grid, &field.walls.occluders),
+            (&field.extinction, field.masses.clumping()),
+            (leaf, unmet),
+        );
+        let mass = field.masses.at(&field.grid, leaf.position);
+        let mut sides = [0, 1].map(|side| {
+            let corners = &alone.nodes[side][0];
+            Gathered {
+                moments: field.light.mean(corners),
+                fourth: field.fourth.mean(corners),
+                glows: field.glows.iter().map(|glow| glow.mean(corners)).collect(),
+                mass: field.masses.of_leaf(mass, leaf, unmet[side].all()),
+            }
         });
-        let scattered = unmet.map(|side| Scattered { back: out * side.back, through: out * side.through });
-        let (fog, shade) = field.extinction.at(field.grid.nearest(leaf.position));
-        let alone = Alone { leaf, scattered, nodes, fog, shade, index: mass.index(), inside };
         let arriving = sides.each_mut().map(|side| Arriving(&mut side.moments, &mut side.fourth));
-        field.own_light.take(&field.grid, &alone, arriving);
+        field.own_light.take(&alone, arriving);
         sides
     }
 

@@ -332,7 +332,7 @@ impl FirstLight<'_> {
             let out = self.leaves_mass(leaf.position, share, power[0] + power[1], &mut found.met_again);
             let scattered = found.on_leaves.scattered(number, leaf);
             for (scattered, facing) in scattered.into_iter().zip([leaf.normal, -leaf.normal]) {
-                let nodes = leaf_power::nodes_of(self.grid, &self.walls.occluders, (leaf, facing));
+                let nodes = leaf_power::nodes_of((self.grid, &self.walls.occluders), (leaf, facing));
                 let factor = FRAC_1_PI / self.grid.cell_volume() * out;
                 sent.add_lobe(&nodes[0], &cosine_lobe(facing), factor * scattered.through);
                 sent.add_lobe(&nodes[1], &cosine_lobe(facing), factor * scattered.back);

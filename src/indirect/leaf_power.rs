@@ -8,10 +8,10 @@ use super::surroundings::Leaf;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// From so far before a lit side, in roots of its area, comes what it scatters back: no leaf stands between it
-/// and its light, so what is next to that way gets out. It is the mean way of a cosine out of a leaf's shadow,
-/// `8 r / 3 pi` across it, for light from all sides. In canopies that is the hot spot (Kuusk 1991, "The hot
-/// spot effect in plant canopy reflectance").
+/// From so far before a lit side, in roots of its area, comes what it scatters back: no leaf stands between
+/// it and its light, so what is next to that way gets out. It is the mean way of a cosine out of a leaf's
+/// shadow, `8 r / 3 pi` across it, for light from all sides. In canopies that is the hot spot (Kuusk 1991,
+/// "The hot spot effect in plant canopy reflectance").
 const WAY_OUT: f64 = 0.6;
 
 /// What both sides of each leaf get, W.
@@ -67,7 +67,10 @@ impl Scattered {
 
 /// Nodes that stand for a leaf as its side `facing` sees them, and those that stand for what that scatters
 /// back.
-pub(super) fn nodes_of(grid: &Grid, occluders: &Occluders, (leaf, facing): (&Leaf, DVec3)) -> [Corners; 2] {
+pub(super) fn nodes_of(
+    (grid, occluders): (&Grid, &Occluders),
+    (leaf, facing): (&Leaf, DVec3),
+) -> [Corners; 2] {
     let seen_from = leaf.position + OFF_WALL * grid.cell_m * facing;
     [0.0, WAY_OUT * leaf.area_m2.sqrt()]
         .map(|away_m| occluders.corners(grid, leaf.position + away_m * facing, seen_from))

@@ -24,22 +24,6 @@ pub(super) struct Mass {
     given: Rgb,
 }
 
-impl Mass {
-    pub(super) fn index(self) -> f64 {
-        self.index
-    }
-
-    /// Of a leaf that is bent: a mass by itself. Of the first light that a side of it scatters, so much gets
-    /// out, W.
-    pub(super) fn of_leaf(self, leaf: &Leaf, out: Rgb) -> Self {
-        let met_again = (1.0 - leaf.exposed) / (self.index * leaf.exposed) * out;
-        Self {
-            index: self.index * leaf.exposed,
-            given: self.given + met_again / leaf.area_m2.max(f64::MIN_POSITIVE),
-        }
-    }
-}
-
 impl Masses {
     pub(super) fn new(clumping: Clumping, given: Vec<[f32; 3]>) -> Self {
         Self { clumping, given }
@@ -55,10 +39,17 @@ impl Masses {
         Mass { index: self.clumping.at(grid.nearest(world)), given }
     }
 
-    /// Of what a leaf scatters, as shares, what gets out of it and its mass, and out of its mass alone.
-    pub(super) fn leaves(&self, mass: Mass, leaf: &Leaf) -> (Rgb, Rgb) {
-        let inside = |index: f64| self.clumping.inside(index, leaf.scatters.sent());
-        (inside(mass.index * leaf.exposed), inside(mass.index))
+    pub(super) fn clumping(&self) -> &Clumping {
+        &self.clumping
+    }
+
+    /// A leaf's own place in one: a leaf that is bent is a mass by itself. Of first light its side scatters
+    /// `unmet`, W, of which it meets a share again.
+    pub(super) fn of_leaf(&self, mass: Mass, leaf: &Leaf, unmet: Rgb) -> Mass {
+        let index = mass.index * leaf.exposed;
+        let out = self.clumping.inside(index, leaf.scatters.sent());
+        let met_again = (1.0 - leaf.exposed) / index * out * unmet / leaf.area_m2.max(f64::MIN_POSITIVE);
+        Mass { index, given: mass.given + met_again }
     }
 
     /// What a leaf of a mass gathers of what it would by itself, if it sends a share of all light on.

@@ -7,7 +7,7 @@
 //! `3/16 + 15/16 cos^2`. So a node's leaves are two sums of outer products.
 
 use super::clumping::Clumping;
-use super::extinction::{Extinction, Shade};
+use super::extinction::{Extinction, NO_LEAVES, Shade};
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
 use super::masses::Masses;
@@ -30,26 +30,20 @@ const ODD: [usize; 3] = [1, 2, 3];
 /// Products of two of them, each pair once.
 const EVEN_PAIRS: usize = 21;
 const ODD_PAIRS: usize = 6;
-const NO_LEAVES: u32 = u32::MAX;
 /// A node has leaves of so much of the mean density, at least, where power is shared out among them: rays
 /// meet a leaf all over, and what it counts at is its middle.
 const LEAST_SIDES: f32 = 0.02;
 
 /// What fills the cells of a grid.
 pub(super) struct Matter {
-    /// Extinction of fog, 1/m, by channel and node.
-    pub(super) fog_extinction: [Vec<f32>; 3],
+    pub(super) extinction: Extinction,
     /// Of fog what each degree of harmonics gets back: `sigma_s g^l`, 1/m, by channel, degree and node.
     fog_scattering: [[Vec<f32>; 3]; 3],
     /// The same of suns' light as it is scattered first, and its forward peak.
     first_scattering: [[Vec<f32>; BEAM_DEGREES as usize]; 3],
     first_peak: [Vec<f32>; 3],
-    /// Which of `leaves` a node has.
-    leaves_of: Vec<u32>,
     /// Nodes that have leaves, with those.
     pub(super) leaves: Vec<Leaves>,
-    /// What they take of light, in the same order.
-    pub(super) shades: Vec<Shade>,
     pub(super) clumping: Clumping,
 }
 
@@ -209,13 +203,11 @@ impl Matter {
         let count = grid.count();
         let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut matter = Self {
-            fog_extinction: channels(),
+            extinction: Extinction::zero(count),
             fog_scattering: [channels(), channels(), channels()],
             first_scattering: std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; count])),
             first_peak: channels(),
-            leaves_of: vec![NO_LEAVES; count],
             leaves: Vec::new(),
-            shades: Vec::new(),
             clumping: Clumping::of(grid, surfels, bounces),
         };
         if !fog.dimming.is_empty() {
@@ -229,7 +221,7 @@ impl Matter {
             matter.leaves.iter_mut().for_each(|leaves| leaves.gather(&matter.clumping));
         }
         let shade = |leaves: &Leaves| Shade::of(leaves.density, leaves.density_by_normal);
-        matter.shades = matter.leaves.iter().map(shade).collect();
+        matter.extinction.shades = matter.leaves.iter().map(shade).collect();
         matter
     }
 
@@ -253,7 +245,7 @@ impl Matter {
             .collect();
         for (node, mean) in means.iter().enumerate() {
             for channel in 0..3 {
-                self.fog_extinction[channel][node] = mean.extinction[channel] as f32;
+                self.extinction.fog[channel][node] = mean.extinction[channel] as f32;
                 for degree in 0..3 {
                     self.fog_scattering[channel][degree][node] = mean.scattering[degree][channel] as f32;
                 }
@@ -280,17 +272,18 @@ impl Matter {
     }
 
     fn leaves_mut(&mut self, node: usize) -> &mut Leaves {
-        if self.leaves_of[node] == NO_LEAVES {
-            self.leaves_of[node] = self.leaves.len() as u32;
+        let number = &mut self.extinction.leaves_of[node];
+        if *number == NO_LEAVES {
+            *number = self.leaves.len() as u32;
             self.leaves.push(Leaves::at(node));
         }
-        &mut self.leaves[self.leaves_of[node] as usize]
+        &mut self.leaves[*number as usize]
     }
 
     /// Where light goes next: the sources that matter makes of the moments of light, per metre and steradian;
     /// leaves alone of light that fog is not to see.
     pub(super) fn scatter(&self, light: &Moments, is_seen_by_fog: bool) -> Moments {
-        let mut sources = Moments::zero(self.leaves_of.len());
+        let mut sources = Moments::zero(self.extinction.leaves_of.len());
         for channel in 0..3 {
             for (index, degree) in DEGREE.into_iter().enumerate().filter(|_| is_seen_by_fog) {
                 let share = &self.fog_scattering[channel][degree];
@@ -322,8 +315,7 @@ impl Matter {
                 given[leaves.node] = met_again[leaves.node].map(|power| power / sides);
             }
         }
-        let extinction = Extinction::new(self.fog_extinction, self.leaves_of, self.shades);
-        (Masses::new(self.clumping, given), extinction)
+        (Masses::new(self.clumping, given), self.extinction)
     }
 
     /// What leaves emit by themselves, as sources.

@@ -76,11 +76,20 @@ impl Moments {
 
     /// `self += other`.
     pub(super) fn add_nodes(&mut self, other: &NodeMoments) {
+        self.add_times(other, 1.0);
+    }
+
+    /// `self -= other`.
+    pub(super) fn take_nodes(&mut self, other: &NodeMoments) {
+        self.add_times(other, -1.0);
+    }
+
+    fn add_times(&mut self, other: &NodeMoments, factor: f32) {
         for channel in 0..3 {
             for index in 0..COUNT {
                 let sums = self.channel_mut(channel, index).iter_mut();
                 for (sum, node) in sums.zip(&other.0) {
-                    *sum += node[channel * COUNT + index];
+                    *sum += factor * node[channel * COUNT + index];
                 }
             }
         }

@@ -3,26 +3,29 @@
 //!
 //! On a grid a leaf is spread over cells, so it shines on itself and stands in its own way. A real one does
 //! neither: seen from one of many leaves that stand anywhere, the others are as if it were not there
-//! (Slivnyak's theorem; Chiu, Stoyan, Kendall & Mecke 2013, "Stochastic Geometry and its Applications", section
-//! 4.4). A sweep is linear in what a leaf adds to it, and near its sources it is a few products.
+//! (Slivnyak's theorem; Chiu, Stoyan, Kendall & Mecke 2013, "Stochastic Geometry and its Applications",
+//! section 4.4). A sweep is linear in what a leaf adds to it, and near its sources it is a few products.
 
-use super::extinction::Shade;
+use super::clumping::Clumping;
+use super::extinction::{Extinction, Shade};
 use super::grid::{Corners, Grid};
-use super::harmonics::{COSINE_LOBE_4, COUNT, basis, fourth_basis, irradiance_lobe, product};
-use super::leaf_power::Scattered;
-use super::ordinates::Ordinates;
+use super::harmonics::{COSINE_LOBE_4, COUNT, basis, cosine_lobe, fourth_basis, irradiance_lobe, product};
+use super::leaf_index::LeafIndex;
+use super::leaf_power::{self, LeafPower, Scattered};
+use super::matter::Matter;
+use super::moments::NodeMoments;
+use super::occluders::Occluders;
+use super::ordinates::{Ordinate, Ordinates};
 use super::surroundings::Leaf;
 use crate::color::Rgb;
 use crate::scene::Bounces;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Steps from a node to it and those next to it.
 const NEAR: usize = 27;
 const HERE: usize = 13;
-/// Its light's own light is a share of a share.
-const TIMES: usize = 2;
-
 /// By channel, then by harmonic.
 type Moments = [[f32; COUNT]; 3];
 
@@ -49,17 +52,57 @@ struct Way {
 
 /// A leaf, and what is about it.
 pub(super) struct Alone<'a> {
-    pub(super) leaf: &'a Leaf,
-    /// What leaves its sides of first light, W.
-    pub(super) scattered: [Scattered; 2],
+    leaf: &'a Leaf,
+    /// What leaves its sides of first light and glow, W.
+    scattered: [Scattered; 2],
     /// For each side the nodes that stand for it, and for what it scatters back of first light.
     pub(super) nodes: [[Corners; 2]; 2],
+    /// Steps between them; first by the side that sees.
+    near: [[[f32; NEAR]; 3]; 2],
     /// Extinction of fog about it, 1/m, and of leaves.
-    pub(super) fog: [f32; 3],
-    pub(super) shade: Option<&'a Shade>,
+    fog: [f32; 3],
+    shade: Option<&'a Shade>,
     /// Of clumping, and the share that gets out of masses of what it scatters.
-    pub(super) index: f64,
-    pub(super) inside: Rgb,
+    index: f64,
+    inside: Rgb,
+}
+
+impl<'a> Alone<'a> {
+    /// `unmet` is what its sides scatter of first light, before the leaf or others of its mass meet it again.
+    pub(super) fn new(
+        (grid, occluders): (&Grid, &Occluders),
+        (extinction, clumping): (&'a Extinction, &Clumping),
+        (leaf, unmet): (&'a Leaf, [Scattered; 2]),
+    ) -> Self {
+        let node = grid.nearest(leaf.position);
+        let (index, sent) = (clumping.at(node), leaf.scatters.sent());
+        let out = clumping.inside(index * leaf.exposed, sent);
+        let nodes =
+            [leaf.normal, -leaf.normal].map(|facing| leaf_power::nodes_of((grid, occluders), (leaf, facing)));
+        let from = [nodes[0][0], nodes[0][1], nodes[1][1]];
+        let near = nodes.map(|[to, _]| from.map(|from| near(grid, &from, &to)));
+        let (fog, shade) = extinction.at(node);
+        let inside = clumping.inside(index, sent);
+        let bent = leaf.scatters.out_of_bent(leaf.exposed);
+        let glow = PI * leaf.exposed * leaf.area_m2 * inside * bent.emission;
+        let scattered =
+            unmet.map(|side| Scattered { back: out * side.back, through: out * side.through + glow });
+        Self { leaf, scattered, nodes, near, fog, shade, index, inside }
+    }
+
+    /// What leaves its sides of the light that arrives later, W.
+    fn sent(&self, arriving: [Rgb; 2]) -> [Rgb; 2] {
+        let scatters = self.leaf.scatters.out_of_bent(self.leaf.exposed);
+        let factor = self.leaf.exposed * self.leaf.area_m2 * self.index * self.inside;
+        [0, 1].map(|side| {
+            let [here, other] = [arriving[side], arriving[1 - side]];
+            factor * (scatters.reflectance * here + scatters.transmittance * other)
+        })
+    }
+
+    fn has_first(&self) -> bool {
+        self.scattered.iter().any(|side| side.all() != Rgb::ZERO)
+    }
 }
 
 /// What comes to a side: moments up to degree 2, and of degree 4.
@@ -118,105 +161,109 @@ impl Way {
 
 impl OwnLight {
     pub(super) fn new(grid: &Grid, ordinates: &Ordinates, bounces: Bounces) -> Self {
-        let way =
-            |ordinate: &super::ordinates::Ordinate| Way::of(ordinate.direction, ordinate.weight, grid.cell_m);
+        let way = |ordinate: &Ordinate| Way::of(ordinate.direction, ordinate.weight, grid.cell_m);
         let goes_on = bounces != Bounces::UpTo(1);
         Self { ways: ordinates.iter().map(way).collect(), per_volume: 1.0 / grid.cell_volume(), goes_on }
     }
 
-    /// Takes a leaf's own part out of what comes to its sides.
-    pub(super) fn take(&self, grid: &Grid, alone: &Alone, sides: [Arriving; 2]) {
-        let reach: Vec<[[f32; 2]; 3]> = self.ways.iter().map(|way| way.reach(alone)).collect();
-        let [of_matter, back, back_of_other] = [alone.nodes[0][0], alone.nodes[0][1], alone.nodes[1][1]];
-        // Far from walls both sides have the same nodes.
-        let both = alone.nodes[0][0] == alone.nodes[1][0];
-        let mut seen = [0, 1]
-            .map(|side| {
-                let to = alone.nodes[side][0];
-                [of_matter, back, back_of_other].map(|from| near(grid, &from, &to))
-            })
-            .into_iter()
-            .zip(sides)
-            .map(|(near, Arriving(moments, fourth))| {
-                let mut left = [*moments, *fourth];
-                self.take_first(alone, (&reach, &near), &mut left);
-                (near, left, moments, fourth)
-            })
-            .collect::<Vec<_>>();
-        let first: Vec<[Moments; 2]> = seen.iter().map(|(_, left, ..)| *left).collect();
-        for _ in 0..TIMES {
-            let arriving = [0, 1].map(|side| irradiance(alone.leaf, side, &seen[side].1));
-            let sent = self.sent(alone, arriving);
-            for side in 0..if both { 1 } else { 2 } {
-                let light = seen[side].1[0];
-                let mut left = first[side];
-                self.take_later(alone, (&reach, &seen[side].0[0]), (sent, &light), &mut left);
-                seen[side].1 = left;
-            }
-            if both {
-                seen[1].1 = seen[0].1;
+    /// What all leaves scatter of their own first light, as sources.
+    pub(super) fn all_sent_again(
+        &self,
+        (grid, occluders): (&Grid, &Occluders),
+        matter: &Matter,
+        (leaves, on_leaves): (&LeafIndex, &LeafPower),
+    ) -> NodeMoments {
+        let mut sources = NodeMoments::zero(grid.count());
+        let of_leaf = |(number, leaf): (usize, &Leaf)| {
+            let told = (&matter.extinction, &matter.clumping);
+            let alone = Alone::new((grid, occluders), told, (leaf, on_leaves.scattered(number, leaf)));
+            (alone.nodes, self.sent_again(&alone))
+        };
+        let all: Vec<_> = leaves.kept().par_iter().enumerate().map(of_leaf).collect();
+        let factor = FRAC_1_PI * self.per_volume;
+        for (leaf, (nodes, sent)) in leaves.kept().iter().zip(all) {
+            for ((nodes, sent), facing) in nodes.iter().zip(sent).zip([leaf.normal, -leaf.normal]) {
+                sources.add_lobe(&nodes[0], &cosine_lobe(facing), factor * sent);
             }
         }
-        for (_, [all, of_fourth], moments, fourth) in seen {
-            (*moments, *fourth) = (all, of_fourth);
+        sources
+    }
+
+    /// What a leaf scatters of its own first light when that has come back to it, where nothing else did:
+    /// power that leaves its sides, W. The second round has it, and nobody should.
+    pub(super) fn sent_again(&self, alone: &Alone) -> [Rgb; 2] {
+        if !alone.has_first() {
+            return [Rgb::ZERO; 2];
+        }
+        let reach = self.reach(alone);
+        let arriving = [0, 1].map(|side| {
+            let mut without = [[[0.0; COUNT]; 3]; 2];
+            self.take_first(alone, (&reach, side), &mut without);
+            -irradiance(alone.leaf, side, &without)
+        });
+        alone.sent(arriving)
+    }
+
+    /// Takes a leaf's own part out of what comes to its sides.
+    pub(super) fn take(&self, alone: &Alone, sides: [Arriving; 2]) {
+        let reach = self.reach(alone);
+        let mut left = sides.each_ref().map(|Arriving(moments, fourth)| [**moments, **fourth]);
+        if alone.has_first() {
+            for (side, left) in left.iter_mut().enumerate() {
+                self.take_first(alone, (&reach, side), left);
+            }
+        }
+        let arriving = [0, 1].map(|side| irradiance(alone.leaf, side, &left[side]).max(Rgb::ZERO));
+        let arriving = if self.goes_on { arriving } else { [Rgb::ZERO; 2] };
+        let sent = alone.sent(arriving);
+        for (side, (left, Arriving(moments, fourth))) in left.iter_mut().zip(sides).enumerate() {
+            let light = left[0];
+            self.take_later(alone, (&reach, side), (sent, &light), left);
+            [*moments, *fourth] = *left;
         }
     }
 
-    /// What it scatters of first light.
-    fn take_first(
-        &self,
-        alone: &Alone,
-        (reach, near): (&[[[f32; 2]; 3]], &[[f32; NEAR]; 3]),
-        from: &mut [Moments; 2],
-    ) {
+    fn reach(&self, alone: &Alone) -> Vec<[[f32; 2]; 3]> {
+        self.ways.iter().map(|way| way.reach(alone)).collect()
+    }
+
+    /// What it scatters of first light, as a side sees it.
+    fn take_first(&self, alone: &Alone, (reach, side): (&[[[f32; 2]; 3]], usize), from: &mut [Moments; 2]) {
         let factor = FRAC_1_PI * self.per_volume;
-        let scattered =
+        let [[back, through], [back_of_other, through_other]] =
             alone.scattered.map(|side| [side.back, side.through].map(|power| (factor * power).as_vec3()));
-        if scattered.as_flattened().iter().all(|power| *power == glam::Vec3::ZERO) {
-            return;
-        }
         for (way, reach) in self.ways.iter().zip(reach) {
             let cos = way.direction.dot(alone.leaf.normal) as f32;
-            let [of_matter, back, back_of_other] =
-                near.each_ref().map(|near| glam::Vec3::from_array(way.gain(reach, near)));
-            let [side, other] = [lobe(cos), lobe(-cos)];
-            let radiance = of_matter * (side * scattered[0][1] + other * scattered[1][1])
-                + back * (side * scattered[0][0])
-                + back_of_other * (other * scattered[1][0]);
+            let (facing, other) = (lobe(cos), lobe(-cos));
+            let [of_middle, of_back, of_other] =
+                alone.near[side].each_ref().map(|near| Vec3::from_array(way.gain(reach, near)));
+            let radiance = of_middle * (facing * through + other * through_other)
+                + of_back * (facing * back)
+                + of_other * (other * back_of_other);
             way.take(radiance.to_array(), from);
         }
     }
 
-    /// What leaves its sides of all other light, W m^-3.
-    fn sent(&self, alone: &Alone, arriving: [Rgb; 2]) -> [glam::Vec3; 2] {
-        let Leaf { area_m2, exposed, scatters, .. } = alone.leaf;
-        let factor = area_m2 * exposed * self.per_volume;
-        [0, 1].map(|side| {
-            let scattered =
-                scatters.reflectance * arriving[side] + scatters.transmittance * arriving[1 - side];
-            let scattered = if self.goes_on { scattered } else { Rgb::ZERO };
-            (factor * alone.inside * (scattered + PI * scatters.emission)).as_vec3()
-        })
-    }
-
-    /// What it makes of that, and what it stops of light.
+    /// What it makes of all other light, and what it stops of that.
     fn take_later(
         &self,
         alone: &Alone,
-        (reach, near): (&[[[f32; 2]; 3]], &[f32; NEAR]),
-        (sent, light): ([glam::Vec3; 2], &Moments),
+        (reach, side): (&[[[f32; 2]; 3]], usize),
+        (sent, light): ([Rgb; 2], &Moments),
         from: &mut [Moments; 2],
     ) {
+        let [sent, sent_by_other] = sent.map(|sent| (FRAC_1_PI * self.per_volume * sent).as_vec3());
         let stopped = (alone.index * alone.leaf.exposed * alone.leaf.area_m2 * self.per_volume) as f32;
         for (way, reach) in self.ways.iter().zip(reach) {
             let cos = way.direction.dot(alone.leaf.normal) as f32;
-            let emitted = FRAC_1_PI as f32 * (lobe(cos) * sent[0] + lobe(-cos) * sent[1]);
+            let emitted = lobe(cos) * sent + lobe(-cos) * sent_by_other;
             let facing = 3.0 / 16.0 + 15.0 / 16.0 * cos * cos;
             let radiance = light.map(|moments| {
                 moments.iter().zip(&way.basis).map(|(moment, basis)| moment * basis).sum::<f32>().max(0.0)
             });
-            let source = emitted - stopped * facing * glam::Vec3::from_array(radiance);
-            way.take((source * glam::Vec3::from_array(way.gain(reach, near))).to_array(), from);
+            let source = emitted - stopped * facing * Vec3::from_array(radiance);
+            let gain = Vec3::from_array(way.gain(reach, &alone.near[side][0]));
+            way.take((source * gain).to_array(), from);
         }
     }
 }
@@ -225,7 +272,7 @@ impl OwnLight {
 fn irradiance(leaf: &Leaf, side: usize, [moments, fourth]: &[Moments; 2]) -> Rgb {
     let facing = if side == 0 { leaf.normal } else { -leaf.normal };
     let of_fourth = fourth_basis(-facing).map(|value| COSINE_LOBE_4 * value);
-    (product(&irradiance_lobe(facing), moments) + product(&of_fourth, fourth)).max(Rgb::ZERO)
+    product(&irradiance_lobe(facing), moments) + product(&of_fourth, fourth)
 }
 
 /// A clamped cosine by harmonics up to l = 2.

@@ -9,7 +9,7 @@ use super::halo::Halo;
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::highlights::Highlights;
 use super::matter::Matter;
-use super::moments::Moments;
+use super::moments::{Moments, NodeMoments};
 use super::ordinates::{Ordinate, Ordinates};
 use super::sweep::{Sweeper, Swept};
 use super::walls::Walls;
@@ -100,11 +100,12 @@ impl Leaving {
 }
 
 impl Rounds<'_> {
-    /// Order after order. `on_walls` is what lamps and suns shine on each patch, W/m^2.
+    /// Order after order. `again` is what the second of them is to be without; `on_walls` is what lamps and
+    /// suns shine on each patch, W/m^2.
     pub(super) fn run(
         mut self,
         bounces: Bounces,
-        first: Moments,
+        (first, again): (Moments, NodeMoments),
         on_walls: &[Rgb],
         halo: Option<&Halo>,
     ) -> Light {
@@ -144,7 +145,7 @@ impl Rounds<'_> {
         }
         let wanted = self.last(to_eye.as_ref());
         let first = self.sweep_finely(&leaving, &Wanted { moments: true, ..wanted });
-        let (sent, is_endless) = self.go_on(bounces, (leaving, first.as_ref()), &mut light);
+        let (sent, is_endless) = self.go_on(bounces, (leaving, first.as_ref(), again), &mut light);
         let mut last = self.sweep(&sent, Inflow::Nothing, &wanted);
         from_outside.iter().chain(&first).for_each(|swept| last.add_last(swept));
         Light { all: light, of_sky, last, is_endless }
@@ -161,7 +162,7 @@ impl Rounds<'_> {
     fn go_on(
         &mut self,
         bounces: Bounces,
-        (mut leaving, mut first): (Leaving, Option<&Swept>),
+        (mut leaving, mut first, again): (Leaving, Option<&Swept>, NodeMoments),
         light: &mut Moments,
     ) -> (Leaving, bool) {
         let rounds = match bounces {
@@ -191,6 +192,9 @@ impl Rounds<'_> {
                 }
             }
             leaving = self.scatterers.scatter(&next, true);
+            if round == 1 {
+                leaving.matter.take_nodes(&again);
+            }
         }
         (sent, series.is_endless)
     }

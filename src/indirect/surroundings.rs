@@ -4,6 +4,7 @@
 
 use super::scatters::{MeanScatters, Scatters, scatters};
 use crate::accel::PrimitiveId;
+use crate::math::kronecker;
 use crate::snapshot::{DrawnMesh, MeshPart, PartPlace, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -130,6 +131,11 @@ const FLAT: f64 = 0.5;
 /// A leaf that is rolled up hides next to all of itself.
 const LEAST_EXPOSED: f64 = 0.1;
 
+/// Of a part that looks like no other, and of all of them together.
+const POINTS: usize = 64;
+const MOST_POINTS: usize = 400_000;
+const FEWEST_POINTS: usize = 8;
+
 /// The parts that a snapshot shows.
 pub(super) struct Surroundings<'a> {
     snapshot: &'a Snapshot<'a>,
@@ -176,13 +182,15 @@ impl<'a> Surroundings<'a> {
     /// Small things: parts narrower than `width_m`.
     pub(super) fn surfels(&self, width_m: f64, cell_m: f64) -> Surfels {
         let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
+        let means = self.means(leaves.iter().copied());
         // Of parts that look alike those of the mean, then those of each place.
         let (mut first, mut scatters): (HashMap<Looks, u32>, _) = (HashMap::new(), Vec::new());
         for leaf in &leaves {
             first.entry(leaf.looks()).or_insert_with(|| {
                 let first = scatters.len() as u32;
                 let exposed = if leaf.part.is_closed { 1.0 } else { leaf.part.exposed.max(LEAST_EXPOSED) };
-                scatters.extend(self.part_scatters(leaf).iter().map(|part| part.out_of_bent(exposed)));
+                let all = std::iter::once(means[&leaf.looks()]).chain(self.scatters_of_places(leaf));
+                scatters.extend(all.map(|part| part.out_of_bent(exposed)));
                 first
             });
         }
@@ -196,7 +204,13 @@ impl<'a> Surroundings<'a> {
             let surfel = |(place, number): (&PartPlace, u32)| {
                 self.surfel(leaf, place, (if is_small { mean } else { mean + 1 + number }, &scatters))
             };
-            chosen.iter().zip(0..).filter_map(surfel).collect()
+            let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
+            if is_small {
+                // All where its light is gathered.
+                let middle = middle(surfels.iter().map(|surfel| (surfel.area, surfel.position)));
+                surfels.iter_mut().for_each(|surfel| surfel.position = middle);
+            }
+            surfels
         };
         let by_leaf: Vec<Vec<Surfel>> = leaves.par_iter().map(surfels_of).collect();
         let leaf_area_m2 =
@@ -229,21 +243,18 @@ impl<'a> Surroundings<'a> {
     /// Parts no longer than a cell that have two sides, in the order of their meshes.
     pub(super) fn leaves(&self, cell_m: f64) -> Vec<Leaf> {
         let is_small = |part: &&PlacedPart| part.length_m < SMALL_CELLS * cell_m && !part.part.is_closed;
-        let mut means: HashMap<Looks, Scatters> = HashMap::new();
-        for part in self.parts.iter().filter(is_small) {
-            means.entry(part.looks()).or_insert_with(|| self.part_scatters(part)[0]);
-        }
+        let means = self.means(self.parts.iter().filter(is_small));
         let small = self.parts.par_iter().filter(is_small);
         small.filter_map(|part| self.leaf(part, means[&part.looks()])).collect()
     }
 
     fn leaf(&self, part: &PlacedPart, scatters: Scatters) -> Option<Leaf> {
-        let (mut position, mut facing, mut all) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        let (mut places, mut facing, mut all) = (Vec::with_capacity(2), DVec3::ZERO, 0.0);
         for place in &part.part.few_places {
             let [a, b, c] = self.world_corners(part.mesh.primitive(place.triangle)?);
             let area_normal = place.share * 0.5 * (b - a).cross(c - a);
             let area = area_normal.length();
-            position += area * (a + b + c) / 3.0;
+            places.push((area, (a + b + c) / 3.0));
             facing += area_normal;
             all += area;
         }
@@ -251,7 +262,7 @@ impl<'a> Surroundings<'a> {
         is_flat.then(|| Leaf {
             mesh: part.mesh_number,
             part: part.number,
-            position: position / all,
+            position: middle(places.into_iter()),
             normal: facing.normalize(),
             area_m2: all * scatters.cover,
             exposed: part.part.exposed.max(LEAST_EXPOSED),
@@ -259,20 +270,53 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// On the mean of a part, then at each of its places.
-    fn part_scatters(&self, leaf: &PlacedPart) -> Vec<Scatters> {
-        let at = |place: &PartPlace| {
+    /// Of parts that look alike their mean, for each looks.
+    fn means<'p>(&self, parts: impl Iterator<Item = &'p PlacedPart<'a>>) -> HashMap<Looks, Scatters>
+    where
+        'a: 'p,
+    {
+        let mut one_of: HashMap<Looks, &PlacedPart> = HashMap::new();
+        for part in parts {
+            one_of.entry(part.looks()).or_insert(part);
+        }
+        let points = (MOST_POINTS / one_of.len().max(1)).clamp(FEWEST_POINTS, POINTS);
+        let mean = |(looks, part): (Looks, &PlacedPart)| (looks, self.mean_scatters(part, points));
+        one_of.into_par_iter().map(mean).collect()
+    }
+
+    /// At points that are spread evenly over a part: a picture of a leaf differs from place to place.
+    fn mean_scatters(&self, leaf: &PlacedPart, points: usize) -> Scatters {
+        let corners_of = |triangle: u32| Some(self.world_corners(leaf.mesh.primitive(triangle)?));
+        let area_of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+        let triangles = || {
+            leaf.part.triangles.iter().filter_map(|&triangle| {
+                let corners = corners_of(triangle)?;
+                Some((leaf.mesh.primitive(triangle)?, corners, area_of(corners)))
+            })
+        };
+        let step = triangles().map(|(.., area)| area).sum::<f64>() / points as f64;
+        let (mut mean, mut so_far, mut number) = (MeanScatters::default(), 0.0, 0);
+        for (primitive, [a, b, c], area) in triangles() {
+            so_far += area;
+            while number < points && (number as f64 + 0.5) * step < so_far {
+                let (u, v) = (kronecker(0.0, number).sqrt(), kronecker(0.5, 7 * number));
+                let position = (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                mean.add(step, &scatters(self.snapshot, primitive, position, normal));
+                number += 1;
+            }
+        }
+        mean.mean()
+    }
+
+    /// At each place of a part.
+    fn scatters_of_places(&self, leaf: &PlacedPart) -> impl Iterator<Item = Scatters> {
+        leaf.part.places.iter().map(|place| {
             let Some(primitive) = leaf.mesh.primitive(place.triangle) else { return Scatters::default() };
             let [a, b, c] = self.world_corners(primitive);
             let normal = (b - a).cross(c - a).normalize_or_zero();
             scatters(self.snapshot, primitive, (a + b + c) / 3.0, normal)
-        };
-        let places: Vec<Scatters> = leaf.part.places.iter().map(at).collect();
-        let mut mean = MeanScatters::default();
-        for (place, scatters) in leaf.part.places.iter().zip(&places) {
-            mean.add(place.area, scatters);
-        }
-        std::iter::once(mean.mean()).chain(places).collect()
+        })
     }
 
     /// All else.
@@ -320,6 +364,13 @@ impl<'a> Surroundings<'a> {
         let (position, exposed) = ((a + b + c) / 3.0, leaf.part.exposed as f32);
         Some(Surfel { position, normal, area, exposed, scatters: number })
     }
+}
+
+/// The mean of places by their areas.
+fn middle(places: impl Iterator<Item = (f64, DVec3)>) -> DVec3 {
+    let (sum, all) =
+        places.fold((DVec3::ZERO, 0.0), |(sum, all), (area, place)| (sum + area * place, all + area));
+    if all > 0.0 { sum / all } else { sum }
 }
 
 /// The middles of the equal triangles that cutting each side of a triangle in `count` makes, by its second

@@ -2,6 +2,7 @@
 
 use crate::common::{INSTANT, add_fog, add_light, camera_at, place};
 use glam::{DAffine3, DVec3, Vec3};
+use std::f64::consts::PI;
 use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::description;
@@ -57,15 +58,20 @@ pub(crate) fn add_leaves(scene: &mut Scene, count: usize, material: Material) {
     for _ in 0..count {
         let place = 4.0 * (DVec3::from(sampler.next_3d()) - 0.5) - 5.0 * DVec3::Z;
         let normal = (DVec3::from(sampler.next_3d()) - 0.5).normalize();
-        let (right, up) = normal.any_orthonormal_pair();
-        let corner = |x: f64, y: f64| (place + 0.1 * (x * right + y * up)).as_vec3();
-        scene.meshes.push(Mesh {
-            positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
-            triangles: [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material }).to_vec(),
-            ..Mesh::default()
-        });
-        add_instance(scene);
+        add_leaf(scene, place, normal, material);
     }
+}
+
+/// One of them, of the number of a material.
+fn add_leaf(scene: &mut Scene, place: DVec3, normal: DVec3, material: usize) {
+    let (right, up) = normal.any_orthonormal_pair();
+    let corner = |x: f64, y: f64| (place + 0.1 * (x * right + y * up)).as_vec3();
+    scene.meshes.push(Mesh {
+        positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+        triangles: [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material }).to_vec(),
+        ..Mesh::default()
+    });
+    add_instance(scene);
 }
 
 /// Radiance of camera rays on a grid over the picture.
@@ -185,6 +191,43 @@ fn metal_reflects_the_sky_as_sampled_rays_find_it() {
         let worst = (field / sampled - 1.0).abs().max_element();
         println!("metal of roughness {roughness}: {:.3}", field / sampled);
         assert!(worst < 0.12, "{roughness}: {worst}");
+    }
+}
+
+/// Leaves that lie in one plane see nothing of each other, and none sees itself. On the grid each of them is
+/// spread over cells; without a word about that they would get a tenth of what they send out.
+#[test]
+fn a_leaf_does_not_light_itself() {
+    let translucent =
+        Material { base_color: Rgb::splat(0.4), transmission: Rgb::splat(0.3), ..Material::default() };
+    let glowing = Material { emission: Rgb::splat(0.5), ..translucent.clone() };
+    let normal = DVec3::new(0.36, 0.48, 0.8);
+    let (right, up) = normal.any_orthonormal_pair();
+    for (name, material, sunlight) in [("sunlit", translucent, PI), ("glowing", glowing, 0.0)] {
+        let mut scene = camera_at(DVec3::ZERO);
+        scene.materials.push(material);
+        let material = scene.materials.len() - 1;
+        for leaf in 0..25 {
+            let step = |index: i32| 0.83 * f64::from(index - 2);
+            let place = step(leaf % 5) * right + step(leaf / 5) * up - 5.0 * DVec3::Z;
+            add_leaf(&mut scene, place, normal, material);
+        }
+        add_light(&mut scene, LightKind::Sun, DVec3::ZERO, -normal, Rgb::splat(sunlight));
+        let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+        for bounces in [Bounces::UpTo(1), Bounces::All] {
+            let indirect = Indirect::new(&snapshot, bounces, 1.0, &|| false).expect("leaves scatter");
+            let (mut most, mut seen) = (0.0_f64, 0);
+            for number in 0..4096 {
+                let along = |index: usize| ((index % 64) as f64 + 0.5) / 64.0;
+                let ray = snapshot.view.ray(along(number), along(number / 64));
+                let Some(hit) = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None) else { continue };
+                let light = indirect.scattered(&snapshot, &snapshot.surface(&ray, &hit), 1.0);
+                most = most.max(light.max_element());
+                seen += 1;
+            }
+            println!("{name}, {bounces}: a leaf has {most:.5} of its own light");
+            assert!(seen > 20 && most < 0.004, "{name}, {bounces}: {most} of {seen}");
+        }
     }
 }
 
