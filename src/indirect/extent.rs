@@ -20,6 +20,8 @@ const LEAVES_PER_CELL: f64 = 2.0;
 const FEW_LEAVES: usize = 16;
 /// Along the longest side, however large leaves are.
 const FEWEST_CELLS: f64 = 16.0;
+/// Or in any box: what is flat would else have cells as small as it is thin.
+const MOST_CELLS: f64 = 128.0;
 /// All grids together.
 const MOST_LEVELS: usize = 5;
 /// A grid reaches beyond the one within it by so many of that one's longest sides.
@@ -55,7 +57,7 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f6
     let world = world(snapshot, inner, all);
     let inner = with_near_sides(inner, world);
     let side = side(inner);
-    let fine = (side.element_product() / NODES).cbrt();
+    let fine = (side.element_product() / NODES).cbrt().max(side.max_element() / MOST_CELLS);
     let leaf_m = match surroundings.leaf_width_m(widest.min(WALL_CELLS * fine), FEW_LEAVES) {
         0.0 if fog.is_none() => surroundings.leaf_width_m(widest, 1),
         leaf_m => leaf_m,
