@@ -13,7 +13,7 @@
 //! Stenberg 2005, "Simple parameterizations of the radiation budget of uniform broadleaved and coniferous
 //! canopies").
 
-use super::grid::Grid;
+use super::grid::{Corners, Grid};
 use super::surroundings::Surfels;
 use crate::color::Rgb;
 use crate::scene::Bounces;
@@ -69,6 +69,11 @@ impl Clumping {
     /// Of a node.
     pub(super) fn at(&self, node: usize) -> f64 {
         self.indices.get(node).map_or(1.0, |index| f64::from(*index))
+    }
+
+    /// About a place: evenly from node to node, so that a leaf that falls does not flicker.
+    pub(super) fn about(&self, corners: &Corners) -> f64 {
+        if self.is_none() { 1.0 } else { corners.iter().map(|(node, share)| share * self.at(node)).sum() }
     }
 
     /// What leaves of an index get of light from elsewhere, over what they would get each by itself, if they

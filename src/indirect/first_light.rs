@@ -308,11 +308,12 @@ impl FirstLight<'_> {
         power: Rgb,
         met_again: &mut [[f32; 3]],
     ) -> Rgb {
-        let index = self.matter.clumping.at(self.grid.nearest(world));
+        let corners = self.grid.corners(world);
+        let index = self.matter.clumping.about(&corners);
         let out = self.matter.clumping.inside(index * exposed, sent);
         if index < 1.0 {
             let again = (1.0 - index) / index * out * sent * power / self.grid.cell_volume();
-            for (node, share) in self.grid.corners(world).iter() {
+            for (node, share) in corners.iter() {
                 let sums = met_again[node].iter_mut().zip(again.to_array());
                 sums.for_each(|(sum, value)| *sum += (share * value) as f32);
             }

@@ -35,8 +35,8 @@ impl Masses {
             return Mass { index: 1.0, given: Rgb::ZERO };
         }
         let share = |(node, share): (usize, f64)| share * Rgb::from_array(self.given[node].map(f64::from));
-        let given = grid.corners(world).iter().map(share).sum();
-        Mass { index: self.clumping.at(grid.nearest(world)), given }
+        let corners = grid.corners(world);
+        Mass { index: self.clumping.about(&corners), given: corners.iter().map(share).sum() }
     }
 
     pub(super) fn clumping(&self) -> &Clumping {

@@ -75,7 +75,8 @@ impl<'a> Alone<'a> {
         (leaf, unmet): (&'a Leaf, [Scattered; 2]),
     ) -> Self {
         let node = grid.nearest(leaf.position);
-        let (index, sent) = (clumping.at(node), leaf.scatters.sent());
+        let index = clumping.about(&grid.corners(leaf.position));
+        let sent = leaf.scatters.sent();
         let out = clumping.inside(index * leaf.exposed, sent);
         let nodes =
             [leaf.normal, -leaf.normal].map(|facing| leaf_power::nodes_of((grid, occluders), (leaf, facing)));
