@@ -5,6 +5,11 @@
 Each of 500 leaves goes straight on, its own way, 4 cm a frame, through a box of fog under a sun. The picture
 has no noise. A camera of parallel rays sees each leaf by many rays, and all of a leaf is as bright. Second
 differences in time are printed, of the light of each leaf over its own.
+
+    python -m tests.leaf_light --walks 256
+
+prints by how much it truly wavers, by random walks of as many samples in three frames. They are noisy: what two
+seeds have in common is no noise. It takes an hour of a processor.
 """
 
 from __future__ import annotations
@@ -38,6 +43,7 @@ SCENE = """Scene(
 """
 OPAQUE, SEEN_THROUGH = ((0.6, 0.3, 0.1), 0.0), ((0.42, 0.26, 0.06), (0.38, 0.24, 0.04))
 LEAF = '"{number:03}": (mesh: "leaf", material: "leaf", rotation_deg: {turn}, translation_m: Keyed(keys: [(at_s: 0.0, value: {start}), (at_s: {seconds}, value: {end})])),'
+TRUE_FRAMES = (11, 12, 13)
 FEWEST_PIXELS = 12
 """Of a leaf in each of three frames: colours are stored in half precision, so one pixel does not tell."""
 EDGE_ON = 0.1
@@ -77,20 +83,29 @@ def light(folder: Path, frame: int) -> np.ndarray:
     return np.where(count >= FEWEST_PIXELS, sums / np.maximum(count, 1), np.nan)[1:]
 
 
+def render(folder: Path, frames: str, flags: list[str]) -> None:
+    """Frames of the scene that lies there."""
+    command = [
+        os.path.abspath(str(PROGRAM)), "render", str(folder / "scene.ron"), "--frames", frames, "--size", "640x360",
+        "--passes", "indirect,transmittance,normal,leaf-id", "--progress", "none",
+        "--out", str(folder / "light.####.exr"), *flags,
+    ]  # fmt: skip
+    subprocess.run(command, check=True)
+
+
+def wavers(lights: np.ndarray) -> np.ndarray:
+    """Second differences in time over the light itself; NaN where a leaf is not seen."""
+    second = lights[:-2] - 2.0 * lights[1:-1] + lights[2:]
+    return 3.0 * second / (lights[:-2] + lights[1:-1] + lights[2:])
+
+
 def measure(folder: Path, what: str, reflectance: object, transmittance: object) -> None:
     """Renders the frames and prints by how much the light of leaves wavers."""
     (folder / "scene.ron").write_text(scene(reflectance, transmittance), encoding="utf-8")
-    command = [
-        os.path.abspath(str(PROGRAM)), "render", str(folder / "scene.ron"), "--frames", f"1-{FRAMES}", "--size", "640x360",
-        "--samples", "1", "--volume", "segments", "--passes", "indirect,transmittance,normal,leaf-id", "--progress", "none",
-        "--out", str(folder / "light.####.exr"),
-    ]  # fmt: skip
-    subprocess.run(command, check=True)
-    lights = np.array([light(folder, frame) for frame in range(1, FRAMES + 1)])
-    second = lights[:-2] - 2.0 * lights[1:-1] + lights[2:]
-    wavers = 3.0 * second / (lights[:-2] + lights[1:-1] + lights[2:])
-    seen = abs(wavers[np.isfinite(wavers)])
-    frame, leaf = np.unravel_index(np.nanargmax(abs(wavers)), wavers.shape)
+    render(folder, f"1-{FRAMES}", ["--samples", "1", "--volume", "segments"])
+    found = wavers(np.array([light(folder, frame) for frame in range(1, FRAMES + 1)]))
+    seen = abs(found[np.isfinite(found)])
+    frame, leaf = np.unravel_index(np.nanargmax(abs(found)), found.shape)
     print(
         f"leaves {what}: of {seen.size:,} second differences RMS {100 * np.sqrt(np.mean(seen**2)):.2f} %, "
         f"99 % within {100 * np.quantile(seen, 0.99):.2f} %, worst {100 * seen.max():.2f} % (leaf {leaf}, frame {frame + 2})",
@@ -98,13 +113,34 @@ def measure(folder: Path, what: str, reflectance: object, transmittance: object)
     )
 
 
+def measure_truth(folder: Path, samples: int) -> None:
+    """Renders three frames by walks with two seeds and prints by how much leaves waver in both."""
+    (folder / "scene.ron").write_text(scene(*OPAQUE), encoding="utf-8")
+    of_seeds = []
+    for seed in (0, 1):
+        by_walks = ["--samples", str(samples), "--volume", "paths", "--seed", str(seed)]
+        render(folder, f"{TRUE_FRAMES[0]}-{TRUE_FRAMES[-1]}", by_walks)
+        of_seeds.append(wavers(np.array([light(folder, frame) for frame in TRUE_FRAMES]))[0])
+    products = np.prod(of_seeds, axis=0)
+    products = products[np.isfinite(products)]
+    mean, error = products.mean(), products.std() / np.sqrt(products.size)
+    low, middle, high = (100 * np.sqrt(max(value, 0.0)) for value in (mean - error, mean, mean + error))
+    print(f"opaque leaves by walks: RMS {middle:.2f} %, between {low:.2f} and {high:.2f} % ({products.size} leaves)")
+
+
 def main() -> int:
     """Prints it for leaves that let no light through, and for leaves that do."""
     plain = argparse.RawDescriptionHelpFormatter
-    argparse.ArgumentParser(description=__doc__, formatter_class=plain).parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=plain)
+    parser.add_argument("--walks", type=int, metavar="SAMPLES", help="the truth, by random walks")
+    arguments = parser.parse_args()
     if PROGRAM is None:
         print(f"error: {NO_PROGRAM}", file=sys.stderr)
         return 2
+    if arguments.walks:
+        with tempfile.TemporaryDirectory() as folder:
+            measure_truth(Path(folder), arguments.walks)
+        return 0
     for what, colors in {"opaque": OPAQUE, "that transmit": SEEN_THROUGH}.items():
         with tempfile.TemporaryDirectory() as folder:
             measure(Path(folder), what, *colors)
