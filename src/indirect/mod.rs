@@ -27,6 +27,7 @@ mod lobe;
 mod masses;
 mod matter;
 mod moments;
+mod near_source;
 mod occluders;
 mod ordinates;
 mod own_light;

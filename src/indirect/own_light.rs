@@ -9,25 +9,20 @@
 use super::clumping::Clumping;
 use super::extinction::{Extinction, Shade};
 use super::grid::{Corners, Grid};
-use super::harmonics::{COSINE_LOBE_4, COUNT, basis, cosine_lobe, fourth_basis, irradiance_lobe, product};
+use super::harmonics::{COSINE_LOBE_4, COUNT, cosine_lobe, fourth_basis, irradiance_lobe, product};
 use super::leaf_index::LeafIndex;
 use super::leaf_power::{self, LeafPower, Scattered};
 use super::matter::Matter;
 use super::moments::NodeMoments;
+use super::near_source::{Moments, NEAR, Reach, Way, lobe, near};
 use super::occluders::Occluders;
-use super::ordinates::{Ordinate, Ordinates};
+use super::ordinates::Ordinates;
 use super::surroundings::Leaf;
 use crate::color::Rgb;
 use crate::scene::Bounces;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI};
-
-/// Steps from a node to it and those next to it.
-const NEAR: usize = 27;
-const HERE: usize = 13;
-/// By channel, then by harmonic.
-type Moments = [[f32; COUNT]; 3];
 
 /// How light goes from node to node near its source.
 pub(super) struct OwnLight {
@@ -35,19 +30,6 @@ pub(super) struct OwnLight {
     per_volume: f64,
     /// Whether light that leaves get of it is sent on again.
     goes_on: bool,
-}
-
-/// One ordinate.
-struct Way {
-    direction: DVec3,
-    products: [f32; 8],
-    /// Through half a cell.
-    half_m: f32,
-    /// Steps to the nodes that get its light next, and their shares.
-    taps: [(usize, f32); 4],
-    /// Weight times basis, of degrees up to 2 and of 4.
-    factors: [[f32; COUNT]; 2],
-    basis: [f32; COUNT],
 }
 
 /// A leaf, and what is about it.
@@ -109,62 +91,11 @@ impl<'a> Alone<'a> {
 /// What comes to a side: moments up to degree 2, and of degree 4.
 pub(super) struct Arriving<'a>(pub(super) &'a mut Moments, pub(super) &'a mut Moments);
 
-impl Way {
-    fn of(direction: DVec3, weight: f64, cell_m: f64) -> Self {
-        let main = direction.abs().max_position();
-        let along = direction / direction[main].abs();
-        let step = |axis: usize| direction[axis].signum() as i32 * [1, 3, 9][axis];
-        let [a, b] = [[1, 2], [2, 0], [0, 1]][main];
-        let taps = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(is_a, is_b)| {
-            let share = |axis: usize, is_beside: i32| {
-                if is_beside == 1 { along[axis].abs() } else { 1.0 - along[axis].abs() }
-            };
-            let place = HERE as i32 + step(main) + is_a * step(a) + is_b * step(b);
-            (place as usize, (share(a, is_a) * share(b, is_b)) as f32)
-        });
-        let (basis, fourth) = (basis(direction), fourth_basis(direction));
-        Self {
-            direction,
-            products: Shade::products(direction),
-            half_m: (0.5 * cell_m / direction[main].abs()) as f32,
-            taps,
-            factors: [basis, fourth].map(|basis| basis.map(|value| (weight * value) as f32)),
-            basis: basis.map(|value| value as f32),
-        }
-    }
-
-    /// Radiance that a source gives along it, metres, by channel: in the source's cell half a cell of it, in
-    /// the next what leaves that.
-    fn reach(&self, alone: &Alone) -> [[f32; 2]; 3] {
-        let leaves = alone.shade.map_or(0.0, |shade| shade.along(&self.products));
-        alone.fog.map(|fog| {
-            let depth = self.half_m * (fog + leaves);
-            let through = (-depth).exp();
-            let here = self.half_m * if depth > 1e-4 { (1.0 - through) / depth } else { 1.0 - 0.5 * depth };
-            [here, here * (1.0 + through) * through]
-        })
-    }
-
-    /// The same by where the source is and where it is seen from.
-    fn gain(&self, reach: &[[f32; 2]; 3], near: &[f32; NEAR]) -> [f32; 3] {
-        let next: f32 = self.taps.iter().map(|(place, share)| share * near[*place]).sum();
-        reach.map(|[here, there]| here * near[HERE] + there * next)
-    }
-
-    fn take(&self, radiance: [f32; 3], from: &mut [Moments; 2]) {
-        for (moments, factors) in from.iter_mut().zip(&self.factors) {
-            for (moments, radiance) in moments.iter_mut().zip(radiance) {
-                moments.iter_mut().zip(factors).for_each(|(sum, factor)| *sum -= radiance * factor);
-            }
-        }
-    }
-}
-
 impl OwnLight {
     pub(super) fn new(grid: &Grid, ordinates: &Ordinates, bounces: Bounces) -> Self {
-        let way = |ordinate: &Ordinate| Way::of(ordinate.direction, ordinate.weight, grid.cell_m);
+        let ways = ordinates.iter().map(|ordinate| Way::of(ordinate, grid.cell_m)).collect();
         let goes_on = bounces != Bounces::UpTo(1);
-        Self { ways: ordinates.iter().map(way).collect(), per_volume: 1.0 / grid.cell_volume(), goes_on }
+        Self { ways, per_volume: 1.0 / grid.cell_volume(), goes_on }
     }
 
     /// What all leaves scatter of their own first light, as sources.
@@ -175,6 +106,9 @@ impl OwnLight {
         (leaves, on_leaves): (&LeafIndex, &LeafPower),
     ) -> NodeMoments {
         let mut sources = NodeMoments::zero(grid.count());
+        if !self.goes_on {
+            return sources;
+        }
         let of_leaf = |(number, leaf): (usize, &Leaf)| {
             let told = (&matter.extinction, &matter.clumping);
             let alone = Alone::new((grid, occluders), told, (leaf, on_leaves.scattered(number, leaf)));
@@ -192,7 +126,7 @@ impl OwnLight {
 
     /// What a leaf scatters of its own first light when that has come back to it, where nothing else did:
     /// power that leaves its sides, W. The second round has it, and nobody should.
-    pub(super) fn sent_again(&self, alone: &Alone) -> [Rgb; 2] {
+    fn sent_again(&self, alone: &Alone) -> [Rgb; 2] {
         if !alone.has_first() {
             return [Rgb::ZERO; 2];
         }
@@ -224,12 +158,12 @@ impl OwnLight {
         }
     }
 
-    fn reach(&self, alone: &Alone) -> Vec<[[f32; 2]; 3]> {
-        self.ways.iter().map(|way| way.reach(alone)).collect()
+    fn reach(&self, alone: &Alone) -> Vec<Reach> {
+        self.ways.iter().map(|way| way.reach((alone.fog, alone.shade))).collect()
     }
 
     /// What it scatters of first light, as a side sees it.
-    fn take_first(&self, alone: &Alone, (reach, side): (&[[[f32; 2]; 3]], usize), from: &mut [Moments; 2]) {
+    fn take_first(&self, alone: &Alone, (reach, side): (&[Reach], usize), from: &mut [Moments; 2]) {
         let factor = FRAC_1_PI * self.per_volume;
         let [[back, through], [back_of_other, through_other]] =
             alone.scattered.map(|side| [side.back, side.through].map(|power| (factor * power).as_vec3()));
@@ -237,11 +171,11 @@ impl OwnLight {
             let cos = way.direction.dot(alone.leaf.normal) as f32;
             let (facing, other) = (lobe(cos), lobe(-cos));
             let [of_middle, of_back, of_other] =
-                alone.near[side].each_ref().map(|near| Vec3::from_array(way.gain(reach, near)));
+                alone.near[side].each_ref().map(|near| way.gain(reach, near));
             let radiance = of_middle * (facing * through + other * through_other)
                 + of_back * (facing * back)
                 + of_other * (other * back_of_other);
-            way.take(radiance.to_array(), from);
+            way.take(radiance, from);
         }
     }
 
@@ -249,7 +183,7 @@ impl OwnLight {
     fn take_later(
         &self,
         alone: &Alone,
-        (reach, side): (&[[[f32; 2]; 3]], usize),
+        (reach, side): (&[Reach], usize),
         (sent, light): ([Rgb; 2], &Moments),
         from: &mut [Moments; 2],
     ) {
@@ -263,8 +197,7 @@ impl OwnLight {
                 moments.iter().zip(&way.basis).map(|(moment, basis)| moment * basis).sum::<f32>().max(0.0)
             });
             let source = emitted - stopped * facing * Vec3::from_array(radiance);
-            let gain = Vec3::from_array(way.gain(reach, &alone.near[side][0]));
-            way.take((source * gain).to_array(), from);
+            way.take(source * way.gain(reach, &alone.near[side][0]), from);
         }
     }
 }
@@ -274,27 +207,4 @@ fn irradiance(leaf: &Leaf, side: usize, [moments, fourth]: &[Moments; 2]) -> Rgb
     let facing = if side == 0 { leaf.normal } else { -leaf.normal };
     let of_fourth = fourth_basis(-facing).map(|value| COSINE_LOBE_4 * value);
     product(&irradiance_lobe(facing), moments) + product(&of_fourth, fourth)
-}
-
-/// A clamped cosine by harmonics up to l = 2.
-fn lobe(cos: f32) -> f32 {
-    0.25 + 0.5 * cos + 5.0 / 16.0 * (1.5 * cos * cos - 0.5)
-}
-
-/// How much of what lies at some nodes is seen at others, by the steps between them. Farther ones count for
-/// nothing.
-fn near(grid: &Grid, from: &Corners, to: &Corners) -> [f32; NEAR] {
-    let [lowest_from, lowest_to] = [from, to].map(|corners| grid.cell_of(corners.nodes[0]));
-    let apart: [i32; 3] = std::array::from_fn(|axis| lowest_to[axis] as i32 - lowest_from[axis] as i32);
-    let mut near = [0.0; NEAR];
-    for (a, of_source) in from.weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
-        for (b, of_seen) in to.weights.iter().enumerate() {
-            let step = |axis: usize| apart[axis] + (b >> axis & 1) as i32 - (a >> axis & 1) as i32;
-            let [x, y, z] = [step(0), step(1), step(2)];
-            if [x, y, z].iter().all(|step| step.abs() <= 1) {
-                near[(HERE as i32 + x + 3 * y + 9 * z) as usize] += (of_source * of_seen) as f32;
-            }
-        }
-    }
-    near
 }
