@@ -21,7 +21,7 @@ const FEW_LEAVES: usize = 16;
 /// Along the longest side, however large leaves are.
 const FEWEST_CELLS: f64 = 16.0;
 /// Or in any box: what is flat would else have cells as small as it is thin.
-const MOST_CELLS: f64 = 128.0;
+const MOST_CELLS: f64 = 192.0;
 /// All grids together.
 const MOST_LEVELS: usize = 5;
 /// A grid reaches beyond the one within it by so many of that one's longest sides.
