@@ -7,7 +7,7 @@ use super::extinction::Extinction;
 use super::first_light::{FirstLight, Found};
 use super::fluence::Glow;
 use super::grid::{Corners, Grid};
-use super::halo::Halo;
+use super::halo::{Around, Halo};
 use super::harmonics::{COUNT, DEGREE, basis, product};
 use super::leaf_index::LeafIndex;
 use super::leaf_power::LeafPower;
@@ -75,8 +75,8 @@ pub(super) struct Field {
     towards_eye: Option<TowardsEye>,
     /// Of each face of a wall the irradiance by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
-    /// What a finer grid within it gets, until that is solved.
-    radiances: Option<Radiances>,
+    /// What a finer grid within it gets, and of the sky, until that is solved.
+    radiances: [Option<Radiances>; 2],
     glows: Vec<Glow>,
     masses: Masses,
     extinction: Extinction,
@@ -148,10 +148,10 @@ impl Field {
             has_gloss: snapshot.has_gloss(),
             cancelled,
         };
-        let halo = outer.as_mut().and_then(|outer| outer.halo(&grid));
+        let around = outer.as_mut().map(|outer| outer.around(&grid)).unwrap_or_default();
         let own_light = OwnLight::new(&grid, &ordinates, bounces);
         let again = own_light.all_sent_again((&grid, &walls.occluders), &matter, (leaves, &on_leaves));
-        let lit = rounds.run(bounces, (sources, again), &lit.irradiances, halo.as_ref());
+        let lit = rounds.run(bounces, (sources, again), &lit.irradiances, &around);
         let (masses, extinction) = matter.told(&met_again);
         let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
         Self {
@@ -163,7 +163,7 @@ impl Field {
             fourth,
             light_in_fog: light_in_fog(&lit, sky),
             towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments)),
-            radiances: lit.last.radiances,
+            radiances: [lit.last.radiances, lit.sky_radiances],
             glows,
             masses,
             extinction,
@@ -176,9 +176,11 @@ impl Field {
     }
 
     /// What a finer grid within it gets from it, once.
-    fn halo(&mut self, grid: &Grid) -> Option<Halo> {
-        let radiances = self.radiances.take()?;
-        Some(Halo::new(grid, radiances, |world| self.corners_seen_from(world)))
+    fn around(&mut self, grid: &Grid) -> Around {
+        let taken = self.radiances.each_mut().map(Option::take);
+        let halo = |radiances: Radiances| Halo::new(grid, &radiances, |world| self.corners_seen_from(world));
+        let [scattered, of_sky] = taken.map(|radiances| radiances.map(halo));
+        Around { scattered, of_sky }
     }
 
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.

@@ -4,15 +4,25 @@
 
 use super::grid::Corners;
 use super::ordinates::Ordinates;
+use rayon::prelude::*;
 
 /// By channel, then by ordinate, then by node.
 pub(super) struct Radiances(pub(super) [Vec<Vec<f32>>; 3]);
 
 impl Radiances {
-    /// The mean of nodes about a place.
-    pub(super) fn mean(&self, corners: &Corners, channel: usize, ordinate: usize) -> f32 {
-        let of_nodes = &self.0[channel][ordinate];
-        corners.iter().map(|(node, weight)| weight as f32 * of_nodes[node]).sum()
+    /// Node by node.
+    pub(super) fn of(&self, channel: usize, ordinate: usize) -> &[f32] {
+        &self.0[channel][ordinate]
+    }
+
+    /// At places instead of nodes: the means of those about them.
+    pub(super) fn at(&self, places: &[Corners]) -> Self {
+        let means = |of_nodes: &Vec<f32>| {
+            let mean =
+                |corners: &Corners| corners.iter().map(|(node, weight)| weight as f32 * of_nodes[node]).sum();
+            places.iter().map(mean).collect()
+        };
+        Self(self.0.each_ref().map(|of_channel| of_channel.par_iter().map(means).collect()))
     }
 
     pub(super) fn add(&mut self, other: &Self) {

@@ -5,12 +5,13 @@
 use super::beam::Beam;
 use super::carrier::{Inflow, Sources};
 use super::grid::Grid;
-use super::halo::Halo;
+use super::halo::{Around, Halo};
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::highlights::Highlights;
 use super::matter::Matter;
 use super::moments::{Moments, NodeMoments};
 use super::ordinates::{Ordinate, Ordinates};
+use super::radiances::Radiances;
 use super::sweep::{Sweeper, Swept};
 use super::walls::Walls;
 use super::wanted::Wanted;
@@ -65,6 +66,8 @@ pub(super) struct Light {
     pub(super) of_sky: Option<Moments>,
     /// What surfaces and fog that are seen make of it beyond that.
     pub(super) last: Swept,
+    /// Of light that comes straight from the sky what a finer grid within gets; the rest is in `last`.
+    pub(super) sky_radiances: Option<Radiances>,
     /// Whether it goes on and on, and is cut short.
     pub(super) is_endless: bool,
 }
@@ -107,18 +110,18 @@ impl Rounds<'_> {
         bounces: Bounces,
         (first, again): (Moments, NodeMoments),
         on_walls: &[Rgb],
-        halo: Option<&Halo>,
+        around: &Around,
     ) -> Light {
         let dark = vec![Rgb::ZERO; on_walls.len()];
         let mut leaving = Leaving { matter: first, walls: dark.clone(), has_first: true };
         let mut light = Moments::zero(self.scatterers.walls.faces.count_with_nodes());
-        let mut of_sky = None;
+        let (mut of_sky, mut sky_radiances) = (None, None);
         self.scatterers.matter.emit(&mut leaving.matter);
         self.scatterers.add_first(on_walls, &mut leaving.walls);
         let nothing = Leaving { matter: leaving.matter.emptied(), walls: dark, has_first: false };
         let mut from_outside = Vec::new();
         let to_eye = self.to_eye.take();
-        if let Some(halo) = halo {
+        if let Some(halo) = &around.scattered {
             let wanted = Wanted { moments: true, ..self.last(to_eye.as_ref()) };
             let swept = self.sweep(&nothing, Inflow::Around(halo), &wanted);
             // Where orders are counted, nobody knows how many it has behind it.
@@ -129,13 +132,10 @@ impl Rounds<'_> {
             from_outside.push(swept);
         }
         let lights_fog = self.sky.is_some_and(|sky| sky.lights_fog());
-        // A larger grid's light has the sky's in it, unless fog is not to see that or rays find it.
-        let is_in_halo = halo.is_some() && self.has_sky && lights_fog;
-        let sky = self.sky.filter(|sky| sky.lights_surfaces() && !is_in_halo);
-        if let Some(sky) = sky {
+        if let Some(sky) = self.sky.filter(FrozenSky::lights_surfaces) {
             let wanted = Wanted { moments: true, ..self.last(to_eye.as_ref().filter(|_| lights_fog)) };
-            let wanted = Wanted { radiances: wanted.radiances && lights_fog, ..wanted };
-            let swept = self.sweep_sky(sky, &nothing, &wanted);
+            let mut swept = self.sweep_sky((sky, around.of_sky.as_ref()), &nothing, &wanted);
+            sky_radiances = swept.radiances.take();
             leaving.add(&self.scatterers.scatter(&swept.moments, lights_fog), [1.0; 3]);
             if self.has_sky {
                 light.add(&swept.moments, [1.0; 3]);
@@ -148,7 +148,7 @@ impl Rounds<'_> {
         let (sent, is_endless) = self.go_on(bounces, (leaving, first.as_ref(), again), &mut light);
         let mut last = self.sweep(&sent, Inflow::Nothing, &wanted);
         from_outside.iter().chain(&first).for_each(|swept| last.add_last(swept));
-        Light { all: light, of_sky, last, is_endless }
+        Light { all: light, of_sky, last, sky_radiances, is_endless }
     }
 
     /// What is seen.
@@ -210,15 +210,15 @@ impl Rounds<'_> {
             highlights: Some(&self.highlights),
             inflow: Inflow::Nothing,
         };
-        Some(self.sweep_along(fine, &sources, wanted))
+        let mut swept = self.sweep_along(fine, &sources, wanted);
+        swept.radiances = swept.radiances.map(|radiances| radiances.along(fine, self.ordinates));
+        Some(swept)
     }
 
     /// Along other ordinates than those of all orders.
     fn sweep_along(&self, fine: &Ordinates, sources: &Sources, wanted: &Wanted) -> Swept {
         let Scatterers { matter, walls } = self.scatterers;
-        let mut swept = Sweeper::new(self.grid, matter, walls, fine).sweep(sources, wanted, self.cancelled);
-        swept.radiances = swept.radiances.map(|radiances| radiances.along(fine, self.ordinates));
-        swept
+        Sweeper::new(self.grid, matter, walls, fine).sweep(sources, wanted, self.cancelled)
     }
 
     fn sweep(&mut self, leaving: &Leaving, inflow: Inflow, wanted: &Wanted) -> Swept {
@@ -229,20 +229,27 @@ impl Rounds<'_> {
         self.sweeper.sweep(&sources, wanted, self.cancelled)
     }
 
-    /// Light of the sky that nothing has scattered: along finer ordinates than those of all orders where
-    /// leaves let an uneven sky through, as that has edges. An even one stays so to the last digit if one set
-    /// of ordinates shares out all light.
-    fn sweep_sky(&mut self, sky: FrozenSky, nothing: &Leaving, wanted: &Wanted) -> Swept {
+    /// Light of the sky that nothing has scattered, of all of it or what a larger grid lets through: along
+    /// finer ordinates than those of all orders, as an uneven sky has edges, the horizon above all, and things
+    /// cut more. An even one stays so to the last digit if one set of ordinates shares out all light.
+    fn sweep_sky(
+        &mut self,
+        (sky, around): (FrozenSky, Option<&Halo>),
+        nothing: &Leaving,
+        wanted: &Wanted,
+    ) -> Swept {
         let of_orders = inflow(sky, self.ordinates);
         let is_even = of_orders
             .iter()
             .all(|radiance| (*radiance - of_orders[0]).abs().cmple(EVEN * of_orders[0]).all());
-        if is_even || self.scatterers.matter.leaves.is_empty() {
-            return self.sweep(nothing, Inflow::Even(&of_orders), wanted);
+        if is_even {
+            let inflow = around.map_or(Inflow::Even(&of_orders), Inflow::Around);
+            return self.sweep(nothing, inflow, wanted);
         }
         let fine = Ordinates::fine();
-        let inflow = inflow(sky, &fine);
-        let (of_walls, inflow) = (nothing.of_walls(), Inflow::Even(&inflow));
+        let of_fine = inflow(sky, &fine);
+        let inflow = around.map_or(Inflow::Even(&of_fine), Inflow::Around);
+        let of_walls = nothing.of_walls();
         let sources =
             Sources { of_matter: &nothing.matter, beams: &[], of_walls: &of_walls, highlights: None, inflow };
         self.sweep_along(&fine, &sources, wanted)
