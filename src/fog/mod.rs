@@ -20,7 +20,7 @@ mod stretch;
 mod sun_stretch;
 
 pub use bank::FogBank;
-pub use beer_lambert::exp_minus;
+pub use beer_lambert::{exp_minus, exp_minus_little};
 pub use events::{Loss, Losses};
 pub use falloff::Falloff;
 pub use lit_segments::LitSegments;

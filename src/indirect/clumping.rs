@@ -14,6 +14,7 @@
 //! canopies").
 
 use super::grid::{Corners, Grid};
+use super::scatters::gets_out;
 use super::surroundings::Surfels;
 use crate::color::Rgb;
 use crate::scene::Bounces;
@@ -79,11 +80,11 @@ impl Clumping {
     /// What leaves of an index get of light from elsewhere, over what they would get each by itself, if they
     /// send an `albedo` of all they get on. Of their own light as much leaves the mass.
     pub(super) fn inside(&self, index: f64, albedo: Rgb) -> Rgb {
-        let met_again = (1.0 - index) * albedo.min(Rgb::ONE);
         match self.bounces {
-            Bounces::All => index / (Rgb::ONE - met_again),
+            Bounces::All => gets_out(index, albedo),
             // As many terms of the series.
             Bounces::UpTo(count) => {
+                let met_again = (1.0 - index) * albedo.min(Rgb::ONE);
                 (0..count.min(MOST_TERMS)).fold(Rgb::ZERO, |sum, _| index + met_again * sum)
             }
         }

@@ -18,7 +18,7 @@ use super::towards_eye::TowardsEye;
 use super::walls::Walls;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
-use crate::fog::exp_minus;
+use crate::fog::{exp_minus, exp_minus_little};
 use crate::math::Ray;
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
@@ -41,6 +41,7 @@ struct Left {
     scattered: NodeMoments,
     /// What of that meets leaves of the same mass, W m^-3 by node.
     met_again: Vec<[f32; 3]>,
+    /// What leaves get that are known one by one.
     on_leaves: LeafPower,
 }
 
@@ -385,28 +386,4 @@ fn mean_times(glow: f32, all: f32) -> f32 {
     let share = if all > 0.0 { (glow / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
     let depth = -(1.0 - share).ln();
     if depth > 1e-3 { depth / share } else { 1.0 }
-}
-
-/// `exp(-x)`; where x is little by Padé's approximation, within 2e-6.
-fn exp_minus_little(x: Rgb) -> Rgb {
-    const LITTLE: f64 = 0.25;
-    if x.max_element() > LITTLE {
-        return exp_minus(x);
-    }
-    let even = Rgb::ONE + x * x / 12.0;
-    (even - 0.5 * x) / (even + 0.5 * x)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn little_depths_have_their_exponential() {
-        for step in 0..=400 {
-            let x = Rgb::new(0.001, 0.0005, 0.002) * f64::from(step);
-            let exact = Rgb::from_array(x.to_array().map(|x| (-x).exp()));
-            assert!((exp_minus_little(x) - exact).abs().max_element() < 2e-6, "{x}");
-        }
-    }
 }

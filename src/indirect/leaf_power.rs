@@ -9,9 +9,9 @@ use crate::color::Rgb;
 use glam::DVec3;
 
 /// From so far before a lit side, in roots of its area, comes what it scatters back: no leaf stands between
-/// it and its light, so what is next to that way gets out. It is the mean way of a cosine out of a leaf's
-/// shadow, `8 r / 3 pi` across it, for light from all sides. In canopies that is the hot spot (Kuusk 1991,
-/// "The hot spot effect in plant canopy reflectance").
+/// it and its light, so what is next to that way gets out. The mean way of a cosine out of a leaf's shadow,
+/// `8 r / 3 pi` across it, is .75 where light comes straight, and .6 on the mean of all slants. In canopies
+/// that is the hot spot (Kuusk 1991, "The hot spot effect in plant canopy reflectance").
 const WAY_OUT: f64 = 0.6;
 
 /// What both sides of each leaf get, W.

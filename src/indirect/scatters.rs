@@ -28,7 +28,7 @@ impl Scatters {
 
     /// What gets away of it from a leaf that is bent: what meets that again is scattered again.
     pub(super) fn out_of_bent(&self, exposed: f64) -> Self {
-        let out = exposed / (Rgb::ONE - (1.0 - exposed) * self.sent().min(Rgb::ONE));
+        let out = gets_out(exposed, self.sent());
         Self {
             reflectance: out * self.reflectance,
             transmittance: out * self.transmittance,
@@ -36,6 +36,12 @@ impl Scatters {
             cover: self.cover,
         }
     }
+}
+
+/// The share of light scattered among things that gets out, where each time a `share` does and things send
+/// on an `albedo`: `q / (1 - (1 - q) a)`, the sum of a geometric series.
+pub(super) fn gets_out(share: f64, albedo: Rgb) -> Rgb {
+    share / (Rgb::ONE - (1.0 - share) * albedo.min(Rgb::ONE))
 }
 
 /// What several places do together, each by its area, and in colours as much as it covers.

@@ -105,6 +105,11 @@ impl PlacedPart<'_> {
         is_flat && self.width_m >= NARROWEST * width_m && self.length_m >= SHORTEST * width_m
     }
 
+    /// Which share of light from all sides it does not hide from itself; a body's sides are another matter.
+    fn exposed(&self) -> f64 {
+        if self.part.is_closed { 1.0 } else { self.part.exposed.max(LEAST_EXPOSED) }
+    }
+
     fn looks(&self) -> Looks {
         (self.mesh.looks(), self.mesh.is_blended, self.number)
     }
@@ -188,9 +193,8 @@ impl<'a> Surroundings<'a> {
         for leaf in &leaves {
             first.entry(leaf.looks()).or_insert_with(|| {
                 let first = scatters.len() as u32;
-                let exposed = if leaf.part.is_closed { 1.0 } else { leaf.part.exposed.max(LEAST_EXPOSED) };
                 let all = std::iter::once(means[&leaf.looks()]).chain(self.scatters_of_places(leaf));
-                scatters.extend(all.map(|part| part.out_of_bent(exposed)));
+                scatters.extend(all.map(|part| part.out_of_bent(leaf.exposed())));
                 first
             });
         }
@@ -265,7 +269,7 @@ impl<'a> Surroundings<'a> {
             position: middle(places.into_iter()),
             normal: facing.normalize(),
             area_m2: all * scatters.cover,
-            exposed: part.part.exposed.max(LEAST_EXPOSED),
+            exposed: part.exposed(),
             scatters,
         })
     }
@@ -279,7 +283,7 @@ impl<'a> Surroundings<'a> {
         for part in parts {
             one_of.entry(part.looks()).or_insert(part);
         }
-        let points = (MOST_POINTS / one_of.len().max(1)).clamp(FEWEST_POINTS, POINTS);
+        let points = points_of_each(one_of.len());
         let mean = |(looks, part): (Looks, &PlacedPart)| (looks, self.mean_scatters(part, points));
         one_of.into_par_iter().map(mean).collect()
     }
@@ -299,7 +303,7 @@ impl<'a> Surroundings<'a> {
         for (primitive, [a, b, c], area) in triangles() {
             so_far += area;
             while number < points && (number as f64 + 0.5) * step < so_far {
-                let (u, v) = (kronecker(0.0, number).sqrt(), kronecker(0.5, 7 * number));
+                let (u, v) = (kronecker(0.5, number).sqrt(), kronecker(0.5, 7 * number));
                 let position = (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
                 let normal = (b - a).cross(c - a).normalize_or_zero();
                 mean.add(step, &scatters(self.snapshot, primitive, position, normal));
@@ -364,6 +368,13 @@ impl<'a> Surroundings<'a> {
         let (position, exposed) = ((a + b + c) / 3.0, leaf.part.exposed as f32);
         Some(Surfel { position, normal, area, exposed, scatters: number })
     }
+}
+
+/// How many points of a part are looked at where so many look different. A power of two: colours hardly
+/// ever change with how many there are.
+fn points_of_each(looks: usize) -> usize {
+    let points = (MOST_POINTS / looks.max(1)).clamp(FEWEST_POINTS, POINTS);
+    1 << points.ilog2()
 }
 
 /// The mean of places by their areas.

@@ -195,7 +195,7 @@ fn metal_reflects_the_sky_as_sampled_rays_find_it() {
 }
 
 /// Leaves that lie in one plane see nothing of each other, and none sees itself. On the grid each of them is
-/// spread over cells; without a word about that they would get a tenth of what they send out.
+/// spread over cells; without a word about that they would get .033, of .4 and .3 that they send on.
 #[test]
 fn a_leaf_does_not_light_itself() {
     let translucent =
