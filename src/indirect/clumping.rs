@@ -5,8 +5,9 @@
 //! A canopy of the leaf area `L` lets `exp(-G L)` of light through where leaves are spread evenly. Where they
 //! stand in masses it is `exp(-G L omega)` (Nilson 1971, "A theoretical analysis of the frequency of gaps in
 //! plant stands"). The index `omega` is predicted here. Columns of a cell, hardly wider than a leaf, have
-//! their own leaf area. The cell lets through what they let through on the mean (Lang & Xiang 1986,
-//! "Estimation of leaf area index from transmission of direct sunlight in discontinuous canopies").
+//! their own leaf area. What they let through on the mean (Lang & Xiang 1986, "Estimation of leaf area index
+//! from transmission of direct sunlight in discontinuous canopies") the cell lets through, with those next to
+//! it: leaves are spread over all of them, so that masses as wide as cells are lost too.
 //!
 //! Of light from elsewhere a leaf of a mass gets `omega`. By reciprocity as much of its own leaves the mass,
 //! and the rest meets another leaf of it. This is the recollision probability `1 - omega` (Smolander &
@@ -18,7 +19,7 @@ use super::scatters::gets_out;
 use super::surroundings::Surfels;
 use crate::color::Rgb;
 use crate::scene::Bounces;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Columns are so much wider than a leaf, at least: narrower ones would tell of single leaves.
@@ -53,10 +54,19 @@ impl Clumping {
         }
         let columns = Columns::of(grid, surfels, across);
         let by_chance = columns.indices_by_chance(surfels);
-        let depths: Vec<[f32; 2]> =
-            (0..grid.count()).into_par_iter().map(|node| columns.depths(grid, node, by_chance)).collect();
+        let (stopped, depths): (Vec<_>, Vec<_>) =
+            (0..grid.count()).into_par_iter().map(|node| columns.of_node(grid, node)).unzip();
+        let summed = |node: usize| {
+            let of_axis = |axis: usize| {
+                let [stopped, depth] =
+                    [&stopped, &depths].map(|of: &Vec<[f32; 3]>| grid.mean_across(axis, node, of)[axis]);
+                [-(-stopped).ln_1p(), by_chance[axis] * depth]
+            };
+            (0..3).map(of_axis).fold([0.0; 2], |sums, depths| [sums[0] + depths[0], sums[1] + depths[1]])
+        };
+        let found: Vec<[f32; 2]> = (0..grid.count()).into_par_iter().map(summed).collect();
         let index = |node: usize| {
-            let [found, anywhere] = grid.mean_about(node, &depths);
+            let [found, anywhere] = grid.mean_about(node, &found);
             if anywhere > 0.0 { (found / anywhere).clamp(LEAST as f32, 1.0) } else { 1.0 }
         };
         Self { indices: (0..grid.count()).map(index).collect(), bounces }
@@ -119,13 +129,13 @@ impl Columns {
         &self.areas_m2[(3 * node + axis) * count..][..count]
     }
 
-    /// Optical depth of leaves by what columns let through, and as if they stood anywhere, as means along the
-    /// three axes. A mass may be longer than a cell, so columns reach into the next cells. Leaves that lie on
-    /// the ground are no mass: from the side next to nothing of them is seen.
-    fn depths(&self, grid: &Grid, node: usize, by_chance: DVec3) -> [f32; 2] {
+    /// Which share of light they stop, along each axis, and the mean optical depth of their leaves. A mass may
+    /// be longer than a cell, so columns reach into the next cells. Leaves that lie on the ground are no mass:
+    /// from the side next to nothing of them is seen.
+    fn of_node(&self, grid: &Grid, node: usize) -> ([f32; 3], [f32; 3]) {
         let (cell, strides) = (grid.cell_of(node), grid.strides());
         let count = self.across * self.across;
-        let (mut found, mut anywhere) = (0.0, 0.0);
+        let (mut stopped, mut depths) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
             let before = (cell[axis] > 0).then(|| node - strides[axis]);
             let behind = (cell[axis] + 1 < grid.size[axis]).then(|| node + strides[axis]);
@@ -138,18 +148,18 @@ impl Columns {
                 let area_m2: f64 = cells.iter().map(|cell| f64::from(cell[column])).sum();
                 area_m2 / self.side_m.powi(2)
             };
-            let (through, all) = (0..count)
+            let (sum_stopped, sum) = (0..count)
                 .map(depth)
-                .fold((0.0, 0.0), |(through, all), depth| (through + (-depth).exp(), all + depth));
-            found -= (through / count as f64).ln() / 3.0;
-            anywhere += by_chance[axis] * all / count as f64 / 3.0;
+                .fold((0.0, 0.0), |(stopped, all), depth| (stopped - (-depth).exp_m1(), all + depth));
+            stopped[axis] = (sum_stopped / count as f64) as f32;
+            depths[axis] = (sum / count as f64) as f32;
         }
-        [found as f32, anywhere as f32]
+        (stopped, depths)
     }
 
     /// What leaves seem to have that stand anywhere, each by itself, along each axis: each is in a column as
     /// a whole, and their number is Poisson's.
-    fn indices_by_chance(&self, surfels: &Surfels) -> DVec3 {
+    fn indices_by_chance(&self, surfels: &Surfels) -> Vec3 {
         let leaf = surfels.leaf_area_m2 / self.side_m.powi(2);
         let (mut taken, mut all) = (DVec3::ZERO, DVec3::ZERO);
         for surfel in &surfels.all {
@@ -157,7 +167,7 @@ impl Columns {
             taken += surfel.area * (DVec3::ONE - (-depth).exp());
             all += surfel.area * depth;
         }
-        DVec3::select(all.cmpgt(DVec3::ZERO), taken / all, DVec3::ONE)
+        DVec3::select(all.cmpgt(DVec3::ZERO), taken / all, DVec3::ONE).as_vec3()
     }
 }
 

@@ -42,6 +42,9 @@ pub(super) struct Stretch {
     pub(super) to: f64,
 }
 
+/// Shares of a node and of those on both sides.
+const EVENLY: [f32; 3] = [0.25, 0.5, 0.25];
+
 impl Grid {
     /// That covers a box of world space, with a cell to spare on each side.
     pub(super) fn covering(low: DVec3, high: DVec3, cell_m: f64) -> Self {
@@ -136,18 +139,29 @@ impl Grid {
 
     /// The mean of what a node has and those next to it, the nearer the more; nothing lies outside.
     pub(super) fn mean_about<const N: usize>(&self, node: usize, of: &[[f32; N]]) -> [f32; N] {
-        const SHARES: [f32; 3] = [0.25, 0.5, 0.25];
+        self.mean_over(node, [EVENLY; 3], of)
+    }
+
+    /// The same of those that are next to it across an axis.
+    pub(super) fn mean_across<const N: usize>(&self, axis: usize, node: usize, of: &[[f32; N]]) -> [f32; N] {
+        let mut shares = [EVENLY; 3];
+        shares[axis] = [0.0, 1.0, 0.0];
+        self.mean_over(node, shares, of)
+    }
+
+    /// By shares along each axis of what is before a node, of itself, and of what is behind it.
+    fn mean_over<const N: usize>(&self, node: usize, shares: [[f32; 3]; 3], of: &[[f32; N]]) -> [f32; N] {
         let cell = self.cell_of(node);
         let range = |axis: usize| {
             let (low, high) =
                 (usize::from(cell[axis] == 0), 3 - usize::from(cell[axis] + 1 == self.size[axis]));
-            low..high
+            (low..high).filter(move |place| shares[axis][*place] > 0.0)
         };
         let [_, row, layer] = self.strides();
         let mut mean = [0.0; N];
         for (z, y) in range(2).flat_map(|z| range(1).map(move |y| (z, y))) {
             for x in range(0) {
-                let share = SHARES[x] * SHARES[y] * SHARES[z];
+                let share = shares[0][x] * shares[1][y] * shares[2][z];
                 let other = node + x + row * y + layer * z - (1 + row + layer);
                 mean.iter_mut().zip(&of[other]).for_each(|(sum, value)| *sum += share * value);
             }
