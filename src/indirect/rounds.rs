@@ -230,7 +230,7 @@ impl Rounds<'_> {
     }
 
     /// Light of the sky that nothing has scattered, of all of it or what a larger grid lets through: along
-    /// finer ordinates than those of all orders, as an uneven sky has edges, the horizon above all, and things
+    /// finer ordinates than those of all orders. An uneven sky has edges, the horizon above all, and things
     /// cut more. An even one stays so to the last digit if one set of ordinates shares out all light.
     fn sweep_sky(
         &mut self,
