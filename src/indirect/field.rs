@@ -120,6 +120,8 @@ impl Field {
 
     fn new(grid: Grid, mut outer: Option<Self>, has_inner: bool, context: &Context) -> Self {
         let &Context { snapshot, surroundings, leaves, bounces, cancelled } = context;
+        // Before all else: what it is taken from is large.
+        let around = outer.as_mut().map(|outer| outer.around(&grid)).unwrap_or_default();
         let surfels = surfels_of(&grid, surroundings);
         let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
         let walls = walls_of((&grid, snapshot), &triangles);
@@ -148,7 +150,6 @@ impl Field {
             has_gloss: snapshot.has_gloss(),
             cancelled,
         };
-        let around = outer.as_mut().map(|outer| outer.around(&grid)).unwrap_or_default();
         let own_light = OwnLight::new(&grid, &ordinates, bounces);
         let again = own_light.all_sent_again((&grid, &walls.occluders), &matter, (leaves, &on_leaves));
         let lit = rounds.run(bounces, (sources, again), &lit.irradiances, &around);

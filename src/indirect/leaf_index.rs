@@ -9,9 +9,9 @@ use crate::snapshot::Snapshot;
 const MOST_LEAVES: usize = 200_000;
 const NO_LEAF: u32 = u32::MAX;
 
-/// All leaves, and where they are found.
+/// Leaves, and where they are found.
 pub(super) struct LeafIndex {
-    all: Vec<Leaf>,
+    kept: Vec<Leaf>,
     /// Where the parts of each mesh begin in `leaf_of`, by the number that it has at all moments; of the
     /// last they end with it.
     starts: Vec<u32>,
@@ -34,7 +34,8 @@ impl LeafIndex {
         for (leaf, number) in all.iter().zip(0..) {
             leaf_of[starts[snapshot.lasting_number(leaf.mesh)] as usize + leaf.part] = number;
         }
-        Self { all, starts, leaf_of }
+        let kept = if all.len() > MOST_LEAVES { Vec::new() } else { all };
+        Self { kept, starts, leaf_of }
     }
 
     /// The number of the leaf that a triangle is part of, if it is.
@@ -50,6 +51,6 @@ impl LeafIndex {
 
     /// Leaves of which something is kept one by one: all, or none.
     pub(super) fn kept(&self) -> &[Leaf] {
-        if self.all.len() > MOST_LEAVES { &[] } else { &self.all }
+        &self.kept
     }
 }
