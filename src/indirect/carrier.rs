@@ -4,7 +4,7 @@
 use super::beam::Beam;
 use super::extinction::Shade;
 use super::faces::TowardsFaces;
-use super::grid::Grid;
+use super::grid::{Corners, Grid};
 use super::halo::Halo;
 use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
 use super::highlights::Highlights;
@@ -183,8 +183,9 @@ impl<'a> Carrier<'a> {
             }
             let ordinate = self.carry_pair(number, sources);
             self.add_up(ordinate, wanted);
-            if wanted.radiances {
-                self.radiances.extend(self.pairs[number].numbers.into_iter().zip(self.radiance.clone()));
+            if let Some(places) = wanted.radiances {
+                let found = self.radiance.each_ref().map(|of_nodes| means(of_nodes, places));
+                self.radiances.extend(self.pairs[number].numbers.into_iter().zip(found));
             }
         }
     }
@@ -322,6 +323,12 @@ impl<'a> Carrier<'a> {
             self.behind[here] = middle * through + added;
         }
     }
+}
+
+/// At places, of what nodes about them have.
+fn means(of_nodes: &[f32], places: &[Corners]) -> Vec<f32> {
+    let mean = |corners: &Corners| corners.iter().map(|(node, weight)| weight as f32 * of_nodes[node]).sum();
+    places.iter().map(mean).collect()
 }
 
 /// What comes from outside along one ordinate.

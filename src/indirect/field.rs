@@ -7,7 +7,7 @@ use super::extinction::Extinction;
 use super::first_light::{FirstLight, Found};
 use super::fluence::Glow;
 use super::grid::{Corners, Grid};
-use super::halo::{Around, Halo};
+use super::halo::{Around, Halo, places_about};
 use super::harmonics::{COUNT, DEGREE, basis, product};
 use super::leaf_index::LeafIndex;
 use super::leaf_power::LeafPower;
@@ -30,6 +30,7 @@ use crate::color::Rgb;
 use crate::scene::Bounces;
 use crate::snapshot::{FrozenSky, Snapshot};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Things at least so many cells wide are walls.
 pub(super) const WALL_CELLS: f64 = 2.0;
@@ -113,18 +114,23 @@ fn first_light(
 
 impl Field {
     /// Solves it on grids, the innermost first: from the outermost inwards.
-    pub(super) fn on(grids: Vec<Grid>, context: &Context) -> Option<Self> {
-        let from_outermost = grids.into_iter().enumerate().rev();
-        from_outermost.fold(None, |outer, (number, grid)| Some(Self::new(grid, outer, number > 0, context)))
+    pub(super) fn on(grids: &[Grid], context: &Context) -> Option<Self> {
+        let from_outermost = grids.iter().enumerate().rev();
+        from_outermost.fold(None, |outer, (number, grid)| {
+            let inner = number.checked_sub(1).map(|number| &grids[number]);
+            Some(Self::new(*grid, outer, inner, context))
+        })
     }
 
-    fn new(grid: Grid, mut outer: Option<Self>, has_inner: bool, context: &Context) -> Self {
+    fn new(grid: Grid, mut outer: Option<Self>, inner: Option<&Grid>, context: &Context) -> Self {
         let &Context { snapshot, surroundings, leaves, bounces, cancelled } = context;
-        // Before all else: what it is taken from is large.
         let around = outer.as_mut().map(|outer| outer.around(&grid)).unwrap_or_default();
         let surfels = surfels_of(&grid, surroundings);
         let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
         let walls = walls_of((&grid, snapshot), &triangles);
+        let seen_from = |place: DVec3| walls.occluders.corners(&grid, place, place);
+        let next_to_inner: Option<Vec<Corners>> =
+            inner.map(|inner| places_about(inner).into_par_iter().map(seen_from).collect());
         let fog = SweptFog::new(&snapshot.medium, bounces);
         let matter = Matter::new((&grid, &walls), snapshot.view.eye, &fog, &surfels, bounces);
         let (ordinates, fine) = (Ordinates::new(), walls.are_at_angles().then(Ordinates::fine));
@@ -146,7 +152,7 @@ impl Field {
             to_eye: TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot)),
             fine: fine.as_ref(),
             highlights: lit.highlights,
-            has_inner,
+            next_to_inner: next_to_inner.as_deref(),
             has_gloss: snapshot.has_gloss(),
             cancelled,
         };
@@ -179,8 +185,7 @@ impl Field {
     /// What a finer grid within it gets from it, once.
     fn around(&mut self, grid: &Grid) -> Around {
         let taken = self.radiances.each_mut().map(Option::take);
-        let halo = |radiances: Radiances| Halo::new(grid, &radiances, |world| self.corners_seen_from(world));
-        let [scattered, of_sky] = taken.map(|radiances| radiances.map(halo));
+        let [scattered, of_sky] = taken.map(|radiances| Some(Halo::new(grid, radiances?)));
         Around { scattered, of_sky }
     }
 

@@ -114,7 +114,7 @@ impl Indirect {
         let grids = levels(snapshot, &surroundings, scale);
         let leaves = LeafIndex::new(snapshot, surroundings.leaves(grids.first()?.cell_m));
         let context = Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, cancelled };
-        let field = Field::on(grids, &context)?;
+        let field = Field::on(&grids, &context)?;
         let leaves = LeafLight::new(&field, leaves);
         Some(Self { field, leaves, fog: None, bounces, once_less: None })
     }

@@ -2,6 +2,8 @@
 //! of a grid, out come numbers of nodes. Invariant: the nodes of a row of a plane are neighbours in
 //! memory, whatever the axis.
 
+use super::grid::Corners;
+
 /// How nodes lie in memory: as in the grid, where neighbours along x are next to one another, or
 /// with x and y changed.
 #[derive(Clone, Copy)]
@@ -22,6 +24,11 @@ impl Layout {
         let [x, y, _] = self.size;
         let place = [node % x, node / x % y, node / (x * y)];
         (0..3).map(|axis| place[axis] * self.strides()[axis]).sum()
+    }
+
+    /// Where those about a place are.
+    pub(super) fn corners(self, corners: &Corners) -> Corners {
+        Corners { nodes: corners.nodes.map(|node| self.node(node)), ..*corners }
     }
 
     /// From the grid's order.

@@ -1,30 +1,13 @@
-//! Radiance along every ordinate at the nodes of a grid. In go sweeps, out comes what a finer grid within it
-//! gets from outside. Invariant: nothing is smoothed, so what goes up from the ground never comes down. Of
+//! Radiance along every ordinate at places about a finer grid. In go sweeps, out comes what that grid gets
+//! from outside. Invariant: nothing is smoothed, so what goes up from the ground never comes down. Of
 //! harmonics up to l = 2 a fourteenth does, once what is negative of them is cut off.
 
-use super::grid::Corners;
 use super::ordinates::Ordinates;
-use rayon::prelude::*;
 
-/// By channel, then by ordinate, then by node.
+/// By channel, then by ordinate, then by place.
 pub(super) struct Radiances(pub(super) [Vec<Vec<f32>>; 3]);
 
 impl Radiances {
-    /// Node by node.
-    pub(super) fn of(&self, channel: usize, ordinate: usize) -> &[f32] {
-        &self.0[channel][ordinate]
-    }
-
-    /// At places instead of nodes: the means of those about them.
-    pub(super) fn at(&self, places: &[Corners]) -> Self {
-        let means = |of_nodes: &Vec<f32>| {
-            let mean =
-                |corners: &Corners| corners.iter().map(|(node, weight)| weight as f32 * of_nodes[node]).sum();
-            places.iter().map(mean).collect()
-        };
-        Self(self.0.each_ref().map(|of_channel| of_channel.par_iter().map(means).collect()))
-    }
-
     pub(super) fn add(&mut self, other: &Self) {
         for (sums, values) in self.0.iter_mut().flatten().zip(other.0.iter().flatten()) {
             sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);

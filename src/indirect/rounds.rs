@@ -4,7 +4,7 @@
 
 use super::beam::Beam;
 use super::carrier::{Inflow, Sources};
-use super::grid::Grid;
+use super::grid::{Corners, Grid};
 use super::halo::{Around, Halo};
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::highlights::Highlights;
@@ -50,8 +50,8 @@ pub(super) struct Rounds<'a> {
     pub(super) highlights: Highlights,
     /// The way to the eye from each node, where fog needs more than harmonics for it.
     pub(super) to_eye: Option<[Vec<f32>; 3]>,
-    /// Whether a finer grid lies within this one.
-    pub(super) has_inner: bool,
+    /// Nodes about each place next to a finer grid within this one.
+    pub(super) next_to_inner: Option<&'a [Corners]>,
     /// Whether things shine.
     pub(super) has_gloss: bool,
     /// Whether nobody waits for the light any more.
@@ -102,7 +102,7 @@ impl Leaving {
     }
 }
 
-impl Rounds<'_> {
+impl<'a> Rounds<'a> {
     /// Order after order. `again` is what the second of them is to be without; `on_walls` is what lamps and
     /// suns shine on each patch, W/m^2.
     pub(super) fn run(
@@ -152,8 +152,11 @@ impl Rounds<'_> {
     }
 
     /// What is seen.
-    fn last<'w>(&self, to_eye: Option<&'w [Vec<f32>; 3]>) -> Wanted<'w> {
-        let (third, radiances) = (self.has_gloss, self.has_inner);
+    fn last<'w>(&self, to_eye: Option<&'w [Vec<f32>; 3]>) -> Wanted<'w>
+    where
+        'a: 'w,
+    {
+        let (third, radiances) = (self.has_gloss, self.next_to_inner);
         Wanted { moments: false, last: true, third, to_eye, radiances }
     }
 

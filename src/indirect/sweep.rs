@@ -8,7 +8,7 @@
 
 use super::beam::Beam;
 use super::carrier::{Carrier, Sources};
-use super::grid::Grid;
+use super::grid::{Corners, Grid};
 use super::harmonics::COUNT;
 use super::matter::Matter;
 use super::moments::Moments;
@@ -89,7 +89,11 @@ impl<'a> Sweeper<'a> {
         let turned_beams = self.turned_beams(sources);
         let turned = Sources { of_matter: &turned, beams: &turned_beams, ..*sources };
         let turned_to_eye = wanted.to_eye.map(|axes| axes.each_ref().map(|axis| self.turned.of_grid(axis)));
-        let turned_wanted = Wanted { to_eye: turned_to_eye.as_ref(), ..*wanted };
+        let turned_places: Option<Vec<Corners>> = wanted
+            .radiances
+            .map(|places| places.iter().map(|corners| self.turned.corners(corners)).collect());
+        let turned_wanted =
+            Wanted { to_eye: turned_to_eye.as_ref(), radiances: turned_places.as_deref(), ..*wanted };
         self.carriers.par_iter_mut().for_each(|carrier| match carrier.axis {
             0 => carrier.carry(&turned, &turned_wanted, cancelled),
             _ => carrier.carry(sources, wanted, cancelled),
@@ -99,7 +103,7 @@ impl<'a> Sweeper<'a> {
             third: wanted.third.then(|| self.sums(|carrier| (&carrier.third, &carrier.towards_faces.third))),
             fourth: self.sums(|carrier| (&carrier.fourth, &carrier.towards_faces.fourth)),
             towards_eye: wanted.to_eye.filter(|_| wanted.last).map(|_| self.towards_eye()),
-            radiances: wanted.radiances.then(|| self.radiances()),
+            radiances: wanted.radiances.map(|_| self.radiances()),
         }
     }
 
@@ -140,7 +144,7 @@ impl<'a> Sweeper<'a> {
                 if of_ordinates.len() <= number {
                     of_ordinates.resize(number + 1, Vec::new());
                 }
-                of_ordinates[number] = if carrier.axis == 0 { self.turned.to_grid(&values) } else { values };
+                of_ordinates[number] = values;
             }
         }
         Radiances(of_channels)

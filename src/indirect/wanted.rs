@@ -1,6 +1,8 @@
 //! What a sweep is to find. In go the needs of orders and of what is seen, out come choices. Invariant: what
 //! nobody asks for is not found.
 
+use super::grid::Corners;
+
 /// What is to be known of light.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted<'a> {
@@ -12,12 +14,12 @@ pub(super) struct Wanted<'a> {
     pub(super) third: bool,
     /// The way to the eye from each node, by axis, where fog's last scattering needs it.
     pub(super) to_eye: Option<&'a [Vec<f32>; 3]>,
-    /// All of it, ordinate by ordinate, for a grid within this one.
-    pub(super) radiances: bool,
+    /// Nodes about each place next to a grid within this one, which needs light ordinate by ordinate.
+    pub(super) radiances: Option<&'a [Corners]>,
 }
 
 impl<'a> Wanted<'a> {
     /// What the next order is made of.
     pub(super) const ORDERS: Self =
-        Self { moments: true, last: false, third: false, to_eye: None, radiances: false };
+        Self { moments: true, last: false, third: false, to_eye: None, radiances: None };
 }
