@@ -302,6 +302,16 @@ fn hill_in_mist() -> Scene {
     scene
 }
 
+/// Mist over a black plain that goes on beyond it, so that its light comes from a larger grid, under a sky
+/// that ends at the horizon.
+fn mist_on_a_plain() -> Scene {
+    let mut scene = camera_at(DVec3::new(0.0, 1.5, 9.0));
+    add_box(&mut scene, DVec3::new(-60.0, -0.1, -60.0), DVec3::new(60.0, 0.0, 60.0), matte(0.0, 0.0));
+    add_fog(&mut scene, DVec3::new(-10.0, 0.0, -10.0), DVec3::splat(10.0), Rgb::splat(0.2), Rgb::ONE, 0.6);
+    scene.sky = Sky::new(SkyPicture::Gradient { zenith: Rgb::ONE, horizon: Rgb::ONE, ground: Rgb::ZERO });
+    scene
+}
+
 fn metal() -> Material {
     Material { base_color: Rgb::splat(0.9), ..with_coat(Coat { metallic: 1.0, ..coat(0.6) }) }
 }
@@ -337,6 +347,7 @@ fn the_grid_has_the_same_light() {
         ("wall on metal", wall_on(metal(), DVec3::new(-0.3, -1.0, -0.3)), 32, 0.03),
         ("boards", boards(), 128, 0.05),
         ("hill in mist", hill_in_mist(), 16, 0.05),
+        ("mist on a plain", mist_on_a_plain(), 32, 0.03),
         ("even haze", haze(0.0), 8, 0.01),
         ("haze", haze(0.5), 8, 0.01),
         ("haze ahead", haze(0.8), 8, 0.02),
