@@ -44,6 +44,9 @@ pub(super) struct Stretch {
 
 /// Shares of a node and of those on both sides.
 const EVENLY: [f32; 3] = [0.25, 0.5, 0.25];
+/// Of what trilinear interpolation gives to a node so much lies in its own cell, and in each of those beside
+/// it: the hat function's integrals.
+const BY_HAT: [f32; 3] = [0.125, 0.75, 0.125];
 
 impl Grid {
     /// That covers a box of world space, with a cell to spare on each side.
@@ -142,9 +145,9 @@ impl Grid {
         self.mean_over(node, [EVENLY; 3], of)
     }
 
-    /// The same of those that are next to it across an axis.
+    /// The mean of cells across an axis from which a node has what it has.
     pub(super) fn mean_across<const N: usize>(&self, axis: usize, node: usize, of: &[[f32; N]]) -> [f32; N] {
-        let mut shares = [EVENLY; 3];
+        let mut shares = [BY_HAT; 3];
         shares[axis] = [0.0, 1.0, 0.0];
         self.mean_over(node, shares, of)
     }
