@@ -214,7 +214,9 @@ impl<'a> Rounds<'a> {
             inflow: Inflow::Nothing,
         };
         let mut swept = self.sweep_along(fine, &sources, wanted);
-        swept.radiances = swept.radiances.map(|radiances| radiances.along(fine, self.ordinates));
+        // A sweep that was cut short has not all of them.
+        let all = swept.radiances.filter(|_| !(self.cancelled)());
+        swept.radiances = all.map(|radiances| radiances.along(fine, self.ordinates));
         Some(swept)
     }
 
