@@ -228,6 +228,26 @@ mod tests {
         }
     }
 
+    /// Pillars of a quarter of the cells, each evenly full of leaves: none is a mass within its cell.
+    #[test]
+    fn masses_as_wide_as_cells_are_masses() {
+        let half_m = 8.0;
+        let grid = Grid::covering(DVec3::splat(-half_m), DVec3::splat(half_m), CELL_M);
+        let is_full = |node: &usize| {
+            let [x, _, z] = grid.cell_of(*node);
+            x % 2 == 0 && z % 2 == 0
+        };
+        let full: Vec<usize> = (0..grid.count()).filter(is_full).collect();
+        let evenly = |leaf: usize| DVec3::new((leaf % 6) as f64 - 2.5, 0.0, (leaf / 6) as f64 - 2.5) / 6.0;
+        let places = full.iter().flat_map(|node| {
+            let middle = grid.position(*node);
+            (0..36).map(move |leaf| middle + CELL_M * evenly(leaf))
+        });
+        let clumping = Clumping::of(&grid, &Surfels::of_leaves(places, LEAF_AREA_M2), Bounces::All);
+        let index = full.iter().map(|node| clumping.at(*node)).sum::<f64>() / full.len() as f64;
+        assert!(index < 0.9, "{index}");
+    }
+
     /// They hide nothing of each other: all face up.
     #[test]
     fn leaves_that_lie_on_the_ground_are_no_mass() {

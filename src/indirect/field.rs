@@ -76,8 +76,9 @@ pub(super) struct Field {
     towards_eye: Option<TowardsEye>,
     /// Of each face of a wall the irradiance by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
-    /// What a finer grid within it gets, and of the sky, until that is solved.
-    radiances: [Option<Radiances>; 2],
+    /// What a finer grid within it gets, until that is solved; apart from what comes straight from the sky.
+    radiances: Option<Radiances>,
+    sky_radiances: Option<Radiances>,
     glows: Vec<Glow>,
     masses: Masses,
     extinction: Extinction,
@@ -170,7 +171,8 @@ impl Field {
             fourth,
             light_in_fog: light_in_fog(&lit, sky),
             towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments)),
-            radiances: [lit.last.radiances, lit.sky_radiances],
+            radiances: lit.last.radiances,
+            sky_radiances: lit.sky_radiances,
             glows,
             masses,
             extinction,
@@ -184,9 +186,8 @@ impl Field {
 
     /// What a finer grid within it gets from it, once.
     fn around(&mut self, grid: &Grid) -> Around {
-        let taken = self.radiances.each_mut().map(Option::take);
-        let [scattered, of_sky] = taken.map(|radiances| Some(Halo::new(grid, radiances?)));
-        Around { scattered, of_sky }
+        let halo = |radiances: Option<Radiances>| Some(Halo::new(grid, radiances?));
+        Around { scattered: halo(self.radiances.take()), of_sky: halo(self.sky_radiances.take()) }
     }
 
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
