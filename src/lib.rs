@@ -102,6 +102,8 @@ mod light;
 #[cfg(not(feature = "internals"))]
 mod math;
 #[cfg(not(feature = "internals"))]
+mod ordinates;
+#[cfg(not(feature = "internals"))]
 mod passes;
 #[cfg(not(feature = "internals"))]
 mod render;
@@ -154,6 +156,9 @@ pub mod light;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod math;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod ordinates;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod passes;

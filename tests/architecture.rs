@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last: each may import only those before it.
-const ORDER: [&str; 22] = [
+const ORDER: [&str; 23] = [
     "color",
     "diagnostic",
     "math",
@@ -18,6 +18,7 @@ const ORDER: [&str; 22] = [
     "light",
     "fog",
     "snapshot",
+    "ordinates",
     "indirect",
     "transport",
     "film",

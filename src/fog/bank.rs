@@ -87,6 +87,15 @@ impl FogBank {
         })
     }
 
+    /// Of fog without bounds the direction in which it thins out, a unit vector, and over how many metres it
+    /// does to a share of 1/e.
+    pub fn layer(&self) -> Option<(DVec3, f64)> {
+        match &self.density {
+            Density::Thinning(falloff) if !self.is_bounded() => Some(falloff.up()),
+            Density::Even | Density::Thinning(_) => None,
+        }
+    }
+
     /// Whether it is as dense everywhere.
     pub(super) fn is_even(&self) -> bool {
         matches!(self.density, Density::Even)

@@ -37,6 +37,12 @@ impl Falloff {
         (falloff.at_origin.is_finite() && falloff.gradient.is_finite()).then_some(falloff)
     }
 
+    /// The direction in which density falls, a unit vector, and its scale height, metres.
+    pub(super) fn up(&self) -> (DVec3, f64) {
+        let per_m = self.gradient.length();
+        (self.gradient / per_m, 1.0 / per_m)
+    }
+
     /// Heights along a ray.
     pub fn along(&self, ray: &Ray) -> Climb {
         Climb {

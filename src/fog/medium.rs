@@ -122,6 +122,16 @@ impl Medium {
         Self { banks: self.banks.iter().map(|bank| bank.without_peak(degree)).collect() }
     }
 
+    /// Of it what has no bounds.
+    pub fn without_bounds(&self) -> Self {
+        Self { banks: self.banks.iter().filter(|bank| !bank.is_bounded()).cloned().collect() }
+    }
+
+    /// Each bank by itself.
+    pub fn each(&self) -> impl Iterator<Item = Self> {
+        self.banks.iter().map(|bank| Self { banks: vec![bank.clone()] })
+    }
+
     /// Extinction at a point, 1/m.
     pub fn extinction_at(&self, point: DVec3) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_t * fog.density(point)).sum()

@@ -2,8 +2,10 @@
 //! out come nested grids. Invariant: sides of cells are powers of the root of two, so they change
 //! rarely where bounds move.
 
-use super::field::WALL_CELLS;
+use super::core_bounds::{Bounds, Strays, Weighed, core_bounds, union};
 use super::grid::Grid;
+use super::layers::Layers;
+use super::level::WALL_CELLS;
 use super::surroundings::Surroundings;
 use crate::math::Ray;
 use crate::snapshot::Snapshot;
@@ -18,6 +20,8 @@ const FAR_NODES: f64 = 8_000.0;
 const LEAVES_PER_CELL: f64 = 2.0;
 /// Fewer leaves are no reason for large cells of fog: where cells are small beside them they are walls.
 const FEW_LEAVES: usize = 16;
+/// Fog about leaves has a grid of its own where cells of both together would be so many times as large.
+const COARSEST: f64 = 8.0;
 /// Along the longest side, however large leaves are.
 const FEWEST_CELLS: f64 = 16.0;
 /// Or in any box: what is flat would else have cells as small as it is thin.
@@ -42,22 +46,33 @@ const NEARLY_ALL: f64 = 0.95;
 /// Or as far as so many times the size of the innermost grid.
 const FARTHEST: f64 = 1e3;
 
-/// A box of world space.
-type Bounds = (DVec3, DVec3);
-
 /// About all fog that has bounds and all leaves, without either about everything; then about that, as far as
 /// there are things or fog. Cells are `scale` times as wide as they would be, but no finer than leaves allow.
 /// The innermost comes first.
-pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, scale: f64) -> Vec<Grid> {
-    let all = surroundings.bounds(f64::INFINITY);
-    let fog = bounded_fog(snapshot);
+pub(super) fn levels(
+    snapshot: &Snapshot,
+    surroundings: &Surroundings,
+    (scale, layers): (f64, Option<&Layers>),
+) -> Vec<Grid> {
+    let things = surroundings.boxes(f64::INFINITY);
+    let all = core_bounds(things, Strays::Lost);
+    let fogs = bounded_fogs(snapshot);
+    let fog = core_bounds(fogs.clone(), Strays::Sparse);
     let widest = 0.1 * all.map_or(0.0, diagonal).max(fog.map_or(0.0, diagonal));
-    let leaves = surroundings.bounds(widest);
-    let Some(inner) = [fog, leaves].into_iter().flatten().reduce(union).or(all) else { return Vec::new() };
-    let world = world(snapshot, inner, all);
+    let leaves = core_bounds(surroundings.boxes(widest), Strays::Sparse);
+    let both = [fog, leaves].into_iter().flatten().reduce(union);
+    let is_fine_enough = |bounds: &Bounds| {
+        let leaf_m = surroundings.leaf_width_m(widest, FEW_LEAVES);
+        leaf_m == 0.0 || fine_m(*bounds) < COARSEST * LEAVES_PER_CELL * leaf_m
+    };
+    let Some(inner) = both.filter(is_fine_enough).or(leaves).or(fog).or(all) else { return Vec::new() };
+    let all = [all, core_bounds(fogs, Strays::Lost)].into_iter().flatten().reduce(union);
+    let world = match layers {
+        Some(layers) => layers.down_to_ground(all.map_or(inner, |all| union(all, inner))),
+        None => world(snapshot, inner, all),
+    };
     let inner = with_near_sides(inner, world);
-    let side = side(inner);
-    let fine = (side.element_product() / NODES).cbrt().max(side.max_element() / MOST_CELLS);
+    let (side, fine) = (side(inner), fine_m(inner));
     let leaf_m = match surroundings.leaf_width_m(widest.min(WALL_CELLS * fine), FEW_LEAVES) {
         0.0 if fog.is_none() => surroundings.leaf_width_m(widest, 1),
         leaf_m => leaf_m,
@@ -87,8 +102,10 @@ fn rung(cell_m: f64) -> f64 {
     2.0_f64.powf((2.0 * cell_m.log2()).ceil() / 2.0)
 }
 
-fn union(a: Bounds, b: Bounds) -> Bounds {
-    (a.0.min(b.0), a.1.max(b.1))
+/// Cells of a box, if nothing else asks for larger ones.
+fn fine_m(bounds: Bounds) -> f64 {
+    let side = side(bounds);
+    (side.element_product() / NODES).cbrt().max(side.max_element() / MOST_CELLS)
 }
 
 fn with_near_sides(inner: Bounds, world: Bounds) -> Bounds {
@@ -107,10 +124,14 @@ fn side((low, high): Bounds) -> DVec3 {
     (high - low).max(DVec3::splat(1e-3 * (high - low).max_element()))
 }
 
-fn bounded_fog(snapshot: &Snapshot) -> Option<Bounds> {
+fn bounded_fogs(snapshot: &Snapshot) -> Vec<Weighed> {
     let eye = snapshot.view.eye;
-    let boxes = snapshot.medium.banks().iter().filter_map(|bank| bank.bounds());
-    boxes.map(|(low, high)| (low + eye, high + eye)).reduce(union)
+    let weighed = |(low, high): (DVec3, DVec3)| {
+        let size = high - low;
+        let area_m2 = size.element_product() / size.min_element().max(f64::MIN_POSITIVE);
+        Weighed { bounds: (low + eye, high + eye), area_m2 }
+    };
+    snapshot.medium.banks().iter().filter_map(|bank| bank.bounds()).map(weighed).collect()
 }
 
 /// All that there is: things, and fog without bounds as far as it matters about the innermost grid.

@@ -1,304 +1,103 @@
 //! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a
-//! [`Field`] that tells irradiance on surfaces and light that fog scatters. Invariant: what it holds has been
-//! scattered at least once, or comes from the sky; never straight from a lamp or a sun.
+//! [`Field`]: grids where things are, the finest within the others, and layers about them where fog without
+//! bounds lies over plain ground. Invariant: grids and layers know light of the same orders.
 
-use super::cut_patches::cut_patches;
-use super::extinction::Extinction;
-use super::first_light::{FirstLight, Found};
-use super::fluence::Glow;
-use super::grid::{Corners, Grid};
-use super::halo::{Around, Halo, places_about};
-use super::harmonics::{COUNT, DEGREE, basis, product};
-use super::leaf_index::LeafIndex;
-use super::leaf_power::LeafPower;
+use super::gathered::Gathered;
+use super::grid::Grid;
+use super::halo::Around;
+use super::layers::Layers;
+use super::level::{Context, Level};
 use super::lobe::Lobe;
-use super::masses::{Mass, Masses};
-use super::matter::Matter;
-use super::moments::NodeMoments;
-use super::occluders::OFF_WALL;
-use super::ordinates::Ordinates;
-use super::own_light::{Alone, Arriving, OwnLight};
-use super::radiances::Radiances;
-use super::rounds::{Light, Rounds, Scatterers};
-use super::surroundings::{Leaf, Surfels, Surroundings, WallTriangle};
-use super::sweep::Sweeper;
-use super::swept_fog::SweptFog;
-use super::towards_eye::{SEEN_DEGREES, TowardsEye};
-use super::wall_light::WallLight;
-use super::walls::Walls;
+use super::surroundings::Leaf;
+use super::towards_eye::SEEN_DEGREES;
 use crate::color::Rgb;
-use crate::scene::Bounces;
-use crate::snapshot::{FrozenSky, Snapshot};
+use crate::snapshot::Snapshot;
 use glam::DVec3;
-use rayon::prelude::*;
 
-/// Things at least so many cells wide are walls.
-pub(super) const WALL_CELLS: f64 = 2.0;
-
-/// Away from a surface, in cells, light is gathered.
-const AWAY: f64 = 0.25;
-
-/// What comes to a place from all sides.
-pub(super) struct Gathered {
-    moments: [[f32; COUNT]; 3],
-    /// Of degree 4.
-    fourth: [[f32; COUNT]; 3],
-    /// Of each sun what goes on nearly straight, W/m^2 on a plane that faces it.
-    glows: Vec<Rgb>,
-    mass: Mass,
+/// A grid with all that lies about it, or what lies about all grids.
+pub(super) enum Field {
+    Grid(Box<Level>),
+    Layers(Box<Layers>),
 }
 
-/// What a field is solved for.
-pub(super) struct Context<'a> {
-    pub(super) snapshot: &'a Snapshot<'a>,
-    pub(super) surroundings: &'a Surroundings<'a>,
-    pub(super) leaves: &'a LeafIndex,
-    pub(super) bounces: Bounces,
-    /// Once it says true, what comes is of no use.
-    pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
-}
-
-/// Light of all orders at the nodes of a world grid.
-pub(super) struct Field {
-    grid: Grid,
-    /// The same on a larger and coarser grid about it.
-    outer: Option<Box<Field>>,
-    walls: Walls,
-    /// All that surfaces get, at nodes and towards walls.
-    light: NodeMoments,
-    /// The same of degree 3, where things shine.
-    third: Option<NodeMoments>,
-    /// And of degree 4: a cosine gathers a share of it, orders of scattering do without.
-    fourth: NodeMoments,
-    /// What fog gets: the same unless the sky lights surfaces alone.
-    light_in_fog: Option<NodeMoments>,
-    /// What fog sends to the eye of it beyond its harmonics.
-    towards_eye: Option<TowardsEye>,
-    /// Of each face of a wall the irradiance by harmonics, W/m^2.
-    on_faces: Vec<[f32; 3]>,
-    /// What a finer grid within it gets, until that is solved; apart from what comes straight from the sky.
-    radiances: Option<Radiances>,
-    sky_radiances: Option<Radiances>,
-    glows: Vec<Glow>,
-    masses: Masses,
-    extinction: Extinction,
-    own_light: OwnLight,
-    on_leaves: LeafPower,
-    /// Whether the sky's own light is part of it.
-    pub(super) has_sky: bool,
-    is_endless: bool,
-}
-
-/// Small things that a grid holds.
-fn surfels_of(grid: &Grid, surroundings: &Surroundings) -> Surfels {
-    let mut surfels = surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m);
-    surfels.all.retain(|surfel| grid.holds(surfel.position));
-    surfels
-}
-
-/// Walls, each patch of which knows who sees it.
-fn walls_of((grid, snapshot): (&Grid, &Snapshot), triangles: &[WallTriangle]) -> Walls {
-    let mut walls = Walls::new(grid, snapshot, triangles);
-    cut_patches((grid, snapshot), &mut walls);
-    walls.introduce()
-}
-
-/// What leaves and fog make of lamps and suns.
-fn first_light(
-    (grid, walls, triangles): (&Grid, &Walls, &[WallTriangle]),
-    (matter, fog): (&Matter, &SweptFog),
-    &Context { snapshot, leaves, cancelled, .. }: &Context,
-) -> Found {
-    let are_walls = triangles.iter().map(|triangle| triangle.primitive).collect();
-    FirstLight { snapshot, fog, grid, matter, cancelled, walls, leaves, are_walls }.found()
+/// Whether the sky's own light is part of it: not where a part of the sky is as bright as a sun, whose
+/// shadows have borders.
+pub(super) fn has_sky(snapshot: &Snapshot) -> bool {
+    snapshot.sky.is_some_and(|sky| !sky.has_sun())
 }
 
 impl Field {
-    /// Solves it on grids, the innermost first: from the outermost inwards.
-    pub(super) fn on(grids: &[Grid], context: &Context) -> Option<Self> {
-        let from_outermost = grids.iter().enumerate().rev();
-        from_outermost.fold(None, |outer, (number, grid)| {
+    /// Solves it on grids, the innermost first, from the outermost inwards; about that lie layers.
+    pub(super) fn on(grids: &[Grid], layers: Option<Layers>, context: &Context) -> Option<Self> {
+        let outermost = layers.map(|layers| Self::Layers(Box::new(layers)));
+        grids.iter().enumerate().rev().fold(outermost, |outer, (number, grid)| {
             let inner = number.checked_sub(1).map(|number| &grids[number]);
-            Some(Self::new(*grid, outer, inner, context))
+            Some(Self::Grid(Box::new(Level::new(*grid, outer, inner, context))))
         })
     }
 
-    fn new(grid: Grid, mut outer: Option<Self>, inner: Option<&Grid>, context: &Context) -> Self {
-        let &Context { snapshot, surroundings, leaves, bounces, cancelled } = context;
-        let around = outer.as_mut().map(|outer| outer.around(&grid)).unwrap_or_default();
-        let surfels = surfels_of(&grid, surroundings);
-        let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
-        let walls = walls_of((&grid, snapshot), &triangles);
-        let seen_from = |place: DVec3| walls.occluders.corners(&grid, place, place);
-        let next_to_inner: Option<Vec<Corners>> =
-            inner.map(|inner| places_about(inner).into_par_iter().map(seen_from).collect());
-        let fog = SweptFog::new(&snapshot.medium, bounces);
-        let matter = Matter::new((&grid, &walls), snapshot.view.eye, &fog, &surfels, bounces);
-        let (ordinates, fine) = (Ordinates::new(), walls.are_at_angles().then(Ordinates::fine));
-        let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
-        let Found { sources, beams, glows, met_again, on_leaves } =
-            first_light((&grid, &walls, &triangles), (&matter, &fog), context);
-        let along = fine.as_ref().unwrap_or(&ordinates);
-        let lit = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls, ordinates: along }.found();
-        let sky = snapshot.sky;
-        let has_sky = sky.is_some_and(|sky| !sky.has_sun());
-        let rounds = Rounds {
-            sweeper,
-            scatterers: Scatterers { matter: &matter, walls: &walls },
-            ordinates: &ordinates,
-            grid: &grid,
-            sky,
-            has_sky,
-            beams,
-            to_eye: TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot)),
-            fine: fine.as_ref(),
-            highlights: lit.highlights,
-            next_to_inner: next_to_inner.as_deref(),
-            has_gloss: snapshot.has_gloss(),
-            cancelled,
-        };
-        let own_light = OwnLight::new(&grid, &ordinates, bounces);
-        let again = own_light.all_sent_again((&grid, &walls.occluders), &matter, (leaves, &on_leaves));
-        let lit = rounds.run(bounces, (sources, again), &lit.irradiances, &around);
-        let (masses, extinction) = matter.told(&met_again);
-        let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
-        Self {
-            outer: outer.map(Box::new),
-            on_faces: walls.faces.irradiances(&light),
-            walls,
-            light,
-            third: lit.last.third.as_ref().map(NodeMoments::of),
-            fourth,
-            light_in_fog: light_in_fog(&lit, sky),
-            towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments)),
-            radiances: lit.last.radiances,
-            sky_radiances: lit.sky_radiances,
-            glows,
-            masses,
-            extinction,
-            own_light,
-            on_leaves,
-            grid,
-            has_sky,
-            is_endless: lit.is_endless,
+    /// What a grid within it gets from it, once.
+    pub(super) fn around(&mut self, grid: &Grid, snapshot: &Snapshot) -> Around {
+        match self {
+            Self::Grid(level) => level.around(grid),
+            Self::Layers(layers) => layers.around(grid, snapshot.sky),
         }
     }
 
-    /// What a finer grid within it gets from it, once.
-    fn around(&mut self, grid: &Grid) -> Around {
-        let halo = |radiances: Option<Radiances>| Some(Halo::new(grid, radiances?));
-        Around { scattered: halo(self.radiances.take()), of_sky: halo(self.sky_radiances.take()) }
+    /// The finest part of it that has a place.
+    fn at(&self, world: DVec3) -> &Self {
+        match self {
+            Self::Grid(level) => level.outer_at(world).map_or(self, |outer| outer.at(world)),
+            Self::Layers(_) => self,
+        }
     }
 
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
-        self.across_levels(world, &|field| {
-            let corners = field.corners_before(world, lobe.normal());
-            let lit = field.walls.faces.of_corners(&corners, lobe.normal());
-            let on_faces = || field.walls.faces.mean(&lit, lobe, &field.on_faces);
-            let irradiance = on_faces().unwrap_or_else(|| {
-                product(&lobe.of_travel(), &field.light.mean(&lit)) + field.beyond(&lit, lobe)
-            });
-            field.with_glows(irradiance, |glow| field.glows[glow].mean(&corners), lobe)
-        })
-    }
-
-    /// What grids find at a place, mixed where one goes over into a larger.
-    fn across_levels(&self, world: DVec3, ask: &dyn Fn(&Self) -> Rgb) -> Rgb {
-        let Some(outer) = &self.outer else { return ask(self) };
-        match self.grid.share(world) {
-            1.0 => ask(self),
-            0.0 => outer.across_levels(world, ask),
-            share => share * ask(self) + (1.0 - share) * outer.across_levels(world, ask),
-        }
-    }
-
-    /// The finest that has a place.
-    fn level_at(&self, world: DVec3) -> &Self {
-        match &self.outer {
-            Some(outer) if self.grid.share(world) < 0.5 => outer.level_at(world),
-            _ => self,
+        match self {
+            Self::Grid(level) => level.mixed(
+                world,
+                |level| level.gathered_by(world, lobe),
+                |outer| outer.gathered_by(world, lobe),
+            ),
+            Self::Layers(layers) => layers.gathered_by(world, lobe),
         }
     }
 
     /// What comes to the two sides of a leaf of all light but its own.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
-        let field = self.level_at(leaf.position);
-        let unmet = field.on_leaves.scattered(number, leaf);
-        let alone = Alone::new(
-            (&field.grid, &field.walls.occluders),
-            (&field.extinction, field.masses.clumping()),
-            (leaf, unmet),
-        );
-        let mass = field.masses.at(&field.grid, leaf.position);
-        let mut sides = [0, 1].map(|side| {
-            let corners = &alone.nodes[side][0];
-            Gathered {
-                moments: field.light.mean(corners),
-                fourth: field.fourth.mean(corners),
-                glows: field.glows.iter().map(|glow| glow.mean(corners)).collect(),
-                mass: field.masses.of_leaf(mass, leaf, unmet[side].all()),
-            }
-        });
-        let arriving = sides.each_mut().map(|side| Arriving(&mut side.moments, &mut side.fourth));
-        field.own_light.take(&alone, arriving);
-        sides
+        match self.at(leaf.position) {
+            Self::Grid(level) => level.gather_leaf(number, leaf),
+            Self::Layers(layers) => [0, 1].map(|_| layers.gathered(leaf.position)),
+        }
     }
 
     /// What a leaf gathers of what it would by itself, where it sends a share of all light on.
     pub(super) fn within_mass(&self, world: DVec3, by_itself: Rgb, sent: Rgb) -> Rgb {
-        let field = self.level_at(world);
-        field.masses.gathered(field.masses.at(&field.grid, world), by_itself, sent)
+        match self.at(world) {
+            Self::Grid(level) => level.within_mass(world, by_itself, sent),
+            Self::Layers(_) => by_itself,
+        }
     }
 
     /// What of it a lobe gathers on a leaf that sends a share of all light on; by a cosine that is
     /// irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
-        // A leaf's shine sees no more than harmonics up to l = 2.
-        let lobe = &if lobe.has_third() { lobe.up_to_second() } else { *lobe };
-        let beyond = lobe.of_fourth_of_travel().map_or(Rgb::ZERO, |of| product(&of, &gathered.fourth));
-        let irradiance = product(&lobe.of_travel(), &gathered.moments) + beyond;
-        let by_itself = self.with_glows(irradiance, |glow| gathered.glows[glow], lobe);
-        self.masses.gathered(gathered.mass, by_itself, sent)
+        match self {
+            Self::Grid(level) => level.of_gathered(gathered, lobe, sent),
+            Self::Layers(_) => gathered.by(lobe),
+        }
     }
 
-    /// Nodes about a place a little away from a surface, so that what it sends out itself does not light it.
-    fn corners_before(&self, world: DVec3, normal: DVec3) -> Corners {
-        let cell_m = self.grid.cell_m;
-        self.walls.occluders.corners(
-            &self.grid,
-            world + AWAY * cell_m * normal,
-            world + OFF_WALL * cell_m * normal,
-        )
-    }
-
-    /// What a lobe gathers by degrees 3 and 4.
-    fn beyond(&self, lit: &Corners, lobe: &Lobe) -> Rgb {
-        let of = |factors: Option<[f64; COUNT]>, moments: Option<&NodeMoments>| {
-            factors.zip(moments).map_or(Rgb::ZERO, |(factors, moments)| product(&factors, &moments.mean(lit)))
-        };
-        of(lobe.of_third_of_travel(), self.third.as_ref())
-            + of(lobe.of_fourth_of_travel(), Some(&self.fourth))
-    }
-
-    /// What a lobe gathers by harmonics, and what of suns' light that goes on nearly straight.
-    fn with_glows(&self, by_harmonics: Rgb, arriving: impl Fn(usize) -> Rgb, lobe: &Lobe) -> Rgb {
-        let mut irradiance = by_harmonics.max(Rgb::ZERO);
-        for (number, glow) in self.glows.iter().enumerate() {
-            let cos = lobe.of_glow(glow.travel);
-            if cos > 0.0 {
-                irradiance += cos * arriving(number);
+    /// Tells of each sun what goes on nearly straight at a place of world space: its direction of travel,
+    /// irradiance on a plane that faces it, and how often it was scattered.
+    pub(super) fn for_each_glow(&self, world: DVec3, mut tell: impl FnMut(DVec3, Rgb, f64)) {
+        match self.at(world) {
+            Self::Grid(level) => level.glows(world).for_each(|(travel, on, times)| tell(travel, on, times)),
+            Self::Layers(layers) => {
+                layers.glows(world).for_each(|(travel, on, times)| tell(travel, on, times))
             }
         }
-        irradiance
-    }
-
-    /// What of suns goes on nearly straight at a place of world space: with its irradiance on a plane that
-    /// faces it, and how often it was scattered.
-    pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (&Glow, Rgb, f64)> {
-        let field = self.level_at(world);
-        let corners = field.corners_seen_from(world);
-        field.glows.iter().map(move |glow| (glow, glow.mean(&corners), glow.mean_times(&corners)))
     }
 
     /// What fog at a place of world space scatters into a direction of travel, for a coefficient
@@ -307,70 +106,49 @@ impl Field {
     pub(super) fn scattered(
         &self,
         world: DVec3,
-        (travel, is_to_eye): (DVec3, bool),
+        travel: (DVec3, bool),
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
-        let basis = basis(travel);
-        self.across_levels(world, &|field| {
-            let corners = field.corners_seen_from(world);
-            let moments = field.moments_in_fog(&corners);
-            let of_channel = |channel: usize| -> f64 {
-                let harmonic = |index: usize| {
-                    scattering[DEGREE[index]][channel] * basis[index] * f64::from(moments[channel][index])
-                };
-                (0..COUNT).map(harmonic).sum()
-            };
-            let by_harmonics = Rgb::new(of_channel(0), of_channel(1), of_channel(2));
-            let beyond = field.towards_eye.as_ref().filter(|_| is_to_eye);
-            let beyond = beyond.map_or(Rgb::ZERO, |beyond| beyond.scattered(&corners, scattering));
-            (by_harmonics + beyond).max(Rgb::ZERO)
-        })
-    }
-
-    /// Nodes about a place of world space that no wall hides.
-    fn corners_seen_from(&self, world: DVec3) -> Corners {
-        self.walls.occluders.corners(&self.grid, world, world)
-    }
-
-    /// Moments of the light that fog gets of them.
-    fn moments_in_fog(&self, corners: &Corners) -> [[f32; COUNT]; 3] {
-        self.light_in_fog.as_ref().unwrap_or(&self.light).mean(corners)
+        match self {
+            Self::Grid(level) => level.mixed(
+                world,
+                |level| level.scattered(world, travel, scattering),
+                |outer| outer.scattered(world, travel, scattering),
+            ),
+            Self::Layers(layers) => layers.scattered(world, travel.0, scattering),
+        }
     }
 
     /// Whether a wall stands between two places of world space that are less than a cell apart.
     pub(super) fn has_wall_between(&self, a: DVec3, b: DVec3) -> bool {
-        let Self { grid, walls, .. } = self.level_at(b);
-        let lowest = [a, b].map(|place| grid.corners(place).nodes[0]);
-        walls.occluders.hide(grid, lowest[0], a, b)
-            || lowest[0] != lowest[1] && walls.occluders.hide(grid, lowest[1], a, b)
+        match self.at(b) {
+            Self::Grid(level) => level.has_wall_between(a, b),
+            Self::Layers(_) => false,
+        }
     }
 
     /// Whether its light goes on and on, as next to nothing absorbs it, and was cut short.
     pub(super) fn is_endless(&self) -> bool {
-        self.is_endless || self.outer.as_ref().is_some_and(|outer| outer.is_endless())
+        self.levels().any(Level::is_endless)
     }
 
-    /// The distance of nodes, metres.
-    pub(super) fn cell_m(&self) -> f64 {
-        self.grid.cell_m
+    fn level(&self) -> Option<&Level> {
+        match self {
+            Self::Grid(level) => Some(level),
+            Self::Layers(_) => None,
+        }
     }
 
-    /// Where the innermost grid ends, in world space.
-    pub(super) fn volume(&self) -> (DVec3, DVec3) {
-        self.grid.volume()
+    /// Its grids, the innermost first.
+    pub(super) fn levels(&self) -> impl Iterator<Item = &Level> {
+        std::iter::successors(self.level(), |level| level.outer().and_then(Self::level))
     }
 
-    /// Where the outermost ends, if there are more than one.
-    pub(super) fn outer_volume(&self) -> Option<(DVec3, DVec3)> {
-        let outer = self.outer.as_ref()?;
-        Some(outer.outer_volume().unwrap_or_else(|| outer.volume()))
+    /// The layers about all grids, if there are any.
+    pub(super) fn layers(&self) -> Option<&Layers> {
+        match self {
+            Self::Grid(level) => level.outer()?.layers(),
+            Self::Layers(layers) => Some(layers),
+        }
     }
-}
-
-/// What fog gets where the sky lights surfaces alone: all but what comes straight from there.
-fn light_in_fog(lit: &Light, sky: Option<FrozenSky>) -> Option<NodeMoments> {
-    let of_sky = lit.of_sky.as_ref().filter(|_| sky.is_some_and(|sky| !sky.lights_fog()))?;
-    let mut seen = lit.all.clone();
-    seen.add(of_sky, [-1.0; 3]);
-    Some(NodeMoments::of(&seen))
 }

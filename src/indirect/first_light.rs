@@ -382,7 +382,7 @@ fn add_on_leaves(groups: &[Left], found: &mut Found) {
 
 /// How often light was scattered that was scattered at all, of which there is so much of `all`: a Poisson
 /// process (van de Hulst 1980, "Multiple Light Scattering").
-fn mean_times(glow: f32, all: f32) -> f32 {
+pub(super) fn mean_times(glow: f32, all: f32) -> f32 {
     let share = if all > 0.0 { (glow / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
     let depth = -(1.0 - share).ln();
     if depth > 1e-3 { depth / share } else { 1.0 }

@@ -3,6 +3,7 @@
 //! as things have cut edges into it.
 
 use super::grid::Grid;
+use super::ordinates::Ordinates;
 use super::radiances::Radiances;
 use glam::DVec3;
 
@@ -22,6 +23,8 @@ pub(super) struct Halo {
     numbers: Vec<u32>,
     /// By that number.
     radiances: Radiances,
+    /// Whether it is along [`super::ordinates::Ordinates::fine`].
+    pub(super) is_fine: bool,
 }
 
 impl Halo {
@@ -33,7 +36,8 @@ impl Halo {
             after.saturating_sub(1)
         };
         let numbers = all_about(grid).map(number).collect();
-        Self { size: grid.size.map(|count| count + 2), numbers, radiances }
+        let is_fine = radiances.0[0].len() == Ordinates::FINE;
+        Self { size: grid.size.map(|count| count + 2), numbers, radiances, is_fine }
     }
 
     /// Radiance of a channel along an ordinate, in a cell about the grid. The grid's first cell is at 0.

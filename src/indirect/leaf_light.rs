@@ -2,7 +2,8 @@
 //! field and leaves, out comes irradiance. Invariant: a leaf is no longer than a cell, so that its middle
 //! stands for all of it.
 
-use super::field::{Field, Gathered};
+use super::field::Field;
+use super::gathered::Gathered;
 use super::leaf_index::LeafIndex;
 use super::lobe::Lobe;
 use crate::accel::PrimitiveId;

@@ -24,6 +24,11 @@ pub(super) struct Mass {
     given: Rgb,
 }
 
+impl Mass {
+    /// None: of a leaf by itself.
+    pub(super) const NONE: Self = Self { index: 1.0, given: Rgb::ZERO };
+}
+
 impl Masses {
     pub(super) fn new(clumping: Clumping, given: Vec<[f32; 3]>) -> Self {
         Self { clumping, given }
@@ -32,7 +37,7 @@ impl Masses {
     /// About a place of world space.
     pub(super) fn at(&self, grid: &Grid, world: DVec3) -> Mass {
         if self.clumping.is_none() {
-            return Mass { index: 1.0, given: Rgb::ZERO };
+            return Mass::NONE;
         }
         let share = |(node, share): (usize, f64)| share * Rgb::from_array(self.given[node].map(f64::from));
         let corners = grid.corners(world);

@@ -8,6 +8,7 @@
 
 use super::clumping::Clumping;
 use super::extinction::{Extinction, NO_LEAVES, Shade};
+use super::fog_of_nodes::fog_of_nodes;
 use super::grid::Grid;
 use super::harmonics::{COUNT, DEGREE, cosine_lobe};
 use super::masses::Masses;
@@ -15,13 +16,12 @@ use super::moments::Moments;
 use super::occluders::OFF_WALL;
 use super::scatters::Scatters;
 use super::surroundings::{Surfel, Surfels};
-use super::swept_fog::{FogHere, SweptFog};
+use super::swept_fog::SweptFog;
 use super::walls::Walls;
 use crate::color::Rgb;
 use crate::fog::BEAM_DEGREES;
 use crate::scene::Bounces;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
 /// Of the harmonics those that are the same for a direction and its opposite, and those that change sign.
@@ -236,14 +236,7 @@ impl Matter {
     }
 
     fn add_fog(&mut self, grid: &Grid, walls: &Walls, (fog, eye): (&SweptFog, DVec3)) {
-        let means: Vec<FogHere> = (0..grid.count())
-            .into_par_iter()
-            .map(|node| {
-                let is_hidden = |place: DVec3| walls.occluders.is_hidden(grid, node, place + eye);
-                mean_fog(fog, (grid.position(node) - eye, grid.cell_m), is_hidden)
-            })
-            .collect();
-        for (node, mean) in means.iter().enumerate() {
+        for (node, mean) in fog_of_nodes(grid, &walls.occluders, (fog, eye)).iter().enumerate() {
             for channel in 0..3 {
                 self.extinction.fog[channel][node] = mean.extinction[channel] as f32;
                 for degree in 0..3 {
@@ -328,36 +321,4 @@ impl Matter {
             }
         }
     }
-}
-
-/// Exact where fog is even about all of the cell, else the mean of its middles' grid, but for those that
-/// walls hide: fog often ends where the ground does.
-fn mean_fog(fog: &SweptFog, (middle, cell_m): (DVec3, f64), is_hidden: impl Fn(DVec3) -> bool) -> FogHere {
-    const SIDE: usize = 4;
-    let corner = |number: usize| {
-        let sign = |bit: usize| if number >> bit & 1 == 1 { 0.5 } else { -0.5 };
-        middle + (1.0 - 1e-9) * cell_m * DVec3::new(sign(0), sign(1), sign(2))
-    };
-    let here = fog.dimming.extinction_at(middle);
-    if (0..8).all(|number| fog.dimming.extinction_at(corner(number)) == here) {
-        return fog.at(middle);
-    }
-    let places = (0..SIDE * SIDE * SIDE).map(|number| {
-        let step = |index: usize| (index % SIDE) as f64 + 0.5 - 0.5 * SIDE as f64;
-        let place = DVec3::new(step(number), step(number / SIDE), step(number / SIDE / SIDE)) / SIDE as f64;
-        middle + cell_m * place
-    });
-    let seen: Vec<DVec3> = places.filter(|place| !is_hidden(*place)).collect();
-    let mut mean = FogHere::default();
-    let share = 1.0 / seen.len().max(1) as f64;
-    for place in seen {
-        let here = fog.at(place);
-        mean.extinction += share * here.extinction;
-        let sums = mean.scattering.iter_mut().chain(&mut mean.first_scattering);
-        for (sum, value) in sums.zip(here.scattering.into_iter().chain(here.first_scattering)) {
-            *sum += share * value;
-        }
-        mean.first_peak += share * here.first_peak;
-    }
-    mean
 }

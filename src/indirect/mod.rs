@@ -2,13 +2,15 @@
 //! goes a snapshot, out comes an [`Indirect`] that every ray may ask. Invariant: nothing in it is random, and
 //! nothing depends on where the camera stands in a cell of its grid.
 //!
-//! Direct light and single scattering stay exact, in `transport`. What comes after is solved on a world grid
+//! Direct light and single scattering stay exact, in `transport`. What comes after is solved on world grids
 //! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
-//! medium there. `field.rs` is the loop over orders.
+//! medium there. `rounds.rs` is the loop over orders. About the grids fog over plain ground is a stack of layers
+//! (`layers.rs`).
 
 mod beam;
 mod carrier;
 mod clumping;
+mod core_bounds;
 mod cut_patches;
 mod extent;
 mod extinction;
@@ -16,13 +18,19 @@ mod faces;
 mod field;
 mod first_light;
 mod fluence;
+mod fog_of_nodes;
+mod gathered;
 mod grid;
+mod ground;
 mod halo;
 mod harmonics;
 mod highlights;
+mod layer_detail;
+mod layers;
 mod leaf_index;
 mod leaf_light;
 mod leaf_power;
+mod level;
 mod lobe;
 mod masses;
 mod matter;
@@ -36,6 +44,7 @@ mod power_rays;
 mod radiances;
 mod rounds;
 mod scatters;
+mod stack;
 mod surroundings;
 mod sweep;
 mod sweep_kernels;
@@ -47,9 +56,12 @@ mod walls;
 mod wanted;
 
 use self::extent::levels;
-use self::field::{Context, Field};
+use self::field::{Field, has_sky};
+use self::ground::Beneath;
+use self::layers::Layers;
 use self::leaf_index::LeafIndex;
 use self::leaf_light::LeafLight;
+use self::level::{Context, Level};
 use self::lobe::Lobe;
 use self::surroundings::Surroundings;
 use self::view::ViewedFog;
@@ -67,6 +79,7 @@ pub struct Indirect {
     leaves: LeafLight,
     fog: Option<ViewedFog>,
     bounces: Bounces,
+    has_sky: bool,
     /// After one bounce less, where that is asked for.
     once_less: Option<Box<Self>>,
 }
@@ -110,13 +123,16 @@ impl Indirect {
         bounces: Bounces,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let surroundings = Surroundings::of(snapshot);
-        let grids = levels(snapshot, &surroundings, scale);
-        let leaves = LeafIndex::new(snapshot, surroundings.leaves(grids.first()?.cell_m));
+        let mut surroundings = Surroundings::of(snapshot);
+        let layers = layers(snapshot, &mut surroundings, bounces);
+        let grids = levels(snapshot, &surroundings, (scale, layers.as_ref()));
+        let cell_m = grids.first().map_or(f64::INFINITY, |grid| grid.cell_m);
+        let leaves = LeafIndex::new(snapshot, surroundings.leaves(cell_m));
         let context = Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, cancelled };
-        let field = Field::on(&grids, &context)?;
+        let field = Field::on(&grids, layers, &context)?;
         let leaves = LeafLight::new(&field, leaves);
-        Some(Self { field, leaves, fog: None, bounces, once_less: None })
+        let has_sky = has_sky(snapshot);
+        Some(Self { field, leaves, fog: None, bounces, has_sky, once_less: None })
     }
 
     /// Light that was scattered once less than this, if there is any.
@@ -124,9 +140,9 @@ impl Indirect {
         if self.bounces == Bounces::All { Some(self) } else { self.once_less.as_deref() }
     }
 
-    /// Side of a cell, metres.
+    /// Side of the finest cells, metres; infinite where there are none.
     pub fn cell_m(&self) -> f64 {
-        self.field.cell_m()
+        self.field.levels().next().map_or(f64::INFINITY, Level::cell_m)
     }
 
     /// Whether next to nothing absorbs it: it goes on and on, and there is more of it than is found.
@@ -137,7 +153,7 @@ impl Indirect {
     /// Whether the sky's own light is part of it, so that nobody need look for it: not where a part of the
     /// sky is as bright as a sun, whose shadows have borders.
     pub fn has_sky(&self) -> bool {
-        self.field.has_sky
+        self.has_sky
     }
 
     /// Which share of a surface's shine is to be found by rays: harmonics are too wide for what stands near.
@@ -199,4 +215,15 @@ impl Indirect {
         let steps = if is_exact { STEPS } else { FEW_STEPS };
         view::along(&self.field, snapshot, ray, (distance, steps))
     }
+}
+
+/// What lies about all grids, if fog without bounds lies over plain ground, and nothing else shines on it.
+fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces) -> Option<Layers> {
+    let (up, scale_m) = snapshot.medium.banks().iter().find_map(|bank| bank.layer())?;
+    let ground = match Beneath::of(surroundings, up, scale_m) {
+        Beneath::Hills => return None,
+        Beneath::Nothing => None,
+        Beneath::Plain(ground) => Some(ground),
+    };
+    Layers::new(snapshot, ground.as_ref(), bounces)
 }

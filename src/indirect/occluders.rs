@@ -79,16 +79,6 @@ impl Occluders {
         corners
     }
 
-    /// Whether a wall hides a place of a node's cell from it.
-    pub(super) fn is_hidden(&self, grid: &Grid, node: usize, place: DVec3) -> bool {
-        self.are_near[node] && {
-            let corners = grid.corners(place);
-            let corner = corners.nodes.iter().position(|number| *number == node);
-            let hidden = self.hidden(grid, corners.nodes[0], place);
-            corner.is_some_and(|corner| hidden >> corner & 1 == 1)
-        }
-    }
-
     /// Which share of a cell's volume each node stands for by [`Occluders::cell_of`]: 1 far from walls.
     pub(super) fn shares(&self, grid: &Grid) -> Vec<f32> {
         /// A lattice whose points are evenly spaced along each axis: no plane across one has

@@ -17,7 +17,13 @@ pub(super) struct Ordinate {
 /// All of them.
 pub(super) struct Ordinates(Vec<Ordinate>);
 
+/// Rings of the fine ones, and directions of each.
+const HEIGHTS: usize = 12;
+const STEPS: usize = 16;
+
 impl Ordinates {
+    pub(super) const FINE: usize = HEIGHTS * STEPS;
+
     /// The 50 points of Lebedev's rule of order 11 (Lebedev 1976, "Quadratures on a
     /// sphere", table 1), turned.
     pub(super) fn new() -> Self {
@@ -58,8 +64,6 @@ impl Ordinates {
     /// 192 for light that comes in from the sky and has not been scattered: what leaves let through of it has
     /// edges. Gauss' rule by height, even steps about the vertical.
     pub(super) fn fine() -> Self {
-        const HEIGHTS: usize = 12;
-        const STEPS: usize = 16;
         let ring = |&(height, weight): &(f64, f64)| {
             let across = (1.0 - height * height).sqrt();
             (0..STEPS).map(move |step| {

@@ -121,7 +121,7 @@ pub(super) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
 }
 
 /// Of all of a sun's disc, on a plane that faces it.
-fn mean_irradiance(light: &Luminaire) -> Rgb {
+pub(super) fn mean_irradiance(light: &Luminaire) -> Rgb {
     const POINTS: usize = 64;
     if light.is_delta() {
         let FrozenLight::Sun { irradiance, .. } = light.centre() else { return Rgb::ZERO };

@@ -50,6 +50,8 @@ pub(super) struct Rounds<'a> {
     pub(super) highlights: Highlights,
     /// The way to the eye from each node, where fog needs more than harmonics for it.
     pub(super) to_eye: Option<[Vec<f32>; 3]>,
+    /// Whether fog that is seen scatters light of degree 3.
+    pub(super) fog_sees_third: bool,
     /// Nodes about each place next to a finer grid within this one.
     pub(super) next_to_inner: Option<&'a [Corners]>,
     /// Whether things shine.
@@ -123,7 +125,7 @@ impl<'a> Rounds<'a> {
         let to_eye = self.to_eye.take();
         if let Some(halo) = &around.scattered {
             let wanted = Wanted { moments: true, ..self.last(to_eye.as_ref()) };
-            let swept = self.sweep(&nothing, Inflow::Around(halo), &wanted);
+            let swept = self.sweep_around(halo, &nothing, &wanted);
             // Where orders are counted, nobody knows how many it has behind it.
             if bounces == Bounces::All {
                 leaving.add(&self.scatterers.scatter(&swept.moments, true), [1.0; 3]);
@@ -156,7 +158,7 @@ impl<'a> Rounds<'a> {
     where
         'a: 'w,
     {
-        let (third, radiances) = (self.has_gloss, self.next_to_inner);
+        let (third, radiances) = (self.has_gloss || self.fog_sees_third, self.next_to_inner);
         Wanted { moments: false, last: true, third, to_eye, radiances }
     }
 
@@ -220,6 +222,25 @@ impl<'a> Rounds<'a> {
         Some(swept)
     }
 
+    /// What comes in from outside.
+    fn sweep_around(&mut self, halo: &Halo, nothing: &Leaving, wanted: &Wanted) -> Swept {
+        if !halo.is_fine {
+            return self.sweep(nothing, Inflow::Around(halo), wanted);
+        }
+        let fine = Ordinates::fine();
+        let sources = Sources {
+            of_matter: &nothing.matter,
+            beams: &[],
+            of_walls: &nothing.of_walls(),
+            highlights: None,
+            inflow: Inflow::Around(halo),
+        };
+        let mut swept = self.sweep_along(&fine, &sources, wanted);
+        let all = swept.radiances.filter(|_| !(self.cancelled)());
+        swept.radiances = all.map(|radiances| radiances.along(&fine, self.ordinates));
+        swept
+    }
+
     /// Along other ordinates than those of all orders.
     fn sweep_along(&self, fine: &Ordinates, sources: &Sources, wanted: &Wanted) -> Swept {
         let Scatterers { matter, walls } = self.scatterers;
@@ -244,10 +265,7 @@ impl<'a> Rounds<'a> {
         wanted: &Wanted,
     ) -> Swept {
         let of_orders = inflow(sky, self.ordinates);
-        let is_even = of_orders
-            .iter()
-            .all(|radiance| (*radiance - of_orders[0]).abs().cmple(EVEN * of_orders[0]).all());
-        if is_even {
+        if is_even(&of_orders) {
             let inflow = around.map_or(Inflow::Even(&of_orders), Inflow::Around);
             return self.sweep(nothing, inflow, wanted);
         }
@@ -261,9 +279,14 @@ impl<'a> Rounds<'a> {
     }
 }
 
+/// Whether radiance is the same along all ordinates.
+pub(super) fn is_even(radiances: &[Rgb]) -> bool {
+    radiances.iter().all(|radiance| (*radiance - radiances[0]).abs().cmple(EVEN * radiances[0]).all())
+}
+
 /// The sky's radiance along each ordinate, on the mean of the directions that are nearest to it; where there
 /// is none of the nearest.
-fn inflow(sky: FrozenSky, ordinates: &Ordinates) -> Vec<Rgb> {
+pub(super) fn inflow(sky: FrozenSky, ordinates: &Ordinates) -> Vec<Rgb> {
     let mut sums = vec![(Rgb::ZERO, 0.0); ordinates.as_slice().len()];
     for (direction, radiance) in sky.means() {
         let (sum, count) = &mut sums[ordinates.nearest(-direction)];

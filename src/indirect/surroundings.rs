@@ -2,6 +2,7 @@
 //! walls. In goes a snapshot, out come both and the box that they fill. Invariant: each visible triangle is
 //! part of one of them.
 
+use super::core_bounds::{Weighed, union};
 use super::scatters::{MeanScatters, Scatters, scatters};
 use crate::accel::PrimitiveId;
 use crate::math::kronecker;
@@ -82,6 +83,18 @@ struct PlacedPart<'a> {
     width_m: f64,
     /// The longest.
     length_m: f64,
+    /// Whether it is a plain under layers of fog, which end in it.
+    is_plain: bool,
+}
+
+/// A part that may be ground.
+pub(super) struct WidePart {
+    pub(super) number: usize,
+    /// Places that it lies between, in world space.
+    pub(super) corners: Vec<DVec3>,
+    pub(super) width_m: f64,
+    /// Of the box about it what is seen of the widest side.
+    pub(super) area_m2: f64,
 }
 
 impl PlacedPart<'_> {
@@ -157,17 +170,52 @@ impl<'a> Surroundings<'a> {
                 let mut sides = ((part.high - part.low) * scale).to_array();
                 sides.sort_by(f64::total_cmp);
                 let [thickness_m, width_m, length_m] = sides;
-                PlacedPart { mesh, mesh_number, part, number, thickness_m, width_m, length_m }
+                PlacedPart {
+                    mesh,
+                    mesh_number,
+                    part,
+                    number,
+                    thickness_m,
+                    width_m,
+                    length_m,
+                    is_plain: false,
+                }
             })
         };
         Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
     }
 
-    /// The box about all parts that are narrower, in world space; `None` if there is none.
-    pub(super) fn bounds(&self, widest_m: f64) -> Option<(DVec3, DVec3)> {
-        let parts = self.parts.iter().filter(|part| !part.is_large(widest_m));
-        let corners = parts.flat_map(|part| self.corners(part));
-        corners.map(|corner| (corner, corner)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    /// Parts at least so wide that are walls.
+    pub(super) fn wide_parts(&self, width_m: f64) -> Vec<WidePart> {
+        let parts = self.parts.iter().enumerate();
+        let wide = parts.filter(|(_, part)| part.width_m >= width_m && !part.mesh.is_blended);
+        let tell = |(number, part): (usize, &PlacedPart)| {
+            let area_m2 = part.width_m * part.length_m;
+            WidePart { number, corners: self.corners(part), width_m: part.width_m, area_m2 }
+        };
+        wide.map(tell).collect()
+    }
+
+    /// Marks parts as a plain under layers of fog; what they do to light, on their mean.
+    pub(super) fn take_plain(&mut self, numbers: &[usize]) -> Scatters {
+        let mut mean = MeanScatters::default();
+        for &number in numbers {
+            self.parts[number].is_plain = true;
+            let part = &self.parts[number];
+            mean.add(part.width_m * part.length_m, &self.mean_scatters(part, POINTS));
+        }
+        mean.mean()
+    }
+
+    /// The boxes about all parts that are narrower, and no plain, in world space.
+    pub(super) fn boxes(&self, widest_m: f64) -> Vec<Weighed> {
+        let parts = self.parts.par_iter().filter(|part| !part.is_large(widest_m) && !part.is_plain);
+        let weighed = |part: &PlacedPart| {
+            let corners = self.corners(part).into_iter().map(|corner| (corner, corner));
+            let bounds = corners.reduce(union)?;
+            Some(Weighed { bounds, area_m2: part.width_m * part.length_m })
+        };
+        parts.filter_map(weighed).collect()
     }
 
     /// How wide leaves are, as the mean by their area over all parts narrower than

@@ -164,7 +164,7 @@ impl Vectorized for AccumulateDegree<'_> {
     }
 }
 
-/// Adds radiance along an ordinate and against it to moments by Legendre polynomials of degrees 3 to 6.
+/// Adds radiance along an ordinate and against it to moments by Legendre polynomials of degrees 5 and 6.
 pub(super) struct AccumulateTowards<'a> {
     pub(super) along: &'a [f32],
     pub(super) against: &'a [f32],
@@ -184,10 +184,8 @@ impl Vectorized for AccumulateTowards<'_> {
         let (along, against) = (&self.along[..count], &self.against[..count]);
         let [to_x, to_y, to_z] = self.to_eye.each_ref().map(|axis| &axis[..count]);
         let ([x, y, z], weight) = (self.direction, self.weight);
-        let (third, rest) = self.moments.split_at_mut(count);
-        let (fourth, rest) = rest.split_at_mut(count);
-        let (fifth, rest) = rest.split_at_mut(count);
-        let sixth = &mut rest[..count];
+        let (fifth, sixth) = self.moments.split_at_mut(count);
+        let sixth = &mut sixth[..count];
         for node in 0..count {
             let cos = x * to_x[node] + y * to_y[node] + z * to_z[node];
             let p2 = 1.5 * cos * cos - 0.5;
@@ -198,8 +196,6 @@ impl Vectorized for AccumulateTowards<'_> {
             let p6 = (11.0 * cos * p5 - 5.0 * p4) * (1.0 / 6.0);
             let even = weight * (along[node] + against[node]);
             let odd = weight * (along[node] - against[node]);
-            third[node] += p3 * odd;
-            fourth[node] += p4 * even;
             fifth[node] += p5 * odd;
             sixth[node] += p6 * even;
         }

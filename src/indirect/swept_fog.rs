@@ -25,6 +25,18 @@ pub(super) struct FogHere {
     pub(super) first_peak: Rgb,
 }
 
+impl FogHere {
+    /// Adds a share of other fog.
+    pub(super) fn add(&mut self, other: &Self, share: f64) {
+        self.extinction += share * other.extinction;
+        let sums = self.scattering.iter_mut().chain(&mut self.first_scattering);
+        for (sum, value) in sums.zip(other.scattering.iter().chain(&other.first_scattering)) {
+            *sum += share * *value;
+        }
+        self.first_peak += share * other.first_peak;
+    }
+}
+
 pub(super) struct SweptFog<'a> {
     medium: &'a Medium,
     /// What light loses on its way from order to order.

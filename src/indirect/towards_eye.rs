@@ -4,7 +4,9 @@
 //!
 //! From order to order harmonics up to l = 2 are enough, with delta-M. The last scattering, the one that is
 //! seen, is of light as it comes along each ordinate, by the fog's own phase function: source function
-//! integration (Stamnes & Swanson 1981, "A new look at the discrete ordinate method", section 4).
+//! integration (Stamnes & Swanson 1981, "A new look at the discrete ordinate method", section 4). Degrees 3
+//! and 4 are known of all directions, the next ones of the way to the eye alone. That way is another from node
+//! to node next to the eye, so there they fade.
 
 use super::grid::{Corners, Grid};
 use crate::color::Rgb;
@@ -15,7 +17,13 @@ use std::f64::consts::PI;
 
 /// Degrees of Legendre polynomials beyond the harmonics, up to that for which the ordinates' rule is exact
 /// with light of degree 5.
-pub(super) const EYE_DEGREES: [i32; 4] = [3, 4, 5, 6];
+pub(super) const EYE_DEGREES: [i32; 2] = [5, 6];
+
+/// The first degree that light from order to order is not told of.
+const FIRST_UNTOLD: i32 = 3;
+
+/// Within so many cells of the eye nothing of them is told, and from so many on all.
+const FADES: std::ops::Range<f64> = 1.0..4.0;
 
 /// All degrees that the last scattering in fog knows.
 pub(super) const SEEN_DEGREES: usize = 7;
@@ -29,7 +37,7 @@ pub(super) struct TowardsEye(Vec<[f32; 3 * EYE_DEGREES.len()]>);
 impl TowardsEye {
     /// Whether a medium scatters so that they matter.
     pub(super) fn matters(medium: &Medium) -> bool {
-        medium.banks().iter().any(|bank| bank.g.abs().powi(EYE_DEGREES[0]) > LEAST)
+        medium.banks().iter().any(|bank| bank.g.abs().powi(FIRST_UNTOLD) > LEAST)
     }
 
     /// The way to the eye from each node: unit vectors, by axis.
@@ -39,9 +47,16 @@ impl TowardsEye {
         [0, 1, 2].map(|axis| ways.iter().map(|way| way[axis] as f32).collect())
     }
 
-    pub(super) fn of(moments: &[[Vec<f32>; EYE_DEGREES.len()]; 3]) -> Self {
+    pub(super) fn of(moments: &[[Vec<f32>; EYE_DEGREES.len()]; 3], grid: &Grid, eye: DVec3) -> Self {
         let of_channels = moments.as_flattened();
-        let node = |node: usize| std::array::from_fn(|place| of_channels[place][node]);
+        let told = |node: usize| {
+            let cells = (grid.position(node) - eye).length() / grid.cell_m;
+            ((cells - FADES.start) / (FADES.end - FADES.start)).clamp(0.0, 1.0) as f32
+        };
+        let node = |node: usize| {
+            let told = told(node);
+            std::array::from_fn(|place| told * of_channels[place][node])
+        };
         Self((0..of_channels[0].len()).map(node).collect())
     }
 

@@ -3,6 +3,7 @@
 //! prefix sum of the same steps, so parts of a ray add up to the whole.
 
 use super::Field;
+use super::layers::Layers;
 use super::towards_eye::SEEN_DEGREES;
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -12,9 +13,11 @@ use rayon::prelude::*;
 
 /// Rays across the picture.
 const COLUMNS: usize = 48;
-/// Most steps of one through the innermost grid, and beyond that one.
+/// Most steps of one through the innermost grid, and before and beyond that one.
 const MOST_STEPS: usize = 160;
 const FAR_STEPS: usize = 48;
+/// Before the innermost grid the first step is so many of its cells long.
+const FIRST_CELLS: f64 = 0.5;
 
 /// Prefix sums along a coarse grid of camera rays.
 ///
@@ -41,7 +44,7 @@ impl ViewedFog {
             return None;
         }
         let (columns, rows) = (COLUMNS, ((COLUMNS as f64 / aspect).round() as usize).clamp(2, 4 * COLUMNS));
-        let depths = Depths::of(field, snapshot.view.eye);
+        let depths = Depths::of(field, snapshot);
         let steps = depths.count();
         let mut sums = vec![Seen::default(); (columns + 1) * (rows + 1) * (steps + 1)];
         sums.par_chunks_mut(steps + 1).enumerate().for_each(|(number, sums)| {
@@ -91,31 +94,58 @@ impl ViewedFog {
     }
 }
 
-/// Distances from the camera, in steps: even ones through the innermost grid, then ever longer ones.
+/// Distances from the camera, in steps: ever longer ones to the innermost grid, even ones through it, then
+/// again ever longer ones.
 struct Depths {
+    /// The first, before which light counts as even.
+    first_m: f64,
     start_m: f64,
     step_m: f64,
+    /// How many lie before the innermost grid, in it, and beyond.
+    before: usize,
     near: usize,
     far: usize,
-    /// By which each step of the far ones is farther away than the last.
-    growth: f64,
+    /// By which each step before and beyond is farther away than the last.
+    growth_before: f64,
+    growth_beyond: f64,
 }
 
 impl Depths {
-    fn of(field: &Field, eye: DVec3) -> Self {
-        let (low, high) = field.volume();
-        let (low, high) = (low - eye, high - eye);
-        let start_m = low.max(-high).max(DVec3::ZERO).length();
-        let end_m = farthest_m((low, high));
-        let near = ((end_m - start_m) / field.cell_m()).ceil().clamp(1.0, MOST_STEPS as f64) as usize;
-        let all_m = field.outer_volume().map_or(end_m, |(low, high)| farthest_m((low - eye, high - eye)));
-        let far = if all_m > end_m { FAR_STEPS } else { 0 };
-        let growth = (all_m / end_m).max(1.0).powf(1.0 / FAR_STEPS as f64);
-        Self { start_m, step_m: (end_m - start_m) / near as f64, near, far, growth }
+    fn of(field: &Field, snapshot: &Snapshot) -> Self {
+        let eye = snapshot.view.eye;
+        let about_eye = |(low, high): (DVec3, DVec3)| (low - eye, high - eye);
+        let outermost_m = field.levels().last().map_or(0.0, |level| farthest_m(about_eye(level.volume())));
+        let all_m = field.layers().map_or(0.0, |_| farthest_seen_m(snapshot)).max(outermost_m);
+        let (start_m, end_m, step_m) = match field.levels().next() {
+            Some(level) => {
+                let (low, high) = about_eye(level.volume());
+                (low.max(-high).max(DVec3::ZERO).length(), farthest_m((low, high)), level.cell_m())
+            }
+            None => {
+                let scale_m = field.layers().map_or(1.0, Layers::scale_m);
+                (0.0, 2.0 * scale_m, 0.125 * scale_m)
+            }
+        };
+        let is_more = field.levels().count() > 1 || field.layers().is_some();
+        let first_m = start_m.min(FIRST_CELLS * step_m);
+        let steps = |from: f64, to: f64| if is_more && to > from { FAR_STEPS } else { 0 };
+        let (before, far) = (steps(first_m, start_m), steps(end_m, all_m));
+        let near = ((end_m - start_m) / step_m).ceil().clamp(1.0, MOST_STEPS as f64) as usize;
+        let growth = |from: f64, to: f64, steps: usize| (to / from).max(1.0).powf(1.0 / steps.max(1) as f64);
+        Self {
+            first_m,
+            start_m,
+            step_m: (end_m - start_m) / near as f64,
+            before,
+            near,
+            far,
+            growth_before: growth(first_m, start_m, before),
+            growth_beyond: growth(end_m, all_m, far),
+        }
     }
 
     fn count(&self) -> usize {
-        self.near + self.far
+        self.before + self.near + self.far
     }
 
     fn end_m(&self) -> f64 {
@@ -123,19 +153,51 @@ impl Depths {
     }
 
     fn distance(&self, step: f64) -> f64 {
-        match step - self.near as f64 {
-            beyond if beyond > 0.0 => self.end_m() * self.growth.powf(beyond),
-            _ => self.start_m + step * self.step_m,
+        let before = self.before as f64;
+        if step < before {
+            return if step < 0.0 { 0.0 } else { self.first_m * self.growth_before.powf(step) };
+        }
+        match step - before - self.near as f64 {
+            beyond if beyond > 0.0 => self.end_m() * self.growth_beyond.powf(beyond),
+            _ => self.start_m + (step - before) * self.step_m,
         }
     }
 
     /// The other way round; past the last step more than there are.
     fn step(&self, distance: f64) -> f64 {
-        if self.far > 0 && distance > self.end_m() {
-            return self.near as f64 + (distance / self.end_m()).ln() / self.growth.ln();
+        let before = self.before as f64;
+        if self.before > 0 && distance < self.start_m {
+            return ((distance / self.first_m).ln() / self.growth_before.ln()).max(0.0);
         }
-        (distance - self.start_m) / self.step_m
+        if self.far > 0 && distance > self.end_m() {
+            return before + self.near as f64 + (distance / self.end_m()).ln() / self.growth_beyond.ln();
+        }
+        before + (distance - self.start_m) / self.step_m
     }
+}
+
+/// As far as fog without bounds is seen from the eye, whichever way one looks, metres.
+fn farthest_seen_m(snapshot: &Snapshot) -> f64 {
+    /// Of optical depth, or of all that there is.
+    const DEPTH: f64 = 5.0;
+    const SHARE: f64 = 0.99;
+    /// Rays across and down.
+    const SIDE: usize = 9;
+    let medium = &snapshot.medium;
+    let of_ray = |number: usize| {
+        let place = |index: usize| index as f64 / (SIDE - 1) as f64;
+        let ray = snapshot.view.ray(place(number % SIDE), place(number / SIDE));
+        let Some((start, end)) = medium.range(&ray, f64::INFINITY) else { return 0.0 };
+        let depth = |t: f64| medium.optical_depth(ray.origin, ray.direction, t).max_element();
+        let enough = DEPTH.min(SHARE * depth(end));
+        let (mut near, mut far) = (start, end);
+        for _ in 0..48 {
+            let middle = 0.5 * (near + far);
+            if depth(middle) < enough { near = middle } else { far = middle }
+        }
+        far
+    };
+    (0..SIDE * SIDE).map(of_ray).fold(0.0, f64::max)
 }
 
 /// To the farthest corner of a box, from the origin.
@@ -225,24 +287,27 @@ impl<'a> Walk<'a> {
             Rgb::new(share(0), share(1), share(2))
         };
         let travel = (-self.ray.direction, self.is_of_camera);
-        self.source = self.field.scattered(world(middle), travel, &scattering.map(per_extinction));
-        for (glow, irradiance, times) in self.field.glows(world(middle)) {
-            let cos = -glow.travel.dot(self.ray.direction);
-            self.source += irradiance * per_extinction(medium.scattering_again_at(place, cos, times));
-        }
-        self.source = self.source.max(Rgb::ZERO);
+        let mut source = self.field.scattered(world(middle), travel, &scattering.map(per_extinction));
+        self.field.for_each_glow(world(middle), |travel, irradiance, times| {
+            let cos = -travel.dot(self.ray.direction);
+            source += irradiance * per_extinction(medium.scattering_again_at(place, cos, times));
+        });
+        self.source = source.max(Rgb::ZERO);
     }
 }
 
-/// The same along a ray from anywhere, such as a mirror, in so many steps.
+/// The same along a ray from anywhere, such as a mirror, in so many steps: the first are the shortest.
 pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, (distance, steps): (f64, u32)) -> Rgb {
-    let (low, high) = field.outer_volume().unwrap_or_else(|| field.volume());
     let origin = snapshot.world_from_relative(ray.origin);
-    let distance = distance.min(farthest_m((low - origin, high - origin)));
+    let to_end = |(low, high): (DVec3, DVec3)| farthest_m((low - origin, high - origin));
+    let outermost_m = field.levels().last().map_or(0.0, |level| to_end(level.volume()));
+    let distance = if field.layers().is_some() { distance } else { distance.min(outermost_m) };
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
+    let is_even = field.layers().is_none();
     let mut walk = Walk::new(field, snapshot, *ray, false);
     for step in 1..=steps {
-        walk.to(start + (end - start) * f64::from(step) / f64::from(steps));
+        let share = f64::from(step) / f64::from(steps);
+        walk.to(start + (end - start) * if is_even { share } else { share * share });
     }
     walk.light
 }

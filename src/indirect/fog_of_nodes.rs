@@ -1,0 +1,82 @@
+//! Fog as the nodes of a grid have it. In go a medium and walls, out come coefficients by node. Invariant: no
+//! fog is lost or counted twice where walls cut cells, so a thin layer over ground has its optical depth.
+
+use super::grid::{Corners, Grid};
+use super::occluders::Occluders;
+use super::swept_fog::{FogHere, SweptFog};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Places of a cell: a lattice in which all are at different heights (Korobov 1959).
+const PLACES: usize = 64;
+const GENERATOR: [usize; 3] = [19, 1, 27];
+
+/// What each node has, of fog of which `eye` is the origin in world space.
+pub(super) fn fog_of_nodes(
+    grid: &Grid,
+    occluders: &Occluders,
+    (fog, eye): (&SweptFog, DVec3),
+) -> Vec<FogHere> {
+    let of_cell = |node: usize| {
+        if occluders.are_near(node) {
+            return Found::Shared(shared_out((grid, node), occluders, (fog, eye)));
+        }
+        Found::Own(mean_of((grid, node), (fog, eye)))
+    };
+    let found: Vec<Found> = (0..grid.count()).into_par_iter().map(of_cell).collect();
+    let mut nodes: Vec<FogHere> = (0..grid.count()).map(|_| FogHere::default()).collect();
+    for (node, found) in found.iter().enumerate() {
+        match found {
+            Found::Own(here) => nodes[node].add(here, 1.0),
+            Found::Shared(places) => {
+                for (corners, here) in places {
+                    for (other, weight) in corners.iter().filter(|(_, weight)| *weight > 0.0) {
+                        nodes[other].add(here, weight / PLACES as f64);
+                    }
+                }
+            }
+        }
+    }
+    nodes
+}
+
+/// What fills a cell.
+enum Found {
+    /// Its node has it.
+    Own(FogHere),
+    /// Place by place, those that are seen have it.
+    Shared(Vec<(Corners, FogHere)>),
+}
+
+fn place_in((grid, node): (&Grid, usize), number: usize) -> DVec3 {
+    let along = |axis: usize| ((GENERATOR[axis] * number % PLACES) as f64 + 0.5) / PLACES as f64 - 0.5;
+    grid.position(node) + grid.cell_m * DVec3::new(along(0), along(1), along(2))
+}
+
+fn shared_out(
+    cell: (&Grid, usize),
+    occluders: &Occluders,
+    (fog, eye): (&SweptFog, DVec3),
+) -> Vec<(Corners, FogHere)> {
+    let of_place = |number: usize| {
+        let place = place_in(cell, number);
+        (occluders.cell_of(cell.0, place), fog.at(place - eye))
+    };
+    (0..PLACES).map(of_place).collect()
+}
+
+/// Exact where fog is even about all of the cell.
+fn mean_of(cell: (&Grid, usize), (fog, eye): (&SweptFog, DVec3)) -> FogHere {
+    let (middle, cell_m) = (cell.0.position(cell.1) - eye, cell.0.cell_m);
+    let corner = |number: usize| {
+        let sign = |bit: usize| if number >> bit & 1 == 1 { 0.5 } else { -0.5 };
+        middle + (1.0 - 1e-9) * cell_m * DVec3::new(sign(0), sign(1), sign(2))
+    };
+    let here = fog.dimming.extinction_at(middle);
+    if (0..8).all(|number| fog.dimming.extinction_at(corner(number)) == here) {
+        return fog.at(middle);
+    }
+    let mut mean = FogHere::default();
+    (0..PLACES).for_each(|number| mean.add(&fog.at(place_in(cell, number) - eye), 1.0 / PLACES as f64));
+    mean
+}

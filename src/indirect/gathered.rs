@@ -1,0 +1,36 @@
+//! What comes to a place from all sides. In go harmonics of radiance, out comes what a lobe gathers of them.
+//! Invariant: a lobe never gathers less than nothing.
+
+use super::harmonics::{COUNT, product};
+use super::lobe::Lobe;
+use super::masses::Mass;
+use crate::color::Rgb;
+use glam::DVec3;
+
+/// What comes to one side of a leaf.
+pub(super) struct Gathered {
+    pub(super) moments: [[f32; COUNT]; 3],
+    /// Of degree 4.
+    pub(super) fourth: [[f32; COUNT]; 3],
+    /// Of each sun what goes on nearly straight: its direction of travel, and W/m^2 on a plane that faces it.
+    pub(super) glows: Vec<(DVec3, Rgb)>,
+    pub(super) mass: Mass,
+}
+
+impl Gathered {
+    /// What a lobe gathers of it; by a cosine that is irradiance, W/m^2.
+    pub(super) fn by(&self, lobe: &Lobe) -> Rgb {
+        // A leaf's shine sees no more than harmonics up to l = 2.
+        let lobe = &if lobe.has_third() { lobe.up_to_second() } else { *lobe };
+        let beyond = lobe.of_fourth_of_travel().map_or(Rgb::ZERO, |of| product(&of, &self.fourth));
+        let irradiance = product(&lobe.of_travel(), &self.moments) + beyond;
+        with_glows(irradiance, self.glows.iter().copied(), lobe)
+    }
+}
+
+/// What a lobe gathers by harmonics, and what of suns' light that goes on nearly straight.
+pub(super) fn with_glows(by_harmonics: Rgb, glows: impl Iterator<Item = (DVec3, Rgb)>, lobe: &Lobe) -> Rgb {
+    glows.fold(by_harmonics.max(Rgb::ZERO), |irradiance, (travel, arriving)| {
+        irradiance + lobe.of_glow(travel) * arriving
+    })
+}

@@ -1,0 +1,72 @@
+//! Plain ground: what is flat, wide, and at right angles to where fog is thinner. In go the parts of a
+//! snapshot, out come its height and what it does to light. Invariant: ground in pieces is the same ground.
+
+use super::scatters::Scatters;
+use super::surroundings::{Surroundings, WidePart};
+use glam::DVec3;
+
+/// Of fog's scale height: rougher ground is no plain.
+const FLAT: f64 = 0.1;
+/// In scale heights: what is narrower is no ground.
+const NARROWEST: f64 = 6.0;
+/// Hills are so much wider than high.
+const HILL: f64 = 0.5;
+/// Pieces cover so much of the box about them.
+const CLOSED: f64 = 0.7;
+
+/// A plain.
+pub(super) struct Ground {
+    /// Along the way to where fog is thinner, from the world's origin, metres.
+    pub(super) height_m: f64,
+    pub(super) scatters: Scatters,
+}
+
+/// What lies beneath fog.
+pub(super) enum Beneath {
+    Nothing,
+    Plain(Ground),
+    /// What no height tells.
+    Hills,
+}
+
+impl Beneath {
+    /// Beneath fog that thins out along `up`, over `scale_m`. Parts of a plain are marked as such.
+    pub(super) fn of(surroundings: &mut Surroundings, up: DVec3, scale_m: f64) -> Self {
+        let across = |(low, high): (DVec3, DVec3)| {
+            let size = high - low;
+            size - size.dot(up.abs()) * up.abs()
+        };
+        let mut flat: Vec<(usize, f64, f64, (DVec3, DVec3))> = Vec::new();
+        for WidePart { number, corners, area_m2, width_m } in surroundings.wide_parts(scale_m) {
+            let heights = || corners.iter().map(|corner| corner.dot(up));
+            let (low_m, high_m) = heights()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+            if high_m - low_m <= FLAT * scale_m {
+                flat.push((number, 0.5 * (low_m + high_m), area_m2, bounds(&corners)));
+            } else if width_m >= NARROWEST * scale_m && high_m - low_m <= HILL * width_m {
+                return Self::Hills;
+            }
+        }
+        let Some(&(_, height_m, ..)) = flat.iter().max_by(|a, b| a.2.total_cmp(&b.2)) else {
+            return Self::Nothing;
+        };
+        flat.retain(|part| (part.1 - height_m).abs() <= FLAT * scale_m);
+        let all = flat.iter().map(|part| part.3).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let size = all.map_or(DVec3::ZERO, across);
+        let mut sides = size.to_array();
+        sides.sort_by(f64::total_cmp);
+        let area: f64 = flat.iter().map(|part| part.2).sum();
+        let is_plain = sides[1] >= NARROWEST * scale_m && area >= CLOSED * sides[1] * sides[2];
+        if !is_plain {
+            return Self::Nothing;
+        }
+        let numbers: Vec<usize> = flat.iter().map(|part| part.0).collect();
+        Self::Plain(Ground { height_m, scatters: surroundings.take_plain(&numbers) })
+    }
+}
+
+fn bounds(corners: &[DVec3]) -> (DVec3, DVec3) {
+    corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corner| {
+        (low.min(*corner), high.max(*corner))
+    })
+}

@@ -1,0 +1,88 @@
+//! What a grid's cells are too large for in layers of fog. In go a grid and the layers about it, out comes by how
+//! much fog at a height is brighter than nodes tell. Invariant: where cells are small beside layers it is 1.
+//!
+//! Cells of leaves are often higher than a layer of mist is. What a node knows of its light is the mean over
+//! the fog of its cell; how it goes on within, a solution in one dimension tells.
+
+use super::grid::Grid;
+use super::layers::{FogLight, Layers};
+use super::towards_eye::SEEN_DEGREES;
+use crate::color::Rgb;
+use glam::DVec3;
+
+/// Brighter or darker by no more than this: what shades the one shades the other.
+const MOST: f64 = 4.0;
+/// Heights of a cell that are looked at.
+const PLACES: usize = 16;
+
+/// By row of nodes.
+pub(super) struct LayerDetail {
+    rows: Vec<Row>,
+    lowest_m: f64,
+    cell_m: f64,
+}
+
+/// The light of layers as nodes of a height tell it; `None` beneath the ground.
+type Row = Option<FogLight>;
+
+impl LayerDetail {
+    /// `None` where layers are not level, or change little within a cell.
+    pub(super) fn new(grid: &Grid, layers: &Layers) -> Option<Self> {
+        /// In scale heights.
+        const SMALL: f64 = 0.1;
+        if !layers.are_level() || grid.cell_m < SMALL * layers.scale_m() {
+            return None;
+        }
+        let (low, _) = grid.bounds();
+        let rows = (0..grid.size[1]).map(|row| {
+            let height_m = low.y + row as f64 * grid.cell_m;
+            let is_above = layers.ground_m().is_none_or(|ground_m| height_m > ground_m);
+            is_above.then(|| mean_light(layers, height_m, grid.cell_m))
+        });
+        Some(Self { rows: rows.collect(), lowest_m: low.y, cell_m: grid.cell_m })
+    }
+
+    /// How much brighter fog at a place is than nodes about it tell.
+    pub(super) fn ratio(
+        &self,
+        layers: &Layers,
+        (world, travel): (DVec3, DVec3),
+        scattering: &[Rgb; SEEN_DEGREES],
+    ) -> Rgb {
+        let last = self.rows.len() - 1;
+        let along = ((world.y - self.lowest_m) / self.cell_m).clamp(0.0, last as f64);
+        let row = (along as usize).min(last - 1);
+        let towards = layers.harmonics_towards(travel);
+        let [below, above] = [0, 1].map(|next| self.rows[row + next].as_ref());
+        let as_nodes_tell = match (below, above) {
+            (Some(below), Some(above)) => {
+                let [below, above] = [below, above].map(|light| light.scattered(&towards, scattering));
+                below.lerp(above, along - row as f64)
+            }
+            (Some(only), None) | (None, Some(only)) => only.scattered(&towards, scattering),
+            (None, None) => return Rgb::ONE,
+        };
+        let true_light = layers.scattered(world, travel, scattering);
+        let share = |channel: usize| match as_nodes_tell[channel] {
+            told if told > 0.0 => (true_light[channel] / told).clamp(1.0 / MOST, MOST),
+            _ => 1.0,
+        };
+        Rgb::new(share(0), share(1), share(2))
+    }
+}
+
+/// The mean over the fog that a node stands for: of its cell, and down to the ground where the next node lies
+/// beneath that.
+fn mean_light(layers: &Layers, height_m: f64, cell_m: f64) -> FogLight {
+    let ground_m = layers.ground_m().unwrap_or(f64::NEG_INFINITY);
+    let low = if height_m - cell_m <= ground_m { ground_m } else { height_m - 0.5 * cell_m };
+    let size = height_m + 0.5 * cell_m - low;
+    let (mut sum, mut all) = (FogLight::ZERO, 0.0);
+    for number in 0..PLACES {
+        let at = low + size * (number as f64 + 0.5) / PLACES as f64;
+        let weight = layers.extinction_per_m(at * DVec3::Y);
+        sum.add(&layers.fog_light(at * DVec3::Y), weight);
+        all += weight;
+    }
+    if all > 0.0 { sum.scaled(1.0 / all) } else { layers.fog_light(height_m * DVec3::Y) }
+}

@@ -1,0 +1,314 @@
+//! What lies about all grids: fog without bounds over plain ground. In go a snapshot and its ground, out comes
+//! light by height alone. Invariant: what is far from all structure costs next to nothing, however thin its
+//! layers are, and a grid gets from it what comes in at its rim.
+//!
+//! The spherical harmonics discrete ordinate method feeds open boundaries so (Evans 1998, "The spherical
+//! harmonics discrete ordinate method for three-dimensional atmospheric radiative transfer", section 2c).
+
+use super::gathered::{Gathered, with_glows};
+use super::grid::Grid;
+use super::ground::Ground;
+use super::halo::{Around, Halo, places_about};
+use super::harmonics::{COUNT, basis, fourth_basis, product, third_basis};
+use super::lobe::Lobe;
+use super::masses::Mass;
+use super::ordinates::Ordinates;
+use super::radiances::Radiances;
+use super::rounds::{inflow, is_even};
+use super::stack::Heights;
+use super::towards_eye::SEEN_DEGREES;
+use crate::color::Rgb;
+use crate::ordinates::{Boundaries, HARMONICS, Harmonics, PlaneParallel, harmonic_basis};
+use crate::scene::Bounces;
+use crate::snapshot::{FrozenSky, Snapshot};
+use glam::{DQuat, DVec3};
+
+/// Light that differs with height alone.
+pub(super) struct Layers {
+    heights: Heights,
+    light: PlaneParallel,
+    levels: Vec<LevelLight>,
+    /// Of each sun what goes on nearly straight: its direction of travel, and at each level W/m^2 on a plane
+    /// that faces it, and how often it was scattered.
+    glows: Vec<(DVec3, Vec<(Rgb, f64)>)>,
+}
+
+/// Light at one level, by harmonics.
+struct LevelLight {
+    /// What comes down, on a level plane, W/m^2.
+    downward: Rgb,
+    /// What surfaces get, in world space: of degrees up to 2, and of 3 and 4.
+    moments: [[f32; COUNT]; 3],
+    third: [[f32; COUNT]; 3],
+    fourth: [[f32; COUNT]; 3],
+    in_fog: FogLight,
+}
+
+/// What fog gets, by harmonics and channel, +Y where fog is thinner.
+pub(super) struct FogLight([Harmonics; 3]);
+
+impl FogLight {
+    pub(super) const ZERO: Self = Self([[0.0; HARMONICS]; 3]);
+
+    pub(super) fn add(&mut self, other: &Self, factor: f64) {
+        let sums = self.0.as_flattened_mut().iter_mut().zip(other.0.as_flattened());
+        sums.for_each(|(sum, value)| *sum += factor * value);
+    }
+
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        Self(self.0.map(|channel| channel.map(|value| factor * value)))
+    }
+
+    /// What is scattered into a direction of which the harmonics are given.
+    pub(super) fn scattered(&self, towards: &Harmonics, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
+        let of_channel = |channel: usize| -> f64 {
+            let of_degree = |degree: usize| {
+                let harmonics = degree * degree..(degree + 1) * (degree + 1);
+                let products = harmonics.map(|at| towards[at] * self.0[channel][at]);
+                scattering[degree][channel] * products.sum::<f64>()
+            };
+            (0..SEEN_DEGREES).map(of_degree).sum()
+        };
+        Rgb::new(of_channel(0), of_channel(1), of_channel(2))
+    }
+}
+
+/// A place between two levels.
+#[derive(Clone, Copy)]
+struct Between {
+    above: usize,
+    below: usize,
+    share_below: f64,
+}
+
+impl Between {
+    fn mean<const N: usize>(&self, of: impl Fn(usize) -> [[f32; N]; 3]) -> [[f32; N]; 3] {
+        let (above, below) = (of(self.above), of(self.below));
+        let share = self.share_below as f32;
+        std::array::from_fn(|channel| {
+            std::array::from_fn(|index| {
+                above[channel][index] + share * (below[channel][index] - above[channel][index])
+            })
+        })
+    }
+}
+
+impl Layers {
+    /// `None` where no fog lacks bounds, or where what lies about it is no plain.
+    pub(super) fn new(snapshot: &Snapshot, ground: Option<&Ground>, bounces: Bounces) -> Option<Self> {
+        let heights = Heights::of(snapshot, ground)?;
+        let (stack, beams, glows) = heights.filled(snapshot, bounces);
+        let sky = snapshot.sky.filter(FrozenSky::lights_surfaces);
+        let world_from_layers = heights.layers_from_world.inverse();
+        let of_sky = |travel: DVec3| sky.map_or(Rgb::ZERO, |sky| sky.along(world_from_layers * -travel));
+        let matte = ground.map(|ground| ground.scatters).unwrap_or_default();
+        let boundaries = Boundaries {
+            sky: &of_sky,
+            sky_is_scattered: sky.is_some_and(|sky| sky.lights_fog()),
+            beams: &beams,
+            reflectance: matte.reflectance,
+            emission: matte.emission,
+        };
+        let rounds = match bounces {
+            Bounces::All => None,
+            Bounces::UpTo(count) => Some(count),
+        };
+        let light = PlaneParallel::new(&stack, &boundaries, rounds);
+        let has_sky = super::field::has_sky(snapshot);
+        let seen = |level: usize| {
+            LevelLight::of(
+                &light,
+                level,
+                (has_sky, has_sky && boundaries.sky_is_scattered),
+                world_from_layers,
+            )
+        };
+        let levels = (0..stack.levels.len()).map(seen).collect();
+        Some(Self { heights, light, levels, glows })
+    }
+
+    fn between(&self, world: DVec3) -> Between {
+        let (above, below, share_below) = self.heights.between(world);
+        Between { above, below, share_below }
+    }
+
+    /// What a grid within it gets.
+    pub(super) fn around(&self, grid: &Grid, sky: Option<FrozenSky>) -> Around {
+        let places: Vec<Between> = places_about(grid).into_iter().map(|place| self.between(place)).collect();
+        let ordinates = Ordinates::new();
+        let scattered = Some(self.halo((grid, &places), &Ordinates::fine(), 0));
+        let of_sky = sky.filter(FrozenSky::lights_surfaces).map(|sky| {
+            let is_even = is_even(&inflow(sky, &ordinates));
+            self.halo((grid, &places), &if is_even { ordinates } else { Ordinates::fine() }, 1)
+        });
+        Around { scattered, of_sky }
+    }
+
+    /// Of all but the sky, or straight from the sky. Near the horizon layers are bright, in a band narrower
+    /// than what an ordinate stands for: each gets the mean of the directions that are nearest to it, on its
+    /// side of the horizon, so that what goes up never comes down.
+    fn halo(&self, (grid, places): (&Grid, &[Between]), ordinates: &Ordinates, part: usize) -> Halo {
+        let up = self.heights.up;
+        let directions: Vec<DVec3> = ordinates.iter().map(|ordinate| ordinate.direction).collect();
+        let nearest = |travel: DVec3| {
+            let on_this_side = directions.iter().enumerate();
+            let on_this_side =
+                on_this_side.filter(|(_, other)| (other.dot(up) > 0.0) == (travel.dot(up) > 0.0));
+            on_this_side
+                .max_by(|a, b| a.1.dot(travel).total_cmp(&b.1.dot(travel)))
+                .map_or(0, |(number, _)| number)
+        };
+        let world_from_layers = self.heights.layers_from_world.inverse();
+        let numbers: Vec<usize> =
+            self.light.radiances(0).map(|(travel, ..)| nearest(world_from_layers * travel)).collect();
+        let mut means = vec![vec![Rgb::ZERO; directions.len()]; self.levels.len()];
+        for (level, means) in means.iter_mut().enumerate() {
+            let mut weights = vec![0.0; directions.len()];
+            for ((_, weight, parts), number) in self.light.radiances(level).zip(&numbers) {
+                means[*number] += weight * parts[part];
+                weights[*number] += weight;
+            }
+            means
+                .iter_mut()
+                .zip(&weights)
+                .filter(|(_, weight)| **weight > 0.0)
+                .for_each(|(mean, weight)| *mean /= *weight);
+        }
+        let of_channel = |channel: usize| {
+            let along = |number: usize| {
+                let at = |place: &Between| {
+                    let [above, below] =
+                        [place.above, place.below].map(|level| means[level][number][channel]);
+                    (above + place.share_below * (below - above)) as f32
+                };
+                places.iter().map(at).collect::<Vec<f32>>()
+            };
+            (0..directions.len()).map(along).collect()
+        };
+        Halo::new(grid, Radiances([0, 1, 2].map(of_channel)))
+    }
+
+    /// All that comes to a place of world space.
+    pub(super) fn gathered(&self, world: DVec3) -> Gathered {
+        let between = self.between(world);
+        Gathered {
+            moments: between.mean(|level| self.levels[level].moments),
+            fourth: between.mean(|level| self.levels[level].fourth),
+            glows: self.glows_at(between).map(|(travel, irradiance, _)| (travel, irradiance)).collect(),
+            mass: Mass::NONE,
+        }
+    }
+
+    /// What a surface gathers; by a cosine that is irradiance, W/m^2.
+    pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
+        let between = self.between(world);
+        let glows = self.glows_at(between).map(|(travel, irradiance, _)| (travel, irradiance));
+        if lobe.is_cosine_of(self.heights.up) {
+            // Plain ground: harmonics cut short would err by a hundredth.
+            let [above, below] = [between.above, between.below].map(|level| self.levels[level].downward);
+            return with_glows(above.lerp(below, between.share_below), glows, lobe);
+        }
+        let mut sum = product(&lobe.of_travel(), &between.mean(|level| self.levels[level].moments));
+        if let Some(factors) = lobe.of_third_of_travel() {
+            sum += product(&factors, &between.mean(|level| self.levels[level].third));
+        }
+        if let Some(factors) = lobe.of_fourth_of_travel() {
+            sum += product(&factors, &between.mean(|level| self.levels[level].fourth));
+        }
+        with_glows(sum, glows, lobe)
+    }
+
+    /// Of each sun what goes on nearly straight: see [`super::Field::for_each_glow`].
+    pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (DVec3, Rgb, f64)> {
+        self.glows_at(self.between(world))
+    }
+
+    fn glows_at(
+        &self,
+        Between { above, below, share_below }: Between,
+    ) -> impl Iterator<Item = (DVec3, Rgb, f64)> {
+        self.glows.iter().map(move |(travel, by_level)| {
+            let ((above, times_above), (below, times_below)) = (by_level[above], by_level[below]);
+            (*travel, above.lerp(below, share_below), times_above + share_below * (times_below - times_above))
+        })
+    }
+
+    /// What fog scatters into a direction of travel: see [`super::Field::scattered`].
+    pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
+        let between = self.between(world);
+        let towards = self.harmonics_towards(travel);
+        let [above, below] = [between.above, between.below]
+            .map(|level| self.levels[level].in_fog.scattered(&towards, scattering));
+        above.lerp(below, between.share_below).max(Rgb::ZERO)
+    }
+
+    /// Of a direction of world space.
+    pub(super) fn harmonics_towards(&self, travel: DVec3) -> Harmonics {
+        harmonic_basis(self.heights.layers_from_world * travel)
+    }
+
+    /// What fog gets at a place of world space.
+    pub(super) fn fog_light(&self, world: DVec3) -> FogLight {
+        let between = self.between(world);
+        let mut light = self.levels[between.above].in_fog.scaled(1.0 - between.share_below);
+        light.add(&self.levels[between.below].in_fog, between.share_below);
+        light
+    }
+
+    /// Whether fog is thinner upwards.
+    pub(super) fn are_level(&self) -> bool {
+        self.heights.up.dot(DVec3::Y) > 1.0 - 1e-9
+    }
+
+    /// Of the ground, if there is any, metres.
+    pub(super) fn ground_m(&self) -> Option<f64> {
+        self.heights.ground_m()
+    }
+
+    /// Extinction of all channels at a place of world space, 1/m.
+    pub(super) fn extinction_per_m(&self, world: DVec3) -> f64 {
+        self.heights.extinction_per_m(world)
+    }
+
+    /// A box of world space, down to the ground if there is any.
+    pub(super) fn down_to_ground(&self, (low, high): (DVec3, DVec3)) -> (DVec3, DVec3) {
+        let Some(ground_m) = self.heights.ground_m() else { return (low, high) };
+        let lowest = (0..8).map(|corner| {
+            let side = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            let place = DVec3::new(side(0), side(1), side(2));
+            place - (self.heights.height_m(place) - ground_m).max(0.0) * self.heights.up
+        });
+        lowest.fold((low, high), |(low, high), place| (low.min(place), high.max(place)))
+    }
+
+    /// Metres over which it changes.
+    pub(super) fn scale_m(&self) -> f64 {
+        self.heights.scale_m
+    }
+}
+
+impl LevelLight {
+    /// Whether the sky's own light is among what surfaces and what fog get.
+    fn of(
+        light: &PlaneParallel,
+        level: usize,
+        (on_surfaces, in_fog): (bool, bool),
+        world_from_layers: DQuat,
+    ) -> Self {
+        let mut sums = [[[0.0; COUNT]; 3]; 3];
+        let mut downward = Rgb::ZERO;
+        for (travel, weight, [scattered, of_sky]) in light.radiances(level) {
+            let world = world_from_layers * travel;
+            let radiance = weight * if on_surfaces { scattered + of_sky } else { scattered };
+            downward += (-travel.y).max(0.0) * radiance;
+            for (sums, basis) in sums.iter_mut().zip([basis(world), third_basis(world), fourth_basis(world)])
+            {
+                for (channel, sums) in sums.iter_mut().enumerate() {
+                    sums.iter_mut().zip(basis).for_each(|(sum, basis)| *sum += radiance[channel] * basis);
+                }
+            }
+        }
+        let [moments, third, fourth] = sums.map(|degree| degree.map(|sums| sums.map(|sum| sum as f32)));
+        Self { downward, moments, third, fourth, in_fog: FogLight(light.harmonics(level, in_fog)) }
+    }
+}

@@ -1,0 +1,191 @@
+//! Heights between which fog without bounds is even enough. In go banks of fog and a ground, out come levels
+//! from the top down. Invariant: layers are even in optical depth, so thin fog has thin ones.
+
+use super::ground::Ground;
+use crate::color::Rgb;
+use crate::fog::{BEAM_DEGREES, Medium, exp_minus};
+use crate::ordinates::{Beam, DEGREES, Level, Species, Stack};
+use crate::scene::Bounces;
+use crate::snapshot::{FrozenLight, Snapshot};
+use glam::{DQuat, DVec3};
+
+/// Layers of even optical depth.
+const LAYERS: usize = 48;
+/// The topmost is halved so often: fog that thins out has no top.
+const HALVINGS: usize = 6;
+/// Where no ground ends it, fog ends at this optical depth.
+const DEEPEST: f64 = 16.0;
+/// In scale heights: so far above the ground no fog is left.
+const HIGHEST: f64 = 2e3;
+/// Banks thin out the same way if their directions differ by so little.
+const SAME: f64 = 1e-9;
+
+/// Where levels are.
+pub(super) struct Heights {
+    /// +Y is where fog is thinner.
+    pub(super) layers_from_world: DQuat,
+    pub(super) up: DVec3,
+    has_ground: bool,
+    /// Of all channels, 1/m, by level.
+    extinctions_per_m: Vec<f64>,
+    /// From the top down, along `up` from the world's origin, metres.
+    heights_m: Vec<f64>,
+    /// Metres over which fog changes most.
+    pub(super) scale_m: f64,
+}
+
+/// Of each sun its direction of travel, and at each level what goes on nearly straight, W/m^2 on a plane that
+/// faces it, and how often it was scattered.
+pub(super) type Glows = Vec<(DVec3, Vec<(Rgb, f64)>)>;
+
+impl Heights {
+    /// `None` unless there is fog without bounds, and it thins out one way.
+    pub(super) fn of(snapshot: &Snapshot, ground: Option<&Ground>) -> Option<Self> {
+        let layers: Vec<(DVec3, f64)> =
+            snapshot.medium.banks().iter().filter_map(|bank| bank.layer()).collect();
+        let &(up, _) = layers.first()?;
+        if layers.iter().any(|(other, _)| other.dot(up) < 1.0 - SAME) {
+            return None;
+        }
+        let scale_m = layers.iter().map(|(_, scale_m)| *scale_m).fold(f64::INFINITY, f64::min);
+        let widest_m = layers.iter().map(|(_, scale_m)| *scale_m).fold(0.0, f64::max);
+        let medium = snapshot.medium.without_bounds();
+        let eye = snapshot.view.eye;
+        let depth_above = |height_m: f64| {
+            let point = (height_m - eye.dot(up)) * up;
+            medium.optical_depth(point, up, f64::INFINITY).max_element()
+        };
+        let reach = HIGHEST * widest_m;
+        let middle = ground.map_or(eye.dot(up), |ground| ground.height_m);
+        let at_depth =
+            |depth: f64| bisected((middle - reach, middle + reach), |height| depth_above(height) > depth);
+        let lowest_m = ground.map_or_else(|| at_depth(DEEPEST), |ground| ground.height_m);
+        let all = depth_above(lowest_m);
+        if !(all > 0.0 && all.is_finite()) {
+            return None;
+        }
+        let of_layer = all / LAYERS as f64;
+        let top = (0..HALVINGS).rev().map(|halving| of_layer * 0.5_f64.powi(halving as i32 + 1));
+        let depths = top.chain((1..LAYERS).map(|layer| layer as f64 * of_layer));
+        let heights_m: Vec<f64> = depths.map(at_depth).chain([lowest_m]).collect();
+        let extinction_at =
+            |height_m: &f64| medium.extinction_at((height_m - eye.dot(up)) * up).element_sum();
+        let extinctions_per_m = heights_m.iter().map(extinction_at).collect();
+        let layers_from_world = DQuat::from_rotation_arc(up, DVec3::Y);
+        Some(Self {
+            layers_from_world,
+            up,
+            has_ground: ground.is_some(),
+            extinctions_per_m,
+            heights_m,
+            scale_m,
+        })
+    }
+
+    /// Extinction of all channels at a place of world space, 1/m.
+    pub(super) fn extinction_per_m(&self, world: DVec3) -> f64 {
+        let (above, below, share_below) = self.between(world);
+        let [above, below] = [above, below].map(|level| self.extinctions_per_m[level]);
+        above + share_below * (below - above)
+    }
+
+    /// Of a place of world space, metres.
+    pub(super) fn height_m(&self, world: DVec3) -> f64 {
+        self.up.dot(world)
+    }
+
+    /// Of the ground, if there is any.
+    pub(super) fn ground_m(&self) -> Option<f64> {
+        self.heights_m.last().copied().filter(|_| self.has_ground)
+    }
+
+    /// The levels above and below a place of world space, and how much the one below counts.
+    pub(super) fn between(&self, world: DVec3) -> (usize, usize, f64) {
+        let height_m = self.height_m(world);
+        let below = self.heights_m.partition_point(|level| *level > height_m);
+        let last = self.heights_m.len() - 1;
+        match below {
+            0 => (0, 0, 0.0),
+            below if below > last => (last, last, 0.0),
+            below => {
+                let (high, low) = (self.heights_m[below - 1], self.heights_m[below]);
+                (below - 1, below, (high - height_m) / (high - low))
+            }
+        }
+    }
+
+    /// With fog, and what suns shine through it.
+    pub(super) fn filled(&self, snapshot: &Snapshot, bounces: Bounces) -> (Stack, Vec<Beam>, Glows) {
+        let medium = snapshot.medium.without_bounds();
+        let has_peaks = bounces != Bounces::All;
+        let without = |degree: i32| if has_peaks { medium.clone() } else { medium.without_peaks(degree) };
+        let (swept, of_suns) = (without(DEGREES as i32), without(BEAM_DEGREES));
+        let eye = snapshot.view.eye;
+        let points: Vec<DVec3> =
+            self.heights_m.iter().map(|height_m| (height_m - eye.dot(self.up)) * self.up).collect();
+        let level = |(number, &point): (usize, &DVec3)| {
+            let extinction = swept.extinction_at(point);
+            let albedo = |bank: &Medium| per(bank.coefficients_at::<1>(point).1[0], extinction);
+            let beneath = self.heights_m.get(number + 1).map_or(0.0, |next| self.heights_m[number] - next);
+            Level {
+                albedos: medium.each().map(|bank| albedo(&bank)).collect(),
+                depth_beneath: swept.optical_depth(point, -self.up, beneath),
+            }
+        };
+        let levels = points.iter().enumerate().map(level).collect();
+        let species = medium.banks().iter().map(|bank| species(bank.g, has_peaks)).collect();
+        let (mut beams, mut glows) = (Vec::new(), Vec::new());
+        for light in &snapshot.lights {
+            let FrozenLight::Sun { to_light, .. } = light.centre() else { continue };
+            if to_light.dot(self.up) <= 0.0 {
+                continue;
+            }
+            let irradiance = super::power_rays::mean_irradiance(light);
+            let arriving = |through: &Medium| -> Vec<Rgb> {
+                let dimmed = |point: &DVec3| {
+                    irradiance * exp_minus(through.optical_depth(*point, to_light, f64::INFINITY))
+                };
+                points.iter().map(dimmed).collect()
+            };
+            let (all, straight) = (arriving(&of_suns), arriving(&medium));
+            let glow = |(all, straight): (&Rgb, &Rgb)| {
+                let glow = *all - *straight;
+                (glow, super::first_light::mean_times(glow.element_sum() as f32, all.element_sum() as f32))
+            };
+            glows.push((
+                -to_light,
+                all.iter().zip(&straight).map(glow).map(|(on, times)| (on, f64::from(times))).collect(),
+            ));
+            beams.push(Beam { travel: self.layers_from_world * -to_light, irradiances: all });
+        }
+        (Stack { species, levels }, beams, glows)
+    }
+}
+
+/// As shares; nothing where there is nothing.
+fn per(color: Rgb, extinction: Rgb) -> Rgb {
+    let share =
+        |channel: usize| if extinction[channel] > 0.0 { color[channel] / extinction[channel] } else { 0.0 };
+    Rgb::new(share(0), share(1), share(2))
+}
+
+/// Of a phase function of Henyey and Greenstein, with delta-M where all orders are wanted.
+fn species(g: f64, has_peaks: bool) -> Species {
+    let peak = |degrees: usize| if has_peaks { 0.0 } else { g.max(0.0).powi(degrees as i32) };
+    let kept = |degree: usize, degrees: usize| {
+        if degree < degrees { g.powi(degree as i32) - peak(degrees) } else { 0.0 }
+    };
+    Species {
+        orders: std::array::from_fn(|degree| kept(degree, DEGREES)),
+        first: std::array::from_fn(|degree| kept(degree, BEAM_DEGREES as usize)),
+    }
+}
+
+/// The greatest place up to which something holds, of a range in which it ceases to.
+fn bisected((mut low, mut high): (f64, f64), holds: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    low
+}

@@ -1,0 +1,427 @@
+//! Layers over ground, without an end to any side. In go cross-sections by height, the sky and suns, out comes
+//! radiance of all orders. Invariant: what differs with height alone is solved in one dimension, so it costs
+//! milliseconds and no memory, however thin its layers are.
+//!
+//! The equation of transfer in plane-parallel media (Chandrasekhar 1950, chapter 1), with sources linear in
+//! optical depth (Kylling & Stamnes 1992, "Efficient yet accurate solution of the linear transport equation in
+//! the presence of internal sources"), by source iteration: a round is one more scattering.
+
+use super::double_gauss::{DoubleGauss, ORDINATES, STEPS};
+use super::scattering_operator::{DEGREES, HARMONICS, Harmonics, ScatteringOperator, basis, by_degree};
+use crate::color::Rgb;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::FRAC_1_PI;
+
+/// Rounds when all orders are wanted, and what is left then, as a share of all light.
+const MOST_ROUNDS: u32 = 400;
+const REST: f64 = 1e-5;
+/// Of light that next to nothing absorbs.
+const MOST_RATIO: f64 = 0.999;
+
+/// What scatters, by the degrees of its phase function.
+#[derive(Clone, Debug)]
+pub struct Species {
+    /// What it keeps of each degree of light that was scattered before, and of beams.
+    pub orders: [f64; DEGREES],
+    pub first: [f64; DEGREES],
+}
+
+/// Where one layer goes over into the next.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Of each species, as shares of extinction, `0..=1`.
+    pub albedos: Vec<Rgb>,
+    /// Optical depth of the layer beneath it, by channel.
+    pub depth_beneath: Rgb,
+}
+
+/// Parallel light from above.
+#[derive(Clone, Debug)]
+pub struct Beam {
+    /// Direction of travel, +Y up.
+    pub travel: DVec3,
+    /// Irradiance on a plane that faces it, by level, W/m^2.
+    pub irradiances: Vec<Rgb>,
+}
+
+/// Cross-sections, from the top down.
+#[derive(Clone, Debug)]
+pub struct Stack {
+    pub species: Vec<Species>,
+    /// The last lies on the ground.
+    pub levels: Vec<Level>,
+}
+
+/// What comes in.
+pub struct Boundaries<'a> {
+    /// Radiance of the sky by the direction of travel, W m^-2 sr^-1.
+    pub sky: &'a (dyn Fn(DVec3) -> Rgb + Sync),
+    /// Whether layers scatter it, or it lights the ground alone.
+    pub sky_is_scattered: bool,
+    pub beams: &'a [Beam],
+    /// Of the ground, as if it were matte: the share that it reflects, and radiance that it emits.
+    pub reflectance: Rgb,
+    pub emission: Rgb,
+}
+
+/// Light of one channel at each level.
+struct Channel {
+    /// Along each ordinate: of all but the sky, and straight from the sky.
+    scattered: Vec<[f64; ORDINATES]>,
+    of_sky: Vec<[f64; ORDINATES]>,
+    /// What leaves each level, as radiance, and what leaves the ground.
+    sources: Vec<Harmonics>,
+    ground: f64,
+}
+
+/// Radiance of all orders between layers.
+pub struct PlaneParallel {
+    ordinates: DoubleGauss,
+    operator: ScatteringOperator,
+    depths: Vec<Rgb>,
+    channels: [Channel; 3],
+}
+
+impl PlaneParallel {
+    /// `rounds` is how many orders are wanted, or all.
+    pub fn new(stack: &Stack, boundaries: &Boundaries, rounds: Option<u32>) -> Self {
+        let ordinates = DoubleGauss::default();
+        let operator = ScatteringOperator::new(&ordinates);
+        let channel = |channel: usize| {
+            let depths = stack.levels.iter().map(|level| level.depth_beneath[channel]).collect();
+            Solver { stack, boundaries, ordinates: &ordinates, operator: &operator, depths, channel }
+                .solved(rounds)
+        };
+        let mut solved: Vec<Channel> = (0..3).into_par_iter().map(channel).collect();
+        let channels = std::array::from_fn(|_| solved.remove(0));
+        let depths = stack.levels.iter().map(|level| level.depth_beneath).collect();
+        Self { ordinates, operator, depths, channels }
+    }
+
+    /// Directions of travel, their weights, and along each of them radiance at a level: of all but the sky,
+    /// and straight from the sky.
+    pub fn radiances(&self, level: usize) -> impl Iterator<Item = (DVec3, f64, [Rgb; 2])> {
+        let of = |number: usize, of_channel: &dyn Fn(&Channel) -> &[f64; ORDINATES]| {
+            Rgb::from_array(self.channels.each_ref().map(|channel| of_channel(channel)[number]))
+        };
+        (0..ORDINATES).map(move |number| {
+            let scattered = of(number, &|channel| &channel.scattered[level]);
+            let of_sky = of(number, &|channel| &channel.of_sky[level]);
+            (self.ordinates.directions()[number], self.ordinates.weight(number), [scattered, of_sky])
+        })
+    }
+
+    /// Harmonics of radiance at a level, by channel: of all of it, or of all but what comes straight from the
+    /// sky.
+    pub fn harmonics(&self, level: usize, with_sky: bool) -> [Harmonics; 3] {
+        self.channels.each_ref().map(|channel| {
+            let mut radiances = channel.scattered[level];
+            if with_sky {
+                radiances.iter_mut().zip(&channel.of_sky[level]).for_each(|(sum, sky)| *sum += sky);
+            }
+            self.operator.harmonics(&radiances)
+        })
+    }
+
+    /// Along any direction of travel, at each level: radiance of all but the sky, and the share of the sky's
+    /// that gets there.
+    pub fn along(&self, travel: DVec3) -> Vec<[Rgb; 2]> {
+        let basis = basis(travel);
+        let source = |level: usize| {
+            let of_channel =
+                |channel: &Channel| channel.sources[level].iter().zip(basis).map(|(a, b)| a * b).sum();
+            Rgb::from_array(self.channels.each_ref().map(of_channel))
+        };
+        let levels = self.depths.len();
+        let mut found = vec![[Rgb::ZERO, Rgb::ZERO]; levels];
+        let goes_up = travel.y > 0.0;
+        let mut radiance = if goes_up {
+            [Rgb::from_array(self.channels.each_ref().map(|channel| channel.ground)), Rgb::ZERO]
+        } else {
+            [Rgb::ZERO, Rgb::ONE]
+        };
+        let order = |step: usize| if goes_up { levels - 1 - step } else { step };
+        found[order(0)] = radiance;
+        for step in 1..levels {
+            let (from, to) = (order(step - 1), order(step));
+            let depth = self.depths[from.min(to)] / travel.y.abs().max(1e-9);
+            let (sent, arriving) = (source(from), source(to));
+            for channel in 0..3 {
+                let (through, near, far) = weights(depth[channel]);
+                radiance[0][channel] =
+                    through * radiance[0][channel] + far * sent[channel] + near * arriving[channel];
+                radiance[1][channel] *= through;
+            }
+            found[to] = radiance;
+        }
+        found
+    }
+}
+
+/// What a layer of an optical depth lets through, and how much the sources at its end and at its start count,
+/// which are linear in depth.
+fn weights(depth: f64) -> (f64, f64, f64) {
+    const LITTLE: f64 = 1e-3;
+    let through = (-depth).exp();
+    let lost = -(-depth).exp_m1();
+    // The difference of 1 and `lost / depth`, as a series where they are nearly equal.
+    let near = if depth < LITTLE { depth * (0.5 - depth / 6.0) } else { 1.0 - lost / depth };
+    (through, near, lost - near)
+}
+
+/// One channel.
+struct Solver<'a> {
+    stack: &'a Stack,
+    boundaries: &'a Boundaries<'a>,
+    ordinates: &'a DoubleGauss,
+    operator: &'a ScatteringOperator,
+    depths: Vec<f64>,
+    channel: usize,
+}
+
+/// What is on its way to the next order.
+struct Leaving {
+    sources: Vec<Harmonics>,
+    ground: f64,
+}
+
+impl Leaving {
+    fn add(&mut self, other: &Self, factor: f64) {
+        let sums = self.sources.iter_mut().zip(&other.sources);
+        sums.for_each(|(sum, added)| {
+            sum.iter_mut().zip(added).for_each(|(sum, value)| *sum += factor * value)
+        });
+        self.ground += factor * other.ground;
+    }
+}
+
+fn add(sums: &mut [[f64; ORDINATES]], values: &[[f64; ORDINATES]], factor: f64) {
+    for (sum, value) in sums.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
+        *sum += factor * value;
+    }
+}
+
+impl Solver<'_> {
+    fn solved(&self, rounds: Option<u32>) -> Channel {
+        let levels = self.depths.len();
+        let of_sky = self.of_sky();
+        let mut leaving = self.first();
+        let mut scattered_sky = self.scatter(&of_sky);
+        if !self.boundaries.sky_is_scattered {
+            scattered_sky.sources.iter_mut().for_each(|source| *source = [0.0; HARMONICS]);
+        }
+        leaving.add(&scattered_sky, 1.0);
+        let mut all = vec![[0.0; ORDINATES]; levels];
+        let mut sent = Leaving { sources: vec![[0.0; HARMONICS]; levels], ground: 0.0 };
+        let mut last = 0.0;
+        for round in 1..=rounds.unwrap_or(MOST_ROUNDS) {
+            let light = self.sweep(&leaving);
+            add(&mut all, &light, 1.0);
+            sent.add(&leaving, 1.0);
+            let [here, so_far] = [&light, &all].map(|light| light.as_flattened().iter().sum::<f64>());
+            let ratio = if last > 0.0 { (here / last).clamp(0.0, MOST_RATIO) } else { 0.0 };
+            let rest = ratio / (1.0 - ratio);
+            last = here;
+            if rounds.is_none() && round > 2 && rest * here <= REST * so_far {
+                add(&mut all, &light, rest);
+                sent.add(&leaving, rest);
+                break;
+            }
+            leaving = self.scatter(&light);
+        }
+        Channel { scattered: all, of_sky, sources: sent.sources, ground: sent.ground }
+    }
+
+    /// What layers and ground make of beams, and what the ground emits.
+    fn first(&self) -> Leaving {
+        let mut sources = vec![[0.0; HARMONICS]; self.depths.len()];
+        let mut on_ground = 0.0;
+        for beam in self.boundaries.beams {
+            let basis = basis(beam.travel);
+            for ((source, level), irradiance) in
+                sources.iter_mut().zip(&self.stack.levels).zip(&beam.irradiances)
+            {
+                for (species, albedo) in self.stack.species.iter().zip(&level.albedos) {
+                    let factor = albedo[self.channel] * irradiance[self.channel];
+                    let scattered = by_degree(&basis, |degree| factor * species.first[degree]);
+                    source.iter_mut().zip(scattered).for_each(|(sum, value)| *sum += value);
+                }
+            }
+            let arriving = beam.irradiances.last().copied().unwrap_or_default();
+            on_ground += arriving[self.channel] * (-beam.travel.y).max(0.0);
+        }
+        let ground = FRAC_1_PI * self.boundaries.reflectance[self.channel] * on_ground
+            + self.boundaries.emission[self.channel];
+        Leaving { sources, ground }
+    }
+
+    /// Straight from the sky.
+    fn of_sky(&self) -> Vec<[f64; ORDINATES]> {
+        let mut light = vec![[0.0; ORDINATES]; self.depths.len()];
+        for number in DoubleGauss::downward() {
+            let travel = self.ordinates.directions()[number];
+            let mean = |directions: &[DVec3]| {
+                let sum: Rgb = directions.iter().map(|direction| (self.boundaries.sky)(*direction)).sum();
+                sum / directions.len() as f64
+            };
+            light[0][number] = mean(&self.ordinates.spread(number).collect::<Vec<_>>())[self.channel];
+            for level in 1..self.depths.len() {
+                let depth = self.depths[level - 1] / -travel.y;
+                light[level][number] = (-depth).exp() * light[level - 1][number];
+            }
+        }
+        light
+    }
+
+    /// What layers and ground make of light.
+    fn scatter(&self, light: &[[f64; ORDINATES]]) -> Leaving {
+        let source = |(level, radiances): (&Level, &[f64; ORDINATES])| {
+            let harmonics = self.operator.harmonics(radiances);
+            let mut source = [0.0; HARMONICS];
+            for (species, albedo) in self.stack.species.iter().zip(&level.albedos) {
+                let scattered = by_degree(&harmonics, |degree| albedo[self.channel] * species.orders[degree]);
+                source.iter_mut().zip(scattered).for_each(|(sum, value)| *sum += value);
+            }
+            source
+        };
+        let sources = self.stack.levels.iter().zip(light).map(source).collect();
+        let on_ground: f64 = light.last().map_or(0.0, |lowest| {
+            let flux = |number: usize| {
+                -self.ordinates.directions()[number].y * self.ordinates.weight(number) * lowest[number]
+            };
+            DoubleGauss::downward().map(flux).sum()
+        });
+        let ground = FRAC_1_PI * self.boundaries.reflectance[self.channel] * on_ground;
+        Leaving { sources, ground }
+    }
+
+    /// Radiance of what leaves layers and ground, if it is scattered no more.
+    fn sweep(&self, leaving: &Leaving) -> Vec<[f64; ORDINATES]> {
+        let levels = self.depths.len();
+        let sources: Vec<[f64; ORDINATES]> =
+            leaving.sources.iter().map(|source| self.operator.radiances(source)).collect();
+        let mut light = vec![[0.0; ORDINATES]; levels];
+        let (up, down) = (0..DoubleGauss::downward().start, DoubleGauss::downward());
+        light[levels - 1][up.clone()].fill(leaving.ground);
+        // Of a ring all have the same way through a layer.
+        for ring in down.step_by(STEPS) {
+            let way = -self.ordinates.directions()[ring].y;
+            for level in 1..levels {
+                let weights = weights(self.depths[level - 1] / way);
+                cross(&mut light, &sources, (level - 1, level), (ring..ring + STEPS, weights));
+            }
+        }
+        for ring in up.step_by(STEPS) {
+            let way = self.ordinates.directions()[ring].y;
+            for level in (1..levels).rev() {
+                let weights = weights(self.depths[level - 1] / way);
+                cross(&mut light, &sources, (level, level - 1), (ring..ring + STEPS, weights));
+            }
+        }
+        light
+    }
+}
+
+/// From one level to the next, along some ordinates.
+fn cross(
+    light: &mut [[f64; ORDINATES]],
+    sources: &[[f64; ORDINATES]],
+    (from, to): (usize, usize),
+    (numbers, (through, near, far)): (std::ops::Range<usize>, (f64, f64, f64)),
+) {
+    for number in numbers {
+        light[to][number] =
+            through * light[from][number] + far * sources[from][number] + near * sources[to][number];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    fn isotropic() -> Species {
+        let mut orders = [0.0; DEGREES];
+        orders[0] = 1.0;
+        Species { first: orders, orders }
+    }
+
+    fn stack(depth: f64, albedo: f64, count: usize) -> Stack {
+        let level = |number: usize| Level {
+            albedos: vec![Rgb::splat(albedo)],
+            depth_beneath: Rgb::splat(if number < count { depth / count as f64 } else { 0.0 }),
+        };
+        Stack { species: vec![isotropic()], levels: (0..=count).map(level).collect() }
+    }
+
+    fn boundaries<'a>(
+        sky: &'a (dyn Fn(DVec3) -> Rgb + Sync),
+        beams: &'a [Beam],
+        reflectance: f64,
+    ) -> Boundaries<'a> {
+        Boundaries {
+            sky,
+            sky_is_scattered: true,
+            beams,
+            reflectance: Rgb::splat(reflectance),
+            emission: Rgb::ZERO,
+        }
+    }
+
+    #[test]
+    fn in_a_furnace_light_is_the_same_everywhere() {
+        let solved = PlaneParallel::new(&stack(3.0, 1.0, 32), &boundaries(&|_| Rgb::ONE, &[], 1.0), None);
+        for level in [0, 7, 32] {
+            for (travel, _, [scattered, of_sky]) in solved.radiances(level) {
+                let all = (scattered + of_sky).x;
+                assert!((all - 1.0).abs() < 2e-4, "{level} {travel}: {all}");
+            }
+            let [scattered, of_sky] = solved.along(DVec3::new(0.6, -0.48, 0.64))[level];
+            assert!(((scattered + of_sky).x - 1.0).abs() < 1e-3);
+        }
+    }
+
+    /// Nothing absorbs, so all of a beam leaves at the top or at the bottom.
+    #[test]
+    fn what_comes_in_goes_out() {
+        let depth = 1.0;
+        let count = 64;
+        let transmitted = |level: usize| (-depth * level as f64 / f64::from(count)).exp();
+        let irradiances = (0..=count as usize).map(|level| Rgb::splat(transmitted(level))).collect();
+        let beams = [Beam { travel: -DVec3::Y, irradiances }];
+        let solved = PlaneParallel::new(
+            &stack(depth, 1.0, count as usize),
+            &boundaries(&|_| Rgb::ZERO, &beams, 0.0),
+            None,
+        );
+        let flux = |level: usize, sign: f64| -> f64 {
+            solved
+                .radiances(level)
+                .map(|(travel, weight, [light, _])| weight * (sign * travel.y).max(0.0) * light.x)
+                .sum()
+        };
+        let (reflected, below) = (flux(0, 1.0), flux(count as usize, -1.0) + (-depth).exp());
+        assert!((reflected + below - 1.0).abs() < 3e-4, "{reflected} {below}");
+        // The two-stream approximation has depth / (2 + depth).
+        assert!((0.3..0.4).contains(&reflected), "{reflected}");
+    }
+
+    /// A single scattering has a closed form.
+    #[test]
+    fn one_order_is_an_exponential() {
+        let (depth, count) = (0.7, 64);
+        let irradiances =
+            (0..=count).map(|level| Rgb::splat((-depth * level as f64 / count as f64 / 0.8).exp())).collect();
+        let beams = [Beam { travel: DVec3::new(0.6, -0.8, 0.0), irradiances }];
+        let solved =
+            PlaneParallel::new(&stack(depth, 0.9, count), &boundaries(&|_| Rgb::ZERO, &beams, 0.0), Some(1));
+        for height in [0.2, 0.5, 0.9] {
+            let travel = DVec3::new(0.0, height, -(1.0_f64 - height * height).sqrt());
+            let found = solved.along(travel)[0][0].x;
+            let rate = 1.0 / 0.8 + 1.0 / height;
+            let expected = 0.9 / (4.0 * PI) / height * (1.0 - (-depth * rate).exp()) / rate;
+            assert!((found / expected - 1.0).abs() < 2e-4, "{height}: {found} {expected}");
+        }
+    }
+}
