@@ -112,6 +112,11 @@ fn output_patterns_number_the_frames() {
         studio.succeed(&format!("render tiny.ron --frames 7 --size 4x2 --samples 1 --out {pattern}"));
         assert!(studio.path(name).is_file(), "{name} is missing");
     }
+    // A folder that exists is itself.
+    std::fs::create_dir(studio.path("take#3_%d_$F")).unwrap();
+    studio.succeed("render tiny.ron --frames 7 --size 4x2 --samples 1 --out take#3_%d_$F/d.##.exr");
+    assert_eq!(studio.names("take#3_%d_$F"), ["d.07.exr"]);
+    studio.fail("render tiny.ron --frames 7 --size 4x2 --samples 1 --out take#4/d.##.exr", 2);
 }
 
 #[test]

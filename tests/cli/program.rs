@@ -28,8 +28,8 @@ const SEQUENCE: &str = r#"Sequence(
     version: 1, scene: "scene.ron", frames: (1, 12), frame_rate: 24, size: (32, 18), samples: 2,
 )"#;
 
-/// A folder with `scene.ron` and `tiny.ron`, a sequence of twelve frames of 32x18 pixels. Beside it is one for
-/// what the program keeps for later, so that nothing is found there, and nothing left in the user's.
+/// A folder with `scene.ron` and `tiny.ron`, a sequence of twelve frames of 32x18 pixels. Another is
+/// for what the program keeps for later: nothing is found there, and nothing is left in the user's.
 pub(crate) struct Studio {
     home: TempDir,
 }
