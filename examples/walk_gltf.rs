@@ -6,7 +6,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use sunfleck::{NodePlace, Renderer, Scene};
 
-const LEAVES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/blender/a_leaves40_scene.glb");
+const LEAVES: &str = "tests/data/blender/a_leaves40_scene.glb";
 
 /// Frames that are looked at.
 const STEPS: i64 = 5;
@@ -14,8 +14,10 @@ const STEPS: i64 = 5;
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let folder = arguments.next().unwrap_or_else(|| PathBuf::from("out/examples"));
-    let scene =
-        Scene::options().default_light(true).load(arguments.next().unwrap_or_else(|| LEAVES.into()))?;
+    // Cargo says where the checkout lies.
+    let checkout = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from).unwrap_or_default();
+    let input = arguments.next().unwrap_or_else(|| checkout.join(LEAVES));
+    let scene = Scene::options().default_light(true).load(input)?;
     let (first, last) = scene.frames().into_inner();
     let place = |node: &str, frame: i64| scene.place(node, frame as f64);
     let way_m = |node: &&str| {

@@ -73,6 +73,9 @@
 #![cfg_attr(not(feature = "internals"), allow(dead_code, unreachable_pub, unused_imports))]
 
 mod api;
+#[cfg(test)]
+#[path = "../tests/checkout/mod.rs"]
+mod checkout;
 #[doc(hidden)]
 pub mod cli;
 

@@ -1,5 +1,7 @@
 //! The directions of import, the place of `unsafe` and the width of comments, held by reading the source.
 
+mod checkout;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -57,7 +59,7 @@ fn source_files(folder: &Path, out: &mut Vec<PathBuf>) {
 
 /// (file relative to src, its top-level module, its text without tests and comments)
 fn sources() -> Vec<(String, String, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = checkout::file("src");
     let mut files = Vec::new();
     source_files(&root, &mut files);
     files.sort();
@@ -218,9 +220,9 @@ fn unsafe_lives_in_the_simd_kernels_alone() {
 #[test]
 fn examples_show_the_face_alone() {
     let mut files = Vec::new();
-    source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples"), &mut files);
+    source_files(&checkout::file("examples"), &mut files);
     // The face's own test is one more program that uses it.
-    files.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/library/face.rs"));
+    files.push(checkout::file("tests/library/face.rs"));
     assert!(files.len() > 3, "examples are found");
     for file in files {
         let text = code(&fs::read_to_string(&file).expect("readable"));
@@ -252,7 +254,7 @@ fn input_files_are_read_in_one_place() {
 fn comments_keep_to_the_columns_of_code() {
     let mut files = Vec::new();
     for folder in ["src", "tests", "benches", "examples"] {
-        source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut files);
+        source_files(&checkout::file(folder), &mut files);
     }
     let mut comments = 0;
     for file in files {

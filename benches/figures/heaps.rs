@@ -1,5 +1,6 @@
 //! How many leaves that have fallen lie through each other.
 
+use crate::checkout;
 use glam::{DAffine3, DVec3};
 use std::path::Path;
 use sunfleck::description;
@@ -20,10 +21,10 @@ struct Leaf {
 /// Prints how many pairs go through each other, in a file or in the scenes with the most
 /// leaves on the ground.
 pub fn run(file: Option<&String>) {
-    let shipped = ["autumn", "falling_leaves_long"]
-        .map(|name| format!("{}/scenes/{name}/scene.ron", env!("CARGO_MANIFEST_DIR")));
-    for path in file.map_or(shipped.to_vec(), |file| vec![file.clone()]) {
-        let loaded = description::load(Path::new(&path)).unwrap();
+    let shipped =
+        ["autumn", "falling_leaves_long"].map(|name| checkout::file(format!("scenes/{name}/scene.ron")));
+    for path in file.map_or(shipped.to_vec(), |file| vec![file.into()]) {
+        let loaded = description::load(&path).unwrap();
         let leaves = fallen(&scene::resolve(loaded, None).unwrap().0);
         let (mut near, mut through) = (0, 0);
         // From west to east, so that few have to be looked at.
@@ -36,7 +37,8 @@ pub fn run(file: Option<&String>) {
             }
         }
         println!(
-            "{path}: {} leaves, {near} pairs whose boxes meet, {through} that lie through each other",
+            "{}: {} leaves, {near} pairs whose boxes meet, {through} that lie through each other",
+            path.display(),
             leaves.len()
         );
     }

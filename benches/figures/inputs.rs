@@ -1,5 +1,6 @@
 //! The scenes that figures are measured on, read through the front door.
 
+use crate::checkout;
 use glam::{DAffine3, DQuat, DVec3};
 use std::path::Path;
 use sunfleck::description;
@@ -25,7 +26,7 @@ pub fn reference_scenes() -> Vec<Named> {
 
 /// A scene below tests/data.
 pub fn load(path: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(path);
+    let path = checkout::file("tests/data").join(path);
     let description = description::load(&path).expect("a good file");
     scene::resolve(description, None).expect("a good scene").0
 }

@@ -1,6 +1,8 @@
 //! Figures that the documents quote: `cargo bench --bench figures -- <figure> [count]`.
 #![allow(missing_docs, unreachable_pub, clippy::print_stdout, clippy::print_stderr, clippy::unwrap_used)]
 
+#[path = "../../tests/checkout/mod.rs"]
+mod checkout;
 mod falling;
 mod heaps;
 mod import;

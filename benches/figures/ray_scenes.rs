@@ -1,5 +1,6 @@
 //! The scenes that rays are timed on, made from the plain numbers of `tests/data/leaves500`.
 
+use crate::checkout;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use serde::Deserialize;
 use std::sync::Arc;
@@ -65,7 +66,7 @@ impl RayScene {
 
 /// 500 leaves of 132 triangles above a ground, and 20,000 of them.
 pub fn both() -> Vec<RayScene> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/leaves500/leaves500.json");
+    let path = checkout::file("tests/data/leaves500/leaves500.json");
     let numbers: Numbers = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let few = numbers.instances.iter().map(|rows| {
         let column = |j: usize| DVec3::new(rows[0][j], rows[1][j], rows[2][j]);

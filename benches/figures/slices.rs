@@ -1,5 +1,6 @@
 //! Whole pictures by slices: time and error against a converged reference.
 
+use crate::checkout;
 use crate::inputs;
 use cpu_time::ProcessTime;
 use std::path::Path;
@@ -27,7 +28,7 @@ pub fn run(rounds: usize) {
     let scene = inputs::load("leaves500/leaves500.glb");
     let trees = MeshTrees::new(&scene);
     let exposure = Exposure::new(&scene, &trees, 0, aspect(), INSTANT);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/box.exr");
+    let path = checkout::file("tests/data/leaves500/box.exr");
     let reference = frame_file::read(&path).expect("a good file").frame;
     println!("leaves500, {} x {}, one thread", SIZE.width, SIZE.height);
     table(&exposure, &reference, REFERENCE_NOISE, &[1, 2, 4, 8, 16, 32, 64], Method::Slices, rounds);
@@ -38,7 +39,7 @@ pub fn run(rounds: usize) {
 
 /// canopy20k, against itself.
 pub fn run_canopy(rounds: usize) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/canopy20k/scene.ron");
+    let path = checkout::file("tests/data/canopy20k/scene.ron");
     let mut fastest = f64::INFINITY;
     for _ in 0..rounds {
         let started = Instant::now();

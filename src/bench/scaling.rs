@@ -311,11 +311,10 @@ fn add_node(scene: &mut Scene, world_from_node: DAffine3) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{description, scene};
+    use crate::{checkout, description, scene};
 
     fn leaf_scene() -> Scene {
-        let path =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
+        let path = checkout::file("tests/data/leaves500/leaves500.glb");
         scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
     }
 

@@ -10,6 +10,8 @@
 //! | `x.$F4.exr`, `x.${F4}.exr`, `x.<F4>.exr` | `x.0007.exr` |
 //! | `x.#.exr`, `x.@.exr`, `x.%d.exr`, `x.$F.exr`, `x.${F}.exr`, `x.<F>.exr` | `x.7.exr` |
 //! | `x.exr` | `x.exr`, for one frame only |
+//!
+//! In the name of a folder that exists none of these is a place for the number.
 
 use crate::diagnostic::{Diagnostic, Place, shown};
 use std::ffi::{OsStr, OsString};
@@ -68,10 +70,13 @@ impl OutputPattern {
                 .remedy(format!("end it in .{extension}, or in / if it is a folder")));
         }
         let folder = path.parent().unwrap_or_else(|| Path::new(""));
-        if !self::placeholders(folder.as_os_str().as_encoded_bytes()).is_empty() {
+        // A folder that exists is that folder, whatever it is called.
+        let folder_is_meant = folder.is_dir();
+        if !folder_is_meant && !self::placeholders(folder.as_os_str().as_encoded_bytes()).is_empty() {
             return Err(error("the frame's number stands in a folder's name"));
         }
-        if let Some(unknown) = unknown_placeholder(&path.to_string_lossy()) {
+        let pattern = if folder_is_meant { Path::new(path.file_name().unwrap_or_default()) } else { path };
+        if let Some(unknown) = unknown_placeholder(&pattern.to_string_lossy()) {
             return Err(error(&format!("`{unknown}` is no place for the frame's number")));
         }
         match placeholders.as_slice() {

@@ -1,6 +1,6 @@
 //! `sunfleck bench` on a tiny picture.
 
-use crate::program::{Studio, repository};
+use crate::program::Studio;
 use std::collections::BTreeMap;
 
 type Row = BTreeMap<String, String>;
@@ -61,8 +61,8 @@ fn the_literal_method_is_extrapolated_and_says_so_everywhere() {
 #[test]
 fn the_plot_is_whole_xml_and_has_the_peers() {
     let studio = Studio::new();
-    let peers = repository("benches/peers/leaves500.csv");
-    let line = format!("{TINY} --methods slices --peers {} --csv c.csv --svg c.svg", peers.display());
+    let peers = "checkout:benches/peers/leaves500.csv";
+    let line = format!("{TINY} --methods slices --peers {peers} --csv c.csv --svg c.svg");
     studio.succeed(&line);
     let svg = String::from_utf8(studio.bytes("c.svg")).unwrap();
     let mut open: Vec<&str> = Vec::new();

@@ -7,16 +7,15 @@ use crate::program::{Outcome, Studio, outcome};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 const INPUT_OUTPUT: i32 = 4;
 
 /// Runs the program where no file may grow beyond so many blocks of 512 bytes, which stands in
 /// for the end of a disk.
 fn with_full_disk(studio: &Studio, blocks: u32, line: &str) -> Outcome {
-    let program = env!("CARGO_BIN_EXE_sunfleck");
-    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} {line}");
-    outcome(Command::new("sh").args(["-c", &script]).current_dir(studio.path("")).output().unwrap())
+    let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec sunfleck {line}");
+    outcome(studio.shell(&line).output().unwrap())
 }
 
 fn assert_says_so(outcome: &Outcome, line: &str) {

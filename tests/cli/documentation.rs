@@ -1,11 +1,12 @@
 //! README.md and docs/command-line.md say what is so.
 
-use crate::program::{Studio, repository};
+use crate::checkout;
+use crate::program::Studio;
 use std::collections::BTreeSet;
 use sunfleck::diagnostic::Loss;
 
 fn page(name: &str) -> String {
-    std::fs::read_to_string(repository(name)).unwrap()
+    std::fs::read_to_string(checkout::file(name)).unwrap()
 }
 
 /// The long flags in a text.
@@ -58,7 +59,10 @@ fn files_that_the_readme_and_the_figures_name_are_there() {
             .iter()
             .any(|folder| word.starts_with(folder));
         if is_ours && !word.ends_with(".png") && !word.contains(['<', '#', '*']) {
-            assert!(repository(word.trim_end_matches(['.', ',', ';', ':'])).exists(), "{word} is not there");
+            assert!(
+                checkout::file(word.trim_end_matches(['.', ',', ';', ':'])).exists(),
+                "{word} is not there"
+            );
         }
     }
 }

@@ -1,13 +1,14 @@
 //! docs/extras.schema.json describes the custom properties of every glTF file that there is here, and those
 //! that `export` writes. It describes no others than are read.
 
-use crate::program::{Studio, repository};
+use crate::checkout;
+use crate::program::Studio;
 use crate::schema::violations;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 fn schema() -> Value {
-    serde_json::from_slice(&std::fs::read(repository("docs/extras.schema.json")).unwrap()).unwrap()
+    serde_json::from_slice(&std::fs::read(checkout::file("docs/extras.schema.json")).unwrap()).unwrap()
 }
 
 /// The JSON of a .glb or .gltf file.
@@ -36,7 +37,7 @@ fn check(path: &Path) -> (Vec<String>, usize) {
 }
 
 fn files_in(folder: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(repository(folder)).unwrap().map(|entry| entry.unwrap().path());
+    let entries = std::fs::read_dir(checkout::file(folder)).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.extension().is_some_and(|end| end == "glb" || end == "gltf")).collect()
 }
 
@@ -56,7 +57,7 @@ fn every_property_in_every_file_is_as_described() {
 #[test]
 fn properties_out_of_range_are_none_that_are_described() {
     for name in ["fog_anisotropy_one", "fog_density_negative", "light_sun_angle_pi", "passes_unknown"] {
-        let (found, _) = check(&repository(&format!("tests/data/invalid/gltf/{name}.gltf")));
+        let (found, _) = check(&checkout::file(format!("tests/data/invalid/gltf/{name}.gltf")));
         assert_eq!(found.len(), 1, "{name}: {found:?}");
     }
 }
@@ -72,7 +73,7 @@ fn what_is_exported_is_as_described() {
 
 #[test]
 fn the_page_on_scenes_names_every_property_and_field() {
-    let page = std::fs::read_to_string(repository("docs/scene-format.md")).unwrap();
+    let page = std::fs::read_to_string(checkout::file("docs/scene-format.md")).unwrap();
     for (name, described) in schema()["properties"].as_object().unwrap() {
         assert!(page.contains(&format!("`{name}`")), "{name}");
         for field in described["properties"].as_object().into_iter().flatten().map(|(field, _)| field) {
@@ -86,10 +87,7 @@ fn the_page_on_scenes_names_every_property_and_field() {
 
 #[test]
 fn inspect_tells_what_was_found_and_what_is_the_default() {
-    let told = Studio::new().succeed(&format!(
-        "inspect {}",
-        repository("tests/data/blender/i_conventions_nopointer.glb").display()
-    ));
+    let told = Studio::new().succeed("inspect checkout:tests/data/blender/i_conventions_nopointer.glb");
     for line in [
         "`sunfleck_env` of the scene: the background",
         "strength 0.4 (default 1): multiplies the colour to W/(m2 sr)",

@@ -1,8 +1,8 @@
 //! Bad input: the exit code of its kind, a message that helps, and nothing half-written.
 
-use crate::program::{Studio, outcome, repository};
+use crate::checkout;
+use crate::program::{Studio, outcome};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Exit codes.
 const USAGE: i32 = 2;
@@ -74,7 +74,7 @@ fn what_is_no_scene_is_refused_by_name() {
     let studio = Studio::new();
     std::fs::write(studio.path("notes.txt"), "leaves").unwrap();
     std::fs::create_dir(studio.path("folder.ron")).unwrap();
-    let whole = std::fs::read(repository("tests/data/leaves500/leaves500.glb")).unwrap();
+    let whole = std::fs::read(checkout::file("tests/data/leaves500/leaves500.glb")).unwrap();
     std::fs::write(studio.path("cut.glb"), &whole[..whole.len() / 2]).unwrap();
     for command in ["render", "inspect"] {
         for (name, code, part) in [
@@ -144,11 +144,8 @@ fn statistics_that_cannot_be_written_are_refused_before_anything_is_rendered() {
 #[test]
 fn a_full_disk_leaves_nothing_half_written() {
     let studio = Studio::new();
-    let program = env!("CARGO_BIN_EXE_sunfleck");
-    let script =
-        format!("trap '' XFSZ; ulimit -f 1; exec {program} render tiny.ron --size 64x36 --frames 1 --out a/");
-    let output = Command::new("sh").args(["-c", &script]).current_dir(studio.path(".")).output().unwrap();
-    let outcome = outcome(output);
+    let line = "trap '' XFSZ; ulimit -f 1; exec sunfleck render tiny.ron --size 64x36 --frames 1 --out a/";
+    let outcome = outcome(studio.shell(line).output().unwrap());
     assert_eq!(outcome.code, INPUT_OUTPUT, "{}", outcome.err);
     assert_helps(&outcome.err, &["a/tiny.0001.exr", "--skip valid"]);
     assert_eq!(studio.names("a"), [""; 0]);
@@ -156,13 +153,18 @@ fn a_full_disk_leaves_nothing_half_written() {
 
 /// Files below tests/data/invalid.
 fn corpus(folder: &str, extensions: &[&str]) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(repository("tests/data/invalid").join(folder)).unwrap();
+    let entries = std::fs::read_dir(checkout::file("tests/data/invalid").join(folder)).unwrap();
     let mut files: Vec<_> = entries
         .map(|entry| entry.unwrap().path())
         .filter(|path| extensions.iter().any(|known| path.extension().unwrap() == *known))
         .collect();
     files.sort();
     files
+}
+
+/// A file of the checkout as a word of a command line.
+fn word(file: &Path) -> String {
+    format!("checkout:{}", file.strip_prefix(checkout::file("")).unwrap().display())
 }
 
 /// What is wrong with how a bad file is refused, if anything.
@@ -186,20 +188,18 @@ fn the_corpus_of_bad_scenes_is_well_refused() {
     let mut files = corpus("ron", &["ron"]);
     files.extend(corpus("gltf", &["gltf", "glb"]));
     assert!(files.len() > 150, "only {} cases", files.len());
-    assert_well_refused(
-        files.iter().filter_map(|file| complaint(&studio, &file.display().to_string(), file)).collect(),
-    );
+    assert_well_refused(files.iter().filter_map(|file| complaint(&studio, &word(file), file)).collect());
 }
 
 #[test]
 fn the_corpus_of_bad_meshes_and_images_is_well_refused() {
     let studio = Studio::new();
     let meshes = corpus("obj", &["obj"]).into_iter().map(|file| {
-        let mesh = format!("\"it\": Obj({:?})", file.display().to_string());
+        let mesh = format!("\"it\": Obj({file:?})");
         (file, mesh, "()".to_owned())
     });
     let images = corpus("image", &["png", "ppm", "jpg"]).into_iter().map(|file| {
-        let material = format!("(texture: {:?})", file.display().to_string());
+        let material = format!("(texture: {file:?})");
         (file, "\"it\": Quad(size_m: 1.0)".to_owned(), material)
     });
     let mut complaints = Vec::new();

@@ -1,6 +1,6 @@
 //! `render`: which frames there are afterwards, and what is in them.
 
-use crate::program::{Studio, repository};
+use crate::program::Studio;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use sunfleck::scene::Size;
@@ -82,8 +82,7 @@ fn mattes_are_named() {
 #[test]
 fn a_file_made_by_blender_is_rendered_too() {
     let studio = Studio::new();
-    let input = repository("tests/data/leaves500/leaves500.glb");
-    studio.succeed(&format!("render {} --size 5% --samples 1 --out a/", input.display()));
+    studio.succeed("render checkout:tests/data/leaves500/leaves500.glb --size 5% --samples 1 --out a/");
     assert_eq!(studio.frame("a/leaves500.0001.exr").frame.full, Size { width: 24, height: 14 });
 }
 
@@ -113,6 +112,11 @@ fn output_patterns_number_the_frames() {
         studio.succeed(&format!("render tiny.ron --frames 7 --size 4x2 --samples 1 --out {pattern}"));
         assert!(studio.path(name).is_file(), "{name} is missing");
     }
+    // A folder that exists is itself.
+    std::fs::create_dir(studio.path("take#3_%d_$F")).unwrap();
+    studio.succeed("render tiny.ron --frames 7 --size 4x2 --samples 1 --out take#3_%d_$F/d.##.exr");
+    assert_eq!(studio.names("take#3_%d_$F"), ["d.07.exr"]);
+    studio.fail("render tiny.ron --frames 7 --size 4x2 --samples 1 --out take#4/d.##.exr", 2);
 }
 
 #[test]
@@ -133,7 +137,7 @@ fn sizes_may_be_percentages_of_the_sequence() {
 #[test]
 fn a_crop_is_a_part_of_the_whole() {
     // Many blocks of the leaves stop where others go on.
-    let leaves = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/leaves500/leaves500.glb");
+    let leaves = "checkout:tests/data/leaves500/leaves500.glb";
     for (input, volume, [x0, y0, x1, y1]) in [
         ("tiny.ron", "segments --samples 1", [4, 3, 20, 12]),
         ("tiny.ron", "slices --samples 1", [4, 3, 20, 12]),

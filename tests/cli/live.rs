@@ -2,7 +2,7 @@
 
 use crate::program::Studio;
 use std::io::Read;
-use std::net::TcpListener;
+use std::net::{TcpListener, TcpStream};
 use std::thread;
 
 /// A packet's fields, read one after another.
@@ -129,8 +129,10 @@ fn a_viewer_sees_frames_as_they_become() {
 #[test]
 fn frames_do_not_need_the_viewer() {
     let studio = Studio::new();
-    // A place where nobody listens any more.
-    let address = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    // A place where nobody listens, and no other run can: the other end of a connection.
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let other_end = TcpStream::connect(taken.local_addr().unwrap()).unwrap();
+    let address = other_end.local_addr().unwrap();
     let outcome = studio
         .succeed(&format!("render tiny.ron --frames 1 --size 8x4 --samples 1 --out a/ --live {address}"));
     assert!(outcome.err.contains("warning: --live") && outcome.err.contains("remedy"), "{}", outcome.err);

@@ -1,21 +1,20 @@
 //! What a file asks for and does not get is said once a kind, and refused by `--strict`.
 
-use crate::program::{Studio, repository};
+use crate::checkout;
+use crate::program::Studio;
 use serde_json::Value;
 
 /// Exit code of scenes that cannot be used.
 const SCENE: i32 = 3;
 
 /// A file that asks for back faces to be hidden.
-fn cards() -> String {
-    repository("tests/data/blender/b_leafcards.glb").display().to_string()
-}
+const CARDS: &str = "checkout:tests/data/blender/b_leafcards.glb";
 
 #[test]
 fn inspect_and_statistics_list_losses_by_id() {
     let studio = Studio::new();
     let described: Value =
-        serde_json::from_str(&studio.succeed(&format!("inspect {} --json", cards())).out).unwrap();
+        serde_json::from_str(&studio.succeed(&format!("inspect {} --json", CARDS)).out).unwrap();
     let losses = described["losses"].as_array().unwrap();
     let culling = losses.iter().find(|loss| loss["id"] == "backface-culling").unwrap();
     assert!(
@@ -23,10 +22,8 @@ fn inspect_and_statistics_list_losses_by_id() {
         "{culling}"
     );
 
-    studio.succeed(&format!(
-        "render {} --size 8x4 --samples 1 --frames 1 --out a/ --stats stats.jsonl",
-        cards()
-    ));
+    studio
+        .succeed(&format!("render {} --size 8x4 --samples 1 --frames 1 --out a/ --stats stats.jsonl", CARDS));
     let stats = String::from_utf8(studio.bytes("stats.jsonl")).unwrap();
     let first: Value = serde_json::from_str(stats.lines().next().unwrap()).unwrap();
     assert_eq!(&first["losses"], &described["losses"]);
@@ -41,7 +38,7 @@ fn strict_refuses_every_loss_and_writes_nothing() {
         "preview CARDS --strict --out a/",
         "export CARDS a.glb --strict",
     ] {
-        let message = studio.fail(&line.replace("CARDS", &cards()), SCENE);
+        let message = studio.fail(&line.replace("CARDS", CARDS), SCENE);
         assert!(
             message.contains("error[backface-culling]: ") && message.contains("remedy: "),
             "{line}: {message}"
@@ -55,7 +52,7 @@ fn strict_refuses_every_loss_and_writes_nothing() {
 #[test]
 fn damaged_meshes_are_drawn_with_a_word_and_refused_by_strict() {
     let studio = Studio::new();
-    let case = |name: &str| repository(&format!("tests/data/obj/obj_mtl_{name}.ron")).display().to_string();
+    let case = |name: &str| format!("checkout:tests/data/obj/obj_mtl_{name}.ron");
     for (name, loss) in [("missing", "mtl-missing"), ("missing_texture", "mtl-texture")] {
         let told = studio.succeed(&format!("render {} --size 8x4 --samples 1 --out a/", case(name))).err;
         assert_eq!(told.matches(&format!("warning[{loss}]: ")).count(), 1, "{told}");
@@ -81,19 +78,19 @@ fn strict_refuses_what_is_only_nearly_drawn() {
         ("two_clips.gltf", "animations-left-out"),
         ("asset_only.gltf", "nothing-to-draw"),
     ] {
-        let path = repository("tests/data/cases/gltf").join(name).display().to_string();
+        let path = format!("checkout:tests/data/cases/gltf/{name}");
         studio.succeed(&format!("inspect {path}"));
         let message = studio.fail(&format!("inspect {path} --strict"), SCENE);
         assert!(message.contains(&format!("error[{id}]: ")), "{name}: {message}");
     }
-    let clean = repository("tests/data/cases/gltf/ok.gltf").display().to_string();
+    let clean = "checkout:tests/data/cases/gltf/ok.gltf";
     studio.succeed(&format!("inspect {clean} --strict"));
 }
 
 #[test]
 fn animations_are_chosen_by_name_and_listed() {
     let studio = Studio::new();
-    let clips = repository("tests/data/cases/gltf/two_clips.gltf").display().to_string();
+    let clips = "checkout:tests/data/cases/gltf/two_clips.gltf";
     let described: Value =
         serde_json::from_str(&studio.succeed(&format!("inspect {clips} --animation up --json")).out).unwrap();
     let animations = described["animations"].as_array().unwrap();
@@ -108,7 +105,8 @@ fn animations_are_chosen_by_name_and_listed() {
     studio.fail("inspect scene.ron --animation down", 2);
 
     let sequence = |animation: &str| {
-        let text = format!("Sequence(version: 1, scene: \"{clips}\", animation: \"{animation}\")");
+        let scene = checkout::file("tests/data/cases/gltf/two_clips.gltf");
+        let text = format!("Sequence(version: 1, scene: {scene:?}, animation: \"{animation}\")");
         std::fs::write(studio.path("clip.ron"), text).unwrap();
     };
     sequence("up");
@@ -131,7 +129,7 @@ fn animations_are_chosen_by_name_and_listed() {
 #[test]
 fn frames_of_another_animation_are_rendered_again() {
     let studio = Studio::new();
-    let clips = repository("tests/data/cases/gltf/two_clips.gltf").display().to_string();
+    let clips = "checkout:tests/data/cases/gltf/two_clips.gltf";
     let render = |more: &str| {
         let line = format!(
             "render {clips} --size 8x4 --samples 1 --frames 12 --out a/ --skip valid --progress plain {more}"

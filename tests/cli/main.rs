@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod bench;
+#[path = "../checkout/mod.rs"]
+mod checkout;
 mod disks;
 mod documentation;
 mod extras;

@@ -1,6 +1,8 @@
 //! Runs the program in a folder of its own.
 
-use std::path::{Path, PathBuf};
+use crate::checkout;
+use std::ffi::{OsStr, OsString};
+use std::path::PathBuf;
 use std::process::{Command, Output};
 use sunfleck::frame_file::{self, FrameFile};
 use tempfile::TempDir;
@@ -26,9 +28,10 @@ const SEQUENCE: &str = r#"Sequence(
     version: 1, scene: "scene.ron", frames: (1, 12), frame_rate: 24, size: (32, 18), samples: 2,
 )"#;
 
-/// A folder with `scene.ron` and `tiny.ron`, a sequence of twelve frames of 32x18 pixels.
+/// A folder with `scene.ron` and `tiny.ron`, a sequence of twelve frames of 32x18 pixels. Another is
+/// for what the program keeps for later: nothing is found there, and nothing is left in the user's.
 pub(crate) struct Studio {
-    folder: TempDir,
+    home: TempDir,
 }
 
 /// What a command did.
@@ -40,20 +43,42 @@ pub(crate) struct Outcome {
 
 impl Studio {
     pub(crate) fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("scene.ron"), SCENE).unwrap();
-        std::fs::write(folder.path().join("tiny.ron"), SEQUENCE).unwrap();
-        Self { folder }
+        let studio = Self { home: tempfile::tempdir().unwrap() };
+        std::fs::create_dir(studio.path("")).unwrap();
+        std::fs::write(studio.path("scene.ron"), SCENE).unwrap();
+        std::fs::write(studio.path("tiny.ron"), SEQUENCE).unwrap();
+        studio
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
+        self.home.path().join("studio").join(name)
     }
 
-    /// The program, to be run in this folder with the words of `line` as arguments.
+    /// The program, to be run in this folder with the words of `line` as arguments. A word `checkout:FILE` is
+    /// that file of the checkout, which may lie anywhere: in a folder with spaces, too.
     pub(crate) fn command(&self, line: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_sunfleck"));
-        command.current_dir(self.folder.path()).args(line.split_whitespace());
+        let placed = |word: &str| match word.strip_prefix("checkout:") {
+            Some(file) => checkout::file(file).into(),
+            None => OsString::from(word),
+        };
+        let mut command = self.here(checkout::program().as_os_str());
+        command.args(line.split_whitespace().map(placed));
+        command
+    }
+
+    /// A line of the shell, to be run in this folder, where `sunfleck` is the program.
+    pub(crate) fn shell(&self, line: &str) -> Command {
+        let (program, others) = (checkout::program(), std::env::var_os("PATH").unwrap_or_default());
+        let own = program.parent().unwrap().to_owned();
+        let path = std::env::join_paths([own].into_iter().chain(std::env::split_paths(&others))).unwrap();
+        let mut command = self.here("sh".as_ref());
+        command.args(["-c", line]).env("PATH", path);
+        command
+    }
+
+    fn here(&self, program: &OsStr) -> Command {
+        let mut command = Command::new(program);
+        command.current_dir(self.path("")).env("XDG_CACHE_HOME", self.home.path().join("caches"));
         command
     }
 
@@ -99,9 +124,4 @@ pub(crate) fn outcome(output: Output) -> Outcome {
         out: String::from_utf8(output.stdout).unwrap(),
         err: String::from_utf8(output.stderr).unwrap(),
     }
-}
-
-/// A file of the repository.
-pub(crate) fn repository(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }

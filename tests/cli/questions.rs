@@ -1,6 +1,7 @@
 //! What the program answers without rendering: `inspect`, `diff`, `completions`, `--help`.
 
-use crate::program::{Studio, repository};
+use crate::checkout;
+use crate::program::Studio;
 use crate::schema::violations;
 use serde_json::Value;
 use std::process::Stdio;
@@ -95,15 +96,15 @@ fn inspect_answers_programs_at_any_frame() {
 
 #[test]
 fn answers_to_programs_are_as_their_schema_says() {
-    let schema = std::fs::read_to_string(repository("docs/inspect.schema.json")).unwrap();
+    let schema = std::fs::read_to_string(checkout::file("docs/inspect.schema.json")).unwrap();
     let schema: Value = serde_json::from_str(&schema).unwrap();
     let studio = Studio::new();
     let mut described = std::collections::BTreeSet::new();
     for input in [
-        String::from("tiny.ron"),
-        repository("tests/data/valid/ron/everything.ron").display().to_string(),
-        repository("tests/data/blender/i_conventions.glb").display().to_string(),
-        repository("tests/data/blender/h_cameras.glb").display().to_string(),
+        "tiny.ron",
+        "checkout:tests/data/valid/ron/everything.ron",
+        "checkout:tests/data/blender/i_conventions.glb",
+        "checkout:tests/data/blender/h_cameras.glb",
     ] {
         let answer = studio.succeed(&format!("inspect {input} --json --frames 1,1.5")).out;
         let answer: Value = serde_json::from_str(&answer).unwrap();
@@ -129,8 +130,7 @@ fn answers_to_programs_are_as_their_schema_says() {
 
 #[test]
 fn namesakes_have_keys_of_their_own() {
-    let input = repository("tests/data/blender/e_inst_default.glb");
-    let answer = Studio::new().succeed(&format!("inspect {} --json", input.display())).out;
+    let answer = Studio::new().succeed("inspect checkout:tests/data/blender/e_inst_default.glb --json").out;
     let answer: Value = serde_json::from_str(&answer).unwrap();
     let nodes = answer["frames"][0]["nodes"].as_object().unwrap();
     let namesakes = nodes.keys().filter(|name| name.contains('#')).count();
@@ -140,8 +140,7 @@ fn namesakes_have_keys_of_their_own() {
 
 #[test]
 fn inspect_says_what_is_not_honoured() {
-    let input = repository("tests/data/blender/b_leafcards.glb");
-    let answer = Studio::new().succeed(&format!("inspect {}", input.display())).out;
+    let answer = Studio::new().succeed("inspect checkout:tests/data/blender/b_leafcards.glb").out;
     assert!(answer.contains("warning[backface-culling]: backface culling is not honoured"), "{answer}");
     assert!(answer.contains("note: masked meshes are cut out along alpha = cutoff"), "{answer}");
     assert!(answer.contains("give --fps"), "{answer}");

@@ -1,11 +1,12 @@
 //! What comes with the program can be rendered: sequences in, small frames out.
 
-use crate::program::{Studio, repository};
+use crate::checkout;
+use crate::program::Studio;
 use std::collections::BTreeSet;
 
 /// Names of the sequences in the repository, without `.ron`.
 fn sequences() -> BTreeSet<String> {
-    let entries = std::fs::read_dir(repository("sequences")).unwrap();
+    let entries = std::fs::read_dir(checkout::file("sequences")).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
     paths.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect()
 }
@@ -14,8 +15,8 @@ fn sequences() -> BTreeSet<String> {
 fn every_sequence_renders_to_light_without_a_warning() {
     let studio = Studio::new();
     for name in sequences() {
-        let path = repository(&format!("sequences/{name}.ron"));
-        let line = format!("render {} --size 64x36 --samples 1 --frames 24 --out {name}.exr", path.display());
+        let sequence = format!("checkout:sequences/{name}.ron");
+        let line = format!("render {sequence} --size 64x36 --samples 1 --frames 24 --out {name}.exr");
         let outcome = studio.succeed(&line);
         assert!(!outcome.err.contains("warning"), "{name}: {}", outcome.err);
         let file = studio.frame(&format!("{name}.exr"));
@@ -30,22 +31,22 @@ fn every_sequence_renders_to_light_without_a_warning() {
 
 #[test]
 fn the_gallery_shows_every_sequence() {
-    let page = std::fs::read_to_string(repository("docs/gallery/README.md")).unwrap();
+    let page = std::fs::read_to_string(checkout::file("docs/gallery/README.md")).unwrap();
     for name in sequences() {
         assert!(page.contains(&format!("sequences/{name}.ron")), "{name} is not in the gallery");
-        let picture = repository(&format!("docs/gallery/{name}.jpg"));
+        let picture = checkout::file(format!("docs/gallery/{name}.jpg"));
         assert!(picture.exists(), "{} is not there", picture.display());
     }
 }
 
 #[test]
 fn the_page_on_the_seed_names_tests_that_there_are() {
-    let page = std::fs::read_to_string(repository("docs/seed.md")).unwrap();
+    let page = std::fs::read_to_string(checkout::file("docs/seed.md")).unwrap();
     let mut count = 0;
     for name in page.split('`').filter_map(|word| word.split_once("::")) {
         let (file, test) = name;
         let source =
-            std::fs::read_to_string(repository(file)).unwrap_or_else(|_| panic!("{file} is not there"));
+            std::fs::read_to_string(checkout::file(file)).unwrap_or_else(|_| panic!("{file} is not there"));
         assert!(
             ["fn ", "def "].iter().any(|kind| source.contains(&format!("{kind}{test}("))),
             "{file} has no test `{test}`"

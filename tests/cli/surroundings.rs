@@ -2,7 +2,8 @@
 //! lost, viewers that do not read. Frames are written, and the exit code is the right one.
 #![cfg(unix)]
 
-use crate::program::{Studio, outcome, repository};
+use crate::checkout;
+use crate::program::{Studio, outcome};
 use std::ffi::OsStr;
 use std::net::TcpListener;
 use std::os::unix::ffi::OsStrExt;
@@ -42,24 +43,23 @@ fn bytes_of_names_that_are_no_text_are_kept() {
     assert!(String::from_utf8(refusal.stderr).unwrap().contains("`e\\xff.gltf`"));
 }
 
-/// Runs a line of the shell in the studio's folder, with `sunfleck` for the program.
+/// Exit code of a line of the shell in the studio's folder.
 fn shell(studio: &Studio, line: &str) -> i32 {
-    let line = line.replace("sunfleck", env!("CARGO_BIN_EXE_sunfleck"));
-    Command::new("sh").args(["-c", &line]).current_dir(studio.path("")).status().unwrap().code().unwrap()
+    studio.shell(line).status().unwrap().code().unwrap()
 }
 
 #[test]
 fn frames_are_written_whatever_becomes_of_the_streams() {
     let studio = Studio::new();
     // It has warnings to tell.
-    let cards = repository("tests/data/blender/b_leafcards.glb");
-    let render = format!("sunfleck render '{}' --frames 1 --size 8x4 --samples 1", cards.display());
+    std::fs::copy(checkout::file("tests/data/blender/b_leafcards.glb"), studio.path("cards.glb")).unwrap();
+    let render = "sunfleck render cards.glb --frames 1 --size 8x4 --samples 1";
     let streams =
         ["2>&-", "2>/dev/full", "2>&1 >/dev/null | true", ">&-", ">/dev/full", "--progress jsonl >/dev/full"];
     for (index, streams) in streams.iter().enumerate() {
         let status = if streams.contains('|') { "; test -e stopped || exit 0" } else { "" };
         assert_eq!(shell(&studio, &format!("{render} --out {index}/ {streams}{status}")), 0, "{streams}");
-        assert!(studio.frame(&format!("{index}/b_leafcards.0001.exr")).is_intact(), "{streams}");
+        assert!(studio.frame(&format!("{index}/cards.0001.exr")).is_intact(), "{streams}");
     }
 }
 

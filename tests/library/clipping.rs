@@ -1,6 +1,7 @@
 //! Clipping planes of cameras: which surfaces they hide from the eye, and that they hide
 //! them from nothing else.
 
+use crate::checkout;
 use crate::common::{EXACT, INSTANT, add_fog, add_light, camera_at, look, place};
 use glam::{DAffine3, DVec2, DVec3};
 use proptest::prelude::*;
@@ -182,7 +183,7 @@ fn load(path: &Path) -> Scene {
 /// far one behind `zfar`.
 #[test]
 fn planes_of_gltf_files() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/clipping");
+    let data = checkout::file("tests/data/clipping");
     for (file, hidden) in [("znear_1_object_at_0.2.gltf", 2), ("zfar_100_object_at_303.gltf", 2)] {
         let mut scene = load(&data.join(file));
         assert_eq!(scene.cameras[0].clip, Clip { start_m: 1.0, end_m: 100.0 });
@@ -254,7 +255,7 @@ fn planes_are_exported() {
 #[test]
 fn planes_out_of_order_are_passed_over() {
     let folder = tempfile::tempdir().unwrap();
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/clipping/znear_1_object_at_0.2.gltf");
+    let data = checkout::file("tests/data/clipping/znear_1_object_at_0.2.gltf");
     let file = std::fs::read_to_string(data).unwrap();
     for (znear, zfar) in [("100", "1"), ("-1", "100"), ("1", "1")] {
         let file = file.replace("\"znear\": 1.0", &format!("\"znear\": {znear}"));

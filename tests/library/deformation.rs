@@ -1,7 +1,7 @@
 //! Meshes that change their shape look, at every moment, like the same meshes made in that shape.
 
+use crate::checkout;
 use glam::DVec3;
-use std::path::Path;
 use std::sync::Arc;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
@@ -11,7 +11,7 @@ use sunfleck::transport::{Scratch, radiance};
 
 /// A sample from Blender in the sun and in fog.
 fn foggy(file: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/blender").join(file);
+    let path = checkout::file("tests/data/blender").join(file);
     let (mut scene, _) = scene::resolve(sunfleck::description::load(&path).unwrap(), None).unwrap();
     crate::common::add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(-0.3, -1.0, -0.2), Rgb::ONE);
     let extent = DVec3::splat(3.0);

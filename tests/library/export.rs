@@ -1,6 +1,7 @@
 //! Scenes written as glTF and read back. They give the same pictures and the same places. An independent
 //! reader (the `gltf` crate's own JSON types and validation) takes the file too.
 
+use crate::checkout;
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,7 +23,7 @@ fn load(path: &Path) -> (Scene, RenderSettings) {
 }
 
 fn repository(path: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+    checkout::file(path)
 }
 
 /// The file's bytes; nothing may be lost.

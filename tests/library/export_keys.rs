@@ -1,5 +1,6 @@
 //! The keys of exported motion, as Blender takes them: at every frame everything is where the scene has it.
 
+use crate::checkout;
 use glam::{DAffine3, DQuat, DVec3};
 use gltf::animation::Interpolation;
 use gltf::animation::util::ReadOutputs;
@@ -125,9 +126,7 @@ fn check_file(path: &Path) {
 
 #[test]
 fn curves_and_jumps_are_exact_at_every_frame() {
-    check_file(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/valid/ron/keyed_every_way_moving.ron"),
-    );
+    check_file(&checkout::file("tests/data/valid/ron/keyed_every_way_moving.ron"));
 }
 
 #[test]

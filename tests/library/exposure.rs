@@ -1,8 +1,8 @@
 //! Pictures that average over more than a pixel: a lens, a shutter, a light with an extent. Two ways
 //! to them: each ray with draws of its own, and each slice.
 
+use crate::checkout;
 use glam::{DAffine3, DVec3};
-use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::film::Frame;
 use sunfleck::render::{Job, Method, Watch, render};
@@ -16,7 +16,7 @@ use sunfleck::{description, scene};
 const SIZE: Size = Size { width: 64, height: 36 };
 
 fn leaves500() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
+    let path = checkout::file("tests/data/leaves500/leaves500.glb");
     scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
 }
 

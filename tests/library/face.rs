@@ -1,6 +1,7 @@
 //! The public face: what a program can load, build, ask for and get. Invariant: only names at the
 //! crate's root are used here.
 
+use crate::checkout;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -541,7 +542,7 @@ fn a_frame_is_written_as_the_command_line_writes_it() {
     let leaf = "scenes/first_leaf/scene.ron";
     let flags =
         ["--size", "32x18", "--samples", "2", "--passes", "all", "--frames", "24", "--shutter", "0.5"];
-    let status = Command::new(env!("CARGO_BIN_EXE_sunfleck"))
+    let status = Command::new(checkout::program())
         .args(["render", leaf, "--progress", "none", "--crop", "4,2,20,12", "--out"])
         .arg(&by_program)
         .args(flags)

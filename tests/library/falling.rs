@@ -1,6 +1,7 @@
 //! `fall` blocks from outside. The same leaves whatever is asked of the scene, an author's own keys, and
 //! the way through glTF.
 
+use crate::checkout;
 use glam::DVec3;
 use std::path::Path;
 use sunfleck::scene::{self, RenderSettings, Scene};
@@ -213,7 +214,7 @@ fn a_folder_of_bakes_changes_no_leaf_even_if_it_is_damaged() {
     let low = "emitter: Box(min_m: (-1.0, 0.2, -1.0), max_m: (1.0, 0.3, 1.0))";
     std::fs::write(&scene, scene_file("", low).replace("count: 12", "count: 1000")).unwrap();
     let inspect = |cache: &Path| {
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_sunfleck"));
+        let mut command = std::process::Command::new(checkout::program());
         let command = command.arg("inspect").arg(&scene).args(["--json", "--frames", "12", "--bake-cache"]);
         let output = command.arg(cache).output().unwrap();
         assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");

@@ -1,5 +1,6 @@
 //! Frames to EXR files and back.
 
+use crate::checkout;
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -177,7 +178,7 @@ fn what_is_no_exr_is_said_to_be_none() {
 #[test]
 fn reference_pictures_are_the_original_arrays() {
     for (name, hash) in REFERENCES {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/leaves500/{name}.exr"));
+        let path = checkout::file(format!("tests/data/leaves500/{name}.exr"));
         let file = frame_file::read(&path).unwrap();
         assert_eq!(file.pixel_hash, hash, "{name}");
     }
@@ -186,7 +187,7 @@ fn reference_pictures_are_the_original_arrays() {
 #[test]
 fn box_and_centre_references_differ_as_their_readme_says() {
     let read = |name: &str| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/leaves500/{name}.exr"));
+        let path = checkout::file(format!("tests/data/leaves500/{name}.exr"));
         frame_file::read(&path).unwrap().frame
     };
     let color = compare(&read("box"), &read("center")).unwrap().color.unwrap();

@@ -3,7 +3,8 @@
 #[path = "../../fuzz/readers.rs"]
 mod readers;
 
-use std::path::{Path, PathBuf};
+use crate::checkout;
+use std::path::PathBuf;
 use std::sync::Mutex;
 use sunfleck::color::Rgb;
 use sunfleck::description;
@@ -14,7 +15,7 @@ static FOLDER: Mutex<()> = Mutex::new(());
 
 /// The files that were found for a reader.
 fn found(reader: &str) -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/fuzzed").join(reader);
+    let folder = checkout::file("tests/data/fuzzed").join(reader);
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     entries.map(|entry| entry.expect("an entry").path()).collect()
 }

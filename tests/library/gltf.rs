@@ -1,6 +1,7 @@
 //! glTF files from Blender 5.0.1. What tests/library/blender does not compare with Blender's own evaluation
 //! is here. The reference scene is held against the numbers it was made from (tests/data/blender/README.md).
 
+use crate::checkout;
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::Value;
 use std::collections::HashMap;
@@ -12,7 +13,7 @@ use sunfleck::scene::{
 };
 
 fn data(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+    checkout::file("tests/data").join(name)
 }
 
 /// The scene of a file, or everything that is said about why there is none.

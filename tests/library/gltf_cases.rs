@@ -2,6 +2,7 @@
 //! as it can be, and what is lost is told by its kind. Most show the triangle of ok.gltf: then the
 //! rest of them must look like it.
 
+use crate::checkout;
 use crate::common::{EXACT, INSTANT, camera_at, look};
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -22,7 +23,7 @@ const BESIDE: [&str; 2] = ["backface-culling", "no-light"];
 const SIDE: usize = 12;
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/cases/gltf")
+    checkout::file("tests/data/cases/gltf")
 }
 
 type Resolved = Result<(Scene, RenderSettings), String>;

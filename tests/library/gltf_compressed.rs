@@ -1,6 +1,7 @@
 //! The same scene as Blender writes it plain, with Draco, and through gltfpack (meshopt and quantised
 //! numbers). The same leaves are in the same places, to what the compression keeps. And damaged streams.
 
+use crate::checkout;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::path::PathBuf;
@@ -13,7 +14,7 @@ const TOLERANCE_M: f64 = 1e-5;
 const TOLERANCE_UV: f64 = 3e-4;
 
 fn sample(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/blender").join(name)
+    checkout::file("tests/data/blender").join(name)
 }
 
 /// The scene with its triangles as the file has them: an outline would follow its mask's texture

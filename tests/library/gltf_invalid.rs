@@ -3,6 +3,7 @@
 //! files under tests/data/invalid/gltf and tests/data/lenient/gltf are tests/data/valid/gltf/leaf.gltf
 //! with one thing wrong.
 
+use crate::checkout;
 use proptest::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -312,7 +313,7 @@ const LENIENT: &[(&str, &[&str])] = &[
 ];
 
 fn data(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+    checkout::file("tests/data").join(name)
 }
 
 /// What is said about a file; `None` if it makes a scene.
@@ -497,7 +498,7 @@ proptest! {
 fn white_space_may_follow_the_json_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("leaf.gltf");
-    let leaf = std::fs::read_to_string("tests/data/valid/gltf/leaf.gltf").unwrap();
+    let leaf = std::fs::read_to_string(data("valid/gltf/leaf.gltf")).unwrap();
     let leaf = leaf.trim_end();
     let line = leaf.lines().count();
     for (rest, place) in

@@ -1,6 +1,7 @@
 //! One leaf, said in every way that glTF 2.0 allows (tools/corpus/make_gltf.py). Each file must give the
 //! picture of the plain one, seen by the same rays.
 
+use crate::checkout;
 use crate::common::{EXACT, INSTANT};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -32,7 +33,7 @@ impl Seen {
 }
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/valid/gltf/same")
+    checkout::file("tests/data/valid/gltf/same")
 }
 
 fn picture(name: &str) -> Vec<Seen> {

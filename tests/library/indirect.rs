@@ -1,9 +1,9 @@
 //! Light of all orders against closed forms, and against a path tracer that others wrote.
 
+use crate::checkout;
 use crate::common::{INSTANT, add_fog, add_light, camera_at, place};
 use glam::{DAffine3, DVec3, Vec3};
 use std::f64::consts::PI;
-use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::description;
 use sunfleck::film::Frame;
@@ -330,7 +330,7 @@ fn a_room_that_holds_leaves_alone_has_walls() {
 const SIZE: Size = Size { width: 240, height: 135 };
 
 pub(crate) fn leaves500() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
+    let path = checkout::file("tests/data/leaves500/leaves500.glb");
     scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
 }
 

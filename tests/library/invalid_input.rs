@@ -2,6 +2,7 @@
 //! panic. One file per case under tests/data/invalid; its first line, or a file `.expect` beside
 //! it, holds a fragment of the message.
 
+use crate::checkout;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use sunfleck::description::image;
@@ -9,7 +10,7 @@ use sunfleck::diagnostic::Place;
 use sunfleck::{description, scene};
 
 fn data(folder: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(folder)
+    checkout::file("tests/data").join(folder)
 }
 
 fn files(folder: &str, extensions: &[&str]) -> Vec<PathBuf> {

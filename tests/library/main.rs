@@ -9,6 +9,8 @@ mod airlight;
 mod blended;
 mod blender;
 mod camera;
+#[path = "../checkout/mod.rs"]
+mod checkout;
 mod clipping;
 mod common;
 mod deformation;

@@ -1,8 +1,8 @@
 //! The pass of motion: against closed forms, and against vertices and projection matrices frame by frame.
 
+use crate::checkout;
 use crate::common::{EXACT, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};
-use std::path::Path;
 use sunfleck::math::Ray;
 use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Method, Watch, render};
@@ -190,7 +190,7 @@ fn a_wall_that_turns_before_a_camera_that_travels() {
 #[test]
 fn meshes_that_bend() {
     for name in ["c_morph.glb", "d_skin.glb"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/blender").join(name);
+        let path = checkout::file("tests/data/blender").join(name);
         let (mut scene, settings) =
             scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene");
         let middle = 0.5 * (*settings.frames.start() + *settings.frames.end()) as f64;

@@ -1,5 +1,6 @@
 //! OBJ and MTL files as exporters write them: what is seen of them, and what is said to be lost.
 
+use crate::checkout;
 use crate::common::{EXACT, look};
 use std::path::{Path, PathBuf};
 use sunfleck::color::{Rgb, linear_from_srgb};
@@ -84,7 +85,7 @@ fn with_mtl(mtl: &str) -> Scene {
 /// Whole scenes, each with the colour of its triangle's material and what is said.
 #[test]
 fn scenes_of_real_exporters_are_drawn() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/obj");
+    let folder = checkout::file("tests/data/obj");
     let cases: [(&str, [f64; 3], &[&str]); 7] = [
         ("obj_mtl_Ks_one_number", RED, &[]),
         ("obj_mtl_missing", GREY, &["mtl-missing"]),

@@ -1,9 +1,9 @@
 //! Pixels by a filter wider than a pixel, by rays and from slices, against its own integral. And what every
 //! picture promises, whatever filters it.
 
+use crate::checkout;
 use crate::common::{EXACT, INSTANT, add_light, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3};
-use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::film::{Frame, filter};
 use sunfleck::passes::Pass;
@@ -18,7 +18,7 @@ const SIZE: Size = Size { width: 32, height: 16 };
 const METHODS: [Method; 2] = [Method::Slices, Method::Segments];
 
 fn leaves500() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
+    let path = checkout::file("tests/data/leaves500/leaves500.glb");
     scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
 }
 

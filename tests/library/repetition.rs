@@ -3,10 +3,10 @@
 //!
 //! `cargo test --test library repetition:: -- --nocapture` prints the figures of docs/gallery/README.md.
 
+use crate::checkout;
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::LazyLock;
 use sunfleck::color::Rgb;
 use sunfleck::description;
@@ -35,7 +35,7 @@ const IN_STEP_AND_TURN: f64 = 0.25;
 
 /// The scene, and what is seen of its leaves, the largest first.
 static TITLE: LazyLock<(Scene, Vec<Look>)> = LazyLock::new(|| {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/title/scene.ron");
+    let path = checkout::file("scenes/title/scene.ron");
     let (scene, _) = scene::resolve(description::load(&path).unwrap(), None).unwrap();
     let looks = looks(&scene);
     (scene, looks)

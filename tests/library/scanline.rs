@@ -1,8 +1,8 @@
 //! The scan line and the ray tracer see the same: two ways to the same picture that share no code.
 
+use crate::checkout;
 use crate::common::{INSTANT, add_light, camera_at, place};
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
-use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::description;
 use sunfleck::math::Sampler;
@@ -62,7 +62,7 @@ fn assert_same(what: &str, scene: &Scene, size: Size, least_covered: f64) {
 }
 
 fn load(path: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let path = checkout::file(path);
     scene::resolve(description::load(&path).unwrap(), None).unwrap().0
 }
 

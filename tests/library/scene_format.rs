@@ -1,14 +1,11 @@
 //! docs/scene-format.md is true: its snippets work, and it names every field there is.
 
-use std::path::{Path, PathBuf};
+use crate::checkout;
+use std::path::Path;
 use sunfleck::{description, scene};
 
 fn page() -> String {
-    std::fs::read_to_string(root().join("docs/scene-format.md")).unwrap()
-}
-
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+    std::fs::read_to_string(checkout::file("docs/scene-format.md")).unwrap()
 }
 
 /// Kind, line and text of every snippet.
@@ -49,7 +46,7 @@ fn every_snippet_is_a_valid_file() {
     std::fs::create_dir_all(&sequences).unwrap();
     std::fs::create_dir_all(folder.path().join("scenes/first_leaf")).unwrap();
     let scene = "scenes/first_leaf/scene.ron";
-    std::fs::copy(root().join(scene), folder.path().join(scene)).unwrap();
+    std::fs::copy(checkout::file(scene), folder.path().join(scene)).unwrap();
     let mut count = 0;
     for (kind, line, text) in snippets(&page()) {
         let text = match kind.as_str() {
@@ -68,7 +65,7 @@ fn every_snippet_is_a_valid_file() {
 #[test]
 fn every_field_is_described() {
     let page = page();
-    let folder = root().join("src/description/ron");
+    let folder = checkout::file("src/description/ron");
     let mut count = 0;
     for file in ["scene_file.rs", "sky.rs", "leaves.rs", "fall.rs", "sequence_file.rs", "keyed.rs"] {
         let source = std::fs::read_to_string(folder.join(file)).unwrap();
@@ -91,7 +88,7 @@ fn every_field_is_described() {
 #[test]
 fn examples_in_the_repository_resolve() {
     for path in ["scenes/first_leaf/scene.ron", "sequences/first_leaf.ron"] {
-        let scene = resolve(&root().join(path)).unwrap();
+        let scene = resolve(&checkout::file(path)).unwrap();
         assert!(!scene.remarks.has_errors());
         assert_eq!(scene.instances.len(), 2);
     }

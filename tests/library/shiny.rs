@@ -1,6 +1,7 @@
 //! Shiny surfaces, normal maps, vertex colours and textures with coordinates of their own, seen by rays. And
 //! what becomes of glTF's material extensions.
 
+use crate::checkout;
 use crate::common::{EXACT, INSTANT, add_light, camera_at, place};
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
@@ -265,7 +266,7 @@ fn sheen_shines_in_its_colour_and_takes_what_it_gives() {
 
 /// The scene of a small glTF file with another material.
 fn with_material(material: Value) -> Scene {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/valid/gltf/leaf.gltf");
+    let path = checkout::file("tests/data/valid/gltf/leaf.gltf");
     let mut file: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
     file["materials"][0] = material;
     let folder = tempfile::tempdir().unwrap();
@@ -323,8 +324,8 @@ fn extensions_of_gltf_materials() {
 
 #[test]
 fn blenders_material_with_all_its_maps() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/blender/g_pbr.glb");
-    let description = description::load(std::path::Path::new(path)).unwrap();
+    let path = checkout::file("tests/data/blender/g_pbr.glb");
+    let description = description::load(&path).unwrap();
     let scene = scene::resolve(description, None).unwrap().0;
     let material = scene.materials.iter().find(|material| material.name == "pbr_full").unwrap();
     let coat = material.coat.unwrap();
@@ -341,8 +342,8 @@ fn blenders_material_with_all_its_maps() {
 /// What Blender writes where no material uses the vertex colours: white first, and what was painted after it.
 #[test]
 fn a_white_filler_is_no_colour() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/blender/f_plain.glb");
-    let description = description::load(std::path::Path::new(path)).unwrap();
+    let path = checkout::file("tests/data/blender/f_plain.glb");
+    let description = description::load(&path).unwrap();
     let scene = scene::resolve(description, None).unwrap().0;
     assert!(scene.meshes.iter().all(|mesh| mesh.colors.is_empty()));
     assert!(scene.remarks.to_string().contains("vertex colours after the first are not honoured"));
@@ -356,7 +357,7 @@ fn roughness_is_no_colour() {
     let grey = image::RgbImage::from_pixel(1, 1, image::Rgb([128; 3]));
     grey.write_to(&mut png, image::ImageFormat::Png).unwrap();
     let uri = format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png.into_inner()));
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/valid/gltf/leaf.gltf");
+    let path = checkout::file("tests/data/valid/gltf/leaf.gltf");
     let mut file: Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
     file["images"] = json!([{ "uri": uri }]);
     file["textures"] = json!([{ "source": 0 }]);

@@ -1,8 +1,8 @@
 //! Slices against the per-ray method: the same rays, two independent ways to their values.
 
+use crate::checkout;
 use crate::common::{EXACT, INSTANT, add_layer};
 use glam::{DAffine3, DVec3};
-use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
 use sunfleck::scene::{
@@ -17,7 +17,7 @@ use sunfleck::{description, scene};
 const SIZE: Size = Size { width: 160, height: 90 };
 
 fn leaves500() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
+    let path = checkout::file("tests/data/leaves500/leaves500.glb");
     scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
 }
 

@@ -1,9 +1,9 @@
 //! Rendering until an error is small enough. What is estimated is held against the truth. What pictures
 //! promise holds whatever is estimated.
 
+use crate::checkout;
 use crate::common::{INSTANT, add_light, camera_at};
 use glam::DVec3;
-use std::path::Path;
 use std::sync::Arc;
 use sunfleck::color::{Rgb, luminance};
 use sunfleck::film::{Blocks, Frame};
@@ -20,7 +20,7 @@ const SIZE: Size = Size { width: 128, height: 72 };
 const PART: Window = Window { x: 45, y: 20, width: 37, height: 26 };
 
 fn load(path: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(path);
+    let path = checkout::file("tests/data").join(path);
     scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
 }
 

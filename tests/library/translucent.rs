@@ -1,9 +1,9 @@
 //! Light through leaves: against closed forms, in a white furnace, and slices against rays.
 
+use crate::checkout;
 use crate::common::{EXACT, INSTANT, add_fog, add_light, place, sheet};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
-use std::path::Path;
 use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::scene::{Instance, LightKind, Material, Scene, Size};
@@ -96,7 +96,7 @@ fn white_furnace() {
 /// Leaves before the sun, without fog: what is seen is direct light alone, most of it from behind.
 #[test]
 fn slices_see_the_same_light_as_rays() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/leaves500/leaves500.glb");
+    let path = checkout::file("tests/data/leaves500/leaves500.glb");
     let mut scene = scene::resolve(description::load(&path).expect("a good file"), None).expect("a scene").0;
     scene.fogs.clear();
     scene.lights.clear();

@@ -2,6 +2,7 @@
 //! place. Invariant: every number of the text or the JSON is one of them. Only the versions that files
 //! have to say are not.
 
+use crate::checkout;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Number, Value};
@@ -41,7 +42,7 @@ pub(crate) struct Field {
 }
 
 pub(crate) fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+    checkout::file("tests/data").join(name)
 }
 
 fn numbers(is_whole: bool) -> Vec<&'static str> {

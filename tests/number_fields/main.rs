@@ -3,6 +3,8 @@
 //! files beside them have no room for.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../checkout/mod.rs"]
+mod checkout;
 mod fields;
 
 use fields::{Field, data, of_gltf, of_ron};

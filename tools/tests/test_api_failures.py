@@ -10,6 +10,7 @@ import time
 import unittest
 from contextlib import contextmanager
 from pathlib import Path
+from shlex import quote
 from unittest import mock
 
 import sunfleck
@@ -178,7 +179,7 @@ class Ends(Failing):
     def witness(self) -> tuple[Path, Path]:
         """The program behind a script that notes the number of its process, and where."""
         noted = self.folder / "noted"
-        return self.stand_in(f'echo $$ >"{noted}"; exec "{Path(PROGRAM).resolve()}" "$@"'), noted
+        return self.stand_in(f'echo $$ >{quote(str(noted))}; exec {quote(str(Path(PROGRAM).resolve()))} "$@"'), noted
 
     def ended(self, noted: Path) -> bool:
         return not is_running(int(noted.read_text()))
@@ -229,7 +230,7 @@ class Ends(Failing):
     def test_one_that_does_not_want_to_end_is_killed(self):
         noted = self.folder / "noted"
         started = '{"event": "started", "frames": 1}'
-        deaf = self.stand_in(f"""trap '' TERM; echo $$ >"{noted}"; echo '{started}'; while :; do sleep 0.1; done""")
+        deaf = self.stand_in(f"""trap '' TERM; echo $$ >{quote(str(noted))}; echo '{started}'; while :; do sleep 0.1; done""")
         with self.program(deaf), mock.patch.object(process, "GRACE_S", 0.3):
             frames = sunfleck.render_frames(FIRST_LEAF, progress=self.stop)
             with self.assertRaisesRegex(RuntimeError, "stop"):

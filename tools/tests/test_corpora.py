@@ -10,6 +10,7 @@ import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 import OpenEXR
@@ -88,7 +89,9 @@ class Corpora(unittest.TestCase):
             file.write(str(black))
         cls.program = root / "program"
         cls.program.write_text(
-            PROGRAM_OF_NAMES.format(python=sys.executable, black=black, good=DATA / "leaf.0006.exr")
+            PROGRAM_OF_NAMES.format(
+                python=quote(sys.executable), black=quote(str(black)), good=quote(str(DATA / "leaf.0006.exr"))
+            )
         )
         cls.program.chmod(0o755)
         cls.corpus = root / "corpus"
@@ -183,7 +186,7 @@ class Corpora(unittest.TestCase):
             program, report = Path(folder) / "program", Path(folder) / "report.json"
             # The second file's program ends the command that tries it.
             program.write_text(
-                f"#!/bin/sh\ncase $2 in *stops*) kill -TERM $STOPPED; exit 3 ;; esac\nexec {self.program} "
+                f"#!/bin/sh\ncase $2 in *stops*) kill -TERM $STOPPED; exit 3 ;; esac\nexec {quote(str(self.program))} "
                 "\"$@\"\n"
             )
             program.chmod(0o755)

@@ -14,6 +14,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path, PureWindowsPath
+from shlex import quote
 
 from .command import NO_PROGRAM, PROGRAM
 
@@ -58,7 +59,7 @@ class OpenJobDescription(WithShot):
         self.job = self.farm("--chunk", "8")
         self.tools = self.folder / "tools of this checkout"
         self.tools.write_text(
-            f'#!/bin/sh\nPYTHONPATH="{TOOLS}" exec "{sys.executable}" -m sunfleck_tools "$@"\n'
+            f'#!/bin/sh\nPYTHONPATH={quote(str(TOOLS))} exec {quote(sys.executable)} -m sunfleck_tools "$@"\n'
         )
         self.tools.chmod(0o755)
 

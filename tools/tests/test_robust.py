@@ -10,6 +10,7 @@ import errno
 import json
 import os
 import resource
+import shlex
 import signal
 import subprocess
 import sys
@@ -40,7 +41,7 @@ FAST = ("--processes", "1")
 
 def shell(line: str, **options: object) -> subprocess.CompletedProcess:
     """A line of bash in which `T` is the program."""
-    script = f"set -o pipefail; T() {{ {' '.join(map(str, COMMAND))} \"$@\" {' '.join(FAST)}; }}; {line}"
+    script = f"set -o pipefail; T() {{ {shlex.join(COMMAND)} \"$@\" {' '.join(FAST)}; }}; {line}"
     return subprocess.run(
         ["bash", "-c", script], cwd=TOOLS, capture_output=True, text=True, timeout=120, **options
     )
@@ -73,11 +74,13 @@ class Streams(WithFolder):
         good = good_sequence(self.folder / "good")
         for number in range(3, 13):
             (good / f"leaf.{number:04d}.exr").unlink()
+        good = shlex.quote(str(good))
+        bad = shlex.quote(str(BAD))
         for line, code in (
             (f"T validate {good} 2>&-", 0), (f"T validate {good} >&- 2>&- "
-                                             "<&-", 0), (f"T validate {BAD} >&- 2>&- <&-", 1),
-            (f"T validate {good} 2>/dev/full", 0), (f"T validate {BAD} | true", 1), (f"T validate {good} 2>&1 >/dev/null | true", 0),
-            (f"T validate {good} >/dev/full", 4), (f"T validate {BAD} >/dev/full", 1), (f"T validate {good}/none 2>/dev/full", 4),
+                                             "<&-", 0), (f"T validate {bad} >&- 2>&- <&-", 1),
+            (f"T validate {good} 2>/dev/full", 0), (f"T validate {bad} | true", 1), (f"T validate {good} 2>&1 >/dev/null | true", 0),
+            (f"T validate {good} >/dev/full", 4), (f"T validate {bad} >/dev/full", 1), (f"T validate {good}/none 2>/dev/full", 4),
         ):  # fmt: skip
             with self.subTest(line):
                 done = shell(line)

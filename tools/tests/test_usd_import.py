@@ -31,9 +31,9 @@ ROUTES = [
 QUAD = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 
 
-def program(command: str) -> None:
+def program(*command: object) -> None:
     """Runs sunfleck."""
-    subprocess.run([PROGRAM, *command.split()], check=True, capture_output=True)
+    subprocess.run([PROGRAM, *map(str, command)], check=True, capture_output=True)
 
 
 def quad(stage: Usd.Stage, path: str) -> UsdGeom.Mesh:
@@ -92,7 +92,7 @@ class ThereAndBack(Case):
     @needs_program
     def test_the_picture_is_the_same(self):
         glb, back = self.folder / "leaves.glb", self.folder / "back.glb"
-        program(f"export {CLEARING} {glb} --frames 24-24 --fps 24")
+        program("export", CLEARING, glb, "--frames", "24-24", "--fps", 24)
         expected = self.picture(glb)
         for options in ROUTES:
             stage = self.folder / f"leaves_{options.for_blender}_{options.point_instancer}.usdc"
@@ -109,7 +109,7 @@ class ThereAndBack(Case):
         sky = 'image: "marked.exr", rotation_deg: 20, strength_w_per_m2_sr: (2, 1, 0.5), lights: Surfaces'
         ground = 'meshes: { "ground": Quad(size_m: 4) }, objects: { "ground": (mesh: "ground") }'
         source.write_text(f"Scene(version: 1, {ground}, cameras: {{ {camera} }}, sky: Image({sky}))")
-        program(f"export {source} {glb} --frames 24-24")
+        program("export", source, glb, "--frames", "24-24")
         stage = self.export(glb)
         world = stage.GetPrimAtPath("/World")
         for name in [name for name in world.GetPropertyNames() if "sunfleck_env" in name]:
@@ -125,7 +125,7 @@ class ThereAndBack(Case):
     def picture(self, path: Path) -> np.ndarray:
         """A small frame: leaves with textures and light through them, a sun, fog and a sky."""
         out = self.folder / f"{path.stem}.exr"
-        program(f"render {path} --frames 24 --size 48x27 --samples 4 --threads 1 --out {out}")
+        program("render", path, *"--frames 24 --size 48x27 --samples 4 --threads 1 --out".split(), out)
         channels = decode(out)
         return np.float32([channels[each] for each in "RGB"])
 
@@ -152,7 +152,7 @@ class ThereAndBack(Case):
     @needs_program
     def test_materials_come_back(self):
         clearing = self.folder / "clearing.glb"
-        program(f"export {CLEARING} {clearing}")
+        program("export", CLEARING, clearing)
         for source in (
             clearing,
             *(

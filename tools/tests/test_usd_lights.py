@@ -37,10 +37,8 @@ class LookCase(ImportCase):
         """The last stage as the renderer sees it, by its own lights alone: rows of RGB."""
         glb = self.folder / ("case.glb" if (self.folder / "case.glb").exists() else "made.glb")
         out = self.folder / f"{glb.stem}_{frame}.exr"
-        program(
-            f"render {glb} --frames {frame} --size {size} --samples {samples} --threads 1 --default-light "
-            f"off --out {out}"
-        )
+        flags = f"--frames {frame} --size {size} --samples {samples} --threads 1 --default-light off"
+        program("render", glb, *flags.split(), "--out", out)
         channels = decode(out)
         return np.stack([np.float64(channels[each]) for each in "RGB"], axis=-1)
 

@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn all_forms_of_a_face_are_read() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/valid/obj/all_forms.obj");
+        let path = crate::checkout::file("tests/data/valid/obj/all_forms.obj");
         let model = load(&path, "test", &mut Files::default()).unwrap();
         // A square, two halves, a third half by negative indices, and the arrow.
         assert!((area(&model) - (1.0 + 0.5 + 0.5 + 0.5 + 1.5)).abs() < 1e-6);

@@ -8,6 +8,7 @@ mod vertices;
 
 use crate::blender::samples::{SAMPLES, Sample, WITHOUT_TRUTH, What};
 use crate::blender::truth::{Truth, light_difference, matrix, projection_difference, world_differences};
+use crate::checkout;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -28,7 +29,7 @@ fn inspect(sample: &Sample, truth: &Truth) -> Value {
         path
     };
     let frames: Vec<String> = truth.frames().map(|frame| frame["frame"].to_string()).collect();
-    let output = Command::new(env!("CARGO_BIN_EXE_sunfleck"))
+    let output = Command::new(checkout::program())
         .args(["inspect", "--json", "--frames", &frames.join(",")])
         .arg(&input)
         .output()

@@ -1,5 +1,6 @@
 //! The samples. What of them is known to be wrong in the file, or lost on the way to it.
 
+use crate::checkout;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -196,7 +197,7 @@ const fn sample(file: &'static str, truth: &'static str, least_compared: usize) 
 }
 
 pub(crate) fn path(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/blender").join(name)
+    checkout::file("tests/data/blender").join(name)
 }
 
 /// All glTF files of the folder.

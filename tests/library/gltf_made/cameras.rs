@@ -1,5 +1,6 @@
 //! Cameras from the file to the frame: orthographic, keyed, with their lens shifted.
 
+use crate::checkout;
 use crate::gltf_made::file::{File, sample};
 use serde_json::json;
 use std::path::Path;
@@ -23,7 +24,7 @@ fn orthographic(file: &mut File, half_width: f64, half_height: f64) {
 /// The program's frame of a file, red.
 fn rendered(folder: &Path, file: &File, flags: &[&str]) -> Vec<f32> {
     std::fs::write(folder.join("made.gltf"), file.text()).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_sunfleck"))
+    let output = Command::new(checkout::program())
         .current_dir(folder)
         .args(["render", "made.gltf", "--out", "made.####.exr"])
         .args(flags)
