@@ -51,6 +51,13 @@ impl SceneOptions {
         self
     }
 
+    /// Whether a sun in the picture of a sky lights as a `Sun` does; without a choice it does.
+    #[must_use]
+    pub fn sky_sun(mut self, is_apart: bool) -> Self {
+        self.wanted.keep_sky_suns = !is_apart;
+        self
+    }
+
     /// Pixels of the whole picture. A camera that is made up for a file without one looks so that all
     /// is seen in this shape.
     #[must_use]

@@ -198,10 +198,11 @@ impl<'scene> Plan<'scene> {
             _ => format!(" {:?}", settings.shutter_position),
         };
         let default_light = if options.no_default_light { " Off" } else { "" };
+        let sky_sun = if options.keep_sky_suns { " sky sun off" } else { "" };
         let animation =
             options.animation.as_ref().map_or(String::new(), |name| format!(" animation {name:?}"));
         let text = format!(
-            "{} {:?} {:?} {camera} {:?}{shutter_position}{default_light}{animation}",
+            "{} {:?} {:?} {camera} {:?}{shutter_position}{default_light}{sky_sun}{animation}",
             job.hashed(),
             settings.frame_rate,
             settings.shutter,

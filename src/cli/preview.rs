@@ -129,6 +129,7 @@ impl<'a> Source<'a> {
             ("--camera", arguments.camera.is_some()),
             ("--light-units", arguments.scene.light_units.is_some()),
             ("--default-light", arguments.scene.default_light.is_some()),
+            ("--sky-sun", arguments.scene.sky_sun.is_some()),
         ];
         if let Some((flag, _)) = flags.into_iter().find(|(_, given)| *given) {
             return Err(usage(

@@ -3,7 +3,7 @@
 
 use super::CliError;
 use super::parse::{ExposureArgument, parse_bloom, parse_exposure};
-use super::words::{CurveArgument, LightUnitsArgument, Switch};
+use super::words::{CurveArgument, LightUnitsArgument, SkySunArgument, Switch};
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
 use crate::scene::ResolveOptions;
@@ -19,6 +19,9 @@ pub(super) struct SceneArguments {
     /// Whether a glTF or OBJ file without light gets a sun and a sky [default: on; of export off].
     #[arg(long, value_enum, value_name = "on|off")]
     pub(super) default_light: Option<Switch>,
+    /// Whether a sun in the picture of a sky lights as a `Sun` does, or as the rest of it [default: auto].
+    #[arg(long, value_enum, value_name = "auto|off")]
+    pub(super) sky_sun: Option<SkySunArgument>,
     /// Which animation of a glTF file plays: its name, its number from 0, or `all` [default: all that do not
     /// move the same things].
     #[arg(long, value_name = "NAME|all")]
@@ -73,6 +76,7 @@ impl SceneArguments {
         ResolveOptions {
             light_units: self.light_units.map(Into::into),
             no_default_light: self.default_light == Some(Switch::Off),
+            keep_sky_suns: self.sky_sun == Some(SkySunArgument::Off),
             animation: self.animation.clone(),
             ..ResolveOptions::default()
         }

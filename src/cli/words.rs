@@ -98,6 +98,14 @@ pub(super) enum Switch {
     Off,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum SkySunArgument {
+    /// As a `Sun`, if one is found.
+    Auto,
+    /// As the rest.
+    Off,
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum SkipArgument {
     /// Those that are whole and were made by this version from this scene and these settings.

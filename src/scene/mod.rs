@@ -58,7 +58,7 @@ pub use outline::OUTLINE_TOLERANCE_TEXELS;
 pub use ray_visibility::RayVisibility;
 pub use resolve::{resolve, resolve_telling};
 pub use settings::{Bounces, FrameRate, PixelFilter, RenderSettings, Sampling, Size, Window};
-pub use sky::{Sky, SkyLight, SkyPicture};
+pub use sky::{Sky, SkyLight, SkyPicture, SkySun};
 pub use sun_picture::{MOST_SUN_PICTURES, SunPicture, SunShows};
 pub use texture::{Texture, Wrap};
 pub use track::{Animate, Extend, Handle, Key, Segment, Track};

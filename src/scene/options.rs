@@ -23,6 +23,8 @@ pub struct ResolveOptions {
     pub animation: Option<String>,
     /// Leaves inputs dark that have no light.
     pub no_default_light: bool,
+    /// Leaves suns in the picture of the sky that shows them.
+    pub keep_sky_suns: bool,
     /// What is rendered instead of what the input says; a camera and light that are made up depend on it.
     pub size: Option<Size>,
     /// See `size`.

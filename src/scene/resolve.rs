@@ -54,6 +54,9 @@ pub fn resolve_telling(
     if is_bare {
         light_up(&mut scene, &rendered, options, &scene_file);
     }
+    if !options.keep_sky_suns {
+        set_suns_apart(&mut scene, &scene_file);
+    }
     let first_s = rendered.frame_rate.seconds(*rendered.frames.start() as f64);
     scene.remarks.0.extend(darkness::remark(&scene, first_s, scene_file));
     if scene.fogs.len() > MOST_FOGS {
@@ -65,6 +68,19 @@ pub fn resolve_telling(
     }
     limits::check(&scene, &scene_path)?;
     Ok((scene, settings))
+}
+
+/// Makes lights of suns in the picture of a sky.
+fn set_suns_apart(scene: &mut Scene, file: &Place) {
+    let Some(sky) = scene.sky.take() else { return };
+    let sky = scene.sky.insert(sky.with_suns_apart());
+    let found = match sky.suns_apart() {
+        0 => return,
+        1 => String::from("the sky's picture shows a sun, which lights as a `Sun` does"),
+        count => format!("the sky's picture shows {count} suns, which light as `Sun`s do"),
+    };
+    let found = format!("{found} (--sky-sun off leaves all light to the picture)");
+    scene.remarks.push(Diagnostic::choice(file.clone(), found));
 }
 
 fn camera_made_up(file: &Place, holds_cameras: bool) -> Diagnostic {

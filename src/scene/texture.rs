@@ -1,7 +1,7 @@
 //! Images that materials look up. Invariant: `width * height` texels, all finite, linear light.
 
 use crate::color::{Rgb, Texels};
-use glam::{DVec4, Vec2};
+use glam::{DVec2, DVec4, Vec2};
 
 /// An RGBA image in linear Rec. 709, top row first.
 #[derive(Clone, Debug)]
@@ -52,7 +52,8 @@ impl Texture {
         self.texels.iter().any(|texel| texel[3] < 1.0)
     }
 
-    fn look_up(&self, uv: Vec2) -> DVec4 {
+    /// The numbers of the four texels around `uv`, row by row, and how far from the first to the others it is.
+    pub(super) fn between(&self, uv: Vec2) -> ([usize; 4], DVec2) {
         let x = uv.x * self.width as f32 - 0.5;
         let y = uv.y * self.height as f32 - 0.5;
         let (column, row) = (x.floor(), y.floor());
@@ -63,8 +64,13 @@ impl Texture {
         let [left, right_of_it] = next(self.wrap[0], column, self.width);
         let [top, bottom] = next(self.wrap[1], row, self.height).map(|row| row * self.width);
         let texels = [top + left, top + right_of_it, bottom + left, bottom + right_of_it];
+        (texels, DVec2::new(right, below))
+    }
+
+    fn look_up(&self, uv: Vec2) -> DVec4 {
+        let (texels, DVec2 { x, y }) = self.between(uv);
         let [a, b, c, d] = self.texels.get_all(texels).map(|texel| DVec4::from_array(texel.map(f64::from)));
-        a.lerp(b, right).lerp(c.lerp(d, right), below)
+        a.lerp(b, x).lerp(c.lerp(d, x), y)
     }
 }
 

@@ -63,12 +63,9 @@ impl<'scene> Exposure<'scene> {
         let times_s: Vec<f64> = (0..moments)
             .map(|moment| shutter.open_s + duration_s * (moment as f64 + 0.5) / moments as f64)
             .collect();
-        let mut shines = vec![false; scene.lights.len()];
-        for &time_s in &times_s {
-            for (ever, now) in shines.iter_mut().zip(shining(scene, time_s)) {
-                *ever |= now;
-            }
-        }
+        let either = |a: Vec<bool>, b: Vec<bool>| a.into_iter().zip(b).map(|(a, b)| a | b).collect();
+        let shining = times_s.iter().map(|time_s| shining(scene, *time_s));
+        let shines = shining.reduce(either).unwrap_or_default();
         let freeze = |time_s: &f64| Snapshot::at(scene, trees, (camera, aspect), *time_s, &shines);
         Self { moments: chosen(&times_s).iter().map(freeze).collect() }
     }

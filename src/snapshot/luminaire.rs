@@ -7,7 +7,7 @@
 use crate::color::Rgb;
 use crate::light::{Cone, Emission, FrozenLight};
 use crate::math::disc_from_square;
-use crate::scene::{AreaShape, DiscPicture, Light, LightKind};
+use crate::scene::{AreaShape, DiscPicture, Light, LightKind, SkySun};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
@@ -79,6 +79,16 @@ impl Luminaire {
             }
         };
         Self { centre, extent }
+    }
+
+    /// A sun that the picture of a sky shows: it only lights, for the picture is seen.
+    pub(super) fn of_sky(sun: &SkySun) -> Self {
+        let &SkySun { to_sun, irradiance, angular_diameter } = sun;
+        let sin_radius = (0.5 * angular_diameter).sin();
+        let (x, y) = to_sun.any_orthonormal_pair();
+        let half_axes = [x * sin_radius, y * sin_radius];
+        let extent = Extent::Disc { half_axes, picture: None, is_visible: false };
+        Self { centre: FrozenLight::Sun { to_light: to_sun, irradiance }, extent }
     }
 
     /// The same without any power.

@@ -109,8 +109,11 @@ impl<'scene> Moment<'scene> {
         }
     }
 
-    /// Those lights of which `shining` says so.
+    /// Those lights of which `shining` says so, suns of the sky last.
     pub(super) fn lights(&self, shining: &[bool], medium: &Medium) -> Vec<Luminaire> {
+        let of_sky = self.scene.sky.iter().flat_map(|sky| sky.suns_at(self.time_s));
+        let of_sky = of_sky.zip(&shining[self.scene.lights.len()..]).filter(|(_, shines)| **shines);
+        let of_sky = of_sky.map(|(sun, _)| Luminaire::of_sky(&sun));
         let shining = self.scene.lights.iter().zip(shining).filter(|(_, shines)| **shines);
         let luminaire = |(light, _): (&Light, _)| {
             let relative_from_light = self.relative_from(light.node);
@@ -118,7 +121,7 @@ impl<'scene> Moment<'scene> {
             let luminaire = Luminaire::new(light, relative_from_light, self.time_s).in_fog(extinction_per_m);
             if self.placements[light.node].visible { luminaire } else { luminaire.switched_off() }
         };
-        shining.map(luminaire).collect()
+        shining.map(luminaire).chain(of_sky).collect()
     }
 
     /// All materials.
@@ -132,9 +135,11 @@ impl<'scene> Moment<'scene> {
     }
 }
 
-/// Which of a scene's lights shine.
+/// Which of a scene's lights shine, and after them which suns of its sky.
 pub(super) fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
     let placements = scene.placements(time_s);
     let shines = |light: &Light| placements[light.node].visible && light.power.at(time_s).max_element() > 0.0;
-    scene.lights.iter().map(shines).collect()
+    let suns = scene.sky.iter().flat_map(|sky| sky.suns_at(time_s));
+    let of_sky = suns.map(|sun| sun.irradiance.max_element() > 0.0);
+    scene.lights.iter().map(shines).chain(of_sky).collect()
 }

@@ -23,10 +23,16 @@ impl<'scene> FrozenSky<'scene> {
 
     /// Radiance seen in a direction, W m^-2 sr^-1.
     pub fn along(&self, direction: DVec3) -> Rgb {
-        self.strength * self.sky.picture().along(turned(direction, DVec2::new(self.turn.x, -self.turn.y)))
+        self.strength * self.sky.along(self.before_turn(direction))
     }
 
-    /// Mean radiances of cells that share out the sphere evenly, with the directions of their middles.
+    /// Of that what lights without being a sun that is a light of its own.
+    pub fn along_beside_suns(&self, direction: DVec3) -> Rgb {
+        self.strength * self.sky.along_beside_suns(self.before_turn(direction))
+    }
+
+    /// Mean radiances beside suns of cells that share out the sphere evenly, with the directions of their
+    /// middles.
     pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
         let (turn, strength) = (self.turn, self.strength);
         self.sky.means().map(move |(direction, mean)| (turned(direction, turn), strength * mean))
@@ -55,12 +61,16 @@ impl<'scene> FrozenSky<'scene> {
 
     /// How densely [`FrozenSky::pick`] picks a direction, 1/sr; 0 if it picks none.
     pub fn picked(&self, direction: DVec3) -> f64 {
-        self.sky.picked(turned(direction, DVec2::new(self.turn.x, -self.turn.y)))
+        self.sky.picked(self.before_turn(direction))
     }
 
     /// Whether [`FrozenSky::pick`] picks directions.
     pub fn is_uneven(&self) -> bool {
         self.sky.is_uneven()
+    }
+
+    fn before_turn(&self, direction: DVec3) -> DVec3 {
+        turned(direction, DVec2::new(self.turn.x, -self.turn.y))
     }
 }
 

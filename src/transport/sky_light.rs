@@ -38,7 +38,7 @@ pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let u = DVec2::from(path.sampler.next_2d());
     let (to_sky, density) =
         picked(sky, u, |u| lobes.pick(point, u), |direction| lobes.picked(point, direction));
-    let scattered = scattered_per_radiance(point, to_sky) * sky.along(to_sky);
+    let scattered = scattered_per_radiance(point, to_sky) * sky.along_beside_suns(to_sky);
     if scattered == Rgb::ZERO {
         return Rgb::ZERO;
     }
@@ -112,7 +112,7 @@ impl FromSky {
             },
             |direction| picked_henyey_greenstein(g, direction.dot(from_eye)),
         );
-        let scattered = medium.scattering_at(point, to_sky.dot(from_eye)) * sky.along(to_sky);
+        let scattered = medium.scattering_at(point, to_sky.dot(from_eye)) * sky.along_beside_suns(to_sky);
         if scattered == Rgb::ZERO {
             return None;
         }

@@ -91,6 +91,37 @@ fn export_leaves_the_default_light_to_whoever_reads_the_file() {
     assert_eq!(lights("b.glb --default-light off"), 1);
 }
 
+/// It is said once and no loss, told by `inspect`, found again in what is exported, and can be switched off.
+#[test]
+fn a_sun_in_a_picture_of_the_sky_becomes_a_sun() {
+    let studio = Studio::new();
+    let radiance = |x: usize, y: usize| {
+        let is_sun = (60..62).contains(&x) && (20..22).contains(&y);
+        if is_sun { (9000.0_f32, 8000.0, 6000.0) } else { (0.3, 0.4, 0.6) }
+    };
+    exr::prelude::write_rgb_file(studio.path("sky.exr"), 256, 128, radiance).unwrap();
+    let scene = r#"Scene(version: 1, meshes: { "ground": Quad(size_m: 4.0) }, objects: { "ground": (mesh: "ground") },
+        cameras: { "main": (position_m: (0.0, 1.0, 3.0), look_at_m: (0.0, 0.0, 0.0)) },
+        sky: Image(image: "sky.exr"))"#;
+    std::fs::write(studio.path("sunny.ron"), scene).unwrap();
+    let render = format!("render sunny.ron {SMALL} --strict --out a/x.exr --skip valid");
+    let outcome = studio.succeed(&render);
+    let said = |text: &str| text.lines().filter(|line| line.contains("--sky-sun off")).count();
+    assert_eq!((said(&outcome.err), outcome.err.contains("warning")), (1, false), "{}", outcome.err);
+    let off = studio.succeed(&format!("{render} --sky-sun off"));
+    assert_eq!((said(&off.err), off.err.contains("1 frame written")), (0, true), "{}", off.err);
+    let suns = |flags: &str| {
+        let described = studio.succeed(&format!("inspect {flags} --json")).out;
+        let described: Value = serde_json::from_str(&described).unwrap();
+        described["frames"][0]["sky_suns"].as_array().unwrap().clone()
+    };
+    studio.succeed("export sunny.ron a.glb");
+    assert_eq!((suns("sunny.ron").len(), suns("sunny.ron --sky-sun off").len()), (1, 0));
+    assert_eq!(suns("sunny.ron"), suns("a.glb"));
+    let told = studio.succeed("inspect sunny.ron").out;
+    assert!(told.contains("in the sky, along"), "{told}");
+}
+
 #[test]
 fn a_mesh_is_an_input_by_itself() {
     let studio = Studio::new();

@@ -52,6 +52,7 @@ mod scene_format;
 mod sequence;
 mod shiny;
 mod sky;
+mod sky_suns;
 mod slices;
 mod spots;
 mod tolerance;

@@ -75,6 +75,13 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
         .lights
         .iter()
         .map(|light| (light.name.as_str(), describe_light(light, world(light.node), seconds)));
+    let sky_suns = scene.sky.iter().flat_map(|sky| sky.suns_at(seconds)).map(|sun| {
+        json!({
+            "to_sun": sun.to_sun.to_array(),
+            "irradiance_w_per_m2": sun.irradiance.to_array(),
+            "angular_diameter_rad": sun.angular_diameter,
+        })
+    });
     let camera = scene.cameras.get(plan.camera);
     let aspect = settings.size.width as f64 / settings.size.height as f64;
     let describe = |camera: &Camera| {
@@ -101,6 +108,7 @@ fn describe_frame(inspected: &Inspected, frame: f64) -> Value {
         "camera": camera.map(describe),
         "cameras": by_name(scene.cameras.iter().map(|camera| (camera.name.as_str(), describe(camera)))),
         "lights": by_name(lights),
+        "sky_suns": sky_suns.collect::<Vec<_>>(),
     })
 }
 

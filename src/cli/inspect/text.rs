@@ -5,7 +5,7 @@ use super::super::pass_names;
 use super::Inspected;
 use crate::scene::{
     Animation, AreaShape, Clip, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Placement, Scene, Sky,
-    SkyLight, SkyPicture, SunPicture, SunShows,
+    SkyLight, SkyPicture, SkySun, SunPicture, SunShows,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::HashSet;
@@ -216,7 +216,23 @@ fn write_sky(out: &mut String, sky: &Sky, time_s: f64) -> std::fmt::Result {
         SkyLight::Surfaces => "lights surfaces",
         SkyLight::SurfacesAndFog => "lights surfaces and fog",
     };
-    writeln!(out, "    sky      {look}; {lights}")
+    writeln!(out, "    sky      {look}; {lights}")?;
+    for SkySun { to_sun, irradiance, angular_diameter } in sky.suns_at(time_s) {
+        writeln!(
+            out,
+            "    sun      in the sky, along {:.3}: {} W/m2, a disc of {:.4} deg",
+            -to_sun,
+            color(irradiance),
+            angular_diameter.to_degrees()
+        )?;
+    }
+    if sky.suns_apart() == 0 && sky.lights != SkyLight::Nothing && sky.has_sun() {
+        writeln!(
+            out,
+            "             part of it is as bright as a sun: its light is sampled by rays, with noise"
+        )?;
+    }
+    Ok(())
 }
 
 /// `1 mesh`, `2 meshes`.

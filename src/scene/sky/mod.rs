@@ -1,21 +1,31 @@
 //! The sky: radiance that comes from infinitely far away in every direction. It lies behind the scene, and is
-//! light. Invariant: its picture is not black all over, and has a table of where it is bright unless it is
-//! the same everywhere.
+//! light. Invariant: its picture is not black all over. What it is seen as is what it lights with, be it by
+//! itself or by its suns.
 
+mod footprint;
+mod suns;
+mod table;
+
+use self::suns::SkySuns;
+use self::table::{CELLS, table_of};
 use super::{Texture, Track, Wrap};
 use crate::color::{Rgb, Texels, luminance};
 use crate::math::{SquareDistribution, sphere_from_square, square_from_sphere};
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DQuat, DVec2, DVec3, Vec2};
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::f64::consts::{FRAC_1_PI, TAU};
 use std::sync::OnceLock;
+
+pub use self::suns::SkySun;
 
 /// The sky, at every time.
 #[derive(Clone, Debug)]
 pub struct Sky {
     /// What it looks like.
     picture: SkyPicture,
-    /// Where it is bright; `None` if it is the same everywhere.
+    /// What of the picture lights as suns.
+    suns: SkySuns,
+    /// Where the rest is bright; `None` if it is the same everywhere.
     table: Option<SquareDistribution>,
     /// Mean radiances, once they are asked for.
     means: OnceLock<Vec<Rgb>>,
@@ -59,12 +69,6 @@ pub enum SkyLight {
     SurfacesAndFog,
 }
 
-/// Cells along an edge of the table, which is the square that [`sphere_from_square`] takes.
-const CELLS: usize = 256;
-/// An image is looked up at so many places across, or at each of its texels if those are
-/// more, to fill the table.
-const LOOKED_UP: usize = 1024;
-
 /// Cells for means: of even height, and of even longitude, so that all are of one size.
 const MEAN_ROWS: usize = 64;
 const MEAN_COLUMNS: usize = 32;
@@ -80,19 +84,32 @@ fn direction_in(cell: usize, within: DVec2) -> DVec3 {
 impl Sky {
     /// A sky that lights all; `None` if it is black, or not finite.
     pub fn new(picture: SkyPicture) -> Option<Self> {
-        let table = match &picture {
-            SkyPicture::Even(radiance) if radiance.max_element() > 0.0 && radiance.is_finite() => None,
+        let suns = SkySuns::default();
+        let table = table(&picture, &suns);
+        match &picture {
+            SkyPicture::Even(radiance) if radiance.max_element() > 0.0 && radiance.is_finite() => {}
             SkyPicture::Even(_) => return None,
-            SkyPicture::Gradient { .. } => {
-                let place = |cell: usize| DVec2::new((cell % CELLS) as f64, (cell / CELLS) as f64) + 0.5;
-                let bright = |cell| luminance(picture.along(sphere_from_square(place(cell) / CELLS as f64)));
-                Some(SquareDistribution::new(CELLS, (0..CELLS * CELLS).map(bright))?)
-            }
-            SkyPicture::Image(image) => Some(table_of(image)?),
-        };
+            SkyPicture::Gradient { .. } | SkyPicture::Image(_) if table.is_none() => return None,
+            SkyPicture::Gradient { .. } | SkyPicture::Image(_) => {}
+        }
         let (strength, rotation) = (Track::from(Rgb::ONE), Track::from(0.0));
         let (means, has_sun, lights) = (OnceLock::new(), OnceLock::new(), SkyLight::default());
-        Some(Self { picture, table, means, has_sun, strength, rotation, lights })
+        Some(Self { picture, suns, table, means, has_sun, strength, rotation, lights })
+    }
+
+    /// The same, with the suns that its picture shows as lights of their own: what they light has sharp
+    /// shadows and no noise. It is seen as before. A sky that leaves fog dark keeps them, for suns do not.
+    #[must_use]
+    pub fn with_suns_apart(self) -> Self {
+        let suns = match &self.picture {
+            SkyPicture::Image(image) if self.lights == SkyLight::SurfacesAndFog => SkySuns::of(image),
+            _ => SkySuns::default(),
+        };
+        if suns.suns.is_empty() {
+            return self;
+        }
+        let table = table(&self.picture, &suns);
+        Self { suns, table, means: OnceLock::new(), has_sun: OnceLock::new(), ..self }
     }
 
     /// The same with other strength, rotation and light.
@@ -103,6 +120,34 @@ impl Sky {
     /// What it looks like.
     pub fn picture(&self) -> &SkyPicture {
         &self.picture
+    }
+
+    /// How many suns of its picture are lights of their own.
+    pub fn suns_apart(&self) -> usize {
+        self.suns.suns.len()
+    }
+
+    /// Those suns at a time, turned and as strong as the picture.
+    pub fn suns_at(&self, time_s: f64) -> impl Iterator<Item = SkySun> {
+        let (strength, turn) = (self.strength.at(time_s), DQuat::from_rotation_y(self.rotation.at(time_s)));
+        self.suns.suns.iter().map(move |sun| SkySun {
+            to_sun: turn * sun.to_sun,
+            irradiance: strength * sun.irradiance,
+            ..*sun
+        })
+    }
+
+    /// Radiance seen in the direction of a unit vector, before the picture is turned.
+    pub fn along(&self, direction: DVec3) -> Rgb {
+        self.picture.along(direction)
+    }
+
+    /// Of that what lights without being a sun of [`Sky::suns_at`].
+    pub fn along_beside_suns(&self, direction: DVec3) -> Rgb {
+        match &self.picture {
+            SkyPicture::Image(image) => self.suns.beside(image, direction, place_of(direction)),
+            picture => picture.along(direction),
+        }
     }
 
     /// Whether it is the same at all times.
@@ -133,7 +178,7 @@ impl Sky {
     pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
         let means = self.means.get_or_init(|| {
             let cells = 0..MEAN_ROWS * MEAN_COLUMNS;
-            cells.into_par_iter().map(|cell| self.picture.mean(cell)).collect()
+            cells.into_par_iter().map(|cell| self.mean(cell)).collect()
         });
         means.iter().enumerate().map(|(cell, mean)| (direction_in(cell, DVec2::splat(0.5)), *mean))
     }
@@ -151,6 +196,25 @@ impl Sky {
             .as_ref()
             .map_or(0.0, |table| 0.25 * FRAC_1_PI * table.density(table.cell(square_from_sphere(direction))))
     }
+
+    /// On the mean of one of the cells for means; what is not finite does not count.
+    fn mean(&self, cell: usize) -> Rgb {
+        // Of images about every texel.
+        let side = match &self.picture {
+            SkyPicture::Even(radiance) => return *radiance,
+            SkyPicture::Gradient { .. } => 8,
+            SkyPicture::Image(image) => (2 * image.width / MEAN_COLUMNS).clamp(4, 128),
+        };
+        let along = |number: usize| {
+            let within = (DVec2::new((number % side) as f64, (number / side) as f64) + 0.5) / side as f64;
+            self.along_beside_suns(direction_in(cell, within))
+        };
+        let (sum, count) = (0..side * side)
+            .map(along)
+            .filter(|radiance| radiance.is_finite())
+            .fold((Rgb::ZERO, 0.0), |(sum, count), radiance| (sum + radiance, count + 1.0));
+        sum / f64::max(count, 1.0)
+    }
 }
 
 impl SkyPicture {
@@ -167,83 +231,48 @@ impl SkyPicture {
         (Self::Image(Texture { name, width, height, texels: texels.into(), wrap }), negative)
     }
 
-    /// On the mean of one of the cells for means; what is not finite does not count.
-    fn mean(&self, cell: usize) -> Rgb {
-        // Of images about every texel.
-        let side = match self {
-            Self::Even(radiance) => return *radiance,
-            Self::Gradient { .. } => 8,
-            Self::Image(image) => (2 * image.width / MEAN_COLUMNS).clamp(4, 128),
-        };
-        let along = |number: usize| {
-            let within = (DVec2::new((number % side) as f64, (number / side) as f64) + 0.5) / side as f64;
-            self.along(direction_in(cell, within))
-        };
-        let (sum, count) = (0..side * side)
-            .map(along)
-            .filter(|radiance| radiance.is_finite())
-            .fold((Rgb::ZERO, 0.0), |(sum, count), radiance| (sum + radiance, count + 1.0));
-        sum / f64::max(count, 1.0)
-    }
-
     /// Radiance seen in the direction of a unit vector.
     pub fn along(&self, direction: DVec3) -> Rgb {
         match self {
             Self::Even(radiance) => *radiance,
             Self::Gradient { ground, .. } if direction.y < 0.0 => *ground,
             Self::Gradient { zenith, horizon, .. } => horizon.lerp(*zenith, direction.y.min(1.0)),
-            Self::Image(image) => {
-                let across = 0.5 + direction.x.atan2(-direction.z) / TAU;
-                let down = direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI;
-                image.color(Vec2::new(across as f32, down as f32))
-            }
+            Self::Image(image) => image.color(place_of(direction)),
         }
     }
 }
 
-/// The direction that a place of an image of longitudes and latitudes shows, `[0, 1]^2` from
-/// its top left corner.
-fn direction_of(place: DVec2) -> DVec3 {
-    let ((sin_across, cos_across), (sin_down, cos_down)) =
-        ((TAU * (place.x - 0.5)).sin_cos(), (PI * place.y).sin_cos());
-    DVec3::new(sin_down * sin_across, cos_down, -sin_down * cos_across)
-}
-
-/// How much light comes from each cell. Texels are spread over cells rather than cells looked up among
-/// texels, so that none is missed, however small a sun it is.
-fn table_of(image: &Texture) -> Option<SquareDistribution> {
-    let per_texel = LOOKED_UP.div_ceil(image.width).min(2 * CELLS);
-    let (columns, rows) = (image.width * per_texel, image.height * per_texel);
-    let strip = |strip: usize| {
-        let mut cells = vec![0.0; CELLS * CELLS];
-        for row in (strip * rows / STRIPS)..((strip + 1) * rows / STRIPS) {
-            let down = (row as f64 + 0.5) / rows as f64;
-            let solid_angle = (PI * down).sin();
-            for column in 0..columns {
-                let place = DVec2::new((column as f64 + 0.5) / columns as f64, down);
-                let square = CELLS as f64 * square_from_sphere(direction_of(place));
-                let index = |place: f64| (place as usize).min(CELLS - 1);
-                let cell = index(square.y) * CELLS + index(square.x);
-                cells[cell] += solid_angle * luminance(image.color(place.as_vec2()));
-            }
+/// Where a picture is bright beside suns, unless it is the same everywhere or black.
+fn table(picture: &SkyPicture, suns: &SkySuns) -> Option<SquareDistribution> {
+    match picture {
+        SkyPicture::Even(_) => None,
+        SkyPicture::Gradient { .. } => {
+            let place = |cell: usize| DVec2::new((cell % CELLS) as f64, (cell / CELLS) as f64) + 0.5;
+            let bright = |cell| luminance(picture.along(sphere_from_square(place(cell) / CELLS as f64)));
+            SquareDistribution::new(CELLS, (0..CELLS * CELLS).map(bright))
         }
-        cells
-    };
-    // In a fixed order, so that the sums do not depend on threads.
-    let strips: Vec<Vec<f64>> = (0..STRIPS).into_par_iter().map(strip).collect();
-    let cells = (0..CELLS * CELLS).map(|cell| strips.iter().map(|strip| strip[cell]).sum());
-    SquareDistribution::new(CELLS, cells)
+        SkyPicture::Image(image) => table_of([image.width, image.height], |direction, place| {
+            luminance(suns.beside(image, direction, place))
+        }),
+    }
 }
 
-/// Parts of an image that threads look through.
-const STRIPS: usize = 16;
+/// The place of an image of longitudes and latitudes that shows a direction, `[0, 1]^2` from its top left
+/// corner.
+fn place_of(direction: DVec3) -> Vec2 {
+    let across = 0.5 + direction.x.atan2(-direction.z) / TAU;
+    let down = direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI;
+    Vec2::new(across as f32, down as f32)
+}
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::table::direction_of;
     use super::*;
     use crate::math::Sampler;
     use crate::scene::Wrap;
+    use std::f64::consts::PI;
 
     fn image(width: usize, height: usize, texel: impl Fn(usize, usize) -> f32) -> SkyPicture {
         let pixel = |index: usize| {
@@ -260,7 +289,7 @@ mod tests {
         let sample = |sample| {
             let u = DVec2::from(Sampler::new(1, 0, 0, sample).next_2d());
             let direction = sky.pick(u).unwrap_or_else(|| sphere_from_square(u));
-            let density = if sky.table.is_some() { sky.picked(direction) } else { 0.25 * FRAC_1_PI };
+            let density = if sky.is_uneven() { sky.picked(direction) } else { 0.25 * FRAC_1_PI };
             sky.picture.along(direction).x * direction.y.max(0.0) / density
         };
         (0..count).map(sample).sum::<f64>() / f64::from(count)
