@@ -4,11 +4,15 @@
 
 mod bearings;
 mod choice;
+mod correction;
 mod draws;
 mod grid_error;
 mod lattice;
 mod layout;
+mod map;
+mod moments;
 mod places;
+mod probes;
 mod refine;
 mod rings;
 mod rounds;
@@ -27,7 +31,7 @@ use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::{Component, MarchSteps, Transport, VolumeMethod};
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
-use grid_error::Solved;
+use grid_error::GridError;
 use refine::{Budget, Goal, Refined};
 use sum::Sum;
 use survey::Survey;
@@ -171,8 +175,8 @@ pub struct Statistics {
     pub unconverged_blocks: usize,
     /// The largest relative error that some block is estimated to have, if blocks were judged.
     pub error: Option<f64>,
-    /// By how much the grid of indirect light may make the picture wrong, if blocks were judged: root mean
-    /// square over the picture of twice the difference to cells twice as wide, as a share of its mean.
+    /// By how much indirect light may make the picture wrong, if blocks were judged: root mean square over the
+    /// picture of twice the standard error of what random walks find, as a share of its mean.
     pub grid_error: Option<f64>,
     /// Whether next to nothing absorbs indirect light: there is more of it than the picture has.
     pub endless_light: bool,
@@ -219,6 +223,13 @@ impl Job {
         )
     }
 
+    /// Light of higher orders, if it is wanted from a grid.
+    fn indirect(&self, snapshot: &Snapshot, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<Indirect> {
+        let wants_grid = self.bounces != Bounces::NONE && self.method != Method::Paths;
+        let aspect = self.size.width as f64 / self.size.height as f64;
+        if wants_grid { Indirect::new(snapshot, self.bounces, aspect, cancelled) } else { None }
+    }
+
     /// Whether errors are estimated.
     fn is_judged(&self) -> bool {
         matches!(self.sampling, Sampling::Until { .. }) || self.passes.contains(&Pass::Error)
@@ -228,14 +239,34 @@ impl Job {
 /// Renders on the current rayon pool.
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
-    let Solved { indirect, error: grid_error } = Solved::new(middle, job, watch.cancelled);
+    let indirect = job.indirect(middle, watch.cancelled);
     let indirect = indirect.as_ref();
     let components = components(exposure, indirect);
-    let survey = if job.is_judged() {
-        Survey::new(middle, job, indirect, components)
-    } else {
-        Survey::omitted(components)
-    };
+    if !job.is_judged() {
+        return add_up(exposure, job, indirect, (&Survey::omitted(components), None), watch);
+    }
+    let survey = Survey::new(middle, job, indirect, components);
+    let Some(grid) = indirect else { return add_up(exposure, job, None, (&survey, None), watch) };
+    let error = GridError::found(middle, job, grid, &survey, watch.cancelled);
+    // What is corrected has to be known apart.
+    let parts = [Pass::Indirect, Pass::IndirectShafts];
+    let unasked: Vec<Pass> = parts.into_iter().filter(|pass| !job.passes.contains(pass)).collect();
+    let mut passes = [job.passes.as_slice(), &unasked].concat();
+    passes.sort_unstable();
+    let with_parts = Job { passes, ..job.clone() };
+    let mut rendered = add_up(exposure, &with_parts, indirect, (&survey, Some(&error)), watch);
+    rendered.frame.drop_passes(&unasked);
+    rendered
+}
+
+/// Renders the picture's components, and adds them up.
+fn add_up(
+    exposure: &Exposure,
+    job: &Job,
+    indirect: Option<&Indirect>,
+    (survey, error): (&Survey, Option<&GridError>),
+    watch: &Watch,
+) -> Rendered {
     let mut sum = Sum::default();
     let from_slices = job.method.takes_slices(exposure);
     sum.statistics.from_slices = from_slices;
@@ -253,11 +284,11 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
             let developed = watch.part(range, None, |watch| match component {
                 Component::Light(light) => {
                     let picture = slices::LightPicture::new(exposure, job, indirect, light, &tally);
-                    develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
+                    develop(&Watched { picture, job, before }, job, survey, &budget, watch)
                 }
                 component => {
                     let picture = tiles::RayPicture::new(exposure, job, indirect, component);
-                    develop(&Watched { picture, job, before }, job, &survey, &budget, watch)
+                    develop(&Watched { picture, job, before }, job, survey, &budget, watch)
                 }
             });
             sum.add(developed);
@@ -266,9 +297,9 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     } else {
         let picture = tiles::RayPicture::new(exposure, job, indirect, Component::All);
         let picture = Watched { picture, job, before: None };
-        sum.add(develop(&picture, job, &survey, &Budget::WHOLE, watch));
+        sum.add(develop(&picture, job, survey, &Budget::WHOLE, watch));
     }
-    sum.finish(job, &survey, grid_error.as_ref())
+    sum.finish(job, survey, error)
 }
 
 /// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights

@@ -9,6 +9,7 @@ mod bench;
 mod bench_arguments;
 mod darkness;
 mod diff;
+mod doubts;
 mod error;
 mod export;
 mod exposure;

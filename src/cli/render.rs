@@ -3,6 +3,7 @@
 
 use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipArgument};
 use super::darkness::DarkFrames;
+use super::doubts::{Doubt, Doubts};
 use super::live::Live;
 use super::plan::{self, Plan};
 use super::progress::{self, Progress, ProgressStyle};
@@ -70,7 +71,7 @@ impl Run<'_> {
             preview: self.preview()?,
             stop: &stop.flag,
         };
-        let dark_frames = DarkFrames::default();
+        let (dark_frames, doubts) = (DarkFrames::default(), Doubts::default());
         // Where nothing moves, every frame is the first.
         let is_still = plan.picture.scene.resolved().is_still();
         let mut still_frame: Option<Rendered> = None;
@@ -81,6 +82,9 @@ impl Run<'_> {
                 Some(same) => Ok(Some(same.clone())),
                 None => {
                     let rendered = self.frame(frame, progress)?;
+                    if let Some(rendered) = &rendered {
+                        self.weigh(frame, rendered, &doubts)?;
+                    }
                     if is_still {
                         still_frame.clone_from(&rendered);
                     }
@@ -94,11 +98,25 @@ impl Run<'_> {
             },
         )?;
         dark_frames.tell_of(&plan.picture);
+        doubts.tell();
         if let Some(number) = stop.signal().filter(|_| summary.stopped) {
             return Err(CliError::Signal(number));
         }
         self.stats.finish()?;
         if summary.given_up.is_empty() { Ok(()) } else { Err(too_late(&summary.given_up)) }
+    }
+
+    /// Refuses a frame whose indirect light is too uncertain, or counts it.
+    fn weigh(&self, frame: i64, rendered: &Rendered, doubts: &Doubts) -> Result<(), Halt> {
+        let sampling = self.plan.picture.settings.sampling;
+        match Doubt::of(frame, &rendered.statistics, sampling) {
+            Some(doubt) if self.arguments.scene.strict => Err(Halt::Doubt(doubt)),
+            Some(doubt) => {
+                doubts.count(doubt);
+                Ok(())
+            }
+            None => Ok(()),
+        }
     }
 
     /// How pictures beside the frames are shown, if there are to be any.
@@ -115,7 +133,7 @@ impl Run<'_> {
         &self,
         frame: i64,
         progress: &(dyn Fn(render::Progress) + Sync),
-    ) -> Result<Option<Rendered>, Stopped> {
+    ) -> Result<Option<Rendered>, Halt> {
         let Self { arguments, stop, plan, live, .. } = self;
         let started = Instant::now();
         let is_late = AtomicBool::new(false);
@@ -138,7 +156,7 @@ impl Run<'_> {
             rendered
         });
         if stop.flag.load(Ordering::Relaxed) {
-            return Err(Stopped);
+            return Err(Halt::Signal);
         }
         Ok(if is_late.into_inner() { None } else { Some(rendered) })
     }
@@ -164,13 +182,17 @@ fn too_late(frames: &[i64]) -> CliError {
     ))
 }
 
-/// A frame was given up because a signal came.
+/// Why a frame was given up and the run ends.
 #[derive(Debug, thiserror::Error)]
-#[error("stopped by a signal")]
-struct Stopped;
+enum Halt {
+    #[error("stopped by a signal")]
+    Signal,
+    #[error("indirect light is too uncertain")]
+    Doubt(Doubt),
+}
 
-impl From<SequenceError<Stopped>> for CliError {
-    fn from(error: SequenceError<Stopped>) -> Self {
+impl From<SequenceError<Halt>> for CliError {
+    fn from(error: SequenceError<Halt>) -> Self {
         match error {
             SequenceError::Defective { .. } => Self::Frame(format!(
                 "error: {error}\n  expected: finite light everywhere\n  remedy: report this scene; `--crop` around the pixel shows it"
@@ -180,7 +202,10 @@ impl From<SequenceError<Stopped>> for CliError {
                 diagnostic.found = format!("frame {frame}: {}", diagnostic.found);
                 Self::InputOutput(diagnostic.to_string())
             }
-            SequenceError::Render { .. } => Self::InputOutput(format!("error: {error}")),
+            SequenceError::Render { source: Halt::Doubt(doubt), .. } => Self::Frame(doubt.refusal()),
+            SequenceError::Render { source: Halt::Signal, .. } => {
+                Self::InputOutput(format!("error: {error}"))
+            }
         }
     }
 }

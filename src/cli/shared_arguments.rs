@@ -26,7 +26,8 @@ pub(super) struct SceneArguments {
     /// move the same things].
     #[arg(long, value_name = "NAME|all")]
     pub(super) animation: Option<String>,
-    /// Refuse an input that asks for anything that is not honoured (exit code 3).
+    /// Refuse an input that asks for anything that is not honoured (exit code 3), and frames whose indirect
+    /// light misses the tolerance by far (exit code 5).
     #[arg(long)]
     pub(super) strict: bool,
     #[command(flatten)]

@@ -103,6 +103,7 @@ losses! {
     NoLight "no-light" "nothing lights the scene"
     ClippingPlanes "clipping-planes" "clipping planes that leave nothing between them are ignored"
     DarkFrame "dark-frame" "frames are next to black, they are written as they are"
+    IndirectLight "indirect-light" "indirect light may err by more than three times the tolerance, frames are written as they are"
     ApertureOrthographic "aperture-orthographic" "an aperture of orthographic cameras is not honoured, all is in focus"
     ShutterInstant "shutter-instant" "a shutter that opens for an instant does so at the frame"
     MotionBlurMoments "motion-blur-moments" "motion blur is drawn from fewer moments of the shutter"

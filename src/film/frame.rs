@@ -1,7 +1,7 @@
 //! A finished picture: named channels of pixels. Invariant: every channel has one value for each
 //! pixel of the window, row by row from the top.
 
-use crate::passes::{MATTE_LAYER, Precision};
+use crate::passes::{MATTE_LAYER, Pass, Precision};
 use crate::scene::{Size, Window};
 use half::f16;
 use std::fmt;
@@ -135,6 +135,13 @@ impl Frame {
     /// The channel of that name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// Leaves out the channels of these passes.
+    pub fn drop_passes(&mut self, passes: &[Pass]) {
+        let is_dropped =
+            |name: &str| passes.iter().any(|pass| pass.row().channels.iter().any(|channel| *channel == name));
+        self.channels.retain(|channel| !is_dropped(&channel.name));
     }
 
     /// Counts NaN, infinity and values beyond the range of their channel, and says where they begin.

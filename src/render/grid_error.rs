@@ -1,102 +1,206 @@
-//! By how much the grid of indirect light errs. In go a snapshot and a job, out come its indirect light and,
-//! where errors are estimated, a picture of the difference to cells twice as wide. Invariant: it depends on
-//! the whole picture, whatever part is wanted.
+//! By how much indirect light errs, and what is done about it. In go a snapshot, a job and the grid, out come
+//! a correction by random walks and the error that is left. Invariant: it depends on the whole picture,
+//! whatever part is wanted.
 
-use super::{Job, Method};
+use super::Job;
+use super::correction::{Correction, Scheme, mean};
+use super::map::{COLUMNS, Map, ROWS, cell_at};
+use super::moments::Moments;
+use super::probes::{PASSES, probes};
+use super::survey::Survey;
 use crate::color::{Rgb, luminance};
 use crate::film::Blocks;
 use crate::indirect::Indirect;
-use crate::math::Sampler;
-use crate::scene::{Bounces, Sampling};
+use crate::scene::Sampling;
 use crate::snapshot::Snapshot;
-use crate::transport::{Component, Scratch};
-use rayon::prelude::*;
+use glam::DVec2;
 
-/// Parts of the picture across and down, and rays along each side of one.
-const PARTS: (usize, usize) = (16, 9);
-const RAYS: usize = 4;
+/// Walks that are tried first, and at most, all and for each pixel of the picture.
+const FIRST: u32 = 1 << 13;
+const MOST: u32 = 1 << 18;
+const MOST_A_PIXEL: usize = 16;
+/// The tolerance where nobody has one, but wants to know the error.
+const UNASKED: f64 = 0.02;
+/// Walks side by side that are of the same half.
+const RUN: u32 = 1 << 9;
 
-/// Indirect light, and what is known of its error.
-pub(super) struct Solved {
-    pub(super) indirect: Option<Indirect>,
-    pub(super) error: Option<GridError>,
-}
+/// Standard deviation of what errors are means over, in cells.
+const SURROUNDINGS: f64 = 2.0;
+/// Over such surroundings they are known apart from those elsewhere.
+const LOCAL: f64 = 4.0;
+/// Errors in blocks of pixels by those in surroundings, which are larger.
+const FINER: f64 = 1.3;
+/// What is told, in standard errors: of twenty blocks nineteen are within it.
+const TOLD: f64 = 2.0;
+/// What the error is taken for before anything is known of it, by the indirect light.
+const EXPECTED: f64 = 0.03;
 
-/// By how much pictures by two grids differ, in parts of the picture, times [`SAFETY`].
+/// What is known of indirect light's error.
 pub(super) struct GridError {
-    /// Luminances, part by part, in rows from the top.
-    differences: Vec<f64>,
-    /// Root mean square of them, as a share of the picture's mean.
+    /// What the picture is to be corrected by.
+    pub(super) correction: Correction,
+    /// Squares of the error that is left.
+    squares: Map<f64>,
+    /// Root mean square of what is told, as a share of the picture's mean.
     pub(super) relative: f64,
 }
 
-/// An error that falls with the first to the second power of the cells' side is 1 to 1/3 of the difference to
-/// cells twice as wide; of only two grids three times that counts (Roache 1994, "Perspective: a method for
-/// uniform reporting of grid refinement studies").
-const SAFETY: f64 = 2.0;
-
-impl Solved {
-    /// Solves it, again on finer cells if that leaves more than the tolerance.
-    pub(super) fn new(snapshot: &Snapshot, job: &Job, cancelled: &(dyn Fn() -> bool + Sync)) -> Self {
-        let aspect = job.size.width as f64 / job.size.height as f64;
-        let solve = |scale: f64| Indirect::on_cells(scale, snapshot, job.bounces, aspect, cancelled);
-        let no_grid = job.bounces == Bounces::NONE || job.method == Method::Paths;
-        let solve_if = |wanted: bool, scale: f64| if wanted { solve(scale) } else { None };
-        // At once: each has stretches on its way that keep one core busy.
-        let (indirect, coarse) =
-            rayon::join(|| solve_if(!no_grid, 1.0), || solve_if(!no_grid && job.is_judged(), 2.0));
-        let Some(mut indirect) = indirect else { return Self { indirect: None, error: None } };
-        let mut error = coarse.map(|coarse| GridError::between(&coarse, &indirect, snapshot, job));
-        if let (Some(known), Sampling::Until { tolerance, .. }) = (&error, job.sampling)
-            && known.relative > tolerance
-            && let Some(finer) = solve(0.5).filter(|finer| finer.cell_m() < indirect.cell_m())
-        {
-            error = Some(GridError::between(&indirect, &finer, snapshot, job));
-            indirect = finer;
-        }
-        Self { indirect: Some(indirect), error }
-    }
-}
-
 impl GridError {
-    fn between(coarse: &Indirect, fine: &Indirect, snapshot: &Snapshot, job: &Job) -> Self {
-        let (columns, rows) = PARTS;
-        let parts: Vec<(f64, f64)> = (0..columns * rows)
-            .into_par_iter()
-            .map_init(Scratch::default, |scratch, part| {
-                let mut sums = [Rgb::ZERO; 2];
-                for number in 0..RAYS * RAYS {
-                    let place = |part: usize, step: usize, parts: usize| {
-                        ((part * RAYS + step) as f64 + 0.5) / (parts * RAYS) as f64
-                    };
-                    let x = place(part % columns, number % RAYS, columns);
-                    let y = place(part / columns, number / RAYS, rows);
-                    let ray = snapshot.view.ray(x, y);
-                    for (sum, indirect) in sums.iter_mut().zip([coarse, fine]) {
-                        let transport = job.transport(Some(indirect));
-                        // The same numbers for both: what else is in the picture is the same.
-                        let mut sampler = Sampler::new(job.seed, (part * RAYS * RAYS + number) as u32, 0, 0);
-                        let all = Component::All;
-                        *sum += transport.radiance_of(all, snapshot, &ray, &mut sampler, scratch).radiance;
-                    }
-                }
-                let [coarse, fine] = sums.map(|sum| sum / (RAYS * RAYS) as f64);
-                (SAFETY * luminance((fine - coarse).abs()), luminance(fine))
-            })
-            .collect();
-        let count = parts.len() as f64;
-        let mean = parts.iter().map(|(_, light)| light).sum::<f64>() / count;
-        let square = parts.iter().map(|(difference, _)| difference * difference).sum::<f64>() / count;
-        let relative = if mean > 0.0 { square.sqrt() / mean } else { 0.0 };
-        Self { differences: parts.into_iter().map(|(difference, _)| difference).collect(), relative }
+    /// Walks until the error is within the tolerance, or so many have been tried as may be.
+    pub(super) fn found(
+        snapshot: &Snapshot,
+        job: &Job,
+        indirect: &Indirect,
+        survey: &Survey,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
+        let tolerance = match job.sampling {
+            Sampling::Until { tolerance, .. } => tolerance,
+            Sampling::Exactly(_) => UNASKED,
+        };
+        let most = MOST.min((job.size.width * job.size.height).saturating_mul(MOST_A_PIXEL) as u32);
+        let mut halves = [Moments::none(), Moments::none()];
+        let mut numbers = 0..FIRST;
+        loop {
+            for (number, probe) in numbers.clone().zip(probes(numbers.clone(), snapshot, job, indirect)) {
+                halves[(number / RUN % 2) as usize].add(&probe);
+            }
+            let known = Self::of(&halves, survey);
+            if known.relative <= tolerance || 2 * numbers.end > most || cancelled() {
+                return known;
+            }
+            numbers = numbers.end..2 * numbers.end;
+        }
+    }
+
+    /// From the sums of two halves of the walks.
+    fn of(halves: &[Moments; 2], survey: &Survey) -> Self {
+        let all = halves[0].with(&halves[1]);
+        let schemes: [Scheme; PASSES] = std::array::from_fn(|pass| Scheme::of(&all, pass));
+        let shares = |moments: &Moments, times: f64| -> [Map<Rgb>; PASSES] {
+            std::array::from_fn(|pass| schemes[pass].shares(moments, times))
+        };
+        let (correction, of_halves) = (shares(&all, 1.0), halves.each_ref().map(|half| shares(half, 2.0)));
+        let light = Light::of(&all);
+        let left = Left::of(halves, &of_halves, &light);
+        let squares = left.squares(&light);
+        let mean_light = light.mean();
+        // Of errors in luminance as much as of light: channels err alike.
+        let in_luminance =
+            if mean(mean_light) > 0.0 { luminance(mean_light) / mean(mean_light) } else { 0.0 };
+        let squares = Map::from_fn(|cell| (FINER * in_luminance).powi(2) * squares.of(cell));
+        let cells = (COLUMNS * ROWS) as f64;
+        let added = |pass: usize| {
+            Map::from_fn(|cell| correction[pass].of(cell) * light.0[pass].of(cell)).sum() / cells
+        };
+        let picture = survey.mean + luminance((0..PASSES).map(added).sum());
+        let told = TOLD * (squares.sum() / cells).sqrt();
+        let relative = if told > 0.0 { told / picture.max(f64::MIN_POSITIVE) } else { 0.0 };
+        Self { correction: Correction(correction), squares, relative }
     }
 
     /// Luminance by which a block of pixels may be wrong.
     pub(super) fn of_block(&self, blocks: &Blocks, block: usize, job: &Job) -> f64 {
         let window = blocks.pixels(block);
-        let part = |middle: usize, size: usize, parts: usize| (middle * parts / size.max(1)).min(parts - 1);
-        let column = part(window.x + window.width / 2, job.size.width, PARTS.0);
-        let row = part(window.y + window.height / 2, job.size.height, PARTS.1);
-        self.differences[column + PARTS.0 * row]
+        let middle = |from: usize, count: usize, of: usize| (from as f64 + 0.5 * count as f64) / of as f64;
+        let place = DVec2::new(
+            middle(window.x, window.width, job.size.width),
+            middle(window.y, window.height, job.size.height),
+        );
+        TOLD * self.squares.of(cell_at(place)).sqrt()
     }
+}
+
+/// The grid's light of each pass, as probes have it in the mean.
+struct Light([Map<Rgb>; PASSES]);
+
+impl Light {
+    fn of(moments: &Moments) -> Self {
+        let count = moments.count().smoothed(SURROUNDINGS);
+        Self(std::array::from_fn(|pass| {
+            let sum = moments.grid(pass).smoothed(SURROUNDINGS);
+            Map::from_fn(|cell| sum.of(cell) / count.of(cell).max(f64::MIN_POSITIVE))
+        }))
+    }
+
+    /// Of all passes.
+    fn at(&self, cell: usize) -> Rgb {
+        self.0.iter().map(|light| light.of(cell)).sum()
+    }
+
+    fn mean(&self) -> Rgb {
+        self.0.iter().map(Map::sum).sum::<Rgb>() / (COLUMNS * ROWS) as f64
+    }
+}
+
+/// What each half of the walks still finds where the other half has corrected. Products of two walks' errors
+/// have no noise in the mean: walks know nothing of one another.
+struct Left {
+    /// Sums of such products near each cell, and how many.
+    products: Map<f64>,
+    pairs: Map<f64>,
+    /// Variances of these sums.
+    variances: Map<f64>,
+    /// Square of the noise that a half's correction has more than that of all walks.
+    noise: Map<f64>,
+}
+
+impl Left {
+    fn of(halves: &[Moments; 2], corrections: &[[Map<Rgb>; PASSES]; 2], light: &Light) -> Self {
+        let noise = Map::from_fn(|cell| {
+            let of_pass = |pass: usize| {
+                let [one, other] = corrections.each_ref().map(|shares| shares[pass].of(cell));
+                0.5 * (one - other) * light.0[pass].of(cell)
+            };
+            let noise: Rgb = (0..PASSES).map(of_pass).sum();
+            mean(noise * noise)
+        });
+        let mut all =
+            Self { products: Map::filled(0.0), pairs: Map::filled(0.0), variances: Map::filled(0.0), noise };
+        for (half, other) in halves.iter().zip(corrections.iter().rev()) {
+            let (sums, squares) = half.left(other);
+            let (near, count) = (sums.smoothed(SURROUNDINGS), half.count());
+            let count_near = count.smoothed(SURROUNDINGS);
+            let squares = Map::from_fn(|cell| mean(squares.of(cell)));
+            let squares_near = squares.smoothed(SURROUNDINGS * 0.5_f64.sqrt());
+            for cell in 0..COLUMNS * ROWS {
+                // None with itself.
+                *all.products.cell_mut(cell) += mean(sums.of(cell) * near.of(cell)) - squares.of(cell);
+                *all.pairs.cell_mut(cell) += count.of(cell) * (count_near.of(cell) - 1.0);
+                *all.variances.cell_mut(cell) += 2.0 * squares.of(cell) * squares_near.of(cell);
+            }
+        }
+        all
+    }
+
+    /// Squares of the error that is left, cell by cell: what walks find, by how sure they are, and else what
+    /// is to be expected. From the whole picture to the parts of it.
+    fn squares(&self, light: &Light) -> Map<f64> {
+        let Self { products, pairs, variances, noise } = self;
+        let cells = (COLUMNS * ROWS) as f64;
+        let of_light = Map::from_fn(|cell| mean(light.at(cell)).powi(2));
+        let square_of_light = of_light.sum() / cells;
+        let found = |products: f64, pairs: f64, variances: f64| {
+            let pairs = pairs.max(f64::MIN_POSITIVE);
+            (products / pairs, variances / (pairs * pairs))
+        };
+        let (product, variance) = found(products.sum(), pairs.sum(), variances.sum());
+        let whole = judged(product - noise.sum() / cells, variance, EXPECTED.powi(2) * square_of_light);
+        let [products, pairs, noise] = [products, pairs, noise].map(|map| map.smoothed(LOCAL));
+        let variances = variances.smoothed(LOCAL * 0.5_f64.sqrt());
+        let ones = Map::filled(1.0).smoothed(LOCAL);
+        Map::from_fn(|cell| {
+            let (product, variance) = found(products.of(cell), pairs.of(cell), variances.of(cell));
+            let expected =
+                if square_of_light > 0.0 { whole * of_light.of(cell) / square_of_light } else { 0.0 };
+            judged(product - noise.of(cell) / ones.of(cell), variance, expected)
+        })
+    }
+}
+
+/// A square that was found with such a variance, where one of that size was expected, give or take itself: the
+/// mean of both by their precision.
+fn judged(found: f64, variance: f64, expected: f64) -> f64 {
+    let precision = expected * expected / (expected * expected + variance).max(f64::MIN_POSITIVE);
+    expected + precision * (found.max(0.0) - expected)
 }

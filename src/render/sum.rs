@@ -52,11 +52,14 @@ impl Sum {
     }
 
     pub(super) fn finish(mut self, job: &Job, survey: &Survey, grid: Option<&GridError>) -> Rendered {
-        let frame =
+        let mut frame =
             self.frame.take().unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve());
         let (Some(blocks), true) = (&self.blocks, job.is_judged()) else {
             return Rendered { frame, statistics: self.statistics };
         };
+        if let Some(grid) = grid {
+            grid.correction.apply(&mut frame);
+        }
         let errors: Vec<f64> = (0..blocks.count())
             .map(|block| relative_error(self.variances[block], mean_luminance(&frame, blocks, block), survey))
             .collect();

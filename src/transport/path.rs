@@ -74,6 +74,8 @@ pub(super) struct Illumination<'a> {
     pub(super) sky: bool,
     /// Whether it is seen in a surface that shines: shine seen in shine is as blurred as a grid tells it.
     pub(super) is_in_shine: bool,
+    /// Whether what reaches the eye after one scattering is left out.
+    pub(super) indirect_alone: bool,
 }
 
 impl Illumination<'_> {

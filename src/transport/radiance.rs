@@ -20,6 +20,8 @@ pub enum Component {
     Light(usize),
     /// Light of the sky that was scattered on the way.
     Sky,
+    /// Light that was scattered before, of all lights: a part of the others, much cheaper without the rest.
+    Indirect,
 }
 
 /// One leg of a path, from its origin to the first surface: its light.
@@ -110,6 +112,7 @@ impl Transport<'_> {
         scratch: &mut Scratch,
     ) -> Sample {
         let Wanted { lights: range, with_hues, self_luminous, sky } = Wanted::of(component, snapshot);
+        let indirect_alone = component == Component::Indirect;
         let mut lights = std::mem::take(&mut scratch.lights);
         lights.clear();
         let mut hue = Rgb::ONE;
@@ -124,7 +127,7 @@ impl Transport<'_> {
                 point
             });
         }
-        let light = Illumination { lights: &lights, self_luminous, sky, is_in_shine: false };
+        let light = Illumination { lights: &lights, self_luminous, sky, is_in_shine: false, indirect_alone };
         let mut path = Path { snapshot, transport: self, light, sampler, scratch };
         let (leg, surface) = path.follow(ray, Start::Camera, self.mirror_depth);
         let sample = path.sample(&leg, surface.as_ref(), ray, hue);
@@ -146,7 +149,7 @@ struct Wanted {
 impl Wanted {
     fn of(component: Component, snapshot: &Snapshot) -> Self {
         match component {
-            Component::All => {
+            Component::All | Component::Indirect => {
                 Self { lights: 0..snapshot.lights.len(), with_hues: true, self_luminous: true, sky: true }
             }
             Component::Light(light) => {
@@ -215,9 +218,12 @@ impl Path<'_> {
             (Rgb::ZERO, Rgb::ZERO, Rgb::ONE)
         } else {
             let indirect = indirect::in_scattered(self, ray, &way, from);
-            let scattered =
-                shafts::in_scattered(self, ray, &way) + sky_light::in_scattered(self, ray, &way) + indirect;
-            (scattered, indirect, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
+            let once = if light.indirect_alone {
+                Rgb::ZERO
+            } else {
+                shafts::in_scattered(self, ray, &way) + sky_light::in_scattered(self, ray, &way)
+            };
+            (once + indirect, indirect, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
         };
         let (mut shown, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;
@@ -306,6 +312,9 @@ impl Path<'_> {
     /// What a surface scatters towards the eye.
     fn scattered(&mut self, point: &SurfacePoint) -> Shown {
         let indirect = indirect::scattered(self, point);
+        if self.light.indirect_alone {
+            return Shown { radiance: indirect, indirect, ..Shown::default() };
+        }
         let radiance = direct::scattered(self.snapshot, self.light.lights, point)
             + sky_light::scattered(self, point)
             + indirect;

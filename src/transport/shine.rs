@@ -39,7 +39,7 @@ fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rg
     let mut seen_from_there = Path {
         snapshot: path.snapshot,
         transport: &transport,
-        light: Illumination { sky, is_in_shine: true, ..path.light },
+        light: Illumination { sky, is_in_shine: true, indirect_alone: false, ..path.light },
         sampler: &mut *path.sampler,
         scratch: &mut *path.scratch,
     };

@@ -39,7 +39,8 @@ impl SliceRay<'_> {
     fn path<'s>(&'s self, sampler: &'s mut Sampler, scratch: &'s mut Scratch) -> Path<'s> {
         let SliceJob { snapshot, transport, light, self_luminous, .. } = *self.job;
         let lights = std::slice::from_ref(light);
-        let light = Illumination { lights, self_luminous, sky: false, is_in_shine: false };
+        let light =
+            Illumination { lights, self_luminous, sky: false, is_in_shine: false, indirect_alone: false };
         Path { snapshot, transport, light, sampler, scratch }
     }
 

@@ -1,0 +1,70 @@
+//! Frames whose indirect light may be wrong by far more than was asked for, said once a run. In go frames as
+//! they are rendered, out comes a warning, or a refusal for those who want all or nothing. Invariant: what is
+//! held against the tolerance is what the frame's line tells.
+
+use super::tell;
+use crate::diagnostic::{Diagnostic, Loss, Place};
+use crate::render::Statistics;
+use crate::scene::Sampling;
+use std::sync::{Mutex, PoisonError};
+
+/// Of the tolerance: what is above is no longer nearly what was asked for.
+const MOST: f64 = 3.0;
+
+const REMEDY: &str = "a larger --tolerance, or --volume paths, whose light is unbiased and noisy; docs/indirect.md says where it errs";
+
+/// A frame whose indirect light may be that wrong.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Doubt {
+    frame: i64,
+    /// As shares of the picture's mean.
+    told: f64,
+    tolerance: f64,
+}
+
+impl Doubt {
+    /// `None` if it is good enough, or nobody has said what would be.
+    pub(super) fn of(frame: i64, statistics: &Statistics, sampling: Sampling) -> Option<Self> {
+        let (Sampling::Until { tolerance, .. }, Some(told)) = (sampling, statistics.grid_error) else {
+            return None;
+        };
+        (told > MOST * tolerance).then_some(Self { frame, told, tolerance })
+    }
+
+    fn sentence(&self) -> String {
+        let [told, tolerance] = [self.told, self.tolerance].map(|share| 100.0 * share);
+        format!(
+            "frame {}: indirect light is within {told:.1} % of what it should be, asked for are {tolerance:.1} %",
+            self.frame
+        )
+    }
+
+    /// Why it is not written.
+    pub(super) fn refusal(&self) -> String {
+        let mut error = Diagnostic::warning(Loss::IndirectLight, Place::Nowhere, self.sentence());
+        error.severity = crate::diagnostic::Severity::Error;
+        error.remedy(REMEDY).to_string()
+    }
+}
+
+/// Counts such frames.
+#[derive(Default)]
+pub(super) struct Doubts(Mutex<(usize, Option<Doubt>)>);
+
+impl Doubts {
+    pub(super) fn count(&self, doubt: Doubt) {
+        let (count, worst) = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *count += 1;
+        *worst = Some(worst.filter(|worst| worst.told >= doubt.told).unwrap_or(doubt));
+    }
+
+    /// Says which is the worst, if there are any.
+    pub(super) fn tell(&self) {
+        let (count, worst) = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(worst) = worst else { return };
+        let which = if count > 1 { format!("{count} frames, the worst: ") } else { String::new() };
+        let found = format!("{which}{}", worst.sentence());
+        let warning = Diagnostic::warning(Loss::IndirectLight, Place::Nowhere, found);
+        tell(&warning.counting(count).remedy(REMEDY).to_string());
+    }
+}

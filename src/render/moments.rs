@@ -1,0 +1,105 @@
+//! What many probes say, cell by cell of the picture. In go probes, out come sums of what they have and of
+//! their products. Invariant: nothing else is kept of a probe, so their number takes no memory.
+
+use super::map::{Map, cell_at};
+use super::probes::{PASSES, Probe};
+use crate::color::Rgb;
+
+/// Of each pass: walk less grid, and grid.
+const VALUES: usize = 2 * PASSES;
+
+/// Sums over the probes of a cell.
+#[derive(Clone, Copy, Default)]
+struct Cell {
+    count: f64,
+    sums: [Rgb; VALUES],
+    products: [[Rgb; VALUES]; VALUES],
+}
+
+/// Sums over probes.
+#[derive(Clone)]
+pub(super) struct Moments(Map<Cell>);
+
+impl Moments {
+    pub(super) fn none() -> Self {
+        Self(Map::filled(Cell::default()))
+    }
+
+    pub(super) fn add(&mut self, probe: &Probe) {
+        let mut values = [Rgb::ZERO; VALUES];
+        for pass in 0..PASSES {
+            values[2 * pass] = probe.walk[pass] - probe.grid[pass];
+            values[2 * pass + 1] = probe.grid[pass];
+        }
+        let cell = self.0.cell_mut(cell_at(probe.place));
+        cell.count += 1.0;
+        for (row, &value) in values.iter().enumerate() {
+            cell.sums[row] += value;
+            for (product, &other) in cell.products[row].iter_mut().zip(&values) {
+                *product += value * other;
+            }
+        }
+    }
+
+    /// Of two sets of probes.
+    pub(super) fn with(&self, other: &Self) -> Self {
+        Self(Map::from_fn(|cell| {
+            let (mut sum, other) = (self.0.of(cell), other.0.of(cell));
+            sum.count += other.count;
+            for row in 0..VALUES {
+                sum.sums[row] += other.sums[row];
+                for column in 0..VALUES {
+                    sum.products[row][column] += other.products[row][column];
+                }
+            }
+            sum
+        }))
+    }
+
+    pub(super) fn count(&self) -> Map<f64> {
+        Map::from_fn(|cell| self.0.of(cell).count)
+    }
+
+    /// Of walk less grid.
+    pub(super) fn difference(&self, pass: usize) -> Map<Rgb> {
+        Map::from_fn(|cell| self.0.of(cell).sums[2 * pass])
+    }
+
+    pub(super) fn grid(&self, pass: usize) -> Map<Rgb> {
+        Map::from_fn(|cell| self.0.of(cell).sums[2 * pass + 1])
+    }
+
+    /// Sum, and sum of squares, of what the probes of a cell still differ by if the grid's light of each pass
+    /// gets such a share of itself more.
+    pub(super) fn left(&self, shares: &[Map<Rgb>; PASSES]) -> (Map<Rgb>, Map<Rgb>) {
+        let weights = |cell: usize| {
+            let mut weights = [Rgb::ONE; VALUES];
+            for (pass, share) in shares.iter().enumerate() {
+                weights[2 * pass + 1] = -share.of(cell);
+            }
+            weights
+        };
+        let sums = Map::from_fn(|cell| {
+            let sums = self.0.of(cell).sums;
+            weights(cell).iter().zip(sums).map(|(&weight, sum)| weight * sum).sum()
+        });
+        let squares = Map::from_fn(|cell| {
+            let (products, weights) = (self.0.of(cell).products, weights(cell));
+            let row = |row: usize| -> Rgb {
+                (0..VALUES).map(|column| weights[column] * products[row][column]).sum()
+            };
+            (0..VALUES).map(|index| weights[index] * row(index)).sum()
+        });
+        (sums, squares)
+    }
+
+    /// Sum of squares of the same in one pass.
+    pub(super) fn squares_left(&self, pass: usize, share: &Map<Rgb>) -> Map<Rgb> {
+        Map::from_fn(|cell| {
+            let (products, share) = (self.0.of(cell).products, share.of(cell));
+            let [difference, grid] = [2 * pass, 2 * pass + 1];
+            products[difference][difference] - 2.0 * share * products[difference][grid]
+                + share * share * products[grid][grid]
+        })
+    }
+}

@@ -1,0 +1,47 @@
+//! Camera rays along which indirect light is found twice: from the grid, and by one random walk. In go a
+//! snapshot, a job and the grid, out come both answers. Invariant: a probe depends on its number and the
+//! seed, whatever the picture's size and whatever part of it is wanted.
+
+use super::{Job, Method};
+use crate::color::Rgb;
+use crate::indirect::Indirect;
+use crate::math::Sampler;
+use crate::snapshot::Snapshot;
+use crate::transport::{Component, Scratch, Transport};
+use glam::DVec2;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Passes that indirect light is part of: what surfaces show, and what fog scatters.
+pub(super) const PASSES: usize = 2;
+
+/// What one camera ray has of indirect light, by pass, W m^-2 sr^-1.
+#[derive(Clone, Copy)]
+pub(super) struct Probe {
+    /// In the picture, `0..1` across and down.
+    pub(super) place: DVec2,
+    pub(super) walk: [Rgb; PASSES],
+    pub(super) grid: [Rgb; PASSES],
+}
+
+/// Probes of these numbers, spread evenly over the picture (Owen-scrambled Sobol points).
+pub(super) fn probes(numbers: Range<u32>, snapshot: &Snapshot, job: &Job, indirect: &Indirect) -> Vec<Probe> {
+    let by_walk = Transport { volume: Method::Paths.volume(job.bounces), ..job.transport(Some(indirect)) };
+    let by_grid = Transport { volume: Method::Segments.volume(job.bounces), ..by_walk };
+    numbers
+        .into_par_iter()
+        .map_init(Scratch::default, |scratch, number| {
+            let sampler = |column: u32| {
+                Sampler::new(job.seed, u32::MAX - column, number / Sampler::MAX_SAMPLES, number)
+            };
+            let place = DVec2::from(sampler(0).next_2d());
+            let ray = snapshot.view.ray(place.x, place.y);
+            let [walk, grid] = [(by_walk, 1), (by_grid, 2)].map(|(transport, column)| {
+                let all = Component::Indirect;
+                let sample = transport.radiance_of(all, snapshot, &ray, &mut sampler(column), scratch);
+                [sample.indirect, sample.indirect_shafts]
+            });
+            Probe { place, walk, grid }
+        })
+        .collect()
+}
