@@ -101,13 +101,18 @@ impl Layers {
         let sky = snapshot.sky.filter(FrozenSky::lights_surfaces);
         let world_from_layers = heights.layers_from_world.inverse();
         let of_sky = |travel: DVec3| sky.map_or(Rgb::ZERO, |sky| sky.along(world_from_layers * -travel));
-        let matte = ground.map(|ground| ground.scatters).unwrap_or_default();
+        let beneath = || match bounces {
+            Bounces::All => heights.reflectance_beneath(snapshot),
+            // How often it was scattered there nobody counts.
+            Bounces::UpTo(_) => Rgb::ZERO,
+        };
+        let matte = ground.map(|ground| ground.scatters);
         let boundaries = Boundaries {
             sky: &of_sky,
             sky_is_scattered: sky.is_some_and(|sky| sky.lights_fog()),
             beams: &beams,
-            reflectance: matte.reflectance,
-            emission: matte.emission,
+            reflectance: matte.map_or_else(beneath, |matte| matte.reflectance),
+            emission: matte.map_or(Rgb::ZERO, |matte| matte.emission),
         };
         let rounds = match bounces {
             Bounces::All => None,

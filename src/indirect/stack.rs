@@ -13,8 +13,8 @@ use glam::{DQuat, DVec3};
 const LAYERS: usize = 48;
 /// The topmost is halved so often: fog that thins out has no top.
 const HALVINGS: usize = 6;
-/// Where no ground ends it, fog ends at this optical depth.
-const DEEPEST: f64 = 16.0;
+/// Where no ground ends it, fog is known to this optical depth; beneath that it is as deep as it is.
+const DEEPEST: f64 = 6.0;
 /// In scale heights: so far above the ground no fog is left.
 const HIGHEST: f64 = 2e3;
 /// Banks thin out the same way if their directions differ by so little.
@@ -112,6 +112,21 @@ impl Heights {
                 (below - 1, below, (high - height_m) / (high - low))
             }
         }
+    }
+
+    /// What comes back from fog beneath the last level, if no ground ends it: of a medium without an end, by
+    /// its similarity parameter (van de Hulst 1980, "Multiple Light Scattering", chapter 14).
+    pub(super) fn reflectance_beneath(&self, snapshot: &Snapshot) -> Rgb {
+        let lowest_m = self.heights_m.last().copied().unwrap_or_default();
+        let point = (lowest_m - snapshot.view.eye.dot(self.up)) * self.up;
+        let (extinction, [all, forwards]) = snapshot.medium.without_bounds().coefficients_at::<2>(point);
+        let (all, forwards) = (per(all, extinction), per(forwards, extinction));
+        let of_channel = |channel: usize| {
+            let left = (1.0 - all[channel]).max(0.0);
+            let similarity = (left / (1.0 - forwards[channel]).max(f64::MIN_POSITIVE)).sqrt().min(1.0);
+            (1.0 - similarity) * (1.0 - 0.139 * similarity) / (1.0 + 1.17 * similarity)
+        };
+        Rgb::new(of_channel(0), of_channel(1), of_channel(2))
     }
 
     /// With fog, and what suns shine through it.
