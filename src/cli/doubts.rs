@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 /// Of the tolerance: what is above is no longer nearly what was asked for.
 const MOST: f64 = 3.0;
 
-const REMEDY: &str = "a larger --tolerance, or --volume paths, whose light is unbiased and noisy; docs/indirect.md says where it errs";
+const REMEDY: &str = "a larger --tolerance, or --volume paths, whose light is unbiased and noisy";
 
 /// A frame whose indirect light may be that wrong.
 #[derive(Clone, Copy, Debug)]
@@ -33,10 +33,7 @@ impl Doubt {
 
     fn sentence(&self) -> String {
         let [told, tolerance] = [self.told, self.tolerance].map(|share| 100.0 * share);
-        format!(
-            "frame {}: indirect light is within {told:.1} % of what it should be, asked for are {tolerance:.1} %",
-            self.frame
-        )
+        format!("frame {}: indirect light may err by {told:.1} %, asked for are {tolerance:.1} %", self.frame)
     }
 
     /// Why it is not written.
