@@ -52,7 +52,7 @@ impl Texture {
         self.texels.iter().any(|texel| texel[3] < 1.0)
     }
 
-    /// The numbers of the four texels around `uv`, row by row, and how far from the first to the others it is.
+    /// The numbers of the four texels around `uv`, row by row, and how far it is from the first to the last.
     pub(super) fn between(&self, uv: Vec2) -> ([usize; 4], DVec2) {
         let x = uv.x * self.width as f32 - 0.5;
         let y = uv.y * self.height as f32 - 0.5;

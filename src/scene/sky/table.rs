@@ -59,16 +59,16 @@ pub(super) fn table_of(
     };
     let strip = |strip: usize| {
         let mut cells = vec![0.0; CELLS * CELLS];
-        for row in (strip * height / STRIPS)..((strip + 1) * height / STRIPS) {
-            for column in 0..width {
-                let across = if is_near_bright(column, row) { LOOKED_UP_CLOSELY } else { LOOKED_UP };
-                let steps = across.div_ceil(width).min(2 * CELLS);
-                if steps == 1 {
-                    let (_, direction) = middle(column, row);
-                    cells[cell_of(direction)] += solid_angle(row) * f64::from(texels[row][column]);
-                } else {
-                    add_texel(&mut cells, size, ([column, row], steps), &bright);
-                }
+        let first_of = |strip: usize| strip * height / STRIPS * width;
+        for texel in first_of(strip)..first_of(strip + 1) {
+            let (column, row) = (texel % width, texel / width);
+            let across = if is_near_bright(column, row) { LOOKED_UP_CLOSELY } else { LOOKED_UP };
+            let steps = across.div_ceil(width).min(2 * CELLS);
+            if steps == 1 {
+                let (_, direction) = middle(column, row);
+                cells[cell_of(direction)] += solid_angle(row) * f64::from(texels[row][column]);
+            } else {
+                add_texel(&mut cells, size, ([column, row], steps), &bright);
             }
         }
         cells
@@ -116,9 +116,9 @@ mod tests {
     use crate::math::Sampler;
     use crate::scene::{Sky, SkyPicture, Texture, Wrap};
 
-    /// `integral L^2 / p / (integral L)^2` of suns of one texel: 1 if picks are as dense as it is bright. They
-    /// are as dense all over a cell, so that it is at most cells over texel for each cell that the texel
-    /// reaches into, four or fewer. Where its rim is missed it is thousands of times as much.
+    /// `integral L^2 / p / (integral L)^2` of suns of one texel: 1 if picks are as dense as it is bright.
+    /// They are as dense all over a cell, so that it is at most cells over texel for each cell that the
+    /// texel reaches into, four or fewer. Where its rim is missed it is thousands of times as much.
     #[test]
     fn picks_are_as_dense_as_a_texel_is_bright_out_to_its_rim() {
         let [width, height] = [1024, 512];
