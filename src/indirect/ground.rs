@@ -37,7 +37,7 @@ impl Beneath {
             size - size.dot(up.abs()) * up.abs()
         };
         let mut flat: Vec<(usize, f64, f64, (DVec3, DVec3))> = Vec::new();
-        for WidePart { number, corners, area_m2, width_m } in surroundings.wide_parts(scale_m) {
+        for WidePart { number, corners, area_m2, width_m } in surroundings.wide_parts(scale_m, up) {
             let heights = || corners.iter().map(|corner| corner.dot(up));
             let (low_m, high_m) = heights()
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));

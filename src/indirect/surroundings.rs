@@ -90,7 +90,7 @@ struct PlacedPart<'a> {
 /// A part that may be ground.
 pub(super) struct WidePart {
     pub(super) number: usize,
-    /// Places that it lies between, in world space.
+    /// In world space.
     pub(super) corners: Vec<DVec3>,
     pub(super) width_m: f64,
     /// Of the box about it what is seen of the widest side.
@@ -185,15 +185,29 @@ impl<'a> Surroundings<'a> {
         Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
     }
 
-    /// Parts at least so wide that are walls.
-    pub(super) fn wide_parts(&self, width_m: f64) -> Vec<WidePart> {
+    /// Parts at least so wide that are walls, by what of them faces up or down; of bodies what faces up.
+    pub(super) fn wide_parts(&self, width_m: f64, up: DVec3) -> Vec<WidePart> {
         let parts = self.parts.iter().enumerate();
         let wide = parts.filter(|(_, part)| part.width_m >= width_m && !part.mesh.is_blended);
         let tell = |(number, part): (usize, &PlacedPart)| {
+            let corners = self.level_corners(part, up);
             let area_m2 = part.width_m * part.length_m;
-            WidePart { number, corners: self.corners(part), width_m: part.width_m, area_m2 }
+            (!corners.is_empty()).then_some(WidePart { number, corners, width_m: part.width_m, area_m2 })
         };
-        wide.map(tell).collect()
+        wide.filter_map(tell).collect()
+    }
+
+    /// Corners of a part's triangles that are no steeper than a bank.
+    fn level_corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart, up: DVec3) -> Vec<DVec3> {
+        /// Of the normal along the way up.
+        const STEEPEST: f64 = 0.3;
+        let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
+        let corners = primitives.map(|primitive| self.world_corners(primitive));
+        let is_level = |[a, b, c]: &[DVec3; 3]| {
+            let along = (*b - *a).cross(*c - *a).normalize_or_zero().dot(up);
+            along > STEEPEST || !part.is_closed && along < -STEEPEST
+        };
+        corners.filter(is_level).flatten().collect()
     }
 
     /// Marks parts as a plain under layers of fog; what they do to light, on their mean.

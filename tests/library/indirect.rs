@@ -63,7 +63,7 @@ pub(crate) fn add_leaves(scene: &mut Scene, count: usize, material: Material) {
 }
 
 /// One of them, of the number of a material.
-fn add_leaf(scene: &mut Scene, place: DVec3, normal: DVec3, material: usize) {
+pub(crate) fn add_leaf(scene: &mut Scene, place: DVec3, normal: DVec3, material: usize) {
     let (right, up) = normal.any_orthonormal_pair();
     let corner = |x: f64, y: f64| (place + 0.1 * (x * right + y * up)).as_vec3();
     scene.meshes.push(Mesh {
@@ -72,6 +72,31 @@ fn add_leaf(scene: &mut Scene, place: DVec3, normal: DVec3, material: usize) {
         ..Mesh::default()
     });
     add_instance(scene);
+}
+
+/// One leaf that nobody sees, and a puff of fog, are no reason for larger cells of all others.
+#[test]
+fn strays_change_nothing() {
+    let mut scene = camera_at(DVec3::ZERO);
+    add_leaves(&mut scene, 300, Material { base_color: Rgb::splat(0.6), ..Material::default() });
+    let middle = -5.0 * DVec3::Z;
+    add_fog(&mut scene, middle - 3.0, middle + 3.0, Rgb::splat(0.1), Rgb::splat(0.9), 0.4);
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, -0.4), Rgb::ONE);
+    scene.sky = Sky::new(EVEN_SKY);
+    let expected = radiances(&scene, Bounces::All);
+    for distance_m in [60.0, 1e3, 1e5] {
+        let mut with = scene.clone();
+        add_leaf(&mut with, distance_m * DVec3::Z, DVec3::X, 0);
+        let corner = distance_m * DVec3::new(0.6, 0.0, 0.8);
+        add_fog(&mut with, corner, corner + 1.0, Rgb::splat(0.1), Rgb::splat(0.9), 0.4);
+        let found = radiances(&with, Bounces::All);
+        let off = expected.iter().zip(&found).map(|(expected, found)| {
+            ((*found - *expected) / expected.max(Rgb::splat(1e-3))).abs().max_element()
+        });
+        let worst = off.fold(0.0, f64::max);
+        println!("strays {distance_m} m away: worst {worst:.1e}");
+        assert!(worst < 3e-3, "{distance_m}: {worst}");
+    }
 }
 
 /// Radiance of camera rays on a grid over the picture.

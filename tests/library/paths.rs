@@ -3,7 +3,9 @@
 //! their mean's standard error.
 
 use crate::common::{INSTANT, add_fog, add_layer, add_light, camera_at, coat};
-use crate::indirect::{EVEN_SKY, add_box, add_instance, add_leaves, dark_room, leaves500, picture, truth};
+use crate::indirect::{
+    EVEN_SKY, add_box, add_instance, add_leaf, add_leaves, dark_room, leaves500, picture, truth,
+};
 use glam::{DVec2, DVec3, Vec3};
 use sunfleck::color::Rgb;
 use sunfleck::indirect::Indirect;
@@ -312,6 +314,28 @@ fn mist_on_a_plain() -> Scene {
     scene
 }
 
+/// Leaves in mist that is thinner than a cell of their grid is high, over ground that goes on far beyond it.
+fn morning_mist() -> Scene {
+    let mut scene = camera_at(DVec3::new(0.0, 1.4, 9.0));
+    add_box(&mut scene, DVec3::new(-90.0, -0.5, -90.0), DVec3::new(90.0, 0.0, 90.0), matte(0.3, 0.0));
+    scene.materials.push(matte(0.3, 0.2));
+    let material = scene.materials.len() - 1;
+    let mut sampler = Sampler::new(5, 0, 0, 0);
+    for _ in 0..300 {
+        let middle =
+            DVec3::new(24.0, 8.0, 24.0) * (DVec3::from(sampler.next_3d()) - DVec3::new(0.5, 0.0, 0.8));
+        add_leaf(&mut scene, middle, (DVec3::from(sampler.next_3d()) - 0.5).normalize(), material);
+    }
+    add_layer(&mut scene, 0.0, 0.5, Rgb::splat(0.24), Rgb::splat(0.96), 0.5);
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(-0.4, -0.45, 0.8).normalize(), SUNLIGHT);
+    scene.sky = Sky::new(SkyPicture::Gradient {
+        zenith: Rgb::new(0.25, 0.45, 1.0),
+        horizon: Rgb::new(0.8, 0.85, 0.9),
+        ground: Rgb::new(0.1, 0.08, 0.05),
+    });
+    scene
+}
+
 fn metal() -> Material {
     Material { base_color: Rgb::splat(0.9), ..with_coat(Coat { metallic: 1.0, ..coat(0.6) }) }
 }
@@ -348,6 +372,7 @@ fn the_grid_has_the_same_light() {
         ("boards", boards(), 128, 0.05),
         ("hill in mist", hill_in_mist(), 16, 0.05),
         ("mist on a plain", mist_on_a_plain(), 32, 0.03),
+        ("morning mist", morning_mist(), 16, 0.02),
         ("even haze", haze(0.0), 8, 0.01),
         ("haze", haze(0.5), 8, 0.01),
         ("haze ahead", haze(0.8), 8, 0.02),
