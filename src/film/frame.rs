@@ -139,8 +139,7 @@ impl Frame {
 
     /// Leaves out the channels of these passes.
     pub fn drop_passes(&mut self, passes: &[Pass]) {
-        let is_dropped =
-            |name: &str| passes.iter().any(|pass| pass.row().channels.iter().any(|channel| *channel == name));
+        let is_dropped = |name: &str| passes.iter().any(|pass| pass.row().channels.contains(&name));
         self.channels.retain(|channel| !is_dropped(&channel.name));
     }
 

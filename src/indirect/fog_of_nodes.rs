@@ -11,41 +11,29 @@ use rayon::prelude::*;
 const PLACES: usize = 64;
 const GENERATOR: [usize; 3] = [19, 1, 27];
 
+/// Near walls what fills a cell is kept place by place: memory.
+const CELLS_AT_ONCE: usize = 512;
+
 /// What each node has, of fog of which `eye` is the origin in world space.
 pub(super) fn fog_of_nodes(
     grid: &Grid,
     occluders: &Occluders,
     (fog, eye): (&SweptFog, DVec3),
 ) -> Vec<FogHere> {
-    let of_cell = |node: usize| {
-        if occluders.are_near(node) {
-            return Found::Shared(shared_out((grid, node), occluders, (fog, eye)));
-        }
-        Found::Own(mean_of((grid, node), (fog, eye)))
+    let alone = |node: usize| {
+        if occluders.are_near(node) { FogHere::default() } else { mean_of((grid, node), (fog, eye)) }
     };
-    let found: Vec<Found> = (0..grid.count()).into_par_iter().map(of_cell).collect();
-    let mut nodes: Vec<FogHere> = (0..grid.count()).map(|_| FogHere::default()).collect();
-    for (node, found) in found.iter().enumerate() {
-        match found {
-            Found::Own(here) => nodes[node].add(here, 1.0),
-            Found::Shared(places) => {
-                for (corners, here) in places {
-                    for (other, weight) in corners.iter().filter(|(_, weight)| *weight > 0.0) {
-                        nodes[other].add(here, weight / PLACES as f64);
-                    }
-                }
+    let mut nodes: Vec<FogHere> = (0..grid.count()).into_par_iter().map(alone).collect();
+    let near: Vec<usize> = (0..grid.count()).filter(|node| occluders.are_near(*node)).collect();
+    for cells in near.chunks(CELLS_AT_ONCE) {
+        let shared = cells.par_iter().map(|node| shared_out((grid, *node), occluders, (fog, eye)));
+        for (corners, here) in shared.collect::<Vec<_>>().iter().flatten() {
+            for (node, weight) in corners.iter().filter(|(_, weight)| *weight > 0.0) {
+                nodes[node].add(here, weight / PLACES as f64);
             }
         }
     }
     nodes
-}
-
-/// What fills a cell.
-enum Found {
-    /// Its node has it.
-    Own(FogHere),
-    /// Place by place, those that are seen have it.
-    Shared(Vec<(Corners, FogHere)>),
 }
 
 fn place_in((grid, node): (&Grid, usize), number: usize) -> DVec3 {
@@ -53,6 +41,7 @@ fn place_in((grid, node): (&Grid, usize), number: usize) -> DVec3 {
     grid.position(node) + grid.cell_m * DVec3::new(along(0), along(1), along(2))
 }
 
+/// What fills a cell near walls, with who sees it.
 fn shared_out(
     cell: (&Grid, usize),
     occluders: &Occluders,
