@@ -175,8 +175,8 @@ pub struct Statistics {
     pub unconverged_blocks: usize,
     /// The largest relative error that some block is estimated to have, if blocks were judged.
     pub error: Option<f64>,
-    /// By how much indirect light may make the picture wrong, if blocks were judged: root mean square over the
-    /// picture of twice the standard error of what random walks find, as a share of its mean.
+    /// By how much indirect light may make the picture wrong, if blocks were judged: root mean square over
+    /// the picture of twice the standard error of what random walks find, as a share of its mean.
     pub grid_error: Option<f64>,
     /// Whether next to nothing absorbs indirect light: there is more of it than the picture has.
     pub endless_light: bool,

@@ -198,8 +198,8 @@ impl Left {
     }
 }
 
-/// A square that was found with such a variance, where one of that size was expected, give or take itself: the
-/// mean of both by their precision.
+/// A square that was found with such a variance, where one of that size was expected, give or take itself:
+/// the mean of both by their precision.
 fn judged(found: f64, variance: f64, expected: f64) -> f64 {
     let precision = expected * expected / (expected * expected + variance).max(f64::MIN_POSITIVE);
     expected + precision * (found.max(0.0) - expected)

@@ -218,12 +218,8 @@ impl Path<'_> {
             (Rgb::ZERO, Rgb::ZERO, Rgb::ONE)
         } else {
             let indirect = indirect::in_scattered(self, ray, &way, from);
-            let once = if light.indirect_alone {
-                Rgb::ZERO
-            } else {
-                shafts::in_scattered(self, ray, &way) + sky_light::in_scattered(self, ray, &way)
-            };
-            (once + indirect, indirect, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
+            let scattered = self.scattered_once(ray, &way) + indirect;
+            (scattered, indirect, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
         };
         let (mut shown, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;
@@ -253,6 +249,14 @@ impl Path<'_> {
             mattes,
         };
         (leg, solid.or(surface))
+    }
+
+    /// What fog scatters into a ray of light that was not scattered before, if it is wanted.
+    fn scattered_once(&mut self, ray: &Ray, way: &Way) -> Rgb {
+        if self.light.indirect_alone {
+            return Rgb::ZERO;
+        }
+        shafts::in_scattered(self, ray, way) + sky_light::in_scattered(self, ray, way)
     }
 
     /// The share of a ray that ends at blended holdouts.
