@@ -2,7 +2,6 @@
 
 use crate::checkout;
 use glam::{DAffine3, DVec3};
-use std::path::Path;
 use sunfleck::description;
 use sunfleck::scene::{self, Motion, Rotation, Scene};
 

@@ -2,7 +2,6 @@
 
 use crate::checkout;
 use glam::{DAffine3, DQuat, DVec3};
-use std::path::Path;
 use sunfleck::description;
 use sunfleck::scene::{
     self, Aperture, Extend, Key, LightKind, Motion, Node, Rotation, Scene, Segment, SunDisc, Track,

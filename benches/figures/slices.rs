@@ -3,7 +3,6 @@
 use crate::checkout;
 use crate::inputs;
 use cpu_time::ProcessTime;
-use std::path::Path;
 use std::time::Instant;
 use sunfleck::description;
 use sunfleck::film::Frame;

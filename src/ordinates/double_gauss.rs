@@ -1,10 +1,8 @@
 //! Directions of travel for layers over ground. In goes nothing, out come ordinates in rings about the
-//! vertical. Invariant: none is level, and half spheres are integrated apart, so light that ends at a horizon
-//! or at the ground has its edge there.
+//! vertical. Invariant: none is level. Half spheres are integrated apart, so light has its edge at the horizon.
 //!
-//! Double Gauss by the cosine (Sykes 1951, "Approximate integration of the equation of transfer"; Stamnes,
-//! Tsay, Wiscombe & Jayaweera 1988, "Numerically stable algorithm for discrete-ordinate-method radiative
-//! transfer", section 2), even steps about the vertical.
+//! The rule is double Gauss by the cosine, with even steps about the vertical (Sykes 1951, "Approximate
+//! integration of the equation of transfer"). Stamnes, Tsay, Wiscombe & Jayaweera 1988 say why in section 2.
 
 use crate::math::gauss_legendre;
 use glam::DVec3;

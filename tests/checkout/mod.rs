@@ -2,6 +2,7 @@
 //! what was built in one checkout is run in others. Else it is where they were built.
 #![allow(dead_code, reason = "not every crate of tests asks for both")]
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// A file or folder of the checkout.
@@ -13,6 +14,6 @@ pub(crate) fn file(name: impl AsRef<Path>) -> PathBuf {
 /// The program, for tests from outside.
 pub(crate) fn program() -> PathBuf {
     const NAME: &str = "CARGO_BIN_EXE_sunfleck";
-    let built = || option_env!("CARGO_BIN_EXE_sunfleck").expect("a test from outside").into();
-    std::env::var_os(NAME).unwrap_or_else(built).into()
+    let built = option_env!("CARGO_BIN_EXE_sunfleck").map(OsString::from);
+    std::env::var_os(NAME).or(built).expect("a test from outside").into()
 }
