@@ -11,92 +11,108 @@ use super::lobe::Lobe;
 use super::surroundings::Leaf;
 use super::towards_eye::SEEN_DEGREES;
 use crate::color::Rgb;
-use crate::snapshot::Snapshot;
 use glam::DVec3;
 
-/// A grid with all that lies about it, or what lies about all grids.
-pub(super) enum Field {
-    Grid(Box<Level>),
-    Layers(Box<Layers>),
+/// Grids, the innermost first, and what lies about all of them.
+pub(super) struct Field {
+    levels: Vec<Level>,
+    layers: Option<Layers>,
 }
 
-/// Whether the sky's own light is part of it: not where a part of the sky is as bright as a sun, whose
-/// shadows have borders.
-pub(super) fn has_sky(snapshot: &Snapshot) -> bool {
-    snapshot.sky.is_some_and(|sky| !sky.has_sun())
+/// What tells most about a place.
+enum Finest<'a> {
+    Grid(&'a Level),
+    Layers(&'a Layers),
 }
 
 impl Field {
     /// Solves it on grids, the innermost first, from the outermost inwards; about that lie layers.
     pub(super) fn on(grids: &[Grid], layers: Option<Layers>, context: &Context) -> Option<Self> {
-        let outermost = layers.map(|layers| Self::Layers(Box::new(layers)));
-        grids.iter().enumerate().rev().fold(outermost, |outer, (number, grid)| {
+        let mut levels: Vec<Level> = Vec::new();
+        for (number, grid) in grids.iter().enumerate().rev() {
             let inner = number.checked_sub(1).map(|number| &grids[number]);
-            Some(Self::Grid(Box::new(Level::new(*grid, outer, inner, context))))
-        })
+            let around = match (levels.last_mut(), &layers) {
+                (Some(outer), _) => outer.around(grid),
+                (None, Some(layers)) => layers.around(grid, context.snapshot.sky),
+                (None, None) => Around::default(),
+            };
+            levels.push(Level::new(*grid, (inner, around), layers.as_ref(), context));
+        }
+        levels.reverse();
+        (!levels.is_empty() || layers.is_some()).then_some(Self { levels, layers })
     }
 
-    /// What a grid within it gets from it, once.
-    pub(super) fn around(&mut self, grid: &Grid, snapshot: &Snapshot) -> Around {
-        match self {
-            Self::Grid(level) => level.around(grid),
-            Self::Layers(layers) => layers.around(grid, snapshot.sky),
-        }
+    /// How far a place counts as one of a level: all that is left, of the outermost without layers.
+    fn share(&self, number: usize, world: DVec3) -> f64 {
+        let is_last = number + 1 == self.levels.len() && self.layers.is_none();
+        if is_last { 1.0 } else { self.levels[number].share(world) }
     }
 
-    /// The finest part of it that has a place.
-    fn at(&self, world: DVec3) -> &Self {
-        match self {
-            Self::Grid(level) => level.outer_at(world).map_or(self, |outer| outer.at(world)),
-            Self::Layers(_) => self,
+    /// What its parts find at a place, mixed where one goes over into another.
+    fn mixed(
+        &self,
+        world: DVec3,
+        of_level: impl Fn(&Level) -> Rgb,
+        of_layers: impl Fn(&Layers) -> Rgb,
+    ) -> Rgb {
+        let (mut sum, mut left) = (Rgb::ZERO, 1.0);
+        for (number, level) in self.levels.iter().enumerate() {
+            let share = self.share(number, world);
+            if share > 0.0 {
+                sum += left * share * of_level(level);
+            }
+            left *= 1.0 - share;
+            if left == 0.0 {
+                return sum;
+            }
         }
+        self.layers.as_ref().map_or(sum, |layers| sum + left * of_layers(layers))
+    }
+
+    /// The finest part of it that has a place; `None` if there is nothing.
+    fn at(&self, world: DVec3) -> Option<Finest<'_>> {
+        let has_place = |number: &usize| self.share(*number, world) >= 0.5;
+        let level = (0..self.levels.len()).find(has_place).map(|number| Finest::Grid(&self.levels[number]));
+        level.or(self.layers.as_ref().map(Finest::Layers))
     }
 
     /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
-        match self {
-            Self::Grid(level) => level.mixed(
-                world,
-                |level| level.gathered_by(world, lobe),
-                |outer| outer.gathered_by(world, lobe),
-            ),
-            Self::Layers(layers) => layers.gathered_by(world, lobe),
-        }
+        self.mixed(world, |level| level.gathered_by(world, lobe), |layers| layers.gathered_by(world, lobe))
     }
 
     /// What comes to the two sides of a leaf of all light but its own.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         match self.at(leaf.position) {
-            Self::Grid(level) => level.gather_leaf(number, leaf),
-            Self::Layers(layers) => [0, 1].map(|_| layers.gathered(leaf.position)),
+            Some(Finest::Grid(level)) => level.gather_leaf(number, leaf),
+            Some(Finest::Layers(layers)) => [0, 1].map(|_| layers.gathered(leaf.position)),
+            None => [0, 1].map(|_| Gathered::NOTHING),
         }
     }
 
     /// What a leaf gathers of what it would by itself, where it sends a share of all light on.
     pub(super) fn within_mass(&self, world: DVec3, by_itself: Rgb, sent: Rgb) -> Rgb {
         match self.at(world) {
-            Self::Grid(level) => level.within_mass(world, by_itself, sent),
-            Self::Layers(_) => by_itself,
+            Some(Finest::Grid(level)) => level.within_mass(world, by_itself, sent),
+            Some(Finest::Layers(_)) | None => by_itself,
         }
     }
 
     /// What of it a lobe gathers on a leaf that sends a share of all light on; by a cosine that is
     /// irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
-        match self {
-            Self::Grid(level) => level.of_gathered(gathered, lobe, sent),
-            Self::Layers(_) => gathered.by(lobe),
-        }
+        let innermost = self.levels.first();
+        innermost.map_or_else(|| gathered.by(lobe), |level| level.of_gathered(gathered, lobe, sent))
     }
 
     /// Tells of each sun what goes on nearly straight at a place of world space: its direction of travel,
     /// irradiance on a plane that faces it, and how often it was scattered.
     pub(super) fn for_each_glow(&self, world: DVec3, mut tell: impl FnMut(DVec3, Rgb, f64)) {
+        let mut tell_one = |(travel, irradiance, times)| tell(travel, irradiance, times);
         match self.at(world) {
-            Self::Grid(level) => level.glows(world).for_each(|(travel, on, times)| tell(travel, on, times)),
-            Self::Layers(layers) => {
-                layers.glows(world).for_each(|(travel, on, times)| tell(travel, on, times))
-            }
+            Some(Finest::Grid(level)) => level.glows(world).for_each(&mut tell_one),
+            Some(Finest::Layers(layers)) => layers.glows(world).for_each(&mut tell_one),
+            None => {}
         }
     }
 
@@ -109,46 +125,34 @@ impl Field {
         travel: (DVec3, bool),
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
-        match self {
-            Self::Grid(level) => level.mixed(
-                world,
-                |level| level.scattered(world, travel, scattering),
-                |outer| outer.scattered(world, travel, scattering),
-            ),
-            Self::Layers(layers) => layers.scattered(world, travel.0, scattering),
-        }
+        let layers = self.layers.as_ref();
+        self.mixed(
+            world,
+            |level| level.scattered((world, layers), travel, scattering),
+            |layers| layers.scattered(world, travel.0, scattering),
+        )
     }
 
     /// Whether a wall stands between two places of world space that are less than a cell apart.
     pub(super) fn has_wall_between(&self, a: DVec3, b: DVec3) -> bool {
         match self.at(b) {
-            Self::Grid(level) => level.has_wall_between(a, b),
-            Self::Layers(_) => false,
+            Some(Finest::Grid(level)) => level.has_wall_between(a, b),
+            Some(Finest::Layers(_)) | None => false,
         }
     }
 
     /// Whether its light goes on and on, as next to nothing absorbs it, and was cut short.
     pub(super) fn is_endless(&self) -> bool {
-        self.levels().any(Level::is_endless)
-    }
-
-    fn level(&self) -> Option<&Level> {
-        match self {
-            Self::Grid(level) => Some(level),
-            Self::Layers(_) => None,
-        }
+        self.levels.iter().any(Level::is_endless)
     }
 
     /// Its grids, the innermost first.
-    pub(super) fn levels(&self) -> impl Iterator<Item = &Level> {
-        std::iter::successors(self.level(), |level| level.outer().and_then(Self::level))
+    pub(super) fn levels(&self) -> &[Level] {
+        &self.levels
     }
 
     /// The layers about all grids, if there are any.
     pub(super) fn layers(&self) -> Option<&Layers> {
-        match self {
-            Self::Grid(level) => level.outer()?.layers(),
-            Self::Layers(layers) => Some(layers),
-        }
+        self.layers.as_ref()
     }
 }

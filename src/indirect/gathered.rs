@@ -18,6 +18,9 @@ pub(super) struct Gathered {
 }
 
 impl Gathered {
+    pub(super) const NOTHING: Self =
+        Self { moments: [[0.0; COUNT]; 3], fourth: [[0.0; COUNT]; 3], glows: Vec::new(), mass: Mass::NONE };
+
     /// What a lobe gathers of it; by a cosine that is irradiance, W/m^2.
     pub(super) fn by(&self, lobe: &Lobe) -> Rgb {
         // A leaf's shine sees no more than harmonics up to l = 2.

@@ -2,7 +2,8 @@
 //! snapshot, out come its height and what it does to light. Invariant: ground in pieces is the same ground.
 
 use super::scatters::Scatters;
-use super::surroundings::{Surroundings, WidePart};
+use super::surroundings::Surroundings;
+use super::surroundings::wide::WidePart;
 use glam::DVec3;
 
 /// Of fog's scale height: rougher ground is no plain.

@@ -15,6 +15,13 @@ pub(super) struct Around {
     pub(super) of_sky: Option<Halo>,
 }
 
+impl Around {
+    /// Whether what was scattered outside comes along finer ordinates than those of all orders.
+    pub(super) fn is_fine(&self) -> bool {
+        self.scattered.as_ref().is_some_and(|halo| halo.is_fine)
+    }
+}
+
 /// Some light about a grid.
 pub(super) struct Halo {
     /// Cells along each axis, the grid's among them.

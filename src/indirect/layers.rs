@@ -1,6 +1,6 @@
-//! What lies about all grids: fog without bounds over plain ground. In go a snapshot and its ground, out comes
-//! light by height alone. Invariant: what is far from all structure costs next to nothing, however thin its
-//! layers are, and a grid gets from it what comes in at its rim.
+//! What lies about all grids: fog without bounds over plain ground. In go a snapshot and its ground, out
+//! comes light by height alone. Invariant: what is far from all structure costs next to nothing, however thin
+//! its layers are, and a grid gets from it what comes in at its rim.
 //!
 //! The spherical harmonics discrete ordinate method feeds open boundaries so (Evans 1998, "The spherical
 //! harmonics discrete ordinate method for three-dimensional atmospheric radiative transfer", section 2c).
@@ -14,7 +14,7 @@ use super::lobe::Lobe;
 use super::masses::Mass;
 use super::ordinates::Ordinates;
 use super::radiances::Radiances;
-use super::rounds::{inflow, is_even};
+use super::rounds::{has_sky, inflow, is_even};
 use super::stack::Heights;
 use super::towards_eye::SEEN_DEGREES;
 use crate::color::Rgb;
@@ -119,12 +119,12 @@ impl Layers {
             Bounces::UpTo(count) => Some(count),
         };
         let light = PlaneParallel::new(&stack, &boundaries, rounds);
-        let has_sky = super::field::has_sky(snapshot);
+        let has_own_sky = has_sky(snapshot.sky);
         let seen = |level: usize| {
             LevelLight::of(
                 &light,
                 level,
-                (has_sky, has_sky && boundaries.sky_is_scattered),
+                (has_own_sky, has_own_sky && boundaries.sky_is_scattered),
                 world_from_layers,
             )
         };

@@ -4,7 +4,6 @@
 
 use super::cut_patches::cut_patches;
 use super::extinction::Extinction;
-use super::field::{Field, has_sky};
 use super::first_light::{FirstLight, Found};
 use super::fluence::Glow;
 use super::gathered::{Gathered, with_glows};
@@ -23,7 +22,7 @@ use super::occluders::OFF_WALL;
 use super::ordinates::Ordinates;
 use super::own_light::{Alone, Arriving, OwnLight};
 use super::radiances::Radiances;
-use super::rounds::{Light, Rounds, Scatterers};
+use super::rounds::{Light, Rounds, Scatterers, has_sky};
 use super::surroundings::{Leaf, Surfels, Surroundings, WallTriangle};
 use super::sweep::Sweeper;
 use super::swept_fog::SweptFog;
@@ -55,8 +54,6 @@ pub(super) struct Context<'a> {
 /// Light of all orders at the nodes of a world grid.
 pub(super) struct Level {
     grid: Grid,
-    /// The same about it.
-    outer: Option<Field>,
     walls: Walls,
     /// All that surfaces get, at nodes and towards walls.
     light: NodeMoments,
@@ -97,6 +94,12 @@ fn walls_of((grid, snapshot): (&Grid, &Snapshot), triangles: &[WallTriangle]) ->
     walls.introduce()
 }
 
+/// Nodes that are seen from each place about a finer grid.
+fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls) -> Vec<Corners> {
+    let seen_from = |place: DVec3| walls.occluders.corners(grid, place, place);
+    places_about(inner).into_par_iter().map(seen_from).collect()
+}
+
 /// What leaves and fog make of lamps and suns.
 fn first_light(
     (grid, walls, triangles): (&Grid, &Walls, &[WallTriangle]),
@@ -108,69 +111,62 @@ fn first_light(
 }
 
 impl Level {
-    /// With what lies about it, and within which a finer grid may lie.
-    pub(super) fn new(grid: Grid, mut outer: Option<Field>, inner: Option<&Grid>, context: &Context) -> Self {
-        let around = outer.as_mut().map(|outer| outer.around(&grid, context.snapshot)).unwrap_or_default();
+    /// With what comes in from about it, and the finer grid that lies within.
+    pub(super) fn new(
+        grid: Grid,
+        (inner, around): (Option<&Grid>, Around),
+        layers: Option<&Layers>,
+        context: &Context,
+    ) -> Self {
         let &Context { snapshot, surroundings, leaves, bounces, cancelled } = context;
-        let surfels = surfels_of(&grid, surroundings);
+        let (sky, eye) = (snapshot.sky, snapshot.view.eye);
         let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
         let walls = walls_of((&grid, snapshot), &triangles);
-        let seen_from = |place: DVec3| walls.occluders.corners(&grid, place, place);
-        let next_to_inner: Option<Vec<Corners>> =
-            inner.map(|inner| places_about(inner).into_par_iter().map(seen_from).collect());
+        let next_to_inner = inner.map(|inner| seen_about(inner, &grid, &walls));
         let fog = SweptFog::new(&snapshot.medium, bounces);
-        let matter = Matter::new((&grid, &walls), snapshot.view.eye, &fog, &surfels, bounces);
-        let is_in_layers = matches!(outer, Some(Field::Layers(_)));
-        let needs_fine = walls.are_at_angles() || is_in_layers;
+        let matter = Matter::new((&grid, &walls), eye, &fog, &surfels_of(&grid, surroundings), bounces);
+        let needs_fine = walls.are_at_angles() || around.is_fine();
         let (ordinates, fine) = (Ordinates::new(), needs_fine.then(Ordinates::fine));
         let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
         let Found { sources, beams, glows, met_again, on_leaves } =
             first_light((&grid, &walls, &triangles), (&matter, &fog), context);
         let along = fine.as_ref().unwrap_or(&ordinates);
         let lit = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls, ordinates: along }.found();
-        let sky = snapshot.sky;
         let rounds = Rounds {
             sweeper,
             scatterers: Scatterers { matter: &matter, walls: &walls },
             ordinates: &ordinates,
             grid: &grid,
             sky,
-            has_sky: has_sky(snapshot),
+            has_sky: has_sky(sky),
             beams,
-            fog_sees_third: TowardsEye::matters(&snapshot.medium),
             to_eye: TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot)),
             fine: fine.as_ref(),
             highlights: lit.highlights,
             next_to_inner: next_to_inner.as_deref(),
-            has_gloss: snapshot.has_gloss(),
+            sees_third: snapshot.has_gloss() || TowardsEye::matters(&snapshot.medium),
             cancelled,
         };
         let own_light = OwnLight::new(&grid, &ordinates, bounces);
         let again = own_light.all_sent_again((&grid, &walls.occluders), &matter, (leaves, &on_leaves));
         let lit = rounds.run(bounces, (sources, again), &lit.irradiances, &around);
-        let layers = outer.as_ref().and_then(Field::layers);
-        let detail = layers.and_then(|layers| LayerDetail::new(&grid, layers));
         let (masses, extinction) = matter.told(&met_again);
         let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
         Self {
-            outer,
             on_faces: walls.faces.irradiances(&light),
             walls,
             light,
             third: lit.last.third.as_ref().map(NodeMoments::of),
             fourth,
             light_in_fog: light_in_fog(&lit, sky),
-            towards_eye: lit
-                .last
-                .towards_eye
-                .map(|moments| TowardsEye::of(&moments, &grid, snapshot.view.eye)),
+            towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments, &grid, eye)),
             radiances: lit.last.radiances,
             sky_radiances: lit.sky_radiances,
             glows,
             masses,
             extinction,
             own_light,
-            detail,
+            detail: layers.and_then(|layers| LayerDetail::new(&grid, layers)),
             on_leaves,
             grid,
             is_endless: lit.is_endless,
@@ -183,29 +179,9 @@ impl Level {
         Around { scattered: halo(self.radiances.take()), of_sky: halo(self.sky_radiances.take()) }
     }
 
-    /// What grids find at a place, mixed where this one goes over into what lies about it.
-    pub(super) fn mixed(
-        &self,
-        world: DVec3,
-        here: impl FnOnce(&Self) -> Rgb,
-        beyond: impl FnOnce(&Field) -> Rgb,
-    ) -> Rgb {
-        let Some(outer) = &self.outer else { return here(self) };
-        match self.grid.share(world) {
-            1.0 => here(self),
-            0.0 => beyond(outer),
-            share => share * here(self) + (1.0 - share) * beyond(outer),
-        }
-    }
-
-    /// What lies about it, if a place counts as there.
-    pub(super) fn outer_at(&self, world: DVec3) -> Option<&Field> {
-        self.outer.as_ref().filter(|_| self.grid.share(world) < 0.5)
-    }
-
-    /// What lies about it.
-    pub(super) fn outer(&self) -> Option<&Field> {
-        self.outer.as_ref()
+    /// How far a place counts as one of it, where something lies about it.
+    pub(super) fn share(&self, world: DVec3) -> f64 {
+        self.grid.share(world)
     }
 
     /// What a surface gathers at a place of the grid; by a cosine that is irradiance, W/m^2.
@@ -286,7 +262,7 @@ impl Level {
     /// known of the way to the eye.
     pub(super) fn scattered(
         &self,
-        world: DVec3,
+        (world, layers): (DVec3, Option<&Layers>),
         (travel, is_to_eye): (DVec3, bool),
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
@@ -306,7 +282,6 @@ impl Level {
         }
         let beyond = self.towards_eye.as_ref().filter(|_| is_to_eye);
         let beyond = beyond.map_or(Rgb::ZERO, |beyond| beyond.scattered(&corners, scattering));
-        let layers = self.outer.as_ref().and_then(Field::layers);
         let ratio =
             |(detail, layers): (&LayerDetail, &Layers)| detail.ratio(layers, (world, travel), scattering);
         let detail = self.detail.as_ref().zip(layers).map_or(Rgb::ONE, ratio);

@@ -4,8 +4,8 @@
 //!
 //! Direct light and single scattering stay exact, in `transport`. What comes after is solved on world grids
 //! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
-//! medium there. `rounds.rs` is the loop over orders. About the grids fog over plain ground is a stack of layers
-//! (`layers.rs`).
+//! medium there. `rounds.rs` is the loop over orders. About the grids fog over plain ground is a stack of
+//! layers (`layers.rs`).
 
 mod beam;
 mod carrier;
@@ -56,13 +56,14 @@ mod walls;
 mod wanted;
 
 use self::extent::levels;
-use self::field::{Field, has_sky};
+use self::field::Field;
 use self::ground::Beneath;
 use self::layers::Layers;
 use self::leaf_index::LeafIndex;
 use self::leaf_light::LeafLight;
 use self::level::{Context, Level};
 use self::lobe::Lobe;
+use self::rounds::has_sky;
 use self::surroundings::Surroundings;
 use self::view::ViewedFog;
 use crate::color::Rgb;
@@ -131,7 +132,7 @@ impl Indirect {
         let context = Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, cancelled };
         let field = Field::on(&grids, layers, &context)?;
         let leaves = LeafLight::new(&field, leaves);
-        let has_sky = has_sky(snapshot);
+        let has_sky = has_sky(snapshot.sky);
         Some(Self { field, leaves, fog: None, bounces, has_sky, once_less: None })
     }
 
@@ -142,7 +143,7 @@ impl Indirect {
 
     /// Side of the finest cells, metres; infinite where there are none.
     pub fn cell_m(&self) -> f64 {
-        self.field.levels().next().map_or(f64::INFINITY, Level::cell_m)
+        self.field.levels().first().map_or(f64::INFINITY, Level::cell_m)
     }
 
     /// Whether next to nothing absorbs it: it goes on and on, and there is more of it than is found.

@@ -50,12 +50,10 @@ pub(super) struct Rounds<'a> {
     pub(super) highlights: Highlights,
     /// The way to the eye from each node, where fog needs more than harmonics for it.
     pub(super) to_eye: Option<[Vec<f32>; 3]>,
-    /// Whether fog that is seen scatters light of degree 3.
-    pub(super) fog_sees_third: bool,
     /// Nodes about each place next to a finer grid within this one.
     pub(super) next_to_inner: Option<&'a [Corners]>,
-    /// Whether things shine.
-    pub(super) has_gloss: bool,
+    /// Whether what is seen makes something of degree 3: what shines, and fog that scatters ahead.
+    pub(super) sees_third: bool,
     /// Whether nobody waits for the light any more.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
@@ -158,7 +156,7 @@ impl<'a> Rounds<'a> {
     where
         'a: 'w,
     {
-        let (third, radiances) = (self.has_gloss || self.fog_sees_third, self.next_to_inner);
+        let (third, radiances) = (self.sees_third, self.next_to_inner);
         Wanted { moments: false, last: true, third, to_eye, radiances }
     }
 
@@ -277,6 +275,12 @@ impl<'a> Rounds<'a> {
             Sources { of_matter: &nothing.matter, beams: &[], of_walls: &of_walls, highlights: None, inflow };
         self.sweep_along(&fine, &sources, wanted)
     }
+}
+
+/// Whether the sky's own light is part of the field: not where a part of the sky is as bright as a sun, whose
+/// shadows have borders.
+pub(super) fn has_sky(sky: Option<FrozenSky>) -> bool {
+    sky.is_some_and(|sky| !sky.has_sun())
 }
 
 /// Whether radiance is the same along all ordinates.

@@ -2,7 +2,8 @@
 //! walls. In goes a snapshot, out come both and the box that they fill. Invariant: each visible triangle is
 //! part of one of them.
 
-use super::core_bounds::{Weighed, union};
+pub(super) mod wide;
+
 use super::scatters::{MeanScatters, Scatters, scatters};
 use crate::accel::PrimitiveId;
 use crate::math::kronecker;
@@ -85,16 +86,6 @@ struct PlacedPart<'a> {
     length_m: f64,
     /// Whether it is a plain under layers of fog, which end in it.
     is_plain: bool,
-}
-
-/// A part that may be ground.
-pub(super) struct WidePart {
-    pub(super) number: usize,
-    /// In world space.
-    pub(super) corners: Vec<DVec3>,
-    pub(super) width_m: f64,
-    /// Of the box about it what is seen of the widest side.
-    pub(super) area_m2: f64,
 }
 
 impl PlacedPart<'_> {
@@ -183,53 +174,6 @@ impl<'a> Surroundings<'a> {
             })
         };
         Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
-    }
-
-    /// Parts at least so wide that are walls, by what of them faces up or down; of bodies what faces up.
-    pub(super) fn wide_parts(&self, width_m: f64, up: DVec3) -> Vec<WidePart> {
-        let parts = self.parts.iter().enumerate();
-        let wide = parts.filter(|(_, part)| part.width_m >= width_m && !part.mesh.is_blended);
-        let tell = |(number, part): (usize, &PlacedPart)| {
-            let corners = self.level_corners(part, up);
-            let area_m2 = part.width_m * part.length_m;
-            (!corners.is_empty()).then_some(WidePart { number, corners, width_m: part.width_m, area_m2 })
-        };
-        wide.filter_map(tell).collect()
-    }
-
-    /// Corners of a part's triangles that are no steeper than a bank.
-    fn level_corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart, up: DVec3) -> Vec<DVec3> {
-        /// Of the normal along the way up.
-        const STEEPEST: f64 = 0.3;
-        let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
-        let corners = primitives.map(|primitive| self.world_corners(primitive));
-        let is_level = |[a, b, c]: &[DVec3; 3]| {
-            let along = (*b - *a).cross(*c - *a).normalize_or_zero().dot(up);
-            along > STEEPEST || !part.is_closed && along < -STEEPEST
-        };
-        corners.filter(is_level).flatten().collect()
-    }
-
-    /// Marks parts as a plain under layers of fog; what they do to light, on their mean.
-    pub(super) fn take_plain(&mut self, numbers: &[usize]) -> Scatters {
-        let mut mean = MeanScatters::default();
-        for &number in numbers {
-            self.parts[number].is_plain = true;
-            let part = &self.parts[number];
-            mean.add(part.width_m * part.length_m, &self.mean_scatters(part, POINTS));
-        }
-        mean.mean()
-    }
-
-    /// The boxes about all parts that are narrower, and no plain, in world space.
-    pub(super) fn boxes(&self, widest_m: f64) -> Vec<Weighed> {
-        let parts = self.parts.par_iter().filter(|part| !part.is_large(widest_m) && !part.is_plain);
-        let weighed = |part: &PlacedPart| {
-            let corners = self.corners(part).into_iter().map(|corner| (corner, corner));
-            let bounds = corners.reduce(union)?;
-            Some(Weighed { bounds, area_m2: part.width_m * part.length_m })
-        };
-        parts.filter_map(weighed).collect()
     }
 
     /// How wide leaves are, as the mean by their area over all parts narrower than
@@ -397,19 +341,6 @@ impl<'a> Surroundings<'a> {
         walls
             .flat_map(|wall| wall.part.triangles.iter().filter_map(move |&number| triangle(wall, number)))
             .collect()
-    }
-
-    /// Places that a part lies between.
-    fn corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart) -> Vec<DVec3> {
-        if mesh.is_bent {
-            let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
-            return primitives.flat_map(|primitive| self.world_corners(primitive)).collect();
-        }
-        let corner = |number: usize| {
-            let side = |axis: usize| if number >> axis & 1 == 0 { part.low[axis] } else { part.high[axis] };
-            mesh.relative_from_mesh.transform_point3(DVec3::new(side(0), side(1), side(2)))
-        };
-        (0..8).map(|number| self.snapshot.world_from_relative(corner(number))).collect()
     }
 
     fn world_corners(&self, primitive: PrimitiveId) -> [DVec3; 3] {

@@ -5,8 +5,8 @@
 //! From order to order harmonics up to l = 2 are enough, with delta-M. The last scattering, the one that is
 //! seen, is of light as it comes along each ordinate, by the fog's own phase function: source function
 //! integration (Stamnes & Swanson 1981, "A new look at the discrete ordinate method", section 4). Degrees 3
-//! and 4 are known of all directions, the next ones of the way to the eye alone. That way is another from node
-//! to node next to the eye, so there they fade.
+//! and 4 are known of all directions, the next ones of the way to the eye alone. That way is another from
+//! node to node next to the eye, so there they fade.
 
 use super::grid::{Corners, Grid};
 use crate::color::Rgb;

@@ -116,7 +116,7 @@ impl Depths {
         let about_eye = |(low, high): (DVec3, DVec3)| (low - eye, high - eye);
         let outermost_m = field.levels().last().map_or(0.0, |level| farthest_m(about_eye(level.volume())));
         let all_m = field.layers().map_or(0.0, |_| farthest_seen_m(snapshot)).max(outermost_m);
-        let (start_m, end_m, step_m) = match field.levels().next() {
+        let (start_m, end_m, step_m) = match field.levels().first() {
             Some(level) => {
                 let (low, high) = about_eye(level.volume());
                 (low.max(-high).max(DVec3::ZERO).length(), farthest_m((low, high)), level.cell_m())
@@ -126,7 +126,7 @@ impl Depths {
                 (0.0, 2.0 * scale_m, 0.125 * scale_m)
             }
         };
-        let is_more = field.levels().count() > 1 || field.layers().is_some();
+        let is_more = field.levels().len() > 1 || field.layers().is_some();
         let first_m = start_m.min(FIRST_CELLS * step_m);
         let steps = |from: f64, to: f64| if is_more && to > from { FAR_STEPS } else { 0 };
         let (before, far) = (steps(first_m, start_m), steps(end_m, all_m));

@@ -1,5 +1,6 @@
 //! Directions of travel for layers over ground. In goes nothing, out come ordinates in rings about the
-//! vertical. Invariant: none is level. Half spheres are integrated apart, so light has its edge at the horizon.
+//! vertical. Invariant: none is level. Half spheres are integrated apart, so light has its edge at the
+//! horizon.
 //!
 //! The rule is double Gauss by the cosine, with even steps about the vertical (Sykes 1951, "Approximate
 //! integration of the equation of transfer"). Stamnes, Tsay, Wiscombe & Jayaweera 1988 say why in section 2.

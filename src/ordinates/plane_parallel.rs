@@ -1,10 +1,10 @@
-//! Layers over ground, without an end to any side. In go cross-sections by height, the sky and suns, out comes
-//! radiance of all orders. Invariant: light differs with height alone. So it is solved in one dimension, in
-//! milliseconds, however thin layers are.
+//! Layers over ground, without an end to any side. In go cross-sections by height, the sky and suns, out
+//! comes radiance of all orders. Invariant: light differs with height alone. So it is solved in one
+//! dimension, in milliseconds, however thin layers are.
 //!
-//! The equation is that of transfer in plane-parallel media (Chandrasekhar 1950, chapter 1). Sources are linear in
-//! optical depth within a layer (Kylling & Stamnes 1992, "Efficient yet accurate solution of the linear transport
-//! equation"). It is solved by source iteration: a round is one more scattering.
+//! The equation is that of transfer in plane-parallel media (Chandrasekhar 1950, chapter 1). Sources are
+//! linear in optical depth within a layer (Kylling & Stamnes 1992, "Efficient yet accurate solution of the
+//! linear transport equation"). It is solved by source iteration: a round is one more scattering.
 
 use super::double_gauss::{DoubleGauss, ORDINATES, STEPS};
 use super::scattering_operator::{DEGREES, HARMONICS, Harmonics, ScatteringOperator, basis, by_degree};

@@ -2,10 +2,10 @@
 //! probes, out comes by which share of itself each pass's light is to grow where. Invariant: what is no more
 //! than noise changes nothing, and the share has no jumps, neither from place to place nor as noise falls.
 //!
-//! Shares are means of ever smaller surroundings. Each is shrunk towards the next larger by how much of what they
-//! differ by is noise (James & Stein 1961, "Estimation with quadratic loss"). Donoho & Johnstone 1995 do so level
-//! by level ("Adapting to unknown smoothness via wavelet shrinkage"). A share of the light is smooth across
-//! edges, and light itself is not. What is dark gets little.
+//! Shares are means of ever smaller surroundings. Each is shrunk towards the next larger by how much of what
+//! they differ by is noise (James & Stein 1961, "Estimation with quadratic loss"). Donoho & Johnstone 1995 do
+//! so level by level ("Adapting to unknown smoothness via wavelet shrinkage"). A share of the light is smooth
+//! across edges, and light itself is not. What is dark gets little.
 
 use super::map::Map;
 use super::moments::Moments;

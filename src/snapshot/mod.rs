@@ -167,8 +167,8 @@ impl<'scene> Snapshot<'scene> {
         self.materials.iter().any(|material| material.coat.is_some())
     }
 
-    /// Whether there is light that random walks find by chance alone, or not at all: of what glows, and of clear
-    /// coats, whose lobe is not picked.
+    /// Whether there is light that random walks find by chance alone, or not at all: of what glows, and of
+    /// clear coats, whose lobe is not picked.
     pub fn has_light_that_walks_miss(&self) -> bool {
         let is_missed = |material: &Material| material.emission != Rgb::ZERO || material.clearcoat.is_some();
         self.materials.iter().any(is_missed)
