@@ -141,3 +141,19 @@ fn frames_of_another_animation_are_rendered_again() {
     render("--animation right");
     assert_ne!(bytes, studio.bytes("a/two_clips.0012.exr"));
 }
+
+/// Indirect light that may be wrong by far more than was asked for is said, and is no frame for who wants all.
+#[test]
+fn indirect_light_far_from_the_tolerance_is_said_and_refused_by_strict() {
+    /// Exit code of a frame that fails its checks.
+    const FRAME: i32 = 5;
+    let studio = Studio::new();
+    let render = "render checkout:tests/data/leaves500/leaves500.glb --frames 1 --size 48x27 --samples 2";
+    let told = studio.succeed(&format!("{render} --tolerance 0.0005 --out a/")).err;
+    assert_eq!(told.matches("warning[indirect-light]: ").count(), 1, "{told}");
+    let message = studio.fail(&format!("{render} --tolerance 0.0005 --strict --out b/"), FRAME);
+    assert!(message.contains("error[indirect-light]: ") && message.contains("remedy: "), "{message}");
+    assert!(studio.names(".").iter().all(|name| name != "b") || studio.names("b").is_empty());
+    let quiet = studio.succeed(&format!("{render} --tolerance 0.5 --strict --out c/")).err;
+    assert!(!quiet.contains("indirect-light"), "{quiet}");
+}
