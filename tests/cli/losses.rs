@@ -142,7 +142,7 @@ fn frames_of_another_animation_are_rendered_again() {
     assert_ne!(bytes, studio.bytes("a/two_clips.0012.exr"));
 }
 
-/// Indirect light that may be wrong by far more than was asked for is said, and is no frame for who wants all.
+/// Indirect light that may be wrong by far more than was asked for is said. It is no frame for who wants all.
 #[test]
 fn indirect_light_far_from_the_tolerance_is_said_and_refused_by_strict() {
     /// Exit code of a frame that fails its checks.
