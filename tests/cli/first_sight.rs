@@ -128,7 +128,7 @@ fn a_mesh_is_an_input_by_itself() {
     let mesh = "mtllib box.mtl\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nusemtl red\nf 1 2 3 4\n";
     std::fs::write(studio.path("box.obj"), mesh).unwrap();
     std::fs::write(studio.path("box.mtl"), "newmtl red\nKd 0.8 0.05 0.05\n").unwrap();
-    let outcome = studio.succeed(&format!("render box.obj {SMALL} --preview png"));
+    let outcome = studio.succeed(&format!("render box.obj {DIRECT} --preview png"));
     assert!(
         outcome.err.contains("has no camera") && outcome.err.contains("--default-light off"),
         "{}",
@@ -175,10 +175,10 @@ fn frames_are_the_same_alone_and_in_a_range() {
 fn lights_in_blenders_unitless_mode_are_found_out() {
     let studio = Studio::new();
     let file = input("light_intensity_3_lux.gltf");
-    let outcome = studio.succeed(&format!("render {file} {SMALL} --out a/"));
+    let outcome = studio.succeed(&format!("render {file} {DIRECT} --out a/"));
     let warning = outcome.err.split("warning[dark-frame]").nth(1).unwrap();
     assert!(warning.contains("3.000 lux") && warning.contains("--light-units compat"), "{}", outcome.err);
-    let helped = studio.succeed(&format!("render {file} {SMALL} --light-units compat --out a/"));
+    let helped = studio.succeed(&format!("render {file} {DIRECT} --light-units compat --out a/"));
     assert!(!helped.err.contains("dark-frame"), "{}", helped.err);
     let inspected = studio.succeed(&format!("inspect {file}")).out;
     assert!(

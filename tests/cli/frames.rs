@@ -28,7 +28,7 @@ fn a_scene_by_itself_has_every_frame() {
     let studio = Studio::new();
     studio.succeed("render scene.ron --size 32x18 --samples 2 --frames 7,30 --out a/");
     assert_eq!(studio.names("a"), ["scene.0007.exr", "scene.0030.exr"]);
-    studio.succeed("render tiny.ron --frames 7 --out b/");
+    studio.succeed("render tiny.ron --bounces all --frames 7 --out b/");
     assert_eq!(studio.frame("a/scene.0007.exr").frame, studio.frame("b/tiny.0007.exr").frame);
     studio.fail("render tiny.ron --frames 30 --out b/", 2);
     studio.succeed("preview scene.ron --size 16x9 --frames 2-3 --out c/");
@@ -147,7 +147,7 @@ fn a_crop_is_a_part_of_the_whole() {
         (leaves, "slices --tolerance 0.02", [100, 52, 300, 150]),
     ] {
         let studio = Studio::new();
-        let flags = format!("render {input} --frames 1 --volume {volume}");
+        let flags = format!("render {input} --bounces all --frames 1 --volume {volume}");
         studio.succeed(&format!("{flags} --out whole.exr"));
         studio.succeed(&format!("{flags} --crop {x0},{y0},{x1},{y1} --out part.exr"));
         let (whole, part) = (studio.frame("whole.exr").frame, studio.frame("part.exr").frame);
@@ -235,19 +235,21 @@ fn cameras_seeds_and_methods_change_the_picture() {
 #[test]
 fn the_bytes_do_not_depend_on_threads_or_company() {
     let studio = Studio::new();
-    studio.succeed("render tiny.ron --frames 1-3 --passes all --threads 1 --out one/");
+    studio.succeed("render tiny.ron --bounces all --frames 1-3 --passes all --threads 1 --out one/");
     let light = studio.frame("one/tiny.0003.exr").frame;
     for pass in ["indirect.R", "indirect_shafts.R"] {
         assert!(light.channel(pass).unwrap().pixels.iter().any(|&value| value > 0.0), "{pass} is dark");
     }
     for threads in [2, 16] {
-        studio.succeed(&format!("render tiny.ron --frames 1-3 --passes all --threads {threads} --out many/"));
+        studio.succeed(&format!(
+            "render tiny.ron --bounces all --frames 1-3 --passes all --threads {threads} --out many/"
+        ));
         for frame in ["tiny.0001.exr", "tiny.0002.exr", "tiny.0003.exr"] {
             let [one, many] = ["one", "many"].map(|folder| studio.bytes(&format!("{folder}/{frame}")));
             assert_eq!(one, many, "{frame} on {threads} threads");
         }
     }
-    studio.succeed("render tiny.ron --frames 3 --passes all --threads 2 --out alone/");
+    studio.succeed("render tiny.ron --bounces all --frames 3 --passes all --threads 2 --out alone/");
     assert_eq!(studio.bytes("one/tiny.0003.exr"), studio.bytes("alone/tiny.0003.exr"));
 }
 

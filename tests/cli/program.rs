@@ -24,8 +24,9 @@ const SCENE: &str = r#"Scene(
     fog: { "haze": (min_m: (-4.0, 0.0, -4.0), max_m: (4.0, 3.0, 4.0), density_per_m: 0.15, anisotropy: 0.5) },
 )"#;
 
+/// Without light of higher orders, which takes most of the time: tests that look at it say `--bounces all`.
 const SEQUENCE: &str = r#"Sequence(
-    version: 1, scene: "scene.ron", frames: (1, 12), frame_rate: 24, size: (32, 18), samples: 2,
+    version: 1, scene: "scene.ron", frames: (1, 12), frame_rate: 24, size: (32, 18), samples: 2, bounces: 0,
 )"#;
 
 /// A folder with `scene.ron` and `tiny.ron`, a sequence of twelve frames of 32x18 pixels. Another is

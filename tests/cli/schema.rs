@@ -5,8 +5,12 @@ use serde_json::Value;
 
 /// Everything in `value` that the schema at `root` does not allow.
 pub(crate) fn violations(root: &Value, value: &Value) -> Vec<String> {
+    violations_of(root, root, value)
+}
+
+fn violations_of(root: &Value, schema: &Value, value: &Value) -> Vec<String> {
     let mut found = Vec::new();
-    check(root, root, value, "$", &mut found);
+    check(root, schema, value, "$", &mut found);
     found
 }
 
@@ -26,6 +30,9 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
             "type" => {
                 let types = rule.as_array().map_or(vec![rule], |types| types.iter().collect());
                 types.iter().any(|name| is_of_type(value, name.as_str().unwrap()))
+            }
+            "anyOf" => {
+                rule.as_array().unwrap().iter().any(|rule| violations_of(root, rule, value).is_empty())
             }
             "enum" => rule.as_array().unwrap().contains(value),
             "required" => {

@@ -197,7 +197,9 @@ fn two_runs_on_one_range_both_end_with_whole_frames() {
 fn signals_are_heard_at_any_moment() {
     let studio = Studio::new();
     for (number, delay_ms) in [5, 40, 90, 150, 260, 400].into_iter().enumerate() {
-        let line = format!("render tiny.ron --samples 4096 --size 640x360 --threads 1 --out {number}/");
+        let line = format!(
+            "render tiny.ron --bounces all --samples 4096 --size 640x360 --threads 1 --out {number}/"
+        );
         let mut run = studio.command(&line).stderr(Stdio::null()).spawn().unwrap();
         std::thread::sleep(Duration::from_millis(delay_ms));
         let listened = listens_for_term(run.id());
