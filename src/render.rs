@@ -246,7 +246,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
         return add_up(exposure, job, indirect, (&Survey::omitted(components), None), watch);
     }
     let survey = Survey::new(middle, job, indirect, components);
-    let Some(grid) = indirect.filter(|_| !middle.has_light_that_walks_miss()) else {
+    let Some(grid) = indirect else {
         return add_up(exposure, job, indirect, (&survey, None), watch);
     };
     let error = GridError::found(middle, job, grid, &survey, watch.cancelled);

@@ -34,7 +34,8 @@ impl Clearcoat {
         Self { normal, gloss: Gloss::new(Rgb::splat(0.04 * share), Rgb::splat(share), roughness) }
     }
 
-    fn albedo(&self, direction: DVec3) -> f64 {
+    /// About how much of the light it reflects.
+    pub fn albedo(&self, direction: DVec3) -> f64 {
         self.gloss.albedo(self.normal.dot(direction).abs()).x
     }
 }
@@ -75,8 +76,12 @@ impl Layers {
 
     /// About how much of the light the layers scatter themselves.
     pub fn albedo(&self, normal: DVec3, to_eye: DVec3) -> f64 {
+        self.sheen_albedo(normal, to_eye) + self.clearcoat.as_ref().map_or(0.0, |coat| coat.albedo(to_eye))
+    }
+
+    /// The same of cloth alone.
+    pub fn sheen_albedo(&self, normal: DVec3, to_eye: DVec3) -> f64 {
         self.sheen.as_ref().map_or(0.0, |sheen| sheen.albedo(normal.dot(to_eye).abs()))
-            + self.clearcoat.as_ref().map_or(0.0, |coat| coat.albedo(to_eye))
     }
 }
 

@@ -6,6 +6,7 @@
 mod bent_mesh;
 mod blended;
 mod exposure;
+mod glow;
 mod lens;
 mod luminaire;
 mod mesh_parts;
@@ -25,11 +26,12 @@ use crate::scene::{Material, RenderSettings, Scene};
 use glam::DVec3;
 use moment::{Moment, Placed, shining};
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 pub use crate::light::{Cone, Emission, FrozenLight, LightPlace};
 pub use blended::{BlendedHit, NEGLIGIBLE};
 pub use exposure::Exposure;
+pub use glow::Glow;
 pub use lens::View;
 pub use luminaire::Luminaire;
 pub use mesh_parts::{MeshPart, PartPlace};
@@ -103,6 +105,8 @@ pub struct Snapshot<'scene> {
     pub motion: Option<Arc<MotionField>>,
     /// What Cryptomatte calls each of the scene's instances, if anybody asks.
     pub mattes: Option<Arc<[u32]>>,
+    /// What glows, once it has been asked for.
+    glow: OnceLock<Option<Glow>>,
 }
 
 impl<'scene> Snapshot<'scene> {
@@ -159,19 +163,13 @@ impl<'scene> Snapshot<'scene> {
             sky: scene.sky.as_ref().and_then(|sky| FrozenSky::new(sky, time_s)),
             motion: None,
             mattes: None,
+            glow: OnceLock::new(),
         }
     }
 
     /// Whether anything shines.
     pub fn has_gloss(&self) -> bool {
         self.materials.iter().any(|material| material.coat.is_some())
-    }
-
-    /// Whether there is light that random walks find by chance alone, or not at all: of what glows, and of
-    /// clear coats, whose lobe is not picked.
-    pub fn has_light_that_walks_miss(&self) -> bool {
-        let is_missed = |material: &Material| material.emission != Rgb::ZERO || material.clearcoat.is_some();
-        self.materials.iter().any(is_missed)
     }
 
     /// Whether any visible surface lets something through.

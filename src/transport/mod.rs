@@ -4,6 +4,7 @@
 
 mod direct;
 mod equiangular;
+mod glow;
 mod indirect;
 mod lit_segments;
 mod lobes;

@@ -6,11 +6,12 @@
 //! A walk goes from the eye towards the light (Kajiya 1986, "The rendering equation"). In fog see Pharr,
 //! Jakob & Humphreys 2023, "Physically Based Rendering", 4th edition, section 14.2.2. Light from lights and
 //! sky is looked for at each vertex, so no walk need hit them (Veach 1997, "Robust Monte Carlo methods for
-//! light transport simulation", section 8.3.1). What glows is found by walks alone. Lights are those of the
-//! camera ray, one point of each. Light transport is linear, so the mean over points is theirs.
+//! light transport simulation", section 8.3.1). What glows is looked for as well, and met. Lights are those
+//! of the camera ray, one point of each. Light transport is linear, so the mean over points is theirs.
 
 use super::direct;
 use super::equiangular;
+use super::glow::{self, Turn};
 use super::lobes::Lobes;
 use super::march;
 use super::path::Path;
@@ -18,6 +19,7 @@ use super::sky_light;
 use super::visibility::Way;
 use crate::accel::PrimitiveId;
 use crate::color::{Rgb, luminance};
+use crate::fog::picked_henyey_greenstein;
 use crate::math::Ray;
 use crate::scene::Bounces;
 use crate::snapshot::{FrozenLight, SurfacePoint};
@@ -34,8 +36,8 @@ struct Leg {
     /// What radiance that comes along the ray counts at the eye.
     throughput: Rgb,
     leaving: Option<PrimitiveId>,
-    /// Whether a mirror sends it, in whose direction no light is looked for.
-    from_mirror: bool,
+    /// Where it began; `None` if a mirror sends it, in whose direction no light is looked for.
+    turn: Option<Turn>,
 }
 
 /// Where light is scattered.
@@ -50,8 +52,7 @@ enum Vertex {
 pub(super) fn scattered(path: &mut Path, bounces: Bounces, point: &SurfacePoint) -> Rgb {
     // What its mirror shows is followed by itself.
     let without_mirror = SurfacePoint { mirror: Rgb::ZERO, ..*point };
-    let first = Vertex::Surface(without_mirror).go_on(path, Rgb::ONE);
-    first.map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
+    Vertex::Surface(without_mirror).lit_by_scattered(path, bounces, Rgb::ONE)
 }
 
 /// Radiance of light that was scattered before that fog scatters into a camera ray on its way, W m^-2 sr^-1.
@@ -63,8 +64,7 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
     let seen_through = way.blended.iter().filter(|hit| hit.t < loss.t);
     let throughput =
         seen_through.fold(loss.through_per_density, |product, hit| product * hit.point.see_through);
-    let first = Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }).go_on(path, throughput);
-    first.map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
+    Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }).lit_by_scattered(path, bounces, throughput)
 }
 
 /// What comes along a leg, and what is scattered into it from then on.
@@ -77,10 +77,11 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     let mut sum = Rgb::ZERO;
     for number in 1..=most {
         let Some(vertex) = leg.next_vertex(path, &mut sum) else { break };
-        sum += leg.throughput * vertex.lit(path);
+        sum += leg.throughput * (vertex.lit(path) + vertex.glow(path, leg.turn));
         if number == most {
             break;
         }
+        sum += leg.throughput * vertex.lit_by_glow(path);
         let Some(next) = vertex.go_on(path, leg.throughput) else { break };
         leg = next;
         // Russian roulette by what is left of the first throughput.
@@ -160,7 +161,7 @@ impl Leg {
 
     /// What a mirror sees of the sky: at all other vertices it was looked for.
     fn beyond(&self, path: &Path) -> Rgb {
-        if !self.from_mirror {
+        if self.turn.is_some() {
             return Rgb::ZERO;
         }
         let (snapshot, direction) = (path.snapshot, self.ray.direction);
@@ -170,14 +171,48 @@ impl Leg {
 }
 
 impl Vertex {
-    /// Radiance towards the eye of light that was not scattered before, in fog per metre, and of what glows.
+    /// What comes of light that was scattered before, and of what glows, to which such a throughput leads.
+    fn lit_by_scattered(&self, path: &mut Path, bounces: Bounces, throughput: Rgb) -> Rgb {
+        let by_glow = throughput * self.lit_by_glow(path);
+        by_glow + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
+    }
+
+    /// Radiance of its own that a walk meets, by the share by which it counts.
+    fn glow(&self, path: &Path, turn: Option<Turn>) -> Rgb {
+        match self {
+            Self::Surface(point) if point.emission != Rgb::ZERO => {
+                path.light.emitted(point) * glow::share_of_met(path.snapshot, turn, point)
+            }
+            _ => Rgb::ZERO,
+        }
+    }
+
+    /// Radiance towards the eye of what glows, scattered here, in fog per metre.
+    fn lit_by_glow(&self, path: &mut Path) -> Rgb {
+        let snapshot = path.snapshot;
+        match self {
+            Self::Surface(point) => {
+                let Some((lobes, share)) = matte_share(point) else { return Rgb::ZERO };
+                let scattered = |direction| direct::scattered_per_radiance(point, direction);
+                let picked = |direction| share * lobes.picked(point, direction);
+                glow::scattered(path, point.position, Some(point.primitive), scattered, picked)
+            }
+            Self::Fog(Ray { origin, direction }) => {
+                let medium = &snapshot.medium;
+                let g = medium.anisotropy_at(*origin);
+                let scattered = |to: DVec3| medium.scattering_at(*origin, direction.dot(to));
+                let picked = |to: DVec3| picked_henyey_greenstein(g, direction.dot(to));
+                glow::scattered(path, *origin, None, scattered, picked)
+            }
+        }
+    }
+
+    /// Radiance towards the eye of light that was not scattered before, in fog per metre.
     fn lit(&self, path: &mut Path) -> Rgb {
         let (snapshot, lights) = (path.snapshot, path.light.lights);
         match self {
             Self::Surface(point) => {
-                path.light.emitted(point)
-                    + direct::scattered(snapshot, lights, point)
-                    + sky_light::by_surface(path, point)
+                direct::scattered(snapshot, lights, point) + sky_light::by_surface(path, point)
             }
             Self::Fog(ray) => {
                 // Lamps were looked for all along the leg.
@@ -192,16 +227,20 @@ impl Vertex {
     fn go_on(&self, path: &mut Path, throughput: Rgb) -> Option<Leg> {
         let leg = match self {
             Self::Surface(point) => {
-                let (direction, weight, from_mirror) = picked(path, point)?;
+                let (direction, weight, density) = picked(path, point)?;
                 let ray = Ray { origin: point.position, direction };
-                Leg { ray, throughput: throughput * weight, leaving: Some(point.primitive), from_mirror }
+                let turn = density.map(|density| Turn { place: point.position, density });
+                Leg { ray, throughput: throughput * weight, leaving: Some(point.primitive), turn }
             }
             Self::Fog(Ray { origin, direction }) => {
                 let medium = &path.snapshot.medium;
-                let (direction, weight) =
+                let (towards, weight) =
                     medium.pick_scattering(*origin, *direction, throughput, path.sampler.next_3d())?;
-                let ray = Ray { origin: *origin, direction };
-                Leg { ray, throughput: throughput * weight, leaving: None, from_mirror: false }
+                let ray = Ray { origin: *origin, direction: towards };
+                // Of several fogs the mean: both ways to what glows weigh by it.
+                let density = picked_henyey_greenstein(medium.anisotropy_at(*origin), direction.dot(towards));
+                let turn = Some(Turn { place: *origin, density });
+                Leg { ray, throughput: throughput * weight, leaving: None, turn }
             }
         };
         (leg.throughput.is_finite() && leg.throughput.max_element() > 0.0).then_some(leg)
@@ -209,21 +248,28 @@ impl Vertex {
 }
 
 /// A direction from which a surface scatters light towards the eye, by one of its lobes or its mirror; what
-/// it scatters over how densely it was picked, and whether the mirror was.
-fn picked(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, bool)> {
-    let lobes = Lobes::of(point);
-    let mirror = luminance(point.mirror);
-    let share = mirror / (mirror + lobes.as_ref().map_or(0.0, |lobes| lobes.all));
+/// it scatters over how densely it was picked, and that density, 1/sr, unless the mirror was.
+fn picked(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, Option<f64>)> {
+    let matte = matte_share(point);
+    let share = 1.0 - matte.as_ref().map_or(0.0, |(_, share)| *share);
     let (mut u, v) = path.sampler.next_2d();
     if u < share {
         let normal = point.shading_normal;
         let reflected = 2.0 * point.to_eye.dot(normal) * normal - point.to_eye;
         let leaves = reflected.dot(point.geometric_normal) > 0.0;
-        return leaves.then(|| (reflected.normalize(), point.mirror / share, true));
+        return leaves.then(|| (reflected.normalize(), point.mirror / share, None));
     }
-    let lobes = lobes?;
-    u = (u - share) / (1.0 - share);
+    let (lobes, matte_share) = matte?;
+    u = (u - share) / matte_share;
     let direction = lobes.pick(point, [u, v].into());
-    let density = (1.0 - share) * lobes.picked(point, direction);
-    (density > 0.0).then(|| (direction, direct::scattered_per_radiance(point, direction) / density, false))
+    let density = matte_share * lobes.picked(point, direction);
+    let weight = direct::scattered_per_radiance(point, direction) / density;
+    (density > 0.0).then_some((direction, weight, Some(density)))
+}
+
+/// The lobes of a surface, and how often one of them is picked rather than its mirror; `None` if it has none.
+fn matte_share(point: &SurfacePoint) -> Option<(Lobes, f64)> {
+    let (lobes, mirror) = (Lobes::of(point)?, luminance(point.mirror));
+    let share = lobes.all / (mirror + lobes.all);
+    Some((lobes, share))
 }
