@@ -31,6 +31,45 @@ pub(super) struct LitWalls {
     pub(super) highlights: Highlights,
 }
 
+/// A part of a wall that is lit as one.
+struct Square {
+    /// In relative space.
+    middle: DVec3,
+    /// From its middle to the middles of two of its sides.
+    half: [DVec3; 2],
+}
+
+impl Square {
+    /// Unit vector to a light, and the mean irradiance on the side that a normal points to, W/m^2. Of a lamp
+    /// it is its intensity by the solid angle, however near it is.
+    fn lit(&self, light: &FrozenLight, normal: DVec3) -> (DVec3, Rgb) {
+        let (to_light, distance, arriving) = light.arriving_at(self.middle);
+        let irradiance = match light {
+            FrozenLight::Sun { .. } => to_light.dot(normal).max(0.0) * arriving,
+            FrozenLight::Point { position, .. } if to_light.dot(normal) > 0.0 => {
+                let area = 4.0 * self.half[0].length() * self.half[1].length();
+                arriving * distance * distance * self.solid_angle(*position) / area
+            }
+            FrozenLight::Point { .. } => Rgb::ZERO,
+        };
+        (to_light, irradiance)
+    }
+
+    /// Of all of it as seen from a point, sr.
+    fn solid_angle(&self, from: DVec3) -> f64 {
+        let [right, up] = self.half;
+        let [a, b, c, d] = [-right - up, right - up, right + up, up - right]
+            .map(|corner| (self.middle + corner - from).normalize_or_zero());
+        of_triangle(a, b, c) + of_triangle(a, c, d)
+    }
+}
+
+/// Solid angle of a triangle by unit vectors to its corners, sr (Van Oosterom & Strackee 1983, "The solid
+/// angle of a plane triangle", equation 8).
+fn of_triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+}
+
 impl WallLight<'_> {
     /// Of all lights.
     pub(super) fn found(&self) -> LitWalls {
@@ -56,6 +95,10 @@ impl WallLight<'_> {
         for number in 0..SHADOW_RAYS * SHADOW_RAYS {
             let offset = |index: usize| (index as f64 + 0.5 - 0.5 * SHADOW_RAYS as f64) * step;
             let place = middle + offset(number % SHADOW_RAYS) * right + offset(number / SHADOW_RAYS) * up;
+            let square = Square {
+                middle: place - self.snapshot.view.eye,
+                half: [0.5 * step * right, 0.5 * step * up],
+            };
             let (seen, origin) = (patch.position + off_wall, place + off_wall);
             let way = Ray { origin: seen, direction: (origin - seen).normalize_or_zero() };
             // Beyond a corner the wall goes on in another plane.
@@ -64,11 +107,11 @@ impl WallLight<'_> {
             }
             count += 1.0;
             let point = light.point([0.3, 0.6, 0.9].map(|phase| kronecker(phase, number)));
-            let (to_light, distance, arriving) = point.arriving_at(origin);
-            let cos = to_light.dot(patch.normal);
-            if cos > 0.0 && arriving != Rgb::ZERO {
-                let ray = Ray { origin, direction: to_light };
-                let irradiance = cos * arriving * self.reaching(&point, &ray, distance, patch.primitive);
+            let (to_light, unshadowed) = square.lit(&point, patch.normal);
+            if unshadowed != Rgb::ZERO {
+                let (direction, distance, _) = point.arriving_at(origin);
+                let ray = Ray { origin, direction };
+                let irradiance = unshadowed * self.reaching(&point, &ray, distance, patch.primitive);
                 sum += irradiance;
                 way_to_light += irradiance.element_sum() * to_light;
             }
@@ -85,5 +128,30 @@ impl WallLight<'_> {
         }
         let dimming = self.fog.dimming_of(matches!(light, FrozenLight::Sun { .. }));
         visible * dimming.transmittance(ray.origin, ray.direction, distance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::Emission;
+    use std::f64::consts::PI;
+
+    /// A lamp sends half of its light to a wide wall, however near it is; far away it is a point's.
+    #[test]
+    fn a_lamp_lights_a_square_by_its_solid_angle() {
+        let lit = |half_m: f64, height_m: f64| {
+            let square = Square { middle: DVec3::ZERO, half: [half_m * DVec3::X, half_m * DVec3::Y] };
+            let (position, intensity) = (height_m * DVec3::Z, Rgb::splat(3.0));
+            square.lit(&FrozenLight::Point { position, intensity, emission: Emission::Even }, DVec3::Z).1.x
+        };
+        for height_m in [1e-9, 1e-3, 1e-2] {
+            let power = 4.0 * 1e4 * lit(100.0, height_m);
+            assert!((power / (3.0 * 2.0 * PI) - 1.0).abs() < 1e-3, "{height_m}: {power}");
+        }
+        assert!((lit(1e-3, 2.0) / (3.0 / 4.0) - 1.0).abs() < 1e-6);
+        // Of a cube about the lamp a face has a sixth.
+        assert!((4.0 * lit(1.0, 1.0) / (3.0 * 4.0 * PI / 6.0) - 1.0).abs() < 1e-12);
+        assert_eq!(lit(1.0, -1.0), 0.0, "from behind");
     }
 }

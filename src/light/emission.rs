@@ -4,6 +4,7 @@
 
 use crate::math::Ray;
 use glam::DVec3;
+use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// The share of the greatest intensity that goes each way.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +42,28 @@ impl Emission {
             Self::Even => 1.0,
             Self::Spot(cone) => cone.falloff(away.dot(cone.axis)),
             Self::Flat { normal } => away.dot(*normal).max(0.0),
+        }
+    }
+
+    /// A unit vector that two uniform numbers pick where there is light: evenly, or by a flat piece's cosine.
+    pub fn pick(&self, [u, v]: [f64; 2]) -> DVec3 {
+        let (axis, along) = match self {
+            Self::Even => (DVec3::Y, 1.0 - 2.0 * u),
+            Self::Spot(cone) => (cone.axis, 1.0 - (1.0 - cone.cos_outer) * u),
+            Self::Flat { normal } => (*normal, (1.0 - u).sqrt()),
+        };
+        let (right, up) = axis.any_orthonormal_pair();
+        let (sin, cos) = (TAU * v).sin_cos();
+        along * axis + (1.0 - along * along).max(0.0).sqrt() * (cos * right + sin * up)
+    }
+
+    /// How densely [`Emission::pick`] picks it, 1/sr.
+    pub fn picked(&self, away: DVec3) -> f64 {
+        match self {
+            Self::Even => 1.0 / (2.0 * TAU),
+            Self::Spot(cone) if away.dot(cone.axis) >= cone.cos_outer => 1.0 / (TAU * (1.0 - cone.cos_outer)),
+            Self::Spot(_) => 0.0,
+            Self::Flat { normal } => away.dot(*normal).max(0.0) * FRAC_1_PI,
         }
     }
 

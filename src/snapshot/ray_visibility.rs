@@ -71,6 +71,13 @@ impl Snapshot<'_> {
         self.rays.as_ref().is_some_and(|rays| rays.of(primitive).holdout)
     }
 
+    /// Whether a triangle ends all light: it is opaque and throws shadows.
+    #[inline]
+    pub fn ends_light(&self, primitive: PrimitiveId) -> bool {
+        let casts = self.rays.as_ref().is_none_or(|rays| rays.of(primitive).casts_shadow);
+        casts && (primitive.instance as usize) < self.first_blended
+    }
+
     /// All of [`Self::tree`] that throws shadows.
     #[inline]
     pub fn casting(&self) -> &InstanceTree {

@@ -11,15 +11,17 @@ use std::f64::consts::FRAC_1_PI;
 /// Of lights before the surface by its albedo and of those behind it by its transmission:
 /// `albedo / pi * sum(cos * irradiance * visibility * transmittance)`, W m^-2 sr^-1.
 pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
-    let scattered = |light| {
-        scattered_if(snapshot, light, point, |shadow_ray, distance| {
-            snapshot.visibility(shadow_ray, distance, Some(point.primitive))
-        })
-    };
-    lights.iter().map(scattered).sum()
+    lights.iter().map(|light| of_light(snapshot, light, point)).sum()
 }
 
-/// The same of one light, of which blended surfaces let a known share through.
+/// The same of one light.
+pub(super) fn of_light(snapshot: &Snapshot, light: &FrozenLight, point: &SurfacePoint) -> Rgb {
+    scattered_if(snapshot, light, point, |shadow_ray, distance| {
+        snapshot.visibility(shadow_ray, distance, Some(point.primitive))
+    })
+}
+
+/// The same if blended surfaces let a known share through.
 pub(super) fn scattered_past_blended(
     snapshot: &Snapshot,
     light: &FrozenLight,

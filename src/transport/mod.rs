@@ -2,10 +2,12 @@
 //! a [`Sample`]. Start reading at [`radiance()`]. Invariant: nothing here can fail; a snapshot that
 //! exists is valid.
 
+mod connection;
 mod direct;
 mod equiangular;
 mod glow;
 mod indirect;
+mod lamp_spots;
 mod lit_segments;
 mod lobes;
 mod march;

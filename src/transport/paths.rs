@@ -9,9 +9,11 @@
 //! light transport simulation", section 8.3.1). What glows is looked for as well, and met. Lights are those
 //! of the camera ray, one point of each. Light transport is linear, so the mean over points is theirs.
 
+use super::connection::{Receiver, Turn};
 use super::direct;
 use super::equiangular;
-use super::glow::{self, Turn};
+use super::glow;
+use super::lamp_spots;
 use super::lobes::Lobes;
 use super::march;
 use super::path::Path;
@@ -77,11 +79,11 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     let mut sum = Rgb::ZERO;
     for number in 1..=most {
         let Some(vertex) = leg.next_vertex(path, &mut sum) else { break };
-        sum += leg.throughput * (vertex.lit(path) + vertex.glow(path, leg.turn));
+        sum += leg.throughput * vertex.met(path, leg.turn);
         if number == most {
             break;
         }
-        sum += leg.throughput * vertex.lit_by_glow(path);
+        sum += leg.throughput * vertex.lit_by_picked(path);
         let Some(next) = vertex.go_on(path, leg.throughput) else { break };
         leg = next;
         // Russian roulette by what is left of the first throughput.
@@ -171,54 +173,54 @@ impl Leg {
 }
 
 impl Vertex {
-    /// What comes of light that was scattered before, and of what glows, to which such a throughput leads.
+    /// Radiance towards the eye, by such a throughput, of what glows and of light that was scattered before.
     fn lit_by_scattered(&self, path: &mut Path, bounces: Bounces, throughput: Rgb) -> Rgb {
-        let by_glow = throughput * self.lit_by_glow(path);
-        by_glow + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
+        let picked = throughput * self.lit_by_picked(path);
+        picked + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
     }
 
-    /// Radiance of its own that a walk meets, by the share by which it counts.
-    fn glow(&self, path: &Path, turn: Option<Turn>) -> Rgb {
-        match self {
-            Self::Surface(point) if point.emission != Rgb::ZERO => {
-                path.light.emitted(point) * glow::share_of_met(path.snapshot, turn, point)
-            }
-            _ => Rgb::ZERO,
-        }
-    }
-
-    /// Radiance towards the eye of what glows, scattered here, in fog per metre.
-    fn lit_by_glow(&self, path: &mut Path) -> Rgb {
+    /// Radiance that a walk meets after its turn, in fog per metre: of what glows, and of light that was not
+    /// scattered before.
+    fn met(&self, path: &mut Path, turn: Option<Turn>) -> Rgb {
         let snapshot = path.snapshot;
+        let suns = path.light.lights.iter().filter(|light| matches!(light, FrozenLight::Sun { .. }));
         match self {
             Self::Surface(point) => {
-                let Some((lobes, share)) = matte_share(point) else { return Rgb::ZERO };
-                let scattered = |direction| direct::scattered_per_radiance(point, direction);
-                let picked = |direction| share * lobes.picked(point, direction);
-                glow::scattered(path, point.position, Some(point.primitive), scattered, picked)
-            }
-            Self::Fog(Ray { origin, direction }) => {
-                let medium = &snapshot.medium;
-                let g = medium.anisotropy_at(*origin);
-                let scattered = |to: DVec3| medium.scattering_at(*origin, direction.dot(to));
-                let picked = |to: DVec3| picked_henyey_greenstein(g, direction.dot(to));
-                glow::scattered(path, *origin, None, scattered, picked)
-            }
-        }
-    }
-
-    /// Radiance towards the eye of light that was not scattered before, in fog per metre.
-    fn lit(&self, path: &mut Path) -> Rgb {
-        let (snapshot, lights) = (path.snapshot, path.light.lights);
-        match self {
-            Self::Surface(point) => {
-                direct::scattered(snapshot, lights, point) + sky_light::by_surface(path, point)
+                let of_suns: Rgb = suns.map(|sun| direct::of_light(snapshot, sun, point)).sum();
+                let of_lamps = lamp_spots::met(path, turn, point);
+                glow::met(path, turn, point) + of_suns + of_lamps + sky_light::by_surface(path, point)
             }
             Self::Fog(ray) => {
                 // Lamps were looked for all along the leg.
-                let suns = lights.iter().filter(|light| matches!(light, FrozenLight::Sun { .. }));
                 let of_suns: Rgb = suns.map(|sun| march::scattered_at(snapshot, ray, 0.0, sun, &[])).sum();
                 of_suns + sky_light::by_fog(path, ray.origin, ray.direction)
+            }
+        }
+    }
+
+    /// Radiance towards the eye, in fog per metre, from places that are picked because they are bright.
+    fn lit_by_picked(&self, path: &mut Path) -> Rgb {
+        match self {
+            Self::Surface(point) => {
+                let Some((lobes, share)) = matte_share(point) else { return Rgb::ZERO };
+                let receiver = Receiver {
+                    place: point.position,
+                    leaving: Some(point.primitive),
+                    scattered: &|direction| direct::scattered_per_radiance(point, direction),
+                    picked: &|direction| share * lobes.picked(point, direction),
+                };
+                glow::scattered(path, &receiver) + lamp_spots::scattered(path, &receiver)
+            }
+            Self::Fog(Ray { origin, direction }) => {
+                let medium = &path.snapshot.medium;
+                let g = medium.anisotropy_at(*origin);
+                let receiver = Receiver {
+                    place: *origin,
+                    leaving: None,
+                    scattered: &|to| medium.scattering_at(*origin, direction.dot(to)),
+                    picked: &|to| picked_henyey_greenstein(g, direction.dot(to)),
+                };
+                glow::scattered(path, &receiver) + lamp_spots::scattered(path, &receiver)
             }
         }
     }

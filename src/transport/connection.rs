@@ -1,0 +1,94 @@
+//! A place that light is looked for at, joined with where it is scattered. In go both, out comes what reaches
+//! the eye's side. Invariant: a place may be picked, or met by a random walk, and the shares by which both
+//! ways count make 1.
+//!
+//! The shares are those of the balance heuristic (Veach & Guibas 1995, "Optimally combining sampling
+//! techniques for Monte Carlo rendering", section 3.3).
+
+use crate::accel::PrimitiveId;
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::snapshot::{Snapshot, SurfacePoint};
+use glam::DVec3;
+
+/// Where a walk turned, and how densely it picked its new direction, 1/sr.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
+    pub(super) place: DVec3,
+    pub(super) density: f64,
+}
+
+/// Where light is scattered towards the eye.
+pub(super) struct Receiver<'a> {
+    pub(super) place: DVec3,
+    /// The triangle that it lies on, if it is not in fog.
+    pub(super) leaving: Option<PrimitiveId>,
+    /// Share of the radiance from a direction that is scattered, 1/sr, in fog 1/(m sr).
+    pub(super) scattered: &'a dyn Fn(DVec3) -> Rgb,
+    /// How densely walks pick a direction, 1/sr.
+    pub(super) picked: &'a dyn Fn(DVec3) -> f64,
+}
+
+/// A point of a triangle that was picked.
+pub(super) struct Target {
+    pub(super) primitive: PrimitiveId,
+    pub(super) position: DVec3,
+    /// How densely, 1/m^2.
+    pub(super) per_m2: f64,
+}
+
+impl Receiver<'_> {
+    /// An estimate of the radiance that it scatters of what comes from places like the target, each of which
+    /// sends `radiance`, W m^-2 sr^-1.
+    pub(super) fn lit_by(
+        &self,
+        snapshot: &Snapshot,
+        target: &Target,
+        radiance: impl FnOnce(&SurfacePoint) -> Rgb,
+    ) -> Rgb {
+        let way = target.position - self.place;
+        let Some(direction) = way.try_normalize().filter(|_| self.leaving != Some(target.primitive)) else {
+            return Rgb::ZERO;
+        };
+        let scattered = (self.scattered)(direction);
+        if scattered == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        let (ray, distance) = (Ray { origin: self.place, direction }, way.length());
+        let visible = visibility(snapshot, &ray, distance, [self.leaving, Some(target.primitive)]);
+        if visible == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        let point = snapshot.facet(target.primitive).seen_along(&ray, distance);
+        let fog = snapshot.medium.transmittance(self.place, direction, distance);
+        let density = per_sr(target.per_m2, &point, distance) + (self.picked)(direction);
+        let sum = scattered * visible * fog * radiance(&point) * point.alpha / density;
+        if sum.is_finite() { sum } else { Rgb::ZERO }
+    }
+}
+
+impl Turn {
+    /// The share by which a point counts that a walk meets, where `per_m2` says how densely it is picked.
+    pub(super) fn share_of_met(&self, point: &SurfacePoint, per_m2: f64) -> f64 {
+        let picked = per_sr(per_m2, point, self.place.distance(point.position));
+        // Seen from its edge it is picked for certain.
+        if picked.is_finite() { self.density / (self.density + picked) } else { 0.0 }
+    }
+}
+
+/// How densely directions to a point are picked from a distance, 1/sr.
+fn per_sr(per_m2: f64, point: &SurfacePoint, distance: f64) -> f64 {
+    let cos = point.geometric_normal.dot(point.to_eye).abs();
+    if per_m2 > 0.0 { per_m2 * distance * distance / cos } else { 0.0 }
+}
+
+/// Share of light that comes through between two triangles, by what a walk meets on the way.
+fn visibility(snapshot: &Snapshot, ray: &Ray, distance: f64, [from, to]: [Option<PrimitiveId>; 2]) -> Rgb {
+    let hit = snapshot.tree.nearest_hit(ray, distance, from);
+    if hit.is_some_and(|hit| Some(hit.primitive) != to) {
+        return Rgb::ZERO;
+    }
+    let blended = snapshot.blended_hits(ray, &(0.0..distance), from);
+    let others = blended.iter().filter(|hit| Some(hit.point.primitive) != to);
+    others.fold(Rgb::ONE, |product, hit| product * hit.point.see_through)
+}

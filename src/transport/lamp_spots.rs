@@ -1,0 +1,77 @@
+//! Light of lamps that surfaces scatter to where it is scattered again. In go a vertex of a random walk and
+//! uniform numbers, out comes an estimate of what it scatters towards the eye. Invariant: what is met and
+//! what is picked by a lamp's ray make up the whole (see `connection.rs`).
+//!
+//! A lamp next to a wall lights a spot there that sends half of its light, and walks from the eye hardly ever
+//! meet it. So a ray of the lamp picks a spot as well: a path from the light of one vertex (Lafortune &
+//! Willems 1993, "Bi-directional path tracing").
+
+use super::connection::{Receiver, Target, Turn};
+use super::direct;
+use super::path::Path;
+use crate::color::Rgb;
+use crate::light::Emission;
+use crate::math::Ray;
+use crate::snapshot::{FrozenLight, SurfacePoint};
+use glam::DVec3;
+
+/// A lamp that rays start from.
+struct Lamp<'a> {
+    light: &'a FrozenLight,
+    position: DVec3,
+    emission: &'a Emission,
+    /// How often it is picked.
+    chance: f64,
+}
+
+impl<'a> Lamp<'a> {
+    /// All among some lights.
+    fn among(lights: &'a [FrozenLight]) -> impl Iterator<Item = Self> + Clone + 'a {
+        let is_lamp = |light: &&FrozenLight| matches!(light, FrozenLight::Point { .. });
+        let chance = 1.0 / lights.iter().filter(is_lamp).count() as f64;
+        lights.iter().filter_map(move |light| match light {
+            FrozenLight::Sun { .. } => None,
+            FrozenLight::Point { position, emission, .. } => {
+                Some(Self { light, position: *position, emission, chance })
+            }
+        })
+    }
+
+    /// How densely its rays meet a point that nothing hides, 1/m^2.
+    fn per_m2(&self, point: DVec3, normal: DVec3) -> f64 {
+        let way = point - self.position;
+        let Some(direction) = way.try_normalize() else { return 0.0 };
+        let per_sr = self.chance * self.emission.picked(direction);
+        per_sr * direction.dot(normal).abs() / way.length_squared()
+    }
+}
+
+/// Radiance that is scattered of what a spot in a lamp's light sends there, W m^-2 sr^-1.
+pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
+    let snapshot = path.snapshot;
+    let lamps = Lamp::among(path.light.lights);
+    let count = lamps.clone().count();
+    if count == 0 {
+        return Rgb::ZERO;
+    }
+    let [which, u, v] = path.sampler.next_3d();
+    let Some(lamp) = lamps.clone().nth((which * count as f64) as usize) else { return Rgb::ZERO };
+    let ray = Ray { origin: lamp.position, direction: lamp.emission.pick([u, v]) };
+    let Some(hit) = snapshot.casting().nearest_hit(&ray, f64::INFINITY, None) else { return Rgb::ZERO };
+    let spot = snapshot.surface(&ray, &hit);
+    let per_m2 = lamp.per_m2(spot.position, spot.geometric_normal);
+    let target = Target { primitive: hit.primitive, position: spot.position, per_m2 };
+    receiver.lit_by(snapshot, &target, |point| direct::of_light(snapshot, lamp.light, point))
+}
+
+/// What a surface that a walk meets scatters of lamps' light, by the share by which it counts.
+pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
+    let snapshot = path.snapshot;
+    let turn = turn.filter(|_| snapshot.ends_light(point.primitive));
+    let of_lamp = |lamp: Lamp| {
+        let scattered = direct::of_light(snapshot, lamp.light, point);
+        let Some(turn) = turn.filter(|_| scattered != Rgb::ZERO) else { return scattered };
+        scattered * turn.share_of_met(point, lamp.per_m2(point.position, point.geometric_normal))
+    };
+    Lamp::among(path.light.lights).map(of_lamp).sum()
+}
