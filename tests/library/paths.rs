@@ -186,16 +186,42 @@ fn what_glows_and_is_small_lights_a_wall() {
     let triangles = [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material }).to_vec();
     scene.meshes.push(Mesh { positions, triangles, ..Mesh::default() });
     add_instance(&mut scene);
-    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
-    let lit = |number: u32| {
-        let place = (DVec2::new((number % RAYS).into(), (number / RAYS).into()) + 0.5) / f64::from(RAYS);
-        let ray = snapshot.view.ray(place.x, place.y);
-        let way = ray.at(-4.0 / ray.direction.z) - middle;
-        let cos = 2.0 / way.length();
-        0.5 / PI * 1e3 * (2.0 * HALF_M).powi(2) * cos * cos / way.length_squared()
-    };
-    let expected = (0..RAYS * RAYS).map(lit).sum::<f64>() / f64::from(RAYS * RAYS);
+    let area = (2.0 * HALF_M).powi(2);
+    let of = |cos: f64, distance: f64| 0.5 / PI * 1e3 * area * cos * cos / (distance * distance);
+    let expected = mean_on_wall(&scene, of, middle);
     assert_is("a small glow", &scene, Bounces::UpTo(1), 1, expected, 1e-4 * expected);
+}
+
+/// A lamp 1 mm before a board lights a spot that sends half of its light on: `2 a I cos` to where another
+/// wall sees it under that angle. A walk meets the spot once in a million times.
+#[test]
+fn a_lamp_next_to_a_board_lights_a_wall_by_its_spot() {
+    let middle = DVec3::new(0.0, 3.0, -2.0);
+    let mut scene = camera_at(DVec3::ZERO);
+    add_box(&mut scene, DVec3::new(-8.0, -8.0, -4.1), DVec3::new(8.0, 8.0, -4.0), matte(0.5, 0.0));
+    let half = DVec3::new(0.5, 0.5, 0.05);
+    let board = middle + 0.05 * DVec3::Z;
+    add_box(&mut scene, board - half, board + half, matte(0.8, 0.0));
+    add_light(&mut scene, LightKind::Point, middle - 1e-3 * DVec3::Z, DVec3::Z, Rgb::splat(3.0));
+    let expected = mean_on_wall(
+        &scene,
+        |cos, distance| 0.5 / PI * 3.0 * cos / (distance * distance) * (1.0 + 2.0 * 0.8 * cos),
+        middle,
+    );
+    assert_is("a spot by a lamp", &scene, Bounces::UpTo(1), 16, expected, 2e-3 * expected);
+}
+
+/// The mean over the picture of what a wall 4 m before the camera has of a place, by the cosine at the wall
+/// and the distance.
+fn mean_on_wall(scene: &Scene, of: impl Fn(f64, f64) -> f64, place: DVec3) -> f64 {
+    let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
+    let lit = |number: u32| {
+        let film = (DVec2::new((number % RAYS).into(), (number / RAYS).into()) + 0.5) / f64::from(RAYS);
+        let ray = snapshot.view.ray(film.x, film.y);
+        let way = ray.at(-4.0 / ray.direction.z) - place;
+        of(way.z.abs() / way.length(), way.length())
+    };
+    (0..RAYS * RAYS).map(lit).sum::<f64>() / f64::from(RAYS * RAYS)
 }
 
 /// Leaves in fog, as yet in the dark.

@@ -1,12 +1,14 @@
 //! Slices against the per-ray method: the same rays, two independent ways to their values.
 
 use crate::checkout;
-use crate::common::{EXACT, INSTANT, add_layer};
+use crate::common::{EXACT, INSTANT, add_fog, add_layer, add_light, camera_at};
+use crate::indirect::{add_box, picture};
 use glam::{DAffine3, DVec3};
 use sunfleck::color::Rgb;
 use sunfleck::math::Sampler;
+use sunfleck::render::Method;
 use sunfleck::scene::{
-    AlphaMode, Aperture, Clip, FogShape, HeightFalloff, Light, LightKind, Material, Motion, Node,
+    AlphaMode, Aperture, Bounces, Clip, FogShape, HeightFalloff, Light, LightKind, Material, Motion, Node,
     RayVisibility, Scene, Size, Track,
 };
 use sunfleck::snapshot::{MeshTrees, Snapshot};
@@ -254,5 +256,33 @@ fn some_leaves_blended() {
             instance.material = Some(veil);
         }
         assert_equal(&scene);
+    }
+}
+
+/// A lamp in a wall is as bright as one just before it, wherever in the wall it is, slanting or not.
+#[test]
+fn a_lamp_in_a_wall_shines_into_the_room() {
+    let grey = Material { base_color: Rgb::splat(0.5), ..Material::default() };
+    for turned in [DAffine3::IDENTITY, DAffine3::from_rotation_z(0.4) * DAffine3::from_rotation_x(0.7)] {
+        for lamp in [DVec3::new(0.0, 2.0, -1.0), DVec3::new(0.37, 2.0, -0.7), DVec3::new(2.0, 0.3, -0.4)] {
+            let light = |lamp: DVec3, method| {
+                let mut scene = camera_at(DVec3::ZERO);
+                let (low, high) = (DVec3::splat(-2.0), DVec3::splat(2.0));
+                add_box(&mut scene, low, high, grey.clone());
+                add_fog(&mut scene, low, high, Rgb::splat(0.1), Rgb::ONE, 0.3);
+                for node in &mut scene.nodes[1..] {
+                    let Motion::Still(placed) = &mut node.motion else { unreachable!("all are still") };
+                    *placed = turned * *placed;
+                }
+                let position = turned.transform_point3(lamp);
+                add_light(&mut scene, LightKind::Point, position, DVec3::Z, Rgb::splat(3.0));
+                let frame = picture(&scene, Bounces::NONE, method);
+                frame.channel("R").unwrap().pixels.iter().map(|&value| f64::from(value)).sum::<f64>()
+            };
+            let (within, before) =
+                (light(lamp, Method::Slices), light((1.0 - 1e-5) * lamp, Method::Segments));
+            println!("{lamp}: {:.5}", within / before);
+            assert!(before > 0.0 && (within / before - 1.0).abs() < 2e-3, "{lamp}: {within} {before}");
+        }
     }
 }

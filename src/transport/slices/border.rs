@@ -3,8 +3,8 @@
 
 use super::edges::EdgeOrigin;
 use super::fan::Fan;
+use super::light_rays::LightRays;
 use super::slice::Slice;
-use super::sweep::LightRays;
 use crate::accel::PrimitiveId;
 use crate::snapshot::Snapshot;
 use glam::{DMat3, DVec3};

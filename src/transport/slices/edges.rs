@@ -5,8 +5,9 @@
 //! are only a matter of error.
 
 use super::chord::Chord;
+use super::light_rays::LightRays;
 use super::slice::Slice;
-use super::sweep::{CutEnd, LightRays, Segment, Sweep, ordered};
+use super::sweep::{CutEnd, Segment, Sweep, ordered};
 use crate::accel::PrimitiveId;
 use glam::DVec2;
 use std::ops::Range;

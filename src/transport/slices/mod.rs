@@ -16,6 +16,7 @@ mod buckets;
 mod chord;
 mod edges;
 mod fan;
+mod light_rays;
 mod outline;
 mod picture;
 mod slice;

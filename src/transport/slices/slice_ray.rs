@@ -1,8 +1,9 @@
 //! One ray of a slice. In go what it meets first and what the sweep knows of shadows, out comes its value.
 //! Invariant: it is what the per-ray method finds for the same ray, to rounding.
 
+use super::light_rays::LightRays;
 use super::slice_job::SliceJob;
-use super::sweep::{LightRays, Meeting, Sweep};
+use super::sweep::{Meeting, Sweep};
 use crate::color::Rgb;
 use crate::fog::{FogSlice, LitSegments, Passage};
 use crate::math::{PlanarRay, Ray, Sampler};

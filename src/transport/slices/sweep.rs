@@ -9,55 +9,12 @@
 //! above a ray shadows it over an interval of these names that is known beforehand.
 
 use super::buckets::{Buckets, partition_point_near};
+use super::light_rays::LightRays;
 use crate::accel::{Cut, PrimitiveId};
 use crate::math::{IntervalSet, PlanarRay};
 use crate::scene::Clip;
 use crate::snapshot::{RaysOfInstances, View};
 use glam::{DVec2, DVec3};
-
-/// How the light's rays are named within a half plane.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum LightRays {
-    /// All parallel to the axis: by their distance from it.
-    Parallel,
-    /// Out of a point on the axis at this height: by the angle with the way back to the camera.
-    From(f64),
-}
-
-impl LightRays {
-    /// The name of the light's ray through a point.
-    pub(super) fn through(self, point: DVec2) -> f64 {
-        match self {
-            Self::Parallel => point.x,
-            Self::From(height) => point.x.atan2(height - point.y),
-        }
-    }
-
-    /// A point and the direction of one of them.
-    fn line(self, name: f64) -> (DVec2, DVec2) {
-        match self {
-            Self::Parallel => (DVec2::new(name, 0.0), DVec2::Y),
-            Self::From(height) => {
-                let (sin, cos) = name.sin_cos();
-                (DVec2::new(0.0, height), DVec2::new(sin, -cos))
-            }
-        }
-    }
-
-    /// Reach of the point where a ray of the light meets the camera's ray of a slope;
-    /// infinite if it does not.
-    pub(super) fn reach(self, name: f64, slope: f64) -> f64 {
-        match self {
-            Self::Parallel => name,
-            Self::From(height) => {
-                // reach = tan(name) (height - slope reach).
-                let (sin, cos) = name.sin_cos();
-                let divisor = cos + slope * sin;
-                if divisor > 0.0 { height * sin / divisor } else { f64::INFINITY }
-            }
-        }
-    }
-}
 
 /// The camera's clipping planes, as a half plane cuts them.
 #[derive(Clone, Copy, Debug)]
@@ -393,6 +350,16 @@ fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End; 2]> {
         a.slope = b.slope;
     } else if b.point.length() <= SAME_PLACE * length {
         b.slope = a.slope;
+    }
+    // Out of the light itself, a lamp in a wall: seen edge-on from there, so that it shadows no ray but one.
+    if let LightRays::From(height) = light_rays {
+        let is_at_light =
+            |end: &End| end.point.distance(DVec2::new(0.0, height)) <= SAME_PLACE * (length + height.abs());
+        if is_at_light(&a) {
+            a.name = b.name;
+        } else if is_at_light(&b) {
+            b.name = a.name;
+        }
     }
     Some(if a.slope >= b.slope { [a, b] } else { [b, a] })
 }

@@ -2,7 +2,8 @@
 //! out comes, ray by ray, whether one may lie on it or in the light's way. Invariant: none that has
 //! to do with one is missed.
 
-use super::sweep::{LightRays, Sweep};
+use super::light_rays::LightRays;
+use super::sweep::Sweep;
 use crate::accel::Cut;
 use crate::math::PlanarRay;
 
