@@ -11,16 +11,20 @@ use super::survey::Survey;
 use crate::color::{Rgb, luminance};
 use crate::film::Blocks;
 use crate::indirect::Indirect;
-use crate::scene::Sampling;
+use crate::scene::{Sampling, Size};
 use crate::snapshot::Snapshot;
 use glam::DVec2;
 
-/// Walks that are tried first, and at most, all and for each pixel of the picture.
+/// Walks that are tried first.
 const FIRST: u32 = 1 << 13;
-const MOST: u32 = 1 << 18;
-const MOST_A_PIXEL: usize = 16;
-/// The tolerance where nobody has one, but wants to know the error.
-const UNASKED: f64 = 0.02;
+/// Walks at most at the usual tolerance, all and for each pixel of the picture.
+const MOST: f64 = (1 << 20) as f64;
+const MOST_A_PIXEL: f64 = 64.0;
+/// The usual tolerance, also where nobody has one, but wants to know the error. What walks miss by falls with
+/// the root of their number.
+const USUAL: f64 = 0.02;
+/// Walks that are followed before they are added up.
+const BATCH: u32 = 1 << 14;
 /// Walks side by side that are of the same half.
 const RUN: u32 = 1 << 9;
 
@@ -56,14 +60,20 @@ impl GridError {
     ) -> Self {
         let tolerance = match job.sampling {
             Sampling::Until { tolerance, .. } => tolerance,
-            Sampling::Exactly(_) => UNASKED,
+            Sampling::Exactly(_) => USUAL,
         };
-        let most = MOST.min((job.size.width * job.size.height).saturating_mul(MOST_A_PIXEL) as u32);
+        let most = most_walks(job.size, tolerance);
         let mut halves = [Moments::none(), Moments::none()];
         let mut numbers = 0..FIRST;
         loop {
-            for (number, probe) in numbers.clone().zip(probes(numbers.clone(), snapshot, job, indirect)) {
-                halves[(number / RUN % 2) as usize].add(&probe);
+            for start in numbers.clone().step_by(BATCH as usize) {
+                let batch = start..numbers.end.min(start + BATCH);
+                for (number, probe) in batch.clone().zip(probes(batch, snapshot, job, indirect)) {
+                    halves[(number / RUN % 2) as usize].add(&probe);
+                }
+                if cancelled() {
+                    break;
+                }
             }
             let known = Self::of(&halves, survey);
             if known.relative <= tolerance || 2 * numbers.end > most || cancelled() {
@@ -109,6 +119,14 @@ impl GridError {
         );
         TOLD * self.squares.of(cell_at(place)).sqrt()
     }
+}
+
+/// How many walks a picture of a size may have for a tolerance.
+fn most_walks(size: Size, tolerance: f64) -> u32 {
+    const AT_ALL: f64 = (1_u32 << 24) as f64;
+    let pixels = size.width as f64 * size.height as f64;
+    let at_usual = MOST.min(MOST_A_PIXEL * pixels);
+    (at_usual * (USUAL / tolerance.clamp(1e-6, USUAL)).powi(2)).min(AT_ALL) as u32
 }
 
 /// The grid's light of each pass, as probes have it in the mean.

@@ -2,9 +2,9 @@
 //! uniform numbers, out comes an estimate of what it scatters towards the eye. Invariant: what is met and
 //! what is picked by a lamp's ray make up the whole (see `connection.rs`).
 //!
-//! A lamp next to a wall lights a spot there that sends half of its light, and walks from the eye hardly ever
-//! meet it. So a ray of the lamp picks a spot as well: a path from the light of one vertex (Lafortune &
-//! Willems 1993, "Bi-directional path tracing").
+//! A lamp next to a wall lights a spot there that sends half of its light. Walks from the eye hardly ever
+//! meet it. So a ray of the lamp picks a spot as well: a path from the light of one vertex. See Lafortune &
+//! Willems 1993, "Bi-directional path tracing".
 
 use super::connection::{Receiver, Target, Turn};
 use super::direct;
