@@ -38,6 +38,15 @@ pub struct Cut {
     /// The two ends, `(reach, height)` in metres; the reach may be negative, where the triangle goes on
     /// beyond the edge of the half plane.
     pub ends: [DVec2; 2],
+    /// By how much ends may be off, as a share of their distance and of the cut's length.
+    pub rounding: f64,
+}
+
+impl Cut {
+    /// Sixteen roundings of single precision, in which most are made.
+    pub const SINGLE: f64 = 1e-6;
+    /// Double precision, with as much to spare: that of a wide ground.
+    pub const DOUBLE: f64 = 1e-12;
 }
 
 /// Appends the cuts of all instances, in the order in which the tree meets them.
@@ -173,7 +182,7 @@ impl<S: Simd> LeafVisitor<S> for BlockQuery<'_, S::Lanes> {
                 self.centre + DVec2::new(f64::from(reach[end][lane]), f64::from(height[end][lane]))
             };
             let primitive = PrimitiveId { instance: self.instance, triangle: block.triangles[lane] };
-            self.cuts.push(Cut { primitive, ends: [end(0), end(1)] });
+            self.cuts.push(Cut { primitive, ends: [end(0), end(1)], rounding: Cut::SINGLE });
         }
     }
 }
@@ -198,7 +207,7 @@ impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
                 let height = crossing.at_ends(corners(&self.region.height));
                 let ends = [0, 1].map(|end| DVec2::new(reach[end], height[end]));
                 let primitive = PrimitiveId { instance: self.instance, triangle: block.triangles[lane] };
-                self.cuts.push(Cut { primitive, ends });
+                self.cuts.push(Cut { primitive, ends, rounding: Cut::DOUBLE });
             }
         }
     }

@@ -16,6 +16,8 @@ const NODES: f64 = 30_000.0;
 const OUTER_NODES: f64 = 24_000.0;
 /// And of those beyond the first of them.
 const FAR_NODES: f64 = 8_000.0;
+/// Cells of any of these along its longest side, at most: ground is flat, and has as many squared.
+const OUTER_CELLS: f64 = 64.0;
 /// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
 const LEAVES_PER_CELL: f64 = 2.0;
 /// Fewer leaves are no reason for large cells of fog: where cells are small beside them they are walls.
@@ -86,7 +88,9 @@ pub(super) fn levels(
         let margin = if is_last { f64::INFINITY } else { MARGIN * (bounds.1 - bounds.0).max_element() };
         bounds = union(inner, ((bounds.0 - margin).max(world.0), (bounds.1 + margin).min(world.1)));
         let nodes = if grids.len() == 1 { OUTER_NODES } else { FAR_NODES };
-        cell_m = (scale * (self::side(bounds).element_product() / nodes).cbrt()).max(2.0 * cell_m);
+        let side = self::side(bounds);
+        let even = (side.element_product() / nodes).cbrt().max(side.max_element() / OUTER_CELLS);
+        cell_m = (scale * even).max(2.0 * cell_m);
         grids.extend(grid(bounds, cell_m));
     }
     grids

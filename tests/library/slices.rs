@@ -259,6 +259,23 @@ fn some_leaves_blended() {
     }
 }
 
+/// Ground that goes to the horizon is as bright as a smaller one: single precision knows it to half a metre.
+#[test]
+fn ground_of_ten_thousand_kilometres_is_whole() {
+    let light = |half_m: f64| {
+        let mut scene = camera_at(DVec3::new(0.3, 1.1, 4.5));
+        let half = DVec3::new(half_m, 0.0, half_m);
+        let soil = Material { base_color: Rgb::splat(0.3), ..Material::default() };
+        add_box(&mut scene, -half - 1.0 * DVec3::Y, half, soil);
+        let sunbeam = DVec3::new(-0.5, -1.0, 0.4);
+        add_light(&mut scene, LightKind::Sun, DVec3::ZERO, sunbeam, Rgb::splat(9.0));
+        let frame = picture(&scene, Bounces::NONE, Method::Slices);
+        frame.channel("R").unwrap().pixels.iter().map(|&value| f64::from(value)).sum::<f64>()
+    };
+    let (wide, narrow) = (light(5e6), light(5e4));
+    assert!(narrow > 0.0 && (wide / narrow - 1.0).abs() < 1e-3, "{wide} {narrow}");
+}
+
 /// A lamp in a wall is as bright as one just before it, wherever in the wall it is, slanting or not.
 #[test]
 fn a_lamp_in_a_wall_shines_into_the_room() {

@@ -234,7 +234,7 @@ mod tests {
             let cuts: Vec<Cut> = leaves.iter().enumerate().map(|(number, &(a, b))| {
                 let corner = DVec2::new(1.0 + (number % 4) as f64, (number / 4) as f64 - 1.5);
                 let primitive = PrimitiveId { instance: number as u32, triangle: 0 };
-                Cut { primitive, ends: [corner + DVec2::from(a), corner + DVec2::from(b)] }
+                Cut { primitive, ends: [corner + DVec2::from(a), corner + DVec2::from(b)], rounding: Cut::SINGLE }
             }).collect();
             let (highest, lowest) = (1.2, -1.2);
             let mut sweep = Sweep::default();
@@ -263,6 +263,7 @@ mod tests {
         let cut = |triangle: u32, a: DVec2, b: DVec2| Cut {
             primitive: PrimitiveId { instance: 0, triangle },
             ends: [a, b],
+            rounding: Cut::SINGLE,
         };
         let edges_of = |fold: DVec2| {
             let (start, middle) = (DVec2::new(2.0, 1.0), DVec2::new(2.0, 0.0));

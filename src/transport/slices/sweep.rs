@@ -49,16 +49,14 @@ impl PlanarClip {
     }
 }
 
-/// Places count as the same within this fraction of their coordinates: 16 roundings of the single
-/// precision in which segments are cut.
-const SAME_PLACE: f64 = 1e-6;
-
 /// A segment of the slice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
     pub(super) primitive: PrimitiveId,
     pub(super) upper: End,
     pub(super) lower: End,
+    /// See [`Cut::rounding`].
+    rounding: f64,
 }
 
 /// An end of a segment, with its triangle.
@@ -179,7 +177,8 @@ impl Sweep {
             let Some([upper, lower]) = ends_beside_axis(cut, light_rays) else { continue };
             from = partition_point_near(lowest_slopes, from, |slope| slope > upper.slope);
             if from < lowest_slopes.len() {
-                self.segments.push(from, Segment { primitive: cut.primitive, upper, lower });
+                self.segments
+                    .push(from, Segment { primitive: cut.primitive, upper, lower, rounding: cut.rounding });
             }
         }
         self.segments.sort(lowest_slopes.len());
@@ -290,8 +289,8 @@ impl Sweep {
         let is_dark = |(index, crossing): (usize, &Crossing)| {
             let Crossing { segment, point, shadow: (start, end) } = *crossing;
             // What lies in the same place does not shadow it: two leaves in one plane, say.
-            let is_there =
-                || point.distance(place) <= SAME_PLACE * (place.length() + self.active[segment].length());
+            let segment = &self.active[segment];
+            let is_there = || point.distance(place) <= segment.rounding * (place.length() + segment.length());
             index != met && start < name && name < end && !is_there()
         };
         let is_lit = !self.shadows.contains(name) && !self.crossings.iter().enumerate().any(is_dark);
@@ -346,15 +345,15 @@ fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End; 2]> {
     let (mut a, mut b) = (end(clipped(a, b)), end(clipped(b, a)));
     // Out of the camera itself, but for rounding: seen edge-on, so that no ray but one meets it.
     let length = a.point.distance(b.point);
-    if a.point.length() <= SAME_PLACE * length {
+    if a.point.length() <= cut.rounding * length {
         a.slope = b.slope;
-    } else if b.point.length() <= SAME_PLACE * length {
+    } else if b.point.length() <= cut.rounding * length {
         b.slope = a.slope;
     }
     // Out of the light itself, a lamp in a wall: seen edge-on from there, so that it shadows no ray but one.
     if let LightRays::From(height) = light_rays {
-        let is_at_light =
-            |end: &End| end.point.distance(DVec2::new(0.0, height)) <= SAME_PLACE * (length + height.abs());
+        let same_m = cut.rounding * (length + height.abs());
+        let is_at_light = |end: &End| end.point.distance(DVec2::new(0.0, height)) <= same_m;
         if is_at_light(&a) {
             a.name = b.name;
         } else if is_at_light(&b) {
