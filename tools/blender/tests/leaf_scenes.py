@@ -78,6 +78,13 @@ class Tree:
     def link(self, output, socket):
         self.group.links.new(output, socket)
 
+    def random(self, low, high, seed=0):
+        """The output of a random number for each point. Sockets by name: numbers differ by version."""
+        made = self.node("FunctionNodeRandomValue", data_type="FLOAT")
+        for name, value in (("Min", low), ("Max", high), ("Seed", seed)):
+            next(socket for socket in made.inputs if socket.enabled and socket.name == name).default_value = value
+        return next(output for output in made.outputs if output.enabled)
+
     def scatter(self, density):
         made = self.node("GeometryNodeDistributePointsOnFaces")
         made.inputs["Density"].default_value = density
@@ -96,13 +103,11 @@ class Tree:
 def nodes(leaf, emitter, born=False):
     tree = Tree(emitter)
     points, time = tree.scatter(LEAVES / 24), tree.node("GeometryNodeInputSceneTime")
-    delay = tree.node("FunctionNodeRandomValue", data_type="FLOAT")
-    delay.inputs[2].default_value, delay.inputs[3].default_value = 0.0, 2.0
     age, drop, spin = (
         tree.node("ShaderNodeMath", operation=kind) for kind in ("ADD", "MULTIPLY", "MULTIPLY")
     )
     tree.link(time.outputs["Seconds"], age.inputs[0])
-    tree.link(delay.outputs[1], age.inputs[1])
+    tree.link(tree.random(0.0, 2.0), age.inputs[1])
     drop.inputs[1].default_value, spin.inputs[1].default_value = -1.2, 5.0
     tree.link(age.outputs[0], drop.inputs[0])
     tree.link(age.outputs[0], spin.inputs[0])
@@ -116,14 +121,8 @@ def nodes(leaf, emitter, born=False):
     alive = moved.outputs[0]
     if born:
         later = tree.node("FunctionNodeCompare", data_type="FLOAT", operation="GREATER_THAN")
-        birth = tree.node("FunctionNodeRandomValue", data_type="FLOAT")
-        birth.inputs[2].default_value, birth.inputs[3].default_value, birth.inputs["Seed"].default_value = (
-            0.0,
-            24.0,
-            7,
-        )
-        tree.link(birth.outputs[1], later.inputs[0])
-        tree.link(time.outputs["Frame"], later.inputs[1])
+        tree.link(tree.random(0.0, 24.0, seed=7), later.inputs["A"])
+        tree.link(time.outputs["Frame"], later.inputs["B"])
         unborn = tree.node("GeometryNodeDeleteGeometry", domain="POINT")
         tree.link(moved.outputs[0], unborn.inputs["Geometry"])
         tree.link(later.outputs[0], unborn.inputs["Selection"])
