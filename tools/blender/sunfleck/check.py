@@ -5,8 +5,9 @@ whatever Blender renders and sunfleck does not is among them.
 """
 
 from . import film, world
-from .evaluated import walk
+from .evaluated import lights, walk
 from .film import of_cycles
+from .keys import curves_of
 from .losses import Finding, ordered
 from .materials import colours, dependence, principled, sockets
 
@@ -157,11 +158,6 @@ def is_linked(thing):
 
 def of_light(name, thing):
     light = thing.data
-    own_nodes = (
-        light.node_tree
-        and light.use_nodes
-        and any(node.type not in {"OUTPUT_LIGHT", "EMISSION"} for node in light.node_tree.nodes)
-    )
     is_portal = light.type == "AREA" and of_cycles(light, "is_portal", False)
     has_size = light.type == "AREA" or (light.type != "SUN" and light.shadow_soft_size > 0.0)
     said = {
@@ -169,7 +165,7 @@ def of_light(name, thing):
         "light-spread": light.type == "AREA" and light.spread < 3.14,
         "light-square": light.type == "SPOT" and light.use_square,
         "light-soft-falloff": light.type in {"POINT", "SPOT"} and has_size and light.use_soft_falloff,
-        "light-nodes": bool(own_nodes),
+        "light-nodes": lights.of_nodes(light) is None,
         "light-shadowless": not light.use_shadow,
         "light-seen": has_size and thing.visible_camera,
         "light-rays": not all(getattr(thing, rays) for rays in RAYS),
@@ -194,26 +190,5 @@ def of_material(material):
         yield Finding("displacement", name)
 
 
-def changes(material):
-    """Whether anything of a material is keyed or driven."""
-    owners = [material, material.node_tree] if material.node_tree else [material]
-    data = [owner.animation_data for owner in owners if owner.animation_data]
-    return any(one.action or one.drivers for one in data)
-
-
 def is_hidden_at_times(thing):
     return any(curve.data_path == "hide_render" for curve in curves_of(thing))
-
-
-def curves_of(owner):
-    return curves(owner.animation_data) if owner.animation_data else ()
-
-
-def curves(animation_data):
-    """The F-curves of an action's slot, and its drivers."""
-    yield from animation_data.drivers
-    action = animation_data.action
-    for layer in action.layers if action else ():
-        for strip in layer.strips:
-            bag = strip.channelbag(animation_data.action_slot) if animation_data.action_slot else None
-            yield from bag.fcurves if bag else ()

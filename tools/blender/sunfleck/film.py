@@ -4,6 +4,8 @@ Cycles multiplies what its film has gathered by the film's exposure. Light trans
 the sky and all emission times that factor give the same picture.
 """
 
+from .keys import curves_of
+
 
 def exposure(scene):
     """By what everything that shines is to be multiplied; other engines have no such setting."""
@@ -12,9 +14,7 @@ def exposure(scene):
 
 def changes(scene):
     """Whether it is keyed or driven."""
-    from . import check
-
-    paths = {curve.data_path for curve in check.curves_of(scene)}
+    paths = {curve.data_path for curve in curves_of(scene)}
     return scene.render.engine == "CYCLES" and "cycles.film_exposure" in paths
 
 

@@ -13,7 +13,7 @@ from urllib.parse import quote
 
 import bpy
 
-from . import world_picture
+from . import keys, world_picture
 from .materials.colours import rec709
 from .materials.sockets import link_to
 
@@ -68,12 +68,7 @@ def is_baked(scene):
 
 def changes(scene):
     """Whether it is keyed or driven."""
-    world = scene.world
-    owners = [owner for owner in (world, world and world.node_tree) if owner]
-    return any(
-        owner.animation_data and (owner.animation_data.action or owner.animation_data.drivers)
-        for owner in owners
-    )
+    return keys.changes(scene.world)
 
 
 def of_world(scene, path):

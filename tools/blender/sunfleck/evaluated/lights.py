@@ -6,6 +6,7 @@ Blender's exporter has it.
 
 import math
 
+from ..materials import closures, principled, sockets
 from ..materials.colours import rec709
 
 LUMENS_PER_WATT = 683.0
@@ -34,9 +35,32 @@ def area_size(light):
 
 
 def color(light):
-    """With what its temperature makes of it, in linear Rec. 709."""
+    """With what its temperature and its nodes make of it, in linear Rec. 709."""
     warmth = light.temperature_color if light.use_temperature else (1.0, 1.0, 1.0)
-    return rec709(tuple(a * b for a, b in zip(light.color, warmth)))
+    factor = of_nodes(light) or (1.0, 1.0, 1.0)
+    return rec709(tuple(a * b * c for a, b, c in zip(light.color, warmth, factor)))
+
+
+def of_nodes(light):
+    """By what its own nodes multiply a light: one Emission of a colour and a strength. None for whatever
+    is more than that."""
+    if not (light.use_nodes and light.node_tree):
+        return (1.0, 1.0, 1.0)
+    output = principled.output_of(light.node_tree)
+    link = sockets.link_to(output.inputs["Surface"]) if output else None
+    if link is None:
+        return (0.0, 0.0, 0.0)
+    if link.from_node.type != "EMISSION" or link.from_node.mute:
+        return None
+    try:
+        surface = closures.read(link)
+    except sockets.NotSimple:
+        return None
+    sources = [surface.sources[name] for name in ("emission", "emission_strength")]
+    if surface.losses or not all(source.is_constant() for source in sources):
+        return None
+    tint, strength = sources[0].factor, sources[1].number()
+    return tuple(max(0.0, channel * strength) for channel in tint)
 
 
 def punctual(light, exposure=1.0):

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import bpy
 import numpy
 
-from .. import extras
+from .. import extras, keys
 from ..losses import Finding
 from ..evaluated.geometry import ATLAS
 from . import bake, closures, dependence, instances, principled, sockets
@@ -253,9 +253,7 @@ class Library:
 
     def watch(self, materials):
         """Those that are keyed or driven are looked at in every frame."""
-        from .. import check
-
-        self.changing = {material for material in materials if check.changes(material)}
+        self.changing = {material for material in materials if keys.changes(material)}
 
     def see(self, graph, frame):
         for material in self.changing:

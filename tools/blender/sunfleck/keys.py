@@ -1,0 +1,50 @@
+"""What of Blender's data is keyed or driven.
+
+In goes an owner of animation data, out come curves: of drivers, of the action and of every strip of the NLA,
+in strips of strips too. Invariant: of what has nodes, those within groups are among them.
+"""
+
+
+def curves_of(owner):
+    """The F-curves of what belongs to an owner itself, and its drivers."""
+    data = getattr(owner, "animation_data", None)
+    if data is None:
+        return
+    yield from data.drivers
+    yield from of_action(data.action, data.action_slot)
+    for track in data.nla_tracks:
+        for strip in strips_of(track):
+            yield from of_action(strip.action, strip.action_slot)
+            yield from strip.fcurves
+
+
+def strips_of(owner):
+    """Of a track, or of a strip that holds others."""
+    for strip in owner.strips:
+        yield strip
+        yield from strips_of(strip)
+
+
+def of_action(action, slot):
+    if action is None or slot is None:
+        return
+    for layer in action.layers:
+        for strip in layer.strips:
+            bag = strip.channelbag(slot)
+            yield from bag.fcurves if bag else ()
+
+
+def trees_of(owner):
+    """The node tree of a material, light or world, and all groups within."""
+    found, waiting = [], [getattr(owner, "node_tree", None)]
+    while waiting:
+        tree = waiting.pop()
+        if tree is not None and tree not in found:
+            found.append(tree)
+            waiting += [getattr(node, "node_tree", None) for node in tree.nodes]
+    return found
+
+
+def changes(owner):
+    """Whether anything of a material, light or world is keyed or driven."""
+    return any(True for one in (owner, *trees_of(owner)) for _ in curves_of(one))
