@@ -4,6 +4,7 @@ In go a record, materials and values that change, out comes the document. Invari
 at a frame is a node that shows at that frame, where it was, and at no other frame.
 """
 
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy
@@ -55,14 +56,13 @@ class Assembly:
         whose names give way."""
         self.meshes, self.materials = Meshes(self.document, materials), materials
         things = sorted(self.record.things.items(), key=lambda item: item[1].instancer is not None)
-        slots = {
-            (material, thing.facts)
+        materials.prepare(Counter(
+            (material, facts)
             for _, thing in things
-            for shown in set(thing.shown)
+            for shown, facts in set(zip(thing.shown, thing.facts))
             if shown
             for material in shown[1]
-        }
-        materials.prepare(slots)
+        ))
         for _, thing in things:
             self.unite_shapes(thing)
         for key, thing in things:
@@ -110,11 +110,13 @@ class Assembly:
     # Surfaces.
 
     def groups(self, thing):
-        """What a thing shows by topology and materials: moments and geometries; only what it
-        shows at a frame itself."""
+        """What a thing shows by topology, materials and what these are on it: moments and geometries; only
+        what it shows at a frame itself."""
         groups = {}
-        for moment, (geometry, materials) in zip(thing.moments, thing.shown):
-            groups.setdefault((self.record.geometries[geometry].topology, materials), {})[moment] = geometry
+        for moment, (geometry, materials), facts in zip(thing.moments, thing.shown, thing.facts):
+            here = tuple(self.materials.on_instance(material, facts) for material in materials)
+            key = (self.record.geometries[geometry].topology, materials, here)
+            groups.setdefault(key, {})[moment] = geometry
         return {key: group for key, group in groups.items() if any(self.is_frame[moment] for moment in group)}
 
     def unite_shapes(self, thing):
@@ -125,7 +127,7 @@ class Assembly:
         for key, group in self.groups(thing).items():
             if len(set(group.values())) == 1:
                 continue
-            united = self.bends.setdefault((thing.object, key), [])
+            united = self.bends.setdefault((thing.object, key[:2]), [])
             fitting = (
                 one
                 for one in united
@@ -152,8 +154,7 @@ class Assembly:
                 )
             if rays:
                 self.document.lists["nodes"][child].setdefault("extras", {})["sunfleck_object"] = rays
-            materials = tuple(self.materials.on_instance(material, thing.facts) for material in key[1])
-            self.show_group(child, materials, group, self.bend(thing, key, group))
+            self.show_group(child, key[2], group, self.bend(thing, key[:2], group))
 
     def show_group(self, node, materials, group, bend):
         said = self.document.lists["nodes"][node]

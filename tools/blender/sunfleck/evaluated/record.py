@@ -37,8 +37,8 @@ class Thing:
     rows: list = field(default_factory=list)
     # Numbers of geometries, with the materials of their slots.
     shown: list = field(default_factory=list)
-    # What materials may ask of it.
-    facts: object = None
+    # What materials ask of it, at the frame of each moment.
+    facts: list = field(default_factory=list)
 
 
 @dataclass(eq=False)
@@ -56,7 +56,9 @@ class Source:
 class Here:
     """What is known within one moment."""
 
-    def __init__(self, ids, names):
+    def __init__(self, graph, ids, names):
+        self.scene, self.layer = graph.scene_eval, graph.view_layer_eval
+        self.frame = self.scene.frame_current_final
         self.ids = numpy.ascontiguousarray(ids).view("V32").ravel().tolist()
         self.sources, self.shown = {}, {}
         # Attributes of instances that materials ask for; of each instancer how many
@@ -120,7 +122,10 @@ class Record:
 
     def __init__(self, library, watch):
         """`library` knows what materials look at; `watch` is told what is no surface."""
-        self.capture, self.watch, self.attributes = Capture(library), watch, library.attributes_of_instances()
+        self.capture, self.watch, self.questions = Capture(library), watch, library.questions()
+        # Names of attributes that materials ask instances for, and whether any answer may change.
+        self.attributes = {name for kind, of, name in self.questions if (kind, of) == ("ATTRIBUTE", "INSTANCER")}
+        self.changes = not set(self.questions) <= instances.STILL
         self.things = {}
         # Of each moment: frame and offset, places of all instances, the first one's row, which rows show
         # which geometry, and lights.
@@ -139,7 +144,7 @@ class Record:
         self.first_rows.append(self.first_rows[-1] + len(self.matrices[-1]) if self.moments else 0)
         self.moments.append((frame, offset))
         self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
-        here = Here(ids, self.attributes)
+        here = Here(graph, ids, self.attributes)
         self.capture.begin(graph)
         rows = []
         for row, instance in enumerate(seen):
@@ -167,8 +172,11 @@ class Record:
             found = self.things[key] = Thing(
                 f"{name} {key[2]}" if key[2] else name, source.kind, source.original, source.parent
             )
-            if source.kind == "SURFACE":
-                found.facts = instances.facts(seen.instance, seen.thing, seen.here.attributes(seen.instance))
+        is_new = not found.facts
+        if found.kind == "SURFACE" and (is_new or (self.changes and self.moments[-1][1] == 0.0)):
+            found.facts.append(instances.facts(seen.instance, seen.thing, self.questions, seen.here))
+        else:
+            found.facts += found.facts[-1:]
         found.moments.append(len(self.moments) - 1)
         found.rows.append(self.first_rows[-1] + seen.row)
         found.shown.append(shown)
@@ -182,9 +190,9 @@ class Record:
         itself is seen first."""
         for thing in self.things.values() if any(offset for _, offset in self.moments) else ():
             order = sorted(range(len(thing.moments)), key=lambda at: sum(self.moments[thing.moments[at]]))
-            for name in ("moments", "rows", "shown"):
+            for name in ("moments", "rows", "shown", "facts"):
                 values = getattr(thing, name)
-                setattr(thing, name, [values[at] for at in order])
+                setattr(thing, name, [values[at] for at in order] if values else values)
         self.all_matrices = (
             numpy.concatenate(self.matrices) if self.matrices else numpy.empty((0, 4, 4), "f4")
         )

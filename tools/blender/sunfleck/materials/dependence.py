@@ -22,6 +22,7 @@ OF_SURFACES = {
     "TEX_ENVIRONMENT",
 }
 OF_INSTANCES = {"OBJECT_INFO", "PARTICLE_INFO"}
+OF_INSTANCERS = {"INSTANCER", "OBJECT", "VIEW_LAYER"}
 OF_VIEWS = {"FRESNEL", "LAYER_WEIGHT", "CAMERA", "LIGHT_PATH"}
 
 
@@ -86,11 +87,35 @@ def colors_of(material):
     return found
 
 
-def is_of_instance(material):
-    return any(
-        node.type in OF_INSTANCES or (node.type == "ATTRIBUTE" and node.attribute_type in {"INSTANCER", "OBJECT"})
-        for node in nodes_of(material)
-    )
+def questions(material):
+    """What it asks of each instance, and which of an answer's four numbers it looks at."""
+    found = {}
+    for node in nodes_of(material):
+        for output, question in questions_of_node(node):
+            before = found.get(question, (False,) * 4)
+            found[question] = tuple(map(max, before, parts_of(output)))
+    return found
+
+
+def questions_of_node(node):
+    """Outputs that are linked and differ from instance to instance, and the questions that they ask."""
+    for output in node.outputs:
+        if not output.is_linked:
+            continue
+        if node.type in OF_INSTANCES:
+            yield output, (node.type, output.name, "")
+        elif node.type == "ATTRIBUTE" and node.attribute_type in OF_INSTANCERS:
+            yield output, (node.type, node.attribute_type, node.attribute_name)
+        elif getattr(node, "from_instancer", False) and output.name in {"UV", "Generated"}:
+            yield output, (node.type, output.name, "")
+
+
+def parts_of(output):
+    """Of a vector that is only taken apart, the parts that are linked."""
+    ends = [link.to_node for link in output.links]
+    if output.type != "VECTOR" or not all(end.type == "SEPXYZ" for end in ends):
+        return (True,) * 4
+    return (*(any(end.outputs[axis].is_linked for end in ends) for axis in "XYZ"), False)
 
 
 def is_of_view(material):

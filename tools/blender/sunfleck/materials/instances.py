@@ -1,68 +1,79 @@
-"""Materials that differ from instance to instance: by Cycles' random number, the object's colour and
-index, or attributes.
+"""Materials that differ from instance to instance, or on one from frame to frame: by Cycles' random number,
+by what Blender knows of objects, particles and instancers, or by attributes.
 
-In go a material and facts of an instance, out comes a copy of the material in which those are
-constants. Invariants: the random number is Cycles'. No more copies are made than there are levels;
-beyond that facts are rounded.
+In go a material and facts of an instance, out comes a copy of the material in which those are constants.
+Invariants: numbers are Cycles' own. No more copies are made than there are levels; beyond that facts are
+rounded. A question is the kind of a node, an output and, of attributes, a name; facts are answers by
+question, four numbers each.
 """
 
-from dataclasses import dataclass, field
-
 import bpy
+import numpy
 
-from . import dependence
-from .sockets import Source
+from . import dependence, particles, properties
 
 # Of simple materials and of those that are baked.
 MOST, MOST_BAKED = 256, 16
+# Of more changes than these, of all things over all frames, facts are rounded as those of baked materials are.
+MOST_CHANGES = 20000
 WORD = 0xFFFFFFFF
+UNKNOWN = (0.5, 0.5, 0.5, 1.0)
+# Answers that stay: the rest is asked for in every frame.
+STILL = {
+    ("OBJECT_INFO", "Random", ""), ("OBJECT_INFO", "Material Index", ""), ("PARTICLE_INFO", "Random", ""),
+    ("PARTICLE_INFO", "Index", ""), ("PARTICLE_INFO", "Lifetime", ""),
+}
 
 
-@dataclass(frozen=True)
-class Facts:
-    """Of one instance."""
-
-    random: float = 0.5
-    color: tuple = (1.0, 1.0, 1.0)
-    alpha: float = 1.0
-    index: int = 0
-    location: tuple = (0.0, 0.0, 0.0)
-    # Names and values.
-    attributes: tuple = field(default=())
+def facts(instance, thing, questions, here):
+    """Of an instance in the graph; `here` knows its attributes and the moment."""
+    return tuple((question, answer(question, instance, thing, here)) for question in questions)
 
 
-def facts(instance, thing, attributes):
-    """Of an instance in the graph."""
-    number = instance.random_id & WORD if instance.is_instance else hashed(thing.name)
+def answer(question, instance, thing, here):
+    kind, output, name = question
+    if kind == "ATTRIBUTE":
+        return of_attribute(output, name, instance, thing, here)
+    if kind == "PARTICLE_INFO":
+        return particles.answer(output, instance, here.frame)
+    if kind in {"TEX_COORD", "UVMAP"}:
+        if not instance.is_instance:
+            return (0.0, 0.0, 0.0, 1.0)
+        if output == "UV":
+            return (*instance.uv, 0.0, 1.0)
+        return (*(0.5 * axis - 0.5 for axis in instance.orco), 1.0)
+    if output == "Random":
+        number = instance.random_id & WORD if instance.is_instance else hashed(thing.name)
+        return (number / WORD,) * 3 + (1.0,)
     # Cycles' own are those of the instancer where there is one.
     owner = instance.parent if instance.is_instance and instance.parent else thing
-    return Facts(
-        number / WORD,
-        tuple(owner.color[:3]),
-        owner.color[3],
-        owner.pass_index,
-        tuple(instance.matrix_world.translation),
-        tuple(attributes),
-    )
+    return {
+        "Color": lambda: tuple(owner.color), "Alpha": lambda: (owner.color[3],) * 3 + (1.0,),
+        "Object Index": lambda: (float(owner.pass_index),) * 3 + (1.0,), "Material Index": lambda: UNKNOWN,
+        "Location": lambda: (*instance.matrix_world.translation, 1.0),
+    }[output]()
+
+
+def of_attribute(kind, name, instance, thing, here):
+    """As Blender looks it up: of the instance, what instances it, and the object itself."""
+    if kind == "VIEW_LAYER":
+        return properties.first((here.layer, here.scene, here.scene.world), name)
+    owners = (thing, thing.data)
+    if kind == "INSTANCER" and instance.is_instance:
+        own = dict(here.attributes(instance)).get(name)
+        if own is not None:
+            return own
+        system, parent = instance.particle_system, instance.parent
+        owners = (system and system.settings, parent, parent and parent.data, *owners)
+    return properties.first(owners, name)
 
 
 def hashed(name):
-    """Cycles' number of an object by its name: `hash_uint2(hash_string(name), 0)`, by Jenkins (lookup3)."""
+    """Cycles' number of an object by its name: `hash_uint2(hash_string(name), 0)`."""
     text = 0
     for letter in name.encode():
         text = (37 * text + letter) & WORD
-    a = b = c = (0xDEADBEEF + (2 << 2) + 13) & WORD
-    a = (a + text) & WORD
-
-    def turned(value, bits):
-        return ((value << bits) | (value >> (32 - bits))) & WORD
-
-    for bits in ((14, 11, 25), (16, 4, 14), (24, 0, 0)):
-        c = ((c ^ b) - turned(b, bits[0])) & WORD
-        if bits[1]:
-            a = ((a ^ c) - turned(c, bits[1])) & WORD
-            b = ((b ^ a) - turned(a, bits[2])) & WORD
-    return c
+    return particles.hash_of(text)
 
 
 def attributes_of(parent, names):
@@ -75,76 +86,83 @@ def attributes_of(parent, names):
     found = {}
     for name in names & set(cloud.attributes.keys()):
         data = cloud.attributes[name].data
-        fields = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color", "FLOAT_VECTOR": "vector"}
+        fields = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color", "FLOAT_VECTOR": "vector", "FLOAT2": "vector"}
         read = fields.get(cloud.attributes[name].data_type, "value")
-        found[name] = [value(getattr(one, read)) for one in data]
+        found[name] = [properties.four(getattr(one, read)) for one in data]
     return [tuple((name, values[row]) for name, values in found.items()) for row in range(len(cloud.points))]
 
 
-def value(found):
-    return tuple(float(part) for part in found[:3]) if hasattr(found, "__len__") else (float(found),) * 3
-
-
-def used(facts, material):
-    """What of the facts a material looks at."""
-    kinds, names = set(), set()
-    for node in dependence.nodes_of(material):
-        if node.type == "OBJECT_INFO":
-            kinds |= {output.name for output in node.outputs if output.is_linked}
-        if node.type == "ATTRIBUTE" and node.attribute_type in {"INSTANCER", "OBJECT"}:
-            names.add(node.attribute_name)
-    return Facts(
-        facts.random if "Random" in kinds else 0.5,
-        facts.color if "Color" in kinds else (1.0, 1.0, 1.0),
-        facts.alpha if "Alpha" in kinds else 1.0,
-        facts.index if "Object Index" in kinds else 0,
-        facts.location if "Location" in kinds else (0.0, 0.0, 0.0),
-        tuple((name, found) for name, found in facts.attributes if name in names),
+def used(facts, questions):
+    """What of the facts a material looks at: of each answer the parts that it takes apart, if it does."""
+    return tuple(
+        (question, tuple(part if counts else 0.0 for part, counts in zip(value, questions[question])))
+        for question, value in facts if question in questions
     )
 
 
-def rounded(facts, levels):
-    """To the middle of a level."""
-    near = lambda number: (int(min(max(number, 0.0), 1.0 - 1e-9) * levels) + 0.5) / levels
-    return Facts(
-        near(facts.random), tuple(map(near, facts.color)), near(facts.alpha), facts.index,
-        tuple(round(axis) * 1.0 for axis in facts.location),
-        tuple((name, tuple(near(part) for part in found)) for name, found in facts.attributes),
-    )
+class Levels:
+    """Facts are rounded to the middle of so many levels of what there is from the least to the most."""
+
+    def __init__(self, all_facts, most):
+        rows = self.rows(all_facts)
+        self.low, self.size = rows.min(axis=0), numpy.ptp(rows, axis=0)
+        self.count, fewer = most, 1
+        while fewer < self.count:
+            middle = (fewer + self.count + 1) // 2 if self.count - fewer > 1 else self.count
+            if len(numpy.unique(self.levels(rows, middle), axis=0)) <= most:
+                fewer = middle
+            elif middle == self.count:
+                self.count = fewer if middle - fewer <= 1 else middle - 1
+            else:
+                self.count = middle - 1
+
+    @staticmethod
+    def rows(all_facts):
+        return numpy.array([[part for _, value in facts for part in value] for facts in all_facts], float)
+
+    def levels(self, rows, count):
+        share = (rows - self.low) / numpy.where(self.size > 0.0, self.size, 1.0)
+        return numpy.minimum((share * count).astype(int), count - 1)
+
+    def rounded(self, facts):
+        level = self.levels(self.rows([facts]), self.count)[0]
+        middles = numpy.where(self.size > 0.0, self.low + (level + 0.5) / self.count * self.size, self.low)
+        parts = iter(middles.tolist())
+        return tuple((question, tuple(next(parts) for _ in value)) for question, value in facts)
 
 
 def copy(material, facts, name):
     """The material as it is on an instance of these facts."""
     made = material.copy()
     made.name = name
-    fixed(made.node_tree, facts, material.pass_index)
+    fixed(made.node_tree, dict(facts), float(material.pass_index))
     return made
 
 
 def fixed(tree, facts, index):
     """Puts constants in the place of what asks for facts."""
-    said = {
-        "Random": (facts.random,) * 3, "Color": facts.color, "Alpha": (facts.alpha,) * 3, "Object Index": (float(facts.index),) * 3,
-        "Material Index": (float(index),) * 3, "Location": facts.location,
-    }
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
             node.node_tree = node.node_tree.copy()
             fixed(node.node_tree, facts, index)
-        elif node.type == "OBJECT_INFO":
-            for output in node.outputs:
-                replaced(tree, output, said[output.name])
-        elif node.type == "ATTRIBUTE" and node.attribute_type in {"INSTANCER", "OBJECT"}:
-            found = dict(facts.attributes).get(node.attribute_name, (0.0, 0.0, 0.0))
-            for output in node.outputs:
-                replaced(tree, output, (1.0,) * 3 if output.name == "Alpha" else found)
+        for output, question in dependence.questions_of_node(node):
+            value = (index,) * 4 if output.name == "Material Index" else facts.get(question, UNKNOWN)
+            replaced(tree, output, value)
 
 
 def replaced(tree, output, value):
+    """A number made of a colour is its brightness, of a vector or an attribute its mean."""
+    three = (value[3],) * 3 if output.name == "Alpha" and output.node.type == "ATTRIBUTE" else value[:3]
+    weights = (0.2126, 0.7152, 0.0722) if output.type == "RGBA" else (1.0 / 3.0,) * 3
     for link in list(output.links):
-        is_color = hasattr(getattr(link.to_socket, "default_value", 0.0), "__len__")
-        node = tree.nodes.new("ShaderNodeRGB" if is_color else "ShaderNodeValue")
-        node.outputs[0].default_value = (*value, 1.0) if is_color else Source(value).number()
+        if hasattr(getattr(link.to_socket, "default_value", 0.0), "__len__"):
+            node = tree.nodes.new("ShaderNodeCombineXYZ")
+            for socket, part in zip(node.inputs, three):
+                socket.default_value = part
+        else:
+            node = tree.nodes.new("ShaderNodeValue")
+            is_grey = three[0] == three[1] == three[2]
+            node.outputs[0].default_value = three[0] if is_grey else sum(a * b for a, b in zip(three, weights))
         tree.links.new(node.outputs[0], link.to_socket)
 
 

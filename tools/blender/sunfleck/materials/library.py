@@ -69,9 +69,7 @@ class Library:
         if material not in self.looks:
             if self.differs(material):
                 # As good as any instance's.
-                one = self.copies[material, instances.Facts()] = instances.copy(
-                    material, instances.Facts(), f"{material.name} 0"
-                )
+                one = self.copies[material, ()] = instances.copy(material, (), f"{material.name} 0")
                 self.looks[one] = self.looks[material] = looked_at(one)
             else:
                 self.looks[material] = looked_at(material)
@@ -80,40 +78,37 @@ class Library:
     # What differs from instance to instance.
 
     def differs(self, material):
+        """What it asks of each instance."""
         if material not in self.of_instances:
-            self.of_instances[material] = material is not None and dependence.is_of_instance(material)
+            self.of_instances[material] = {} if material is None else dependence.questions(material)
         return self.of_instances[material]
 
-    @staticmethod
-    def attributes_of_instances():
-        """Names of the attributes that any material asks instances for."""
-        nodes = (
-            node
-            for material in bpy.data.materials
-            for node in dependence.nodes_of(material)
-            if node.type == "ATTRIBUTE"
-        )
-        return {node.attribute_name for node in nodes if node.attribute_type == "INSTANCER"}
+    def questions(self):
+        """What any material asks instances."""
+        found = {question for material in bpy.data.materials for question in self.differs(material)}
+        return tuple(sorted(found))
 
     def prepare(self, shown):
-        """Finds out into how many levels facts have to be rounded, of materials and the facts
-        of each instance."""
-        found = {}
-        for material, facts in shown:
+        """Finds out into how many levels facts have to be rounded: `shown` counts materials and the facts of
+        each instance at each frame."""
+        found, changes = {}, {}
+        for (material, facts), count in shown.items():
             if self.differs(material):
-                found.setdefault(material, set()).add(instances.used(facts, material))
+                found.setdefault(material, set()).add(instances.used(facts, self.differs(material)))
+                changes[material] = changes.get(material, 0) + count
         for material, all_facts in found.items():
-            most = instances.MOST_BAKED if self.look(material).baked else instances.MOST
+            is_few = not self.look(material).baked and changes[material] <= instances.MOST_CHANGES
+            most = instances.MOST if is_few else instances.MOST_BAKED
             if len(all_facts) > most:
-                self.levels[material] = most
+                self.levels[material] = instances.Levels(all_facts, most)
 
     def on_instance(self, material, facts):
         """The material as it is on one."""
         if not self.differs(material):
             return material
-        own = instances.used(facts, material)
+        own = instances.used(facts, self.differs(material))
         if material in self.levels:
-            own = instances.rounded(own, self.levels[material])
+            own = self.levels[material].rounded(own)
         key = (material, own)
         if key not in self.copies:
             self.copies[key] = instances.copy(
@@ -213,7 +208,7 @@ class Library:
         """A word on every material that is shown: exact, baked at so many texels, or not honoured."""
         found = {}
         for material, look in self.looks.items():
-            if material is None or not any(key[0] == material for key in self.numbers):
+            if material is None or not self.is_shown(material):
                 continue
             texels = ", ".join(f"{size} x {size}" for size in sorted(look.sizes))
             word = "not honoured" if look.failed else f"baked at {texels} texels" if look.baked else "exact"
@@ -226,14 +221,14 @@ class Library:
         """A word on every material that is not exact. Remembers the names of all."""
         self.seen = {key[0].name if key[0] else "default" for key in self.numbers}
         yield from (
-            Finding("instance-colors", f"the material `{material.name}`", f"{levels} levels")
+            Finding("instance-colors", f"the material `{material.name}`", f"{levels.count} levels")
             for material, levels in self.levels.items()
         )
         for material, look in self.looks.items():
             if (
                 material is None
                 or (look.surface is None and not look.baked)
-                or not any(key[0] == material for key in self.numbers)
+                or not self.is_shown(material)
             ):
                 continue
             name = f"the material `{material.name}`"
@@ -248,6 +243,12 @@ class Library:
                 yield Finding("material-lost", name, ", ".join(look.losses))
             if material in self.changing and (look.baked or material not in self.tracks):
                 yield Finding("material-changes", name)
+        for material in self.changing:
+            if any(one == material and self.is_shown(made) for (one, _), made in self.copies.items()):
+                yield Finding("material-changes", f"the material `{material.name}`")
+
+    def is_shown(self, material):
+        return any(key[0] == material for key in self.numbers)
 
     # What changes.
 
