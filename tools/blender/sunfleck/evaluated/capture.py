@@ -73,7 +73,8 @@ class Capture:
             made = strands.of_points(data)
         else:
             colors = {name for material in materials for name in self.library.colors_of(material)}
-            made = geometry.of_mesh(data, sorted(colors))
+            uvs = {name for material in materials for name in self.library.uvs_of(material)}
+            made = geometry.of_mesh(data, sorted(colors), sorted(uvs))
         return self.kept(made, materials, source)
 
     def hair(self, thing, source, system):

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy
 
+from .attributes import numbers, of_corners, uv_of_corners
 
 # The name of texture coordinates that are made for baking.
 ATLAS = "sunfleck bake"
@@ -28,6 +29,7 @@ class Geometry:
     normals_of: str
     normals: numpy.ndarray
     uvs: dict = field(default_factory=dict)
+    # One to four numbers a corner.
     colors: dict = field(default_factory=dict)
     topology: bytes = b""
     shape: bytes = b""
@@ -38,7 +40,8 @@ class Geometry:
     def fingerprint(self):
         """Finds out what it is known by."""
         of_corners = [self.corner_vertices, self.triangles, self.slots]
-        names = repr((len(self.positions), self.normals_of, list(self.uvs), list(self.colors)))
+        widths = {name: values.shape[1] for name, values in self.colors.items()}
+        names = repr((len(self.positions), self.normals_of, list(self.uvs), widths))
         self.topology = digest(names.encode(), *of_corners, *self.uvs.values(), *self.colors.values())
         self.shape = digest(self.positions, self.normals)
         return self
@@ -79,8 +82,9 @@ def digest(*pieces):
     return made.digest()
 
 
-def of_mesh(mesh, colors=()):
-    """What there is to see of a mesh, with the colours that its materials ask for; None without a face."""
+def of_mesh(mesh, colors=(), uvs=()):
+    """What there is to see of a mesh, with the attributes that its materials ask for as colours and as
+    texture coordinates; None without a face."""
     if not mesh.polygons:
         return None
     mesh.calc_loop_triangles()
@@ -88,6 +92,7 @@ def of_mesh(mesh, colors=()):
     faces = numbers(mesh.loop_triangles, "polygon_index", triangles, "i4")
     slots = numbers(mesh.polygons, "material_index", len(mesh.polygons), "i4")[faces]
     normals_of, normals = normals_and_owner(mesh)
+    layers = {layer.name: numbers(layer.uv, "vector", (corners, 2), "f4") for layer in ordered_uvs(mesh)}
     return Geometry(
         name=mesh.name,
         positions=numbers(mesh.vertices, "co", (len(mesh.vertices), 3), "f4"),
@@ -96,16 +101,9 @@ def of_mesh(mesh, colors=()):
         slots=slots,
         normals_of=normals_of,
         normals=normals,
-        uvs={layer.name: numbers(layer.uv, "vector", (corners, 2), "f4") for layer in ordered_uvs(mesh)},
-        colors={name: found for name in colors if (found := corner_colors(mesh, name)) is not None},
+        uvs={**layers, **{name: uv_of_corners(mesh, name) for name in uvs if name not in layers}},
+        colors={name: of_corners(mesh, name) for name in colors},
     ).fingerprint()
-
-
-def numbers(owner, name, shape, kind):
-    """All of a property of everything in a collection."""
-    found = numpy.empty(shape, kind)
-    owner.foreach_get(name, found.ravel())
-    return found
 
 
 def normals_and_owner(mesh):
@@ -120,21 +118,3 @@ def ordered_uvs(mesh):
     """The one that renders first, which textures without a name of their own take."""
     layers = list(mesh.uv_layers)
     return sorted(layers, key=lambda layer: not layer.active_render)
-
-
-def corner_colors(mesh, name):
-    """Linear colours by corner; the empty name is the one that renders. None if the mesh has
-    none of that name."""
-    attributes = mesh.attributes
-    name = name or attributes.default_color_name
-    attribute = attributes.get(name) if name else None
-    if attribute is None or attribute.data_type not in {"FLOAT_COLOR", "BYTE_COLOR", "FLOAT_VECTOR"}:
-        return None
-    if attribute.data_type == "FLOAT_VECTOR":
-        found = numbers(attribute.data, "vector", (len(attribute.data), 3), "f4")
-        found = numpy.concatenate([found, numpy.ones((len(found), 1), "f4")], axis=1)
-    else:
-        found = numbers(attribute.data, "color", (len(attribute.data), 4), "f4")
-    if attribute.domain == "POINT":
-        return found[numbers(mesh.loops, "vertex_index", len(mesh.loops), "i4")]
-    return found if attribute.domain == "CORNER" else None

@@ -8,6 +8,7 @@ the file's axes, y up.
 import numpy
 
 from ..materials.colours import rec709
+from .attributes import four
 from .document import INDICES, VERTICES
 
 
@@ -122,7 +123,7 @@ class Meshes:
             return {}
         if wanted not in known:
             name, part = wanted
-            values = geometry.colors[name][layout.corners]
+            values = four(geometry.colors[name][layout.corners])
             rgb = rec709(values[:, :3]) if part != "a" else numpy.ones_like(values[:, :3])
             rows = numpy.clip(
                 rgb if part == "rgb" else numpy.concatenate([rgb, values[:, 3:]], axis=1), 0.0, 1.0

@@ -11,6 +11,7 @@ from pathlib import Path
 import bpy
 import numpy
 
+from ..evaluated.attributes import MADE
 from ..evaluated.geometry import digest
 from . import principled, sockets
 from .colours import rec709, working_space
@@ -277,8 +278,11 @@ def mesh_of(geometry, uv):
     mesh.uv_layers[first].active_render = True
     mesh.uv_layers.active = mesh.uv_layers[uv]
     for name, values in geometry.colors.items():
-        attribute = mesh.attributes.new(name or "color", "FLOAT_COLOR", "CORNER")
-        attribute.data.foreach_set("color", numpy.ascontiguousarray(values[corners], "f4").ravel())
+        if name in geometry.uvs:
+            continue
+        kind, field = MADE[values.shape[1]]
+        attribute = mesh.attributes.new(name or "color", kind, "CORNER")
+        attribute.data.foreach_set(field, numpy.ascontiguousarray(values[corners], "f4").ravel())
     if geometry.normals_of != "FACE":
         normals = geometry.normals[corners] if geometry.normals_of == "CORNER" else geometry.normals[vertices]
         mesh.normals_split_custom_set(normals.tolist())

@@ -76,8 +76,13 @@ def uv_of(material):
     return next((node.uv_map for node in nodes_of(material) if node.type == "UVMAP"), "")
 
 
+def uvs_of(material):
+    """Names of the texture coordinates that it looks at."""
+    return {node.uv_map for node in nodes_of(material) if node.type == "UVMAP" and node.uv_map}
+
+
 def colors_of(material):
-    """Names of the colour attributes that it looks at."""
+    """Names of the attributes that it looks at."""
     found = set()
     for node in nodes_of(material):
         if node.type == "VERTEX_COLOR":

@@ -142,8 +142,18 @@ class Library:
         found = self.attribute(material)
         return [] if found is None else [found[0]]
 
+    def uvs_of(self, material):
+        """The names of texture coordinates that meshes have to bring."""
+        look = self.look(material)
+        if look.baked:
+            return dependence.uvs_of(material)
+        surface = look.surface or NOTHING
+        pictures = [source.picture for source in (*surface.sources.values(), surface.alpha) if source.picture]
+        pictures += [bent[0] for bent in (surface.normal, surface.coat_normal) if bent]
+        return {picture.uv for picture in pictures if picture.uv}
+
     def color_attribute(self, material, geometry):
-        """That attribute, if the mesh has it; else Blender takes black, and here is nothing."""
+        """That attribute, if the geometry has it."""
         found = self.attribute(material)
         return found if found is not None and found[0] in geometry.colors else None
 

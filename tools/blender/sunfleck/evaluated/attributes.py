@@ -1,0 +1,61 @@
+"""Attributes of meshes by corner, as materials ask for them by name.
+
+In go evaluated meshes, out come rows of one to four numbers a corner: what Blender's type has. Invariant:
+colours are linear; what a mesh lacks is Cycles' black, opaque.
+"""
+
+import numpy
+
+# By Blender's type: the field of its data, how many numbers, and what they are.
+TYPES = {
+    "FLOAT": ("value", 1, "f4"), "INT": ("value", 1, "i4"), "INT8": ("value", 1, "i1"), "BOOLEAN": ("value", 1, "?"),
+    "FLOAT2": ("vector", 2, "f4"), "FLOAT_VECTOR": ("vector", 3, "f4"), "FLOAT_COLOR": ("color", 4, "f4"),
+    "BYTE_COLOR": ("color", 4, "f4"), "QUATERNION": ("value", 4, "f4"),
+}
+# What Blender calls these when they are made anew.
+MADE = {1: ("FLOAT", "value"), 2: ("FLOAT2", "vector"), 3: ("FLOAT_VECTOR", "vector"), 4: ("FLOAT_COLOR", "color")}
+MISSING = (0.0, 0.0, 0.0, 1.0)
+
+
+def of_corners(mesh, name):
+    """The empty name is the colours that render."""
+    name = name or mesh.attributes.default_color_name
+    values = values_of(mesh.attributes.get(name) if name else None)
+    count = len(mesh.loops)
+    if values is None:
+        return numpy.tile(numpy.array(MISSING, "f4"), (count, 1))
+    domain = mesh.attributes[name].domain
+    if domain == "POINT":
+        return values[numbers(mesh.loops, "vertex_index", count, "i4")]
+    if domain == "FACE":
+        return numpy.repeat(values, numbers(mesh.polygons, "loop_total", len(mesh.polygons), "i4"), axis=0)
+    return values
+
+
+def values_of(attribute):
+    """Rows of numbers; None of what Cycles knows nothing of."""
+    if attribute is None or attribute.domain == "EDGE" or attribute.data_type not in TYPES:
+        return None
+    field, width, kind = TYPES[attribute.data_type]
+    return numbers(attribute.data, field, (len(attribute.data), width), kind).astype("f4")
+
+
+def uv_of_corners(mesh, name):
+    """Texture coordinates that nodes stored in other ways than as a UV map."""
+    found = of_corners(mesh, name)
+    return numpy.pad(found, ((0, 0), (0, max(0, 2 - found.shape[1]))))[:, :2]
+
+
+def four(values):
+    """As a colour: a number is grey."""
+    if values.shape[1] == 1:
+        values = values.repeat(3, axis=1)
+    missing = numpy.tile(numpy.array(MISSING, "f4"), (len(values), 1))
+    return numpy.concatenate([values, missing[:, values.shape[1] :]], axis=1)
+
+
+def numbers(owner, name, shape, kind):
+    """All of a property of everything in a collection."""
+    found = numpy.empty(shape, kind)
+    owner.foreach_get(name, found.ravel())
+    return found
