@@ -67,8 +67,10 @@ LOSSES = {
                                     "exported as they are now"),
     "ray-visibility": (WARNING, "visibility to single kinds of rays is not honoured, but to the camera's and "
                                 "to shadows'"),
-    "hair": (INFO, "hair is exported as ribbons that face the camera of the first frame"),
-    "point-cloud": (INFO, "points are exported as spheres of 20 sides"),
+    "hair": (WARNING, "hair is exported as tubes of 12 sides, or as ribbons that face the camera of the first "
+                      "frame where it lets light through"),
+    "point-cloud": (WARNING, "points are exported as spheres of 20 sides"),
+    "point-splats": (WARNING, "points of other types than the plain one are exported as spheres"),
     "grease-pencil": (WARNING, "grease pencil is not rendered"),
     "displacement": (WARNING, "true displacement by materials is not rendered"),
     "adaptive-subdivision": (WARNING, "a mesh that Cycles would subdivide by its size in the picture is "
@@ -82,7 +84,7 @@ LOSSES = {
     "material-glows": (INFO, "what glows is seen, and lights other things only where light bounces"),
     "material-shadows": (WARNING, "what is transparent casts shadows that are so too"),
     "material-changes": (WARNING, "the material changes in a way that is not honoured"),
-    "instance-colors": (INFO, "colours that differ from instance to instance are rounded to a number of "
+    "instance-colors": (WARNING, "colours that differ from instance to instance are rounded to a number of "
                               "them"),
     # Counts after export.
     "count-instances": (WARNING, "the file shows another number of instances than Blender"),

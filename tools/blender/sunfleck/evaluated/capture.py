@@ -7,15 +7,19 @@ cannot change is looked at once; what has no surface to see is None, and its nam
 import bpy
 import numpy
 
+from ..materials import dependence
 from . import geometry, strands
+
+# The attribute by which Cycles blurs what has it, metres a second.
+VELOCITY = "velocity"
 
 
 class Capture:
     """Of a record."""
 
-    def __init__(self, library):
-        # `library` knows what materials look at.
-        self.library = library
+    def __init__(self, library, seconds_a_frame):
+        # `library` knows what materials look at; velocities count for so many seconds a frame, 0 without blur.
+        self.library, self.seconds_a_frame = library, seconds_a_frame
         self.geometries, self.known, self.reaches = [], {}, {}
         # What was found in this moment, and what cannot change.
         self.here, self.still = {}, {}
@@ -23,10 +27,13 @@ class Capture:
         self.eye, self.eyes = None, {}
         # Names of what has no surface.
         self.unseen = set()
+        # What has velocities is at all moments of a frame what it is at the frame.
+        self.drifting, self.offset = {}, 0.0
 
-    def begin(self, graph):
+    def begin(self, graph, offset):
         """A new moment."""
-        self.here = {}
+        self.here, self.offset = {}, offset
+        self.drifting = self.drifting if offset else {}
         if self.eye is None:
             camera = graph.scene.camera
             self.eye = numpy.array(
@@ -65,17 +72,34 @@ class Capture:
         return found
 
     def captured(self, thing, source):
+        key = (source.names, thing.type, thing.data.name)
+        if key not in self.drifting:
+            materials = [material.original if material else None for material in materials_of(thing, thing.data)]
+            made, velocities = self.made(thing, source, materials)
+            if velocities is None:
+                return self.kept(made, materials, source)
+            self.drifting[key] = made, velocities, materials
+        made, velocities, materials = self.drifting[key]
+        return self.kept(made.drifted(velocities, self.offset * self.seconds_a_frame), materials, source)
+
+    def made(self, thing, source, materials):
+        """A geometry, and velocities of its corners if Cycles blurs it by those."""
         data = thing.data
-        materials = [material.original if material else None for material in materials_of(thing, data)]
+        asked = {name for material in materials for name in self.library.colors_of(material)}
+        has_velocities = self.seconds_a_frame and is_velocity(data.attributes.get(VELOCITY))
+        colors = sorted(asked | {VELOCITY} if has_velocities else asked)
         if thing.type == "CURVES":
-            made = strands.of_curves(data, self.eye_in(thing, source))
+            is_flat = any(map(dependence.lets_through, materials))
+            found = strands.of_curves(data, self.eye_in(thing, source), colors, is_flat)
         elif thing.type == "POINTCLOUD":
-            made = strands.of_points(data)
+            found = strands.of_points(data, colors)
         else:
-            colors = {name for material in materials for name in self.library.colors_of(material)}
             uvs = {name for material in materials for name in self.library.uvs_of(material)}
-            made = geometry.of_mesh(data, sorted(colors), sorted(uvs))
-        return self.kept(made, materials, source)
+            found = geometry.of_mesh(data, colors, sorted(uvs))
+        if found is None or not has_velocities:
+            return found, None
+        velocities = found.colors[VELOCITY] if VELOCITY in asked else found.colors.pop(VELOCITY)
+        return found, velocities
 
     def hair(self, thing, source, system):
         """Of a particle system; strands that are not simulated keep still on a mesh that cannot change."""
@@ -92,7 +116,8 @@ class Capture:
                 material.original if material else None for material in materials_of(thing, thing.data)
             ]
             slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
-            made = strands.of_particles(thing, system, self.eye_in(thing, source))
+            is_flat = bool(materials) and dependence.lets_through(materials[slot])
+            made = strands.of_particles(thing, system, self.eye_in(thing, source), is_flat)
             found = self.still[kept] = self.kept(
                 made, materials[slot : slot + 1] if materials else [], source
             )
@@ -132,6 +157,10 @@ class Capture:
         return self.reaches[number]
 
 
+def is_velocity(attribute):
+    return attribute is not None and (attribute.domain, attribute.data_type) == ("POINT", "FLOAT_VECTOR")
+
+
 def cannot_change(original, data):
     """A mesh that is neither keyed nor bent nor at some script's mercy is the same at every moment; one made
     for instances may be any."""
@@ -143,6 +172,7 @@ def cannot_change(original, data):
         and original.data.shape_keys is None
         and original.data.animation_data is None
         and data.name == original.data.name
+        and VELOCITY not in data.attributes
     )
 
 

@@ -6,7 +6,7 @@ are; two with the same `shape` too do not differ.
 """
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy
 
@@ -45,6 +45,12 @@ class Geometry:
         self.topology = digest(names.encode(), *of_corners, *self.uvs.values(), *self.colors.values())
         self.shape = digest(self.positions, self.normals)
         return self
+
+    def drifted(self, velocities, seconds):
+        """The same after a while: velocities are of corners."""
+        positions = self.positions.copy()
+        positions[self.corner_vertices] += numpy.float32(seconds) * velocities
+        return replace(self, positions=positions).fingerprint()
 
     def unwrapped(self):
         """The same with corners of their own for each triangle, and texture coordinates in which

@@ -22,6 +22,8 @@ KINDS = {
     "CAMERA": "CAMERA",
     "EMPTY": "EMPTY",
 }
+# What is said of these, which nodes of a mesh may make too.
+SHAPES = {"VOLUME": "volume", "GREASEPENCIL": "grease-pencil", "CURVES": "hair", "POINTCLOUD": "point-cloud"}
 
 
 @dataclass
@@ -120,13 +122,15 @@ def kind_of(thing):
 class Record:
     """Grows as the graph is walked."""
 
-    def __init__(self, library, watch):
-        """`library` knows what materials look at; `watch` is told what is no surface."""
-        self.capture, self.watch, self.questions = Capture(library), watch, library.questions()
+    def __init__(self, library, watch, seconds_a_frame=0.0):
+        """`library` knows what materials look at; `watch` is told what is no surface; for the last see `Capture`."""
+        self.capture, self.watch, self.questions = Capture(library, seconds_a_frame), watch, library.questions()
         # Names of attributes that materials ask instances for, and whether any answer may change.
         self.attributes = {name for kind, of, name in self.questions if (kind, of) == ("ATTRIBUTE", "INSTANCER")}
         self.changes = not set(self.questions) <= instances.STILL
         self.things = {}
+        # Ids of losses and names of what is there in a shape that has none here, or another.
+        self.shapes = set()
         # Of each moment: frame and offset, places of all instances, the first one's row, which rows show
         # which geometry, and lights.
         self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
@@ -145,12 +149,15 @@ class Record:
         self.moments.append((frame, offset))
         self.matrices.append(matrices.reshape(count, 4, 4).swapaxes(1, 2))
         here = Here(graph, ids, self.attributes)
-        self.capture.begin(graph)
+        self.capture.begin(graph, offset)
         rows = []
         for row, instance in enumerate(seen):
             thing = instance.object
             source = here.source(instance, thing)
             here.count(instance)
+            if instance.show_self and thing.type in SHAPES:
+                is_splat = getattr(thing.data, "type", "POINTS") != "POINTS"
+                self.shapes.add(("point-splats" if is_splat else SHAPES[thing.type], source.original.name))
             if source.kind == "SURFACE":
                 for part, shown in self.capture.shown(thing, source, instance):
                     self.add(here.key(row, source, part), Seen(row, instance, thing, source, here), shown)

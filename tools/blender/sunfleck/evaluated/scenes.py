@@ -11,7 +11,7 @@ from ..losses import Finding
 from ..materials.library import Library, custom
 from . import counts, walk
 from .assemble import Assembly
-from .moments import Clock, Shutter, frames
+from .moments import Clock, Shutter, frames, seconds_a_frame
 from .record import Record
 from .smoothness import Smoothness
 from .values import Values
@@ -24,7 +24,7 @@ class Exported:
         self.frames, self.record, self.assembly, self.library = list(wanted), record, assembly, library
         self.materials = library.words()
         # What only the export found out.
-        self.findings = list(library.findings())
+        self.findings = [*library.findings(), *(Finding(id, f"`{name}`") for id, name in sorted(record.shapes))]
 
     def compared(self, file):
         """What there should be by frame, and where the file differs."""
@@ -42,7 +42,7 @@ def export(scene, path, only=None):
     wanted = frames(scene, only)
     library, values, shutter = Library(film.exposure(scene)), Values(scene), Shutter.of(scene)
     library.watch(bpy.data.materials)
-    record = Record(library, values.watch)
+    record = Record(library, values.watch, seconds_a_frame(scene.render) if shutter.length else 0.0)
 
     def visit(graph, frame, moment):
         record.visit(graph, frame, moment)

@@ -1,15 +1,16 @@
-"""Hair as ribbons that face the camera, and points as spheres: surfaces for what Cycles has
+"""Hair as tubes, or as ribbons of what lets light through, and points as spheres: surfaces for what Cycles has
 shapes of its own for.
 
-In go strands (points with radii), out come geometries. Invariant: a ribbon is as wide as its strand
-everywhere, and stays where the strand is; its flat side is towards `eye`, a place in the strand's own space.
-Its texture coordinates are those of its root.
+In go strands (points with radii), out come geometries. Invariant: from wherever it is seen a tube is in the
+mean as wide as its strand, and normals are those of a round one, as on Cycles' ribbons. A ribbon's flat side
+is towards `eye`, a place in the strand's own space. Texture coordinates are those of the root.
 """
 
 from dataclasses import dataclass, field
 
 import numpy
 
+from .attributes import MISSING, values_of
 from .geometry import Geometry
 
 # Cycles' own where curves have no radius.
@@ -18,19 +19,22 @@ DEFAULT_RADIUS = 0.005
 OF_SURFACE = "surface_uv_coordinate"
 # Straight pieces from point to point of a curve, which Cycles takes for a Catmull-Rom spline.
 PIECES = 4
+# Of a tube; and lengthwise parts of a ribbon.
+SIDES, COLUMNS = 12, 6
 
 
 @dataclass
 class Strand:
-    """One hair; `uvs` are texture coordinates of its root, by name."""
+    """One hair; `uvs` are texture coordinates of its root, by name, and `values` attributes, a row a point."""
 
     points: numpy.ndarray
     radii: numpy.ndarray
     uvs: dict = field(default_factory=dict)
+    values: dict = field(default_factory=dict)
 
 
-def of_curves(curves, eye):
-    """Of hair curves; None without any."""
+def of_curves(curves, eye, names=(), is_flat=False):
+    """Of hair curves with the attributes of these names; None without any."""
     count = len(curves.points)
     if count == 0:
         return None
@@ -41,11 +45,27 @@ def of_curves(curves, eye):
         curves.attributes["radius"].data.foreach_get("value", radii)
     starts = [curve.first_point_index for curve in curves.curves] + [count]
     roots = root_uvs(curves)
-    strands = [
-        Strand(*smooth(points[a:b], radii[a:b]), {name: uv[number] for name, uv in roots.items()})
-        for number, (a, b) in enumerate(zip(starts, starts[1:])) if b - a > 1
-    ]
-    return ribbons(curves.name, strands, eye)
+    columns = {name: values_of_curves(curves, name) for name in names}
+    strands = []
+    for number, (a, b) in enumerate(zip(starts, starts[1:])):
+        if b - a < 2:
+            continue
+        rows = [column[a:b] for column in columns.values()]
+        along, radii_along, *values = smooth(points[a:b], radii[a:b], rows)
+        uvs = {name: uv[number] for name, uv in roots.items()}
+        strands.append(Strand(along, radii_along, uvs, dict(zip(columns, values))))
+    return surface_of(curves.name, strands, eye, is_flat)
+
+
+def values_of_curves(curves, name):
+    """Of an attribute, a row a point; Cycles' black of what there is not."""
+    attribute = curves.attributes.get(name)
+    values = values_of(attribute)
+    if values is None:
+        return numpy.tile(numpy.array(MISSING, "f4"), (len(curves.points), 1))
+    if attribute.domain == "CURVE":
+        return numpy.repeat(values, [curve.points_length for curve in curves.curves], axis=0)
+    return values
 
 
 def root_uvs(curves):
@@ -58,20 +78,24 @@ def root_uvs(curves):
     return {OF_SURFACE: found}
 
 
-def smooth(points, radii):
-    """A Catmull-Rom spline through points, in straight pieces."""
+def smooth(points, radii, values=()):
+    """A Catmull-Rom spline through points, in straight pieces; values beside go straight from point to point."""
     if len(points) < 3:
-        return points, radii
+        return points, radii, *values
     rows = numpy.concatenate([points, radii[:, None]], axis=1).astype(float)
     padded = numpy.concatenate([2 * rows[:1] - rows[1:2], rows, 2 * rows[-1:] - rows[-2:-1]])
     a, b, c, d = padded[:-3], padded[1:-2], padded[2:-1], padded[3:]
     share = (numpy.arange(PIECES) / PIECES)[:, None, None]
     found = b + 0.5 * share * (c - a + share * (2 * a - 5 * b + 4 * c - d + share * (3 * (b - c) + d - a)))
     found = numpy.concatenate([found.swapaxes(0, 1).reshape(-1, 4), rows[-1:]])
-    return found[:, :3], numpy.maximum(found[:, 3], 0.0)
+    between = (
+        numpy.concatenate([(one[:-1] + share * (one[1:] - one[:-1])).swapaxes(0, 1).reshape(-1, one.shape[1]), one[-1:]])
+        for one in values
+    )
+    return found[:, :3], numpy.maximum(found[:, 3], 0.0), *between
 
 
-def of_particles(thing, system, eye):
+def of_particles(thing, system, eye, is_flat=False):
     """Of a particle system's hair, in the object's space; None without any."""
     settings, modifier = (
         system.settings,
@@ -98,7 +122,7 @@ def of_particles(thing, system, eye):
                 for at, layer in layers
             }
             strands.append(Strand((points @ local[:3, :3].T + local[:3, 3])[kept], radii[kept], uvs))
-    return ribbons(system.name, strands, eye)
+    return surface_of(system.name, strands, eye, is_flat)
 
 
 def tapered(settings, count):
@@ -115,34 +139,72 @@ def tapered(settings, count):
     return radii
 
 
-def ribbons(name, strands, eye):
-    """One geometry of all strands."""
+def surface_of(name, strands, eye, is_flat):
+    """One geometry of all strands: tubes, or ribbons."""
     if not strands:
         return None
-    vertices, triangles, first = [], [], 0
+    around = SIDES if not is_flat else COLUMNS + 1
+    vertices, normals, triangles, first = [], [], [], 0
     for strand in strands:
-        points = numpy.asarray(strand.points, float)
-        along = numpy.gradient(points, axis=0)
-        aside = numpy.cross(along, eye - points)
-        lengths = numpy.linalg.norm(aside, axis=1, keepdims=True)
-        aside = (
-            numpy.where(lengths > 1e-12, aside / numpy.maximum(lengths, 1e-12), [1.0, 0.0, 0.0])
-            * strand.radii[:, None]
-        )
-        vertices.append(numpy.stack([points - aside, points + aside], axis=1).reshape(-1, 3))
-        at = first + 2 * numpy.arange(len(points) - 1)[:, None]
-        triangles.append(numpy.concatenate([at + [0, 1, 3], at + [0, 3, 2]], axis=0))
-        first += 2 * len(points)
-    corners = [6 * (len(strand.points) - 1) for strand in strands]
+        places, outwards = (ribbon if is_flat else tube)(strand, eye)
+        vertices.append(places.reshape(-1, 3))
+        normals.append(outwards.reshape(-1, 3))
+        triangles.append(first + walls(len(strand.points), around, is_closed=not is_flat))
+        first += around * len(strand.points)
+    triangles = numpy.concatenate(triangles)
+    corners = triangles.ravel()
+    counts = [len(strand.points) for strand in strands]
+    strand_of = numpy.repeat(numpy.repeat(numpy.arange(len(strands)), counts), around)[corners]
     uvs = {
-        layer: numpy.repeat(numpy.array([strand.uvs[layer] for strand in strands], "f4"), corners, axis=0)
-        for layer in strands[0].uvs
+        layer: numpy.array([strand.uvs[layer] for strand in strands], "f4")[strand_of] for layer in strands[0].uvs
     }
-    return made(name, numpy.concatenate(vertices), numpy.concatenate(triangles), uvs)
+    colors = {
+        layer: numpy.concatenate([strand.values[layer] for strand in strands]).repeat(around, axis=0)[corners]
+        for layer in strands[0].values
+    }
+    return made(name, numpy.concatenate(vertices), triangles, numpy.concatenate(normals), uvs, colors)
 
 
-def of_points(cloud):
-    """An icosahedron for each point, that shows as much as its sphere; None without any."""
+def frames(strand, eye):
+    """At each point a direction across the strand and to the eye's left, and one towards the eye."""
+    points = numpy.asarray(strand.points, float)
+    along = numpy.gradient(points, axis=0)
+    aside = numpy.cross(along, eye - points)
+    lengths = numpy.linalg.norm(aside, axis=1, keepdims=True)
+    aside = numpy.where(lengths > 1e-12, aside / numpy.maximum(lengths, 1e-12), [1.0, 0.0, 0.0])
+    towards = numpy.cross(aside, along)
+    return points, aside, towards / numpy.maximum(numpy.linalg.norm(towards, axis=1, keepdims=True), 1e-12)
+
+
+def tube(strand, eye):
+    """(points, sides, 3) places and normals; a prism has the circumference of its strand."""
+    points, aside, towards = frames(strand, eye)
+    angles = 2.0 * numpy.pi * numpy.arange(SIDES) / SIDES
+    outwards = numpy.cos(angles)[None, :, None] * aside[:, None] + numpy.sin(angles)[None, :, None] * towards[:, None]
+    radius = numpy.pi / (SIDES * numpy.sin(numpy.pi / SIDES)) * numpy.asarray(strand.radii, float)
+    return points[:, None] + radius[:, None, None] * outwards, outwards
+
+
+def ribbon(strand, eye):
+    """Flat, with the normals of a tube."""
+    points, aside, towards = frames(strand, eye)
+    across = numpy.linspace(-1.0, 1.0, COLUMNS + 1)[None, :, None]
+    # Just within the edge, where a normal would lie in the ribbon.
+    lean = 0.98 * across
+    outwards = lean * aside[:, None] + numpy.sqrt(1.0 - lean**2) * towards[:, None]
+    return points[:, None] + across * numpy.asarray(strand.radii, float)[:, None, None] * aside[:, None], outwards
+
+
+def walls(rings, around, is_closed):
+    """Triangles from ring to ring."""
+    ring, side = numpy.meshgrid(numpy.arange(rings - 1), numpy.arange(around if is_closed else around - 1), indexing="ij")
+    a, b = ring * around + side, ring * around + (side + 1) % around
+    quads = numpy.stack([a, b, b + around, a, b + around, a + around], axis=-1)
+    return quads.reshape(-1, 3)
+
+
+def of_points(cloud, names=()):
+    """An icosahedron for each point, that shows as much as its sphere, with attributes; None without any."""
     count = len(cloud.points)
     if count == 0:
         return None
@@ -152,10 +214,15 @@ def of_points(cloud):
         cloud.attributes["radius"].data.foreach_get("value", radii)
     corners, faces = icosahedron()
     vertices = points[:, None, :] + corners * radii[:, None, None]
+    missing = numpy.tile(numpy.array(MISSING, "f4"), (count, 1))
+    values = {name: values_of(cloud.attributes.get(name)) for name in names}
     return made(
         cloud.name,
         vertices.reshape(-1, 3),
         (faces + len(corners) * numpy.arange(count)[:, None, None]).reshape(-1, 3),
+        colors={
+            name: (missing if found is None else found).repeat(faces.size, axis=0) for name, found in values.items()
+        },
     )
 
 
@@ -179,10 +246,13 @@ def icosahedron():
     return corners * (4.0 * numpy.pi / surface) ** 0.5, numpy.array(outwards)
 
 
-def made(name, vertices, triangles, uvs=None):
+def made(name, vertices, triangles, normals=None, uvs=None, colors=None):
+    """Normals are of vertices; without any, of faces."""
     corners = triangles.ravel()
+    is_smooth = normals is not None
     return Geometry(
         name=name, positions=numpy.asarray(vertices, "f4"), corner_vertices=corners.astype("i4"),
-        triangles=numpy.arange(len(corners), dtype="i4").reshape(-1, 3), slots=numpy.zeros(len(triangles), "i4"), normals_of="FACE",
-        normals=numpy.empty((0, 3), "f4"), uvs=uvs or {},
+        triangles=numpy.arange(len(corners), dtype="i4").reshape(-1, 3), slots=numpy.zeros(len(triangles), "i4"),
+        normals_of="POINT" if is_smooth else "FACE",
+        normals=numpy.asarray(normals, "f4") if is_smooth else numpy.empty((0, 3), "f4"), uvs=uvs or {}, colors=colors or {},
     ).fingerprint()

@@ -139,6 +139,18 @@ def is_transparent(material):
     return False
 
 
+def lets_through(material):
+    """Whether any light comes out on its other side."""
+    if material is None:
+        return False
+    passing = {"BSDF_TRANSLUCENT", "BSDF_GLASS", "BSDF_REFRACTION"}
+    return is_transparent(material) or any(
+        node.type in passing
+        or (node.type == "BSDF_PRINCIPLED" and principled.lets_through(node))
+        for node in nodes_of(material)
+    )
+
+
 def is_of_film(material):
     """Whether an image of it changes from frame to frame."""
     return any(

@@ -85,6 +85,11 @@ def read(shader):
     return surface
 
 
+def lets_through(shader):
+    """Whether light comes out on the other side, alpha aside."""
+    return not is_zero(shader.inputs["Transmission Weight"])
+
+
 def is_zero(socket):
     return not socket.is_linked and socket.default_value == 0.0
 
