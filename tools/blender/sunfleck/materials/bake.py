@@ -49,7 +49,6 @@ class Baker:
             output = principled.output_of(tree)
             channels = Channels(tree)
             parts = channels.of(sockets.link_to(output.inputs["Surface"]).from_socket)
-            self.losses += sorted(f"nearly-{kind}" for kind in channels.nearly)
             bends = channels.bends or sockets.link_to(output.inputs["Displacement"]) is not None
             pictures = self.pictures(copy, parts, bends)
             return self.put_together(pictures, channels.principled)
@@ -118,7 +117,9 @@ class Baker:
         """The surface of the pictures; what shines of a Principled BSDF keeps its other numbers."""
         cover = pictures["cover"]
         there = numpy.maximum(cover, 1e-4)
-        emission = pictures["emission"]
+        emission = pictures["emission"] / there
+        if (pictures["reflected"] + pictures["through"] - cover).max() > 2e-3:
+            self.losses.append("more-than-all")
         strength = float(emission.max()) or 0.0
         surface = Surface({
             "base": self.source("base", numpy.minimum(pictures["reflected"] / there, 1.0)),
@@ -137,6 +138,7 @@ class Baker:
         if "normal" in pictures:
             surface.normal = (self.picture("normal", 0.5 + 0.5 * pictures["normal"]), 1.0)
         self.add_shine(surface, shaders)
+        principled.scatter(surface)
         surface.losses = list(self.losses)
         return surface
 

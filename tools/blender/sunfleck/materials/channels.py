@@ -5,6 +5,7 @@ Invariant: parts are weighted by how much of the surface is there ("cover"). So 
 are mixtures of parts.
 """
 
+from . import sheets
 from .sockets import NotSimple, link_to
 
 COLORS = ("reflected", "through", "emission")
@@ -24,23 +25,12 @@ PLAIN = {
     "BSDF_METALLIC": ("reflected", None, 1.0),
     "BSDF_GLASS": ("reflected", None, 0.0),
 }
-# Of these less is kept than their name says.
-NEARLY = {
-    "SUBSURFACE_SCATTERING",
-    "BSDF_SHEEN",
-    "BSDF_VELVET",
-    "BSDF_TOON",
-    "BSDF_HAIR",
-    "BSDF_METALLIC",
-    "BSDF_GLASS",
-}
-
 
 class Channels:
     """Computes parts in one tree."""
 
     def __init__(self, tree):
-        self.tree, self.nearly, self.bends, self.principled = tree, set(), False, []
+        self.tree, self.bends, self.principled = tree, False, []
 
     def of(self, output):
         """The parts of a shader's output."""
@@ -56,7 +46,9 @@ class Channels:
         if node.type == "ADD_SHADER":
             a, b = self.of_input(node.inputs[0]), self.of_input(node.inputs[1])
             found = {name: self.sum(a[name], b[name]) for name in NOTHING}
-            return {**found, "cover": self.most(a["cover"], b["cover"])}
+            # What only shines lies upon what is there, and nowhere else.
+            covers = [one["cover"] for one in (a, b) if not is_light(one)] or [1.0]
+            return {**found, "cover": covers[0] if len(covers) == 1 else self.most(*covers)}
         if node.type == "BSDF_TRANSPARENT":
             return dict(NOTHING)
         if node.type == "EMISSION":
@@ -79,8 +71,6 @@ class Channels:
         if node.type not in PLAIN:
             raise NotSimple(node)
         part, roughness, metallic = PLAIN[node.type]
-        if node.type in NEARLY:
-            self.nearly.add(node.type)
         color = next(socket for socket in node.inputs if socket.name in {"Color", "Base Color"})
         self.note_normal(node)
         found = {**NOTHING, part: self.value(color), "cover": 1.0, "metallic": metallic}
@@ -96,8 +86,11 @@ class Channels:
         emission = self.product(
             self.value(node.inputs["Emission Color"]), self.value(node.inputs["Emission Strength"])
         )
+        base, shares = self.product(self.value(node.inputs["Base Color"]), cover), (1.0, 0.0)
+        if sheets.is_sheet(node):
+            shares = sheets.shares(node)
         return {
-            "reflected": self.product(self.value(node.inputs["Base Color"]), cover), "through": (0.0, 0.0, 0.0),
+            "reflected": self.product(base, shares[0]), "through": self.product(base, shares[1]),
             "emission": self.product(emission, cover), "cover": cover,
             "roughness": self.product(self.value(node.inputs["Roughness"]), cover),
             "metallic": self.product(self.value(node.inputs["Metallic"]), cover),
@@ -115,7 +108,6 @@ class Channels:
         within = Channels(inner)
         link = link_to(end.inputs[list(node.outputs).index(output)]) if end else None
         parts = within.of(link.from_socket) if link else dict(NOTHING)
-        self.nearly |= within.nearly
         self.bends |= within.bends
         self.principled += within.principled
         found = {}
@@ -181,6 +173,10 @@ class Channels:
             socket.default_value = (*color, 1.0)
         else:
             socket.default_value = value[0] if isinstance(value, tuple) else value
+
+
+def is_light(parts):
+    return same(parts["reflected"], 0.0) and same(parts["through"], 0.0) and same(parts["cover"], 1.0)
 
 
 def is_socket(value):

@@ -3,7 +3,7 @@
 In go trees, out come names. Invariant: only nodes that the output is made of count.
 """
 
-from . import principled
+from . import principled, sheets
 
 # Of these every texture without linked coordinates takes those that Blender generates for the mesh.
 PROCEDURAL = {
@@ -23,8 +23,31 @@ OF_SURFACES = {
 }
 OF_INSTANCES = {"OBJECT_INFO", "PARTICLE_INFO"}
 OF_INSTANCERS = {"INSTANCER", "OBJECT", "VIEW_LAYER"}
-OF_VIEWS = {"FRESNEL", "LAYER_WEIGHT", "CAMERA", "LIGHT_PATH"}
-
+# What a bake cannot know: by kind of node, of all its outputs or of those.
+VIEW, PLACE, SIDE, SURROUNDINGS, HAIR = (
+    f"depends-on-{what}" for what in ("view", "place", "side", "surroundings", "hair")
+)
+LOST = {
+    "FRESNEL": VIEW, "LAYER_WEIGHT": VIEW, "CAMERA": VIEW, "LIGHT_PATH": VIEW, "LIGHT_FALLOFF": VIEW,
+    "AMBIENT_OCCLUSION": SURROUNDINGS, "BEVEL": SURROUNDINGS, "HAIR_INFO": HAIR, "CURVE_INFO": HAIR, "POINT_INFO": HAIR,
+}
+LOST_OUTPUTS = {
+    "NEW_GEOMETRY": {
+        "Position": PLACE, "Normal": PLACE, "True Normal": PLACE, "Tangent": PLACE, "Incoming": VIEW, "Backfacing": SIDE,
+    },
+    "TEX_COORD": {"Camera": VIEW, "Window": VIEW, "Reflection": VIEW},
+}
+# Whatever else there is has not been compared with Cycles.
+COMPARED = {
+    *PROCEDURAL, *OF_SURFACES, *OF_INSTANCES, *LOST, *LOST_OUTPUTS, "TEX_IMAGE", "UVMAP", "ATTRIBUTE", "VERTEX_COLOR", "RGB",
+    "VALUE", "MIX", "MIX_RGB", "MATH", "VECT_MATH", "SEPARATE_COLOR", "SEPRGB", "SEPXYZ", "SEPHSV", "COMBINE_COLOR", "COMBRGB",
+    "COMBXYZ", "COMBHSV", "VALTORGB", "CURVE_RGB", "CURVE_FLOAT", "CURVE_VEC", "HUE_SAT", "BRIGHTCONTRAST", "GAMMA", "INVERT",
+    "MAP_RANGE", "CLAMP", "RGBTOBW", "BLACKBODY", "WAVELENGTH", "MAPPING", "NORMAL", "VECTOR_ROTATE", "NORMAL_MAP", "BUMP",
+    "TANGENT", "SQUEEZE", "DISPLACEMENT", "VECTOR_DISPLACEMENT", "REROUTE", "FRAME", "GROUP", "GROUP_INPUT", "GROUP_OUTPUT",
+    "OUTPUT_MATERIAL", "MIX_SHADER", "ADD_SHADER", "EMISSION", "HOLDOUT", "SUBSURFACE_SCATTERING", "VECT_TRANSFORM",
+    "NodeClosureInput", "NodeClosureOutput", "NodeEvaluateClosure", "NodeCombineBundle", "NodeSeparateBundle", "REPEAT_INPUT",
+    "REPEAT_OUTPUT", "MENU_SWITCH",
+}
 
 def nodes_of(material):
     """Those that the surface is made of, in groups too."""
@@ -123,8 +146,25 @@ def parts_of(output):
     return (*(any(end.outputs[axis].is_linked for end in ends) for axis in "XYZ"), False)
 
 
-def is_of_view(material):
-    return any(node.type in OF_VIEWS for node in nodes_of(material))
+def losses(material):
+    """What it looks at that a file cannot say: the view, where a thing is, on which of its sides, what is about
+    it; nodes that have not been compared."""
+    found = set()
+    for node in nodes_of(material):
+        found.add(LOST.get(node.type))
+        outputs = LOST_OUTPUTS.get(node.type, {})
+        found |= {outputs.get(output.name) for output in node.outputs if output.is_linked}
+        if not {node.type, node.bl_idname} & COMPARED and not node.type.startswith("BSDF_"):
+            found.add(f"unknown-node-{node.bl_label.lower().replace(' ', '-')}")
+        if node.type == "TEX_COORD" and node.object and node.outputs["Object"].is_linked:
+            found.add(PLACE)
+        if node.type == "VECT_TRANSFORM" and {node.convert_from, node.convert_to} != {"OBJECT"}:
+            found.add(VIEW if "CAMERA" in {node.convert_from, node.convert_to} else PLACE)
+        if node.type in {"TEX_ENVIRONMENT", "TEX_SKY"} and not node.inputs["Vector"].is_linked:
+            found.add(PLACE)
+        if node.type in {"BUMP", "NORMAL_MAP"} and getattr(node, "space", "TANGENT") in {"WORLD", "BLENDER_WORLD"}:
+            found.add(PLACE)
+    return found - {None}
 
 
 def is_transparent(material):
@@ -146,7 +186,7 @@ def lets_through(material):
     passing = {"BSDF_TRANSLUCENT", "BSDF_GLASS", "BSDF_REFRACTION"}
     return is_transparent(material) or any(
         node.type in passing
-        or (node.type == "BSDF_PRINCIPLED" and principled.lets_through(node))
+        or (node.type == "BSDF_PRINCIPLED" and (not sheets.is_zero(node, "Transmission Weight") or sheets.is_sheet(node)))
         for node in nodes_of(material)
     )
 

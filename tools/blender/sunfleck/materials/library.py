@@ -14,7 +14,7 @@ import numpy
 from .. import extras, keys
 from ..losses import Finding
 from ..evaluated.geometry import ATLAS
-from . import bake, closures, dependence, instances, principled, sockets
+from . import bake, closures, dependence, inputs, instances, principled, sockets
 from .images import Images
 from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
@@ -302,20 +302,15 @@ def looked_at(material):
     link = principled.surface_link(material)
     if link is None:
         return Look(None if is_volume(material) else NOTHING)
+    losses = sorted(dependence.losses(material) | inputs.losses(material))
+    if dependence.is_of_film(material):
+        losses.append("image-sequence")
     try:
         surface = closures.read(link)
         check_attributes(surface)
-        return Look(surface)
+        return Look(surface, losses)
     except NotSimple as more:
         node = more.args[0] if more.args else None
-        losses = [
-            loss
-            for loss, is_so in {
-                "depends-on-view": dependence.is_of_view(material),
-                "image-sequence": dependence.is_of_film(material),
-            }.items()
-            if is_so
-        ]
         return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")
 
 

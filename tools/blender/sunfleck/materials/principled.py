@@ -4,9 +4,9 @@ In goes a node tree, out comes a `Surface`: sources by what they are for. Invari
 is among `losses`, by an id; what a socket has that is no source raises `NotSimple`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from . import sockets
+from . import sheets, sockets
 from .sockets import NotSimple, Source
 
 # Blender's sockets by what we call them.
@@ -15,11 +15,6 @@ SOCKETS = {
     "specular_tint": "Specular Tint", "transmission": "Transmission Weight", "coat": "Coat Weight", "coat_roughness": "Coat Roughness",
     "sheen": "Sheen Weight", "sheen_roughness": "Sheen Roughness", "sheen_tint": "Sheen Tint", "emission": "Emission Color",
     "emission_strength": "Emission Strength",
-}
-# Whatever is not 0 here is lost.
-LOST = {
-    "Subsurface Weight": "subsurface", "Anisotropic": "anisotropy", "Thin Film Thickness": "thin-film",
-    "Diffuse Roughness": "diffuse-roughness",
 }
 WHITE = Source((1.0, 1.0, 1.0))
 
@@ -73,29 +68,33 @@ def read(shader):
     )
     if shader.inputs["Coat Normal"].is_linked is False:
         surface.coat_normal = None
-    for name, lost in LOST.items():
-        if not is_zero(shader.inputs[name]):
-            surface.losses.append(lost)
-    coat = surface.sources["coat"]
-    is_coated = not (coat.is_constant() and coat.number() == 0.0)
-    if is_coated and (
-        abs(shader.inputs["Coat IOR"].default_value - 1.5) > 1e-6 or not is_white(shader.inputs["Coat Tint"])
-    ):
-        surface.losses.append("coat-tint")
+    if sheets.is_sheet(shader):
+        reflected, through = sheets.shares(shader)
+        base = surface.sources["base"]
+        surface.sources["base"] = scaled(base, reflected)
+        surface.sources["through"] = scaled(base, through)
+    scatter(surface)
     return surface
 
 
-def lets_through(shader):
-    """Whether light comes out on the other side, alpha aside."""
-    return not is_zero(shader.inputs["Transmission Weight"])
+def scatter(surface):
+    """What goes through a rough surface is scattered: of the share that its transmission says, as much as it is
+    rough comes out matte, and the rest goes straight on. This is nearly what Cycles has, with its light."""
+    transmission, roughness = (surface.sources.get(name) for name in ("transmission", "roughness"))
+    if not (transmission and transmission.is_constant() and roughness.is_constant()):
+        return
+    weight, rough = (sheets.unit(source.number()) for source in (transmission, roughness))
+    if weight * rough == 0.0 or "through" in surface.sources:
+        return
+    through, straight = weight * rough, weight * (1.0 - rough)
+    base, left = surface.sources["base"], max(1e-6, 1.0 - straight)
+    surface.sources["through"] = scaled(base, through / left)
+    surface.sources["base"] = scaled(base, max(1.0 - weight, 1e-3 * through) / left)
+    surface.sources["transmission"] = Source((straight,) * 3)
 
 
-def is_zero(socket):
-    return not socket.is_linked and socket.default_value == 0.0
-
-
-def is_white(socket):
-    return not socket.is_linked and min(socket.default_value[:3]) > 1.0 - 1e-6
+def scaled(source, share):
+    return replace(source, factor=tuple(share * channel for channel in source.factor))
 
 
 def diffuse(shader):
@@ -104,8 +103,6 @@ def diffuse(shader):
         {"base": sockets.of(shader.inputs["Color"]), "specular": Source((0.0,) * 3), "roughness": WHITE}
     )
     surface.normal = normal(shader.inputs["Normal"])
-    if not is_zero(shader.inputs["Roughness"]):
-        surface.losses.append("diffuse-roughness")
     return surface
 
 

@@ -1,0 +1,81 @@
+"""What of shaders' inputs is lost.
+
+In goes a material, out come names of losses. Invariant: an input that is not known, and is linked or not as a
+new node has it, is among them: later Blenders have more.
+"""
+
+import bpy
+
+from . import dependence, sheets, sockets
+
+# Inputs by what they do to whom: None is honoured, or does nothing alone.
+OF_PRINCIPLED = {
+    **dict.fromkeys((
+        "Base Color", "Metallic", "Roughness", "IOR", "Alpha", "Normal", "Weight", "Subsurface Radius", "Subsurface Scale",
+        "Subsurface IOR", "Subsurface Anisotropy", "Specular IOR Level", "Specular Tint", "Anisotropic Rotation", "Tangent",
+        "Coat Weight", "Coat Roughness", "Coat Normal", "Sheen Weight", "Sheen Roughness", "Sheen Tint", "Emission Color",
+        "Emission Strength", "Thin Film IOR", "Transmission Dispersion Abbe Number",
+    )),
+    "Thin Wall": "thin-wall", "Diffuse Roughness": "diffuse-roughness", "Subsurface Weight": "subsurface",
+    "Anisotropic": "anisotropy", "Transmission Weight": "transmission", "Transmission Dispersion Scale": "dispersion",
+    "Thin Film Thickness": "thin-film", "Coat IOR": "coat-tint", "Coat Tint": "coat-tint",
+}
+PLAIN = dict.fromkeys(("Color", "Normal", "Weight"))
+KNOWN = {
+    "BSDF_PRINCIPLED": OF_PRINCIPLED,
+    "BSDF_DIFFUSE": {**PLAIN, "Roughness": "diffuse-roughness"},
+    "BSDF_TRANSLUCENT": PLAIN,
+    "BSDF_TRANSPARENT": PLAIN,
+    "EMISSION": {**PLAIN, "Strength": None},
+    "BSDF_GLOSSY": {**PLAIN, "Roughness": None, "Rotation": None, "Tangent": None, "Anisotropy": "anisotropy"},
+}
+# Of these the whole is said to be nearly what it is.
+NEARLY = {
+    "SUBSURFACE_SCATTERING", "BSDF_SHEEN", "BSDF_VELVET", "BSDF_TOON", "BSDF_HAIR", "BSDF_METALLIC", "BSDF_GLASS",
+}
+
+
+def losses(material):
+    return {loss for node in dependence.nodes_of(material) for loss in losses_of(node)}
+
+
+def losses_of(node):
+    if node.type in NEARLY:
+        yield f"nearly-{node.type}"
+    if node.type not in KNOWN:
+        return
+    known, usual = KNOWN[node.type], as_new(node.bl_idname)
+    for socket in node.inputs:
+        if not socket.enabled or (not sockets.link_to(socket) and value_of(socket) == usual.get(socket.name)):
+            continue
+        loss = known.get(socket.name, f"input-{socket.name.lower().replace(' ', '-')}")
+        if loss and not does_nothing(node, loss):
+            yield loss
+
+
+def does_nothing(node, loss):
+    """Whether an input does not count, or is honoured, as others stand."""
+    if loss in {"thin-wall", "subsurface"}:
+        return sheets.is_sheet(node) or (loss == "thin-wall" and sheets.is_zero(node, "Subsurface Weight"))
+    if loss == "dispersion":
+        return sheets.is_zero(node, "Transmission Weight")
+    return loss == "coat-tint" and sheets.is_zero(node, "Coat Weight")
+
+
+_as_new = {}
+
+
+def as_new(kind):
+    """Values of a new node's inputs, by name."""
+    if kind not in _as_new:
+        tree = bpy.data.node_groups.new("sunfleck as new", "ShaderNodeTree")
+        try:
+            _as_new[kind] = {socket.name: value_of(socket) for socket in tree.nodes.new(kind).inputs}
+        finally:
+            bpy.data.node_groups.remove(tree)
+    return _as_new[kind]
+
+
+def value_of(socket):
+    value = getattr(socket, "default_value", None)
+    return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
