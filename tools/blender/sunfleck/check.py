@@ -4,7 +4,7 @@ In goes a scene, out come findings (`losses`); what only the export itself finds
 whatever Blender renders and sunfleck does not is among them.
 """
 
-from . import film, world
+from . import film, fog, world
 from .evaluated import lights, walk
 from .film import of_cycles
 from .keys import curves_of
@@ -58,6 +58,7 @@ def of_scene(scene):
         "camera-culling": render.use_simplify and any(of_cycles(scene, by, False) for by in ("use_camera_cull", "use_distance_cull")),
         "world-volume": world.has_volume(scene),
         "world-rays": bool(scene.world) and not all(of_cycles(scene.world, rays, True, "cycles_visibility") for rays in WORLD_RAYS),
+        "shutter-changes": render.use_motion_blur and any(curve.data_path.startswith("render.motion_blur") for curve in curves_of(scene)),
         "shutter-shape": render.use_motion_blur and not is_box(scene),
         "working-space": colours.working_space() != "Linear Rec.709",
     }
@@ -68,6 +69,8 @@ def of_scene(scene):
             yield Finding("world-baked")
         if world.changes(scene):
             yield Finding("world-changes")
+        if own.sky_lights == "nothing" and (world.shines(scene) or world.is_baked(scene)):
+            yield Finding("world-lights-nothing")
     elif own.background_strength == 0.0 and world.shines(scene):
         yield Finding("world-not-exported")
 
@@ -120,6 +123,10 @@ def of_object(thing, scene):
     if thing.sunfleck_settings.is_fog:
         if thing.type == "MESH" and not is_fogs_cube(thing):
             yield Finding("fog-not-a-cube", name)
+        if fog.is_lost(thing):
+            yield Finding("fog-material", name)
+        if not all(getattr(thing, rays) for rays in (*RAYS, "visible_camera", "visible_shadow")):
+            yield Finding("ray-visibility", name)
         return
     is_blurred, own = scene.render.use_motion_blur, scene.sunfleck_settings
     bounces = own.all_bounces or own.bounces > 0

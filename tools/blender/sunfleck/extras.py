@@ -8,7 +8,7 @@ keeps it unless the panel speaks of the same thing.
 from pathlib import Path
 from urllib.parse import quote
 
-from . import film, world
+from . import film, fog, world
 from .evaluated import lights
 from .materials.colours import rec709
 
@@ -51,7 +51,7 @@ def of_scene(scene, path=None):
     written = {"sunfleck": sunfleck}
     if own.use_fog:
         written["sunfleck_fog"] = {
-            **fog(own), "scale_height": own.scale_height, "base_height": own.base_height
+            **fog.of_settings(own), "scale_height": own.scale_height, "base_height": own.base_height
         }
     sky = None
     if own.use_world:
@@ -68,7 +68,7 @@ def of_object(thing, scene, path=None):
     """What an object's custom properties are to be in a scene; what image they name lies beside `path`."""
     own, written = thing.sunfleck_settings, {}
     if own.is_fog:
-        volume = {"shape": "box", **fog(own)}
+        volume = {"shape": "box", **fog.numbers(thing)}
         if own.thins_out:
             volume["scale_height"] = own.scale_height
         written["sunfleck_fog_volume"] = volume
@@ -174,10 +174,6 @@ def of_material(material):
     if own.use_transmit_color:
         leaf["transmit_color"] = list(own.transmit_color)
     return {"sunfleck_leaf": leaf}
-
-
-def fog(own):
-    return {"density": own.density, "albedo": list(own.albedo), "anisotropy": own.anisotropy}
 
 
 def plain(value):

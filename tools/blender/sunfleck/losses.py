@@ -16,6 +16,7 @@ LOSSES = {
                                     "background and a sun for its light"),
     "world-baked": (INFO, "the world's nodes are baked to a picture of 1024 x 512 texels"),
     "world-changes": (WARNING, "the world changes: it is exported as it is now"),
+    "world-lights-nothing": (WARNING, "the sky is seen and lights nothing: choose in the panel what it lights"),
     "world-rays": (WARNING, "the sky is seen and lights, whatever the world's ray visibility says"),
     "world-volume": (WARNING, "the world's volume is not exported: tick Fog everywhere in the panel"),
     "border": (WARNING, "a render border is not in the file: Frame and Animation render that region alone"),
@@ -41,6 +42,7 @@ LOSSES = {
                                "frame"),
     "camera-aperture": (WARNING, "blades of an aperture are neither turned nor stretched"),
     "shutter-shape": (WARNING, "the shutter opens and closes at once, and everywhere at the same time"),
+    "shutter-changes": (WARNING, "how long the shutter is open does not change: it is exported as it is now"),
     "motion-blur-off": (WARNING, "what Blender leaves sharp is blurred with the rest"),
     # Lights.
     "light-power": (ERROR, "a light's power is negative"),
@@ -48,7 +50,8 @@ LOSSES = {
     "light-square": (WARNING, "a square spot is round"),
     "light-soft-falloff": (INFO, "a light with soft falloff is a sphere, and no disc that turns to what it "
                                  "lights"),
-    "light-nodes": (WARNING, "light nodes are exported only in part: use the light's own power and colour"),
+    "light-nodes": (WARNING, "light nodes are more than an Emission of one colour and strength: the light's "
+                             "own power and colour count alone"),
     "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
     "light-seen": (WARNING, "Cycles' camera sees lights that have a size; here it sees none but suns"),
     "light-rays": (WARNING, "lights light everything, whatever their ray visibility says"),
@@ -65,8 +68,8 @@ LOSSES = {
                                    "there"),
     "visibility-changes": (WARNING, "visibility to camera and shadows and holdouts do not change: they are "
                                     "exported as they are now"),
-    "ray-visibility": (WARNING, "visibility to single kinds of rays is not honoured, but to the camera's and "
-                                "to shadows'"),
+    "ray-visibility": (WARNING, "visibility to single kinds of rays is not honoured, but of surfaces to the "
+                                "camera's and to shadows'"),
     "hair": (WARNING, "hair is exported as tubes of 12 sides, or as ribbons that face the camera of the first "
                       "frame where it lets light through"),
     "point-cloud": (WARNING, "points are exported as spheres of 20 sides"),
@@ -77,6 +80,9 @@ LOSSES = {
                                       "subdivided as often as its modifier says"),
     "fog-not-a-cube": (WARNING, "fog fills the cube from -1 to 1 of an object, and its mesh reaches "
                                 "elsewhere"),
+    "fog-material": (WARNING, "the fog's own volume material is more than numbers: those of its panel count"),
+    "velocity-blur": (WARNING, "what is blurred by velocities moves from where it is at the frame, and not in "
+                               "the middle of the shutter"),
     # Materials.
     "material-baked": (INFO, "the material is baked"),
     "material-not-honoured": (WARNING, "the material is not honoured"),

@@ -35,7 +35,7 @@ def key(owner, path, values, frames=FRAMES, interpolation=None):
     if interpolation:
         from sunfleck import check
 
-        for curve in check.curves(owner.animation_data):
+        for curve in keys.curves_of(owner):
             for point in getattr(curve, "keyframe_points", ()):
                 point.interpolation = interpolation
 

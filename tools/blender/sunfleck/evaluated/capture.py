@@ -28,7 +28,7 @@ class Capture:
         # Names of what has no surface.
         self.unseen = set()
         # What has velocities is at all moments of a frame what it is at the frame.
-        self.drifting, self.offset = {}, 0.0
+        self.drifting, self.drifted, self.offset = {}, set(), 0.0
 
     def begin(self, graph, offset):
         """A new moment."""
@@ -79,6 +79,7 @@ class Capture:
             if velocities is None:
                 return self.kept(made, materials, source)
             self.drifting[key] = made, velocities, materials
+            self.drifted.add(source.original.name)
         made, velocities, materials = self.drifting[key]
         return self.kept(made.drifted(velocities, self.offset * self.seconds_a_frame), materials, source)
 

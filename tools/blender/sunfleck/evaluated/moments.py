@@ -47,6 +47,10 @@ class Shutter:
             share = [at / pieces for at in range(1, pieces, 2)]
 
     @property
+    def is_centred(self):
+        return abs(self.opening + 0.5 * self.length) < 1e-6
+
+    @property
     def switch(self):
         """Where, from a frame, what is seen from this frame on begins to be: between the shutters."""
         return self.opening + 0.5 * (self.length - 1.0)

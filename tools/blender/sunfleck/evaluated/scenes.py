@@ -25,6 +25,8 @@ class Exported:
         self.materials = library.words()
         # What only the export found out.
         self.findings = [*library.findings(), *(Finding(id, f"`{name}`") for id, name in sorted(record.shapes))]
+        if not assembly.shutter.is_centred:
+            self.findings += [Finding("velocity-blur", f"`{name}`") for name in sorted(record.capture.drifted)]
 
     def compared(self, file):
         """What there should be by frame, and where the file differs."""

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy
 
-from .. import extras, film
+from .. import extras, film, fog
 from ..materials.library import custom
 from . import cameras, lights, thinning
 
@@ -46,14 +46,14 @@ class Values:
         own = graph.scene_eval.sunfleck_settings
         if own.use_fog and offset == 0.0:
             self.see(
-                "scene", frame, {**fog("sunfleck_fog", own), "sunfleck_fog.scale_height": own.scale_height}
+                "scene", frame, {**of_fog("sunfleck_fog", fog.of_settings(own)), "sunfleck_fog.scale_height": own.scale_height}
             )
 
     def watch(self, key, thing, frame):
         """An evaluated object that is no surface."""
         own = thing.sunfleck_settings
         if own.is_fog:
-            found = fog("sunfleck_fog_volume", own)
+            found = of_fog("sunfleck_fog_volume", fog.numbers(thing))
             self.see(
                 key,
                 frame,
@@ -104,12 +104,8 @@ def lens(thing, scene):
     return SimpleNamespace(camera=cameras.camera(thing.data, scene), extras=own)
 
 
-def fog(owner, own):
-    return {
-        f"{owner}.density": own.density,
-        f"{owner}.albedo": tuple(own.albedo),
-        f"{owner}.anisotropy": own.anisotropy,
-    }
+def of_fog(owner, numbers):
+    return {f"{owner}.{name}": tuple(value) if isinstance(value, list) else value for name, value in numbers.items()}
 
 
 def light(thing, exposure):

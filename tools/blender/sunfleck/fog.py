@@ -1,0 +1,149 @@
+"""Fog of a thing: what its own volume material says, else what its panel does.
+
+In go objects and settings, out come extinction, albedo and anisotropy. Invariant: a material that is more
+than numbers is not half read: then it is the panel that counts, and check says so.
+"""
+
+from dataclasses import dataclass
+
+import numpy
+
+from .materials import principled, sockets
+from .materials.colours import rec709
+from .materials.sockets import NotSimple
+
+
+@dataclass
+class Coefficients:
+    """Per metre, three channels each."""
+
+    scattering: numpy.ndarray
+    absorption: numpy.ndarray
+    anisotropy: float = 0.0
+
+    def times(self, share):
+        return Coefficients(share * self.scattering, share * self.absorption, self.anisotropy)
+
+
+def numbers(thing):
+    """As custom properties say them."""
+    found = of_material(thing)
+    return of_settings(thing.sunfleck_settings) if found is None else found
+
+
+def of_settings(own):
+    return {"density": own.density, "albedo": list(own.albedo), "anisotropy": own.anisotropy}
+
+
+def of_material(thing):
+    """None if it has no such material, or one that is more than numbers."""
+    link = volume_of(thing)
+    if link is None:
+        return None
+    try:
+        found = read(link)
+    except NotSimple:
+        return None
+    extinction = found.scattering + found.absorption
+    albedo = numpy.divide(found.scattering, extinction, out=numpy.zeros(3), where=extinction > 0.0)
+    return {
+        "density": extinction.tolist(), "albedo": numpy.clip(albedo, 0.0, 1.0).tolist(),
+        "anisotropy": min(0.999, max(-0.999, found.anisotropy)),
+    }
+
+
+def volume_of(thing):
+    """The link to what a thing is full of."""
+    for slot in getattr(thing, "material_slots", ()):
+        tree = slot.material and slot.material.node_tree
+        output = principled.output_of(tree) if tree else None
+        if output and (link := sockets.link_to(output.inputs["Volume"])):
+            return link
+    return None
+
+
+def is_lost(thing):
+    """Whether it has a volume material of its own that does not count."""
+    return volume_of(thing) is not None and of_material(thing) is None
+
+
+def read(link):
+    node = link.from_node
+    reader = READERS.get(node.type)
+    if node.mute or reader is None or getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
+        raise NotSimple(node)
+    return reader(node)
+
+
+def value(node, name):
+    source = sockets.of(node.inputs[name])
+    if not source.is_constant():
+        raise NotSimple(node)
+    return numpy.maximum(numpy.array(rec709(source.factor) if node.inputs[name].type == "RGBA" else source.factor), 0.0)
+
+
+def number(node, name):
+    source = sockets.of(node.inputs[name])
+    if not source.is_constant():
+        raise NotSimple(node)
+    return source.number()
+
+
+def scatter(node):
+    return Coefficients(number(node, "Density") * value(node, "Color"), numpy.zeros(3), number(node, "Anisotropy"))
+
+
+def absorb(node):
+    return Coefficients(numpy.zeros(3), number(node, "Density") * numpy.maximum(1.0 - value(node, "Color"), 0.0))
+
+
+def of_principled(node):
+    """Absorbs what it does not scatter, but for its absorption colour's root. A mesh has no grids."""
+    glows = any(number(node, name) > 0.0 for name in ("Emission Strength", "Blackbody Intensity"))
+    if glows or node.inputs["Color Attribute"].default_value:
+        raise NotSimple(node)
+    density, color = number(node, "Density"), value(node, "Color")
+    kept = 1.0 - numpy.sqrt(value(node, "Absorption Color"))
+    absorption = numpy.maximum(1.0 - color, 0.0) * numpy.maximum(kept, 0.0)
+    return Coefficients(density * color, density * absorption, number(node, "Anisotropy"))
+
+
+def of_coefficients(node):
+    if value(node, "Emission Coefficients").any():
+        raise NotSimple(node)
+    scattering, absorption = (value(node, f"{name} Coefficients") for name in ("Scatter", "Absorption"))
+    return Coefficients(scattering, absorption, number(node, "Anisotropy"))
+
+
+def added(node):
+    return total(node, [input_of(socket) for socket in node.inputs])
+
+
+def mixed(node):
+    share, first, second = node.inputs
+    source = sockets.of(share)
+    if not source.is_constant():
+        raise NotSimple(node)
+    weight = min(1.0, max(0.0, source.number()))
+    return total(node, [input_of(first).times(1.0 - weight), input_of(second).times(weight)])
+
+
+def input_of(socket):
+    link = sockets.link_to(socket)
+    return read(link) if link else Coefficients(numpy.zeros(3), numpy.zeros(3))
+
+
+def total(node, parts):
+    """Scattering of one anisotropy, if any."""
+    ways = {part.anisotropy for part in parts if part.scattering.any()}
+    if len(ways) > 1:
+        raise NotSimple(node)
+    return Coefficients(
+        sum(part.scattering for part in parts), sum(part.absorption for part in parts), *(ways or {0.0})
+    )
+
+
+READERS = {
+    "VOLUME_SCATTER": scatter, "VOLUME_ABSORPTION": absorb, "PRINCIPLED_VOLUME": of_principled,
+    "VOLUME_COEFFICIENTS": of_coefficients, "ADD_SHADER": added, "MIX_SHADER": mixed,
+}
