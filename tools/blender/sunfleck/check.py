@@ -67,6 +67,8 @@ def of_scene(scene):
     if own.use_world:
         if world.is_baked(scene):
             yield Finding("world-baked")
+            if world.smears_disc(scene):
+                yield Finding("sky-disc")
         if world.changes(scene):
             yield Finding("world-changes")
         if own.sky_lights == "nothing" and (world.shines(scene) or world.is_baked(scene)):

@@ -15,6 +15,8 @@ LOSSES = {
     "world-not-exported": (WARNING, "the world is not exported: tick World as sky in the panel, or give a "
                                     "background and a sun for its light"),
     "world-baked": (INFO, "the world's nodes are baked to a picture of 1024 x 512 texels"),
+    "sky-disc": (WARNING, "the disc of a Sky Texture is a sun of its own only if there is one such disc, looked up "
+                          "as usual, whose sky lights something: else it is smeared over texels"),
     "world-changes": (WARNING, "the world changes: it is exported as it is now"),
     "world-lights-nothing": (WARNING, "the sky is seen and lights nothing: choose in the panel what it lights"),
     "world-rays": (WARNING, "the sky is seen and lights, whatever the world's ray visibility says"),

@@ -8,12 +8,13 @@ at the frame at hand.
 import math
 import re
 import shutil
+from contextlib import nullcontext
 from pathlib import Path
 from urllib.parse import quote
 
 import bpy
 
-from . import keys, world_picture
+from . import keys, world_picture, world_sun
 from .materials.colours import rec709
 from .materials.sockets import link_to
 
@@ -77,11 +78,9 @@ def of_world(scene, path):
     if not is_plain(scene):
         if path is None or not is_baked(scene):
             return None
-        return {
-            "image": quote(world_picture.beside(scene.world, Path(path))),
-            "strength": 1.0,
-            "rotation": 0.0,
-        }
+        with world_sun.without_disc(scene.world) if has_sun(scene) else nullcontext(scene.world) as shown:
+            image = quote(world_picture.beside(shown, Path(path)))
+        return {"image": image, "strength": 1.0, "rotation": 0.0}
     shader = backgrounds(scene)[0]
     color, strength = shader.inputs["Color"], shader.inputs["Strength"].default_value
     if not color.is_linked:
@@ -94,6 +93,18 @@ def of_world(scene, path):
         "strength": strength,
         "rotation": QUARTER_TURN + turn(texture),
     }
+
+
+def has_sun(scene):
+    """Whether the disc of its Sky Texture is exported as a sun."""
+    own = scene.sunfleck_settings
+    return own.use_world and own.sky_lights != "nothing" and world_sun.disc_of(scene.world) is not None
+
+
+def smears_disc(scene):
+    """Whether a disc stays in the picture."""
+    tree = scene.world and scene.world.node_tree
+    return bool(tree and world_sun.discs_in(tree)) and not has_sun(scene)
 
 
 def environment(background):

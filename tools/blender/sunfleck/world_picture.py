@@ -4,28 +4,40 @@ In go a world and a path, out comes an EXR beside it. Invariant: its middle is +
 how sunfleck reads pictures that are not turned; radiances are in linear Rec. 709.
 """
 
-import math
 import shutil
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+import mathutils
 import numpy
 
 from .materials import bake, colours, fingerprint
 from .evaluated.geometry import digest
 
-SIZE = (1024, 512)
 SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class View:
+    """All directions, or a square about one, `angle` across."""
+
+    size: tuple = (1024, 512)
+    samples: int = SAMPLES
+    towards: tuple = (0.0, 1.0, 0.0)
+    angle: float | None = None
+
+
+def key_of(world, view=View()):
+    """Changes whenever what it shows may."""
+    how = repr((view, colours.working_space(), bpy.app.version)).encode()
+    return digest(fingerprint.of_tree(world.node_tree), how).hex()
 
 
 def beside(world, path):
     """The name of the file; what was rendered of the same nodes is kept."""
-    key = digest(
-        fingerprint.of_tree(world.node_tree),
-        repr((SIZE, SAMPLES, colours.working_space(), bpy.app.version)).encode(),
-    )
-    kept = bake.folder() / f"{key.hex()}.exr"
+    kept = bake.folder() / f"{key_of(world)}.exr"
     if not kept.is_file():
         with tempfile.TemporaryDirectory(dir=bake.folder()) as folder:
             made = Path(folder) / "world.exr"
@@ -36,25 +48,46 @@ def beside(world, path):
     return target.name
 
 
-def render(world, target):
+def pixels(world, view):
+    """Radiances, (rows from the bottom, columns, 3)."""
+    with tempfile.TemporaryDirectory(dir=bake.folder()) as folder:
+        target = Path(folder) / "world.exr"
+        render(world, target, view)
+        image = bpy.data.images.load(str(target))
+        found = read(image)[..., :3]
+        bpy.data.images.remove(image)
+    return found
+
+
+def read(image):
+    columns, rows = image.size
+    found = numpy.empty(columns * rows * 4, "f4")
+    image.pixels.foreach_get(found)
+    return found.reshape(rows, columns, 4)
+
+
+def render(world, target, view=View()):
     scene = bpy.data.scenes.new("sunfleck world")
     data = bpy.data.cameras.new("sunfleck world")
     eye = bpy.data.objects.new("sunfleck world", data)
     try:
         scene.collection.objects.link(eye)
         scene.camera, scene.world = eye, world
-        eye.rotation_euler = (0.5 * math.pi, 0.0, 0.0)
-        data.type, data.panorama_type = "PANO", "EQUIRECTANGULAR"
+        eye.rotation_euler = mathutils.Vector(view.towards).to_track_quat("-Z", "Y").to_euler()
+        if view.angle is None:
+            data.type, data.panorama_type = "PANO", "EQUIRECTANGULAR"
+        else:
+            data.angle = view.angle
         settings = scene.render
         settings.engine, settings.resolution_percentage, settings.filepath = "CYCLES", 100, str(target)
-        settings.resolution_x, settings.resolution_y = SIZE
+        settings.resolution_x, settings.resolution_y = view.size
         (
             settings.image_settings.file_format,
             settings.image_settings.color_mode,
             settings.image_settings.color_depth,
         ) = "OPEN_EXR", "RGB", "32"
         scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = (
-            SAMPLES,
+            view.samples,
             False,
             False,
         )
@@ -73,13 +106,11 @@ def in_rec709(target):
     if colours.working_space() == "Linear Rec.709":
         return
     image = bpy.data.images.load(str(target))
-    pixels = numpy.empty(SIZE[0] * SIZE[1] * 4, "f4")
-    image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(-1, 4)
-    pixels[:, :3] = colours.rec709(pixels[:, :3])
+    found = read(image)
+    found[..., :3] = colours.rec709(found[..., :3].reshape(-1, 3)).reshape(found[..., :3].shape)
     bpy.data.images.remove(image)
-    made = bpy.data.images.new("sunfleck world", *SIZE, float_buffer=True, is_data=True)
-    made.pixels.foreach_set(pixels.ravel())
+    made = bpy.data.images.new("sunfleck world", *found.shape[1::-1], float_buffer=True, is_data=True)
+    made.pixels.foreach_set(found.ravel())
     made.file_format, made.filepath_raw = "OPEN_EXR", str(target)
     made.save()
     bpy.data.images.remove(made)

@@ -37,7 +37,8 @@ class Assembly:
         self.is_frame = numpy.array([offset == 0.0 for _, offset in record.moments])
         self.frame_of = numpy.array([frame for frame, _ in record.moments])
         self.names, self.bends, self.lamps, self.lenses = {}, {}, {}, {}
-        self.nodes = {}
+        # Lights of the file that are no objects.
+        self.nodes, self.suns_of_sky = {}, 0
 
     def name(self, thing):
         """Of an object its own; of an instance a number more."""

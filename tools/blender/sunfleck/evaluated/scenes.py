@@ -6,7 +6,7 @@ scene is left as it was.
 
 import bpy
 
-from .. import extras, film
+from .. import extras, film, world, world_sun
 from ..losses import Finding
 from ..materials.library import Library, custom
 from . import counts, walk
@@ -31,6 +31,7 @@ class Exported:
     def compared(self, file):
         """What there should be by frame, and where the file differs."""
         expected = counts.of_record(self.record, self.frames)
+        expected.lights += self.assembly.suns_of_sky
         differences = list(counts.differences(expected, counts.of_file(file, self.frames)))
         differences += counts.different_materials(self.library.seen, file)
         return expected, [
@@ -70,6 +71,10 @@ def export(scene, path, only=None):
 
 def finish(scene, assembly, library, values, only):
     """What belongs to the scene, and keys of everything."""
+    sun = world_sun.of(scene.world) if world.has_sun(scene) else None
+    if sun:
+        world_sun.add(assembly.document, sun, film.exposure(scene))
+        assembly.suns_of_sky = 1
     assembly.document.scene_extras = custom(scene)
     settle_frames(assembly, only)
     assembly.add_view(values)

@@ -160,7 +160,7 @@ def losses(material):
             found.add(PLACE)
         if node.type == "VECT_TRANSFORM" and {node.convert_from, node.convert_to} != {"OBJECT"}:
             found.add(VIEW if "CAMERA" in {node.convert_from, node.convert_to} else PLACE)
-        if node.type in {"TEX_ENVIRONMENT", "TEX_SKY"} and not node.inputs["Vector"].is_linked:
+        if node.type in {"TEX_ENVIRONMENT", "TEX_SKY"} and not ("Vector" in node.inputs and node.inputs["Vector"].is_linked):
             found.add(PLACE)
         if node.type in {"BUMP", "NORMAL_MAP"} and getattr(node, "space", "TANGENT") in {"WORLD", "BLENDER_WORLD"}:
             found.add(PLACE)

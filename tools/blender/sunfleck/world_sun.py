@@ -1,0 +1,111 @@
+"""The disc of a Sky Texture as a sun: a picture of the sky would smear half a degree over its texels.
+
+In goes a world, out come the world without its disc and the sun. Invariant: both together are the world; of a
+disc that is looked up in other than the usual way nothing is taken.
+"""
+
+import json
+import math
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+
+import bpy
+import mathutils
+import numpy
+
+from . import world_picture
+from .evaluated import places
+from .evaluated.lights import LUMENS_PER_WATT
+from .materials import bake, sockets
+
+NAME = "sun of the sky"
+# Pixels of a square picture about the disc, which is so many of its widths across.
+PIXELS, WIDTHS, SAMPLES = 64, 3.0, 64
+
+
+@dataclass
+class Sun:
+    """Where it stands, the whole angle of its disc, and what it sends, W/m2."""
+
+    towards: tuple
+    angle: float
+    irradiance: tuple
+
+
+def disc_of(world):
+    """The node whose disc can be taken out; None if there is none, or more."""
+    discs = discs_in(world.node_tree) if world and world.node_tree else []
+    if len(discs) != 1:
+        return None
+    vector = discs[0].inputs.get("Vector")
+    return None if vector and sockets.link_to(vector) else discs[0]
+
+
+def discs_in(tree):
+    return [node for node in tree.nodes if node.type == "TEX_SKY" and has_disc(node)]
+
+
+def has_disc(node):
+    return getattr(node, "sun_disc", False) and "SCATTERING" in node.sky_type or node.sky_type == "NISHITA"
+
+
+@contextmanager
+def without_disc(world):
+    """The world without its disc, for a while."""
+    disc = disc_of(world)
+    if disc is None:
+        yield world
+        return
+    copy = world.copy()
+    try:
+        copy.node_tree.nodes[disc.name].sun_disc = False
+        yield copy
+    finally:
+        bpy.data.worlds.remove(copy)
+
+
+def of(world):
+    """The sun in the sky; None without one. What was looked at is kept by content."""
+    disc = disc_of(world)
+    if disc is None:
+        return None
+    kept = bake.folder() / f"{world_picture.key_of(world)}.sun.json"
+    if not kept.is_file():
+        found = looked_at(world, disc)
+        beside = kept.with_suffix(".tmp")
+        beside.write_text(json.dumps(found and asdict(found)))
+        beside.replace(kept)
+    said = json.loads(kept.read_text())
+    return Sun(**said) if said else None
+
+
+def looked_at(world, disc):
+    angle = min(disc.sun_size, math.radians(60.0))
+    towards = mathutils.Vector((0.0, math.cos(disc.sun_elevation), math.sin(disc.sun_elevation)))
+    towards.rotate(mathutils.Euler((0.0, 0.0, -disc.sun_rotation)))
+    view = world_picture.View((PIXELS, PIXELS), SAMPLES, tuple(towards), WIDTHS * angle)
+    with_disc = world_picture.pixels(world, view)
+    with without_disc(world) as rest:
+        light = with_disc - world_picture.pixels(rest, view)
+    across = (numpy.arange(PIXELS) + 0.5) / PIXELS * 2.0 - 1.0
+    x, y = numpy.meshgrid(*2 * [across * math.tan(0.5 * WIDTHS * angle)])
+    # Of a pixel of a plane at distance 1, weighted as what falls on a surface that faces the sun.
+    solid_angle = (2.0 * math.tan(0.5 * WIDTHS * angle) / PIXELS) ** 2 / (1.0 + x**2 + y**2) ** 2
+    irradiance = (numpy.maximum(light, 0.0) * solid_angle[..., None]).sum(axis=(0, 1))
+    return Sun(tuple(towards), angle, tuple(irradiance.tolist())) if irradiance.max() > 0.0 else None
+
+
+def add(document, sun, exposure):
+    """As a light of the file."""
+    strength = exposure * max(sun.irradiance)
+    color = [channel * exposure / strength for channel in sun.irradiance]
+    light = {"name": NAME, "type": "directional", "color": color, "intensity": strength * LUMENS_PER_WATT}
+    turn = (-mathutils.Vector(sun.towards)).to_track_quat("-Z", "Y").to_matrix().to_4x4()
+    parts = places.parts(places.in_gltf(numpy.array(turn, float)[None], looks=True))
+    said = {
+        "angle": sun.angle, "strength_w_m2": strength, "visible_to_camera": True, "limb_darkening": 0.6,
+    }
+    document.add("nodes", {
+        "name": NAME, "rotation": parts.rotation[0].tolist(), "extras": {"sunfleck_light": said},
+        "extensions": {"KHR_lights_punctual": {"light": document.light(light)}},
+    })
