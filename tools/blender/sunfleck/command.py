@@ -10,6 +10,7 @@ from pathlib import Path
 import bpy
 
 from . import export, program, render
+from .losses import by_kind
 
 _handle = None
 
@@ -43,13 +44,13 @@ def do_check(scene, _known, _others):
         print(f"frame {frame}: {counted}")
     for name, word in told.materials.items():
         print(f"material `{name}`: {word}")
-    for finding in told.findings:
+    for finding in by_kind(told.findings):
         print(f"{finding.severity.lower()}{finding}")
     return 0
 
 
 def do_export(scene, known, _others):
-    for finding in export.exported(scene, known.output).findings:
+    for finding in by_kind(export.exported(scene, known.output).findings):
         print(f"{finding.severity.lower()}{finding}", file=sys.stderr)
     return 0
 
@@ -71,6 +72,8 @@ def do_render(scene, known, others):
     for news in run.news():
         if news["event"] in {"frame_written", "finished"}:
             print(news)
+    for warning in run.warnings():
+        print(warning, file=sys.stderr)
     if code:
         print(run.error(), file=sys.stderr)
     return code

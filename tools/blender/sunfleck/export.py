@@ -12,7 +12,7 @@ from bpy_extras.io_utils import ExportHelper
 from . import check, extras
 from .evaluated import scenes, walk
 from .evaluated.readback import File
-from .losses import ordered
+from .losses import by_kind, ordered
 
 
 class NotExportable(Exception):
@@ -20,8 +20,10 @@ class NotExportable(Exception):
 
 
 def export(scene, path, only=None):
-    """Writes the file, of all frames or of one alone; what was found on the way comes back as warnings."""
-    return [str(finding) for finding in exported(scene, path, only).findings if finding.severity == "WARNING"]
+    """Writes the file, of all frames or of one alone; what was found on the way comes back as warnings, one
+    a kind."""
+    found = by_kind(exported(scene, path, only).findings)
+    return [str(finding) for finding in found if finding.severity == "WARNING"]
 
 
 @dataclass
@@ -65,7 +67,7 @@ class SUNFLECK_OT_export(bpy.types.Operator, ExportHelper):
         except NotExportable as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for finding in findings:
+        for finding in by_kind(findings):
             self.report({finding.severity}, str(finding))
         self.report({"INFO"}, f"wrote {self.filepath}")
         return {"FINISHED"}
@@ -83,7 +85,7 @@ class SUNFLECK_OT_check(bpy.types.Operator):
         except NotExportable as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for finding in told.findings:
+        for finding in by_kind(told.findings):
             self.report({finding.severity}, str(finding))
         if not told.findings:
             self.report({"INFO"}, "nothing will be lost")

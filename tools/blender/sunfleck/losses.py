@@ -125,6 +125,23 @@ class Finding:
         return f"[{self.id}] {self.message}"
 
 
+# So many things of a kind are named.
+MOST_NAMED = 3
+
+
+def by_kind(findings):
+    """One for each kind, of the first things of which it was found, and how many more."""
+    kinds = {}
+    for finding in findings:
+        kinds.setdefault(finding.id, []).append(finding)
+    for id, found in kinds.items():
+        names = list(dict.fromkeys(finding.of for finding in found if finding.of))
+        named = ", ".join(names[:MOST_NAMED])
+        if len(names) > MOST_NAMED:
+            named += f" and {len(names) - MOST_NAMED} more"
+        yield Finding(id, named, found[0].more)
+
+
 def ordered(findings):
     """Errors first, each once."""
     order = (ERROR, WARNING, INFO)

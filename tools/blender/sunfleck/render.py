@@ -3,6 +3,7 @@ waits for the end."""
 
 import json
 import queue
+import re
 import subprocess
 import threading
 from pathlib import Path
@@ -14,6 +15,8 @@ from . import export, extras, program
 
 # How often the window looks for news, seconds.
 LOOK_S = 0.2
+# Behind the name of a file.
+WARNING = re.compile(r"warning\[[a-z-]+\].*")
 
 
 class Run:
@@ -68,6 +71,12 @@ class Run:
     def error(self):
         """What the program said was wrong; empty if it ended well."""
         return "" if self.process.poll() == 0 else "".join(self.complaints).strip() or "sunfleck failed"
+
+    def warnings(self):
+        """What the program said though it ended well, one a kind: what it does not honour, and doubts of its
+        frames."""
+        found = (WARNING.search(line) for line in self.complaints if self.process.poll() == 0)
+        return [warning[0] for warning in found if warning]
 
 
 def flags(scene, animation):
@@ -174,6 +183,8 @@ class SUNFLECK_OT_render(bpy.types.Operator):
         if error:
             self.report({"ERROR"}, error)
             return {"CANCELLED"}
+        for warning in self.run.warnings():
+            self.report({"WARNING"}, warning)
         frames = sorted(Path(self.folder).glob("*.exr"))
         self.report({"INFO"}, f"{len(frames)} frames are in {self.folder}")
         if frames:

@@ -33,7 +33,7 @@ def key(owner, path, values, frames=FRAMES, interpolation=None):
         setattr(owner, path, value)
         owner.keyframe_insert(path, frame=frame)
     if interpolation:
-        from sunfleck import check
+        from sunfleck import keys
 
         for curve in keys.curves_of(owner):
             for point in getattr(curve, "keyframe_points", ()):

@@ -330,7 +330,10 @@ class Export(Case):
         )
         self.assertIn("tick World as sky", " ".join(finding.message for finding in check.check(self.scene)))
         self.scene.sunfleck_settings.use_world = True
+        self.assertEqual([finding.id for finding in check.check(self.scene)], ["world-lights-nothing"])
+        self.scene.sunfleck_settings.sky_lights = "surfaces"
         self.assertEqual(check.check(self.scene), [])
+        self.scene.sunfleck_settings.sky_lights = "nothing"
         said = extras.of_scene(self.scene)["sunfleck_env"]
         self.assertEqual(said, {"color": [0.25, 0.5, 1.0], "strength": 3.0, "lights": "nothing"})
         noise = world.node_tree.nodes.new("ShaderNodeTexNoise")

@@ -206,7 +206,7 @@ class Inspected(Case):
 
 
 class Strands(Case):
-    """Hair is ribbons, and points are spheres."""
+    """Hair is tubes or ribbons, and points are spheres."""
 
     def corners(self, name):
         file = self.exported(self.scene)
@@ -214,17 +214,33 @@ class Strands(Case):
         world = file.worlds(file.seconds([1]))[node][0]
         return file.triangles(file.nodes[node]["mesh"]) @ world[:3, :3].T + world[:3, 3]
 
-    def test_hair_curves(self):
-        """Straight hair of 1 cm, a metre long: its ribbon faces the camera."""
+    def hair(self, alpha):
+        """Straight hair of 1 cm, a metre long."""
         self.scene = stages.stage((1, 1))
+        material = stages.scenes.material("hair", (0.5,) * 3)
+        material.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = alpha
         data = bpy.data.hair_curves.new("hair")
         data.add_curves([3])
         data.position_data.foreach_set("vector", numpy.array([0, 0, 0, 0, 0, 0.5, 0, 0, 1], "f4"))
         data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", [0.005] * 3)
+        data.materials.append(material)
         stages.scenes.add(self.scene, "hair", data)
         corners = self.corners("hair")
-        self.assertAlmostEqual(area(corners), 0.01, 5)
         self.assertAlmostEqual(float(numpy.ptp(corners[..., 1])), 1.0, 5)
+        return corners
+
+    def test_hair_curves(self):
+        """A tube has the circumference of its hair."""
+        corners = self.hair(1.0)
+        self.assertAlmostEqual(area(corners), 2.0 * numpy.pi * 0.005, 5)
+        normals = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        outwards = corners.mean(axis=1) * [1.0, 0.0, 1.0]
+        self.assertGreater(float((normals * outwards).sum(axis=1).min()), 0.0)
+
+    def test_hair_that_lets_light_through(self):
+        """A ribbon faces the camera."""
+        corners = self.hair(0.5)
+        self.assertAlmostEqual(area(corners), 0.01, 5)
         normal = numpy.cross(corners[0, 1] - corners[0, 0], corners[0, 2] - corners[0, 0])
         eye = numpy.array([0.0, 2.0, 6.0]) - corners[0].mean(axis=0)
         self.assertGreater(
@@ -237,7 +253,7 @@ class Strands(Case):
         settings = lawn.modifiers.new("grass", "PARTICLE_SYSTEM").particle_system.settings
         settings.type, settings.count, settings.hair_length, settings.render_step = "HAIR", 5, 0.5, 3
         settings.root_radius, settings.tip_radius, settings.use_close_tip = 1.0, 1.0, False
-        self.assertAlmostEqual(area(self.corners("lawn grass")), 5 * 0.5 * settings.radius_scale, 5)
+        self.assertAlmostEqual(area(self.corners("lawn grass")), 5 * 0.5 * numpy.pi * settings.radius_scale, 5)
 
     def test_points(self):
         self.scene = stages.stage((1, 1))

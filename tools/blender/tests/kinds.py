@@ -1,0 +1,412 @@
+"""What artists of today build, a small scene of each kind: to be rendered beside Cycles, or to be said.
+
+Sockets are addressed by name: their numbers differ from version to version.
+"""
+
+import math
+
+import bpy
+import numpy
+import scenes
+from leaf_scenes import Tree as Nodes
+from test_materials import Tree
+
+FRAMES = (1, 10)
+RED, GREEN = (0.8, 0.1, 0.05, 1.0), (0.05, 0.6, 0.1, 1.0)
+
+
+def stage(towards=(0.3, 1.0, -0.6)):
+    scene = scenes.empty(FRAMES)
+    scenes.camera(scene, (0.0, -5.0, 1.0), (0.0, 0.0, 1.0))
+    scenes.sun(scene, towards=towards)
+    return scene
+
+
+def leaves(scene, tree, count=5):
+    """They stand upright and face the camera, turned a little."""
+    found = []
+    for number in range(count):
+        leaf = scenes.quad(scene, f"leaf {number}", 0.7, tree.material, (0.8 * number - 1.6, 0.0, 1.0))
+        leaf.data.uv_layers.new(name="UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
+        leaf.rotation_euler = (1.4, 0.2 * number, 0.0)
+        found.append(leaf)
+    return found
+
+
+def matte():
+    tree = Tree()
+    tree.shader.inputs["Specular IOR Level"].default_value, tree.shader.inputs["Roughness"].default_value = 0.0, 1.0
+    return tree
+
+
+def between(tree, output):
+    """The base colour goes from red to green as a number goes from 0 to 1."""
+    ramp = tree.node("ValToRGB")
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = RED, GREEN
+    tree.link(output, next(iter(ramp.inputs))).link(ramp.outputs["Color"], tree.shader.inputs["Base Color"])
+    return tree
+
+
+def output(node, *names):
+    """By whichever name a version has."""
+    return next(node.outputs[name] for name in names if name in node.outputs)
+
+
+def keyed(owner, path, values):
+    for frame, value in zip(FRAMES, values):
+        if path.startswith("["):
+            owner[path[2:-2]] = value
+        else:
+            setattr(owner, path, value)
+        owner.keyframe_insert(path, frame=frame)
+
+
+# Lights and the sky.
+
+
+def light_nodes(scene):
+    leaves(scene, matte())
+    sun = scene.objects["sun"].data
+    sun.use_nodes = True
+    shader = next(node for node in sun.node_tree.nodes if node.type == "EMISSION")
+    shader.inputs["Color"].default_value = (0.2, 0.6, 1.0, 1.0)
+    keyed(shader.inputs["Strength"], "default_value", (1.0, 5.0))
+
+
+def sky_with_a_disc(scene):
+    leaves(scene, matte())
+    bpy.data.objects.remove(scene.objects["sun"])
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    nodes = scene.world.node_tree.nodes
+    background, sky = next(node for node in nodes if node.type == "BACKGROUND"), nodes.new("ShaderNodeTexSky")
+    sky.sky_type, sky.sun_disc = "SINGLE_SCATTERING", True
+    sky.sun_elevation, sky.sun_rotation = math.radians(35.0), math.radians(200.0)
+    scene.world.node_tree.links.new(sky.outputs["Color"], background.inputs["Color"])
+    background.inputs["Strength"].default_value = 0.1
+
+
+# What differs from leaf to leaf, and changes.
+
+
+def object_colors(scene):
+    tree = matte()
+    tree.link(tree.node("ObjectInfo").outputs["Color"], tree.shader.inputs["Base Color"])
+    for leaf in leaves(scene, tree):
+        keyed(leaf, "color", (GREEN, RED))
+
+
+def properties(scene):
+    tree = matte()
+    asked = tree.node("Attribute", attribute_type="OBJECT", attribute_name="autumn")
+    for leaf in leaves(scene, between(tree, output(asked, "Factor", "Fac"))):
+        keyed(leaf, '["autumn"]', (0.0, 1.0))
+
+
+def seasons(scene):
+    tree = matte()
+    asked = tree.node("Attribute", attribute_type="VIEW_LAYER", attribute_name="season")
+    leaves(scene, between(tree, output(asked, "Factor", "Fac")))
+    scene["season"] = 0.9
+
+
+def places(scene):
+    tree = matte()
+    apart, span = tree.node("SeparateXYZ"), tree.node("Math", operation="MULTIPLY")
+    tree.link(tree.node("ObjectInfo").outputs["Location"], apart.inputs["Vector"]).link(apart.outputs["Z"], span.inputs[0])
+    span.inputs[1].default_value = 0.4
+    for leaf in leaves(scene, between(tree, span.outputs["Value"])):
+        leaf.location.z = 2.0
+        leaf.keyframe_insert("location", frame=1)
+        leaf.location.z = 0.5
+        leaf.keyframe_insert("location", frame=10)
+
+
+def shown_by_particles(scene, tree, kind):
+    leaf = leaves(scene, tree, 1)[0]
+    leaf.location = (0.0, 0.0, -9.0)
+    emitter = scenes.quad(scene, "emitter", 3.0, scenes.material("emitter", (0.5,) * 3), (0.0, 0.0, 1.0))
+    emitter.data.uv_layers.new(name="UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
+    emitter.rotation_euler = (1.4, 0.0, 0.0)
+    settings = emitter.modifiers.new("leaves", "PARTICLE_SYSTEM").particle_system.settings
+    settings.type, settings.count = kind, 30
+    settings.render_type, settings.instance_object, settings.particle_size = "OBJECT", leaf, 0.8
+    if kind == "HAIR":
+        settings.use_advanced_hair, settings.hair_length = True, 4.0
+        settings.use_rotations, settings.rotation_mode = True, "GLOB_Z"
+    else:
+        settings.use_rotation_instance = True
+        settings.frame_start, settings.frame_end, settings.lifetime = -20, 1, 200
+        settings.normal_factor, settings.effector_weights.gravity = 0.1, 0.0
+    emitter.show_instancer_for_render = emitter.show_instancer_for_viewport = False
+
+
+def particles_random(scene):
+    tree = matte()
+    shown_by_particles(scene, between(tree, tree.node("ParticleInfo").outputs["Random"]), "EMITTER")
+
+
+def particles_age(scene):
+    tree = matte()
+    share = tree.node("Math", operation="DIVIDE")
+    share.inputs[1].default_value = 30.0
+    tree.link(tree.node("ParticleInfo").outputs["Age"], share.inputs[0])
+    shown_by_particles(scene, between(tree, share.outputs["Value"]), "EMITTER")
+
+
+def from_instancer(scene):
+    tree = matte()
+    asked, apart = tree.node("TexCoord", from_instancer=True), tree.node("SeparateXYZ")
+    tree.link(asked.outputs["UV"], apart.inputs["Vector"])
+    shown_by_particles(scene, between(tree, apart.outputs["X"]), "HAIR")
+
+
+# Attributes.
+
+
+def many_faces(scene, tree, kind, domain):
+    """One mesh of five leaves, an attribute of each."""
+    corners = numpy.array([(-0.3, 0, -0.3), (0.3, 0, -0.3), (0.3, 0, 0.3), (-0.3, 0, 0.3)])
+    places = numpy.concatenate([corners + (0.8 * number - 1.6, 0.0, 1.0) for number in range(5)])
+    mesh = bpy.data.meshes.new("leaves")
+    mesh.from_pydata(places.tolist(), [], numpy.arange(20).reshape(5, 4).tolist())
+    mesh.materials.append(tree.material)
+    values = mesh.attributes.new("tone", kind, domain).data
+    for index, one in enumerate(values):
+        share = index * 5 // len(values) / 4.0
+        if kind == "FLOAT":
+            one.value = share
+        else:
+            one.color = [a + share * (b - a) for a, b in zip(RED, GREEN)]
+    scenes.add(scene, "leaves", mesh)
+
+
+def colors_of_faces(scene):
+    tree = matte()
+    tree.link(tree.node("Attribute", attribute_name="tone").outputs["Color"], tree.shader.inputs["Base Color"])
+    many_faces(scene, tree, "FLOAT_COLOR", "FACE")
+
+
+def numbers_of(domain):
+    def build(scene):
+        tree = matte()
+        many_faces(scene, between(tree, output(tree.node("Attribute", attribute_name="tone"), "Factor", "Fac")), "FLOAT", domain)
+
+    return build
+
+
+def missing_attribute(scene):
+    tree = matte()
+    tree.shader.inputs["Emission Strength"].default_value = 0.2
+    tree.link(tree.node("Attribute", attribute_name="nothing").outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+# Keys elsewhere than in actions.
+
+
+def strips(scene):
+    tree = matte()
+    tree.shader.inputs["Emission Color"].default_value = RED
+    keyed(tree.shader.inputs["Emission Strength"], "default_value", (0.1, 3.0))
+    data = tree.material.node_tree.animation_data
+    action, slot = data.action, data.action_slot
+    strip = data.nla_tracks.new().strips.new("glow", 1, action)
+    strip.action_slot = slot
+    data.action = None
+    leaves(scene, tree)
+
+
+def grouped(scene):
+    tree = matte()
+    group = bpy.data.node_groups.new("colour", "ShaderNodeTree")
+    group.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    end, color = group.nodes.new("NodeGroupOutput"), group.nodes.new("ShaderNodeRGB")
+    group.links.new(color.outputs["Color"], end.inputs["Color"])
+    keyed(color.outputs["Color"], "default_value", (RED, GREEN))
+    node = tree.node("Group", node_tree=group)
+    tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def keyed_shutter(scene):
+    leaves(scene, matte())
+    scene.render.use_motion_blur = True
+    scene.render.motion_blur_shutter = 0.2
+    scene.render.keyframe_insert("motion_blur_shutter", frame=1)
+
+
+# What moves and what nodes make.
+
+
+def velocities(scene, position="CENTER"):
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+    scene.render.motion_blur_position = position
+    tree = Nodes(scenes.quad(scene, "row", 0.7, matte().material))
+    time, grid, more = (
+        tree.node(f"{kind}") for kind in ("GeometryNodeInputSceneTime", "GeometryNodeMeshGrid", "ShaderNodeMath")
+    )
+    more.operation = "ADD"
+    more.inputs[1].default_value = 3.0
+    grid.inputs["Size X"].default_value = grid.inputs["Size Y"].default_value = 0.8
+    tree.link(time.outputs["Frame"], more.inputs[0])
+    tree.link(more.outputs["Value"], grid.inputs["Vertices X"])
+    along, place, moved = (
+        tree.node(kind) for kind in ("ShaderNodeMath", "ShaderNodeCombineXYZ", "GeometryNodeTransform")
+    )
+    along.operation, along.inputs[1].default_value = "SUBTRACT", 6.0
+    tree.link(time.outputs["Frame"], along.inputs[0])
+    tree.link(along.outputs["Value"], place.inputs["X"])
+    place.inputs["Z"].default_value, moved.inputs["Rotation"].default_value = 1.0, (1.4, 0.0, 0.0)
+    tree.link(grid.outputs["Mesh"], moved.inputs["Geometry"])
+    tree.link(place.outputs["Vector"], moved.inputs["Translation"])
+    store = tree.node("GeometryNodeStoreNamedAttribute", data_type="FLOAT_VECTOR", domain="POINT")
+    store.inputs["Name"].default_value = "velocity"
+    next(one for one in store.inputs if one.name == "Value" and one.enabled).default_value = (24.0, 0.0, 0.0)
+    tree.link(moved.outputs["Geometry"], store.inputs["Geometry"])
+    put_material(tree, store.outputs["Geometry"])
+
+
+def put_material(tree, geometry):
+    made = tree.node("GeometryNodeSetMaterial")
+    made.inputs["Material"].default_value = bpy.data.materials["shade"]
+    tree.link(geometry, made.inputs["Geometry"])
+    tree.link(made.outputs["Geometry"], tree.target.inputs["Geometry"])
+
+
+def nodes_volume(scene):
+    tree = Nodes(scenes.quad(scene, "fog", 1.0, matte().material))
+    put_material(tree, tree.node("GeometryNodeVolumeCube").outputs["Volume"])
+
+
+def nodes_pencil(scene):
+    tree = Nodes(scenes.quad(scene, "strokes", 1.0, matte().material))
+    circle, strokes = tree.node("GeometryNodeCurvePrimitiveCircle"), tree.node("GeometryNodeCurvesToGreasePencil")
+    strokes.inputs["Instances as Layers"].default_value = False
+    tree.link(circle.outputs["Curve"], strokes.inputs["Curves"])
+    tree.link(strokes.outputs["Grease Pencil"], tree.target.inputs["Geometry"])
+
+
+def nodes_points(scene):
+    tree = Nodes(scenes.quad(scene, "points", 1.0, matte().material))
+    put_material(tree, tree.node("GeometryNodePoints").outputs["Points" if bpy.app.version >= (9,) else "Geometry"])
+
+
+def hair(scene):
+    """Twenty straight hairs, lit from the front and from above."""
+    data = bpy.data.hair_curves.new("hair")
+    data.add_curves([6] * 20)
+    points = numpy.array([[0.12 * (at - 10), 0.0, 0.4 * step] for at in range(20) for step in range(6)], "f4")
+    data.position_data.foreach_set("vector", points.ravel())
+    data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", numpy.full(120, 0.03, "f4"))
+    data.materials.append(matte().material)
+    scenes.add(scene, "hair", data)
+
+
+# Materials.
+
+
+def thin_wall(scene):
+    tree = matte()
+    inputs = tree.shader.inputs
+    inputs["Base Color"].default_value, inputs["Thin Wall"].default_value = GREEN, True
+    inputs["Subsurface Weight"].default_value, inputs["Subsurface Anisotropy"].default_value = 0.8, 0.3
+    leaves(scene, tree)
+
+
+def rough_transmission(scene):
+    tree = matte()
+    tree.shader.inputs["Transmission Weight"].default_value = 0.6
+    leaves(scene, tree)
+
+
+def two_sided(scene):
+    tree = matte()
+    leaves(scene, between(tree, tree.node("NewGeometry").outputs["Backfacing"]))
+
+
+def window(scene):
+    tree = matte()
+    tree.link(tree.node("TexCoord").outputs["Window"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def added_translucence(scene):
+    tree = matte()
+    image, glow, sum_of = tree.node("TexVoronoi"), tree.node("BsdfTranslucent"), tree.node("AddShader")
+    for socket in (tree.shader.inputs["Base Color"], glow.inputs["Color"]):
+        tree.link(image.outputs["Color"], socket)
+    first, second = sum_of.inputs
+    tree.link(tree.shader.outputs["BSDF"], first).link(glow.outputs["BSDF"], second)
+    tree.link(sum_of.outputs["Shader"], tree.output.inputs["Surface"])
+    leaves(scene, tree)
+
+
+def light_info(scene):
+    tree = matte()
+    tree.link(tree.node("LightInfo").outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def hues(scene):
+    tree = matte()
+    hue = tree.node("HueSaturation")
+    tree.link(tree.node("ObjectInfo").outputs["Random"], hue.inputs["Hue"])
+    tree.link(tree.node("TexChecker").outputs["Color"], hue.inputs["Color"])
+    tree.link(hue.outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree, 20)
+
+
+# Fog.
+
+
+def fog_box(scene, **rays):
+    """Of its own material; the panel says something else."""
+    scenes.quad(scene, "ground", 12.0, scenes.material("ground", (0.5,) * 3))
+    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 1.0, 1.05))
+    box = bpy.context.active_object
+    box.scale = (2.0, 2.0, 1.0)
+    tree = Tree("fog")
+    tree.nodes.remove(tree.shader)
+    scatter = tree.node("VolumeScatter")
+    scatter.inputs["Color"].default_value, scatter.inputs["Anisotropy"].default_value = (1.0, 0.6, 0.3, 1.0), 0.7
+    keyed(scatter.inputs["Density"], "default_value", (0.1, 0.6))
+    tree.link(scatter.outputs["Volume"], tree.output.inputs["Volume"])
+    box.data.materials.append(tree.material)
+    box.sunfleck_settings.is_fog = True
+    for name, value in rays.items():
+        setattr(box, name, value)
+    return tree, scatter
+
+
+def fog_of_noise(scene):
+    tree, scatter = fog_box(scene)
+    tree.link(output(tree.node("TexNoise"), "Factor", "Fac"), scatter.inputs["Density"])
+
+
+# By name: how it is built, the frame, and how far from Cycles' mean it may be.
+BACK = (0.2, -1.0, -0.5)
+EXACT, BAKED = 0.005, 0.02
+BESIDE = {
+    "light nodes": (light_nodes, 6, EXACT), "sky with a disc": (sky_with_a_disc, 1, BAKED),
+    "object colours": (object_colors, 10, EXACT), "properties": (properties, 10, EXACT), "seasons": (seasons, 1, EXACT),
+    "places": (places, 10, EXACT), "particles, random": (particles_random, 8, EXACT), "particles, age": (particles_age, 8, EXACT),
+    "from instancer": (from_instancer, 1, EXACT), "colours of faces": (colors_of_faces, 1, EXACT),
+    "numbers of points": (numbers_of("POINT"), 1, BAKED), "numbers of faces": (numbers_of("FACE"), 1, BAKED),
+    "missing attribute": (missing_attribute, 1, EXACT), "strips": (strips, 10, EXACT), "velocities": (velocities, 6, EXACT),
+    "hair": (hair, 1, BAKED), "thin wall": (thin_wall, 1, EXACT), "fog box": (fog_box, 6, EXACT),
+}
+# By name: how it is built, and what has to be said, as a warning.
+SAID = {
+    "keys in a group": (grouped, "material-changes"), "keyed shutter": (keyed_shutter, "shutter-changes"),
+    "velocities at the start": (lambda scene: velocities(scene, "START"), "velocity-blur"),
+    "volume of nodes": (nodes_volume, "volume"), "pencil of nodes": (nodes_pencil, "grease-pencil"),
+    "points of nodes": (nodes_points, "point-cloud"), "hair": (hair, "hair"),
+    "rough transmission": (rough_transmission, "material-lost"), "two-sided": (two_sided, "material-lost"),
+    "window": (window, "material-lost"), "added translucence": (added_translucence, "material-lost"),
+    "light info": (light_info, "material-lost"), "hues": (hues, "instance-colors"),
+    "fog of noise": (fog_of_noise, "fog-material"),
+    "fog unseen": (lambda scene: fog_box(scene, visible_camera=False), "ray-visibility"),
+}
+# What came after Blender 5.0.
+LATER = {"thin wall": (5, 2), "light info": (5, 1)}

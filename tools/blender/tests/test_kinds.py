@@ -1,0 +1,119 @@
+"""What artists of today build: each kind beside Cycles, or said.
+
+Run with the other tests here (test_addon.py says how); `SUNFLECK_BESIDE` names one kind.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import bpy
+import kinds
+import numpy
+import sunfleck
+from sunfleck import export, losses, render
+from sunfleck.materials import instances
+from test_addon import PROGRAM
+
+sys.path.append(str(Path(__file__).parents[2]))
+
+from sunfleck_tools.peers import beside
+
+SAMPLES, CYCLES_SAMPLES = 64, 128
+# Of blocks of pixels, as a share of the mean.
+BLOCKS = 0.01
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        os.environ["SUNFLECK_BAKES"] = folder.name
+        self.addCleanup(os.environ.pop, "SUNFLECK_BAKES")
+        sunfleck.register()
+        self.addCleanup(sunfleck.unregister)
+
+    def each(self, of):
+        for name, (build, *wanted) in of.items():
+            if os.environ.get("SUNFLECK_BESIDE", "") not in name or bpy.app.version < kinds.LATER.get(name, ()):
+                continue
+            scene = kinds.stage(kinds.BACK) if name == "thin wall" else kinds.stage()
+            build(scene)
+            yield name, scene, *wanted
+
+
+class Beside(Case):
+    def test_means_and_blocks(self):
+        for name, scene, frame, bar in self.each(kinds.BESIDE):
+            size = (scene.render.resolution_x, scene.render.resolution_y)
+            wish = beside.Wish(PROGRAM, frame, size, SAMPLES, CYCLES_SAMPLES)
+            ours, theirs, findings = beside.pictures(scene, wish, self.folder)
+            ratio = ours.mean() / theirs.mean()
+            apart = numpy.abs(blocks(ours) - blocks(theirs)).mean() / theirs.mean()
+            print(f"{name:20} {theirs.mean():9.5f} {ratio:9.5f} blocks {apart:8.5f}", flush=True)
+            self.assertLess(abs(ratio - 1.0), bar, name)
+            self.assertLess(apart, 3.0 * BLOCKS if name == "hair" else BLOCKS, name)
+            warned = {finding.id for finding in findings if finding.severity == "WARNING"}
+            self.assertLessEqual(warned, {"hair"}, name)
+
+
+class Said(Case):
+    def test_as_warnings(self):
+        for name, scene, id in self.each(kinds.SAID):
+            warnings = export.export(scene, self.folder / "scene.glb")
+            self.assertTrue(any(warning.startswith(f"[{id}]") for warning in warnings), f"{name}: {warnings}")
+
+
+class Rounded(unittest.TestCase):
+    def test_levels_are_of_what_there_is(self):
+        question = ("OBJECT_INFO", "Location", "")
+        facts = [((question, (0.0, 0.0, 0.003 * row, 0.0)),) for row in range(1000)]
+        levels = instances.Levels(facts, 16)
+        rounded = {levels.rounded(one) for one in facts}
+        self.assertEqual((levels.count, len(rounded)), (16, 16))
+        off = max(abs(levels.rounded(one)[0][1][2] - one[0][1][2]) for one in facts)
+        self.assertLess(off, 0.5 * 3.0 / 16 + 1e-9)
+
+    def test_a_kind_is_one_line(self):
+        found = [losses.Finding("hair", f"`{number}`") for number in range(9)] + [losses.Finding("no-camera")]
+        self.assertEqual([one.of for one in losses.by_kind(found)], ["`0`, `1`, `2` and 6 more", ""])
+
+
+class Named(Case):
+    def test_an_extension_is_imported_by_its_short_name(self):
+        """As Blender loads it from a repository, in a process of its own."""
+        text = (
+            "import importlib.util, sys, types; sys.modules['bl_ext'] = types.ModuleType('bl_ext'); "
+            "spec = importlib.util.spec_from_file_location('bl_ext.sunfleck', sys.argv[1] + '/__init__.py', "
+            "submodule_search_locations=[sys.argv[1]]); own = importlib.util.module_from_spec(spec); "
+            "sys.modules[spec.name] = own; import bpy; spec.loader.exec_module(own); own.register(); "
+            "import sunfleck.command; from sunfleck import export; print(sunfleck.command.__name__, export is own.export); "
+            "own.unregister(); print('sunfleck' in sys.modules)"
+        )
+        run = [sys.executable, "-W", "ignore", "-c", text, str(Path(sunfleck.__file__).parent)]
+        done = subprocess.run(run, capture_output=True, text=True, cwd="/", env={**os.environ, "PYTHONPATH": ""})
+        self.assertEqual(done.stdout.splitlines()[-2:], ["bl_ext.sunfleck.command True", "False"], done.stderr)
+
+
+class Heard(Case):
+    def test_the_program_s_warnings_are_reported(self):
+        run = mock.Mock(complaints=["scene.glb: warning[dark-frame]: frames are next to black\n", "frame 1\n"])
+        run.process.poll.return_value = 0
+        self.assertEqual(render.Run.warnings(run), ["warning[dark-frame]: frames are next to black"])
+        run.process.poll.return_value = 3
+        self.assertEqual(render.Run.warnings(run), [])
+
+
+def blocks(picture):
+    """Means of 8 by 6 blocks."""
+    rows, columns = picture.shape[0] // 6, picture.shape[1] // 8
+    return picture[: 6 * rows, : 8 * columns].reshape(6, rows, 8, columns, 3).mean(axis=(1, 3))
+
+
+if __name__ == "__main__":
+    unittest.main()
