@@ -214,7 +214,8 @@ def strips(scene):
     strip = data.nla_tracks.new().strips.new("glow", 1, action)
     strip.action_slot = slot
     data.action = None
-    leaves(scene, tree)
+    # What glows lights others in Cycles, so it is alone.
+    leaves(scene, tree, 1)
 
 
 def grouped(scene):

@@ -333,9 +333,8 @@ class Export(Case):
         self.assertEqual([finding.id for finding in check.check(self.scene)], ["world-lights-nothing"])
         self.scene.sunfleck_settings.sky_lights = "surfaces"
         self.assertEqual(check.check(self.scene), [])
-        self.scene.sunfleck_settings.sky_lights = "nothing"
         said = extras.of_scene(self.scene)["sunfleck_env"]
-        self.assertEqual(said, {"color": [0.25, 0.5, 1.0], "strength": 3.0, "lights": "nothing"})
+        self.assertEqual(said, {"color": [0.25, 0.5, 1.0], "strength": 3.0, "lights": "surfaces"})
         noise = world.node_tree.nodes.new("ShaderNodeTexNoise")
         noise.inputs["Scale"].default_value = 2.0
         world.node_tree.links.new(noise.outputs["Color"], background.inputs["Color"])

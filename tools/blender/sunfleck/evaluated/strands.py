@@ -199,7 +199,7 @@ def walls(rings, around, is_closed):
     """Triangles from ring to ring."""
     ring, side = numpy.meshgrid(numpy.arange(rings - 1), numpy.arange(around if is_closed else around - 1), indexing="ij")
     a, b = ring * around + side, ring * around + (side + 1) % around
-    quads = numpy.stack([a, b, b + around, a, b + around, a + around], axis=-1)
+    quads = numpy.stack([a, b + around, b, a, a + around, b + around], axis=-1)
     return quads.reshape(-1, 3)
 
 
