@@ -74,6 +74,7 @@ LOSSES = {
                                 "camera's and to shadows'"),
     "hair": (WARNING, "hair is exported as tubes of 12 sides, or as ribbons that face the camera of the first "
                       "frame where it lets light through"),
+    "hair-attributes": (WARNING, "hair of particles has no attributes of what it grows on"),
     "point-cloud": (WARNING, "points are exported as spheres of 20 sides"),
     "point-splats": (WARNING, "points of other types than the plain one are exported as spheres"),
     "grease-pencil": (WARNING, "grease pencil is not rendered"),

@@ -2,6 +2,8 @@
 
 import bpy
 
+from . import fog
+
 
 # What is asked of a sun that shows something.
 SUN_FIELDS = {
@@ -77,7 +79,10 @@ class SUNFLECK_PT_object(ScenePanel, bpy.types.Panel):
         own, column = context.object.sunfleck_settings, self.column()
         column.prop(own, "is_fog")
         if own.is_fog:
-            draw_fog(column, own)
+            if fog.of_material(context.object):
+                column.label(text="Its own volume material says how dense it is.")
+            else:
+                draw_fog(column, own)
             column.prop(own, "thins_out")
             if own.thins_out:
                 column.prop(own, "scale_height")

@@ -113,7 +113,8 @@ def seasons(scene):
 def places(scene):
     tree = matte()
     apart, span = tree.node("SeparateXYZ"), tree.node("Math", operation="MULTIPLY")
-    tree.link(tree.node("ObjectInfo").outputs["Location"], apart.inputs["Vector"]).link(apart.outputs["Z"], span.inputs[0])
+    tree.link(tree.node("ObjectInfo").outputs["Location"], apart.inputs["Vector"])
+    tree.link(apart.outputs["Z"], span.inputs[0])
     span.inputs[1].default_value = 0.4
     for leaf in leaves(scene, between(tree, span.outputs["Value"])):
         leaf.location.z = 2.0
@@ -190,7 +191,8 @@ def colors_of_faces(scene):
 def numbers_of(domain):
     def build(scene):
         tree = matte()
-        many_faces(scene, between(tree, output(tree.node("Attribute", attribute_name="tone"), "Factor", "Fac")), "FLOAT", domain)
+        asked = tree.node("Attribute", attribute_name="tone")
+        many_faces(scene, between(tree, output(asked, "Factor", "Fac")), "FLOAT", domain)
 
     return build
 
@@ -290,7 +292,7 @@ def nodes_pencil(scene):
 
 def nodes_points(scene):
     tree = Nodes(scenes.quad(scene, "points", 1.0, matte().material))
-    put_material(tree, tree.node("GeometryNodePoints").outputs["Points" if bpy.app.version >= (9,) else "Geometry"])
+    put_material(tree, tree.node("GeometryNodePoints").outputs["Geometry"])
 
 
 def hair(scene):

@@ -20,6 +20,7 @@ PARTS = {
     "unknown-node-...",
     "input-...",
     "more-than-all",
+    "attribute-above-one",
     "transmission",
     "mean-colours",
     "nearly-...",

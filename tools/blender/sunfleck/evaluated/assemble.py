@@ -113,9 +113,12 @@ class Assembly:
     def groups(self, thing):
         """What a thing shows by topology, materials and what these are on it: moments and geometries; only
         what it shows at a frame itself."""
-        groups = {}
+        groups, known = {}, {}
         for moment, (geometry, materials), facts in zip(thing.moments, thing.shown, thing.facts):
-            here = tuple(self.materials.on_instance(material, facts) for material in materials)
+            here = known.get((materials, facts))
+            if here is None:
+                here = tuple(self.materials.on_instance(material, facts) for material in materials)
+                known[materials, facts] = here
             key = (self.record.geometries[geometry].topology, materials, here)
             groups.setdefault(key, {})[moment] = geometry
         return {key: group for key, group in groups.items() if any(self.is_frame[moment] for moment in group)}

@@ -25,8 +25,8 @@ class Capture:
         self.here, self.still = {}, {}
         # Where the camera was at first, in the space of each object with hair.
         self.eye, self.eyes = None, {}
-        # Names of what has no surface.
-        self.unseen = set()
+        # Names of what has no surface, and of what has hair that asks for attributes.
+        self.unseen, self.colorless = set(), set()
         # What has velocities is at all moments of a frame what it is at the frame.
         self.drifting, self.drifted, self.offset = {}, set(), 0.0
 
@@ -119,6 +119,8 @@ class Capture:
             slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
             is_flat = bool(materials) and dependence.lets_through(materials[slot])
             made = strands.of_particles(thing, system, self.eye_in(thing, source), is_flat)
+            if materials and self.library.colors_of(materials[slot]):
+                self.colorless.add(source.original.name)
             found = self.still[kept] = self.kept(
                 made, materials[slot : slot + 1] if materials else [], source
             )

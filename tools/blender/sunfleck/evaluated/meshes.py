@@ -128,5 +128,7 @@ class Meshes:
             rows = numpy.clip(
                 rgb if part == "rgb" else numpy.concatenate([rgb, values[:, 3:]], axis=1), 0.0, 1.0
             )
+            if rgb.max(initial=0.0) > 1.0 + 1e-6:
+                self.materials.lose(material, "attribute-above-one")
             known[wanted] = self.document.accessor(rows.astype("f4"), VERTICES)
         return {"COLOR_0": known[wanted]}

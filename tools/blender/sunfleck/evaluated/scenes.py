@@ -25,6 +25,7 @@ class Exported:
         self.materials = library.words()
         # What only the export found out.
         self.findings = [*library.findings(), *(Finding(id, f"`{name}`") for id, name in sorted(record.shapes))]
+        self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
         if not assembly.shutter.is_centred:
             self.findings += [Finding("velocity-blur", f"`{name}`") for name in sorted(record.capture.drifted)]
 

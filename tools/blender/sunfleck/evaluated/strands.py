@@ -88,11 +88,12 @@ def smooth(points, radii, values=()):
     share = (numpy.arange(PIECES) / PIECES)[:, None, None]
     found = b + 0.5 * share * (c - a + share * (2 * a - 5 * b + 4 * c - d + share * (3 * (b - c) + d - a)))
     found = numpy.concatenate([found.swapaxes(0, 1).reshape(-1, 4), rows[-1:]])
-    between = (
-        numpy.concatenate([(one[:-1] + share * (one[1:] - one[:-1])).swapaxes(0, 1).reshape(-1, one.shape[1]), one[-1:]])
-        for one in values
-    )
-    return found[:, :3], numpy.maximum(found[:, 3], 0.0), *between
+    return found[:, :3], numpy.maximum(found[:, 3], 0.0), *(straight(one, share) for one in values)
+
+
+def straight(rows, share):
+    between = (rows[:-1] + share * (rows[1:] - rows[:-1])).swapaxes(0, 1).reshape(-1, rows.shape[1])
+    return numpy.concatenate([between, rows[-1:]])
 
 
 def of_particles(thing, system, eye, is_flat=False):
@@ -162,7 +163,7 @@ def surface_of(name, strands, eye, is_flat):
         layer: numpy.concatenate([strand.values[layer] for strand in strands]).repeat(around, axis=0)[corners]
         for layer in strands[0].values
     }
-    return made(name, numpy.concatenate(vertices), triangles, numpy.concatenate(normals), uvs, colors)
+    return made(name, numpy.concatenate(vertices), triangles, numpy.concatenate(normals), uvs=uvs, colors=colors)
 
 
 def frames(strand, eye):
@@ -180,7 +181,8 @@ def tube(strand, eye):
     """(points, sides, 3) places and normals; a prism has the circumference of its strand."""
     points, aside, towards = frames(strand, eye)
     angles = 2.0 * numpy.pi * numpy.arange(SIDES) / SIDES
-    outwards = numpy.cos(angles)[None, :, None] * aside[:, None] + numpy.sin(angles)[None, :, None] * towards[:, None]
+    cosine, sine = (turn(angles)[None, :, None] for turn in (numpy.cos, numpy.sin))
+    outwards = cosine * aside[:, None] + sine * towards[:, None]
     radius = numpy.pi / (SIDES * numpy.sin(numpy.pi / SIDES)) * numpy.asarray(strand.radii, float)
     return points[:, None] + radius[:, None, None] * outwards, outwards
 
@@ -197,7 +199,8 @@ def ribbon(strand, eye):
 
 def walls(rings, around, is_closed):
     """Triangles from ring to ring."""
-    ring, side = numpy.meshgrid(numpy.arange(rings - 1), numpy.arange(around if is_closed else around - 1), indexing="ij")
+    sides = numpy.arange(around if is_closed else around - 1)
+    ring, side = numpy.meshgrid(numpy.arange(rings - 1), sides, indexing="ij")
     a, b = ring * around + side, ring * around + (side + 1) % around
     quads = numpy.stack([a, b + around, b, a, a + around, b + around], axis=-1)
     return quads.reshape(-1, 3)
@@ -246,13 +249,14 @@ def icosahedron():
     return corners * (4.0 * numpy.pi / surface) ** 0.5, numpy.array(outwards)
 
 
-def made(name, vertices, triangles, normals=None, uvs=None, colors=None):
-    """Normals are of vertices; without any, of faces."""
+def made(name, vertices, triangles, normals=None, **of_corners):
+    """Normals are of vertices; without any, of faces. What else there is is of corners."""
     corners = triangles.ravel()
     is_smooth = normals is not None
     return Geometry(
         name=name, positions=numpy.asarray(vertices, "f4"), corner_vertices=corners.astype("i4"),
         triangles=numpy.arange(len(corners), dtype="i4").reshape(-1, 3), slots=numpy.zeros(len(triangles), "i4"),
         normals_of="POINT" if is_smooth else "FACE",
-        normals=numpy.asarray(normals, "f4") if is_smooth else numpy.empty((0, 3), "f4"), uvs=uvs or {}, colors=colors or {},
+        normals=numpy.asarray(normals, "f4") if is_smooth else numpy.empty((0, 3), "f4"),
+        **of_corners,
     ).fingerprint()

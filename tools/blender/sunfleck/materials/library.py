@@ -121,6 +121,10 @@ class Library:
         for made in self.copies.values():
             instances.remove(made)
 
+    def lose(self, material, what):
+        look = self.look(material)
+        look.losses = sorted({*look.losses, what})
+
     def is_seen(self, material):
         return self.look(material).surface is not None
 

@@ -80,7 +80,7 @@ def of_output(output):
     if node.mute:
         raise NotSimple(node)
     read = READERS.get(node.type)
-    if read is None:
+    if read is None or any(socket.enabled and socket.is_linked and socket.name not in KNOWN for socket in node.inputs):
         raise NotSimple(node)
     return read(node, output)
 
@@ -263,6 +263,11 @@ def read_attribute(node, output):
     return Source((1.0, 1.0, 1.0), attribute=name, attribute_channel=3 if output.name == "Alpha" else "rgb")
 
 
+# Inputs that the readers read: whatever else is linked, in later Blenders, is left to Cycles.
+KNOWN = {
+    "Vector", "Factor", "Fac", "A", "B", "Color1", "Color2", "Color", "Image", "Value", "Hue", "Saturation", "From Min",
+    "From Max", "To Min", "To Max", "Red", "Green", "Blue", "X", "Y", "Z",
+}
 ARITHMETIC = {
     "ADD": lambda a, b: a + b,
     "SUBTRACT": lambda a, b: a - b,
