@@ -324,8 +324,28 @@ def rough_transmission(scene):
 
 
 def two_sided(scene):
+    """Every other leaf shows its back."""
     tree = matte()
-    leaves(scene, between(tree, tree.node("NewGeometry").outputs["Backfacing"]))
+    for leaf in leaves(scene, between(tree, tree.node("NewGeometry").outputs["Backfacing"]))[::2]:
+        leaf.rotation_euler.x += math.pi
+
+
+def two_sided_by_shaders(scene):
+    tree = matte()
+    other = tree.node("BsdfDiffuse")
+    other.inputs["Color"].default_value = GREEN
+    tree.shader.inputs["Base Color"].default_value = RED
+    tree.mixed(tree.node("NewGeometry").outputs["Backfacing"], tree.shader, other)
+    for leaf in leaves(scene, tree)[::2]:
+        leaf.rotation_euler.x += math.pi
+
+
+def two_sided_and_translucent(scene):
+    tree = matte()
+    glow = tree.node("BsdfTranslucent")
+    between(tree, tree.node("NewGeometry").outputs["Backfacing"])
+    tree.mixed(0.4, tree.shader, glow)
+    leaves(scene, tree)
 
 
 def window(scene):
@@ -397,6 +417,7 @@ BESIDE = {
     "from instancer": (from_instancer, 1, EXACT), "colours of faces": (colors_of_faces, 1, EXACT),
     "numbers of points": (numbers_of("POINT"), 1, BAKED), "numbers of faces": (numbers_of("FACE"), 1, BAKED),
     "missing attribute": (missing_attribute, 1, EXACT), "strips": (strips, 10, EXACT), "velocities": (velocities, 6, EXACT),
+    "two-sided": (two_sided, 1, EXACT), "two-sided by shaders": (two_sided_by_shaders, 1, EXACT),
     "hair": (hair, 1, BAKED), "thin wall": (thin_wall, 1, EXACT), "fog box": (fog_box, 6, EXACT),
 }
 # By name: how it is built, and what has to be said, as a warning.
@@ -405,7 +426,7 @@ SAID = {
     "velocities at the start": (lambda scene: velocities(scene, "START"), "velocity-blur"),
     "volume of nodes": (nodes_volume, "volume"), "pencil of nodes": (nodes_pencil, "grease-pencil"),
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hair, "hair"),
-    "rough transmission": (rough_transmission, "material-lost"), "two-sided": (two_sided, "material-lost"),
+    "rough transmission": (rough_transmission, "material-lost"), "two-sided leaf": (two_sided_and_translucent, "material-lost"),
     "window": (window, "material-lost"), "added translucence": (added_translucence, "material-lost"),
     "light info": (light_info, "material-lost"), "hues": (hues, "instance-colors"),
     "fog of noise": (fog_of_noise, "fog-material"),

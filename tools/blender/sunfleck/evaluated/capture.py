@@ -145,6 +145,9 @@ class Capture:
         if slots and not any(self.library.is_seen(materials[slot]) for slot in slots):
             self.unseen.add(source.original.name)
             return None
+        sides = [self.library.sides.get(material, (material, material)) for material in materials]
+        if any(front is not back for front, back in sides):
+            made, materials = made.sided(len(materials)), [side[at] for at in (0, 1) for side in sides]
         if any(self.library.wants_atlas(material, made) for material in materials):
             made = made.unwrapped()
         number = self.known.setdefault(made.known_by(), len(self.geometries))

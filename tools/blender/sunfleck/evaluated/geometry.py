@@ -14,6 +14,8 @@ from .attributes import numbers, of_corners, uv_of_corners
 
 # The name of texture coordinates that are made for baking.
 ATLAS = "sunfleck bake"
+# By what share of its extent a side of a mesh stands before its middle.
+SIDES_APART = 3e-5
 
 
 @dataclass
@@ -51,6 +53,24 @@ class Geometry:
         positions = self.positions.copy()
         positions[self.corner_vertices] += numpy.float32(seconds) * velocities
         return replace(self, positions=positions).fingerprint()
+
+    def sided(self, slots):
+        """The same twice, a little apart: what faces forwards, and what faces backwards in so many slots more."""
+        corners = self.positions[self.corner_vertices[self.triangles]].astype(float)
+        of_faces = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        forwards = numpy.zeros(self.positions.shape)
+        numpy.add.at(forwards, self.corner_vertices[self.triangles], of_faces[:, None])
+        lengths = numpy.linalg.norm(forwards, axis=1, keepdims=True)
+        apart = SIDES_APART * float(numpy.linalg.norm(numpy.ptp(self.positions, axis=0)))
+        shift = apart * forwards / numpy.maximum(lengths, 1e-30)
+        twice = lambda rows, more=0: numpy.concatenate([rows, rows + rows.dtype.type(more)])
+        return replace(
+            self, positions=numpy.concatenate([self.positions + shift, self.positions - shift]).astype("f4"),
+            corner_vertices=twice(self.corner_vertices, len(self.positions)),
+            triangles=twice(self.triangles, len(self.corner_vertices)), slots=twice(numpy.clip(self.slots, 0, slots - 1), slots),
+            normals=twice(self.normals), uvs={name: twice(rows) for name, rows in self.uvs.items()},
+            colors={name: twice(rows) for name, rows in self.colors.items()},
+        ).fingerprint()
 
     def unwrapped(self):
         """The same with corners of their own for each triangle, and texture coordinates in which

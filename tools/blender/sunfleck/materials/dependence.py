@@ -164,7 +164,27 @@ def losses(material):
             found.add(PLACE)
         if node.type in {"BUMP", "NORMAL_MAP"} and getattr(node, "space", "TANGENT") in {"WORLD", "BLENDER_WORLD"}:
             found.add(PLACE)
-    return found - {None}
+    # Opaque sheets have a mesh for each side.
+    return found - ({None, SIDE} if is_two_sided(material) and not is_transparent(material) else {None})
+
+
+def backfacing(node):
+    """Outputs that tell on which side a surface is seen."""
+    outputs = node.outputs if node.type == "NEW_GEOMETRY" else ()
+    return [output for output in outputs if output.name == "Backfacing" and output.is_linked]
+
+
+def is_two_sided(material):
+    """Whether each side looks otherwise, and no light comes out on the other."""
+    nodes = nodes_of(material)
+    return any(map(backfacing, nodes)) and not any(map(is_passing, nodes))
+
+
+def is_passing(node):
+    """Whether a shader lets light through, alpha aside."""
+    if node.type == "BSDF_PRINCIPLED":
+        return not sheets.is_zero(node, "Transmission Weight") or sheets.is_sheet(node)
+    return node.type in {"BSDF_TRANSLUCENT", "BSDF_GLASS", "BSDF_REFRACTION"}
 
 
 def is_transparent(material):
@@ -183,12 +203,7 @@ def lets_through(material):
     """Whether any light comes out on its other side."""
     if material is None:
         return False
-    passing = {"BSDF_TRANSLUCENT", "BSDF_GLASS", "BSDF_REFRACTION"}
-    return is_transparent(material) or any(
-        node.type in passing
-        or (node.type == "BSDF_PRINCIPLED" and (not sheets.is_zero(node, "Transmission Weight") or sheets.is_sheet(node)))
-        for node in nodes_of(material)
-    )
+    return is_transparent(material) or any(map(is_passing, nodes_of(material)))
 
 
 def is_of_film(material):

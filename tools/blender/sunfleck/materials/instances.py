@@ -17,6 +17,8 @@ MOST, MOST_BAKED = 256, 16
 # Of more changes than these, of all things over all frames, facts are rounded as those of baked materials are.
 MOST_CHANGES = 20000
 WORD = 0xFFFFFFFF
+# Of a mesh's copy for one side: 0 of the front, 1 of the back.
+SIDE = ("NEW_GEOMETRY", "Backfacing", "")
 UNKNOWN = (0.5, 0.5, 0.5, 1.0)
 # Answers that stay: the rest is asked for in every frame.
 STILL = {
@@ -148,6 +150,8 @@ def fixed(tree, facts, index):
         for output, question in dependence.questions_of_node(node):
             value = (index,) * 4 if output.name == "Material Index" else facts.get(question, UNKNOWN)
             replaced(tree, output, value)
+        for output in dependence.backfacing(node) if SIDE in facts else ():
+            replaced(tree, output, facts[SIDE])
 
 
 def replaced(tree, output, value):

@@ -60,6 +60,8 @@ class Library:
         # Of materials that differ from instance to instance: copies by facts, and how many levels
         # facts are rounded to.
         self.of_instances, self.copies, self.levels = {}, {}, {}
+        # Of materials whose sides differ, those of both.
+        self.sides = {}
 
     def start(self, document, clock):
         """Materials go into this document from now on, their keys by this clock."""
@@ -73,7 +75,17 @@ class Library:
                 self.looks[one] = self.looks[material] = looked_at(one)
             else:
                 self.looks[material] = looked_at(material)
+            if material is not None and dependence.is_two_sided(material):
+                self.sides[material] = tuple(self.side(material, is_back) for is_back in (False, True))
         return self.looks[material]
+
+    def side(self, material, is_back):
+        """The material as it is on one side."""
+        facts = ((instances.SIDE, (float(is_back),) * 4),)
+        name = f"{material.name} ({'back' if is_back else 'front'})"
+        made = self.copies[material, facts] = instances.copy(material, facts, name)
+        self.look(made)
+        return made
 
     # What differs from instance to instance.
 
