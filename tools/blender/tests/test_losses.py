@@ -17,6 +17,7 @@ PARTS = {
     "texture-clip",
     "depends-on-view",
     "depends-on-...",
+    "depends-on-side",
     "unknown-node-...",
     "input-...",
     "more-than-all",
