@@ -16,6 +16,8 @@ from .arguments import frame_range
 HELP = "writes a USD stage as glTF that sunfleck renders"
 PURPOSES = ("render", "proxy", "guide")
 VARIANT = re.compile(r"(/[^{}]+)((?:\{[^{}=]+=[^{}=]*\})+)")
+MOST_SAID = 20
+"""Losses of a kind in words."""
 REPORT_VERSION = 1
 """Of `--report`; another number where a field changes its meaning."""
 
@@ -72,18 +74,29 @@ def run(arguments: argparse.Namespace) -> int:
     imported = import_usd(arguments.source, arguments.target, options)
     counts = ", ".join(f"{count} {kind}" for kind, count in imported.counts.items() if count)
     print(f"{arguments.target}: frames {imported.frames[0]} to {imported.frames[1]}; {counts}")
-    for lost in imported.lost:
-        print(f"warning: {lost}", file=sys.stderr)
+    for line in _warnings(imported):
+        print(f"warning: {line}", file=sys.stderr)
     if report is not None:
         write_whole(report, _report(arguments.source, imported).encode())
     return OK
+
+
+def _warnings(imported) -> list[str]:
+    """Every loss in a line, kind by kind; of a kind that there is very often the first few."""
+    lines = []
+    for kind in imported.lost:
+        found = [lost for lost in imported.every if lost.kind == kind.kind]
+        lines += [str(lost) for lost in found[:MOST_SAID]]
+        if len(found) > MOST_SAID:
+            lines.append(f"[{kind.kind}] {len(found) - MOST_SAID} times more: --report lists each")
+    return lines
 
 
 def _report(source: Path, imported) -> str:
     """What `import_usd.schema.json` describes."""
     losses = [
         {"id": lost.kind, "count": lost.count, "first_place": lost.place, "sentence": lost.sentence}
-        for lost in imported.lost
+        for lost in imported.every
     ]
     said = {
         "format_version": REPORT_VERSION,

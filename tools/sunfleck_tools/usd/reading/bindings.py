@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pxr import Usd, UsdShade
+from pxr import Usd, UsdGeom, UsdShade
 
 from .losses import Losses
 from .shaders import surface_of
@@ -57,10 +57,21 @@ def _missing(prim: Usd.Prim) -> str | None:
     return None
 
 
+def _say_subsets_without_a_family(prim: Usd.Prim, lost: Losses) -> None:
+    """USD passes materials over of subsets that are not of the family for them."""
+    for subset in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim)):
+        family = str(subset.GetFamilyNameAttr().Get() or "")
+        api = UsdShade.MaterialBindingAPI(subset.GetPrim())
+        if family != UsdShade.Tokens.materialBind and api.GetDirectBindingRel().GetTargets():
+            what = f"is a subset of the family `{family}`, not `materialBind`: its material is passed over"
+            lost.add("usd-composition", subset.GetPath(), what)
+
+
 def read_bound(prim: Usd.Prim, lost: Losses) -> Bound:
     """All bindings of a prim; one that leads to no material is said."""
     bound = bound_material(prim)
     if bound is None and (target := _missing(prim)) is not None:
         lost.add("usd-missing", prim.GetPath(), f"is bound to {target}, which is no material")
+    _say_subsets_without_a_family(prim, lost)
     subsets = [each.GetPrim() for each in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()]
     return Bound(bound, [(each, bound_material(each)) for each in subsets])

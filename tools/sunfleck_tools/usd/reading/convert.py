@@ -25,12 +25,14 @@ from .losses import Loss, Losses
 from .meshes import Meshes, Piece
 from .nodes import Nodes
 from .options import ImportOptions
+from .render_settings import Lenses, take_exposure, take_render_settings
 from .places import STILL, is_placed, is_reset, local_matrices
 from .properties import custom_data, number_of, read_properties, text_of
 from .shapes import is_shape
 from .skins import Skins
 from .source import Source, open_stage, usd_said
-from .visibility import says_visibility, seen, up_to
+from .unread import say_unread, say_unread_of_camera
+from .visibility import is_hidden_by_purpose, says_visibility, seen, up_to
 
 @dataclass(frozen=True)
 class Imported:
@@ -40,6 +42,9 @@ class Imported:
     frames: tuple[int, int]
     fps: Fraction
     lost: list[Loss] = field(default_factory=list)
+    """One a kind, with how many there are of it."""
+    every: list[Loss] = field(default_factory=list)
+    """Each by itself."""
 
 
 def import_usd(source: str | Path, target: str | Path, options: ImportOptions = ImportOptions()) -> Imported:
@@ -61,7 +66,7 @@ def import_usd(source: str | Path, target: str | Path, options: ImportOptions = 
     counts = {
         kind: len(document.get(kind, ())) for kind in ("nodes", "meshes", "materials", "cameras", "images")
     }
-    return Imported(counts, conversion.source.frames, conversion.source.fps, lost.list())
+    return Imported(counts, conversion.source.frames, conversion.source.fps, lost.list(), lost.every())
 
 
 def _predicate(is_abstract: bool, is_defined: bool):
@@ -92,6 +97,7 @@ class _Import:
         self.shutter: tuple[float, float] | None = None
         self.scene: dict = {}
         self.has_dome = False
+        self.lenses: Lenses = {}
         # Cameras by the names that the stage has for them: nodes may have to get others.
         self.cameras: dict[str, int] = {}
         self.census = Census(source)
@@ -130,6 +136,7 @@ class _Import:
         while pending:
             prim, parent = pending.pop()
             kind = self.kinds.of(prim)
+            say_unread(prim, self.source, self.lost)
             if kind.stands_nowhere or (depth == 0 and prim.IsAbstract()):
                 continue
             below = parent
@@ -154,6 +161,8 @@ class _Import:
         if purpose != UsdGeom.Tokens.default_ and purpose not in self.options.purposes:
             if not self.source.by_us:
                 self.lost.add("usd-purpose", prim.GetPath(), f"is of purpose `{purpose}`, which is not drawn")
+            return False
+        if is_hidden_by_purpose(prim, str(purpose), self.source):
             return False
         if not (kind.is_shape or kind.is_instancer):
             self.lost.add(
@@ -259,6 +268,8 @@ class _Import:
         kind = self.kinds.of(thing)
         if kind.is_camera:
             seen = read_camera(thing, self.source)
+            stops = say_unread_of_camera(thing, self.source, self.lost)
+            self.lenses[str(thing.GetPath())] = self.nodes.of(node)["name"], stops
             self.shutter = self.shutter or seen.shutter
             self.nodes.of(node)["camera"] = self.writer.add(
                 "cameras", {"name": self.nodes.of(node)["name"], **seen.camera}
@@ -272,7 +283,7 @@ class _Import:
                 self.census.add(thing)
             members = self._members(thing)
             place_crowd(
-                members, self.nodes, node, lambda prototype, place: self._instance(prototype, place, depth)
+                members, self.nodes, node, lambda member, place: self._instance(member, place, depth)
             )
 
     def _place_lamp(self, prim: Usd.Prim, node: int) -> None:
@@ -313,8 +324,17 @@ class _Import:
         self.has_dome = True
         self.scene[ENVIRONMENT] = read_dome(light, self.source, self._ours_from_stage(), self.lost)
 
-    def _instance(self, prototype: Usd.Prim, node: int, depth: int) -> None:
+    def _instance(self, member: Member, node: int, depth: int) -> None:
         """A prototype below a node, or in it if it is nothing but shapes."""
+        prototype, outer = member.prototype, self.meshes.tint
+        # Instances within instances have their own colours, or those of what they are in.
+        self.meshes.tint = outer if member.color is None else member.color
+        try:
+            self._prototype(prototype, node, depth)
+        finally:
+            self.meshes.tint = outer
+
+    def _prototype(self, prototype: Usd.Prim, node: int, depth: int) -> None:
         path = prototype.GetPath()
         if path not in self._plain:
             shapes = self._only_shapes(prototype)
@@ -353,11 +373,13 @@ class _Import:
             version=1, fps=source.fps.numerator, fps_base=source.fps.denominator, frame_start=first, frame_end=last,
             light_units="spec",
         )  # fmt: skip
+        take_render_settings(sunfleck, source, self.options, self.lenses, self.lost)
         if sunfleck.get("camera") in self.cameras:
             sunfleck["camera"] = self.nodes.of(self.cameras[sunfleck["camera"]])["name"]
         if self.shutter is not None and "shutter" not in sunfleck:
             opening, closing = self.shutter
             sunfleck.update(shutter=closing - opening, shutter_offset=opening)
+        take_exposure(sunfleck, self.lenses)
         if self.lights:
             self.writer.extensions.add("KHR_lights_punctual")
             document["extensions"] = {"KHR_lights_punctual": {"lights": self.lights}}

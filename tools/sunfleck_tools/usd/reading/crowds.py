@@ -14,6 +14,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from ...errors import SceneError
+from .crowd_colors import NAMES, instance_colors, say_other_primvars
 from .losses import Losses, TooMuch
 from .nodes import Nodes
 from .places import codes_of, is_carried, parts, steady, while_carried
@@ -36,6 +37,8 @@ class Member:
     placed: np.ndarray
     shown_codes: np.ndarray
     shown: np.ndarray
+    color: tuple[float, ...] | None = None
+    """Of the instance, RGB and opacity, as it comes."""
 
 
 def read_crowd(prim: Usd.Prim, source: Source, lost: Losses) -> list[Member]:
@@ -50,6 +53,10 @@ class _Reader:
         self.prototypes = self._prototypes()
         names = ("protoIndices", "ids", "invisibleIds", "positions", "orientations", "orientationsf", "scales",
                  "velocities", "accelerations", "angularVelocities")  # fmt: skip
+        self._colors: dict[int, np.ndarray | None] = {}
+        self._has_colors: bool | None = None
+        self._colors_change = False
+        say_other_primvars(prim, lost)
         self.codes = codes_of(
             [prim.GetAttribute(name) for name in names if prim.GetAttribute(name)], source.codes
         )
@@ -133,8 +140,38 @@ class _Reader:
             placed,
             self.codes[turns],
             is_seen[turns],
+            self._color(rows),
         )
         return (at, place), member
+
+    def _color(self, rows: np.ndarray) -> tuple[float, ...] | None:
+        """Of an instance, by its places in the arrays at the codes at which it is there."""
+        found = [
+            tuple(np.round(colors[place], 6).tolist())
+            for at, place in rows[:, 2:].tolist()
+            if (colors := self._colors_at(at)) is not None
+        ]
+        # NaN, of no colour, is like no other.
+        if any(not np.array_equal(each, found[0], equal_nan=True) for each in found):
+            what = "colours of its instances change over time; each keeps that with which it comes"
+            self.lost.add("usd-material-animated", self.prim.GetPath(), what)
+        return found[0] if found else None
+
+    def _colors_at(self, at: int) -> np.ndarray | None:
+        if at not in self._colors:
+            if self._has_colors is None:
+                primvars = UsdGeom.PrimvarsAPI(self.prim)
+                attributes = [primvars.GetPrimvar(name) for name, _ in NAMES]
+                self._has_colors = any(each and each.HasValue() for each in attributes)
+                self._colors_change = any(each and each.ValueMightBeTimeVarying() for each in attributes)
+            if not self._has_colors:
+                return None
+            if not self._colors_change and self._colors:
+                self._colors[at] = next(iter(self._colors.values()))
+            else:
+                count = len(self.instancer.GetProtoIndicesAttr().Get(float(self.codes[at])) or ())
+                self._colors[at] = instance_colors(self.prim, float(self.codes[at]), count, self.lost)
+        return self._colors[at]
 
     def _changes(self) -> bool:
         return any(
@@ -202,7 +239,7 @@ def _nobody() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 
 
 def place_crowd(
-    members: list[Member], nodes: Nodes, node: int, fill: Callable[[Usd.Prim, int], None]
+    members: list[Member], nodes: Nodes, node: int, fill: Callable[[Member, int], None]
 ) -> None:
     """Adds a node for each instance below a node; `fill` puts a prototype there."""
     for member in members:
@@ -213,4 +250,4 @@ def place_crowd(
         nodes.show(instance, member.shown_codes, member.shown)
         if member.leaf_id is not None:
             nodes.extra(instance, "leaf_id", member.leaf_id)
-        fill(member.prototype, instance)
+        fill(member, instance)

@@ -13,6 +13,8 @@ from pxr import Tf, Usd
 from ...errors import SceneError
 
 KINDS = {
+    "usd-animated": "texture coordinates, normals or faces of a material that change over time",
+    "usd-camera-input": "an input of a camera that is not carried",
     "usd-camera-or-light-type": "a light or a shape of a kind that is not carried",
     "usd-clock": "a rate or a range of frames that cannot be",
     "usd-composition": "an arc or an opinion that USD itself passes over",
@@ -26,17 +28,19 @@ KINDS = {
     "usd-light-shape": "a light whose form is not carried, but one like it",
     "usd-light-value": "an input of a light that is no number that can be",
     "usd-material": "a material without a surface that is known",
-    "usd-material-animated": "a file or a colour of a mesh that changes over time",
+    "usd-material-animated": "a file, a place or another input of a texture, or a colour, that changes over time",
     "usd-material-approximated": "a surface of which only the most important inputs are taken",
     "usd-material-input": "an input of a material that is not carried",
     "usd-material-value": "an input of a material, or a colour of a mesh, that is none that can be",
     "usd-mesh-light": "a mesh that is a light: it is seen to shine, and lights other things by indirect "
                       "light alone",
     "usd-missing": "a layer, a prim or a variant that the stage refers to and that is not there",
+    "usd-motion": "a word on how far things move while a shutter is open",
     "usd-normal-map": "a normal map that does not say how it is to be read",
     "usd-prim": "a prim that cannot be read, and is left out",
     "usd-primvar": "values that do not fit their mesh",
     "usd-purpose": "a shape of a purpose that is not drawn",
+    "usd-render-settings": "what a RenderSettings asks for and is not carried",
     "usd-shape": "a shape without faces",
     "usd-shear": "a node that shears as it moves",
     "usd-skeleton": "a skeleton that cannot be followed",
@@ -79,7 +83,8 @@ class Losses:
 
     def __init__(self) -> None:
         self._first: dict[str, tuple[str, str]] = {}
-        self._seen: set[tuple[str, str, str]] = set()
+        # As a set that keeps its order.
+        self._seen: dict[tuple[str, str, str], None] = {}
         self._counts: Counter[str] = Counter()
 
     def add(self, kind: str, place: object, what: str) -> None:
@@ -90,7 +95,7 @@ class Losses:
         key = (kind, str(place), what)
         if key in self._seen:
             return
-        self._seen.add(key)
+        self._seen[key] = None
         self._counts[kind] += 1
         self._first.setdefault(kind, (str(place), f"{place}: {what}"))
 
@@ -101,6 +106,10 @@ class Losses:
     def list(self) -> list[Loss]:
         """One a kind, in the order in which they were found."""
         return [Loss(kind, *first, self._counts[kind]) for kind, first in self._first.items()]
+
+    def every(self) -> list[Loss]:
+        """Each by itself, in the order in which they were found."""
+        return [Loss(kind, place, f"{place}: {what}", 1) for kind, place, what in self._seen]
 
 
 class _LeavingOut:

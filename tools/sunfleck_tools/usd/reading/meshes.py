@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -41,6 +41,10 @@ class Meshes:
         self._reader = ShapeReader(source, lost)
         self._read: dict[tuple, list[Piece]] = {}
         self._known: dict[bytes, int] = {}
+        # Of the instance whose prototype is being put somewhere.
+        self.tint: tuple[float, ...] | None = None
+        self._takes_tint: dict[int, list[bool]] = {}
+        self._in_color: dict[tuple[int, tuple[float, ...]], int] = {}
 
     def pieces(self, prims: list[Usd.Prim]) -> list[Piece]:
         """The meshes of prims that stand in one place; written once, be there ever so many
@@ -53,6 +57,8 @@ class Meshes:
 
     def put(self, pieces: list[Piece], node: int) -> None:
         """Puts pieces at a node: what stays as one mesh, what bends or takes turns in nodes below it."""
+        if self.tint is not None:
+            pieces = [self._tinted(piece, self.tint) for piece in pieces]
         for index, piece in enumerate(pieces):
             is_still = piece.bend is None and piece.span is None and piece.skin is None
             is_alone = len(pieces) == 1 and piece.span is None
@@ -65,6 +71,21 @@ class Meshes:
                 self.writer.animate(at, "weights", times, piece.bend.weights.reshape(-1, 1))
             if piece.span is not None:
                 self._take_turns(at, piece.span)
+
+    def _tinted(self, piece: Piece, color: tuple[float, ...]) -> Piece:
+        """The same in the colour of an instance, as far as colours of its own do not come first."""
+        takes = self._takes_tint.get(piece.number, [])
+        if not any(takes):
+            return piece
+        key = piece.number, color
+        if key not in self._in_color:
+            mesh = self.writer.document["meshes"][piece.number]
+            primitives = [
+                {**each, "material": self.surfaces.tinted(each.get("material"), color)} if is_taken else each
+                for each, is_taken in zip(mesh["primitives"], takes)
+            ]
+            self._in_color[key] = self.writer.add("meshes", {**mesh, "primitives": primitives})
+        return replace(piece, number=self._in_color[key])
 
     def _pieces(self, prims: list[Usd.Prim], bound: list[Bound]) -> list[Piece]:
         """Meshes of prims, what stays first."""
@@ -109,7 +130,9 @@ class Meshes:
         # Blender's exports have a copy for each leaf.
         same = repr((mesh["primitives"], mesh.get("weights"))).encode()
         if same not in self._known:
-            self._known[same] = self.writer.add("meshes", mesh)
+            number = self._known[same] = self.writer.add("meshes", mesh)
+            self._takes_tint[number] = [part.takes_tint and "material" in each
+                                        for part, each in zip(shapes.parts, mesh["primitives"])]  # fmt: skip
         return self._known[same]
 
     def _primitive(self, part: Shape, bend: Bend | None) -> dict:

@@ -51,7 +51,10 @@ class Network:
         default = self.dialect.default(name)
         found = self._fed(theirs, default, name) if theirs else Fed(default)
         for weight, usual in self.dialect.weights.get(name, {}).items():
-            factor = self._fed(weight, (usual,), weight).numbers[0]
+            weighed = self._fed(weight, (usual,), weight)
+            if weighed.changing is not None:
+                self.say(f"{weight} that changes over time")
+            factor = weighed.numbers[0]
             found = replace(found, numbers=tuple(each * factor for each in found.numbers))
         return found
 

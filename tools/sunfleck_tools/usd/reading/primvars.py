@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
+from .changes import say_if_it_changes
 from .faces import Faces, value_of
 from .losses import Losses
 from .source import Source
@@ -72,6 +73,7 @@ class Primvars:
             return None
         lengths = np.linalg.norm(found.values, axis=1)
         if not (lengths > 1e-6).all():
+            self.lost.add("usd-primvar", self.prim.GetPath(), "some of its normals have no length: all are those of its faces")
             return None
         return Stream(found.name, found.values / lengths[:, None], found.interpolation)
 
@@ -93,6 +95,15 @@ class Primvars:
                 )
                 names.append(name)
         return streams, names
+
+    def say_what_changes(self, source: Source, bends: bool) -> None:
+        """Of what is read at one time for all: coordinates, and normals of what stays as it is."""
+        for name, _, primvar in self._coordinates()[:MOST_LAYERS]:
+            for attribute in (primvar.GetAttr(), primvar.GetIndicesAttr()):
+                say_if_it_changes(attribute, source, self.lost, f"set of texture coordinates `{name}`")
+        for name in () if bends else ("normals", "primvars:normals"):
+            if name in self.authored:
+                say_if_it_changes(self.prim.GetAttribute(name), source, self.lost, name)
 
     def _coordinates(self) -> list[tuple[str, Sdf.ValueTypeName, UsdGeom.Primvar]]:
         """Primvars that have values of texture coordinates, by their names; the usual ones first."""

@@ -13,6 +13,7 @@ from ...errors import SceneError
 from .bends import Bend, normal_targets, read_bend
 from .bindings import Bound, path_of
 from .cages import LEVELS, Refiner, Subdivided, depth_of
+from .changes import say_if_it_changes
 from .colors import shows_colors, vertex_colors
 from .faces import Faces, read_faces, read_points, rows_of, value_of
 from .losses import Losses
@@ -37,6 +38,8 @@ class Shape:
     glow: tuple[float, float, float] | None = None
     """Of a mesh that is a light: its radiance."""
     corner_of_row: np.ndarray | None = None
+    takes_tint: bool = False
+    """Whether a colour of the instance shows."""
     normal_targets: np.ndarray | None = None
     """Of what bends: what is added to each row's normal, times the weights."""
 
@@ -98,8 +101,16 @@ class ShapeReader:
         if self._shows[looks]:
             self._color(prim, bound.material, outline, span.rests_at)
         shapes = Shapes(_parts(prim, bound, outline, span.rests_at))
+        for subset, _ in bound.subsets:
+            say_if_it_changes(UsdGeom.Subset(subset).GetIndicesAttr(), self.source, self.lost, "list of faces")
+        if "COLOR_0" not in outline.rows:
+            for part in shapes.parts:
+                part.takes_tint = shows_colors(part.material, self.source)
         if len(span.codes) > 1 and shapes.parts:
             shapes.bend = read_bend(prim.GetPath(), outline.points_at, span.codes, outline.points)
+        if prim.IsA(UsdGeom.Mesh) and span.points_at is None:
+            primvars = Primvars(prim, span.rests_at, outline.faces, self.source, self.lost)
+            primvars.say_what_changes(self.source, shapes.bend is not None or outline.finer is not None or not span.is_always)
         if shapes.bend is not None and normals is not None:
             targets = normal_targets(outline.normals_at, shapes.bend, normals)
             for part in shapes.parts:

@@ -6,6 +6,7 @@ Invariant: no arc of a stage that is handed out comes round; what it refers to a
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -21,6 +22,8 @@ from .clock import put_rates_right, read_clock
 from .losses import Losses
 from .options import ImportOptions
 
+MOST_CLIPS = 100_000
+"""Of a set."""
 MOST_NAMED = 10
 """Of errors of one kind."""
 ENDLESS = (Pcp.ErrorArcCycle, Pcp.ErrorSublayerCycle, Pcp.ErrorCapacityExceeded)
@@ -179,9 +182,11 @@ def _say_what_is_missing(path: Path, stage: Usd.Stage, lost: Losses) -> None:
     for error in errors:
         kind = "usd-missing" if isinstance(error, MISSING) else "usd-composition"
         lost.add(kind, error.rootSite.path, " ".join(str(error).split()))
-    for prim in stage.Traverse():
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
         if prim.HasVariantSets():
             _say_what_is_chosen_in_vain(prim, lost)
+        if prim.HasAuthoredMetadata("clips"):
+            _say_which_clips_are_missing(prim, lost)
 
 
 def _say_what_is_chosen_in_vain(prim: Usd.Prim, lost: Losses) -> None:
@@ -192,6 +197,51 @@ def _say_what_is_chosen_in_vain(prim: Usd.Prim, lost: Losses) -> None:
         if chosen and chosen not in there:
             what = f"the variant set `{name}` has no `{chosen}`; it has {', '.join(there)}"
             lost.add("usd-missing", prim.GetPath(), what)
+
+
+def _say_which_clips_are_missing(prim: Usd.Prim, lost: Losses) -> None:
+    """Files of value clips: while one is missing, USD takes what the prim is without clips."""
+    api = Usd.ClipsAPI(prim)
+    for name, clips in (api.GetClips() or {}).items():
+        if not isinstance(clips, dict):
+            continue
+        layer = _layer_of_clips(prim)
+        named = [str(each.path) for each in clips.get("assetPaths") or ()]
+        template = clips.get("templateAssetPath")
+        if template and not named:
+            named = list(_of_template(str(template), clips))
+        manifest = clips.get("manifestAssetPath")
+        for path in [*named, *([manifest.path] if manifest and manifest.path else [])]:
+            if not _opens(layer, path):
+                what = f"the value clip `{path}` of the set `{name}` is not there, or cannot be read"
+                lost.add("usd-missing", prim.GetPath(), what)
+
+
+def _layer_of_clips(prim: Usd.Prim) -> Sdf.Layer:
+    """The strongest that says clips; their paths count from there."""
+    specs = [spec for spec in prim.GetPrimStack() if spec.HasInfo("clips")]
+    return specs[0].layer if specs else prim.GetStage().GetRootLayer()
+
+
+def _opens(layer: Sdf.Layer, path: str) -> bool:
+    try:
+        return bool(path) and bool(Sdf.Layer.FindOrOpenRelativeToLayer(layer, path))
+    except Tf.ErrorException:
+        return False
+
+
+def _of_template(template: str, clips: dict) -> Iterator[str]:
+    """The files that a template such as `clip.###.usd` or `clip.###.##.usd` stands for."""
+    start, end, stride = (clips.get(f"template{name}") for name in ("StartTime", "EndTime", "Stride"))
+    found = re.fullmatch(r"([^#]*)(#+)(?:\.(#+))?([^#]*)", template)
+    usable = all(isinstance(each, (int, float)) and math.isfinite(each) for each in (start, end, stride))
+    if not found or not usable or stride <= 0:
+        return
+    head, whole, part, tail = found.groups()
+    for number in range(min(int((end - start) / stride + 1e-6) + 1, MOST_CLIPS)):
+        time = start + number * stride
+        width = len(whole) + (len(part) + 1 if part else 0)
+        yield f"{head}{time:0{width}.{len(part or '')}f}{tail}"
 
 
 def _said(error: Exception) -> str:

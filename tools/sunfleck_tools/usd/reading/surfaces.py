@@ -3,6 +3,7 @@ texture coordinates."""
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 
@@ -23,6 +24,8 @@ from .textures import Textures
 
 OTHER_SHARES = ("transmission", "mirror", "filter_color")
 """Of `sunfleck_material`, beside the base colour's."""
+UNBOUND = "displayColor"
+"""What the material of meshes without one is called."""
 SINGLE_PRECISION = 1e-6
 """By which a sum of rounded shares may be off."""
 
@@ -32,10 +35,12 @@ class Surfaces:
 
     def __init__(self, writer: GlbWriter, source: Source, lost: Losses):
         self.writer, self.source, self.lost = writer, source, lost
-        self.textures = Textures(lost, source.first)
+        self.textures = Textures(lost, source.codes)
         self.bakery = Bakery(writer, self.textures, lost)
         self._written: dict[tuple, int] = {}
         self._known: dict[str, int] = {}
+        self._looks_of: dict[int, Looks] = {}
+        self._tinted: dict[tuple[int, tuple[float, ...]], int] = {}
 
     def number(
         self,
@@ -57,12 +62,30 @@ class Surfaces:
             self._written[key] = self._add(_glowing(self._looks(prim, layers), glow))
         return self._written[key]
 
+    def tinted(self, number: int | None, color: tuple[float, ...]) -> int | None:
+        """A material that shows a mesh's colours, in the colour of an instance: RGB and opacity."""
+        if number is None:
+            return None
+        key = number, color
+        if key not in self._tinted:
+            looks = copy.deepcopy(self._looks_of[number])
+            base = looks.material["pbrMetallicRoughness"]["baseColorFactor"]
+            tint = [1.0, 1.0, 1.0] if math.isnan(color[0]) else list(color[:3])
+            is_unbound = looks.material.get("name") == UNBOUND and not math.isnan(color[0])
+            rgb = tint if is_unbound else [one * other for one, other in zip(base, tint)]
+            looks.material["pbrMetallicRoughness"]["baseColorFactor"] = [*rgb, base[3] * color[3]]
+            if color[3] < 1:
+                looks.material.setdefault("alphaMode", "BLEND")
+            self._tinted[key] = self._add(looks)
+        return self._tinted[key]
+
     def _add(self, looks: Looks) -> int:
         self.writer.extensions.update(looks.material.get("extensions", ()))
         # Instances refer to copies of their own.
         rows = {path: (codes.tolist(), rows.tolist()) for path, (codes, rows) in looks.changing.items()}
         text = json.dumps([looks.material, rows], sort_keys=True)
         if text not in self._known:
+            self._looks_of[len(self.writer.document.get("materials", ()))] = copy.deepcopy(looks)
             number = self._known[text] = self.writer.add("materials", looks.material)
             for path, (codes, rows) in looks.changing.items():
                 self.writer.animate_value(f"/materials/{number}/{path}", self.source.seconds(codes), rows)
@@ -101,7 +124,7 @@ def _unbound(colors: np.ndarray | None) -> Looks:
     """Of a mesh without a material."""
     base = GREY if colors is None else (1.0,) * 3
     pbr = {"baseColorFactor": [*base, 1.0], "metallicFactor": 0.0}
-    material = {"name": "displayColor", "doubleSided": True, "pbrMetallicRoughness": pbr}
+    material = {"name": UNBOUND, "doubleSided": True, "pbrMetallicRoughness": pbr}
     if colors is not None and colors.shape[1] == 4:
         material["alphaMode"] = "BLEND"
     return Looks(material)

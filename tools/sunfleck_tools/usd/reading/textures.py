@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Ar, Sdf, Usd, UsdShade
 
+from .changes import changes
 from .losses import Losses
 from .numbers import numbers_in
 from .texels import Picture, PictureError, open_picture
@@ -21,6 +22,11 @@ FIRST_TILE = 1001
 MOVES = {"rotation": 0.0, "scale": (1.0, 1.0), "translation": (0.0, 0.0)}
 """Inputs of UsdTransform2d, and what they are by themselves."""
 UDIM_COLUMNS = 10
+COORDINATE_NODES = ("UsdPrimvarReader_", "ND_UsdPrimvarReader_", "ND_geompropvalue_", "ND_texcoord_")
+INPUTS = {"file", "filename", "st", "texcoord", "wrapS", "wrapT", "fallback", "default", "scale", "bias",
+          "sourceColorSpace", "uaddressmode", "vaddressmode", "filtertype", "uvtiling", "uvoffset",
+          "realworldimagesize", "realworldtilesize"}  # fmt: skip
+"""Of a texture node: what is read here, and how it is filtered, which is the renderer's own."""
 READERS = {
     "UsdUVTexture": "file",
     "ND_UsdUVTexture": "file",
@@ -63,8 +69,8 @@ def file_input(shader: UsdShade.Shader) -> str | None:
 class Textures:
     """Reads nodes of one stage; each file is opened once."""
 
-    def __init__(self, lost: Losses, code: float):
-        self.lost, self.code = lost, code
+    def __init__(self, lost: Losses, codes: np.ndarray):
+        self.lost, self.codes, self.code = lost, codes, float(codes[0])
         self._pictures: dict[str, Picture | None] = {}
 
     def picture(self, resolved: str) -> Picture:
@@ -100,6 +106,9 @@ class Textures:
         found = shader.GetInput(name)
         producers = found.GetValueProducingAttributes() if found else []
         value = producers[0].Get(self.code) if producers else None
+        if producers and changes(producers[0], self.codes):
+            what = f"its {name} changes over time; that of the first frame is taken"
+            self.lost.add("usd-material-animated", shader.GetPath(), what)
         return default if value is None else value
 
     def _numbers(self, shader: UsdShade.Shader, name: str, default):
@@ -109,7 +118,7 @@ class Textures:
     def _files(self, attribute: Usd.Attribute, place: str) -> dict[tuple[int, int], str]:
         """Files that open, by column and row of their tiles; without tiles all is column 0, row 0."""
         value = attribute.Get(self.code)
-        if attribute.ValueMightBeTimeVarying():
+        if changes(attribute, self.codes):
             self.lost.add(
                 "usd-material-animated", place, "its file changes over time; that of the first frame is taken"
             )
@@ -168,9 +177,12 @@ class Textures:
             self.lost.add(
                 "usd-texture-wrap", shader.GetPath(), "black around a texture is not carried: its edges go on"
             )
+        wraps = self._address_modes(shader, wraps)
         node, moved = _before(shader, "st") or _before(shader, "texcoord"), None
         if node and node.GetIdAttr().Get() == "UsdTransform2d":
             moved, node = self._moved(node), _before(node, "in")
+        moved = self._tiled(shader, moved)
+        self._say_unknown(shader, node)
         layer = 0 if layers else -1
         if node and node.GetInput("varname"):
             name = str(self._value(node, "varname", ""))
@@ -180,6 +192,43 @@ class Textures:
                 what = f"a texture by the coordinates `{name}`, which the mesh does not have, takes others"
                 self.lost.add("usd-material-input", shader.GetPath(), what)
         return Placement(layer, moved, tuple(WRAPS.get(wrap, WRAPS["repeat"]) for wrap in wraps))
+
+    def _address_modes(self, shader: UsdShade.Shader, wraps: list[str]) -> list[str]:
+        """Of nodes of MaterialX, in the words of UsdUVTexture."""
+        modes = [self._value(shader, f"{axis}addressmode", None) for axis in "uv"]
+        said = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant": "black"}
+        if "constant" in modes:
+            self.lost.add(
+                "usd-texture-wrap", shader.GetPath(), "one value around a texture is not carried: its edges go on"
+            )
+        return [wrap if mode is None else said.get(str(mode), wrap) for wrap, mode in zip(wraps, modes)]
+
+    def _tiled(self, shader: UsdShade.Shader, moved: tuple | None) -> tuple | None:
+        """What `tiledimage` of MaterialX does to coordinates: times `uvtiling`, less `uvoffset`, and both by
+        the size of a tile in that of the picture."""
+        pairs = {"uvtiling": (1.0, 1.0), "uvoffset": (0.0, 0.0), "realworldimagesize": (1.0, 1.0), "realworldtilesize": (1.0, 1.0)}  # fmt: skip
+        if not any(shader.GetInput(name) for name in pairs):
+            return moved
+        found = [numbers_in(self._value(shader, name, rest), 2) for name, rest in pairs.items()]
+        if None in found or 0 in found[2] or moved is not None:
+            what = "its tiling is moved by another node too, or is no numbers, and is left out"
+            self.lost.add("usd-material-input", shader.GetPath(), what)
+            return moved
+        tiling, offset, picture, tile = (np.array(each) for each in found)
+        wide, high = (tiling * tile / picture).tolist()
+        x, y = (-offset * tile / picture).tolist()
+        return (x, round(1 - y - high, 7)), 0.0, (wide, high)
+
+    def _say_unknown(self, shader: UsdShade.Shader, node: UsdShade.Shader | None) -> None:
+        """Nodes before a texture, and inputs of it, that nothing here reads."""
+        kind = str(node.GetIdAttr().Get()) if node else ""
+        if node and not kind.startswith(COORDINATE_NODES):
+            what = f"takes its coordinates through a {kind or 'node without a kind'}, which is passed over"
+            self.lost.add("usd-material-input", shader.GetPath(), what)
+        for given in shader.GetInputs():
+            name = given.GetBaseName()
+            if name not in INPUTS and given.GetValueProducingAttributes():
+                self.lost.add("usd-material-input", shader.GetPath(), f"its {name} is not carried")
 
     def _moved(self, shader: UsdShade.Shader) -> tuple | None:
         """The reverse of what export writes: glTF turns about the upper left corner, USD about

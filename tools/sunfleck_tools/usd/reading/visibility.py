@@ -21,6 +21,22 @@ def says_visibility(prim: Usd.Prim, source: Source) -> bool:
     return bool(imageable) and imageable.GetVisibilityAttr().HasAuthoredValue()
 
 
+def is_hidden_by_purpose(prim: Usd.Prim, purpose: str, source: Source) -> bool:
+    """True if a shape of a purpose is invisible by what it or what it is in says for that purpose
+    (VisibilityAPI: `renderVisibility` and so on); the nearest word counts."""
+    if purpose not in ("render", "proxy", "guide"):
+        return False
+    at = prim
+    while at and not at.IsPseudoRoot():
+        if at.HasAPI(UsdGeom.VisibilityAPI):
+            attribute = at.GetAttribute(f"{purpose}Visibility")
+            value = attribute.Get(source.first) if attribute and attribute.HasAuthoredValue() else None
+            if value in (UsdGeom.Tokens.invisible, UsdGeom.Tokens.visible):
+                return value == UsdGeom.Tokens.invisible
+        at = at.GetParent()
+    return False
+
+
 def up_to(prim: Usd.Prim, last: Usd.Prim) -> list[Usd.Prim]:
     """A prim and its ancestors, as far as `last`."""
     found = [prim]

@@ -1,0 +1,64 @@
+"""Words of a prim that nothing else here reads, and that change a picture. Invariant: each is said."""
+
+from __future__ import annotations
+
+import math
+
+from pxr import Usd, UsdGeom
+
+from .changes import say_if_it_changes
+from .losses import Losses
+from .source import Source
+
+BLUR = {"motion:blurScale": 1.0, "motion:velocityScale": 1.0}
+"""Words on how far things move while a shutter is open, and what they are by themselves."""
+OF_CAMERAS = {"focalLength", "horizontalAperture", "verticalAperture", "fStop", "focusDistance", "projection",
+              "clippingRange", "horizontalApertureOffset", "verticalApertureOffset", "shutter:open", "shutter:close",
+              "purpose", "visibility", "xformOpOrder", "proxyPrim"}  # fmt: skip
+"""What is read, with what prims have that are no cameras."""
+READ_ONCE = ("projection", "clippingRange", "horizontalApertureOffset", "verticalApertureOffset",
+             "shutter:open", "shutter:close")  # fmt: skip
+EXPOSURE = ("exposure", "exposure:time", "exposure:iso", "exposure:fStop", "exposure:responsivity")
+
+
+def say_unread(prim: Usd.Prim, source: Source, lost: Losses) -> None:
+    """Of any prim."""
+    authored = source.authored(prim)
+    for name, rest in BLUR.items():
+        if name in authored:
+            attribute = prim.GetAttribute(name)
+            value = attribute.Get(source.first)
+            if value != rest:
+                lost.add("usd-motion", prim.GetPath(), f"its {name} of {value} is not carried: what moves is blurred as it moves")
+
+
+def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float | None:
+    """Of a camera; its exposure as a power of two, if it has one."""
+    authored = source.authored(prim)
+    for name in READ_ONCE:
+        if name in authored:
+            say_if_it_changes(prim.GetAttribute(name), source, lost, name, "usd-camera-input")
+    usual = prim.GetPrimDefinition().GetPropertyNames()
+    for name in sorted(authored & set(usual) - OF_CAMERAS - set(EXPOSURE)):
+        attribute = prim.GetAttribute(name)
+        fallback = prim.GetPrimDefinition().GetAttributeFallbackValue(name)
+        if attribute and attribute.HasAuthoredValue() and _told(attribute.Get(source.first)) != _told(fallback):
+            lost.add("usd-camera-input", prim.GetPath(), f"its {name} is not carried")
+    if not authored & set(EXPOSURE):
+        return None
+    scale = UsdGeom.Camera(prim).ComputeLinearExposureScale(source.first)
+    for name in EXPOSURE:
+        say_if_it_changes(prim.GetAttribute(name), source, lost, name, "usd-camera-input")
+    if not (math.isfinite(scale) and scale > 0) or abs(scale - 1) < 1e-6:
+        return None
+    lost.add(
+        "usd-camera-input",
+        prim.GetPath(),
+        f"its exposure multiplies light by {scale:.6g}: pictures for eyes have it, frames hold the light itself",
+    )
+    return math.log2(scale)
+
+
+def _told(value: object) -> object:
+    """A value that can be compared; arrays as lists."""
+    return list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
