@@ -19,7 +19,7 @@ __version__ = "0.1.0"
 MODULES = {
     "Diagnostic": "diagnostic", "FileError": "errors", "Frame": "frame", "FrameError": "errors", "Pass": "frame",
     "ProgramError": "errors", "SceneError": "errors", "Stopped": "errors", "SunfleckError": "errors", "SunfleckWarning": "errors",
-    "UsageError": "errors", "inspect": "inspection", "read": "frame", "render": "rendering", "render_frames": "rendering",
+    "UsageError": "errors", "WrongType": "errors", "inspect": "inspection", "read": "frame", "render": "rendering", "render_frames": "rendering",
 }  # fmt: skip
 __all__ = [*MODULES, "__version__"]
 

@@ -48,6 +48,14 @@ class UsageError(SunfleckError):
     """A setting cannot be used, or does not suit the input (exit code 2)."""
 
 
+class WrongType(UsageError, TypeError):
+    """An argument has a type, or a value, that it cannot have; nothing was started."""
+
+    def __init__(self, found: str, remedy: str):
+        text = f"error: {found}\n  remedy: {remedy}"
+        super().__init__(text, 2, (Diagnostic("error", found, remedy=remedy, text=text),))
+
+
 class SceneError(SunfleckError):
     """The input can be read but not used (3)."""
 

@@ -19,6 +19,7 @@ from sunfleck_tools.exr.header import window_size
 
 from . import passes
 from .errors import FileError
+from .flags import path_text
 
 MATRICES = ("worldToCamera", "worldToNDC")
 
@@ -107,7 +108,7 @@ class Frame:
 
 def read(path: str | os.PathLike) -> Frame:
     """A frame from a file of this renderer, or the channels of another's. Raises `FileError`, which says what is wrong with it."""
-    name = os.fspath(path)
+    name = path_text("path", path)
     file, frame = read_frame(0, name)
     if frame is None:
         remedy = "check the path" if file.read_error else "render the frame again"

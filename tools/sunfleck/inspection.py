@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterable
 
-from .flags import as_flags, joined
+from .flags import as_flags, joined, path_text
 from .process import answer
 
 
@@ -16,5 +16,5 @@ def inspect(scene: str | os.PathLike, frames: str | float | Iterable[float] | No
 
     Raises a `SunfleckError`, as `render` does.
     """
-    chosen = [] if frames is None else [f"--frames={joined(frames)}"]
-    return json.loads(answer(["inspect", "--json", *chosen, *as_flags(settings), "--", os.fspath(scene)]))
+    chosen = [] if frames is None else [f"--frames={joined('frames', frames)}"]
+    return json.loads(answer(["inspect", "--json", *chosen, *as_flags(settings), "--", path_text("scene", scene)]))

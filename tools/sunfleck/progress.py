@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 from sunfleck_tools.progress import Bar
 
+from .errors import WrongType
+
 STEPS_PER_FRAME = 1000
 Progress = Callable[[dict], None]
 """Called with each event, as `--progress jsonl` in docs/command-line.md has them."""
@@ -40,4 +42,9 @@ def watcher(progress: Progress | bool | None) -> Progress:
     """A function as it is; `None` and `True` a bar where there is a terminal; `False` silence."""
     if callable(progress):
         return progress
+    if progress is not None and not isinstance(progress, bool):
+        raise WrongType(
+            f"progress is {progress!r}: frames are read from the program's own events",
+            "give it a function, which gets each event as a dict; True for a bar, or False for silence",
+        )
     return (lambda event: None) if progress is False else EventBar()

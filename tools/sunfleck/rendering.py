@@ -9,9 +9,8 @@ import os
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import closing, contextmanager
-from operator import index
 
-from .flags import as_flags, joined
+from .flags import as_flags, frame_number, joined, path_text
 from .frame import Frame, read
 from .process import events
 from .progress import EventBar, Progress, watcher
@@ -30,7 +29,7 @@ def render(
 
     Raises a `SunfleckError`: `UsageError`, `SceneError`, `FileError`, `FrameError`, `Stopped`, or `ProgramError`.
     """
-    with closing(_rendered(scene, index(frame), as_flags(settings), out, progress)) as frames:
+    with closing(_rendered(scene, frame_number(frame), as_flags(settings), out, progress)) as frames:
         (found,) = frames
     return found
 
@@ -54,11 +53,16 @@ def render_frames(
 def _rendered(
     scene: Path, frames: str | int | Iterable[int], flags: list[str], out: Path | None, progress: Progress | bool | None
 ) -> Iterator[Frame]:
-    watch = watcher(progress)
+    """Refuses at once what it cannot take; the iterator does the rest."""
+    folder = None if out is None else path_text("out", out)
+    command = ["render", f"--frames={joined('frames', frames)}", "--progress=jsonl", *flags]
+    return _frames(command, path_text("scene", scene), folder, watcher(progress))
+
+
+def _frames(command: list[str], scene: str, out: str | None, watch: Progress) -> Iterator[Frame]:
     try:
         with _folder(out) as folder:
-            command = ["render", f"--frames={joined(frames)}", "--progress=jsonl", *flags, f"--out={folder}"]
-            with closing(events([*command, "--", os.fspath(scene)])) as told:
+            with closing(events([*command, f"--out={folder}", "--", scene])) as told:
                 for event in told:
                     watch(event)
                     if event["event"] == "frame_written":
@@ -69,10 +73,10 @@ def _rendered(
 
 
 @contextmanager
-def _folder(out: Path | None) -> Iterator[str]:
+def _folder(out: str | None) -> Iterator[str]:
     """Where frames go: as told, or a folder for the time being."""
     if out is not None:
-        yield os.fspath(out)
+        yield out
         return
     with tempfile.TemporaryDirectory(prefix="sunfleck-") as folder:
         yield os.path.join(folder, "")

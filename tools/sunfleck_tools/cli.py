@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
+from . import __version__
 from .commands import COMMANDS, INTERRUPTED, IO, OK, SCENE, TERMINATED, USAGE
 from .errors import SceneError, Terminated, ToolError
 from .streams import patient_streams
@@ -96,6 +97,7 @@ class Parser(argparse.ArgumentParser):
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(prog="sunfleck-tools", description="Tools around sunfleck's frames and scenes.")
+    parser.add_argument("--version", action="version", version=f"sunfleck-tools {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name in COMMANDS:
         module = import_module(f".commands.{name}", __package__)

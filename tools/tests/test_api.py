@@ -22,7 +22,7 @@ from sunfleck.passes import PASSES, held
 from sunfleck.progress import EventBar
 from sunfleck_tools.exr.decode import decode
 
-from .command import NO_PROGRAM, PROGRAM, SEQUENCES
+from .command import NO_PROGRAM, PROGRAM, SEQUENCES, run
 
 ROOT = Path(__file__).parents[2]
 FIRST_LEAF = SEQUENCES / "first_leaf.ron"
@@ -58,6 +58,7 @@ class Tables(unittest.TestCase):
     def test_versions_are_one(self):
         version = re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)[1]
         self.assertEqual((sunfleck.__version__, sunfleck_tools.__version__), (version, version))
+        self.assertEqual(run("--version")[:2], (0, f"sunfleck-tools {version}\n"))
 
     def test_a_pass_is_held_with_all_its_channels_alone(self):
         matte = [f"CryptoObject{layer:02d}.{component}" for layer in (0, 1) for component in "RGBA"]

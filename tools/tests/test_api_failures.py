@@ -154,6 +154,39 @@ class Inputs(Failing):
         with self.assertRaises(TypeError):
             sunfleck.render(FIRST_LEAF, "1-2")
 
+    def test_types_that_cannot_be(self):
+        for said, arguments in (
+            ("scene is 5, a int", {"scene": 5}),
+            ("scene is ''", {"scene": ""}),
+            ("no file is called", {"scene": "a\0b.ron"}),
+            ("frame is '1', a str", {"frame": "1"}),
+            ("frame is 1.5, a float", {"frame": 1.5}),
+            ("out is \\[\\], a list", {"out": []}),
+            ("size is 5, a int", {"size": 5}),
+            ("size is \\('a', 2\\)", {"size": ("a", 2)}),
+            ("passes is or holds b'depth', a bytes", {"passes": b"depth"}),
+            ("passes is or holds None, a NoneType", {"passes": [None]}),
+            ("tolerance is or holds {'a': 1}, a dict", {"tolerance": {"a": 1}}),
+            ("camera is or holds <object", {"camera": object()}),
+            ("progress is 'jsonl'", {"progress": "jsonl"}),
+            ("progress is 3", {"progress": 3}),
+            ("help is no setting", {"help": True}),
+            ("version is no setting", {"version": True}),
+        ):
+            error = self.fails(sunfleck.UsageError, said, **arguments)
+            self.assertTrue(error.remedy, said)
+            self.assertIsInstance(error, TypeError)
+        for call in (
+            lambda: sunfleck.render_frames(FIRST_LEAF, 3j),
+            lambda: sunfleck.render_frames(FIRST_LEAF, progress="jsonl"),
+            lambda: sunfleck.inspect(FIRST_LEAF, frames=object()),
+            lambda: sunfleck.inspect(None),
+            lambda: sunfleck.read(7),
+        ):
+            with self.assertRaises(sunfleck.UsageError) as caught:
+                call()
+            self.assertTrue(caught.exception.remedy)
+
     def test_an_output_that_cannot_be_written(self):
         taken = self.folder / "taken"
         taken.write_bytes(b"a file, no folder")
