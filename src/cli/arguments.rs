@@ -2,7 +2,7 @@
 
 pub(super) use super::bench_arguments::BenchArguments;
 use super::parse::{
-    ChannelsLimit, Crop, SizeArgument, parse_bounces, parse_crop, parse_frame, parse_frame_rate, parse_limit,
+    ChannelsLimit, Crop, SizeArgument, parse_bounces, parse_crop, parse_frame_rate, parse_limit,
     parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
 };
 pub(super) use super::shared_arguments::{BakeArguments, DisplayArguments, SceneArguments};
@@ -174,9 +174,10 @@ pub(super) struct InspectArguments {
     /// Only the files that the input consists of, a path a line.
     #[arg(long, conflicts_with = "json")]
     pub(super) dependencies: bool,
-    /// Frames to look at; fractions are allowed [default: the first].
-    #[arg(long, allow_hyphen_values = true, value_delimiter = ',', value_parser = parse_frame)]
-    pub(super) frames: Vec<f64>,
+    /// Frames to look at, such as 1-24, 1-48x2, 5,9.5 or all, or those that a file lists, @FILE;
+    /// fractions are allowed [default: the first].
+    #[arg(long, allow_hyphen_values = true)]
+    pub(super) frames: Option<String>,
     /// Frames a second, such as 24 or 24000/1001 [default: the input's].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
     pub(super) fps: Option<crate::scene::FrameRate>,
@@ -240,6 +241,9 @@ pub(super) struct FarmArguments {
     /// Whose job.
     #[arg(long, value_enum, default_value_t)]
     pub(super) profile: FarmProfile,
+    /// For how many machines there are scripts, for --profile shell [default: 2].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
+    pub(super) machines: Option<u32>,
     /// Flags of `render` for every task, after `--`.
     #[arg(last = true, value_name = "FLAGS")]
     pub(super) flags: Vec<String>,

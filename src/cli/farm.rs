@@ -6,6 +6,10 @@ mod deadline;
 mod flamenco;
 mod job;
 mod openjd;
+mod quoting;
+mod scripts;
+mod shell;
+mod slurm;
 
 use super::arguments::{Arguments, Command, FarmArguments, FarmProfile, RenderArguments};
 use super::error::usage;
@@ -33,6 +37,8 @@ pub(super) fn run(arguments: &FarmArguments) -> Result<(), CliError> {
         FarmProfile::Openjd => (openjd::files(&job)?, openjd::how_to_submit(&job)),
         FarmProfile::Flamenco => (flamenco::files(&job)?, flamenco::how_to_submit(&job)),
         FarmProfile::Deadline => (deadline::files(&job)?, deadline::how_to_submit(&job)),
+        FarmProfile::Slurm => (slurm::files(&job)?, slurm::how_to_submit(&job)),
+        FarmProfile::Shell => (shell::files(&job)?, shell::how_to_submit(&job)),
     };
     // There even if nothing falls: managers bring it along.
     std::fs::create_dir_all(folder.join(BAKES))
@@ -62,8 +68,12 @@ fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
         flags: arguments.flags.clone(),
         is_still: false,
         memory_mib: 0,
+        threads: None,
+        minutes: 0,
+        machines: arguments.machines,
     };
     let task = first_task(&job, arguments.frames.as_deref().unwrap_or("all"))?;
+    check_flags(arguments, &task)?;
     let scene = plan::load(&task)?;
     let plan = Plan::new(&scene, &task)?;
     plan.picture.remarks.told().for_each(|remark| tell(&remark.to_string()));
@@ -74,6 +84,10 @@ fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
     }
     job.name.clone_from(&plan.picture.settings.name);
     job.is_still = scene.resolved().is_still();
+    job.threads = task.threads;
+    let picture = &plan.picture.job;
+    let pixels = picture.window.width * picture.window.height;
+    job.minutes = job::minutes(job.chunk, pixels, picture.sampling, task.threads.unwrap_or(1));
     job.memory_mib = job::memory_mib(plan.picture.job.memory_bytes() as u64, read_bytes);
     Ok(job)
 }
@@ -102,6 +116,32 @@ fn first_task(job: &Job, frames: &str) -> Result<RenderArguments, CliError> {
             Err(usage(FLAGS, found, "flags of `sunfleck render` that the job does not say itself"))
         }
     }
+}
+
+/// Refuses what a machine of a farm cannot do, or what tasks would take from one another.
+fn check_flags(arguments: &FarmArguments, task: &RenderArguments) -> Result<(), CliError> {
+    if arguments.machines.is_some() && arguments.profile != FarmProfile::Shell {
+        return Err(usage(
+            "--machines",
+            "a manager knows its machines itself".into(),
+            "--machines beside --profile shell alone",
+        ));
+    }
+    if let Some(viewer) = &task.live {
+        return Err(usage(
+            FLAGS,
+            format!("`--live {viewer}` shows frames here, where nothing is rendered"),
+            "flags that serve on any machine; `sunfleck render --live` shows frames of this one",
+        ));
+    }
+    if let Some(stats) = &task.stats {
+        return Err(usage(
+            FLAGS,
+            format!("`--stats {}` is one file, which every task would write anew", shown(stats)),
+            "no `--stats`: the lines of a task say what each of its frames took",
+        ));
+    }
+    Ok(())
 }
 
 /// Where a file lies, as text: managers' files have no other names.

@@ -9,11 +9,14 @@ mod units;
 pub(super) use json::losses;
 
 use super::arguments::InspectArguments;
-use super::plan::resized;
+use super::parse::parse_frame;
+use super::plan::{self, resized};
 use super::{CliError, answer, loading};
 use crate::api::{Plan, Renderer};
 use crate::description;
 use crate::scene::{RenderSettings, Scene, Size};
+use crate::sequence::FrameList;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// An input, and how it would be rendered.
@@ -42,10 +45,9 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
         settings: &plan.settings,
         plan: &plan,
     };
-    let frames = if arguments.frames.is_empty() {
-        vec![*scene.frames().start() as f64]
-    } else {
-        arguments.frames.clone()
+    let frames = match &arguments.frames {
+        None => vec![*scene.frames().start() as f64],
+        Some(list) => moments(list, scene.frames())?,
     };
     answer(&if arguments.json {
         json::describe(&inspected, &frames)
@@ -53,6 +55,22 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
         text::describe(&inspected, &frames)
     })?;
     arguments.scene.check(&inspected.plan.remarks)
+}
+
+/// Frames of a list as `render` has it, whose items may be fractions too.
+fn moments(list: &str, all: RangeInclusive<i64>) -> Result<Vec<f64>, CliError> {
+    let list = plan::listed(list)?;
+    let mut frames = Vec::new();
+    for item in list.trim().split(',') {
+        match parse_frame(item) {
+            Ok(frame) => frames.push(frame),
+            Err(_) => {
+                let found = FrameList::parse(item.trim(), all.clone()).map_err(CliError::Usage)?;
+                frames.extend(found.as_slice().iter().map(|&frame| frame as f64));
+            }
+        }
+    }
+    Ok(frames)
 }
 
 /// A path a line, from the root of the file system.

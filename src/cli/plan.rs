@@ -142,7 +142,7 @@ pub(super) fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Resu
 }
 
 /// A list of frames, or what the file holds that stands after `@`.
-fn listed(list: &str) -> Result<Cow<'_, str>, CliError> {
+pub(super) fn listed(list: &str) -> Result<Cow<'_, str>, CliError> {
     let Some(path) = list.strip_prefix('@') else { return Ok(list.into()) };
     let bytes = description::read_regular(path.as_ref()).map_err(|source| LoadError::Io {
         path: path.into(),

@@ -141,6 +141,10 @@ pub(super) enum FarmProfile {
     Flamenco,
     /// Thinkbox's Deadline, by its plug-in CommandLine.
     Deadline,
+    /// Slurm: an array of chunks, and the steps that wait for it.
+    Slurm,
+    /// Machines that share a disk, without a manager: a script for each.
+    Shell,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

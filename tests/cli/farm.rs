@@ -83,6 +83,44 @@ fn deadline_renders_no_frame_that_is_not_asked_for() {
 }
 
 #[test]
+fn slurm_gets_an_array_and_three_steps_that_wait() {
+    let studio = Studio::new();
+    studio.succeed("farm tiny.ron --out job --profile slurm --chunk 5 -- --threads 2");
+    let names =
+        ["bakes", "check.sh", "chunks.txt", "render.sh", "renderagain.sh", "submit.sh", "validate.sh"];
+    assert_eq!(studio.names("job"), names);
+    assert_eq!(text(&studio, "job/chunks.txt"), "1-5\n6-10\n11-12\n");
+    let submit = text(&studio, "job/submit.sh");
+    for part in ["--array=0-2", "--cpus-per-task=2", "--requeue", "--signal=B:USR1@", "afterany$renders"] {
+        assert!(submit.contains(part), "{part}\n{submit}");
+    }
+    assert!(text(&studio, "job/render.sh").contains("--frames=\"${frames}\""));
+}
+
+#[test]
+fn long_jobs_are_several_arrays() {
+    let studio = Studio::new();
+    let scene = text(&studio, "tiny.ron").replace("frames: (1, 12)", "frames: (1, 2500)");
+    std::fs::write(studio.path("tiny.ron"), scene).unwrap();
+    studio.succeed("farm tiny.ron --out job --profile slurm --chunk 1");
+    let submit = text(&studio, "job/submit.sh");
+    for part in ["--array=0-999 ", "render.sh 1)", "render.sh 1001)", "--array=0-499 ", "render.sh 2001)"] {
+        assert!(submit.contains(part), "{part}\n{submit}");
+    }
+}
+
+#[test]
+fn commands_are_quoted_for_a_shell() {
+    let studio = Studio::new();
+    std::fs::rename(studio.path("tiny.ron"), studio.path("it's.ron")).unwrap();
+    for profile in ["openjd", "flamenco", "deadline", "slurm", "shell"] {
+        let told = studio.succeed(&format!("farm it's.ron --out a&job's --profile {profile}")).out;
+        assert!(told.contains(r"a&job'\''s"), "{profile}: {told}");
+        assert!(!told.contains("\"/"), "{profile}: {told}");
+    }
+}
+
+#[test]
 fn what_cannot_be_a_job_is_refused_and_leaves_no_file() {
     let studio = Studio::new();
     std::fs::write(studio.path("taken"), "").unwrap();
@@ -94,7 +132,11 @@ fn what_cannot_be_a_job_is_refused_and_leaves_no_file() {
         ("farm tiny.ron --out job --chunk 151", 2, "--chunk"),
         ("farm tiny.ron --out job --frames none", 2, "--frames"),
         ("farm tiny.ron --out job --frames 1-99", 2, "frame 13"),
-        ("farm tiny.ron --out job --profile slurm", 2, "--profile"),
+        ("farm tiny.ron --out job --profile sleep", 2, "--profile"),
+        ("farm tiny.ron --out job --machines 3", 2, "--machines"),
+        ("farm tiny.ron --out job --profile shell --machines 0", 2, "--machines"),
+        ("farm tiny.ron --out job -- --live localhost", 2, "--live localhost"),
+        ("farm tiny.ron --out job -- --stats took.jsonl", 2, "--stats took.jsonl"),
         ("farm tiny.ron --out job -- --out elsewhere", 2, "--out"),
         ("farm tiny.ron --out job -- --frames 1", 2, "--frames"),
         ("farm tiny.ron --out job -- --dry-run", 2, "--dry-run"),

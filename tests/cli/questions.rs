@@ -83,6 +83,10 @@ fn who_names_a_filter_gets_it() {
 
 #[test]
 fn inspect_answers_programs_at_any_frame() {
+    let ranges = Studio::new().succeed("inspect tiny.ron --json --frames 2-6x2,12.5").out;
+    let ranges: Value = serde_json::from_str(&ranges).unwrap();
+    let ranges = ranges["frames"].as_array().unwrap().iter().map(|each| each["frame"].as_f64().unwrap());
+    assert_eq!(ranges.collect::<Vec<_>>(), [2.0, 4.0, 6.0, 12.5]);
     let answer = Studio::new().succeed("inspect tiny.ron --json --frames 1,12.5").out;
     let answer: Value = serde_json::from_str(&answer).unwrap();
     assert_eq!(answer["frame_rate"], serde_json::json!([24, 1]));

@@ -4,6 +4,7 @@
 use super::super::CliError;
 use super::super::error::usage;
 use super::job::{BAKES, FRAMES, Job, Names, Step, ranges};
+use super::quoting::quoted;
 use super::{FLAGS, JobFile};
 
 pub(super) fn files(job: &Job) -> Result<Vec<JobFile>, CliError> {
@@ -20,8 +21,12 @@ pub(super) fn files(job: &Job) -> Result<Vec<JobFile>, CliError> {
 
 pub(super) fn how_to_submit(job: &Job) -> String {
     let names = ["render", "validate", "renderagain", "check"];
-    let jobs =
-        names.map(|name| format!(" -job \"{0}/{name}.job\" \"{0}/{name}.plugin\"", job.folder)).concat();
+    let jobs = names
+        .map(|name| {
+            let file = |kind| quoted(&format!("{}/{name}.{kind}", job.folder));
+            format!(" -job {} {}", file("job"), file("plugin"))
+        })
+        .concat();
     format!("submit it by `deadlinecommand -SubmitMultipleJobs -dependent{jobs}`")
 }
 

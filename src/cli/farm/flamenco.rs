@@ -6,6 +6,7 @@ use super::super::CliError;
 use super::super::error::usage;
 use super::JobFile;
 use super::job::{BAKES, FRAMES, Job, Names, ranges};
+use super::quoting::quoted;
 use serde_json::json;
 
 /// `flamenco.js` puts the settings of these names in their places.
@@ -55,7 +56,7 @@ pub(super) fn files(job: &Job) -> Result<Vec<JobFile>, CliError> {
 pub(super) fn how_to_submit(job: &Job) -> String {
     format!(
         "copy sunfleck.js to the Manager's folder `scripts` once, then\n\
-         `curl -H 'Content-Type: application/json' -d @\"{}/job.json\" http://MANAGER:8080/api/v3/jobs`",
-        job.folder
+         `curl -H 'Content-Type: application/json' -d {} http://MANAGER:8080/api/v3/jobs`",
+        quoted(&format!("@{}/job.json", job.folder))
     )
 }

@@ -2,6 +2,8 @@
 //! lines. Invariant: frames that are there and whole are kept, so a step that was stopped anywhere is done
 //! again by its own command.
 
+use crate::scene::Sampling;
+
 /// Frames are in this folder of the job's.
 pub(super) const FRAMES: &str = "frames";
 /// Falls that were baked are in this one.
@@ -12,6 +14,13 @@ pub(super) const BAKES: &str = "bakes";
 const MIB_BESIDE: u64 = 512;
 /// A mesh or a texture in memory, by its bytes in a file, which may be compressed.
 const MEMORY_BY_FILE: u64 = 8;
+
+/// Of a thread, with all light; most scenes take a third of it.
+const SECONDS_A_SAMPLE: f64 = 1e-4;
+/// Of a picture that is rendered until it is good enough.
+const MOST_USUAL_SAMPLES: u32 = 64;
+const FEWEST_MINUTES: u64 = 15;
+const MOST_MINUTES: u64 = 24 * 60;
 
 /// An input that is to be rendered on many machines.
 pub(super) struct Job {
@@ -31,6 +40,12 @@ pub(super) struct Job {
     pub(super) is_still: bool,
     /// That a machine should have.
     pub(super) memory_mib: u64,
+    /// That a task renders with, if the flags say.
+    pub(super) threads: Option<u32>,
+    /// That a task is given, where a manager wants a limit.
+    pub(super) minutes: u64,
+    /// How many machines share the work, if somebody says.
+    pub(super) machines: Option<u32>,
 }
 
 /// What a manager calls the parts of a command line.
@@ -94,6 +109,18 @@ impl Job {
 /// For pictures and an input of so many bytes; generous, as a machine without it fails slowly.
 pub(super) fn memory_mib(picture_bytes: u64, file_bytes: u64) -> u64 {
     MIB_BESIDE + (picture_bytes + MEMORY_BY_FILE * file_bytes).div_ceil(1 << 20)
+}
+
+/// For a task of so many frames of so many pixels each, on so many threads. Generous: a task that reaches its
+/// limit goes on in another, which starts anew.
+pub(super) fn minutes(frames: u32, pixels: usize, sampling: Sampling, threads: u32) -> u64 {
+    let samples = match sampling {
+        Sampling::Exactly(count) => count,
+        Sampling::Until { most, .. } => most.min(MOST_USUAL_SAMPLES),
+    };
+    let seconds =
+        f64::from(frames) * pixels as f64 * f64::from(samples) * SECONDS_A_SAMPLE / f64::from(threads);
+    ((seconds / 60.0).ceil() as u64).clamp(FEWEST_MINUTES, MOST_MINUTES)
 }
 
 /// The shortest list of ranges that these ascending frames are; every nth frame is a range with a step if

@@ -5,6 +5,7 @@
 use super::super::CliError;
 use super::super::error::usage;
 use super::job::{BAKES, FRAMES, Job, Names, Step, ranges};
+use super::quoting::quoted;
 use super::{FLAGS, JobFile};
 use serde_json::{Value, json};
 
@@ -38,8 +39,11 @@ pub(super) fn files(job: &Job) -> Result<Vec<JobFile>, CliError> {
 pub(super) fn how_to_submit(job: &Job) -> String {
     let Job { folder, input, .. } = job;
     format!(
-        "submit it by `deadline bundle submit \"{folder}\"`, or run it here by\n\
-         `openjd run \"{folder}/template.json\" --step Check --run-dependencies -p \"Input={input}\"`"
+        "submit it by `deadline bundle submit {}`, or run it here by\n\
+         `openjd run {} --step Check --run-dependencies -p {}`",
+        quoted(folder),
+        quoted(&format!("{folder}/template.json")),
+        quoted(&format!("Input={input}")),
     )
 }
 

@@ -1,0 +1,97 @@
+//! A job of Slurm: an array of chunks, and three steps that wait. In goes a job, out come the scripts of its
+//! tasks and the one that submits them. Invariant: at its limit a task ends with whole frames, and goes on in
+//! another, unless not even a frame a turn was done.
+
+use super::super::CliError;
+use super::JobFile;
+use super::job::Job;
+use super::quoting::quoted;
+use super::scripts::{CHUNKS, chunks, lines};
+
+/// Slurm takes arrays of 1001 tasks unless it is told otherwise (`MaxArraySize`).
+const MOST_TASKS: usize = 1000;
+/// Before its limit a task gets a signal: so many seconds, to which Slurm may add a minute.
+const NOTICE_S: u32 = 60;
+/// Turns beyond one a frame, for nodes that fail.
+const MORE_TURNS: u32 = 8;
+const SUBMIT: &str = "submit.sh";
+
+const TURN: &str = include_str!("slurm_turn.sh");
+
+pub(super) fn files(job: &Job) -> Result<Vec<JobFile>, CliError> {
+    let lines = lines(job)?;
+    let threads = if job.threads.is_some() { "" } else { " --threads=\"${SLURM_CPUS_PER_TASK:-1}\"" };
+    let (chunks, count) = chunks(job);
+    let head = |what: &str| format!("#!/bin/sh\n# {what} submit.sh hands this to Slurm.\nset -u\n");
+    let turn = |most: u32, line: &str| {
+        TURN.replace("@MOST@", &most.to_string()).replace("@COMMAND@", &format!("{line}{threads}"))
+    };
+    let render = format!(
+        "{}frames=$(sed -n \"$(($1 + SLURM_ARRAY_TASK_ID))p\" {CHUNKS})\n{}",
+        head("The frames of a chunk."),
+        turn(job.chunk + MORE_TURNS, &lines.render),
+    );
+    let again = format!(
+        "{}# Whole frames of an earlier turn are not rendered twice.\n\
+         [ \"${{SLURM_RESTART_COUNT:-0}}\" = 0 ] || {} || exit\n{}",
+        head("Frames that are missing or damaged."),
+        lines.validate,
+        turn(
+            u32::try_from(job.frames.len()).unwrap_or(u32::MAX - MORE_TURNS) + MORE_TURNS,
+            &lines.render_again
+        ),
+    );
+    let look = |what, line: &str| format!("{}exec {line}\n", head(what));
+    Ok(vec![
+        (CHUNKS.into(), chunks),
+        ("render.sh".into(), render),
+        ("validate.sh".into(), look("Which frames are missing or damaged.", &lines.validate)),
+        ("renderagain.sh".into(), again),
+        ("check.sh".into(), look("Whether the sequence is whole.", &lines.check)),
+        (SUBMIT.into(), submit(job, count)),
+    ])
+}
+
+pub(super) fn how_to_submit(job: &Job) -> String {
+    let script = quoted(&format!("{}/{SUBMIT}", job.folder));
+    format!("submit it by `sh {script}`; flags of sbatch may follow, such as --partition=NAME")
+}
+
+fn submit(job: &Job, count: usize) -> String {
+    let Job { memory_mib, minutes, .. } = job;
+    let name = quoted(&job.name.replace(char::is_control, " "));
+    let arrays: Vec<String> = (0..count).step_by(MOST_TASKS).map(|first| {
+        let last = (count - first).min(MOST_TASKS) - 1;
+        format!(
+            "id=$(step Render --array=0-{last} --time={minutes} $limit \"$@\" render.sh {})\nrenders=$renders:$id\n",
+            first + 1
+        )
+    }).collect();
+    let cpus = job.threads.unwrap_or(1);
+    // One task renders what is left over: that may be all.
+    format!(
+        r#"#!/bin/sh
+# Submits all steps. Flags given here are flags of sbatch for each, and win over those below.
+set -eu
+cd {folder}
+mkdir -p logs
+name={name}
+limit=--signal=B:USR1@{NOTICE_S}
+step() {{
+    step=$1
+    shift
+    sbatch --parsable --job-name="$name: $step" --chdir="$PWD" --output=logs/%x.%A_%a.txt --open-mode=append \
+        --requeue --mem={memory_mib}M --cpus-per-task={cpus} "$@" | cut -d ';' -f 1
+}}
+renders=
+{arrays}# What a task of the array leaves undone is found and rendered.
+validate=$(step Validate --dependency="afterany$renders" --time={minutes} "$@" validate.sh)
+again=$(step RenderAgain --dependency="afterok:$validate" --kill-on-invalid-dep=yes --time={minutes} $limit "$@" renderagain.sh)
+check=$(step Check --dependency="afterok:$again" --kill-on-invalid-dep=yes --time={minutes} "$@" check.sh)
+echo "submitted; follow it by squeue, end it by: scancel $(echo "$renders" | tr : ' ') $validate $again $check"
+echo "the sequence is whole if job $check ends well"
+"#,
+        folder = quoted(&job.folder),
+        arrays = arrays.concat(),
+    )
+}
