@@ -104,7 +104,8 @@ fn long_jobs_are_several_arrays() {
     std::fs::write(studio.path("tiny.ron"), scene).unwrap();
     studio.succeed("farm tiny.ron --out job --profile slurm --chunk 1");
     let submit = text(&studio, "job/submit.sh");
-    for part in ["--array=0-999 ", "render.sh 1)", "render.sh 1001)", "--array=0-499 ", "render.sh 2001)"] {
+    for part in ["--array=0-999 ", "render.sh 1\n", "render.sh 1001\n", "--array=0-499 ", "render.sh 2001\n"]
+    {
         assert!(submit.contains(part), "{part}\n{submit}");
     }
 }

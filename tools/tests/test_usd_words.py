@@ -1,5 +1,8 @@
-"""`import-usd`: words of a stage that were once passed over in silence: what changes though it is read once,
-clips that are missing, colours by instance, RenderSettings, exposure, visibility by purpose."""
+"""`import-usd`: words of a stage that were once passed over in silence.
+
+What changes though it is read once is said. Colours by instance, RenderSettings, exposures and visibility by
+purpose are honoured. Clips that are missing are said.
+"""
 
 from __future__ import annotations
 

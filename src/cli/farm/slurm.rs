@@ -63,7 +63,8 @@ fn submit(job: &Job, count: usize) -> String {
     let arrays: Vec<String> = (0..count).step_by(MOST_TASKS).map(|first| {
         let last = (count - first).min(MOST_TASKS) - 1;
         format!(
-            "id=$(step Render --array=0-{last} --time={minutes} $limit \"$@\" render.sh {})\nrenders=$renders:$id\n",
+            "step Render --array=0-{last} --output=logs/Render.%A_%a.txt --time={minutes} $limit \"$@\" render.sh {}\n\
+             renders=$renders:$id\n",
             first + 1
         )
     }).collect();
@@ -80,16 +81,22 @@ limit=--signal=B:USR1@{NOTICE_S}
 step() {{
     step=$1
     shift
-    sbatch --parsable --job-name="$name: $step" --chdir="$PWD" --output=logs/%x.%A_%a.txt --open-mode=append \
-        --requeue --mem={memory_mib}M --cpus-per-task={cpus} "$@" | cut -d ';' -f 1
+    id=$(sbatch --parsable --job-name="$name: $step" --chdir="$PWD" --output="logs/$step.%j.txt" \
+        --open-mode=append --requeue --mem={memory_mib}M --cpus-per-task={cpus} "$@")
+    id=${{id%%;*}}
+    ids="$ids $id"
 }}
-renders=
+renders= ids=
+# All steps or none.
+trap '[ -z "$ids" ] || scancel $ids' EXIT
 {arrays}# What a task of the array leaves undone is found and rendered.
-validate=$(step Validate --dependency="afterany$renders" --time={minutes} "$@" validate.sh)
-again=$(step RenderAgain --dependency="afterok:$validate" --kill-on-invalid-dep=yes --time={minutes} $limit "$@" renderagain.sh)
-check=$(step Check --dependency="afterok:$again" --kill-on-invalid-dep=yes --time={minutes} "$@" check.sh)
-echo "submitted; follow it by squeue, end it by: scancel $(echo "$renders" | tr : ' ') $validate $again $check"
-echo "the sequence is whole if job $check ends well"
+step Validate --dependency="afterany$renders" --time={minutes} "$@" validate.sh
+set -- --kill-on-invalid-dep=yes --time={minutes} "$@"
+step RenderAgain --dependency="afterok:$id" $limit "$@" renderagain.sh
+step Check --dependency="afterok:$id" "$@" check.sh
+trap - EXIT
+echo "submitted; follow it by squeue, end it by: scancel$ids"
+echo "the sequence is whole if job $id ends well"
 "#,
         folder = quoted(&job.folder),
         arrays = arrays.concat(),
