@@ -109,11 +109,11 @@ pub(super) fn parse_noise(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A number above 0; of a pattern of channels' names also `inf`, which is no limit.
+/// A number from 0 on, which asks for equality; of a pattern of channels' names also `inf`, which is no limit.
 pub(super) fn parse_limit(text: &str) -> Result<ChannelsLimit, String> {
     let (channels, number) = channels_and_number(text)?;
-    let is_limit = number > 0.0 && (number.is_finite() || channels.is_some());
-    let expected = "expected a number above 0, or channels and one, such as diffuse.*=0.01";
+    let is_limit = number >= 0.0 && (number.is_finite() || channels.is_some());
+    let expected = "expected a number from 0 on, or channels and one, such as diffuse.*=0.01";
     if is_limit { Ok(ChannelsLimit(channels, number)) } else { Err(expected.into()) }
 }
 

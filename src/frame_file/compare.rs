@@ -30,7 +30,7 @@ pub struct ChannelErrors {
 /// Errors of an output o against a reference r, over all values that are finite in both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Errors {
-    /// mean(o) / mean(r): wrong units, phase functions or transmittance show here first.
+    /// mean(o) / mean(r): wrong units, phase functions or transmittance show here first. No number where r is black.
     pub mean_ratio: f64,
     /// sqrt(mean((o - r)^2)).
     pub rmse: f64,
@@ -198,11 +198,14 @@ impl fmt::Display for IdErrors {
 
 impl fmt::Display for Errors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "mean ratio {:.6}  RMSE {:.6}  relMSE {:.3e}  max {:.6}",
-            self.mean_ratio, self.rmse, self.relative_mse, self.max_error
-        )?;
+        if self.values == 0 {
+            return write!(f, "not finite {}", self.not_finite);
+        }
+        // Of a black reference there is none.
+        if self.mean_ratio.is_finite() {
+            write!(f, "mean ratio {:.6}  ", self.mean_ratio)?;
+        }
+        write!(f, "RMSE {:.6}  relMSE {:.3e}  max {:.6}", self.rmse, self.relative_mse, self.max_error)?;
         if let Some(place) = &self.max_error_at {
             write!(f, " at {}, {} in {}", place.x, place.y, place.channel)?;
         }
@@ -272,6 +275,17 @@ mod tests {
     }
 
     /// The bits of two of these ids are those of NaN and of a number next to another.
+    #[test]
+    fn a_black_reference_has_no_ratio() {
+        for (output, said) in [
+            ([0.0; 4], "R    RMSE 0.000000  relMSE 0.000e0  max 0.000000"),
+            ([f32::NAN; 4], "R    not finite 4"),
+        ] {
+            let comparison = compare(&frame(WHOLE, "R", &output), &frame(WHOLE, "R", &[0.0; 4])).unwrap();
+            assert_eq!(comparison.to_string().trim_end(), said);
+        }
+    }
+
     #[test]
     fn ids_are_equal_or_not() {
         let ids = [0, 7, 0x7fc0_0001, 0x3f80_0000].map(f32::from_bits);

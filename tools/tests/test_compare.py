@@ -198,7 +198,7 @@ class Sequences(unittest.TestCase):
         for code, *arguments in (
             (4, self.ours, self.scratch / "none"),
             (2, one, self.theirs),
-            (2, self.ours, self.theirs, "--max-rmse", "0"),
+            (2, self.ours, self.theirs, "--max-rmse", "-1"),
             (2, self.ours, self.theirs, "--max-ids", "1.5"),
             (2, one, one, "--picture", self.scratch / "x.jpg"),
             (4, one, one, "--picture", self.scratch / "none/x.png"),

@@ -370,8 +370,13 @@ class Limits(WithFolder):
         self.assertEqual(code, 1)
         self.assertIn("no channel that both have is named difuse.*", out)
 
+    def test_equality_can_be_asked_for(self):
+        self.assertEqual(self.code("--max-error", "0"), 1)
+        code, out, _ = run("compare", self.ours, self.ours, "--max-error", "0", "--max-rmse", "R=0")
+        self.assertEqual(code, 0, out)
+
     def test_that_make_no_sense_are_refused(self):
-        for limit in ("R=", "R=0", "R=x", "-1", "inf"):
+        for limit in ("R=", "R=-0.1", "R=x", "-1", "inf", "nan"):
             self.assertEqual(self.code("--max-rmse", limit), 2, limit)
 
     def test_folders_of_several_sequences_are_compared_by_name(self):

@@ -46,13 +46,24 @@ def positive(text: str) -> float:
     return number
 
 
+def from_zero(text: str) -> float:
+    """A number that is not below 0."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = -1.0
+    if not 0 <= number < float("inf"):
+        raise ArgumentTypeError(f"`{text}` is no number from 0 on")
+    return number
+
+
 def limit(text: str) -> tuple[str | None, float]:
-    """A pattern of channels' names, or `None` for all, and the limit: a number above 0, of a
-    pattern also `inf`."""
+    """A pattern of channels' names, or `None` for all, and the limit: a number from 0 on, of a
+    pattern also `inf`. 0 asks for equality."""
     channels, is_single, number = text.rpartition("=")
     if not is_single:
-        return None, positive(text)
-    return channels, float("inf") if number == "inf" else positive(number)
+        return None, from_zero(text)
+    return channels, float("inf") if number == "inf" else from_zero(number)
 
 
 def share_limit(text: str) -> tuple[str | None, float]:
