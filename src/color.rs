@@ -4,12 +4,14 @@
 mod agx;
 mod display;
 mod primaries;
+mod space;
 mod texels;
 
 use glam::DVec3;
 
 pub use display::{Curve, Display, dithered};
 pub use primaries::Primaries;
+pub use space::{ColorSpace, NamedSpace};
 pub use texels::{CodeCurve, Texels};
 
 /// Linear Rec. 709 colour: `x` red, `y` green, `z` blue.
@@ -17,9 +19,12 @@ pub use texels::{CodeCurve, Texels};
 /// Reflectances are in `0..=1`, radiances in W m^-2 sr^-1, irradiances in W m^-2, intensities in W/sr.
 pub type Rgb = DVec3;
 
-/// Relative luminance of a linear Rec. 709 colour (ITU-R BT.709, item 3.2).
+/// How much red, green and blue add to luminance (ITU-R BT.709, item 3.2).
+const LUMINANCES: Rgb = DVec3::new(0.2126, 0.7152, 0.0722);
+
+/// Relative luminance of a linear Rec. 709 colour.
 pub fn luminance(color: Rgb) -> f64 {
-    color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+    color.dot(LUMINANCES)
 }
 
 /// Decodes one sRGB value in `0..=1` to linear light (IEC 61966-2-1).

@@ -4,14 +4,14 @@
 use super::arguments::{DiffArguments, LimitArguments};
 use super::parse::ChannelsLimit;
 use super::saving::failure;
-use super::{CliError, answer};
+use super::{CliError, answer, colors};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, shown};
-use crate::frame_file::{self, FrameFile, Limit, Measure, compare, exceeded, net_rmse};
-use std::path::Path;
+use crate::frame_file::{self, Limit, Measure, compare, exceeded, net_rmse};
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
-    let output = read(&arguments.output)?;
-    let reference = read(&arguments.reference)?;
+    let paths = [arguments.output.as_path(), &arguments.reference];
+    let [mut output, mut reference] = frame_file::read_both(paths).map_err(failure)?;
+    colors::in_one_space(paths, [&mut output, &mut reference]);
     let mut comparison = compare(&output.frame, &reference.frame).map_err(|error| {
         let diagnostic = Diagnostic::error(Place::File(arguments.output.clone()), error.to_string())
             .expected(format!(
@@ -54,8 +54,4 @@ impl LimitArguments {
             |measure, given: &ChannelsLimit| Limit { measure, channels: given.0.clone(), most: given.1 };
         given.iter().flat_map(|(measure, given)| given.iter().map(|given| limit(*measure, given))).collect()
     }
-}
-
-fn read(path: &Path) -> Result<FrameFile, CliError> {
-    frame_file::read(path).map_err(failure)
 }

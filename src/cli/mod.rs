@@ -7,6 +7,7 @@ mod arguments;
 mod bench;
 #[allow(rustdoc::broken_intra_doc_links)]
 mod bench_arguments;
+mod colors;
 mod darkness;
 mod diff;
 mod doubts;

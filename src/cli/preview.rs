@@ -4,6 +4,7 @@
 
 use super::arguments::PreviewArguments;
 use super::bench::{MOST_PIXELS, fitting};
+use super::colors::ColorDoubts;
 use super::darkness::DarkFrames;
 use super::error::usage;
 use super::parse::SizeArgument;
@@ -30,7 +31,7 @@ enum Source<'a> {
     /// Drawn.
     Scene { input: &'a Path, plan: Box<Plan<'a>> },
     /// Read.
-    Files(BTreeMap<i64, PathBuf>),
+    Files { files: BTreeMap<i64, PathBuf>, doubts: ColorDoubts },
 }
 
 /// What becomes of the pictures.
@@ -152,14 +153,14 @@ impl<'a> Source<'a> {
             frame_rate: arguments.fps.unwrap_or(RenderSettings::default().frame_rate),
             ..RenderSettings::default()
         };
-        Ok((Self::Files(files), settings))
+        Ok((Self::Files { files, doubts: ColorDoubts::default() }, settings))
     }
 
     /// Of frames that were asked for those that there are.
     fn existing(&self, frames: &FrameList) -> Vec<i64> {
         let exists = |frame: &i64| match self {
             Self::Scene { .. } => true,
-            Self::Files(files) => files.contains_key(frame),
+            Self::Files { files, .. } => files.contains_key(frame),
         };
         frames.as_slice().iter().copied().filter(exists).collect()
     }
@@ -168,7 +169,7 @@ impl<'a> Source<'a> {
     fn path(&self, frame: i64) -> PathBuf {
         match self {
             Self::Scene { input, .. } => input.to_path_buf(),
-            Self::Files(files) => files[&frame].clone(),
+            Self::Files { files, .. } => files[&frame].clone(),
         }
     }
 
@@ -177,7 +178,7 @@ impl<'a> Source<'a> {
         let middle = exposure::reference_frame(&settings.frames);
         let frame = match self {
             Self::Scene { plan, .. } => plan.draw(middle, exposure::small(plan.job.size)),
-            Self::Files(files) => {
+            Self::Files { files, .. } => {
                 let (after, before) = (files.keys().find(|frame| **frame >= middle), files.keys().last());
                 self.frame(after.or(before).copied().unwrap_or(middle))?
             }
@@ -188,7 +189,11 @@ impl<'a> Source<'a> {
     fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
         match self {
             Self::Scene { plan, .. } => Ok(plan.draw(frame, plan.job.size)),
-            Self::Files(files) => Ok(frame_file::read(&files[&frame])?.frame),
+            Self::Files { files, doubts } => {
+                let file = frame_file::read(&files[&frame])?;
+                doubts.tell(&files[&frame], &file);
+                Ok(file.shown())
+            }
         }
     }
 }

@@ -2,6 +2,9 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
+const D65: DVec2 = DVec2::new(0.3127, 0.329);
+const ACES_WHITE: DVec2 = DVec2::new(0.32168, 0.33767);
+
 /// The colours that R, G and B = 1 stand for, and their sum, as CIE 1931 x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Primaries {
@@ -21,8 +24,43 @@ impl Primaries {
         red: DVec2::new(0.64, 0.33),
         green: DVec2::new(0.3, 0.6),
         blue: DVec2::new(0.15, 0.06),
-        white: DVec2::new(0.3127, 0.329),
+        white: D65,
     };
+
+    /// Academy primaries AP0 (SMPTE ST 2065-1).
+    pub const AP0: Self = Self {
+        red: DVec2::new(0.7347, 0.2653),
+        green: DVec2::new(0.0, 1.0),
+        blue: DVec2::new(0.0001, -0.077),
+        white: ACES_WHITE,
+    };
+
+    /// Academy primaries AP1, those of ACEScg (S-2014-004).
+    pub const AP1: Self = Self {
+        red: DVec2::new(0.713, 0.293),
+        green: DVec2::new(0.165, 0.83),
+        blue: DVec2::new(0.128, 0.044),
+        white: ACES_WHITE,
+    };
+
+    /// ITU-R BT.2020.
+    pub const REC_2020: Self = Self {
+        red: DVec2::new(0.708, 0.292),
+        green: DVec2::new(0.17, 0.797),
+        blue: DVec2::new(0.131, 0.046),
+        white: D65,
+    };
+
+    /// DCI-P3 with the white D65 (SMPTE EG 432-1).
+    pub const P3_D65: Self = Self {
+        red: DVec2::new(0.68, 0.32),
+        green: DVec2::new(0.265, 0.69),
+        blue: DVec2::new(0.15, 0.06),
+        white: D65,
+    };
+
+    /// Adobe RGB (1998).
+    pub const ADOBE_RGB: Self = Self { green: DVec2::new(0.21, 0.71), ..Self::REC_709 };
 
     /// Linear Rec. 709 from linear colours of these primaries; `None` if they span no colours. White is
     /// adapted by Bradford's method (ICC.1:2022, annex E).
@@ -32,9 +70,11 @@ impl Primaries {
         matrix.is_finite().then_some(matrix)
     }
 
-    /// SMPTE RP 177, section 3.3.
-    fn xyz_from_rgb(self) -> Option<DMat3> {
-        let columns = DMat3::from_cols(xyz(self.red), xyz(self.green), xyz(self.blue));
+    /// CIE XYZ from linear colours, white with Y = 1 (SMPTE RP 177, section 3.3).
+    pub(super) fn xyz_from_rgb(self) -> Option<DMat3> {
+        // Not scaled to Y = 1: primaries of CIE XYZ themselves have Y = 0.
+        let column = |xy: DVec2| DVec3::new(xy.x, xy.y, 1.0 - xy.x - xy.y);
+        let columns = DMat3::from_cols(column(self.red), column(self.green), column(self.blue));
         (columns.determinant().abs() > 1e-9 && self.white.y > 0.0).then(|| {
             let amounts = columns.inverse() * xyz(self.white);
             columns * DMat3::from_diagonal(amounts)
@@ -62,13 +102,7 @@ fn adaptation(from_white: DVec2, to_white: DVec2) -> DMat3 {
 mod tests {
     use super::*;
 
-    /// SMPTE ST 2065-1.
-    const AP0: Primaries = Primaries {
-        red: DVec2::new(0.7347, 0.2653),
-        green: DVec2::new(0.0, 1.0),
-        blue: DVec2::new(0.0001, -0.077),
-        white: DVec2::new(0.32168, 0.33767),
-    };
+    const AP0: Primaries = Primaries::AP0;
 
     #[test]
     fn white_stays_white_and_our_own_stay_what_they_are() {
@@ -90,7 +124,16 @@ mod tests {
     #[test]
     fn what_spans_no_colours_is_refused() {
         let flat = Primaries { green: Primaries::REC_709.red, ..Primaries::REC_709 };
-        let nowhere = Primaries { blue: DVec2::ZERO, ..Primaries::REC_709 };
+        let nowhere = Primaries { white: DVec2::ZERO, ..Primaries::REC_709 };
         assert!(flat.to_rec_709().is_none() && nowhere.to_rec_709().is_none());
+    }
+
+    /// Chromaticities of files that hold CIE XYZ: red is X, whose Y is 0.
+    #[test]
+    fn xyz_has_primaries() {
+        let third = 1.0 / 3.0;
+        let white = DVec2::new(third, third);
+        let xyz = Primaries { red: DVec2::X, green: DVec2::Y, blue: DVec2::ZERO, white };
+        assert!((xyz.to_rec_709().unwrap() * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-12));
     }
 }

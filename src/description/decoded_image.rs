@@ -2,6 +2,7 @@
 //! space whatever the file's.
 
 use crate::color::Texels;
+use crate::diagnostic::Loss;
 
 /// An RGBA image in linear Rec. 709, top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,4 +13,13 @@ pub struct DecodedImage {
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
     pub texels: Texels,
+    /// What of its colours is not honoured, and why.
+    pub doubt: Option<(Loss, String)>,
+}
+
+impl DecodedImage {
+    /// An image whose colours are beyond doubt.
+    pub fn new(width: usize, height: usize, texels: Texels) -> Self {
+        Self { width, height, texels, doubt: None }
+    }
 }

@@ -2,6 +2,7 @@
 //! limits allow, whatever the file's header claims.
 
 pub use super::decoded_image::DecodedImage;
+use super::exr::{self, Fault};
 use super::{ktx2, radiances};
 use crate::color::{CodeCurve, Texels};
 use crate::diagnostic::{Diagnostic, Place};
@@ -44,6 +45,10 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
         ),
     };
     let reject = |found: String| Diagnostic::error(place.clone(), found).expected(expected).remedy(remedy);
+    let reject_exr = |fault: Fault| match fault.remedy {
+        Some(remedy) => reject(fault.found).remedy(remedy),
+        None => reject(fault.found),
+    };
     if encoding != Encoding::Radiance && ktx2::is_ktx2(bytes) {
         return ktx2::decode(bytes, MAX_SIDE, MAX_TEXELS)
             .map(|image| linear(image, encoding))
@@ -68,8 +73,11 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     limits.max_alloc = Some(MAX_DECODER_BYTES);
     reader.limits(limits);
     let is_exr = reader.format() == Some(ImageFormat::OpenExr);
-    let size = if is_exr { radiances::size_of_exr(bytes) } else { dimensions(bytes) };
-    let (width, height) = size.map_err(&reject)?;
+    let (width, height) = if is_exr {
+        exr::size_of_exr(bytes).map_err(reject_exr)?
+    } else {
+        dimensions(bytes).map_err(&reject)?
+    };
     if width.min(height) == 0
         || width.max(height) > MAX_SIDE
         || u64::from(width) * u64::from(height) > MAX_TEXELS
@@ -79,7 +87,7 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
         )));
     }
     if is_exr {
-        return radiances::of_exr(bytes, MAX_TEXELS).map_err(reject);
+        return radiances::of_exr(bytes, MAX_TEXELS).map_err(reject_exr);
     }
     let decoded = reader
         .decode()
@@ -109,7 +117,7 @@ fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
     } else {
         Texels::of_bytes(decoded.into_rgba8().into_raw(), curve)
     };
-    DecodedImage { width, height, texels }
+    DecodedImage::new(width, height, texels)
 }
 
 #[cfg(test)]

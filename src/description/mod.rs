@@ -2,6 +2,7 @@
 //! opened are opened here, through [`Files`], so the content hash covers all of them.
 
 mod decoded_image;
+pub mod exr;
 mod files;
 pub mod gltf;
 pub mod image;

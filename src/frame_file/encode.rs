@@ -2,7 +2,7 @@
 //! provenance give equal bytes.
 
 use super::pixel_hash::pixel_hash;
-use super::provenance::{REC_709, text};
+use super::provenance::{COLOR_ID, REC_709, text};
 use super::{FrameFileError, Provenance, atomic, cryptomatte, file_hash};
 use crate::film::{Channel, Frame, Precision};
 use exr::image::write::WritableImage;
@@ -38,6 +38,8 @@ pub(super) fn encode(frame: &Frame, provenance: &Provenance) -> Result<Vec<u8>, 
     for (name, value) in cryptomatte::attributes(frame, &provenance.object_names) {
         attributes.other.insert(text(&name), AttributeValue::Text(text(&value)));
     }
+    // Programs that know ids, as OpenImageIO 3.2 does, heed no chromaticities; others know these alone.
+    attributes.other.insert(text("colorInteropID"), AttributeValue::Text(text(COLOR_ID)));
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,

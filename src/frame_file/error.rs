@@ -69,6 +69,8 @@ pub enum FrameFileError {
         path: PathBuf,
         /// The feature.
         what: String,
+        /// What makes a file of it that is read.
+        remedy: String,
     },
     /// The header asks for more memory than the file can account for.
     #[error("{} claims {bytes} bytes of pixels, more than {limit}", shown(path))]
@@ -108,12 +110,14 @@ impl FrameFileError {
             Self::Animation { .. } => "pictures that an animation of this format can hold",
             Self::Read { .. } => "a readable file",
             Self::Invalid { .. } | Self::TooLarge { .. } => "a whole EXR file",
-            Self::Unsupported { .. } => "an EXR file with one flat part of scan lines or tiles",
+            Self::Unsupported { .. } => {
+                "an EXR file of flat parts, of any compression but JPEG 2000 and Zstandard"
+            }
         }
     }
 
     /// What the user can do.
-    pub fn remedy(&self) -> &'static str {
+    pub fn remedy(&self) -> &str {
         match self {
             Self::IsFolder { .. } => "end --out with / to write into the folder, or give a file name",
             Self::CreateFolder { source, .. } | Self::Write { source, .. } => match source.kind() {
@@ -141,9 +145,7 @@ impl FrameFileError {
                 _ => "see that the path is a file and the disk is in order",
             },
             Self::Invalid { .. } => "render or copy the file again",
-            Self::Unsupported { .. } => {
-                "convert the file to a single part, flat, without subsampling, inside the display window"
-            }
+            Self::Unsupported { remedy, .. } => remedy,
             Self::TooLarge { .. } => "the header is most likely damaged: render or copy the file again",
         }
     }

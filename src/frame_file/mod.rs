@@ -4,7 +4,8 @@
 //!
 //! # What a file looks like
 //! One part, scan lines, ZIP, channels sorted by name, header attributes sorted by name. The display window
-//! is the full picture, the data window the part that was rendered. Besides the standard attributes:
+//! is the full picture, the data window the part that was rendered. Colours are linear Rec. 709: `chromaticities`
+//! say so to programs of before 2025, `colorInteropID` to those since. Besides the standard attributes:
 //!
 //! | attribute | what |
 //! |---|---|
@@ -50,6 +51,8 @@ mod pixel_hash;
 mod preview;
 mod provenance;
 mod read;
+mod region;
+mod shown;
 
 pub use animation::Animation;
 pub use atomic::{abandon_writes, check_folder, folder_of, write_whole};
@@ -61,4 +64,4 @@ pub use leftovers::{final_name, remove_abandoned};
 pub use limits::{Limit, Measure, exceeded};
 pub use preview::{Picture, write_preview};
 pub use provenance::{Attributes, Provenance};
-pub use read::{FrameFile, is_valid, read};
+pub use read::{FrameFile, is_valid, read, read_both};

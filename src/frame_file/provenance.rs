@@ -135,6 +135,9 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.329),
 };
 
+/// The same by the name that the ASWF's Color Interop Forum gives it.
+pub(super) const COLOR_ID: &str = "lin_rec709_scene";
+
 /// UTF-8 as it stands; the crate's own conversion knows Latin-1 only.
 pub(super) fn text(value: &str) -> Text {
     Text::from_slice_unchecked(value.as_bytes())

@@ -3,13 +3,15 @@
 
 use super::pixel_hash::pixel_hash;
 use super::provenance::PIXEL_HASH_NAME;
+use super::region::{self, Region};
 use super::{Attributes, FrameFileError, Provenance, file_hash};
+use crate::description::exr::{self as exr_input, ImageColors, Unread};
 use crate::description::read_regular;
-use crate::film::{Channel, Frame, Precision};
-use crate::scene::{Size, Window};
+use crate::film::Frame;
+use crate::scene::Window;
 use exr::image::read::image::ReadLayers;
 use exr::image::read::layers::ReadChannels;
-use exr::image::{AnyChannel, FlatSamples};
+use exr::image::{AnyChannels, FlatSamples};
 use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
@@ -30,6 +32,8 @@ pub struct FrameFile {
     pub attributes: Attributes,
     /// The pixels' hash, computed anew.
     pub pixel_hash: String,
+    /// What the picture's colours stand for.
+    pub colors: ImageColors,
 }
 
 impl FrameFile {
@@ -39,25 +43,89 @@ impl FrameFile {
     }
 }
 
-/// Reads a flat EXR file, ours or anybody's. Of several parts the first one's data window counts, and
-/// those with the same one are read, their channels called `part.channel`. Pixels outside of the display
-/// window are left out.
+/// Reads a flat EXR file, ours or anybody's, in its display window. Channels of several parts are called
+/// `part.channel`, but for those of the picture's part. Parts of other windows are filled up with 0. Samples that
+/// stand for several pixels are repeated.
 ///
 /// # Errors
 /// If it cannot be read, is damaged, is of another kind, or claims more pixels than its size can hold.
 pub fn read(path: &Path) -> Result<FrameFile, FrameFileError> {
+    let (bytes, meta) = header_of(path)?;
+    let display = Region::displayed(&meta.headers[0]);
+    read_in(path, &bytes, &meta, display)
+}
+
+/// Reads two files that are to be compared. Where their display windows are the same, pixels outside of these
+/// count as well.
+///
+/// # Errors
+/// As [`read`] has them.
+pub fn read_both(paths: [&Path; 2]) -> Result<[FrameFile; 2], FrameFileError> {
+    let [one, other] = paths.map(header_of);
+    let [one, other] = [one?, other?];
+    let regions = [&one, &other].map(|(_, meta)| Region::displayed(&meta.headers[0]));
+    let is_same = regions[0] == regions[1];
+    let headers = one.1.headers.iter().chain(&other.1.headers);
+    let whole = headers.map(Region::stored).fold(regions[0], Region::joined);
+    let read = |path: &Path, (bytes, meta): &(Vec<u8>, MetaData), region: Region| {
+        read_in(path, bytes, meta, if is_same { whole } else { region })
+    };
+    Ok([read(paths[0], &one, regions[0])?, read(paths[1], &other, regions[1])?])
+}
+
+fn unsupported(path: &Path, Unread { what, remedy }: Unread) -> FrameFileError {
+    FrameFileError::Unsupported { path: path.to_owned(), what, remedy }
+}
+
+/// A file's bytes and its headers, at least one, once it is known that they can be read.
+fn header_of(path: &Path) -> Result<(Vec<u8>, MetaData), FrameFileError> {
     let bytes =
         read_regular(path).map_err(|source| FrameFileError::Read { path: path.to_owned(), source })?;
-    let invalid =
-        |error: exr::error::Error| FrameFileError::Invalid { path: path.to_owned(), reason: reason(&error) };
-    let meta = MetaData::read_from_buffered(bytes.as_slice(), false).map_err(invalid)?;
+    if let Some(unread) = Unread::of(&bytes) {
+        return Err(unsupported(path, unread));
+    }
+    let invalid = |reason: String| FrameFileError::Invalid { path: path.to_owned(), reason };
+    let meta = MetaData::read_from_buffered(bytes.as_slice(), false);
+    let meta = meta.map_err(|error| invalid(reason(&error)))?;
+    if meta.headers.is_empty() {
+        return Err(invalid(String::from("it has no part")));
+    }
     check(path, &meta.headers, bytes.len() as u64)?;
-    let unsupported =
-        |what: &str| FrameFileError::Unsupported { path: path.to_owned(), what: what.to_owned() };
-    let header = meta.headers.first().ok_or_else(|| unsupported("a file without parts"))?;
-    let seen = Seen::of(header)
-        .ok_or_else(|| unsupported("a picture whose pixels lie outside of its display window"))?;
-    let attributes = Attributes::from_header(header);
+    Ok((bytes, meta))
+}
+
+fn read_in(path: &Path, bytes: &[u8], meta: &MetaData, region: Region) -> Result<FrameFile, FrameFileError> {
+    let invalid = |reason: String| FrameFileError::Invalid { path: path.to_owned(), reason };
+    let parts = exr_input::names_of(&meta.headers);
+    let (picture, names) = (exr_input::part_of_picture(&parts), exr_input::full_names(&parts));
+    let stored = if exr_input::is_subsampled(&meta.headers) {
+        exr_input::read_subsampled(bytes, meta).map_err(invalid)?
+    } else {
+        decoded(bytes).map_err(|error| invalid(reason(&error)))?
+    };
+    let pixel_hash = pixel_hash(&stored[0]);
+    let windows: Vec<Window> = meta.headers.iter().map(|header| region.seen(header)).collect();
+    let window = windows.iter().copied().reduce(region::around).unwrap_or(windows[0]);
+    let (channels, pixels) = (names.iter().flatten().count(), (window.width * window.height) as u64);
+    let (bytes_of_pixels, limit) = (pixels.saturating_mul(4 * channels as u64), LARGEST_PICTURE);
+    if windows.iter().any(|one| *one != window) && bytes_of_pixels > limit {
+        return Err(FrameFileError::TooLarge { path: path.to_owned(), bytes: bytes_of_pixels, limit });
+    }
+    let mut channels = Vec::with_capacity(channels);
+    for ((part, header), names) in stored.into_iter().zip(&meta.headers).zip(names) {
+        for (stored, name) in part.list.into_iter().zip(names) {
+            channels.push(region.channel(header, window, name, stored));
+        }
+    }
+    Ok(FrameFile {
+        frame: Frame { full: region.size, window, channels },
+        attributes: Attributes::from_header(&meta.headers[picture]),
+        pixel_hash,
+        colors: exr_input::colors_of(bytes, picture),
+    })
+}
+
+fn decoded(bytes: &[u8]) -> exr::error::Result<Vec<AnyChannels<FlatSamples>>> {
     let image = exr::image::read::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -65,21 +133,8 @@ pub fn read(path: &Path) -> Result<FrameFile, FrameFileError> {
         .all_layers()
         .all_attributes()
         .non_parallel()
-        .from_buffered(Cursor::new(&bytes))
-        .map_err(invalid)?;
-    let pixel_hash = pixel_hash(&image.layer_data[0].channel_data);
-    let mut channels = Vec::new();
-    for (index, (layer, header)) in image.layer_data.into_iter().zip(&meta.headers).enumerate() {
-        if Seen::of(header) != Some(seen) {
-            continue;
-        }
-        let part = layer.attributes.layer_name.filter(|_| index > 0);
-        let part =
-            part.map_or_else(String::new, |name| format!("{}.", String::from_utf8_lossy(name.bytes())));
-        let named = |channel: Channel| Channel { name: format!("{part}{}", channel.name), ..channel };
-        channels.extend(layer.channel_data.list.into_iter().map(|stored| named(seen.channel(stored))));
-    }
-    Ok(FrameFile { frame: Frame { full: seen.full, window: seen.window, channels }, attributes, pixel_hash })
+        .from_buffered(Cursor::new(bytes))?;
+    Ok(image.layer_data.into_iter().map(|layer| layer.channel_data).collect())
 }
 
 /// True if `path` holds, whole and undamaged, what rendering with this provenance would write there.
@@ -91,18 +146,10 @@ pub fn is_valid(path: &Path, expected: &Provenance) -> bool {
     meta.headers.first().is_some_and(fits) && file_hash::is_whole(&bytes)
 }
 
-/// Refuses what the decoder cannot do and what would take too much memory to try.
+/// Refuses what would take too much memory to try.
 fn check(path: &Path, headers: &[Header], file_bytes: u64) -> Result<(), FrameFileError> {
-    let unsupported = |what: String| Err(FrameFileError::Unsupported { path: path.to_owned(), what });
     let mut bytes = 0_u64;
     for header in headers {
-        if header.deep {
-            return unsupported(String::from("deep data"));
-        }
-        if let Some(channel) = header.channels.list.iter().find(|channel| channel.sampling != Vec2(1, 1)) {
-            let name = String::from_utf8_lossy(channel.name.bytes());
-            return unsupported(format!("the channel {name}, which has fewer samples than the picture,"));
-        }
         let Vec2(width, height) = header.layer_size;
         // Decoded, integers and halves take as much as floats: four bytes.
         let of_part = (width as u64)
@@ -116,59 +163,6 @@ fn check(path: &Path, headers: &[Header], file_bytes: u64) -> Result<(), FrameFi
         return Err(FrameFileError::TooLarge { path: path.to_owned(), bytes, limit });
     }
     Ok(())
-}
-
-/// What of a part is seen.
-#[derive(Clone, Copy, PartialEq)]
-struct Seen {
-    /// The display window's size.
-    full: Size,
-    /// The data window within the display window, from whose corner it is counted.
-    window: Window,
-    /// The data window's own columns, and how many of its columns and rows lie before the window.
-    columns: usize,
-    before: [usize; 2],
-}
-
-impl Seen {
-    /// `None` if no pixel lies in the display window.
-    fn of(header: &Header) -> Option<Self> {
-        let display = header.shared_attributes.display_window;
-        let (position, size) = (header.own_attributes.layer_position, header.layer_size);
-        // Along one side: how much lies before the display window, where the seen part
-        // begins, and how long it is.
-        let side = |position: i32, from: i32, length: usize, full: usize| {
-            let start = i64::from(position) - i64::from(from);
-            let before = usize::try_from(-start).unwrap_or(0);
-            let begin = usize::try_from(start).unwrap_or(0);
-            let seen = length.checked_sub(before)?.min(full.checked_sub(begin)?);
-            (seen > 0).then_some((before, begin, seen))
-        };
-        let across = side(position.0, display.position.0, size.0, display.size.0)?;
-        let down = side(position.1, display.position.1, size.1, display.size.1)?;
-        Some(Self {
-            full: Size { width: display.size.0, height: display.size.1 },
-            window: Window { x: across.1, y: down.1, width: across.2, height: down.2 },
-            columns: size.0,
-            before: [across.0, down.0],
-        })
-    }
-
-    fn channel(&self, channel: AnyChannel<FlatSamples>) -> Channel {
-        let name = String::from_utf8_lossy(channel.name.bytes()).into_owned();
-        let (precision, pixels) = match channel.sample_data {
-            FlatSamples::F16(values) => (Precision::Half, self.pixels(&values, |value| value.to_f32())),
-            FlatSamples::F32(values) => (Precision::Float, self.pixels(&values, |value| value)),
-            FlatSamples::U32(values) => (Precision::Float, self.pixels(&values, |value| value as f32)),
-        };
-        Channel { name, precision, pixels }
-    }
-
-    fn pixels<T: Copy>(&self, values: &[T], float: impl Fn(T) -> f32) -> Vec<f32> {
-        let [left, top] = self.before;
-        let rows = values.chunks_exact(self.columns).skip(top).take(self.window.height);
-        rows.flat_map(|row| &row[left..left + self.window.width]).map(|value| float(*value)).collect()
-    }
 }
 
 /// The decoder's words, made plain where they are not.

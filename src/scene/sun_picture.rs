@@ -77,7 +77,7 @@ impl SunPicture {
 
 /// An image for suns, whose edges go on beyond themselves.
 pub(super) fn image_for_suns(name: &str, image: DecodedImage) -> Arc<Texture> {
-    let DecodedImage { width, height, texels } = image;
+    let DecodedImage { width, height, texels, .. } = image;
     Arc::new(Texture { name: name.to_owned(), width, height, texels, wrap: [Wrap::Clamp; 2] })
 }
 

@@ -6,6 +6,7 @@ mod bench;
 mod checkout;
 mod disks;
 mod documentation;
+mod exr_files;
 mod extras;
 mod failures;
 mod farm;

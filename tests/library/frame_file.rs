@@ -86,6 +86,7 @@ fn attributes_say_where_the_frame_came_from() {
         ("sunfleck:seed", "4294967295"),
         ("sunfleck:samples", "64"),
         ("chromaticities", "0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329"),
+        ("colorInteropID", "lin_rec709_scene"),
         ("worldToCamera", "1 0 0 0 0 1 0 0 0 0 -1 0 1 2 -3 1"),
     ] {
         assert_eq!(attributes.get(name), Some(value), "{name}");

@@ -24,6 +24,7 @@ from .exr.mapped import mapped
 from .exr.pixel_hash import pixel_hash
 from .findings import Finding, Scope, checks_of
 from .frame import FileBytes, Frame
+from .layers import part_of_picture
 from .summary import FrameSummary, Suspicion, describe, measure, thumbnail
 
 
@@ -64,19 +65,19 @@ def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
 def _named(
     headers: Sequence[Header], parts: list[dict[str, np.ndarray]]
 ) -> tuple[dict[str, np.ndarray], dict[str, int]]:
-    """The channels of all parts by names that are all different, and the part of each."""
+    """The channels of all parts by names that are all different, and the part of each. Those of the picture's
+    part are called as they are, whatever its place."""
     if len(parts) != len(headers):
         raise DecodeError(f"{len(parts)} parts can be decoded, of {len(headers)}")
+    plain = part_of_picture([(header.name, list(stored)) for header, stored in zip(headers, parts)])
     channels: dict[str, np.ndarray] = {}
     part_of: dict[str, int] = {}
-    for number, (header, stored) in enumerate(zip(headers, parts)):
+    for number in sorted(range(len(parts)), key=lambda number: number != plain):
+        header, stored = headers[number], parts[number]
         described = {channel.name: channel for channel in header.channels}
         for own_name, pixels in stored.items():
-            name = (
-                own_name
-                if number == 0 or own_name.startswith(f"{header.name}.")
-                else f"{header.name}.{own_name}"
-            )
+            is_whole = number == plain or own_name.startswith(f"{header.name}.")
+            name = own_name if is_whole else f"{header.name}.{own_name}"
             if name in channels:
                 name = f"part {number + 1}.{own_name}"
             if own_name not in described:

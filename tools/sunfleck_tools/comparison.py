@@ -13,11 +13,12 @@ from functools import partial
 from pathlib import Path
 
 from .analysis import read_frame
-from .difference import Difference, Overlap, difference, incomparable
+from .difference import Difference, Overlap, are_of_one_space, difference, incomparable
 from .difference_picture import difference_picture
 from .disk import write_whole
 from .display import Display
 from .errors import ToolError
+from .frame import Frame
 from .limits import Limits
 from .names import parts
 from .parallel import in_processes
@@ -45,6 +46,8 @@ class Compared:
     difference: Difference | None = None
     fault: str | None = None
     white: float | None = None
+    notes: tuple[str, ...] = ()
+    """What of the files' colours is converted, or not honoured."""
 
     def exceeded(self, limits: Limits) -> list[str]:
         """A sentence for each limit that is not kept, as it is not where there is nothing to measure."""
@@ -144,4 +147,15 @@ def _compare(wants_flip: bool, display: Display, white: float | None, pair: Pair
     if pair.picture is not None and all(frame.picture for frame in frames) and not Overlap(*frames).is_empty:
         pixels, white = difference_picture(Overlap(*frames), display, white)
         write_whole(Path(pair.picture), png(pixels))
-    return Compared(pair, found, white=white if pair.picture is not None else None)
+    return Compared(pair, found, white=white if pair.picture is not None else None, notes=_notes(*frames))
+
+
+def _notes(output: Frame, reference: Frame) -> tuple[str, ...]:
+    """Sentences on the colours of two frames that were compared."""
+    notes = [f"{frame.path}: {frame.space.doubt}" for frame in (output, reference) if frame.space.doubt]
+    if not are_of_one_space(output, reference):
+        notes.append(
+            f"the pictures are in different colour spaces, {output.space} and {reference.space}: R, G and B are "
+            "compared in linear Rec. 709, other channels as they are stored"
+        )
+    return tuple(notes)

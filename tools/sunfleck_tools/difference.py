@@ -90,16 +90,24 @@ class Overlap:
 
     def channel(self) -> list[np.ndarray]:
         """The channel of output and reference as float32, cut to what both have."""
-        return [frame.float(self._name)[place] for frame, place in zip(self._frames, self._places())]
+        return [_in_one_space(frame, self._frames, self._name)[place] for frame, place in zip(self._frames, self._places())]
 
     def stored(self) -> list[np.ndarray]:
         """The same as they are stored."""
         return [frame.channels[self._name][place] for frame, place in zip(self._frames, self._places())]
 
     def colors(self) -> list[np.ndarray]:
-        """Output and reference, colours in the last axis."""
+        """Output and reference, colours in the last axis; those of different spaces in linear Rec. 709."""
+        is_one = are_of_one_space(*self._frames)
         return [
-            np.stack([color[place] for color in frame.group()], axis=-1)
+            np.stack([color[place] for color in (frame.group() if is_one else frame.shown())], axis=-1)
+            for frame, place in zip(self._frames, self._places())
+        ]
+
+    def shown(self) -> list[np.ndarray]:
+        """Output and reference in linear Rec. 709, colours in the last axis."""
+        return [
+            np.stack([color[place] for color in frame.shown()], axis=-1)
             for frame, place in zip(self._frames, self._places())
         ]
 
@@ -109,6 +117,18 @@ class Overlap:
             (slice(self.top - top, self.bottom - top + 1), slice(self.left - left, self.right - left + 1))
             for left, top in corners
         ]
+
+
+def are_of_one_space(output: Frame, reference: Frame) -> bool:
+    """True if the numbers of both pictures stand for the same colours."""
+    return output.space == reference.space
+
+
+def _in_one_space(frame: Frame, both: Sequence[Frame], name: str) -> np.ndarray:
+    """A channel as float32; of pictures of different spaces red, green and blue are in linear Rec. 709."""
+    if are_of_one_space(*both) or len(frame.picture) != 3 or name not in frame.picture:
+        return frame.float(name)
+    return frame.shown()[frame.picture.index(name)]
 
 
 def incomparable(output: Frame, reference: Frame) -> str | None:
@@ -141,7 +161,7 @@ def difference(output: Frame, reference: Frame, wants_flip: bool = False) -> Dif
         ids={name: id_errors(overlaps[name]) for name in names if holds_ids(name)},
         unmatched=sorted(output.channels.keys() ^ reference.channels.keys()),
         shared=_shared(overlap, output, reference),
-        flip=mean_flip(*overlap.colors()) if wants_flip and finite else None,
+        flip=mean_flip(*overlap.shown()) if wants_flip and finite else None,
     )
 
 

@@ -31,10 +31,11 @@ def difference_picture(
     )
     corner = (overlap.left, overlap.top)
     space = np.zeros((apart.shape[0], GAP, 3), np.uint8)
+    seen_output, seen_reference = overlap.shown()
     panels = [
-        display.bytes(output, corner),
+        display.bytes(seen_output, corner),
         space,
-        display.bytes(reference, corner),
+        display.bytes(seen_reference, corner),
         space,
         np.rint(heat).astype(np.uint8),
     ]

@@ -11,7 +11,9 @@ import numpy as np
 
 from . import layers
 from .exr import half
+from .exr.colors import ColorSpace, color_space, luminances
 from .exr.header import Header, window_size
+from .exr.lossy import rounding
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 """Rec. 709, which frames are in."""
@@ -96,6 +98,12 @@ class Frame:
         return self.header_of(self.picture[0]) if self.picture else self.headers[0]
 
     @cached_property
+    def space(self) -> ColorSpace:
+        """What the picture's colours stand for: the part says, or the first where that does."""
+        says = "colorInteropID" in self.header.values or "chromaticities" in self.header.values
+        return color_space(self.header if says else self.headers[0])
+
+    @cached_property
     def shows_display_window(self) -> bool:
         """True of other renderers' frames, which cut the data down to what is there and render beyond the
         edge. Of own frames the data window is shown, as the program shows a crop; and where the display
@@ -128,6 +136,11 @@ class Frame:
         """True if it is of this renderer, whose passes keep what its documentation says."""
         return any(name.startswith(OWN) for name in self.headers[0].values)
 
+    @property
+    def is_exact(self) -> bool:
+        """True of such a frame whose compression loses nothing: what its passes add up to can be asked."""
+        return self.is_own and rounding(self.header) == 0
+
     def header_of(self, name: str) -> Header:
         """Of the part that a channel is in."""
         return self.headers[self.part_of[name]]
@@ -154,8 +167,14 @@ class Frame:
         """Red, green and blue of the picture, if there is one: of luminance alone it is grey."""
         values = [self.float(name) for name in self.picture]
         if len(values) == 1 and all(name in self.channels for name in layers.CHROMA):
-            return _from_chroma(values[0], *map(self.float, layers.CHROMA))
+            weights = luminances(self.space).astype(np.float32)
+            return _from_chroma(values[0], *map(self.float, layers.CHROMA), weights)
         return values * 3 if len(values) == 1 else values or None
+
+    def shown(self) -> list[np.ndarray] | None:
+        """The same in linear Rec. 709, which is what is shown."""
+        colors = self.group()
+        return colors and self.space.to_rec_709(colors)
 
     def luminance(self) -> np.ndarray | None:
         """Of the picture, the caller's to keep or spoil; values that are not finite count as 0."""
@@ -193,9 +212,9 @@ class Frame:
         return x + header.data_window[0], y + header.data_window[1]
 
 
-def _from_chroma(y: np.ndarray, ry: np.ndarray, by: np.ndarray) -> list[np.ndarray]:
+def _from_chroma(y: np.ndarray, ry: np.ndarray, by: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
     """Red, green and blue of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR, Technical
-    Introduction, Luminance/Chroma Images)."""
+    Introduction, Luminance/Chroma Images), where colours add so much to luminance."""
     with np.errstate(all="ignore"):
         red, blue = (1 + ry) * y, (1 + by) * y
-        return [red, (y - LUMINANCE[0] * red - LUMINANCE[2] * blue) / LUMINANCE[1], blue]
+        return [red, (y - weights[0] * red - weights[2] * blue) / weights[1], blue]

@@ -9,7 +9,7 @@ which the strictest is asked.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import Enum
 from functools import lru_cache
 
@@ -74,8 +74,12 @@ def holds_ids(name: str) -> bool:
     """True if the values themselves are names of things: of Cryptomatte's channels every other is, the
     rest are coverages."""
     component = split(name)[1]
-    is_cryptomatte = CRYPTOMATTE.match(_called(name)[0]) is not None
-    return kind(name) is Kind.ID and (not is_cryptomatte or component.lower() in ("r", "b", "red", "blue"))
+    return kind(name) is Kind.ID and (not is_cryptomatte(name) or component.lower() in ("r", "b", "red", "blue"))
+
+
+def is_cryptomatte(name: str) -> bool:
+    """True of ids and coverages of Cryptomatte."""
+    return CRYPTOMATTE.match(_called(name)[0]) is not None
 
 
 @lru_cache(maxsize=None)
@@ -111,3 +115,19 @@ def picture(names: Iterable[str]) -> tuple[str, ...]:
     if found:
         return next(iter(found.values()))
     return (LUMINANCE,) if LUMINANCE in known else ()
+
+
+def part_of_picture(parts: Sequence[tuple[str, Sequence[str]]]) -> int:
+    """Which part of a file holds the picture, by names of parts and of their channels: that of the likeliest name,
+    whatever the order; the first where none has colours."""
+
+    def rank(name: str) -> int:
+        own = name.rpartition(".")[2].lower()
+        return PICTURES.index(own) if own in PICTURES else len(PICTURES)
+
+    found = [
+        (rank(name), number)
+        for number, (name, channels) in enumerate(parts)
+        if picture(channels) and kind(f"{name}.R") is Kind.LIGHT
+    ]
+    return min(found, default=(0, 0))[1]

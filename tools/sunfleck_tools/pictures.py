@@ -57,7 +57,7 @@ def show(display: Display, width: int | None, argument: tuple[int, str | None]) 
         return Shown(number, fault=f"{fault} ({Path(path).name})")
     if width is None or width >= frame.canvas[1]:
         pixels = frame.on_canvas(
-            display.bytes(np.stack(frame.group(), axis=-1), frame.header.data_window[:2])
+            display.bytes(np.stack(frame.shown(), axis=-1), frame.header.data_window[:2])
         )
     else:
         pixels = display.bytes(thumbnail(frame, width).astype(np.float32))

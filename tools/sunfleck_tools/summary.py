@@ -10,13 +10,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .exr.colors import color_space
 from .exr.header import COMPRESSIONS, Header
 from .findings import Finding
 from .frame import Frame, row_blocks, wide
 from .options import Options
 
-REC_709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
-"""What a file means that says no chromaticities."""
 PROVENANCE = ("version", "sceneHash", "settingsHash", "seed", "pixelHash", "fileHash", "sequenceFrames")
 
 
@@ -99,7 +98,7 @@ def describe(summary: FrameSummary, headers: Sequence[Header]) -> None:
         "data window": header.data_window,
         "compression": ", ".join(dict.fromkeys(COMPRESSIONS[part.compression] for part in headers)),
         "layout": ", ".join(dict.fromkeys("tiles" if part.is_tiled else "scan lines" for part in headers)),
-        "chromaticities": tuple(round(value, 4) for value in header.values.get("chromaticities", REC_709)),
+        "colour space": color_space(header),
         "pixel aspect": header.values.get("pixelAspectRatio"),
     }
 
@@ -131,7 +130,8 @@ def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
     finite count as 0."""
     if not frame.picture:
         return None
-    colors = [frame.channels[name] for name in frame.picture] if len(frame.picture) == 3 else frame.group()
+    is_plain = len(frame.picture) == 3 and frame.space.is_ours
+    colors = [frame.channels[name] for name in frame.picture] if is_plain else frame.shown()
     colors = [frame.on_canvas(color) for color in colors]
     step = max(1, min(frame.canvas[1] // width, *frame.canvas))
     rows, columns = (extent // step for extent in frame.canvas)

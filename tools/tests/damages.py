@@ -263,6 +263,23 @@ def chromaticities(folder: Path) -> None:
     add_attribute(frame_path(folder, VICTIM), "chromaticities", "chromaticities", ap0)
 
 
+@damage("one frame of another colour space by its name", "structure")
+def color_id(folder: Path) -> None:
+    add_attribute(frame_path(folder, VICTIM), "colorInteropID", "string", b"lin_ap1_scene")
+
+
+@damage("a name of a colour space that disagrees with the chromaticities", "colour-space")
+def color_conflict(folder: Path) -> None:
+    ap0 = struct.pack("<8f", 0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767)
+    add_attribute(frame_path(folder, VICTIM), "chromaticities", "chromaticities", ap0)
+    add_attribute(frame_path(folder, VICTIM), "colorInteropID", "string", b"lin_rec709_scene")
+
+
+@damage("ids of Cryptomatte in half precision", "half-id")
+def half_ids(folder: Path) -> None:
+    rewrite(frame_path(folder, VICTIM), lambda c: {**c, "CryptoObject00.R": c["R"].astype(np.float16)})
+
+
 @damage("one frame of another pixel aspect", "structure")
 def pixel_aspect(folder: Path) -> None:
     rewrite(frame_path(folder, VICTIM), extra={"pixelAspectRatio": 2.0})

@@ -161,7 +161,7 @@ impl Maker<'_> {
 }
 
 fn plain(texel: [f32; 4]) -> DecodedImage {
-    DecodedImage { width: 1, height: 1, texels: vec![texel].into() }
+    DecodedImage::new(1, 1, vec![texel].into())
 }
 
 /// Colours with the alpha channel of another image, or its brightness if that is opaque all over.
@@ -203,7 +203,7 @@ fn joined(
         let (column, row) = (index % width, index / width);
         texel(nearest(first, column, row), nearest(second, column, row))
     });
-    DecodedImage { width, height, texels: texels.collect() }
+    DecodedImage::new(width, height, texels.collect())
 }
 
 /// Maps of heights are grey, maps of normals blue.

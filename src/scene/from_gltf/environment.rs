@@ -96,8 +96,11 @@ fn picture(
     Some(match (found.color, found.zenith, found.horizon, &found.image) {
         (Some(color), None, None, None) => SkyPicture::Even(scaled(color)),
         (None, None, None, Some(name)) => {
-            let DecodedImage { width, height, texels } = image?;
+            let DecodedImage { width, height, texels, doubt } = image?;
             let name = if name.starts_with("data:") { "the sky" } else { name };
+            if let Some((loss, found)) = doubt {
+                report.put_right(loss, name, found);
+            }
             let (picture, negative) = SkyPicture::of_image(name.to_owned(), [width, height], texels);
             if negative > 0 {
                 report.not_honoured(Loss::NegativeRadiance, name);

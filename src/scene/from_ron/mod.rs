@@ -102,7 +102,7 @@ pub(super) fn resolve(loaded: LoadedScene, baking: &Baking) -> Result<(Scene, Re
 }
 
 fn texture(path: &Path, image: DecodedImage) -> Texture {
-    let DecodedImage { width, height, texels } = image;
+    let DecodedImage { width, height, texels, .. } = image;
     Texture { name: path.display().to_string(), width, height, texels, wrap: [Wrap::Repeat; 2] }
 }
 

@@ -68,6 +68,10 @@ impl Resolver<'_> {
     fn image_of_sky(&mut self, path: &Path) -> Option<SkyPicture> {
         let image = self.sky_image.take()?;
         let name = path.display().to_string();
+        if let Some((loss, found)) = image.doubt {
+            let (place, found) = (self.problems.place("sky.image"), format!("{name}: {found}"));
+            self.scene.remarks.push(Diagnostic::warning(loss, place, found));
+        }
         let (picture, negative) = SkyPicture::of_image(name, [image.width, image.height], image.texels);
         if negative > 0 {
             let found =

@@ -11,8 +11,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..exr.lossy import rounding
 from ..findings import Found, Scope, Severity, check
-from ..frame import Frame
+from ..frame import Frame, wide
 from ..summary import Rendered
 
 SMALLEST = 8
@@ -38,7 +39,12 @@ def candidates(frame: Frame) -> list[Block]:
     if dark.all():
         return []
     left, top = frame.header.data_window[:2]
-    found = [block for block in _rectangles(dark) if _stands_out(dark, block)]
+    # Lossy compression makes zeros of what is next to black, block by block.
+    if (most := rounding(frame.header)) > 0:
+        dim = np.logical_and.reduce([np.abs(wide(color)) <= most for color in colors])
+    else:
+        dim = dark
+    found = [block for block in _rectangles(dark) if _stands_out(dim, block)]
     found.sort(key=lambda b: (b[0] - b[2]) * (b[3] - b[1] + 1))
     return [(x0 + left, y0 + top, x1 + left, y1 + top) for x0, y0, x1, y1 in found[:MOST]]
 

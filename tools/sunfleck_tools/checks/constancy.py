@@ -14,7 +14,7 @@ from ..findings import Found, Scope, Severity, check
 from ..summary import FrameSummary, Rendered
 
 RANGE = re.compile(r"(-?\d{1,10})-(-?\d{1,10})")
-STRUCTURE = ("channels", "display window", "compression", "layout", "chromaticities", "pixel aspect")
+STRUCTURE = ("channels", "display window", "compression", "layout", "colour space", "pixel aspect")
 
 
 def odd_ones(

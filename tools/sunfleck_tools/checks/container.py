@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..exr import file_hash as whole
+from ..exr.colors import color_space
+from ..exr.header import Header
 from ..exr.mapped import mapped
 from ..findings import Found, Scope, Severity, check
 from ..frame import FileBytes, Frame
+from ..layers import Kind, kind
 
 NAME = "sunfleck:pixelHash"
 
@@ -114,3 +117,19 @@ def file_hash(frame: Frame) -> Iterator[Found]:
 
 def _has_its_pixels(frame: Frame) -> bool:
     return frame.headers[0].text(NAME) in (None, frame.hash)
+
+
+@check("colour-space", Severity.WARNING, Scope.FILE, "what a file says of its colours is not known, or not one")
+def colour_space(file: FileBytes) -> Iterator[Found]:
+    """Programs heed `colorInteropID`, `chromaticities`, or neither: where the two disagree, each shows
+    other colours."""
+    for header in file.headers:
+        if (doubt := color_space(header).doubt) is not None and not (header.is_deep or _is_data(header)):
+            where = f"part {header.name}: " if header.name else ""
+            yield Found(f"{where}{doubt}")
+
+
+def _is_data(header: Header) -> bool:
+    """True of a part that says so, and holds what is no light."""
+    light = any(kind(f"{header.name}.{channel.name}") is Kind.LIGHT for channel in header.channels)
+    return header.text("colorInteropID") == "data" and not light

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..findings import Found, Scope, Severity, check
 from ..frame import Frame
-from ..layers import Kind, is_motion, kind
+from ..layers import Kind, holds_ids, is_cryptomatte, is_motion, kind
 from .values import first_bad
 
 FARTHEST = 1.0001e10
@@ -20,6 +20,8 @@ HALF_SMALLEST = 2.0**-23
 LARGEST_TRANSMITTANCE = 1 + 2.0**-10
 """One step of half precision above 1: averages of ones may round to it."""
 LONGEST_NORMAL = 1.001
+LARGEST_HALF_ID = 2048.0
+"""The last whole number that has its own half, as all before it."""
 LARGEST_MOTION = 100.0
 """Pictures' widths beyond which a pixel that moves so alone is damage."""
 LONE_MOTION = 1.0
@@ -34,7 +36,7 @@ def beauty_sum(frame: Frame) -> Iterator[Found]:
     """beauty = what lies behind * transmittance + what blended surfaces show + shafts, and no
     term is negative."""
     for letter in "RGB":
-        if frame.is_own and letter in frame.channels and f"shafts.{letter}" in frame.channels:
+        if frame.is_exact and letter in frame.channels and f"shafts.{letter}" in frame.channels:
             if _nowhere_above(frame, f"shafts.{letter}", letter):
                 continue
             beauty, shafts = frame.float(letter), frame.float(f"shafts.{letter}")
@@ -57,7 +59,7 @@ def _nowhere_above(frame: Frame, name: str, other: str) -> bool:
 @check("transmittance-range", Severity.ERROR, Scope.FRAME, "transmittance is more than 1")
 def transmittance_range(frame: Frame) -> Iterator[Found]:
     """Fog and filters take light away, here; in other renderers' frames the name may mean light."""
-    if not frame.is_own:
+    if not frame.is_exact:
         return
     for name in frame.channels:
         if name.startswith("transmittance.") and not frame.extremes(name)[1] <= LARGEST_TRANSMITTANCE:
@@ -81,7 +83,7 @@ def depth(frame: Frame) -> Iterator[Found]:
 @check("normal-length", Severity.ERROR, Scope.FRAME, "a normal is longer than 1")
 def normal_length(frame: Frame) -> Iterator[Found]:
     """Averages of unit vectors may be shorter, never longer. Other renderers may store them otherwise."""
-    if not frame.is_own:
+    if not frame.is_exact:
         return
     names = [f"Normal.{axis}" for axis in "XYZ"]
     if all(name in frame.channels for name in names):
@@ -138,3 +140,13 @@ def _fastest_neighbour(amount: np.ndarray) -> np.ndarray:
             if (y, x) != (1, 1):
                 np.maximum(around, padded[y : y + rows, x : x + columns], out=around)
     return around
+
+
+@check("half-id", Severity.ERROR, Scope.FRAME, "names of things are stored in half precision, which cuts them")
+def half_id(frame: Frame) -> Iterator[Found]:
+    """Ids of Cryptomatte are 32 bits: of half of them no matte comes back. Plain numbers are whole up to 2048."""
+    for name, stored in frame.channels.items():
+        if holds_ids(name) and stored.dtype == np.float16:
+            largest = max(map(abs, frame.extremes(name)))
+            if is_cryptomatte(name) or not largest <= LARGEST_HALF_ID:
+                yield Found(f"{name} holds ids in half precision: they are not those that were meant", channel=name)

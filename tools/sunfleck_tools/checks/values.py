@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..exr.lossy import rounding
 from ..findings import Found, Scope, Severity, check
 from ..frame import Frame
 from ..layers import Kind, kind, split
@@ -75,9 +76,9 @@ def half_overflow(frame: Frame) -> Iterator[Found]:
 
 @check("negative", Severity.ERROR, Scope.FRAME, "light, transmittance or albedo is negative")
 def negative(frame: Frame) -> Iterator[Found]:
-    """Filters with negative lobes, and subtraction in the wrong order."""
+    """Filters with negative lobes, and subtraction in the wrong order. Lossy compression may go a little below."""
     for name in frame.channels:
-        least = 0.0 if frame.is_own else -NEGATIVE_ROUNDING
+        least = -max(0.0 if frame.is_own else NEGATIVE_ROUNDING, rounding(frame.header_of(name)))
         if kind(name) is Kind.LIGHT and not frame.extremes(name)[0] >= least:
             with np.errstate(invalid="ignore"):
                 yield from first_bad(frame, name, frame.float(name) < least, "negative")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
@@ -17,7 +18,7 @@ from ..limits import ChannelLimit, Limits
 from ..progress import Bar
 from ..words import printable
 from . import FINDINGS, OK, looks
-from .arguments import count, limit, positive, share_limit
+from .arguments import count, from_zero, limit, positive, share_limit
 
 LIMITS = {
     "--max-rmse": "root mean square error: of the colour, and of every other channel; or of those named, "
@@ -42,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             flag, metavar="[CHANNELS=]X", type=limit, action="append", default=[], help=f"largest {what}"
         )
     parser.add_argument(
-        "--max-flip", metavar="X", type=positive, help="largest mean FLIP (pip install flip-evaluator)"
+        "--max-flip", metavar="X", type=from_zero, help="largest mean FLIP (pip install flip-evaluator)"
     )
     parser.add_argument(
         "--max-ids", metavar="[CHANNELS=]SHARE", type=share_limit, action="append", default=[],
@@ -80,6 +81,8 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.processes,
         Bar(),
     )
+    for note in dict.fromkeys(note for result in results for note in result.notes):
+        print(printable(f"note: {note}"), file=sys.stderr)
     limits = _limits(arguments)
     print(
         json.dumps(as_object(results, limits), indent=1, allow_nan=False)

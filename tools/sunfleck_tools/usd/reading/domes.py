@@ -14,6 +14,7 @@ import numpy as np
 from pxr import Ar, Sdf, Usd, UsdGeom, UsdLux
 
 from ...errors import SceneError
+from ...exr.codecs import why_unread_bytes
 from ...exr.write import write_colors
 from ..textures import SKY_KINDS
 from .lamp_inputs import LampInputs
@@ -48,6 +49,8 @@ def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
             raise SceneError(
                 f"{place}: the picture `{asset.path}` is neither OpenEXR nor Radiance HDR, and {error}"
             ) from None
+    elif (why := why_unread_bytes(data)) is not None:
+        raise SceneError(f"{place}: the picture `{asset.path}` is not taken: {why}")
     return "data:application/octet-stream;base64," + base64.b64encode(data).decode()
 
 

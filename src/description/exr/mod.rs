@@ -1,0 +1,47 @@
+//! EXR files, ours or anybody's: what of them is the picture, in which colours, and why they are not read.
+//! In go bytes, out come samples with a value a pixel. Invariant: what is refused is refused in words that are
+//! true of the file.
+
+mod colors;
+mod names;
+mod raw;
+mod sky;
+mod subsampled;
+mod unread;
+
+pub use colors::ImageColors;
+pub use names::{Picture, full_names, part_of_picture};
+pub(super) use sky::{Fault, of_exr, size_of_exr};
+pub(crate) use subsampled::{is_subsampled, read as read_subsampled};
+pub use unread::Unread;
+
+use ::exr::meta::header::Header;
+
+/// What the colours of a part stand for; of a file whose header says nothing, or nothing usable, our own.
+pub(crate) fn colors_of(bytes: &[u8], part: usize) -> ImageColors {
+    let said = raw::parts(bytes).and_then(|(parts, _)| ImageColors::of(raw_part(&parts, part)?).ok());
+    said.unwrap_or_else(ImageColors::unsaid)
+}
+
+/// The part, or the first where that alone says which colours it has.
+fn raw_part<'a, 'b>(parts: &'a [raw::RawPart<'b>], part: usize) -> Option<&'a raw::RawPart<'b>> {
+    parts.get(part).filter(|part| part.says_colors()).or(parts.first())
+}
+
+/// Names of all parts and of their channels.
+pub(crate) fn names_of(headers: &[Header]) -> Vec<(String, Vec<String>)> {
+    let text = |text: &::exr::meta::attribute::Text| String::from_utf8_lossy(text.bytes()).into_owned();
+    let part = |header: &Header| {
+        let name = header.own_attributes.layer_name.as_ref().map(text).unwrap_or_default();
+        (name, header.channels.list.iter().map(|channel| text(&channel.name)).collect())
+    };
+    headers.iter().map(part).collect()
+}
+
+/// Red, green and blue of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR, Technical
+/// Introduction, Luminance/Chroma Images), where colours add so much to luminance.
+pub(crate) fn from_chroma([y, ry, by]: [f32; 3], weights: crate::color::Rgb) -> [f32; 3] {
+    let (red, blue) = ((1.0 + ry) * y, (1.0 + by) * y);
+    let green = (y - weights.x as f32 * red - weights.z as f32 * blue) / weights.y as f32;
+    [red, green, blue]
+}

@@ -1,0 +1,169 @@
+//! What is the picture among a file's parts and channels, by their names. In go names, out come places.
+//! Invariant: the order of parts and channels decides only between equals.
+
+/// The channels of a picture, by their places in the list of names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Picture {
+    /// Red, green and blue.
+    Colors([usize; 3]),
+    /// Luminance alone.
+    Luminance(usize),
+    /// Luminance, and how far red and blue are from it: `Y`, `RY` and `BY`.
+    Chroma([usize; 3]),
+}
+
+const COLORS: [[&str; 3]; 3] = [["R", "G", "B"], ["r", "g", "b"], ["red", "green", "blue"]];
+
+/// Layers and parts that hold the picture itself, the likeliest first.
+const PICTURES: [&str; 11] =
+    ["", "rgba", "rgb", "beauty", "combined", "composite", "color", "colour", "ci", "c", "main"];
+
+/// What is called so, or ends so, is no light.
+const NO_LIGHT: [&str; 24] = [
+    "n",
+    "nn",
+    "ng",
+    "ns",
+    "hitn",
+    "normal",
+    "normals",
+    "tangent",
+    "tangents",
+    "p",
+    "po",
+    "pw",
+    "pref",
+    "hitp",
+    "pworld",
+    "position",
+    "st",
+    "uv",
+    "uvs",
+    "vector",
+    "motion",
+    "motionvector",
+    "velocity",
+    "depth",
+];
+
+impl Picture {
+    /// The picture of a part, or of a whole file whose channels have these names.
+    pub fn among<S: AsRef<str>>(names: &[S]) -> Option<Self> {
+        let place = |wanted: &str| names.iter().position(|name| name.as_ref() == wanted);
+        let mut found: Vec<(usize, [usize; 3])> = Vec::new();
+        for name in names {
+            let layer = name.as_ref().rfind('.').map_or("", |dot| &name.as_ref()[..=dot]);
+            if !is_light(layer.trim_end_matches('.')) {
+                continue;
+            }
+            for colors in COLORS {
+                let [red, green, blue] = colors.map(|color| place(&format!("{layer}{color}")));
+                if let (Some(red), Some(green), Some(blue)) = (red, green, blue) {
+                    found.push((rank(layer.trim_end_matches('.')), [red, green, blue]));
+                }
+            }
+        }
+        // The first of equals.
+        if let Some((_, colors)) = found.into_iter().min_by_key(|(rank, _)| *rank) {
+            return Some(Self::Colors(colors));
+        }
+        let luminance = place("Y")?;
+        Some(match (place("RY"), place("BY")) {
+            (Some(red), Some(blue)) => Self::Chroma([luminance, red, blue]),
+            _ => Self::Luminance(luminance),
+        })
+    }
+}
+
+/// How likely a layer or part of that name is the picture; less is likelier.
+fn rank(name: &str) -> usize {
+    let own = own(name);
+    PICTURES.iter().position(|picture| *picture == own).unwrap_or(PICTURES.len())
+}
+
+/// The last word of `view.diffuse`, in small letters.
+fn own(name: &str) -> String {
+    name.rsplit('.').next().unwrap_or(name).to_lowercase()
+}
+
+/// False of normals, places, motion, depths and ids.
+fn is_light(name: &str) -> bool {
+    let own = own(name).replace([' ', '-'], "_");
+    let is_id = own == "id" || own.ends_with("_id") || own.starts_with("crypto");
+    let is_other = NO_LIGHT
+        .iter()
+        .any(|other| own == *other || own.strip_suffix(other).is_some_and(|rest| rest.ends_with('_')));
+    !is_id && !is_other
+}
+
+/// Which part holds the picture. In go names of parts, and of their channels.
+pub fn part_of_picture(parts: &[(String, Vec<String>)]) -> usize {
+    let holds =
+        |(name, channels): &&(String, Vec<String>)| is_light(name) && Picture::among(channels).is_some();
+    let places = parts.iter().enumerate().filter(|(_, part)| holds(part));
+    places.min_by_key(|(_, (name, _))| rank(name)).map_or(0, |(place, _)| place)
+}
+
+/// Names for the channels of all parts, no two of them equal: those of the picture's part as they are, those of
+/// others with their part's before them.
+pub fn full_names(parts: &[(String, Vec<String>)]) -> Vec<Vec<String>> {
+    let plain = part_of_picture(parts);
+    let mut taken = std::collections::HashSet::new();
+    let mut named = vec![Vec::new(); parts.len()];
+    // The picture's first, so that it keeps its names.
+    let order = std::iter::once(plain).chain((0..parts.len()).filter(|&part| part != plain));
+    for part in order {
+        let (name, channels) = &parts[part];
+        for channel in channels {
+            let is_whole = part == plain || channel.starts_with(&format!("{name}."));
+            let full = if is_whole { channel.clone() } else { format!("{name}.{channel}") };
+            let full = if taken.contains(&full) { format!("part {}.{channel}", part + 1) } else { full };
+            taken.insert(full.clone());
+            named[part].push(full);
+        }
+    }
+    named
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn part(name: &str, channels: &[&str]) -> (String, Vec<String>) {
+        (name.to_owned(), channels.iter().map(|&channel| channel.to_owned()).collect())
+    }
+
+    #[test]
+    fn the_picture_is_the_beauty_whatever_the_order() {
+        for (names, expected) in [
+            (&["A", "B", "G", "R"][..], Some(Picture::Colors([3, 2, 1]))),
+            (&["N.R", "N.G", "N.B", "diffuse.R", "diffuse.G", "diffuse.B"], Some(Picture::Colors([3, 4, 5]))),
+            (
+                &["d.R", "d.G", "d.B", "view.Combined.R", "view.Combined.G", "view.Combined.B"],
+                Some(Picture::Colors([3, 4, 5])),
+            ),
+            (&["BY", "RY", "Y"], Some(Picture::Chroma([2, 1, 0]))),
+            (&["A", "Y"], Some(Picture::Luminance(1))),
+            (&["Z"], None),
+        ] {
+            assert_eq!(Picture::among(names), expected, "{names:?}");
+        }
+    }
+
+    #[test]
+    fn parts_lend_their_names() {
+        let colors = ["R", "G", "B"];
+        let parts =
+            [part("N", &colors), part("albedo", &colors), part("C", &colors), part("C", &["R", "C.Z"])];
+        assert_eq!(part_of_picture(&parts), 2);
+        let named = full_names(&parts);
+        assert_eq!(named[0], ["N.R", "N.G", "N.B"]);
+        assert_eq!(named[2], colors);
+        assert_eq!(named[3], ["C.R", "C.Z"]);
+        assert_eq!(
+            full_names(&[part("left", &["R"]), part("left", &["R"]), part("left", &["R"])])[2],
+            ["part 3.R"]
+        );
+    }
+}

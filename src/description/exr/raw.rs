@@ -1,0 +1,102 @@
+//! The attributes of an EXR file's parts, by own reading. In go bytes, out come names and values: also those
+//! of files that the decoder refuses. Invariant: nothing is copied.
+//! Layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>
+
+/// Magic number and version.
+const PREAMBLE: usize = 8;
+const MULTIPART: u8 = 0x10;
+const DEEP: u8 = 0x08;
+
+/// What the header of a part says.
+pub(super) struct RawPart<'a> {
+    /// Name, type and value.
+    attributes: Vec<(&'a [u8], &'a [u8], &'a [u8])>,
+    is_multipart: bool,
+    has_deep_flag: bool,
+}
+
+/// The parts of a file, and where the tables of their chunks begin; `None` if it is damaged or no EXR file.
+pub(super) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
+    let flags = *bytes.get(5)?;
+    let is_multipart = flags & MULTIPART != 0;
+    let mut rest = bytes.get(PREAMBLE..)?;
+    let mut parts = Vec::new();
+    loop {
+        let mut attributes = Vec::new();
+        while *rest.first()? != 0 {
+            let (name, behind) = text(rest)?;
+            let (kind, behind) = text(behind)?;
+            let size = u32::from_le_bytes(behind.get(..4)?.try_into().ok()?);
+            let (value, behind) = behind.get(4..)?.split_at_checked(usize::try_from(size).ok()?)?;
+            attributes.push((name, kind, value));
+            rest = behind;
+        }
+        rest = &rest[1..];
+        // An empty header is behind the last.
+        let is_end = attributes.is_empty() && !parts.is_empty();
+        if !is_end {
+            parts.push(RawPart { attributes, is_multipart, has_deep_flag: flags & DEEP != 0 });
+        }
+        if is_end || !is_multipart {
+            return Some((parts, bytes.len() - rest.len()));
+        }
+    }
+}
+
+/// A text that ends with a zero, and what is behind it.
+fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let end = bytes.iter().take(256).position(|&byte| byte == 0)?;
+    Some((&bytes[..end], &bytes[end + 1..]))
+}
+
+impl RawPart<'_> {
+    /// The value of an attribute, whatever its type.
+    fn value(&self, name: &str) -> Option<&[u8]> {
+        let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
+        found.map(|(.., value)| *value)
+    }
+
+    /// The value of an attribute that is a text.
+    pub(super) fn text(&self, name: &str) -> Option<String> {
+        let is_text = |kind: &[u8]| kind == b"string";
+        let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
+        found
+            .filter(|(_, kind, _)| is_text(kind))
+            .map(|(.., value)| String::from_utf8_lossy(value).into_owned())
+    }
+
+    /// The number of its compression.
+    pub(super) fn compression(&self) -> Option<u8> {
+        self.value("compression")?.first().copied()
+    }
+
+    /// Whether a pixel has any number of values.
+    pub(super) fn is_deep(&self) -> bool {
+        match self.text("type") {
+            Some(kind) if self.is_multipart => kind.starts_with("deep"),
+            _ => self.has_deep_flag,
+        }
+    }
+
+    /// Whether it says which colours it has.
+    pub(super) fn says_colors(&self) -> bool {
+        self.value("colorInteropID").or(self.value("chromaticities")).is_some()
+    }
+
+    /// Whether it holds the six sides of a cube.
+    pub(super) fn is_cube(&self) -> bool {
+        self.value("envmap").and_then(|value| value.first()) == Some(&1)
+    }
+
+    /// x and y of red, green, blue and white.
+    pub(super) fn chromaticities(&self) -> Option<[f32; 8]> {
+        let value = self.value("chromaticities")?;
+        let number =
+            |index: usize| Some(f32::from_le_bytes(value.get(4 * index..4 * index + 4)?.try_into().ok()?));
+        let mut numbers = [0.0; 8];
+        for (index, place) in numbers.iter_mut().enumerate() {
+            *place = number(index)?;
+        }
+        Some(numbers)
+    }
+}

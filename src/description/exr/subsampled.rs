@@ -1,0 +1,239 @@
+//! EXR files with channels that have fewer samples than the picture, as luminance and chroma have, which the
+//! decoder does not read. In goes a file, out come its parts with a value a pixel: samples are repeated.
+//! Invariant: nothing is allocated but what the chunks that are there hold, and the pixels that were checked.
+
+use super::raw;
+use ::exr::compression::Compression;
+use ::exr::image::{AnyChannel, AnyChannels, FlatSamples};
+use ::exr::math::Vec2;
+use ::exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
+use ::exr::meta::header::Header;
+use ::exr::meta::{BlockDescription, MetaData};
+use half::f16;
+
+/// Whether a file has such a channel.
+pub(crate) fn is_subsampled(headers: &[Header]) -> bool {
+    headers.iter().any(|header| header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)))
+}
+
+/// The channels of every part.
+///
+/// # Errors
+/// With the reason if the file is damaged, or has tiles as well.
+pub(crate) fn read(bytes: &[u8], meta: &MetaData) -> Result<Vec<AnyChannels<FlatSamples>>, String> {
+    let (parts, mut at) = raw::parts(bytes).ok_or("the header is damaged")?;
+    if parts.len() != meta.headers.len() {
+        return Err(String::from("the header is damaged"));
+    }
+    let is_multipart = meta.requirements.has_multiple_layers;
+    let mut read = Vec::new();
+    for (number, header) in meta.headers.iter().enumerate() {
+        if header.blocks != BlockDescription::ScanLines || header.deep {
+            return Err(String::from("tiles beside channels that have fewer samples than the picture"));
+        }
+        let count = header.chunk_count;
+        let table = bytes.get(at..).and_then(|rest| rest.get(..count.checked_mul(8)?));
+        let table = table.ok_or("the file ends within its table of chunks")?;
+        at += table.len();
+        let mut planes: Vec<Plane> =
+            header.channels.list.iter().map(|channel| Plane::new(channel, header)).collect();
+        for offset in table.chunks_exact(8) {
+            let offset = u64::from_le_bytes(offset.try_into().map_err(|_| "no offset")?);
+            let chunk =
+                Chunk::at(bytes, offset, is_multipart.then_some(number)).ok_or("a chunk is damaged")?;
+            chunk.decode(header, &mut planes)?;
+        }
+        let channels = planes.into_iter().zip(&header.channels.list);
+        read.push(AnyChannels::sort(channels.map(|(plane, channel)| plane.whole(channel, header)).collect()));
+    }
+    Ok(read)
+}
+
+/// The samples of a channel, as they are stored.
+struct Plane {
+    columns: usize,
+    bytes: Vec<u8>,
+}
+
+impl Plane {
+    fn new(channel: &ChannelDescription, header: &Header) -> Self {
+        let Vec2(width, height) = header.layer_size;
+        let (columns, rows) = (width.div_ceil(channel.sampling.0), height.div_ceil(channel.sampling.1));
+        Self { columns, bytes: vec![0; columns * rows * channel.sample_type.bytes_per_sample()] }
+    }
+
+    /// With a value a pixel.
+    fn whole(self, channel: &ChannelDescription, header: &Header) -> AnyChannel<FlatSamples> {
+        let samples = match channel.sample_type {
+            SampleType::F16 => FlatSamples::F16(self.repeated(channel, header, f16::from_ne_bytes)),
+            SampleType::F32 => FlatSamples::F32(self.repeated(channel, header, f32::from_ne_bytes)),
+            SampleType::U32 => FlatSamples::U32(self.repeated(channel, header, u32::from_ne_bytes)),
+        };
+        AnyChannel::new(channel.name.clone(), samples)
+    }
+
+    fn repeated<T: Copy, const N: usize>(
+        &self,
+        channel: &ChannelDescription,
+        header: &Header,
+        value: impl Fn([u8; N]) -> T,
+    ) -> Vec<T> {
+        let (Vec2(width, height), Vec2(across, down)) = (header.layer_size, channel.sampling);
+        let sample = |x: usize, y: usize| {
+            let at = N * (y / down * self.columns + x / across);
+            let mut bytes = [0; N];
+            bytes.copy_from_slice(&self.bytes[at..at + N]);
+            value(bytes)
+        };
+        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| sample(x, y)).collect()
+    }
+}
+
+/// Rows that are stored together.
+struct Chunk<'a> {
+    y: i32,
+    data: &'a [u8],
+}
+
+impl<'a> Chunk<'a> {
+    fn at(bytes: &'a [u8], offset: u64, part: Option<usize>) -> Option<Self> {
+        let mut rest = bytes.get(usize::try_from(offset).ok()?..)?;
+        let mut number = || {
+            let (number, behind) = rest.split_first_chunk::<4>()?;
+            rest = behind;
+            Some(i32::from_le_bytes(*number))
+        };
+        if let Some(part) = part
+            && usize::try_from(number()?).ok()? != part
+        {
+            return None;
+        }
+        let (y, size) = (number()?, number()?);
+        Some(Self { y, data: rest.get(..usize::try_from(size).ok()?)? })
+    }
+
+    /// Puts the chunk's samples into the planes.
+    fn decode(&self, header: &Header, planes: &mut [Plane]) -> Result<(), String> {
+        let Vec2(width, height) = header.layer_size;
+        let top = i64::from(self.y) - i64::from(header.own_attributes.layer_position.1);
+        let top = usize::try_from(top).ok().filter(|&top| top < height).ok_or("a chunk lies elsewhere")?;
+        let rows = header.compression.scan_lines_per_block().min(height - top);
+        if matches!(header.compression, Compression::B44 | Compression::B44A) {
+            return self.decode_b44(header, (top, rows), planes);
+        }
+        // Rows of a channel that the chunk has samples of: of those of the file, every so many-th.
+        let has = |channel: &ChannelDescription, row: usize| (top + row) % channel.sampling.1 == 0;
+        let list = &header.channels.list;
+        let row_bytes = |channel: &ChannelDescription| {
+            width.div_ceil(channel.sampling.0) * channel.sample_type.bytes_per_sample()
+        };
+        let size: usize = (0..rows)
+            .flat_map(|row| list.iter().filter(move |channel| has(channel, row)))
+            .map(row_bytes)
+            .sum();
+        let data = self.decompressed(header, (top, rows), size)?;
+        let mut rest = data.get(..size).ok_or("a chunk is too short")?;
+        for row in 0..rows {
+            for (channel, plane) in
+                list.iter().zip(planes.iter_mut()).filter(|(channel, _)| has(channel, row))
+            {
+                let (line, behind) = rest.split_at(row_bytes(channel));
+                rest = behind;
+                let at = (top + row) / channel.sampling.1 * line.len();
+                plane.bytes[at..at + line.len()].copy_from_slice(line);
+            }
+        }
+        Ok(())
+    }
+
+    /// Channels one after the other, each in blocks of 4x4 samples: 3 bytes of a block of one value, else 14. The
+    /// decoder takes each by itself, as one that has a sample a pixel.
+    fn decode_b44(
+        &self,
+        header: &Header,
+        (top, rows): (usize, usize),
+        planes: &mut [Plane],
+    ) -> Result<(), String> {
+        const FLAT: u8 = 13 << 2;
+        let mut at = 0;
+        for (channel, plane) in header.channels.list.iter().zip(planes) {
+            let row_bytes = plane.columns * channel.sample_type.bytes_per_sample();
+            let lines = (top..top + rows).filter(|row| row % channel.sampling.1 == 0).count();
+            let begin = top.div_ceil(channel.sampling.1) * row_bytes;
+            let size = lines * row_bytes;
+            let target = plane.bytes.get_mut(begin..begin + size).ok_or("a chunk is too long")?;
+            let start = at;
+            if channel.sample_type == SampleType::F16 {
+                for _ in 0..plane.columns.div_ceil(4) * lines.div_ceil(4) {
+                    at += if *self.data.get(at + 2).ok_or("a chunk is too short")? >= FLAT { 3 } else { 14 };
+                }
+            } else {
+                at += size;
+            }
+            let mut piece = self.data.get(start..at).ok_or("a chunk is too short")?.to_vec();
+            if size == 0 {
+                continue;
+            }
+            // As many bytes as there are samples' would be taken for these; what is behind is passed over.
+            if channel.sample_type == SampleType::F16 && piece.len() == size {
+                piece.push(0);
+            }
+            let mut alone = header.clone();
+            alone.channels.list = std::iter::once(channel.clone()).collect();
+            alone.channels.list[0].sampling = Vec2(1, 1);
+            alone.channels.bytes_per_pixel = channel.sample_type.bytes_per_sample();
+            alone.layer_size = Vec2(plane.columns, lines);
+            let section = IntegerBounds::new((0, 0), (plane.columns, lines));
+            let data = header.compression.decompress_image_section_from_le(&alone, piece, section, false);
+            let data = data.map_err(|error| error.to_string())?;
+            target.copy_from_slice(data.get(..size).ok_or("a chunk is too short")?);
+        }
+        Ok(())
+    }
+
+    /// So many bytes of samples, in the machine's order. The decoder is told of a part whose size it reckons right.
+    fn decompressed(
+        &self,
+        header: &Header,
+        (top, rows): (usize, usize),
+        size: usize,
+    ) -> Result<Vec<u8>, String> {
+        if size == 0 {
+            return Ok(Vec::new());
+        }
+        if self.data.len() == size && cfg!(target_endian = "little") {
+            return Ok(self.data.to_vec());
+        }
+        let mut header = header.clone();
+        let section = match header.compression {
+            Compression::Uncompressed | Compression::RLE | Compression::ZIP1 | Compression::ZIP16 => {
+                // Of bytes alone: any channel of as many does.
+                header.channels.list.truncate(1);
+                header.channels.list[0].sample_type = SampleType::F16;
+                header.channels.list[0].sampling = Vec2(1, 1);
+                header.channels.bytes_per_pixel = 2;
+                header.layer_size = Vec2(size / 2, 1);
+                IntegerBounds::new((0, 0), (size / 2, 1))
+            }
+            Compression::PIZ => {
+                let area = header.layer_size.0 * rows;
+                if size % area != 0 {
+                    return Err(String::from(
+                        "channels that have fewer samples than the picture, in this size",
+                    ));
+                }
+                header.channels.bytes_per_pixel = size / area;
+                let y = header.own_attributes.layer_position.1 + top as i32;
+                IntegerBounds::new((header.own_attributes.layer_position.0, y), (header.layer_size.0, rows))
+            }
+            other => {
+                return Err(format!(
+                    "channels that have fewer samples than the picture, compressed as {other}"
+                ));
+            }
+        };
+        let compression = header.compression;
+        let data = compression.decompress_image_section_from_le(&header, self.data.to_vec(), section, false);
+        data.map_err(|error| error.to_string())
+    }
+}

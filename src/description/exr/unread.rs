@@ -1,0 +1,47 @@
+//! EXR files that are whole and not read. In goes a file, out comes why, and what helps. Invariant: the
+//! reason is true of the file: no such file is called damaged.
+
+use super::raw;
+
+/// Why a file is not read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unread {
+    /// What of it is not read, as the subject of a sentence.
+    pub what: String,
+    /// What makes a file of it that is read.
+    pub remedy: String,
+}
+
+/// Compressions by number that the decoder does not know.
+const COMPRESSIONS: [(u8, &str); 4] = [
+    (10, "HTJ2K (htj2k256)"),
+    (11, "HTJ2K (htj2k32)"),
+    (12, "lossy JPEG 2000 (lj2k)"),
+    (13, "Zstandard (zstd)"),
+];
+/// The last that it knows.
+const LAST_KNOWN: u8 = 9;
+
+impl Unread {
+    /// What is not read of a file; `None` if nothing stands in the way, or it is damaged.
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        let (parts, _) = raw::parts(bytes)?;
+        if parts.iter().any(raw::RawPart::is_deep) {
+            return Some(Self {
+                what: String::from("deep data"),
+                remedy: remedy("flatten it", "--flatten --compression zip"),
+            });
+        }
+        let codec = parts.iter().filter_map(raw::RawPart::compression).find(|codec| *codec > LAST_KNOWN)?;
+        let name = COMPRESSIONS.iter().find(|(number, _)| *number == codec);
+        let name = name.map_or_else(|| format!("number {codec}"), |(_, name)| String::from(*name));
+        Some(Self {
+            what: format!("the compression {name}"),
+            remedy: remedy("save it with ZIP compression", "-a --compression zip"),
+        })
+    }
+}
+
+fn remedy(what: &str, flags: &str) -> String {
+    format!("{what}: `oiiotool IN.exr {flags} -o OUT.exr` does (`pip install OpenImageIO`)")
+}

@@ -1,0 +1,47 @@
+"""Files that the program does not read though they are whole, by the name of what stands in the way.
+
+Invariant: what is not said here is read, or the file is damaged.
+"""
+
+from __future__ import annotations
+
+from mmap import mmap
+from pathlib import Path
+
+from .header import COMPRESSIONS, HeaderError, parse_headers
+from .mapped import mapped
+
+UNREAD = {
+    "htj2k256": "HTJ2K (htj2k256)", "htj2k32": "HTJ2K (htj2k32)", "lj2k": "lossy JPEG 2000 (lj2k)", "zstd": "Zstandard (zstd)",
+}  # fmt: skip
+HOW = "`oiiotool IN.exr {} -o OUT.exr` does (`pip install OpenImageIO`)"
+ZIP, FLAT = HOW.format("-a --compression zip"), HOW.format("--flatten --compression zip")
+
+CUBE = b"\1"
+UNFOLD = "`exrenvmap -latlong IN.exr OUT.exr` of OpenEXR's own tools does"
+
+
+def why_unread(path: str | Path) -> str | None:
+    """A sentence with its remedy, if the renderer does not read an EXR file; None if it does, if the file is no
+    EXR file, or if that cannot be told."""
+    try:
+        with mapped(Path(path)) as data:
+            return why_unread_bytes(data)
+    except OSError:
+        return None
+
+
+def why_unread_bytes(data: bytes | mmap) -> str | None:
+    """The same of a file's bytes."""
+    try:
+        headers = parse_headers(data)
+    except HeaderError:
+        return None
+    if any(header.is_deep for header in headers):
+        return f"deep data cannot be read: flatten it: {FLAT}"
+    if headers[0].values.get("envmap") == CUBE:
+        return f"it shows the six sides of a cube (`envmap`): unfold it by longitude and latitude: {UNFOLD}"
+    for header in headers:
+        if (name := UNREAD.get(COMPRESSIONS[header.compression])) is not None:
+            return f"the compression {name} cannot be read: save it with ZIP compression: {ZIP}"
+    return None

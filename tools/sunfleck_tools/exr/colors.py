@@ -1,0 +1,139 @@
+"""The colour space of an EXR file, by `colorInteropID` (names of the ASWF's Color Interop Forum) and `chromaticities`.
+
+Invariant: the id counts first, as it does for OpenImageIO; a file that says nothing is linear Rec. 709.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from .header import Header
+
+D65, ACES_WHITE = (0.3127, 0.329), (0.32168, 0.33767)
+PRIMARIES = {
+    "rec709": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, *D65),
+    "ap0": (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, *ACES_WHITE),
+    "ap1": (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, *ACES_WHITE),
+    "rec2020": (0.708, 0.292, 0.17, 0.797, 0.131, 0.046, *D65),
+    "p3d65": (0.68, 0.32, 0.265, 0.69, 0.15, 0.06, *D65),
+    "adobergb": (0.64, 0.33, 0.21, 0.71, 0.15, 0.06, *D65),
+}
+XYZ = "ciexyzd65"
+"""CIE XYZ as it is, not scaled so that white is 1, 1, 1."""
+CURVES = {"lin": 1.0, "srgb": "srgb", "srgbe": "srgb", "g18": 1.8, "g22": 2.2, "g24": 2.4, "g26": 2.6}
+CONE_FROM_XYZ = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
+"""Bradford's (ICC.1:2022, annex E)."""
+SAME = 1e-3
+"""Chromaticities that differ by less are the same, but for the digits that files give."""
+
+
+@dataclass(frozen=True)
+class ColorSpace:
+    """What numbers of a picture stand for. Two are equal if colours are."""
+
+    primaries: str | tuple[float, ...] = "rec709"
+    """The name of known ones, or x and y of red, green, blue and white."""
+    curve: float | str = 1.0
+    name: str = field(default="linear Rec. 709", compare=False)
+    doubt: str | None = field(default=None, compare=False)
+    """What of the file's words is not honoured."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    @property
+    def is_ours(self) -> bool:
+        """True of linear Rec. 709."""
+        return self == OURS
+
+    def to_rec_709(self, colors: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Red, green and blue in linear Rec. 709; what is below 0 is encoded as what is above."""
+        if self.is_ours:
+            return list(colors)
+        with np.errstate(all="ignore"):
+            linear = [_linear(color.astype(np.float64), self.curve) for color in colors]
+            matrix = _matrix(self.primaries)
+            return [sum(m * c for m, c in zip(row, linear)).astype(np.float32) for row in matrix]
+
+
+OURS = ColorSpace()
+
+
+def color_space(header: Header) -> ColorSpace:
+    """What a part says of its colours."""
+    said, found = header.values.get("chromaticities"), OURS
+    doubt = None
+    if isinstance(said, tuple):
+        words = f"chromaticities {' '.join(f'{value:.4f}' for value in said)}"
+        known = next((name for name, ours in PRIMARIES.items() if _are_same(said, ours)), None)
+        found = ColorSpace(known or tuple(round(value, 4) for value in said), name=words)
+        if _matrix(found.primaries) is None:
+            found, doubt = OURS, f"{words} span no colours"
+    id = header.text("colorInteropID")
+    if id is None or id in ("", "unknown") and isinstance(said, tuple):
+        return ColorSpace(found.primaries, found.curve, found.name, doubt)
+    named = _named(id)
+    if named is not None:
+        if isinstance(said, tuple) and named.primaries != found.primaries:
+            doubt = f"colorInteropID `{id}` and {found.name} disagree, the id counts"
+        return ColorSpace(named.primaries, named.curve, id, doubt)
+    what = "says that it holds data" if id.removeprefix("ocio:") == "data" else f"is in the space `{id}`, which is not known"
+    return ColorSpace(found.primaries, found.curve, found.name, f"it {what}: colours are taken as {found.name}")
+
+
+def _named(id: str) -> ColorSpace | None:
+    words = id.removeprefix("ocio:").split("_")
+    if len(words) != 3 or words[2] not in ("scene", "display"):
+        return None
+    curve, primaries = CURVES.get(words[0]), words[1]
+    return ColorSpace(primaries, curve, id) if curve and (primaries in PRIMARIES or primaries == XYZ) else None
+
+
+def _are_same(one: Sequence[float], other: Sequence[float]) -> bool:
+    return all(abs(a - b) < SAME for a, b in zip(one, other))
+
+
+def _linear(color: np.ndarray, curve: float | str) -> np.ndarray:
+    if curve == 1.0:
+        return color
+    size = np.abs(color)
+    if curve == "srgb":
+        size = np.where(size <= 0.04045, size / 12.92, ((size + 0.055) / 1.055) ** 2.4)
+    else:
+        size = size**curve
+    return np.copysign(size, color)
+
+
+def luminances(space: ColorSpace) -> np.ndarray:
+    """How much red, green and blue of linear colours of a space add to luminance (ITU-R BT.709, item 3.2)."""
+    return _matrix(space.primaries).T @ (0.2126, 0.7152, 0.0722)
+
+
+@lru_cache(maxsize=None)
+def _matrix(primaries: str | tuple[float, ...]) -> np.ndarray | None:
+    """Linear Rec. 709 from linear colours; None if they span none."""
+    ours = _xyz_from_rgb(PRIMARIES["rec709"])
+    if primaries == XYZ:
+        return np.linalg.inv(ours)
+    said = PRIMARIES[primaries] if isinstance(primaries, str) else primaries
+    if (its := _xyz_from_rgb(said)) is None:
+        return None
+    from_white, to_white = (CONE_FROM_XYZ @ _xyz(*white) for white in (said[6:], D65))
+    adapted = np.linalg.inv(CONE_FROM_XYZ) @ np.diag(to_white / from_white) @ CONE_FROM_XYZ
+    return np.linalg.inv(ours) @ adapted @ its
+
+
+def _xyz(x: float, y: float) -> np.ndarray:
+    return np.array([x, y, 1 - x - y]) / y
+
+
+def _xyz_from_rgb(said: Sequence[float]) -> np.ndarray | None:
+    """White with Y = 1 (SMPTE RP 177, section 3.3)."""
+    columns = np.array([[x, y, 1 - x - y] for x, y in zip(said[0:6:2], said[1:6:2])]).T
+    if not np.isfinite(columns).all() or abs(np.linalg.det(columns)) <= 1e-9 or not said[7] > 0:
+        return None
+    return columns @ np.diag(np.linalg.inv(columns) @ _xyz(*said[6:]))

@@ -1,0 +1,26 @@
+"""How far compression that loses something takes values that are next to black.
+
+Invariant: of compression that loses nothing, and of what cuts off digits alone (PXR24), it is 0.
+"""
+
+from __future__ import annotations
+
+from .header import COMPRESSIONS, Header
+
+LOSSY = frozenset({"b44", "b44a", "dwaa", "dwab", "lj2k"})
+ROUNDING = 2.0**-12
+"""Some five times as far as B44, DWA of level 45 and JPEG 2000 go, beside pixels of any brightness."""
+USUAL_LEVEL, GAMMA = 45.0, 2.2
+"""DWA rounds in steps that grow with its level, of values that it has encoded with this exponent."""
+MOST = 2.0**-5
+
+
+def rounding(header: Header) -> float:
+    """What values may lie below 0, or above, where there was nothing."""
+    name = COMPRESSIONS[header.compression]
+    if name not in LOSSY:
+        return 0.0
+    level = header.values.get("dwaCompressionLevel")
+    if name not in ("dwaa", "dwab") or not isinstance(level, float) or not level > USUAL_LEVEL:
+        return ROUNDING
+    return min(ROUNDING * (level / USUAL_LEVEL) ** GAMMA, MOST)
