@@ -109,7 +109,8 @@ pub(super) fn parse_noise(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A number from 0 on, which asks for equality; of a pattern of channels' names also `inf`, which is no limit.
+/// A number from 0 on, which asks for equality; of a pattern of channels' names also `inf`, which is no
+/// limit.
 pub(super) fn parse_limit(text: &str) -> Result<ChannelsLimit, String> {
     let (channels, number) = channels_and_number(text)?;
     let is_limit = number >= 0.0 && (number.is_finite() || channels.is_some());

@@ -62,7 +62,7 @@ impl ColorSpace {
     }
 
     /// A colour in linear Rec. 709. What is below 0 is encoded as what is above.
-    pub fn to_rec_709(&self, color: Rgb) -> Rgb {
+    pub fn to_rec_709(self, color: Rgb) -> Rgb {
         let linear = |encoded: f64| match self.curve {
             Curve::Linear => encoded,
             Curve::Srgb => super::linear_from_srgb(encoded.abs()).copysign(encoded),

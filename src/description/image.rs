@@ -34,16 +34,7 @@ pub enum Encoding {
 /// # Errors
 /// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` says where.
 pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedImage, Diagnostic> {
-    let (expected, remedy) = match encoding {
-        Encoding::Srgb | Encoding::Linear => (
-            "a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image of at most 16384 texels a side",
-            "save the image again as PNG, or scale it down",
-        ),
-        Encoding::Radiance => (
-            "a Radiance HDR (.hdr) or OpenEXR (.exr) image with red, green and blue, at most 16384 texels a side",
-            "save the image again as .hdr or as .exr with ZIP compression, or scale it down",
-        ),
-    };
+    let (expected, remedy) = wanted(encoding);
     let reject = |found: String| Diagnostic::error(place.clone(), found).expected(expected).remedy(remedy);
     let reject_exr = |fault: Fault| match fault.remedy {
         Some(remedy) => reject(fault.found).remedy(remedy),
@@ -96,6 +87,20 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
         radiances::of_hdr(decoded).map_err(reject)
     } else {
         Ok(linear(decoded, encoding))
+    }
+}
+
+/// What is expected of an image, and the remedy for another.
+fn wanted(encoding: Encoding) -> (&'static str, &'static str) {
+    match encoding {
+        Encoding::Srgb | Encoding::Linear => (
+            "a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image of at most 16384 texels a side",
+            "save the image again as PNG, or scale it down",
+        ),
+        Encoding::Radiance => (
+            "a Radiance HDR (.hdr) or OpenEXR (.exr) image with red, green and blue, at most 16384 texels a side",
+            "save the image again as .hdr or as .exr with ZIP compression, or scale it down",
+        ),
     }
 }
 

@@ -30,7 +30,8 @@ pub struct ChannelErrors {
 /// Errors of an output o against a reference r, over all values that are finite in both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Errors {
-    /// mean(o) / mean(r): wrong units, phase functions or transmittance show here first. No number where r is black.
+    /// mean(o) / mean(r): wrong units, phase functions or transmittance show here first. No number where r
+    /// is black.
     pub mean_ratio: f64,
     /// sqrt(mean((o - r)^2)).
     pub rmse: f64,

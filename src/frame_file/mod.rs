@@ -4,8 +4,9 @@
 //!
 //! # What a file looks like
 //! One part, scan lines, ZIP, channels sorted by name, header attributes sorted by name. The display window
-//! is the full picture, the data window the part that was rendered. Colours are linear Rec. 709: `chromaticities`
-//! say so to programs of before 2025, `colorInteropID` to those since. Besides the standard attributes:
+//! is the full picture, the data window the part that was rendered. Colours are linear Rec. 709:
+//! `chromaticities` say so to programs of before 2025, `colorInteropID` to those since. Besides the standard
+//! attributes:
 //!
 //! | attribute | what |
 //! |---|---|

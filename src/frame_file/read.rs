@@ -44,8 +44,8 @@ impl FrameFile {
 }
 
 /// Reads a flat EXR file, ours or anybody's, in its display window. Channels of several parts are called
-/// `part.channel`, but for those of the picture's part. Parts of other windows are filled up with 0. Samples that
-/// stand for several pixels are repeated.
+/// `part.channel`, but for those of the picture's part. Parts of other windows are filled up with 0. Samples
+/// that stand for several pixels are repeated.
 ///
 /// # Errors
 /// If it cannot be read, is damaged, is of another kind, or claims more pixels than its size can hold.

@@ -7,16 +7,16 @@ use crate::description::exr::{Picture, from_chroma};
 use crate::film::{Channel, Frame, Precision};
 use crate::scene::Window;
 
-/// Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a picture of 8K
-/// has.
+/// Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a picture
+/// of 8K has.
 const MOST_EMPTY: usize = 64;
 const LARGEST_EMPTY: usize = 1 << 25;
 /// How the names of our own attributes begin.
 const OWN: &str = "sunfleck:";
 
 impl FrameFile {
-    /// The picture, in its display window. Of our own frames, whose window is a crop, in that; so too where the
-    /// display window is out of all proportion. A file without colours stays as it is.
+    /// The picture, in its display window. Of our own frames, whose window is a crop, in that; so too where
+    /// the display window is out of all proportion. A file without colours stays as it is.
     pub fn shown(self) -> Frame {
         let names: Vec<&str> = self.frame.channels.iter().map(|channel| channel.name.as_str()).collect();
         let Some(picture) = Picture::among(&names) else { return self.frame };
@@ -30,8 +30,8 @@ impl FrameFile {
         frame
     }
 
-    /// Red, green and blue in linear Rec. 709, the others as they are: what two files of different colours can be
-    /// compared by.
+    /// Red, green and blue in linear Rec. 709, the others as they are: what two files of different colours
+    /// can be compared by.
     pub fn convert_colors(&mut self) {
         let names: Vec<&str> = self.frame.channels.iter().map(|channel| channel.name.as_str()).collect();
         let Some(Picture::Colors(places)) = Picture::among(&names) else { return };

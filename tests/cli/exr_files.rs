@@ -1,5 +1,5 @@
-//! EXR files of other programs: their colours, codecs, parts and windows. In go files made here; see each test for
-//! what is right.
+//! EXR files of other programs: their colours, codecs, parts and windows. In go files made here; see each
+//! test for what is right.
 
 use crate::program::Studio;
 use exr::image::write::WritableImage;

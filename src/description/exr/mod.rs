@@ -1,6 +1,6 @@
 //! EXR files, ours or anybody's: what of them is the picture, in which colours, and why they are not read.
-//! In go bytes, out come samples with a value a pixel. Invariant: what is refused is refused in words that are
-//! true of the file.
+//! In go bytes, out come samples with a value a pixel. Invariant: what is refused is refused in words that
+//! are true of the file.
 
 mod colors;
 mod names;

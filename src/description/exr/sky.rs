@@ -1,6 +1,6 @@
-//! An OpenEXR image as the picture of a sky, in linear Rec. 709. In go bytes, out come texels. Invariant: beside
-//! its result the decoder takes no more memory than three quarters of that, and 1 GiB for what a file claims of
-//! parts, channels and tiles.
+//! An OpenEXR image as the picture of a sky, in linear Rec. 709. In go bytes, out come texels. Invariant:
+//! beside its result the decoder takes no more memory than three quarters of that, and 1 GiB for what a file
+//! claims of parts, channels and tiles.
 
 use super::{ImageColors, Picture, Unread, names, raw, subsampled};
 use crate::color::Rgb;

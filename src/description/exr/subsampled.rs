@@ -122,7 +122,7 @@ impl<'a> Chunk<'a> {
             return self.decode_b44(header, (top, rows), planes);
         }
         // Rows of a channel that the chunk has samples of: of those of the file, every so many-th.
-        let has = |channel: &ChannelDescription, row: usize| (top + row) % channel.sampling.1 == 0;
+        let has = |channel: &ChannelDescription, row: usize| (top + row).is_multiple_of(channel.sampling.1);
         let list = &header.channels.list;
         let row_bytes = |channel: &ChannelDescription| {
             width.div_ceil(channel.sampling.0) * channel.sample_type.bytes_per_sample()
@@ -146,8 +146,8 @@ impl<'a> Chunk<'a> {
         Ok(())
     }
 
-    /// Channels one after the other, each in blocks of 4x4 samples: 3 bytes of a block of one value, else 14. The
-    /// decoder takes each by itself, as one that has a sample a pixel.
+    /// Channels one after the other, each in blocks of 4x4 samples: 3 bytes of a block of one value, else
+    /// 14. The decoder takes each by itself, as one that has a sample a pixel.
     fn decode_b44(
         &self,
         header: &Header,
@@ -191,7 +191,8 @@ impl<'a> Chunk<'a> {
         Ok(())
     }
 
-    /// So many bytes of samples, in the machine's order. The decoder is told of a part whose size it reckons right.
+    /// So many bytes of samples, in the machine's order. The decoder is told of a part whose size it reckons
+    /// right.
     fn decompressed(
         &self,
         header: &Header,
@@ -217,7 +218,7 @@ impl<'a> Chunk<'a> {
             }
             Compression::PIZ => {
                 let area = header.layer_size.0 * rows;
-                if size % area != 0 {
+                if !size.is_multiple_of(area) {
                     return Err(String::from(
                         "channels that have fewer samples than the picture, in this size",
                     ));
