@@ -206,7 +206,11 @@ impl fmt::Display for Errors {
         if self.mean_ratio.is_finite() {
             write!(f, "mean ratio {:.6}  ", self.mean_ratio)?;
         }
-        write!(f, "RMSE {:.6}  relMSE {:.3e}  max {:.6}", self.rmse, self.relative_mse, self.max_error)?;
+        write!(f, "RMSE {:.6}  ", self.rmse)?;
+        if self.relative_mse.is_finite() {
+            write!(f, "relMSE {:.3e}  ", self.relative_mse)?;
+        }
+        write!(f, "max {:.6}", self.max_error)?;
         if let Some(place) = &self.max_error_at {
             write!(f, " at {}, {} in {}", place.x, place.y, place.channel)?;
         }

@@ -123,10 +123,12 @@ impl GridError {
 
 /// How many walks a picture of a size may have for a tolerance.
 fn most_walks(size: Size, tolerance: f64) -> u32 {
-    const AT_ALL: f64 = (1_u32 << 24) as f64;
+    /// At any tolerance, and times those at the usual one for each pixel.
+    const AT_ALL: f64 = (1 << 22) as f64;
+    const TIMES: f64 = 8.0;
     let pixels = size.width as f64 * size.height as f64;
-    let at_usual = MOST.min(MOST_A_PIXEL * pixels);
-    (at_usual * (USUAL / tolerance.clamp(1e-6, USUAL)).powi(2)).min(AT_ALL) as u32
+    let times = (USUAL / tolerance.clamp(1e-6, USUAL)).powi(2);
+    (times * MOST.min(MOST_A_PIXEL * pixels)).min(AT_ALL).min(TIMES * MOST_A_PIXEL * pixels) as u32
 }
 
 /// The grid's light of each pass, as probes have it in the mean.

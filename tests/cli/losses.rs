@@ -148,7 +148,7 @@ fn indirect_light_far_from_the_tolerance_is_said_and_refused_by_strict() {
     /// Exit code of a frame that fails its checks.
     const FRAME: i32 = 5;
     let studio = Studio::new();
-    let render = "render checkout:tests/data/leaves500/leaves500.glb --frames 1 --size 48x27 --samples 2";
+    let render = "render checkout:tests/data/leaves500/leaves500.glb --frames 1 --size 32x18 --samples 2";
     let told = studio.succeed(&format!("{render} --tolerance 0.0005 --out a/")).err;
     assert_eq!(told.matches("warning[indirect-light]: ").count(), 1, "{told}");
     let message = studio.fail(&format!("{render} --tolerance 0.0005 --strict --out b/"), FRAME);
