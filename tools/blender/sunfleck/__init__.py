@@ -1,8 +1,8 @@
 """Blender scenes to sunfleck and its frames back: panels, export, render, frames. See docs/blender.md."""
 
-from . import command, export, frames, importing, names, panels, program, properties, render
+from . import command, engine, export, frames, importing, names, panels, program, properties, render
 
-PARTS = (properties, program, export, importing, render, frames, panels, command, names)
+PARTS = (properties, program, export, importing, render, frames, panels, engine, command, names)
 
 
 def register():

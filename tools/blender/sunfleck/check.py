@@ -64,14 +64,14 @@ def of_scene(scene):
     }
     yield from (Finding(id) for id, is_so in said.items() if is_so)
     own = scene.sunfleck_settings
-    if own.use_world:
+    if world.is_sky(scene):
         if world.is_baked(scene):
             yield Finding("world-baked")
             if world.smears_disc(scene):
                 yield Finding("sky-disc")
         if world.changes(scene):
             yield Finding("world-changes")
-        if own.sky_lights == "nothing" and (world.shines(scene) or world.is_baked(scene)):
+        if world.lights(scene) == "nothing" and (world.shines(scene) or world.is_baked(scene)):
             yield Finding("world-lights-nothing")
     elif own.background_strength == 0.0 and world.shines(scene):
         yield Finding("world-not-exported")

@@ -54,13 +54,13 @@ def of_scene(scene, path=None):
             **fog.of_settings(own), "scale_height": own.scale_height, "base_height": own.base_height
         }
     sky = None
-    if own.use_world:
+    if world.is_sky(scene):
         sky = world.of_world(scene, path)
     elif own.background_strength > 0.0:
         sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
     if sky:
         sky["strength"] *= film.exposure(scene)
-        written["sunfleck_env"] = {**sky, "lights": own.sky_lights}
+        written["sunfleck_env"] = {**sky, "lights": world.lights(scene)}
     return written
 
 

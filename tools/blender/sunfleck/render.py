@@ -22,8 +22,10 @@ WARNING = re.compile(r"warning\[[a-z-]+\].*")
 class Run:
     """The program at work. `news` gives its events as they come; `process` is None once it has ended."""
 
-    def __init__(self, executable, glb, folder, arguments=()):
-        command = [executable, "render", str(glb), "--progress", "jsonl", "--out", f"{folder}/", *arguments]
+    def __init__(self, executable, glb, out, arguments=()):
+        """`out` is a folder, or the one frame."""
+        out = str(out) if str(out).endswith(".exr") else f"{out}/"
+        command = [executable, "render", str(glb), "--progress", "jsonl", "--out", out, *arguments]
         self.process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
         )
@@ -79,8 +81,8 @@ class Run:
         return [warning[0] for warning in found if warning]
 
 
-def flags(scene, animation):
-    """What Blender renders of the file: this frame or those of the step, and within the border."""
+def flags(scene, animation, size=None):
+    """What Blender renders of the file: this frame or those of the step, and within the border of a picture."""
     found = [f"--frames={scene.frame_current}"]
     if animation:
         found = (
@@ -91,7 +93,7 @@ def flags(scene, animation):
     render = scene.render
     if not render.use_border:
         return found
-    width, height = extras.of_scene(scene)["sunfleck"]["resolution"]
+    width, height = size or extras.of_scene(scene)["sunfleck"]["resolution"]
     left, right = (int(width * edge) for edge in (render.border_min_x, render.border_max_x))
     # Blender counts from the bottom, and leaves out what is no whole pixel there.
     top, bottom = (height - int(height * edge) for edge in (render.border_max_y, render.border_min_y))

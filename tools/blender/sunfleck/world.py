@@ -95,10 +95,30 @@ def of_world(scene, path):
     }
 
 
+# Of the render engine; while it is chosen, the world is the sky unless the panel says otherwise.
+ENGINE = "SUNFLECK"
+SAYS_SKY = ("use_world", "background_strength", "sky_lights")
+
+
+def is_left_to_blender(scene):
+    """Whether the sky is what the world shows and lights, as nothing was said of it."""
+    own = scene.sunfleck_settings
+    return scene.render.engine == ENGINE and not any(map(own.is_property_set, SAYS_SKY))
+
+
+def is_sky(scene):
+    """Whether the world is the sky."""
+    return scene.sunfleck_settings.use_world or is_left_to_blender(scene)
+
+
+def lights(scene):
+    """What the sky lights."""
+    return "surfaces_and_fog" if is_left_to_blender(scene) else scene.sunfleck_settings.sky_lights
+
+
 def has_sun(scene):
     """Whether the disc of its Sky Texture is exported as a sun."""
-    own = scene.sunfleck_settings
-    return own.use_world and own.sky_lights != "nothing" and world_sun.disc_of(scene.world) is not None
+    return is_sky(scene) and lights(scene) != "nothing" and world_sun.disc_of(scene.world) is not None
 
 
 def smears_disc(scene):

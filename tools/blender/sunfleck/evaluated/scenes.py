@@ -43,31 +43,52 @@ class Exported:
 
 def export(scene, path, only=None):
     """Writes the file, of all frames or of one alone."""
-    wanted = frames(scene, only)
-    library, values, shutter = Library(film.exposure(scene)), Values(scene), Shutter.of(scene)
-    library.watch(bpy.data.materials)
-    record = Record(library, values.watch, seconds_a_frame(scene.render) if shutter.length else 0.0)
+    with Job(scene, only) as job:
+        walk.walk(scene, job.frames, job.shutter, job)
+        return job.written(path, walk.view_layer(scene), custom(scene))
 
-    def visit(graph, frame, moment):
-        record.visit(graph, frame, moment)
-        values.see_scene(graph, frame, moment)
+
+class Job:
+    """An export under way: `visit` is called with every moment, then `written`."""
+
+    def __init__(self, scene, only=None):
+        self.scene, self.only, self.frames = scene, only, frames(scene, only)
+        self.library, self.values, self.shutter = Library(film.exposure(scene)), Values(scene), Shutter.of(scene)
+        self.library.watch(bpy.data.materials)
+        blur_s = seconds_a_frame(scene.render) if self.shutter.length else 0.0
+        self.record = Record(self.library, self.values.watch, blur_s)
+        self.is_smooth = Smoothness(self.record).is_enough
+
+    def __enter__(self):
+        # Nothing is to be made while Blender steps through frames.
+        try:
+            for material in list(bpy.data.materials):
+                self.library.look(material)
+        except BaseException:
+            self.library.close()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        self.library.close()
+
+    def visit(self, graph, frame, moment):
+        self.record.visit(graph, frame, moment)
+        self.values.see_scene(graph, frame, moment)
         if moment == 0.0:
-            library.see(graph, frame)
+            self.library.see(graph, frame)
 
-    try:
-        # Nothing is to be made while Blender renders.
-        for material in list(bpy.data.materials):
-            library.look(material)
-        walk.walk(scene, wanted, shutter, visit, Smoothness(record).is_enough)
-        record.finish()
-        assembly = Assembly(record, wanted, shutter, Clock.of(scene, wanted), walk.view_layer(scene))
-        library.start(assembly.document, assembly.clock)
-        assembly.add(library, values, lambda thing: properties(thing, scene, path))
-        finish(scene, assembly, library, values, only)
+    def written(self, path, layer, scene_extras):
+        """The file of what was seen."""
+        self.record.finish()
+        clock = Clock.of(self.scene, self.frames)
+        assembly = Assembly(self.record, self.frames, self.shutter, clock, layer)
+        self.library.start(assembly.document, assembly.clock)
+        assembly.add(self.library, self.values, lambda thing: properties(thing, self.scene, path))
+        assembly.document.scene_extras = scene_extras
+        finish(self.scene, assembly, self.library, self.values, self.only)
         assembly.document.write(path)
-        return Exported(wanted, record, assembly, library)
-    finally:
-        library.close()
+        return Exported(self.frames, self.record, assembly, self.library)
 
 
 def finish(scene, assembly, library, values, only):
@@ -76,7 +97,6 @@ def finish(scene, assembly, library, values, only):
     if sun:
         world_sun.add(assembly.document, sun, film.exposure(scene))
         assembly.suns_of_sky = 1
-    assembly.document.scene_extras = custom(scene)
     settle_frames(assembly, only)
     assembly.add_view(values)
     assembly.tracks.write()

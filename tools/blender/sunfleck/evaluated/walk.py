@@ -20,35 +20,39 @@ class Stopped(Exception):
     """Someone stopped Blender before it had been through all frames."""
 
 
-def walk(scene, frames, shutter, visit, is_smooth):
-    """Calls `visit(graph, frame, moment)`, of every frame first the frame itself, in order: simulations know
-    no other. Further moments of an open shutter are looked at until `is_smooth()`."""
+def look(engine, graph, frames, shutter, job):
+    """Calls `job.visit(graph, frame, moment)` from within an engine, of every frame first the frame itself, in
+    order: simulations know no other. Further moments of an open shutter are looked at until `job.is_smooth()`."""
+    scene = graph.scene
+    is_simulated = simulations.any_in(scene)
+    for frame in frames:
+        for number, moments in enumerate(shutter.rounds()):
+            if number > 1 and job.is_smooth():
+                break
+            for moment in moments:
+                # Before the first frame simulations know nothing.
+                if is_simulated and frame + moment < scene.frame_start:
+                    continue
+                whole = math.floor(frame + moment)
+                engine.frame_set(whole, frame + moment - whole)
+                job.visit(graph, frame, moment)
+        yield frame
+
+
+def walk(scene, frames, shutter, job):
+    """The same by an engine of its own."""
     layer = view_layer(scene)
     is_simulated = simulations.any_in(scene)
     failed, seen = [], set()
-
-    def look(engine, graph):
-        try:
-            for frame in frames:
-                for number, moments in enumerate(shutter.rounds()):
-                    if number > 1 and is_smooth():
-                        break
-                    for moment in moments:
-                        # Before the first frame simulations know nothing.
-                        if is_simulated and frame + moment < scene.frame_start:
-                            continue
-                        whole = math.floor(frame + moment)
-                        engine.frame_set(whole, frame + moment - whole)
-                        visit(graph, frame, moment)
-                seen.add(frame)
-        except Exception as error:  # Blender would print it and go on.
-            failed.append(error)
 
     class SUNFLECK_RENDER_walk(bpy.types.RenderEngine):
         bl_idname, bl_label, bl_use_preview = ASIDE["engine"], "sunfleck export", False
 
         def render(self, depsgraph):
-            look(self, depsgraph)
+            try:
+                seen.update(look(self, depsgraph, frames, shutter, job))
+            except Exception as error:  # Blender would print it and go on.
+                failed.append(error)
 
     with ExitStack() as stack:
         stack.enter_context(registered(SUNFLECK_RENDER_walk))

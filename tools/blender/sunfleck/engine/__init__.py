@@ -1,0 +1,90 @@
+"""*Sunfleck* in Blender's menu of render engines.
+
+In goes the graph that Blender renders, out come pixels of its Render Result: `exporting` makes a file of the
+graph, the program renders that file, `picture` hands its frame over. `stepping` fills caches of simulations
+before. Invariant: the pixels are those of the program's frame, to the bit; whatever goes wrong is a report.
+"""
+
+import time
+
+import bpy
+
+from .. import program, render
+from ..losses import by_kind
+from ..world import ENGINE
+from . import exporting, panels, passes, picture, stepping
+
+# How often one looks whether Blender wants to stop, seconds.
+LOOK_S = 0.02
+
+
+class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
+    bl_idname, bl_label = ENGINE, "Sunfleck"
+    bl_use_preview = False
+    bl_use_shading_nodes_custom = False
+
+    def update_render_passes(self, scene=None, renderlayer=None):
+        for name, channels, kind in passes.registered(scene, renderlayer):
+            self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
+
+    def render(self, depsgraph):
+        # What is not caught Blender prints, and says that it has rendered.
+        try:
+            self.rendered(depsgraph)
+        except exporting.NotRendered as problem:
+            self.fail(str(problem))
+        except Exception as problem:
+            self.fail(f"{type(problem).__name__}: {problem}")
+
+    def rendered(self, graph):
+        executable = program.find()
+        if executable is None:
+            raise exporting.NotRendered(program.MISSING)
+        self.update_stats("", "Sunfleck: exporting")
+        glb, findings = exporting.exported(self, graph)
+        for finding in by_kind(findings):
+            self.report({"WARNING" if finding.severity == "WARNING" else "INFO"}, str(finding))
+        frame = glb.with_suffix(".exr")
+        flags = exporting.flags(self, graph.scene, graph.view_layer)
+        run = render.Run(executable, glb, frame, flags)
+        if not self.awaited(run):
+            return
+        code = run.wait()
+        if code:
+            raise exporting.NotRendered(run.error())
+        for warning in run.warnings():
+            self.report({"WARNING"}, warning)
+        picture.hand_over(self, graph.view_layer.name, picture.read(frame))
+
+    def awaited(self, run):
+        """Whether the program came to its end."""
+        while not run.is_over():
+            if self.is_stopped():
+                run.cancel()
+                return False
+            for news in run.news():
+                if "fraction" in news:
+                    self.update_progress(news["fraction"])
+                    self.update_stats("", f"Sunfleck: {100.0 * news['fraction']:.0f} %")
+            time.sleep(LOOK_S)
+        return True
+
+    def is_stopped(self):
+        return self.test_break()
+
+    def fail(self, words):
+        self.report({"ERROR"}, words)
+        self.error_set(words)
+
+
+def register():
+    bpy.utils.register_class(SUNFLECK_RENDER_engine)
+    panels.register()
+    stepping.register()
+
+
+def unregister():
+    stepping.unregister()
+    panels.unregister()
+    bpy.utils.unregister_class(SUNFLECK_RENDER_engine)
+    exporting.forget()

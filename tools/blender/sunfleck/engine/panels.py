@@ -1,0 +1,38 @@
+"""Blender's own panels, where they mean the same to the engine."""
+
+import bpy
+
+from ..world import ENGINE
+
+# What is set there the engine does not heed.
+NOT_OURS = {
+    "RENDER_PT_simplify",
+    "RENDER_PT_freestyle",
+    "VIEWLAYER_PT_layer_passes",
+    "VIEWLAYER_PT_filter",
+    "VIEWLAYER_PT_freestyle",
+    "VIEWLAYER_PT_freestyle_edge_detection_options",
+    "VIEWLAYER_PT_freestyle_linestyle",
+}
+# Beginnings of names of Eevee's panels that show what Cycles has too.
+SHARED = ("EEVEE_MATERIAL_PT_", "EEVEE_WORLD_PT_surface", "EEVEE_WORLD_PT_volume", "DATA_PT_EEVEE_light")
+
+
+def ours():
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", None)
+        if not isinstance(engines, set) or panel.__name__ in NOT_OURS:
+            continue
+        is_shared = panel.__name__.startswith(SHARED) and "BLENDER_EEVEE" in engines
+        if "BLENDER_RENDER" in engines or is_shared:
+            yield engines
+
+
+def register():
+    for engines in ours():
+        engines.add(ENGINE)
+
+
+def unregister():
+    for engines in ours():
+        engines.discard(ENGINE)

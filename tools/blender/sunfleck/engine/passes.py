@@ -1,0 +1,63 @@
+"""Passes of the program by the names that Blender has for them.
+
+In go a scene and a view layer, out come what the program is asked for and what Blender is told of.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Pass:
+    """What Blender calls it, its channels, the kind of its values, and a view layer's switch for it."""
+
+    names: tuple
+    channels: str
+    kind: str
+    switch: str = ""
+
+
+COMBINED = "Combined"
+PASSES = {
+    "depth": Pass(("Depth",), "Z", "VALUE", "use_pass_z"),
+    "normal": Pass(("Normal",), "XYZ", "VECTOR", "use_pass_normal"),
+    "position": Pass(("Position",), "XYZ", "VECTOR", "use_pass_position"),
+    "motion": Pass(("Vector",), "XYZW", "VECTOR", "use_pass_vector"),
+    "cryptomatte": Pass(
+        tuple(f"CryptoObject{number:02}" for number in range(3)), "RGBA", "COLOR", "use_pass_cryptomatte_object"
+    ),
+    "shafts": Pass(("shafts",), "RGB", "COLOR"),
+    "transmittance": Pass(("transmittance",), "RGB", "COLOR"),
+    "indirect": Pass(("indirect",), "RGB", "COLOR"),
+    "indirect-shafts": Pass(("indirect_shafts",), "RGB", "COLOR"),
+    "albedo": Pass(("albedo",), "RGB", "COLOR"),
+    "leaf-id": Pass(("leaf_id",), "X", "VALUE"),
+    "error": Pass(("error",), "Y", "VALUE"),
+}
+
+
+def wanted(scene, layer):
+    """Names of the program's passes: those of our panel, and of the view layer's own."""
+    chosen = scene.sunfleck_settings.passes
+    return [
+        name
+        for name, one in PASSES.items()
+        if name in chosen or (one.switch and getattr(layer, one.switch, False))
+    ]
+
+
+def registered(scene, layer):
+    """Name, channels and kind of each pass that Blender is told of."""
+    yield COMBINED, "RGBA", "COLOR"
+    for one in map(PASSES.get, wanted(scene, layer)):
+        for name in one.names:
+            yield name, one.channels, one.kind
+
+
+def channels_of(name, count):
+    """What a frame calls the channels of one of Blender's passes."""
+    if name == COMBINED:
+        return tuple("RGBA"[:count])
+    if name == "Depth":
+        return ("Z",)
+    channels = next((one.channels for one in PASSES.values() if name in one.names), "")
+    return tuple(f"{name}.{channel}" for channel in channels)

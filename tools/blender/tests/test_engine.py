@@ -1,0 +1,214 @@
+"""The render engine: F12, without a window, in the Blender that runs this."""
+
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import bpy
+import numpy
+import scenes
+import stages
+import sunfleck
+from sunfleck import engine
+from sunfleck.engine import exporting, picture
+
+PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
+SIZE = 32, 18
+
+
+def processes():
+    """Programs that this process has started and that have not ended."""
+    found = subprocess.run(["ps", "--ppid", str(os.getpid()), "-o", "comm="], capture_output=True, text=True)
+    return [line for line in found.stdout.split() if line.startswith("sunfleck")]
+
+
+class Engine(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.scene = stages.stage()
+        stages.quad(self.scene)
+        sunfleck.register()
+        self.addCleanup(sunfleck.unregister)
+        self.set_up(self.scene)
+
+    def set_up(self, scene):
+        render, own = scene.render, scene.sunfleck_settings
+        render.engine = "SUNFLECK"
+        render.resolution_x, render.resolution_y, render.resolution_percentage = *SIZE, 100
+        render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+        render.filepath = str(self.folder / "blender_")
+        own.use_samples, own.samples, own.all_bounces, own.bounces = True, 2, False, 0
+
+    def still(self):
+        """What Blender wrote of one frame."""
+        self.assertEqual(bpy.ops.render.render(write_still=True), {"FINISHED"})
+        return picture.read(self.folder / "blender_.exr")
+
+    def frame(self):
+        """The program's own frame of the last render."""
+        return picture.read(max(exporting.folder().glob("*.exr"), key=os.path.getmtime))
+
+    def assert_same(self, blender, ours, channels="RGB"):
+        for channel in channels:
+            numpy.testing.assert_array_equal(blender.of((channel,)), ours.of((channel,)), channel)
+
+    def test_pixels_are_the_programs(self):
+        blender = self.still()
+        self.assertEqual(blender.pixels.shape[:2], SIZE[::-1])
+        self.assert_same(blender, self.frame())
+        self.assertGreater(blender.of("RGB").max(), 0.0)
+
+    def test_the_world_is_the_sky_unless_the_panel_says_otherwise(self):
+        world = self.scene.world = bpy.data.worlds.new("grey")
+        world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.25, 0.5, 0.75, 1.0)
+        self.scene.objects["quad"].hide_render = True
+        sky = self.still().of("RGB").reshape(-1, 3)
+        numpy.testing.assert_allclose(sky, numpy.broadcast_to((0.25, 0.5, 0.75), sky.shape), rtol=1e-6)
+        self.scene.sunfleck_settings.use_world = False
+        self.assertEqual(self.still().of("RGB").max(), 0.0)
+
+    def test_an_animation_has_every_frame(self):
+        stages.moving(self.scene.objects["quad"])
+        self.scene.frame_start, self.scene.frame_end, self.scene.frame_step = 2, 6, 2
+        bpy.ops.render.render(animation=True)
+        found = sorted(path.name for path in self.folder.glob("blender_*.exr"))
+        self.assertEqual(found, ["blender_0002.exr", "blender_0004.exr", "blender_0006.exr"])
+        last = picture.read(self.folder / found[-1])
+        self.assert_same(last, self.frame())
+        self.scene.frame_set(6)
+        self.assert_same(self.still(), last)
+
+    def test_a_region_is_that_part_of_the_picture(self):
+        whole = self.still()
+        render = self.scene.render
+        render.use_border, render.use_crop_to_border = True, True
+        render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.0, 0.5
+        part = self.still()
+        numpy.testing.assert_array_equal(part.pixels[..., :3], whole.pixels[9:, 8:24, :3])
+        render.use_crop_to_border = False
+        placed = self.still()
+        self.assertEqual(placed.pixels.shape[:2], SIZE[::-1])
+        numpy.testing.assert_array_equal(placed.pixels[9:, 8:24, :3], whole.pixels[9:, 8:24, :3])
+
+    def test_passes_are_those_of_the_panel_and_of_the_view_layer(self):
+        self.scene.sunfleck_settings.passes = {"shafts", "leaf-id", "albedo", "error"}
+        layer = self.scene.view_layers[0]
+        layer.use_pass_z = layer.use_pass_normal = layer.use_pass_position = True
+        self.scene.render.image_settings.media_type = "MULTI_LAYER_IMAGE"
+        self.scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+        self.still()
+        theirs, ours = {}, self.frame()
+        bpy.utils.expose_bundled_modules()
+        import OpenImageIO
+
+        file, part = OpenImageIO.ImageInput.open(str(self.folder / "blender_.exr")), 0
+        while file.seek_subimage(part, 0):
+            names = [name.split(".", 1)[1] for name in file.spec().channelnames]
+            pixels = file.read_image(OpenImageIO.FLOAT)
+            theirs.update((name, pixels[..., number]) for number, name in enumerate(names))
+            part += 1
+        file.close()
+        named = {"Depth.Z": "Z"} | {f"Combined.{channel}": channel for channel in "RGB"}
+        for pair in ("Normal", "Position"):
+            named |= {f"{pair}.{axis}": f"{pair}.{axis}" for axis in "XYZ"}
+        named |= {f"shafts.{color}": f"shafts.{color}" for color in "RGB"}
+        named |= {"leaf_id.X": "leaf_id.X", "error.Y": "error.Y"}
+        for name, channel in named.items():
+            numpy.testing.assert_array_equal(theirs[name], ours.pixels[..., ours.numbers[channel]], name)
+
+    def test_each_view_layer_shows_its_own(self):
+        hidden = bpy.data.collections.new("hidden")
+        self.scene.collection.children.link(hidden)
+        quad = self.scene.objects["quad"]
+        hidden.objects.link(quad)
+        self.scene.collection.objects.unlink(quad)
+        self.scene.sunfleck_settings.passes = {"albedo"}
+        empty = self.scene.view_layers.new("empty")
+        empty.layer_collection.children["hidden"].exclude = True
+        with mock.patch.object(picture, "hand_over", side_effect=picture.hand_over) as handed:
+            bpy.ops.render.render()
+        light = {call.args[1]: call.args[2].of(("albedo.R",)).max() for call in handed.call_args_list}
+        self.assertGreater(light["ViewLayer"], 0.0)
+        self.assertEqual(light["empty"], 0.0)
+
+    def test_of_a_turned_camera_nothing_else_is_written(self):
+        self.scene.render.use_persistent_data = True
+        self.still()
+        self.scene.camera.rotation_euler.z += 0.1
+        self.scene.camera.data.lens *= 0.9
+        with mock.patch.object(exporting, "anew", side_effect=AssertionError("exported anew")):
+            turned = self.still()
+        self.scene.render.use_persistent_data = False
+        self.assert_same(self.still(), turned)
+        self.scene.render.use_persistent_data = True
+        self.still()
+        self.scene.objects["quad"].location.x += 0.5
+        with mock.patch.object(exporting, "anew", side_effect=exporting.anew) as anew:
+            moved = self.still()
+        self.assertEqual(anew.call_count, 1)
+        self.assertFalse(numpy.array_equal(moved.pixels, turned.pixels))
+
+    def test_a_later_frame_first_has_its_simulation(self):
+        emitter = stages.grid(self.scene, "emitter")
+        emitter.location.z = 2.0
+        settings = emitter.modifiers.new("leaves", "PARTICLE_SYSTEM").particle_system.settings
+        settings.count, settings.frame_start, settings.frame_end, settings.lifetime = 50, 1, 3, 100
+        settings.render_type, settings.instance_object, settings.particle_size = "OBJECT", self.scene.objects["quad"], 0.3
+        emitter.show_instancer_for_render = False
+        self.scene.frame_set(4)
+        first = self.still()
+        self.scene.frame_start, self.scene.frame_end = 1, 4
+        bpy.ops.render.render(animation=True)
+        self.assert_same(picture.read(self.folder / "blender_0004.exr"), first)
+
+    def test_nodes_are_baked_while_blender_renders(self):
+        tree = self.scene.objects["quad"].data.materials[0].node_tree
+        noise = tree.nodes.new("ShaderNodeTexNoise")
+        tree.links.new(noise.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        baked = self.still()
+        from sunfleck import export, render
+
+        glb = self.folder / "scene.glb"
+        export.export(self.scene, glb, self.scene.frame_current)
+        run = render.Run(PROGRAM, glb, self.folder / "own.exr", [f"--size={SIZE[0]}x{SIZE[1]}"])
+        self.assertEqual(run.wait(), 0, run.error())
+        self.assert_same(baked, picture.read(self.folder / "own.exr"))
+
+    def test_what_stands_in_the_way_is_an_error_of_blenders(self):
+        self.scene.objects["sun"].data.energy = -1.0
+        with self.assertRaisesRegex(RuntimeError, "power is negative"):
+            bpy.ops.render.render()
+        self.scene.objects["sun"].data.energy = 1.0
+        with mock.patch.dict(os.environ, {"SUNFLECK": "/nowhere/sunfleck"}), self.assertRaisesRegex(RuntimeError, "not found"):
+            bpy.ops.render.render()
+        with mock.patch.object(picture, "read", side_effect=KeyError("lost")), self.assertRaisesRegex(RuntimeError, "KeyError"):
+            bpy.ops.render.render()
+
+    def test_esc_ends_the_program(self):
+        own = self.scene.sunfleck_settings
+        own.samples, own.all_bounces = 65536, True
+        looks = iter([False, False, True])
+        with mock.patch.object(engine.SUNFLECK_RENDER_engine, "is_stopped", lambda _: next(looks, True)):
+            with mock.patch.object(picture, "hand_over") as handed:
+                bpy.ops.render.render()
+        handed.assert_not_called()
+        self.assertEqual(processes(), [])
+
+    def test_many_renders_leave_memory_as_it_is(self):
+        resident = lambda: int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        self.scene.render.resolution_x, self.scene.render.resolution_y = 8, 8
+        for _ in range(3):
+            bpy.ops.render.render()
+        before = resident()
+        for _ in range(12):
+            bpy.ops.render.render()
+        self.assertLess(resident() - before, 8 << 20)
+
+
+if __name__ == "__main__":
+    unittest.main()
