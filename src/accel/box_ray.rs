@@ -2,21 +2,14 @@
 //! ones first. Invariant: no box that the ray meets in exact arithmetic is left out.
 
 use super::{
-    rounding::UNIT_ROUNDOFF,
     simd::{Lanes, Mask, Simd, WIDTH, three},
     stack::{Entry, Stack},
-    wide_tree::{Bounds, LEAF, Node, WideTree, plane},
+    wide_tree::{LEAF, Node, WideTree, plane},
 };
-use glam::DVec3;
-
-/// How far, in roundings of the largest coordinate, boxes are padded against rays. Shearing a vertex
-/// moves it by at most 6 (two differences, a product, a quotient), the slab test a plane by at most 4;
-/// 16 covers both.
-const BOX_PADDING_ROUNDOFFS: f64 = 16.0;
 
 /// A ray in single precision, prepared for boxes that are padded by what single precision may lose: the
 /// origin is moved against the planes the ray enters by and along with those it leaves by (Woop, Benthin
-/// and Wald 2013, section 5, with one padding for a whole tree).
+/// and Wald 2013, section 5). Boxes bring their own part of that along.
 pub(super) struct BoxRay<L> {
     origin_entering: [L; 3],
     origin_leaving: [L; 3],
@@ -148,10 +141,4 @@ fn nearest<S: Simd>(simd: S, node: &Node, mut hits: u32, near: S::Lanes, stack: 
         stack.push(*entry);
     }
     sorted[count - 1].child
-}
-
-/// By how much the boxes of a tree are padded against rays from a place.
-pub(super) fn padding(origin: DVec3, bounds: Bounds) -> f64 {
-    let magnitude = bounds.magnitude().as_dvec3() + origin.abs();
-    BOX_PADDING_ROUNDOFFS * UNIT_ROUNDOFF * magnitude.max_element()
 }

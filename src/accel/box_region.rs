@@ -5,17 +5,11 @@
 use super::{
     block::Block,
     light_plane::Functional,
-    rounding::UNIT_ROUNDOFF,
     simd::{Lanes, Mask, Simd, three},
     stack::{Entry, Stack},
     triangle_cut::Corners,
-    wide_tree::{Bounds, LEAF, Node, WideTree, plane},
+    wide_tree::{self, Bounds, LEAF, Node, WideTree, plane},
 };
-
-/// How far, in roundings of the sum of its terms' magnitudes, a function of position is padded for
-/// boxes. Evaluating one rounds gradient, product and three sums, at the box and again at a vertex,
-/// and a cut adds 4 more: 2 * 5 + 4 < 16.
-const PADDING_ROUNDOFFS: f64 = 16.0;
 
 /// An affine function in single precision.
 #[derive(Clone, Copy)]
@@ -57,8 +51,7 @@ impl<L: Lanes> LaneFunctional<L> {
 /// How far an affine function may be off where it is evaluated in a box in single precision.
 #[inline(always)]
 fn padding(functional: &Functional, bounds: Bounds) -> f64 {
-    let terms = functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs();
-    PADDING_ROUNDOFFS * UNIT_ROUNDOFF * terms
+    wide_tree::padding(functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs())
 }
 
 /// Whether an affine function may be 0 in a box.
@@ -77,8 +70,10 @@ pub(super) struct BoxLimit<L> {
 
 impl<L: Lanes> BoxLimit<L> {
     #[inline(always)]
-    pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional, bounds: Bounds) -> Self {
-        let padded = Functional { offset: functional.offset + padding(functional, bounds), ..*functional };
+    /// Boxes of nodes are padded by what is lost of positions; what is lost of the offset comes here.
+    pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
+        let offset = functional.offset + wide_tree::padding(functional.offset.abs());
+        let padded = Functional { offset, ..*functional };
         let corner = three(|axis| plane(axis, functional.gradient[axis] >= 0.0));
         Self { functional: LaneFunctional::new(simd, &padded), corner }
     }

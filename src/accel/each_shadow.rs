@@ -36,7 +36,7 @@ impl Kernel for AddEachShadow<'_> {
     type Output = ();
     fn run<S: Simd>(self, simd: S) {
         let Self { instances: Instances { tree, list: instances }, plane, shadows } = self;
-        let region = shadowing(simd, &plane.functions, plane.t_range, tree.bounds);
+        let region = shadowing(simd, &plane.functions, plane.t_range);
         let mut query = InstanceQuery { plane, instances, shadows };
         visit_leaves(simd, tree, &region, &mut Stack::new(), &mut query);
     }
@@ -52,7 +52,7 @@ impl<S: Simd> LeafVisitor<S> for InstanceQuery<'_> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
         let instance = &self.instances[leaf as usize];
         let functions = self.plane.functions.pulled_back(&instance.relative_from_mesh);
-        let region = shadowing(simd, &functions, self.plane.t_range, instance.mesh.tree.bounds);
+        let region = shadowing(simd, &functions, self.plane.t_range);
         let mut query = TriangleQuery {
             blocks: &instance.mesh.blocks,
             functions,

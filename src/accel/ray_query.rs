@@ -6,7 +6,7 @@
 
 use super::{
     block::Block,
-    box_ray::{BoxRay, LeafVisitor, padding},
+    box_ray::{BoxRay, LeafVisitor},
     hit::{Hit, PrimitiveId},
     instance::{Instance, Instances},
     mesh_tree::MeshTree,
@@ -14,6 +14,7 @@ use super::{
     shear::Shear,
     simd::{Kernel, Lanes, Simd},
     stack::Stack,
+    wide_tree::padding,
 };
 use crate::math::Ray;
 use glam::DVec3;
@@ -47,7 +48,7 @@ impl Kernel for Trace<'_> {
     fn run<S: Simd>(self, simd: S) -> Option<Hit> {
         let Self { instances: Instances { tree, list: instances }, ray, t_max, skip, any } = self;
         let mut stack = Stack::new();
-        let padding = padding(ray.origin, tree.bounds) as f32;
+        let padding = padding(ray.origin.abs().max_element()) as f32;
         let (origin, direction) = (ray.origin.as_vec3().to_array(), ray.direction.as_vec3().to_array());
         let box_ray = BoxRay::new(simd, origin, direction, padding, 0.0);
         let mut query = RayQuery { ray, instances, skip, any, t_max, nearest: None };
@@ -67,15 +68,16 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
         let to_centre = instance.mesh_centre - origin;
         let t_centre = to_centre.dot(direction) / direction.length_squared();
         let centred = origin + t_centre * direction;
-        let padding = padding(centred, mesh.tree.bounds);
+        let from_origin = centred.abs().max_element();
         let box_ray = BoxRay::new(
             simd,
             centred.as_vec3().to_array(),
             direction.as_vec3().to_array(),
-            padding as f32,
+            padding(from_origin) as f32,
             round_down(-t_centre),
         );
-        let slack = padding / direction.abs().max_element();
+        let reach = from_origin + f64::from(mesh.tree.bounds.magnitude().max_element());
+        let slack = padding(reach) / direction.abs().max_element();
         let mesh_from_relative = &instance.mesh_from_relative;
         let t_end = if self.any { self.t_max } else { f64::INFINITY };
         let length = self.ray.origin.abs().max_element() + if t_end.is_finite() { t_end } else { 0.0 };

@@ -9,7 +9,6 @@ use super::{
     simd::{Kernel, Mask, Simd, WIDTH},
     stack::Stack,
     triangle_cut::{Crossing, Shadow},
-    wide_tree::Bounds,
 };
 use crate::math::IntervalSet;
 use glam::DVec3;
@@ -21,14 +20,13 @@ pub(super) fn shadowing<S: Simd>(
     simd: S,
     functions: &PlaneFunctions,
     (t0, t1): (f64, f64),
-    bounds: Bounds,
 ) -> BoxRegion<S::Lanes, 5> {
     BoxRegion([
-        BoxLimit::new(simd, &functions.out_of_plane, bounds),
-        BoxLimit::new(simd, &functions.out_of_plane.negated(), bounds),
-        BoxLimit::new(simd, &functions.at_or_after(t0), bounds),
-        BoxLimit::new(simd, &functions.at_or_after(t1).negated(), bounds),
-        BoxLimit::new(simd, &functions.towards_light, bounds),
+        BoxLimit::new(simd, &functions.out_of_plane),
+        BoxLimit::new(simd, &functions.out_of_plane.negated()),
+        BoxLimit::new(simd, &functions.at_or_after(t0)),
+        BoxLimit::new(simd, &functions.at_or_after(t1).negated()),
+        BoxLimit::new(simd, &functions.towards_light),
     ])
 }
 
@@ -47,7 +45,7 @@ impl Kernel for AddShadows<'_> {
         if plane.t_range.0 >= plane.t_range.1 {
             return;
         }
-        let box_region = shadowing(simd, &plane.functions, plane.t_range, tree.bounds);
+        let box_region = shadowing(simd, &plane.functions, plane.t_range);
         let mut query = ShadowQuery { plane, instances, shadows };
         visit_leaves(simd, tree, &box_region, &mut Stack::new(), &mut query);
     }
@@ -71,7 +69,7 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
             return;
         }
         let here = self.plane.functions.pulled_back_with(out_of_plane, &instance.relative_from_mesh);
-        let box_region = shadowing(simd, &here, self.plane.t_range, mesh.tree.bounds);
+        let box_region = shadowing(simd, &here, self.plane.t_range);
         // Distances are counted from where the middle of the mesh throws its shadow: what is left has
         // the mesh's magnitude.
         let (t0, t1) = self.plane.t_range;
@@ -170,8 +168,8 @@ impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
         let shadow = match &self.depth {
             None => crossing.strip_shadow(self.zero, limits, along, towards_light),
             Some(depth) => {
-                let ones = (self.zero, self.one);
-                crossing.fan_shadow(ones, limits, along, depth.at_corners(simd, block), towards_light)
+                let ends = crossing.fan_ends(along, depth.at_corners(simd, block), towards_light);
+                crossing.fan_shadow((self.zero, self.one), limits, ends)
             }
         };
         let mut lanes = shadow.bits();
@@ -208,7 +206,9 @@ impl<S: Simd> LeafVisitor<S> for DoubleQuery<'_> {
             let (along, towards_light) = (corners(&self.cut.along), corners(&self.cut.towards_light));
             let limits = self.sink.limits;
             let Shadow { exists, start, end } = if self.is_fan {
-                crossing.fan_shadow((0.0, 1.0), limits, along, corners(&self.cut.depth), towards_light)
+                let ends = crossing.fan_ends(along, corners(&self.cut.depth), towards_light);
+                let Some(ends) = ends.before_light() else { continue };
+                crossing.fan_shadow((0.0, 1.0), limits, ends)
             } else {
                 crossing.strip_shadow(0.0, limits, along, towards_light)
             };

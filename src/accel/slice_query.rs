@@ -11,7 +11,6 @@ use super::{
     simd::{Kernel, Mask, Simd, WIDTH},
     stack::Stack,
     triangle_cut::Crossing,
-    wide_tree::Bounds,
 };
 use glam::{DVec2, DVec3};
 
@@ -67,7 +66,7 @@ impl Kernel for AddCuts<'_> {
         let height = linear(half_plane.axis);
         let above = height.plus(-half_plane.lowest_slope, &reach);
         let region = Region { out_of_plane, reach, height, above };
-        let limits = region.limits(simd, tree.bounds);
+        let limits = region.limits(simd);
         let mut query = SliceQuery { region, instances, cuts };
         visit_leaves(simd, tree, &limits, &mut Stack::new(), &mut query);
     }
@@ -84,12 +83,12 @@ struct Region {
 
 impl Region {
     #[inline(always)]
-    fn limits<S: Simd>(&self, simd: S, bounds: Bounds) -> BoxRegion<S::Lanes, 4> {
+    fn limits<S: Simd>(&self, simd: S) -> BoxRegion<S::Lanes, 4> {
         BoxRegion([
-            BoxLimit::new(simd, &self.out_of_plane, bounds),
-            BoxLimit::new(simd, &self.out_of_plane.negated(), bounds),
-            BoxLimit::new(simd, &self.reach, bounds),
-            BoxLimit::new(simd, &self.above, bounds),
+            BoxLimit::new(simd, &self.out_of_plane),
+            BoxLimit::new(simd, &self.out_of_plane.negated()),
+            BoxLimit::new(simd, &self.reach),
+            BoxLimit::new(simd, &self.above),
         ])
     }
 }
@@ -123,7 +122,7 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
             height: here(&self.region.height),
             above: here(&self.region.above),
         };
-        let limits = region.limits(simd, mesh.tree.bounds);
+        let limits = region.limits(simd);
         if instance.needs_doubles {
             let (blocks, instance) = (&mesh.blocks[..], instance.index);
             let mut query = DoubleQuery { blocks, region, instance, cuts: self.cuts };

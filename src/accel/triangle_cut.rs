@@ -15,6 +15,14 @@ pub(super) struct Shadow<L: Lanes> {
     pub(super) end: L,
 }
 
+/// Of both ends of a cut: a numerator and a denominator of its shadow's distance along the ray, and its height
+/// above that.
+pub(super) struct FanEnds<L> {
+    n: [L; 2],
+    d: [L; 2],
+    y: [L; 2],
+}
+
 /// The two edges that cross the plane: those of the vertex that is alone on its side. Vertices in the
 /// plane count as above it.
 pub(super) struct Crossing<L: Lanes> {
@@ -75,19 +83,25 @@ impl<L: Lanes> Crossing<L> {
         Shadow { exists: self.exists & start.lt(end) & zero.lt(height), start, end }
     }
 
+    /// What tells of the two ends where their shadows fall under a point light.
+    #[inline(always)]
+    pub(super) fn fan_ends(
+        &self,
+        along: Corners<L>,
+        depth: Corners<L>,
+        towards_light: Corners<L>,
+    ) -> FanEnds<L> {
+        FanEnds { n: self.at_ends(along), d: self.at_ends(depth), y: self.at_ends(towards_light) }
+    }
+
     /// The shadow within `[t0, t1]` under a point light.
     #[inline(always)]
     pub(super) fn fan_shadow(
         &self,
         (zero, one): (L, L),
         (t0, t1): (L, L),
-        along: Corners<L>,
-        depth: Corners<L>,
-        towards_light: Corners<L>,
+        FanEnds { n, d, y }: FanEnds<L>,
     ) -> Shadow<L> {
-        let n = self.at_ends(along);
-        let d = self.at_ends(depth);
-        let y = self.at_ends(towards_light);
         let after = [n[0] - t0 * d[0], n[1] - t0 * d[1]];
         let before = [t1 * d[0] - n[0], t1 * d[1] - n[1]];
         // Where the way from one end to the other crosses the two limits.
@@ -110,6 +124,32 @@ impl<L: Lanes> Crossing<L> {
         let swapped = tb.lt(ta);
         let (start, end) = (tb.or_else(swapped, ta), ta.or_else(swapped, tb));
         Shadow { exists: exists & start.lt(end), start, end }
+    }
+}
+
+/// To this share of what a cut spans its depths are known, in double precision: roundings, many times over
+/// where an edge of the triangle nearly lies in the plane.
+const LEAST_DEPTH: f64 = 1e-12;
+
+impl FanEnds<f64> {
+    /// The part before the light: where a cut goes through the light itself, rounding would decide on which
+    /// side of it shadows fall. `None` if all of it lies beyond.
+    pub(super) fn before_light(mut self) -> Option<Self> {
+        let least = LEAST_DEPTH * (self.d[0] - self.d[1]).abs();
+        if self.d[0].max(self.d[1]) <= least {
+            return None;
+        }
+        for end in 0..2 {
+            let other = 1 - end;
+            if self.d[end] < least {
+                let share = (least - self.d[end]) / (self.d[other] - self.d[end]);
+                for values in [&mut self.n, &mut self.y] {
+                    values[end] += share * (values[other] - values[end]);
+                }
+                self.d[end] = least;
+            }
+        }
+        Some(self)
     }
 }
 

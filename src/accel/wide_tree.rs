@@ -1,6 +1,8 @@
 //! A tree of boxes, eight children a node. In: boxes of primitives; out: nodes over leaves of up to
-//! [`WIDTH`] primitives. Invariant: a child's box contains every box below it.
+//! [`WIDTH`] primitives. Invariant: a child's box contains every box below it, padded by what queries in
+//! single precision may lose of its coordinates.
 
+use super::rounding::{UNIT_ROUNDOFF, round_down, round_up};
 use super::simd::{Eight, WIDTH};
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -9,6 +11,12 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 /// Marks a child that is a leaf; the other bits are its index.
 pub(super) const LEAF: u32 = 1 << 31;
+
+/// How far boxes of nodes are padded, in roundings of their largest coordinate. Queries add as much for
+/// what they themselves bring along. Of a ray, shearing a vertex moves it by at most 6 (two differences, a
+/// product, a quotient), and the slab test a plane by at most 4. Of an affine function, evaluating it rounds
+/// gradient, product and three sums, at the box and again at a vertex, and a cut adds 4: 2 * 5 + 4.
+const BOX_PADDING_ROUNDOFFS: f64 = 16.0;
 
 /// The index of a node's plane: `[min x, max x, min y, max y, min z, max z]`.
 pub(super) const fn plane(axis: usize, upper: bool) -> usize {
@@ -38,13 +46,21 @@ impl Node {
         children: [LEAF; WIDTH],
     };
 
+    /// Each box is padded by its own magnitude, not by the tree's: small things next to a ground of thousands
+    /// of kilometres stay small.
     fn set_child(&mut self, lane: usize, bounds: Bounds, child: u32) {
+        let padding = padding(bounds.magnitude().max_element().into());
         for axis in 0..3 {
-            self.planes[plane(axis, false)].0[lane] = bounds.min[axis];
-            self.planes[plane(axis, true)].0[lane] = bounds.max[axis];
+            self.planes[plane(axis, false)].0[lane] = round_down(f64::from(bounds.min[axis]) - padding);
+            self.planes[plane(axis, true)].0[lane] = round_up(f64::from(bounds.max[axis]) + padding);
         }
         self.children[lane] = child;
     }
+}
+
+/// By how much something is padded that has a coordinate, or a sum of terms, of a magnitude.
+pub(super) fn padding(magnitude: f64) -> f64 {
+    BOX_PADDING_ROUNDOFFS * UNIT_ROUNDOFF * magnitude
 }
 
 /// An axis-aligned box; inverted and infinite when empty.
