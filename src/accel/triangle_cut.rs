@@ -15,8 +15,8 @@ pub(super) struct Shadow<L: Lanes> {
     pub(super) end: L,
 }
 
-/// Of both ends of a cut: a numerator and a denominator of its shadow's distance along the ray, and its height
-/// above that.
+/// Of both ends of a cut: a numerator and a denominator of its shadow's distance along the ray, and its
+/// height above that.
 pub(super) struct FanEnds<L> {
     n: [L; 2],
     d: [L; 2],

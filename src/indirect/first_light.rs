@@ -7,7 +7,7 @@ use super::fluence::{Fluence, Glow};
 use super::grid::{Grid, Stretch};
 use super::harmonics::{DEGREE, basis, cosine_lobe};
 use super::leaf_index::LeafIndex;
-use super::leaf_power::{self, LeafPower};
+use super::leaf_power::{self, LeafHit, LeafPower};
 use super::matter::Matter;
 use super::moments::{Moments, NodeMoments};
 use super::occluders::OFF_WALL;
@@ -41,8 +41,8 @@ struct Left {
     scattered: NodeMoments,
     /// What of that meets leaves of the same mass, W m^-3 by node.
     met_again: Vec<[f32; 3]>,
-    /// What leaves get that are known one by one.
-    on_leaves: LeafPower,
+    /// What meets leaves, in the order of the rays.
+    on_leaves: Vec<LeafHit>,
 }
 
 /// What becomes of light where it is scattered first.
@@ -55,7 +55,7 @@ pub(super) struct Found {
     pub(super) glows: Vec<Glow>,
     /// What leaves scatter that meets leaves of the same mass, W m^-3 by node.
     pub(super) met_again: Vec<[f32; 3]>,
-    /// What leaves get that are known one by one.
+    /// What leaves get.
     pub(super) on_leaves: LeafPower,
 }
 
@@ -76,7 +76,7 @@ impl FirstLight<'_> {
     pub(super) fn found(&self) -> Found {
         let nothing = Moments::zero(self.grid.count());
         let (beams, glows, met_again) = (Vec::new(), Vec::new(), self.nothing_met());
-        let on_leaves = LeafPower::zero(self.leaves.kept().len());
+        let on_leaves = LeafPower::zero(self.leaves.all().len());
         let mut found = Found { sources: nothing, beams, glows, met_again, on_leaves };
         let emitters = Emitters { snapshot: self.snapshot, grid: self.grid, fog: self.fog };
         let per_volume = self.per_volume();
@@ -113,7 +113,7 @@ impl FirstLight<'_> {
                 fluence: Fluence::zero(count, has_directions),
                 scattered: NodeMoments::zero(count),
                 met_again: self.nothing_met(),
-                on_leaves: LeafPower::zero(self.leaves.kept().len()),
+                on_leaves: Vec::new(),
             };
             for rays in rays.chunks(BUNDLE) {
                 if (self.cancelled)() {
@@ -325,7 +325,7 @@ impl FirstLight<'_> {
     /// What leaves make of all power that meets them.
     fn send_from_leaves(&self, found: &mut Found) {
         let mut sent = NodeMoments::zero(self.grid.count());
-        for (number, leaf) in self.leaves.kept().iter().enumerate() {
+        for (number, leaf) in self.leaves.all().iter().enumerate() {
             let power = found.on_leaves.of(number);
             if power == [Rgb::ZERO; 2] {
                 continue;
@@ -346,13 +346,9 @@ impl FirstLight<'_> {
     /// What a leaf makes of power that meets it.
     fn land(&self, point: &SurfacePoint, power: Rgb, left: &mut Left) {
         let normal = point.geometric_normal;
-        let leaves = self.leaves.kept();
-        if let Some((number, leaf)) = self
-            .leaves
-            .number(self.snapshot, point.primitive)
-            .and_then(|number| Some((number, leaves.get(number)?)))
-        {
-            left.on_leaves.add(number, usize::from(normal.dot(leaf.normal) < 0.0), power);
+        if let Some(leaf) = self.leaves.number(self.snapshot, point.primitive) {
+            let is_behind = normal.dot(self.leaves.all()[leaf].normal) < 0.0;
+            left.on_leaves.push(LeafHit::new(leaf, usize::from(is_behind), power));
             return;
         }
         let scatters = scatters_of(point);
@@ -374,7 +370,7 @@ impl FirstLight<'_> {
 
 fn add_on_leaves(groups: &[Left], found: &mut Found) {
     for left in groups {
-        found.on_leaves.add_all(&left.on_leaves);
+        left.on_leaves.iter().for_each(|hit| found.on_leaves.add(hit));
         let sums = found.met_again.as_flattened_mut().iter_mut();
         sums.zip(left.met_again.as_flattened()).for_each(|(sum, value)| *sum += value);
     }

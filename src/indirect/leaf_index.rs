@@ -5,13 +5,11 @@ use super::surroundings::Leaf;
 use crate::accel::PrimitiveId;
 use crate::snapshot::Snapshot;
 
-/// Of more, nothing is kept leaf by leaf: memory. Which parts are leaves is known all the same.
-const MOST_LEAVES: usize = 200_000;
 const NO_LEAF: u32 = u32::MAX;
 
 /// Leaves, and where they are found.
 pub(super) struct LeafIndex {
-    kept: Vec<Leaf>,
+    all: Vec<Leaf>,
     /// Where the parts of each mesh begin in `leaf_of`, by the number that it has at all moments; of the
     /// last they end with it.
     starts: Vec<u32>,
@@ -34,8 +32,7 @@ impl LeafIndex {
         for (leaf, number) in all.iter().zip(0..) {
             leaf_of[starts[snapshot.lasting_number(leaf.mesh)] as usize + leaf.part] = number;
         }
-        let kept = if all.len() > MOST_LEAVES { Vec::new() } else { all };
-        Self { kept, starts, leaf_of }
+        Self { all, starts, leaf_of }
     }
 
     /// The number of the leaf that a triangle is part of, if it is.
@@ -49,8 +46,8 @@ impl LeafIndex {
         (leaf != NO_LEAF).then_some(leaf as usize)
     }
 
-    /// Leaves of which something is kept one by one: all, or none.
-    pub(super) fn kept(&self) -> &[Leaf] {
-        &self.kept
+    /// All leaves, by their numbers.
+    pub(super) fn all(&self) -> &[Leaf] {
+        &self.all
     }
 }

@@ -14,8 +14,21 @@ use glam::DVec3;
 /// that is the hot spot (Kuusk 1991, "The hot spot effect in plant canopy reflectance").
 const WAY_OUT: f64 = 0.6;
 
+/// Power that meets a leaf, W.
+pub(super) struct LeafHit {
+    leaf: u32,
+    side: u8,
+    power: [f32; 3],
+}
+
+impl LeafHit {
+    /// On the side that a leaf's normal shows, 0, or on its other side, 1.
+    pub(super) fn new(leaf: usize, side: usize, power: Rgb) -> Self {
+        Self { leaf: leaf as u32, side: side as u8, power: power.to_array().map(|value| value as f32) }
+    }
+}
+
 /// What both sides of each leaf get, W.
-#[derive(Clone)]
 pub(super) struct LeafPower(Vec<[[f32; 3]; 2]>);
 
 impl LeafPower {
@@ -24,17 +37,9 @@ impl LeafPower {
         Self(vec![[[0.0; 3]; 2]; leaves])
     }
 
-    /// To the side that a leaf's normal shows, 0, or to its other side, 1.
-    pub(super) fn add(&mut self, leaf: usize, side: usize, power: Rgb) {
-        let sums = self.0[leaf][side].iter_mut().zip(power.to_array());
-        sums.for_each(|(sum, value)| *sum += value as f32);
-    }
-
-    /// `self += other`.
-    pub(super) fn add_all(&mut self, other: &Self) {
-        let values = other.0.as_flattened().as_flattened();
-        let sums = self.0.as_flattened_mut().as_flattened_mut().iter_mut();
-        sums.zip(values).for_each(|(sum, value)| *sum += value);
+    pub(super) fn add(&mut self, &LeafHit { leaf, side, power }: &LeafHit) {
+        let sums = self.0[leaf as usize][usize::from(side)].iter_mut().zip(power);
+        sums.for_each(|(sum, value)| *sum += value);
     }
 
     /// Of one leaf.

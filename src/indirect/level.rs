@@ -220,11 +220,6 @@ impl Level {
         sides
     }
 
-    /// What a leaf gathers of what it would by itself, where it sends a share of all light on.
-    pub(super) fn within_mass(&self, world: DVec3, by_itself: Rgb, sent: Rgb) -> Rgb {
-        self.masses.gathered(self.masses.at(&self.grid, world), by_itself, sent)
-    }
-
     /// What of it a lobe gathers on a leaf that sends a share of all light on; by a cosine that is
     /// irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {

@@ -131,7 +131,7 @@ impl Indirect {
         let leaves = LeafIndex::new(snapshot, surroundings.leaves(cell_m));
         let context = Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, cancelled };
         let field = Field::on(&grids, layers, &context)?;
-        let leaves = LeafLight::new(&field, leaves);
+        let leaves = LeafLight::new(leaves);
         let has_sky = has_sky(snapshot.sky);
         Some(Self { field, leaves, fog: None, bounces, has_sky, once_less: None })
     }
@@ -177,10 +177,9 @@ impl Indirect {
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
         let sent = point.albedo + point.transmission;
-        let leaf = self.leaves.of(snapshot, point.primitive);
+        let leaf = self.leaves.of(&self.field, snapshot, point.primitive);
         let gathered = |lobe: Lobe| match &leaf {
-            Some(Some(leaf)) => leaf.gathered_by(&self.field, &lobe, sent),
-            Some(None) => self.field.within_mass(world, self.field.gathered_by(world, &lobe), sent),
+            Some(leaf) => leaf.gathered_by(&self.field, &lobe, sent),
             None => self.field.gathered_by(world, &lobe),
         };
         let normal = point.shading_normal;

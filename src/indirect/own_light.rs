@@ -24,6 +24,9 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI};
 
+/// So many leaves are looked at before what they scatter is added up.
+const AT_ONCE: usize = 1 << 14;
+
 /// How light goes from node to node near its source.
 pub(super) struct OwnLight {
     ways: Vec<Way>,
@@ -98,7 +101,7 @@ impl OwnLight {
         Self { ways, per_volume: 1.0 / grid.cell_volume(), goes_on }
     }
 
-    /// What all leaves scatter of their own first light, as sources.
+    /// What all leaves scatter of their own first light, as sources: a leaf that has none scatters none.
     pub(super) fn all_sent_again(
         &self,
         (grid, occluders): (&Grid, &Occluders),
@@ -109,16 +112,25 @@ impl OwnLight {
         if !self.goes_on {
             return sources;
         }
-        let of_leaf = |(number, leaf): (usize, &Leaf)| {
+        let of_leaf = |(leaf, scattered): (&Leaf, [Scattered; 2])| {
             let told = (&matter.extinction, &matter.clumping);
-            let alone = Alone::new((grid, occluders), told, (leaf, on_leaves.scattered(number, leaf)));
-            (alone.nodes, self.sent_again(&alone))
+            let alone = Alone::new((grid, occluders), told, (leaf, scattered));
+            (leaf.normal, alone.nodes, self.sent_again(&alone))
         };
-        let all: Vec<_> = leaves.kept().par_iter().enumerate().map(of_leaf).collect();
         let factor = FRAC_1_PI * self.per_volume;
-        for (leaf, (nodes, sent)) in leaves.kept().iter().zip(all) {
-            for ((nodes, sent), facing) in nodes.iter().zip(sent).zip([leaf.normal, -leaf.normal]) {
-                sources.add_lobe(&nodes[0], &cosine_lobe(facing), factor * sent);
+        let numbers: Vec<usize> = (0..leaves.all().len()).collect();
+        for numbers in numbers.chunks(AT_ONCE) {
+            let lit = numbers.par_iter().filter_map(|&number| {
+                let leaf = &leaves.all()[number];
+                let scattered = on_leaves.scattered(number, leaf);
+                let is_dark = scattered.iter().all(|side| side.all() == Rgb::ZERO);
+                let is_black = leaf.scatters.emission == Rgb::ZERO;
+                (!is_dark || !is_black).then_some((leaf, scattered))
+            });
+            for (normal, nodes, sent) in lit.map(of_leaf).collect::<Vec<_>>() {
+                for ((nodes, sent), facing) in nodes.iter().zip(sent).zip([normal, -normal]) {
+                    sources.add_lobe(&nodes[0], &cosine_lobe(facing), factor * sent);
+                }
             }
         }
         sources
@@ -127,9 +139,6 @@ impl OwnLight {
     /// What a leaf scatters of its own first light when that has come back to it, where nothing else did:
     /// power that leaves its sides, W. The second round has it, and nobody should.
     fn sent_again(&self, alone: &Alone) -> [Rgb; 2] {
-        if !alone.has_first() {
-            return [Rgb::ZERO; 2];
-        }
         let reach = self.reach(alone);
         let arriving = [0, 1].map(|side| {
             let mut without = [[[0.0; COUNT]; 3]; 2];
