@@ -2,10 +2,16 @@ r"""Light of all orders in scenes where it is hard to find, beside random walks,
 
     cd tools && SUNFLECK=../target/release/sunfleck python peers/light_everywhere.py "room" "mist 0.5" --tolerance 0.02
 
-A line a scene of `light_scenes.py`: ratios of means by channel; by what blocks of 10x10 pixels differ, root mean
-square by the picture's mean, with the walks' noise taken out; the worst block by its own light; the error that the
-frame tells; CPU seconds of the whole process. `--changes` renders what must not change a scene beside that scene
-itself. With `--cycles` (a Python with bpy) Cycles renders too, until its blocks are as good: its CPU seconds follow.
+A line a scene of `light_scenes.py` has
+
+- ratios of means, by channel;
+- by what blocks of 10x10 pixels differ, root mean square by the picture's mean, without the noise of walks;
+- the worst block, by its own light;
+- the error that the frame tells;
+- CPU seconds of the whole process.
+
+`--changes` renders what must not change a scene, beside that scene itself. With `--cycles`, by a Python with bpy,
+Cycles renders too until its blocks are as good, and its CPU seconds follow.
 """
 
 from __future__ import annotations

@@ -24,8 +24,11 @@ def main(arguments):
     one.add_argument("output", type=Path)
     one = verbs.add_parser("render", help="export and render; further flags are those of `sunfleck render`")
     one.add_argument("--folder", type=Path)
+    verbs.add_parser("tools", help="`sunfleck-tools`, as they came with the extension", add_help=False)
     try:
         known, others = parser.parse_known_args(arguments)
+        if known.verb == "tools":
+            return do_tools(others)
         if others and known.verb != "render":
             parser.error(f"what is {' '.join(others)}?")
     except SystemExit as stop:
@@ -77,6 +80,22 @@ def do_render(scene, known, others):
     if code:
         print(run.error(), file=sys.stderr)
     return code
+
+
+def do_tools(words):
+    """In this process, as Blender's Python has what they need."""
+    inside = Path(__file__).parent / "tools"
+    if not inside.is_dir():
+        print("error: the tools are in the extension that tools/blender/build makes", file=sys.stderr)
+        return 4
+    bpy.utils.expose_bundled_modules()
+    sys.path.insert(0, str(inside))
+    try:
+        from sunfleck_tools.cli import main as tools
+
+        return tools(words)
+    finally:
+        sys.path.remove(str(inside))
 
 
 def register():

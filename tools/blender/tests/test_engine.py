@@ -5,6 +5,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 from unittest import mock
 
 import bpy
@@ -14,6 +15,7 @@ import stages
 import sunfleck
 from sunfleck import engine
 from sunfleck.engine import exporting, picture
+from sunfleck.engine.viewport import View, Viewport
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
 SIZE = 32, 18
@@ -198,6 +200,55 @@ class Engine(unittest.TestCase):
                 bpy.ops.render.render()
         handed.assert_not_called()
         self.assertEqual(processes(), [])
+
+    def test_a_viewport_shows_what_the_camera_sees(self):
+        graph = bpy.context.evaluated_depsgraph_get()
+        camera, shown = self.scene.camera, Viewport()
+        matrices = camera.matrix_world.inverted(), camera.calc_matrix_camera(graph, x=SIZE[0], y=SIZE[1])
+        shown.changed(graph)
+        shown.look(View(SIZE, *matrices, True))
+        sizes = []
+        while shown.poll():
+            if shown.shown is not None and shown.number > len(sizes):
+                sizes.append(shown.shown.pixels.shape[:2])
+        self.assertEqual((sizes[0], shown.number), ((4, 8), 3))
+        self.scene.sunfleck_settings.samples = 16
+        whole = self.still()
+        numpy.testing.assert_allclose(shown.shown.pixels[..., :3], whole.pixels[..., :3], atol=0.02)
+        turned = View(SIZE, matrices[0] @ matrices[0].Rotation(0.2, 4, "Z"), matrices[1], True)
+        shown.look(turned)
+        self.assertIsNotNone(shown.run)
+        shown.look(View(SIZE, *matrices, True))
+        shown.cancel()
+        self.assertEqual(processes(), [])
+
+    def test_a_viewport_that_is_drawn_goes_on_until_it_is_done(self):
+        graph = bpy.context.evaluated_depsgraph_get()
+        camera, drawn, redraws = self.scene.camera, [], []
+
+        class Draws:
+            """What of Blender's engine needs a window."""
+
+            shown_in_viewport = engine.SUNFLECK_RENDER_engine.shown_in_viewport
+            report = update_stats = lambda *_: None
+            tag_redraw = lambda self: redraws.append(1)
+            draw_picture = lambda self, scene, shown, size: drawn.append(shown.number)
+
+        looks = SimpleNamespace(
+            region=SimpleNamespace(width=SIZE[0], height=SIZE[1]),
+            region_data=SimpleNamespace(
+                view_matrix=camera.matrix_world.inverted(), is_perspective=True,
+                window_matrix=camera.calc_matrix_camera(graph, x=SIZE[0], y=SIZE[1]),
+            ),
+        )  # fmt: skip
+        one = Draws()
+        engine.SUNFLECK_RENDER_engine.view_update(one, looks, graph)
+        while not drawn or len(redraws) == len(drawn):
+            engine.SUNFLECK_RENDER_engine.view_draw(one, looks, graph)
+        self.assertEqual(drawn[-1], 3)
+        before = len(redraws)
+        engine.SUNFLECK_RENDER_engine.view_draw(one, looks, graph)
+        self.assertEqual(len(redraws), before)
 
     def test_many_renders_leave_memory_as_it_is(self):
         resident = lambda: int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")

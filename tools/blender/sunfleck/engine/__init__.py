@@ -13,6 +13,7 @@ from .. import program, render
 from ..losses import by_kind
 from ..world import ENGINE
 from . import exporting, panels, passes, picture, stepping
+from .viewport import View, Viewport
 
 # How often one looks whether Blender wants to stop, seconds.
 LOOK_S = 0.02
@@ -71,6 +72,41 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
 
     def is_stopped(self):
         return self.test_break()
+
+    # Of a viewport in *Rendered* shading: each has an engine of its own.
+
+    def view_update(self, context, depsgraph):
+        """Something has changed, or nothing was shown yet."""
+        try:
+            shown = self.shown_in_viewport()
+            changed = {update.id.original for update in depsgraph.updates}
+            eye = depsgraph.scene.camera
+            if shown.exported is None or not (eye and changed and changed <= {eye, eye.data}):
+                shown.changed(depsgraph)
+        except Exception as problem:
+            self.report({"ERROR"}, f"{type(problem).__name__}: {problem}")
+
+    def view_draw(self, context, depsgraph):
+        try:
+            shown, view = self.shown_in_viewport(), View.of(context)
+            shown.look(view)
+            is_more = shown.poll()
+            self.update_stats("Sunfleck", shown.problem or ("" if is_more else "done"))
+            self.draw_picture(depsgraph.scene, shown, view.size)
+            if is_more:
+                self.tag_redraw()
+        except Exception as problem:
+            self.report({"ERROR"}, f"{type(problem).__name__}: {problem}")
+
+    def draw_picture(self, scene, shown, size):
+        from .drawing import Drawn
+
+        self.drawn = getattr(self, "drawn", None) or Drawn()
+        self.drawn.draw(self, scene, shown, size)
+
+    def shown_in_viewport(self):
+        self.viewport = getattr(self, "viewport", None) or Viewport()
+        return self.viewport
 
     def fail(self, words):
         self.report({"ERROR"}, words)

@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 
 from .. import check, extras, render
-from ..evaluated import cameras, places, scenes, values, walk
+from ..evaluated import places, scenes, values, walk
 from ..losses import ordered
 from ..materials.library import custom
 from . import passes

@@ -1,7 +1,7 @@
-"""Caches of simulations, filled before Blender renders: a graph that renders reads them and steps nothing.
+"""Caches of simulations, filled before Blender renders. A graph that renders reads them and steps nothing.
 
-Invariant: a frame has been shown to the viewport's graph, and all before it, when it is rendered; afterwards
-what was hidden is hidden again.
+Invariant: when a frame is rendered, the viewport's graph has been shown it, and all before it. What was hidden
+is hidden again afterwards.
 """
 
 from contextlib import ExitStack
@@ -12,11 +12,13 @@ from bpy.app.handlers import persistent
 from ..evaluated import simulations, walk
 from ..world import ENGINE
 
-# Of scenes that render: how to undo what was made visible, and the last frame that was stepped.
+# By the names of scenes that render.
 _running = {}
 
 
 class Running:
+    """How to undo what was made visible, and the last frame that was stepped."""
+
     def __init__(self, scene):
         self.stack, self.last = ExitStack(), scene.frame_start - 1
         self.stack.enter_context(simulations.run(scene, walk.view_layer(scene), ()))
