@@ -180,8 +180,8 @@ pub struct Statistics {
     pub grid_error: Option<f64>,
     /// Whether next to nothing absorbs indirect light: there is more of it than the picture has.
     pub endless_light: bool,
-    /// How noisy the picture is, if blocks were judged: the root mean square over it of the estimated
-    /// standard error, as a share of its mean.
+    /// How noisy the picture is, if blocks were judged: the root mean square of the estimated standard error
+    /// over all blocks but the hundredth with most of it, as a share of their mean.
     pub noise: Option<f64>,
 }
 

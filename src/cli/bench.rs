@@ -10,6 +10,7 @@ use super::error::usage;
 use super::parse::SizeArgument;
 use super::plan::resized;
 use super::saving::clear;
+use super::threads::pool;
 use super::{CliError, answer, loading, tell};
 use crate::api::{self, Plan, Renderer};
 use crate::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};
@@ -18,7 +19,6 @@ use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::frame_file;
 use crate::scene::{self, PixelFilter, RenderSettings, Scene, Size};
 use crate::snapshot::Shutter;
-use rayon::ThreadPool;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -78,7 +78,7 @@ pub(super) fn fitting(size: Size, most: f64) -> f64 {
 
 pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
     let started = Instant::now();
-    let scene = pool(arguments.threads.unwrap_or(0) as usize)?.install(|| load(arguments))?;
+    let scene = pool(arguments.threads)?.install(|| load(arguments))?;
     let subject = Subject::new(&scene, arguments, started.elapsed().as_secs_f64())?;
     if !arguments.skips && subject.settings.filter != PixelFilter::Box {
         tell(&format!("pixels are boxes here, not filtered by `{}`", subject.settings.filter.name()));
@@ -105,8 +105,8 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         // Minutes of measuring are not to be lost for a folder that cannot be made.
         create_folder(&path)?;
     }
-    let many = pool(arguments.threads.unwrap_or(0) as usize)?;
-    let one = pool(1)?;
+    let many = pool(arguments.threads)?;
+    let one = pool(Some(1))?;
 
     let started = Instant::now();
     let exposure = subject.plan.exposure_of(subject.shutter);
@@ -200,13 +200,6 @@ fn read_reference(path: &Path, arguments: &BenchArguments, subject: &Subject) ->
         return Err(CliError::Usage(diagnostic));
     }
     Ok(Reference::known(frame, arguments.reference_noise))
-}
-
-fn pool(threads: usize) -> Result<ThreadPool, CliError> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))
 }
 
 fn output(asked: Option<&Path>, subject: &Subject, extension: &str) -> PathBuf {

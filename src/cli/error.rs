@@ -8,7 +8,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 /// The command line itself.
 pub(super) const USAGE: u8 = 2;
 const SCENE: u8 = 3;
-const INPUT_OUTPUT: u8 = 4;
+pub(super) const INPUT_OUTPUT: u8 = 4;
 const FRAME: u8 = 5;
 
 /// Why a command failed.

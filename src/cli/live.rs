@@ -4,7 +4,8 @@
 
 mod packet;
 
-use super::tell;
+use super::{CliError, tell};
+use crate::diagnostic::{Diagnostic, Place};
 use crate::film::Frame;
 use std::collections::VecDeque;
 use std::io::Write;
@@ -44,8 +45,19 @@ struct State {
 
 impl Live {
     /// Connects on a thread of its own; without an address nothing happens.
-    pub(super) fn new(address: Option<&str>) -> Self {
-        let Some(address) = address.map(with_port) else { return Self { queue: None } };
+    ///
+    /// # Errors
+    /// There is no such place.
+    pub(super) fn new(address: Option<&str>) -> Result<Self, CliError> {
+        let Some(asked) = address else { return Ok(Self { queue: None }) };
+        let address = with_port(asked);
+        if let Err(error) = address.to_socket_addrs() {
+            let found = format!("--live: `{asked}` is no address: {error}");
+            let problem = Diagnostic::error(Place::Nowhere, found)
+                .expected("a host, and a port behind a colon if tev listens at another than its own")
+                .remedy("write --live 127.0.0.1:14158, or start tev here and leave the address out");
+            return Err(CliError::Usage(problem));
+        }
         let queue = Arc::new(Queue::default());
         {
             let queue = Arc::clone(&queue);
@@ -61,7 +73,7 @@ impl Live {
                 }
             });
         }
-        Self { queue: Some(queue) }
+        Ok(Self { queue: Some(queue) })
     }
 
     /// Whether anybody may be looking.

@@ -29,6 +29,7 @@ mod saving;
 mod shared_arguments;
 mod signals;
 mod stats;
+mod threads;
 mod words;
 
 use crate::passes::Pass;

@@ -10,6 +10,7 @@ use super::error::usage;
 use super::parse::SizeArgument;
 use super::plan::{find_frames, resized};
 use super::saving::{clear, clear_folder, failure};
+use super::threads;
 use super::{CliError, exposure, loading, tell};
 use crate::api::{Plan, Renderer, Scene};
 use crate::description;
@@ -42,11 +43,7 @@ struct Outputs {
 }
 
 pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
-    let pool =
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(arguments.threads.unwrap_or(0) as usize)
-            .build()
-            .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
+    let pool = threads::pool(arguments.threads)?;
     let scene = if arguments.input.is_dir() { None } else { Some(pool.install(|| load(arguments))?) };
     let (source, settings) = match &scene {
         None => Source::files(arguments)?,

@@ -9,6 +9,7 @@ use super::plan::{self, Plan};
 use super::progress::{self, Progress, ProgressStyle};
 use super::signals::Stop;
 use super::stats::Stats;
+use super::threads;
 use super::{CliError, answer, exposure, tell};
 use crate::color::Display;
 use crate::film::Frame;
@@ -37,11 +38,7 @@ pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliErr
 }
 
 fn render(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
-    let pool =
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(arguments.threads.unwrap_or(0) as usize)
-            .build()
-            .map_err(|error| CliError::InputOutput(format!("error: threads cannot be started: {error}")))?;
+    let pool = threads::pool(arguments.threads)?;
     let scene = pool.install(|| plan::load(arguments))?;
     let plan = Plan::new(&scene, arguments)?;
     let remarks = &plan.picture.remarks;
@@ -50,7 +47,7 @@ fn render(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
         return answer(&plan.to_string());
     }
     plan.picture.check_memory()?;
-    let live = Live::new(arguments.live.as_deref());
+    let live = Live::new(arguments.live.as_deref())?;
     let stats = Stats::new(arguments.stats.as_deref(), remarks)?;
     Run { arguments, stop, pool: &pool, plan: &plan, live, stats }.sequence()
 }

@@ -2,7 +2,7 @@
 //! the program is at (loading, baking, building trees, rendering, writing), it ends about a tenth of a second
 //! after the signal, and no file is half-written.
 
-use super::{CliError, tell};
+use super::{CliError, error, tell};
 use crate::frame_file;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
@@ -32,6 +32,7 @@ impl Stop {
         let stop = Self::default();
         let failure = |error| CliError::InputOutput(format!("error: signals cannot be caught: {error}"));
         let wait = caught().map_err(failure)?;
+        heed_limits().map_err(failure)?;
         let watched = stop.clone();
         let watcher = move || {
             let Some(signal) = wait() else { return };
@@ -63,6 +64,24 @@ impl Stop {
         tell(&error.to_string());
         error.code()
     }
+}
+
+/// Has limits of the system end in a message and an exit code, not in a dead process.
+///
+/// Memory that cannot be had: the standard library says how much, and aborts. A file that may not grow: the
+/// signal's own action ends the process, and without it the write fails.
+#[cfg(unix)]
+fn heed_limits() -> io::Result<()> {
+    let always = Arc::new(AtomicBool::new(true));
+    let code = i32::from(error::INPUT_OUTPUT);
+    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, code, always)?;
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn heed_limits() -> io::Result<()> {
+    Ok(())
 }
 
 /// What stops the program.

@@ -38,12 +38,31 @@ impl Files {
     /// # Errors
     /// [`LoadError::Io`] if it cannot be read.
     pub fn read(&mut self, path: &Path, referrer: Option<&str>) -> Result<Vec<u8>, LoadError> {
+        let bytes = self.read_uncounted(path, referrer)?;
+        self.count(&bytes);
+        Ok(bytes)
+    }
+
+    /// The same of a file of which only what it means is hashed.
+    ///
+    /// # Errors
+    /// [`LoadError::Io`] if it cannot be read.
+    pub(super) fn read_text(
+        &mut self,
+        path: &Path,
+        meant: fn(&[u8]) -> Vec<u8>,
+    ) -> Result<Vec<u8>, LoadError> {
+        let bytes = self.read_uncounted(path, None)?;
+        self.count(&meant(&bytes));
+        Ok(bytes)
+    }
+
+    fn read_uncounted(&mut self, path: &Path, referrer: Option<&str>) -> Result<Vec<u8>, LoadError> {
         let bytes = read_regular(path).map_err(|source| LoadError::Io {
             path: path.to_owned(),
             referrer: referrer.map(str::to_owned),
             source,
         })?;
-        self.count(&bytes);
         self.read.push(path.to_owned());
         Ok(bytes)
     }

@@ -96,20 +96,36 @@ impl Sum {
 }
 
 impl Sum {
-    /// Root mean square of the standard error over some blocks, as a share of their mean; a block of which
-    /// nothing is known errs by all of its light.
+    /// How noisy some blocks are; one of which nothing is known errs by all of its light.
     fn noise(&self, frame: &Frame, blocks: &Blocks, of: impl Iterator<Item = usize>) -> f64 {
-        let (mut squares, mut light, mut pixels) = (0.0, 0.0, 0.0);
-        for block in of {
+        let block = |block: usize| {
             let window = blocks.pixels(block);
-            let (count, luminance) =
-                ((window.width * window.height) as f64, mean_luminance(frame, blocks, block));
-            let variance = self.variances[block];
-            squares += count * if variance.is_finite() { variance } else { luminance * luminance };
-            (light, pixels) = (light + count * luminance, pixels + count);
-        }
-        if light > 0.0 { (squares * pixels).sqrt() / light } else { 0.0 }
+            let luminance = mean_luminance(frame, blocks, block);
+            let known = Some(self.variances[block]).filter(|variance| variance.is_finite());
+            let variance = known.unwrap_or(luminance * luminance);
+            NoisyBlock { pixels: (window.width * window.height) as f64, luminance, variance }
+        };
+        noise(of.map(block).collect())
     }
+}
+
+/// A block of pixels with its luminance, W m^-2 sr^-1, and the variance of that.
+#[derive(Clone, Copy)]
+struct NoisyBlock {
+    pixels: f64,
+    luminance: f64,
+    variance: f64,
+}
+
+/// Root mean square of the standard error over all blocks but the hundredth with most of it, as a share of
+/// their mean luminance. A sun in the picture is a few pixels, and would tell of itself alone.
+fn noise(mut blocks: Vec<NoisyBlock>) -> f64 {
+    const LEFT_OUT: usize = 100;
+    blocks.sort_by(|a, b| a.variance.total_cmp(&b.variance));
+    blocks.truncate(blocks.len() - blocks.len() / LEFT_OUT);
+    let sum = |of: fn(&NoisyBlock) -> f64| blocks.iter().map(|block| block.pixels * of(block)).sum::<f64>();
+    let (squares, light) = (sum(|block| block.variance), sum(|block| block.luminance));
+    if light > 0.0 { (squares * sum(|_| 1.0)).sqrt() / light } else { 0.0 }
 }
 
 fn mean_luminance(frame: &Frame, blocks: &Blocks, block: usize) -> f64 {
@@ -123,4 +139,18 @@ fn mean_luminance(frame: &Frame, blocks: &Blocks, block: usize) -> f64 {
         .map(|(x, y)| luminance(Rgb::new(channel("R", x, y), channel("G", x, y), channel("B", x, y))))
         .sum();
     sum / (window.width * window.height) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sun_in_the_picture_is_not_its_noise() {
+        let sky = NoisyBlock { pixels: 64.0, luminance: 1.0, variance: 4e-4 };
+        let sun = NoisyBlock { luminance: 1e5, variance: 1e9, ..sky };
+        assert!((noise(vec![sky; 50]) - 0.02).abs() < 1e-12);
+        assert!((noise([vec![sky; 299], vec![sun; 3]].concat()) - 0.02).abs() < 1e-12);
+        assert!(noise([vec![sky; 299], vec![sun; 4]].concat()) > 0.1);
+    }
 }

@@ -295,6 +295,11 @@ fn valid_frames_are_skipped_and_damaged_ones_rendered_again() {
     for (frame, bytes) in (1..=3).zip(&whole) {
         assert_eq!(&studio.bytes(&format!("a/tiny.000{frame}.exr")), bytes, "frame {frame}");
     }
+    // A comment more is the same scene.
+    let scene = std::fs::read_to_string(studio.path("tiny.ron")).unwrap();
+    std::fs::write(studio.path("tiny.ron"), format!("// Leaves.\n{scene}")).unwrap();
+    let again = studio.succeed(render);
+    assert!(again.err.contains("3 skipped (there already, and valid)"), "{}", again.err);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `render --live`: packets as the viewer tev reads them (`src/Ipc.cpp` there), and viewers that go away.
 
-use crate::program::Studio;
+use crate::program::{Studio, outcome};
 use std::io::Read;
 use std::net::{TcpListener, TcpStream};
 use std::thread;
@@ -143,4 +143,20 @@ fn frames_do_not_need_the_viewer() {
     studio.succeed(&format!("render tiny.ron --frames 1-3 --samples 1 --out b/ --live {address}"));
     gone.join().unwrap();
     assert_eq!(studio.names("b").len(), 3);
+}
+
+#[test]
+fn what_is_no_address_is_refused_before_anything_is_rendered() {
+    let studio = Studio::new();
+    for address in ["", "no host at all", "127.0.0.1:99999", "[::1"] {
+        let mut command = studio.command("render tiny.ron --frames 1 --out refused/ --live");
+        let outcome = outcome(command.arg(address).output().unwrap());
+        assert_eq!(outcome.code, 2, "{address}: {}", outcome.err);
+        assert!(
+            outcome.err.contains("--live") && outcome.err.contains("remedy"),
+            "{address}: {}",
+            outcome.err
+        );
+        assert!(!studio.path("refused").exists());
+    }
 }

@@ -24,7 +24,7 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
         rounds: arguments.rounds.unwrap_or(if quick { 1 } else { 3 }) as usize,
         seed: subject.settings.seed,
     };
-    let many = pool(arguments.threads.unwrap_or(0) as usize)?;
-    let measured = pool(1)?.install(|| bench::measure_all_light(&plan, &many, &tell));
+    let many = pool(arguments.threads)?;
+    let measured = pool(Some(1))?.install(|| bench::measure_all_light(&plan, &many, &tell));
     answer(bench::all_light_table(&measured).trim_end())
 }

@@ -30,6 +30,6 @@ pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), C
         rounds: arguments.rounds.unwrap_or(if arguments.quick { 2 } else { 5 }) as usize,
         folder: folder.path(),
     };
-    let skips = pool(1)?.install(|| measure_skips(&plan)).map_err(CliError::InputOutput)?;
+    let skips = pool(Some(1))?.install(|| measure_skips(&plan)).map_err(CliError::InputOutput)?;
     answer(skips_table(&skips).trim_end())
 }
