@@ -1,10 +1,10 @@
 //! A block of leaves that fall: who they are, where they hang, and what the air does. Invariant: its
 //! lengths, masses and speeds are those of leaves, so that a fall can be followed in steps.
 
-use super::defaults::{one, zero};
+use super::defaults::{one, yes, zero};
 use super::number::{
     AirSpeed, AirVelocity, ArealMass, Degrees, Finite, GustScale, LeafLength, NonNegative, Number, Point,
-    Positive, Span, SpeedGain, Vector, Whole,
+    Positive, Span, SpeedGain, Triple, UnitInterval, Vector, Whole,
 };
 use glam::DVec3;
 use serde::Deserialize;
@@ -45,6 +45,15 @@ pub struct Fall {
     /// Factor on the speed of falling and turning.
     #[serde(default = "one")]
     pub speed: Number<SpeedGain>,
+    /// Whether the camera sees them.
+    #[serde(default = "yes")]
+    pub visible_to_camera: bool,
+    /// Whether they keep light from what lies behind them.
+    #[serde(default = "yes")]
+    pub casts_shadow: bool,
+    /// Whether they are holes in the picture.
+    #[serde(default)]
+    pub holdout: bool,
 }
 
 /// One kind of leaf.
@@ -56,6 +65,9 @@ pub struct Species {
     /// Names of materials; each leaf is made of one of them. If empty, of the mesh's own.
     #[serde(default)]
     pub materials: Vec<String>,
+    /// Colours of which each leaf has one in between, as a factor on its material.
+    #[serde(default)]
+    pub tint: Vec<Triple<UnitInterval>>,
     /// How many of the leaves are of this kind, in proportion to the others.
     #[serde(default = "one")]
     pub share: Number<Positive>,
@@ -159,10 +171,6 @@ impl Default for FallGround {
     fn default() -> Self {
         Self { height_m: Number::new(0.0), object: None }
     }
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// Autumn leaves of broadleaved trees, half dry.

@@ -1,8 +1,10 @@
 //! A block of leaves: one line for hundreds. Invariant: leaf number `i` depends on the block's
 //! seed and on `i`, not on how many there are.
 
-use super::defaults::{one, zero};
-use super::number::{Degrees, Finite, NonNegative, Number, Point, Positive, Span, Whole};
+use super::defaults::{one, yes, zero};
+use super::number::{
+    Degrees, Finite, NonNegative, Number, Point, Positive, Span, Triple, UnitInterval, Whole,
+};
 use serde::Deserialize;
 
 /// More leaves than this in one scene are refused: each takes a kilobyte, and a file of one
@@ -23,6 +25,9 @@ pub struct Leaves {
     /// Names of materials; each leaf is made of one of them. If empty, of the mesh's own.
     #[serde(default)]
     pub materials: Vec<String>,
+    /// Colours of which each leaf has one in between, as a factor on its material.
+    #[serde(default)]
+    pub tint: Vec<Triple<UnitInterval>>,
     /// Name of the object that the leaves follow.
     pub parent: Option<String>,
     /// Smallest coordinates of the box in which the leaves are at time 0.
@@ -41,6 +46,15 @@ pub struct Leaves {
     /// How they move.
     #[serde(default)]
     pub motion: LeafMotion,
+    /// Whether the camera sees them.
+    #[serde(default = "yes")]
+    pub visible_to_camera: bool,
+    /// Whether they keep light from what lies behind them.
+    #[serde(default = "yes")]
+    pub casts_shadow: bool,
+    /// Whether they are holes in the picture.
+    #[serde(default)]
+    pub holdout: bool,
 }
 
 /// How the leaves of a block move. To add a model of falling: a variant here, its paths in

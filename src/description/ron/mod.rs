@@ -9,6 +9,8 @@ mod defaults;
 mod fall;
 mod keyed;
 mod leaves;
+mod meant;
+mod mesh;
 mod named;
 mod number;
 mod parse;
@@ -32,13 +34,14 @@ pub use built::{BUILT, BuiltScene, Parts, load_built};
 pub use fall::{Emitter, Fall, FallGround, MOST_FALLING, Motion, Species, Wind};
 pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
 pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
+pub use mesh::Mesh;
 pub use named::Named;
 pub use number::{
     AirSpeed, AirVelocity, Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FStop, FieldOfView, Finite,
     FocusDistance, GustScale, HalfAngle, JuliaPart, LeafLength, NonNegative, Number, Point, Positive,
     Quaternion, QuaternionRate, Range, Span, SpeedGain, Stops, Triple, UnitInterval, Vector, Whole,
 };
-pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, Mesh, NormalMap, Object, SceneFile};
+pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, NormalMap, Object, SceneFile};
 pub use sequence_file::{Bounces, FrameRate, Frames, March, PixelFilter, SequenceFields};
 pub use sky::{Sky, SkyLight};
 pub use version::Version;
@@ -91,7 +94,7 @@ pub enum RonFile {
 /// # Errors
 /// [`LoadError`] if a file cannot be read, or does not hold what it should.
 pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
-    match parse::parse(path, &files.read(path, None)?)? {
+    match parse::parse(path, &files.read_text(path, meant::meant)?)? {
         Document::Scene(file) => {
             references::load(path, file, BTreeMap::new(), files).map(|scene| RonFile::Scene(Box::new(scene)))
         }
@@ -108,7 +111,7 @@ pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
 /// # Errors
 /// [`LoadError`] if a file cannot be read, or does not hold what it should.
 pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
-    match parse::parse(path, &files.read(path, None)?)? {
+    match parse::parse(path, &files.read_text(path, meant::meant)?)? {
         Document::Scene(file) => references::load(path, file, BTreeMap::new(), files),
         Document::Sequence(_) => {
             Err(Diagnostic::error(Place::File(path.to_owned()), "this is a sequence, not a scene")

@@ -1,7 +1,7 @@
 //! A parsed scene in, the same with its meshes and textures read out. Invariant: a mesh, material
 //! or texture that nothing in the picture uses is not read.
 
-use super::{Keyed, Light, LoadedScene, Mesh, NormalMap, SceneFile, Sky, beside};
+use super::{Keyed, Light, LoadedScene, NormalMap, SceneFile, Sky, beside};
 use crate::description::image::{self, Encoding};
 use crate::description::{Files, LoadError, obj};
 use crate::diagnostic::{Diagnostics, Place};
@@ -20,7 +20,7 @@ pub(super) fn load(
     let (mut images, mut obj_pictures) = (BTreeMap::new(), obj::ObjPictures::new());
     let mut normal_maps = BTreeMap::new();
     for (name, mesh) in file.meshes.iter().filter(|(name, _)| used.meshes.contains(name)) {
-        let Mesh::Obj(obj_path) = mesh else { continue };
+        let Some((obj_path, _)) = mesh.obj() else { continue };
         let referrer = format!("meshes.{name}");
         if !models.contains_key(obj_path) {
             let Some(model) = loader.model(obj_path, &referrer)? else { continue };
@@ -91,6 +91,10 @@ impl<'a> Used<'a> {
                 used.add(&species.meshes, &species.materials);
             }
         }
+        let dressed = file.meshes.iter().filter(|(name, _)| used.own_materials.contains(name));
+        let in_place_of_theirs = dressed.filter_map(|(_, mesh)| mesh.obj()?.1);
+        let names = in_place_of_theirs.flat_map(|materials| materials.iter().map(|(_, name)| name.as_str()));
+        used.materials.extend(names);
         used
     }
 

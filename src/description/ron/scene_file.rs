@@ -5,6 +5,7 @@ use super::defaults::{one, seen, yes, zero};
 use super::fall::Fall;
 use super::keyed::Keyed;
 use super::leaves::Leaves;
+use super::mesh::Mesh;
 use super::named::Named;
 use super::number::{
     Anisotropy, Degrees, Direction, DiscAngle, FStop, FieldOfView, Finite, FocusDistance, HalfAngle,
@@ -83,42 +84,6 @@ impl SceneFile {
             background_w_per_m2_sr: zero(),
         }
     }
-}
-
-/// A shape.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Mesh {
-    /// A Wavefront OBJ file, relative to the scene file.
-    Obj(PathBuf),
-    /// A square in the x-z plane, centred, facing +y.
-    Quad {
-        /// Length of an edge.
-        size_m: Number<Positive>,
-    },
-    /// A cube, centred.
-    Cube {
-        /// Length of an edge.
-        size_m: Number<Positive>,
-    },
-    /// A sphere, centred.
-    Sphere {
-        /// Radius.
-        radius_m: Number<Positive>,
-    },
-    /// A leaf in the x-z plane, centred, facing +y, its tip towards -z.
-    Leaf {
-        /// From stalk to tip.
-        length_m: Number<Positive>,
-        /// Across, where it is widest.
-        width_m: Number<Positive>,
-        /// How far it bends down along its length, in all.
-        #[serde(default = "zero")]
-        curl_deg: Number<Degrees>,
-        /// How far each half is lifted about the middle vein.
-        #[serde(default = "zero")]
-        fold_deg: Number<Degrees>,
-    },
 }
 
 /// What a surface is made of.

@@ -2,13 +2,17 @@
 //! depends on its block's fields other than `count`, and on `i`; an object of its name goes before it.
 
 use super::Resolver;
+use crate::color::Rgb;
 use crate::description::ron;
 use crate::diagnostic::{Diagnostic, Loss};
+use crate::math::Chance;
 use crate::scene::fall::{
     Emitter, Fall, Fallen, Flown, Ground, LONGEST_FLIGHT_S, Mix, Obstacles, Outline, Species, Surface, Wind,
     come_to_rest,
 };
-use crate::scene::{Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, Rotation, Segment, Track};
+use crate::scene::{
+    Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, RayVisibility, Rotation, Segment, Track,
+};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 use std::mem;
@@ -22,8 +26,15 @@ const HIGHEST_START_M: f64 = 200.0;
 /// ground, as is told already.
 type Grounds<'a> = BTreeMap<&'a str, Option<Vec<[DVec3; 3]>>>;
 
-/// Meshes and materials of a species.
-type Dress = (Vec<MeshIndex>, Vec<MaterialIndex>);
+/// How a species looks.
+struct Dress {
+    meshes: Vec<MeshIndex>,
+    materials: Vec<MaterialIndex>,
+    tint: Vec<Rgb>,
+}
+
+/// The draw of a leaf's tint: none of a flight is so high.
+const TINT: u64 = 1 << 32;
 
 /// A block whose leaves have flown.
 struct Flock<'a> {
@@ -73,7 +84,8 @@ impl Resolver<'_> {
                 self.scene.remarks.push(Diagnostic::warning(Loss::LeavesInTheAir, place, found));
             }
             for (number, leaf) in leaves.into_iter().enumerate() {
-                self.fallen(format!("{name}.{number}"), leaf, dresses, block.attached);
+                let tint = Chance::of(block.seed, number as u32).at(TINT);
+                self.fallen((format!("{name}.{number}"), tint), leaf, dresses, block);
             }
         }
     }
@@ -137,16 +149,20 @@ impl Resolver<'_> {
     }
 
     /// Puts one leaf into the scene.
-    fn fallen(&mut self, name: String, leaf: Fallen, dresses: &[Dress], attached: bool) {
-        let (meshes, materials) = &dresses[leaf.species];
+    fn fallen(&mut self, (name, chance): (String, f64), leaf: Fallen, dresses: &[Dress], block: &ron::Fall) {
+        let Dress { meshes, materials, tint } = &dresses[leaf.species];
         let mesh = meshes[leaf.outline];
         let material = materials.get((leaf.material * materials.len() as f64) as usize).copied();
+        let dress = (material, self.tinted(material, tint, chance));
+        let &ron::Fall { visible_to_camera, casts_shadow, holdout, attached, .. } = block;
+        let rays = RayVisibility { visible_to_camera, casts_shadow, holdout };
         if let Some(&node) = self.nodes.get(name.as_str()) {
             // The author has keyed this one; what the object shows itself is placed already.
             if self.file.objects.get(&name).is_some_and(|object| object.mesh.is_none()) {
                 let scale = Motion::Still(DAffine3::from_scale(DVec3::splat(leaf.scale)));
                 let node = self.node(name, Some(node), scale);
-                self.instance(node, mesh, material);
+                self.scene.set_ray_visibility(node, rays);
+                self.tinted_instance(node, mesh, dress);
             }
             return;
         }
@@ -163,7 +179,8 @@ impl Resolver<'_> {
                 self.scene.nodes[node].visible = visible;
             }
         }
-        self.instance(node, mesh, material);
+        self.scene.set_ray_visibility(node, rays);
+        self.tinted_instance(node, mesh, dress);
     }
 
     fn species(&mut self, owner: &str, block: &ron::Fall) -> Option<(Vec<Species>, Vec<Dress>)> {
@@ -182,6 +199,8 @@ impl Resolver<'_> {
     fn one_species(&mut self, owner: &str, species: &ron::Species) -> Option<(Species, Dress)> {
         let meshes = self.leaf_meshes(owner, &species.meshes);
         let materials = self.leaf_materials(owner, &species.materials);
+        self.check_tint(owner, !species.tint.is_empty(), &species.materials);
+        let tint = species.tint.iter().map(|color| color.si()).collect();
         let (meshes, materials) = (meshes?, materials?);
         let outlines: Vec<_> = (meshes.iter())
             .map(|&mesh| {
@@ -215,7 +234,7 @@ impl Resolver<'_> {
             areal_mass_kg_per_m2: (mass.at(0.0), mass.at(1.0)),
             curl: (species.curl_deg.at(0.0), species.curl_deg.at(1.0)),
         };
-        Some((resolved, (meshes, materials)))
+        Some((resolved, Dress { meshes, materials, tint }))
     }
 
     fn emitter(&mut self, owner: &str, emitter: &ron::Emitter) -> Option<Emitter> {

@@ -2,9 +2,10 @@
 //! function of the block's fields other than `count`, and of `i`.
 
 use super::Resolver;
+use crate::color::Rgb;
 use crate::description::ron::{LeafMotion, Leaves, MAX_LEAVES};
 use crate::math::Chance;
-use crate::scene::{FallingPath, MaterialIndex, MeshIndex, Motion};
+use crate::scene::{FallingPath, MaterialIndex, MeshIndex, Motion, RayVisibility};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::f64::consts::TAU;
 
@@ -36,13 +37,20 @@ impl Resolver<'_> {
         let site = self.leaf_site(&owner, block);
         let meshes = self.leaf_meshes(&owner, &block.meshes);
         let materials = self.leaf_materials(&owner, &block.materials);
+        self.check_tint(&owner, !block.tint.is_empty(), &block.materials);
+        let tint: Vec<Rgb> = block.tint.iter().map(|color| color.si()).collect();
+        let Leaves { visible_to_camera, casts_shadow, holdout, .. } = *block;
+        let rays = RayVisibility { visible_to_camera, casts_shadow, holdout };
         if let (Some((parent, site)), Some(meshes), Some(materials)) = (site, meshes, materials) {
             for leaf in 0..block.count.0 {
                 let chance = LeafChance(Chance::of(block.seed, leaf));
                 let start = site.at([Draw::X, Draw::Y, Draw::Z].map(|draw| chance.at(draw)));
                 let node = self.node(format!("{name}.{leaf}"), parent, motion_of(block, start, chance));
                 let mesh = chance.choose(Draw::Mesh, &meshes).unwrap_or_default();
-                self.instance(node, mesh, chance.choose(Draw::Material, &materials));
+                let material = chance.choose(Draw::Material, &materials);
+                let shown = self.tinted(material, &tint, chance.at(Draw::Tint));
+                self.scene.set_ray_visibility(node, rays);
+                self.tinted_instance(node, mesh, (material, shown));
             }
         }
     }
@@ -130,6 +138,7 @@ enum Draw {
     Axis1,
     Axis2,
     Spin,
+    Tint,
 }
 
 /// The chance of one leaf.

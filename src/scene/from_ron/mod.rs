@@ -18,6 +18,7 @@ mod suns;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;
+mod tints;
 mod tracks;
 
 use super::outline::Tally;
@@ -142,6 +143,8 @@ struct Resolver<'a> {
     cutoffs: BTreeMap<MaterialIndex, f64>,
     /// What masks have left of meshes.
     cut_meshes: BTreeMap<(MeshIndex, MaterialIndex), Option<MeshIndex>>,
+    /// Materials in a tint, by their own number and the tint.
+    tinted: BTreeMap<(MaterialIndex, tints::Level), MaterialIndex>,
     outlines: Tally,
     /// Images that suns show, by their paths.
     sun_images: BTreeMap<PathBuf, Arc<Texture>>,
@@ -169,6 +172,7 @@ impl<'a> Resolver<'a> {
             fall_count: 0,
             cutoffs: BTreeMap::new(),
             cut_meshes: BTreeMap::new(),
+            tinted: BTreeMap::new(),
             outlines: Tally::default(),
             sun_images: BTreeMap::new(),
             sky_image: None,
@@ -178,13 +182,6 @@ impl<'a> Resolver<'a> {
     fn node(&mut self, name: String, parent: Option<NodeIndex>, motion: Motion) -> NodeIndex {
         self.scene.nodes.push(Node { name, parent, motion, visible: Track::from(true) });
         self.scene.nodes.len() - 1
-    }
-
-    fn instance(&mut self, node: NodeIndex, mesh: MeshIndex, material: Option<MaterialIndex>) {
-        self.make_tangents(mesh, material);
-        let Some(mesh) = self.cut_out(mesh, material) else { return };
-        let leaf_id = self.scene.instances.len() as u32 + 1;
-        self.scene.instances.push(Instance { node, mesh, material, leaf_id, deformation: None });
     }
 
     /// The node that `owner` follows: `Some(None)` is none, `None` is one that does not exist.
@@ -281,9 +278,9 @@ impl<'a> Resolver<'a> {
         if let Some(&index) = self.meshes.get(name) {
             return Some(index);
         }
-        let mesh = match shape {
-            ron::Mesh::Obj(path) => self.model_mesh(name, path)?,
-            built_in => shapes::built_in(name, built_in)?,
+        let mesh = match shape.obj() {
+            Some((path, materials)) => self.model_mesh(name, path, materials)?,
+            None => shapes::built_in(name, shape)?,
         };
         let (&name, _) = self.mesh_files.get_key_value(name)?;
         self.meshes.insert(name, self.scene.meshes.len());

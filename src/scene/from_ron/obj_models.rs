@@ -3,8 +3,10 @@
 
 use super::{AlphaMode, Coat, Material, MaterialIndex, Mesh, Resolver, TextureMap, Triangle, Wrap};
 use crate::color::Rgb;
-use crate::description::obj::{ObjMaterial, ObjPicture, ObjPictures};
+use crate::description::obj::{ObjMaterial, ObjModel, ObjPicture, ObjPictures};
+use crate::description::ron::Named;
 use crate::scene::Clearcoat;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 impl<'a> Resolver<'a> {
@@ -21,9 +23,15 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The mesh of an OBJ file, its materials after the others.
-    pub(super) fn model_mesh(&mut self, name: &str, path: &'a Path) -> Option<Mesh> {
+    /// The mesh of an OBJ file, its materials after the others; some of them may be the scene's instead.
+    pub(super) fn model_mesh(
+        &mut self,
+        name: &str,
+        path: &'a Path,
+        replaced: Option<&Named<String>>,
+    ) -> Option<Mesh> {
         let model = self.models.get(path)?;
+        let replaced = self.replaced(name, model, replaced)?;
         let first_material = self.model_materials.get(path).copied().unwrap_or_else(|| {
             let first = self.scene.materials.len();
             let materials: Vec<Material> =
@@ -46,12 +54,40 @@ impl<'a> Resolver<'a> {
                 .iter()
                 .map(|triangle| Triangle {
                     vertices: triangle.vertices,
-                    material: triangle
-                        .material
-                        .map_or(0, |material: MaterialIndex| first_material + material),
+                    material: triangle.material.map_or(0, |material: MaterialIndex| {
+                        replaced.get(&material).copied().unwrap_or(first_material + material)
+                    }),
                 })
                 .collect(),
         })
+    }
+
+    /// Materials of the scene by the numbers of those of a model that they take the place of.
+    fn replaced(
+        &mut self,
+        mesh: &str,
+        model: &ObjModel,
+        names: Option<&Named<String>>,
+    ) -> Option<BTreeMap<usize, MaterialIndex>> {
+        let theirs = model.materials.iter().enumerate();
+        let theirs: BTreeMap<&str, usize> =
+            theirs.map(|(number, material)| (material.name.as_str(), number)).collect();
+        let pairs = names.into_iter().flat_map(Named::iter);
+        let found: Vec<_> = pairs
+            .map(|(name, ours)| {
+                let field = format!("meshes.{mesh}.materials");
+                let number = self.problems.find(&field, "material of the OBJ file", name, &theirs);
+                let material = self.material(&format!("{field}.{name}"), ours)?;
+                if self.cutoffs.contains_key(&material) {
+                    let found = "a material with `alpha_cutoff` cuts the whole mesh out";
+                    let remedy = "give it to an object with a mesh of its own, by `material`";
+                    let expected = "a material without `alpha_cutoff`";
+                    self.problems.error(&format!("{field}.{name}"), found, expected, remedy);
+                }
+                Some((number?, material))
+            })
+            .collect();
+        found.into_iter().collect()
     }
 
     fn obj_material(&self, source: &ObjMaterial) -> Material {

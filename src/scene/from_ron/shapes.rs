@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 /// The built-in shape called `name`; `None` for one that lies in a file.
 pub(super) fn built_in(name: &str, shape: &ron::Mesh) -> Option<Mesh> {
     let mesh = match shape {
-        ron::Mesh::Obj(_) => return None,
+        ron::Mesh::Obj(_) | ron::Mesh::ObjWith { .. } => return None,
         ron::Mesh::Quad { size_m } => quad(size_m.si() as f32),
         ron::Mesh::Cube { size_m } => cube(size_m.si() as f32),
         ron::Mesh::Sphere { radius_m } => sphere(radius_m.si()),

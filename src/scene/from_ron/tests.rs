@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::description::Files;
-use crate::scene::{Extend, Segment};
+use crate::scene::{Extend, RayVisibility, Segment};
 use glam::DVec3;
 
 fn resolved(fields: &str) -> Scene {
@@ -161,4 +161,68 @@ fn scenes_are_called_like_their_file_or_folder() {
     assert_eq!(name_of(Path::new("scenes/first_leaf/scene.ron")), "first_leaf");
     assert_eq!(name_of(Path::new("scenes/birch.ron")), "birch");
     assert_eq!(name_of(Path::new("scene.ron")), "scene");
+}
+
+/// Writes an OBJ with a leaf and a twig, and resolves a scene with it.
+fn with_tree(scene: &str) -> Result<Scene, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = "mtllib tree.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl leaf\nf 1 2 3\nusemtl bark\nf 3 2 1\n";
+    let mtl = "newmtl leaf\nKd 0.1 0.5 0.1\nnewmtl bark\nKd 0.2 0.1 0.1\n";
+    let file = format!("Scene(version: 1, cameras: {{ \"main\": () }}, {scene})");
+    for (name, text) in [("tree.obj", obj), ("tree.mtl", mtl), ("scene.ron", &file)] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let loaded = ron::load_scene(&folder.path().join("scene.ron"), &mut Files::default()).unwrap();
+    resolve(loaded, &Baking::ALONE).map(|(scene, _)| scene).map_err(|problems| problems.to_string())
+}
+
+#[test]
+fn materials_of_an_obj_file_give_way_by_name() {
+    let rest =
+        r#"materials: { "green": (transmission: (0.1, 0.3, 0.05)) }, objects: { "tree": (mesh: "tree") }"#;
+    let tree = |names: &str| {
+        format!(r#"meshes: {{ "tree": ObjWith(file: "tree.obj", materials: {names}) }}, {rest}"#)
+    };
+    let scene = with_tree(&tree(r#"{ "leaf": "green" }"#)).unwrap();
+    let triangles = scene.meshes[0].triangles.iter();
+    let names: Vec<_> = triangles.map(|triangle| &scene.materials[triangle.material].name).collect();
+    assert_eq!(names, ["green", "bark"]);
+    for (names, word) in [(r#"{ "leaves": "green" }"#, "`leaf`"), (r#"{ "leaf": "grean" }"#, "`green`")] {
+        let said = with_tree(&tree(names)).unwrap_err();
+        assert!(said.contains("meshes.tree.materials") && said.contains(word), "{said}");
+    }
+}
+
+#[test]
+fn each_leaf_of_a_block_has_a_tint_in_between() {
+    let block = |more: &str| {
+        format!(
+            r#"{LEAF} materials: {{ "grey": (base_color: 0.5, transmission: 0.25) }}, leaves: {{ "crown":
+            (count: 300, seed: 5, meshes: ["leaf"], materials: ["grey"], min_m: (0.0, 0.0, 0.0), max_m: (1.0, 1.0, 1.0){more}) }}"#
+        )
+    };
+    let (plain, tinted) =
+        (resolved(&block("")), resolved(&block(", tint: [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)]")));
+    let of = |scene: &Scene, leaf: usize| scene.materials[scene.instances[leaf].material.unwrap()].base_color;
+    let tints: Vec<_> = (0..300).map(|leaf| of(&tinted, leaf)).collect();
+    assert!(tints.iter().all(|tint| (tint.x + tint.y - 0.5).abs() < 1e-12 && tint.z == 0.0));
+    let mean = tints.iter().map(|tint| tint.x).sum::<f64>() / 300.0;
+    assert!((mean - 0.25).abs() < 0.03, "{mean}");
+    assert!((0..300).all(|leaf| of(&plain, leaf) == Rgb::splat(0.5)));
+    assert_eq!(plain.placements(0.0)[299].world_from_node, tinted.placements(0.0)[299].world_from_node);
+}
+
+#[test]
+fn leaves_of_blocks_are_seen_as_objects_are() {
+    let rays = "visible_to_camera: false, casts_shadow: false, holdout: true";
+    let scene = resolved(&format!(
+        r#"{LEAF} leaves: {{ "crown": (count: 2, meshes: ["leaf"], min_m: (0.0, 0.0, 0.0), max_m: (1.0, 1.0, 1.0),
+        {rays}) }}, fall: {{ "shower": (count: 2, species: [(meshes: ["leaf"], length_m: 0.1)],
+        emitter: Box(min_m: (0.0, 1.0, 0.0), max_m: (1.0, 2.0, 1.0)), {rays}) }}"#
+    ));
+    let expected = RayVisibility { visible_to_camera: false, casts_shadow: false, holdout: true };
+    assert_eq!(scene.instances.len(), 4);
+    for instance in &scene.instances {
+        assert_eq!(scene.ray_visibility.get(&instance.node), Some(&expected));
+    }
 }

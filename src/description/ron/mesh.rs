@@ -1,0 +1,61 @@
+//! Shapes of a scene file.
+
+use super::defaults::zero;
+use super::named::Named;
+use super::number::{Degrees, Number, Positive};
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// A shape.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Mesh {
+    /// A Wavefront OBJ file, relative to the scene file.
+    Obj(PathBuf),
+    /// The same, with materials of the scene in place of some of its own.
+    ObjWith {
+        /// Relative to the scene file.
+        file: PathBuf,
+        /// Names of the scene's materials, by names of the file's.
+        materials: Named<String>,
+    },
+    /// A square in the x-z plane, centred, facing +y.
+    Quad {
+        /// Length of an edge.
+        size_m: Number<Positive>,
+    },
+    /// A cube, centred.
+    Cube {
+        /// Length of an edge.
+        size_m: Number<Positive>,
+    },
+    /// A sphere, centred.
+    Sphere {
+        /// Radius.
+        radius_m: Number<Positive>,
+    },
+    /// A leaf in the x-z plane, centred, facing +y, its tip towards -z.
+    Leaf {
+        /// From stalk to tip.
+        length_m: Number<Positive>,
+        /// Across, where it is widest.
+        width_m: Number<Positive>,
+        /// How far it bends down along its length, in all.
+        #[serde(default = "zero")]
+        curl_deg: Number<Degrees>,
+        /// How far each half is lifted about the middle vein.
+        #[serde(default = "zero")]
+        fold_deg: Number<Degrees>,
+    },
+}
+
+impl Mesh {
+    /// The OBJ file that it shows, and which materials take the place of which of the file's.
+    pub fn obj(&self) -> Option<(&PathBuf, Option<&Named<String>>)> {
+        match self {
+            Self::Obj(file) => Some((file, None)),
+            Self::ObjWith { file, materials } => Some((file, Some(materials))),
+            Self::Quad { .. } | Self::Cube { .. } | Self::Sphere { .. } | Self::Leaf { .. } => None,
+        }
+    }
+}

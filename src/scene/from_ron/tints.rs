@@ -1,0 +1,94 @@
+//! Colours by leaf: a material in, the same in a tint out. Invariant: leaves whose tints no display tells
+//! apart share a material.
+
+use super::{Instance, MaterialIndex, MeshIndex, NodeIndex, Resolver};
+use crate::color::Rgb;
+
+/// Tints between the first of a list of colours and the last.
+const STEPS: u16 = 1024;
+
+/// A tint: its colour, in steps that no display tells apart, so that equal ones are known.
+#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
+pub(super) struct Level([u64; 3]);
+
+impl Level {
+    /// The one that lies so far along straight lines between colours, `0..1`.
+    fn of(colors: &[Rgb], along: f64) -> Self {
+        let step = (along * f64::from(STEPS)).floor() / f64::from(STEPS - 1);
+        let place = step.min(1.0) * (colors.len() - 1) as f64;
+        let first = (place as usize).min(colors.len().saturating_sub(2));
+        let next = colors[(first + 1).min(colors.len() - 1)];
+        Self(colors[first].lerp(next, place - first as f64).to_array().map(f64::to_bits))
+    }
+
+    fn color(self) -> Rgb {
+        Rgb::from_array(self.0.map(f64::from_bits))
+    }
+}
+
+impl Resolver<'_> {
+    /// Places a mesh.
+    pub(super) fn instance(&mut self, node: NodeIndex, mesh: MeshIndex, material: Option<MaterialIndex>) {
+        self.tinted_instance(node, mesh, (material, material));
+    }
+
+    /// Of a mesh that has the shape that one material gives it, and is shown in another.
+    pub(super) fn tinted_instance(
+        &mut self,
+        node: NodeIndex,
+        mesh: MeshIndex,
+        (shaped, shown): (Option<MaterialIndex>, Option<MaterialIndex>),
+    ) {
+        self.make_tangents(mesh, shaped);
+        let Some(mesh) = self.cut_out(mesh, shaped) else { return };
+        let leaf_id = self.scene.instances.len() as u32 + 1;
+        self.scene.instances.push(Instance { node, mesh, material: shown, leaf_id, deformation: None });
+    }
+
+    /// Says that leaves of a block have a tint and nothing that is tinted.
+    pub(super) fn check_tint(&mut self, owner: &str, has_tint: bool, materials: &[String]) {
+        if has_tint && materials.is_empty() {
+            let (expected, remedy) = ("`materials` beside it", "name a material of `materials`");
+            self.problems.error(&format!("{owner}.tint"), "there is no material to tint", expected, remedy);
+        }
+    }
+
+    /// A material in the tint of one leaf, which `chance` picks.
+    pub(super) fn tinted(
+        &mut self,
+        material: Option<MaterialIndex>,
+        colors: &[Rgb],
+        chance: f64,
+    ) -> Option<MaterialIndex> {
+        let material = material?;
+        if colors.is_empty() {
+            return Some(material);
+        }
+        let level = Level::of(colors, chance);
+        if let Some(&known) = self.tinted.get(&(material, level)) {
+            return Some(known);
+        }
+        let mut made = self.scene.materials[material].clone();
+        made.name = format!("{} {}", made.name, self.tinted.len() + 1);
+        made.base_color *= level.color();
+        made.transmission *= level.color();
+        self.scene.materials.push(made);
+        self.tinted.insert((material, level), self.scene.materials.len() - 1);
+        Some(self.scene.materials.len() - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tints_lie_between_their_colours() {
+        let colors = [Rgb::ZERO, Rgb::new(1.0, 0.0, 0.0), Rgb::ONE];
+        assert_eq!(Level::of(&colors, 0.0).color(), colors[0]);
+        assert_eq!(Level::of(&colors, 0.9999).color(), colors[2]);
+        assert!((Level::of(&colors, 0.25).color() - Rgb::new(0.5, 0.0, 0.0)).abs().max_element() < 2e-3);
+        assert!((Level::of(&colors, 0.75).color() - Rgb::new(1.0, 0.5, 0.5)).abs().max_element() < 2e-3);
+        assert_eq!(Level::of(&colors[2..], 0.3).color(), Rgb::ONE);
+    }
+}
