@@ -1,6 +1,7 @@
 //! `sunfleck inspect`: what an input holds. In goes a file, out comes text or JSON. Invariant:
 //! whatever rendering would leave out or do differently is said here.
 
+mod grids;
 mod json;
 mod properties;
 mod text;
@@ -28,6 +29,9 @@ struct Inspected<'a> {
 }
 
 pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
+    if grids::holds(&arguments.input) && !arguments.json && !arguments.dependencies {
+        return answer(&grids::describe(&arguments.input)?);
+    }
     let description = description::load(&arguments.input)?;
     if arguments.dependencies {
         return answer(&dependencies(&description.files));

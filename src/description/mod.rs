@@ -12,6 +12,7 @@ mod peers;
 mod radiances;
 pub mod ron;
 pub(crate) mod tangents;
+pub mod vdb;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable, shown};
 use std::path::{Path, PathBuf};

@@ -57,3 +57,4 @@ mod slices;
 mod spots;
 mod tolerance;
 mod translucent;
+mod vdb;

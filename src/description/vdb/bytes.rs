@@ -1,0 +1,109 @@
+//! A file's bytes from front to back. Invariant: what is read lies inside the file, so that nothing is
+//! reserved for more than the file can hold.
+
+/// Why a grid cannot be had: where in the file, and what is wrong there.
+#[derive(Debug)]
+pub(super) struct Fault {
+    /// Bytes from the file's start.
+    pub(super) at: usize,
+    pub(super) what: String,
+}
+
+pub(super) type Read<T> = Result<T, Fault>;
+
+/// The place that is read next.
+#[derive(Clone)]
+pub(super) struct Bytes<'a> {
+    all: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Bytes<'a> {
+    pub(super) fn new(all: &'a [u8]) -> Self {
+        Self { all, at: 0 }
+    }
+
+    /// The same bytes, read on from another place; one behind the end is a fault of whatever is read there.
+    pub(super) fn from(&self, at: i64) -> Read<Self> {
+        let at = usize::try_from(at).map_err(|_| self.fault("a place before the file's start is named"))?;
+        Ok(Self { all: self.all, at })
+    }
+
+    /// Bytes from the file's start.
+    pub(super) fn place(&self) -> i64 {
+        self.at as i64
+    }
+
+    pub(super) fn fault(&self, what: impl Into<String>) -> Fault {
+        Fault { at: self.at, what: what.into() }
+    }
+
+    pub(super) fn take(&mut self, count: usize) -> Read<&'a [u8]> {
+        let end = self.at.checked_add(count).filter(|&end| end <= self.all.len());
+        let end = end.ok_or_else(|| self.fault(format!("the file ends before {count} bytes more")))?;
+        let taken = &self.all[self.at..end];
+        self.at = end;
+        Ok(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Read<[u8; N]> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N)?);
+        Ok(array)
+    }
+
+    pub(super) fn u8(&mut self) -> Read<u8> {
+        Ok(self.array::<1>()?[0])
+    }
+
+    pub(super) fn u32(&mut self) -> Read<u32> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    pub(super) fn i64(&mut self) -> Read<i64> {
+        self.array().map(i64::from_le_bytes)
+    }
+
+    pub(super) fn f32(&mut self) -> Read<f32> {
+        self.array().map(f32::from_le_bytes)
+    }
+
+    pub(super) fn f64(&mut self) -> Read<f64> {
+        self.array().map(f64::from_le_bytes)
+    }
+
+    /// Whole coordinates of a voxel.
+    pub(super) fn voxel(&mut self) -> Read<[i32; 3]> {
+        Ok([self.u32()? as i32, self.u32()? as i32, self.u32()? as i32])
+    }
+
+    /// A text behind its length.
+    pub(super) fn text(&mut self) -> Read<String> {
+        let length = self.u32()? as usize;
+        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
+    }
+
+    /// Bits of a node, the first of them lowest.
+    pub(super) fn mask(&mut self, count: usize) -> Read<Mask<'a>> {
+        self.take(count / 8).map(Mask)
+    }
+}
+
+/// One bit for each place of a node.
+#[derive(Clone, Copy)]
+pub(super) struct Mask<'a>(&'a [u8]);
+
+impl Mask<'_> {
+    pub(super) fn is_on(self, place: usize) -> bool {
+        self.0[place / 8] >> (place % 8) & 1 == 1
+    }
+
+    pub(super) fn count(self) -> usize {
+        self.0.iter().map(|byte| byte.count_ones() as usize).sum()
+    }
+
+    /// The places that are on, in order.
+    pub(super) fn places(self) -> impl Iterator<Item = usize> {
+        (0..8 * self.0.len()).filter(move |&place| self.is_on(place))
+    }
+}

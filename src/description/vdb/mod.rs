@@ -1,0 +1,144 @@
+//! OpenVDB files. In go bytes, out come grids of numbers with their transforms. Invariant: memory is bounded
+//! by the file's size, and every number is finite.
+
+mod blosc;
+mod bytes;
+mod compression;
+mod header;
+mod transform;
+mod tree;
+
+use super::{Files, LoadError};
+use crate::diagnostic::{Diagnostic, Place};
+use bytes::{Bytes, Fault, Read};
+use glam::{DAffine3, DVec3};
+use std::path::Path;
+
+pub use tree::{Leaf, Tile, Tree};
+
+const FLOATS: &str = "Tree_float_5_4_3";
+
+/// A grid of a file.
+#[derive(Debug)]
+pub struct Grid {
+    /// As whoever made it called it: `density`.
+    pub name: String,
+    /// OpenVDB's word for what its tree holds, such as `Tree_float_5_4_3`.
+    pub kind: String,
+    /// Its numbers; `None` if it holds something else.
+    pub floats: Option<Floats>,
+}
+
+/// A grid of numbers.
+#[derive(Debug)]
+pub struct Floats {
+    /// From coordinates of voxels, whole at their middles, to the grid's own space.
+    pub transform: DAffine3,
+    /// The numbers.
+    pub tree: Tree,
+}
+
+/// What is active in a grid.
+#[derive(Debug)]
+pub struct Extent {
+    /// How many voxels.
+    pub voxels: u64,
+    /// Corners of the box about their outer faces, in the grid's own space.
+    pub bounds: [DVec3; 2],
+    /// The smallest number.
+    pub least: f32,
+    /// The largest number.
+    pub most: f32,
+    /// Their mean.
+    pub mean: f64,
+}
+
+/// All grids of a file, in its order.
+///
+/// # Errors
+/// If the file cannot be read, or is damaged: with how many bytes from its start.
+pub fn load(path: &Path) -> Result<Vec<Grid>, LoadError> {
+    parse(&Files::default().read(path, None)?, path)
+}
+
+/// The grids that a file's bytes hold.
+///
+/// # Errors
+/// See [`load`].
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<Grid>, LoadError> {
+    grids(bytes).map_err(|Fault { at, what }| {
+        let found = format!("{what} (byte {at})");
+        Diagnostic::error(Place::File(path.to_owned()), found)
+            .expected("an OpenVDB file of version 222 to 225, whole, with finite numbers")
+            .remedy("write it again: Blender, Houdini and OpenVDB 3 or later write such files")
+            .into()
+    })
+}
+
+fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
+    let bytes = Bytes::new(bytes);
+    let entries = header::read(&mut bytes.clone())?;
+    let mut grids = Vec::new();
+    // Each byte counts once, though a damaged file may name one tree many times.
+    let mut behind = 0;
+    for entry in entries {
+        let mut floats = None;
+        if entry.kind == FLOATS && entry.parent.is_empty() {
+            let mut at = bytes.from(entry.start)?;
+            if entry.start < behind {
+                return Err(at.fault("a grid begins inside the one before it"));
+            }
+            let flags = at.u32()?;
+            header::skip_metadata(&mut at)?;
+            let transform = transform::read(&mut at)?;
+            floats = Some(Floats { transform, tree: tree::read(&mut at, flags, entry.is_half)? });
+            behind = at.place();
+        }
+        grids.push(Grid { name: entry.name, kind: entry.kind, floats });
+    }
+    Ok(grids)
+}
+
+impl Leaf {
+    /// Its active voxels: where each is, and its value.
+    pub fn voxels(&self) -> impl Iterator<Item = ([i32; 3], f32)> + '_ {
+        let is_active = |place: &usize| self.active[place / 8] >> (place % 8) & 1 == 1;
+        (0..self.values.len()).filter(is_active).map(|place| {
+            let along = [place >> 6, place >> 3 & 7, place & 7];
+            let voxel = std::array::from_fn(|axis| self.origin[axis].wrapping_add(along[axis] as i32));
+            (voxel, self.values[place])
+        })
+    }
+}
+
+impl Floats {
+    /// What is active in it; `None` if nothing is.
+    pub fn extent(&self) -> Option<Extent> {
+        let tiles = self.tree.tiles.iter().map(|tile| (tile.origin, tile.edge, tile.value));
+        let leaves = self.tree.leaves.iter().flat_map(Leaf::voxels);
+        let (mut voxels, mut sum) = (0, 0.0);
+        let [mut low, mut high] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [mut least, mut most] = [f32::INFINITY, f32::NEG_INFINITY];
+        for (origin, edge, value) in tiles.chain(leaves.map(|(voxel, value)| (voxel, 1, value))) {
+            let count = (edge as u64).pow(3);
+            let origin = DVec3::from(origin.map(f64::from));
+            voxels += count;
+            sum += count as f64 * f64::from(value);
+            (low, high) = (low.min(origin - 0.5), high.max(origin + (f64::from(edge) - 0.5)));
+            (least, most) = (least.min(value), most.max(value));
+        }
+        let corners = (0..8).map(|corner| {
+            let at = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
+            self.transform.transform_point3(DVec3::new(at(0), at(1), at(2)))
+        });
+        let about = |[low, high]: [DVec3; 2], corner| [low.min(corner), high.max(corner)];
+        let bounds = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], about);
+        (voxels > 0).then(|| Extent { voxels, bounds, least, most, mean: sum / voxels as f64 })
+    }
+
+    /// Bytes that its numbers take.
+    pub fn memory(&self) -> usize {
+        self.tree.leaves.len() * (size_of::<Leaf>() + 512 * 4 + 64)
+            + self.tree.tiles.len() * size_of::<Tile>()
+    }
+}

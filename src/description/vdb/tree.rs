@@ -1,0 +1,119 @@
+//! The tree of a grid: a root, two levels of nodes, leaves of 8 x 8 x 8 voxels. In go bytes, out come
+//! leaves and tiles. Source: `readTopology` and `readBuffers` in `openvdb/tree/`.
+
+use super::bytes::{Bytes, Mask, Read};
+use super::compression::Encoding;
+
+/// Places along an edge of each level's nodes, as powers of 2.
+const UPPER: u32 = 5;
+const LOWER: u32 = 4;
+const LEAF: u32 = 3;
+/// Voxels along an edge of what a place holds.
+const OF_UPPER_PLACE: i32 = 1 << (LOWER + LEAF);
+const OF_LOWER_PLACE: i32 = 1 << LEAF;
+const OF_ROOT_PLACE: i32 = OF_UPPER_PLACE << UPPER;
+
+/// A value for each of 8 x 8 x 8 voxels, z fastest.
+#[derive(Debug)]
+pub struct Leaf {
+    /// Its first voxel.
+    pub origin: [i32; 3],
+    /// The values, those of voxels that are not active too.
+    pub values: Vec<f32>,
+    /// Which voxels are active, a bit each, the first lowest.
+    pub active: Vec<u8>,
+}
+
+/// Voxels of one value.
+#[derive(Debug)]
+pub struct Tile {
+    /// Its first voxel.
+    pub origin: [i32; 3],
+    /// Voxels along an edge.
+    pub edge: i32,
+    /// Its value.
+    pub value: f32,
+}
+
+/// What a tree holds that is active.
+#[derive(Debug, Default)]
+pub struct Tree {
+    /// Value of all else.
+    pub background: f32,
+    /// Voxels, in the file's order.
+    pub leaves: Vec<Leaf>,
+    /// Blocks of one value.
+    pub tiles: Vec<Tile>,
+}
+
+/// Reads a tree, topology and values.
+pub(super) fn read(bytes: &mut Bytes, flags: u32, is_half: bool) -> Read<Tree> {
+    let buffers = bytes.u32()?;
+    if buffers != 1 {
+        return Err(bytes.fault(format!("a tree has {buffers} buffers, not one")));
+    }
+    let background = bytes.f32()?;
+    let encoding = Encoding { flags, is_half, background };
+    let mut tree = Tree { background, ..Tree::default() };
+    let (tiles, children) = (bytes.u32()?, bytes.u32()?);
+    for _ in 0..tiles {
+        let (origin, value, is_active) = (bytes.voxel()?, bytes.f32()?, bytes.u8()? != 0);
+        checked(bytes, value)?;
+        if is_active {
+            tree.tiles.push(Tile { origin, edge: OF_ROOT_PLACE, value });
+        }
+    }
+    for _ in 0..children {
+        let origin = bytes.voxel()?;
+        let children = tree.topology(bytes, &encoding, Node { origin, log_edge: UPPER })?;
+        for origin in children {
+            let leaves = tree.topology(bytes, &encoding, Node { origin, log_edge: LOWER })?;
+            for origin in leaves {
+                bytes.mask(512)?;
+                tree.leaves.push(Leaf { origin, values: Vec::new(), active: Vec::new() });
+            }
+        }
+    }
+    for leaf in &mut tree.leaves {
+        let active = bytes.take(64)?;
+        leaf.active = active.to_vec();
+        leaf.values = encoding.values(bytes, Bytes::new(active).mask(512)?, 512)?;
+        leaf.values.iter().try_for_each(|&value| checked(bytes, value))?;
+    }
+    Ok(tree)
+}
+
+/// A node between root and leaves.
+struct Node {
+    origin: [i32; 3],
+    log_edge: u32,
+}
+
+impl Node {
+    fn first_voxel(&self, place: usize) -> [i32; 3] {
+        let voxels = if self.log_edge == UPPER { OF_UPPER_PLACE } else { OF_LOWER_PLACE };
+        let place = place as i32;
+        let mask = (1 << self.log_edge) - 1;
+        let along = [place >> (2 * self.log_edge), place >> self.log_edge & mask, place & mask];
+        std::array::from_fn(|axis| self.origin[axis].wrapping_add(along[axis] * voxels))
+    }
+}
+
+impl Tree {
+    /// Keeps a node's tiles; the first voxels of its children, in order.
+    fn topology(&mut self, bytes: &mut Bytes, encoding: &Encoding, node: Node) -> Read<Vec<[i32; 3]>> {
+        let places = 1 << (3 * node.log_edge);
+        let (children, active): (Mask, Mask) = (bytes.mask(places)?, bytes.mask(places)?);
+        let values = encoding.values(bytes, active, places)?;
+        for place in active.places().filter(|&place| !children.is_on(place)) {
+            checked(bytes, values[place])?;
+            let edge = if node.log_edge == UPPER { OF_UPPER_PLACE } else { OF_LOWER_PLACE };
+            self.tiles.push(Tile { origin: node.first_voxel(place), edge, value: values[place] });
+        }
+        Ok(children.places().map(|place| node.first_voxel(place)).collect())
+    }
+}
+
+fn checked(bytes: &Bytes, value: f32) -> Read<()> {
+    if value.is_finite() { Ok(()) } else { Err(bytes.fault(format!("a voxel is {value}"))) }
+}

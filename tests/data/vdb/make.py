@@ -1,0 +1,47 @@
+"""Writes the OpenVDB files of this folder, with the `openvdb` that Blender 5.0.1 brings:
+
+    python tests/data/vdb/make.py        # where `import bpy` works
+
+`several.vdb`: `density` has numbers along a line in i, j and k, and a block of .75; `heat` is the same in half
+floats; `velocity` holds vectors; `nothing` has no voxels. `billion.vdb`: 1024^3 voxels of .5, as tiles.
+"""
+
+from pathlib import Path
+
+import bpy
+
+bpy.utils.expose_bundled_modules()
+import openvdb
+
+HERE = Path(__file__).parent
+
+
+def lines(name, is_half):
+    grid = openvdb.FloatGrid()
+    grid.name = name
+    grid.gridClass = openvdb.GridClass.FOG_VOLUME
+    accessor = grid.getAccessor()
+    for i in range(-2, 9):
+        for j in range(3):
+            for k in range(0, 10, 3):
+                accessor.setValueOn((i, j, k), 2.25 + i * 0.5 + j * 0.0625 + k * 0.125)
+    grid.fill((200, 200, 200), (215, 207, 207), 0.75, True)
+    grid.saveFloatAsHalf = is_half
+    rows = [[0, 0.5, 0, 0], [-0.25, 0, 0, 0], [0, 0, 0.125, 0], [1, 2, 3, 1]]
+    grid.transform = openvdb.createLinearTransform(rows)
+    return grid
+
+
+velocity = openvdb.Vec3SGrid()
+velocity.name = "velocity"
+velocity.fill((0, 0, 0), (3, 3, 3), (1.0, 0.0, 0.0), True)
+nothing = openvdb.FloatGrid()
+nothing.name = "nothing"
+grids = [lines("density", False), lines("heat", True), velocity, nothing]
+openvdb.write(str(HERE / "several.vdb"), grids)
+
+billion = openvdb.FloatGrid()
+billion.name = "density"
+billion.fill((0, 0, 0), (1023, 1023, 1023), 0.5, True)
+billion.prune()
+openvdb.write(str(HERE / "billion.vdb"), billion)
