@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use sunfleck::description::image::{self, Encoding};
-use sunfleck::description::{self, Description, Files, SceneSource, gltf};
+use sunfleck::description::{self, Description, Files, SceneSource, gltf, vdb};
 use sunfleck::diagnostic::Place;
 use sunfleck::frame_file;
 use sunfleck::math::Sampler;
@@ -66,6 +66,13 @@ pub(crate) fn frame(bytes: &[u8]) {
 /// A table of other renderers' times.
 pub(crate) fn peers(bytes: &[u8]) {
     let _ = description::load_peers(&written(&[("fuzzed.csv", bytes)]));
+}
+
+/// An OpenVDB file.
+pub(crate) fn grids(bytes: &[u8]) {
+    if let Ok(grids) = vdb::parse(bytes, Path::new("fuzzed.vdb")) {
+        grids.iter().filter_map(|grid| grid.floats.as_ref()?.extent()).for_each(drop);
+    }
 }
 
 const SHOWS_A_MESH: &[u8] = br#"Scene(version: 1, meshes: { "a": Obj("fuzzed.obj") },

@@ -31,6 +31,7 @@ fn what_fuzzing_found_is_answered() {
         ("image", readers::image),
         ("frame", readers::frame),
         ("peers", readers::peers),
+        ("grids", readers::grids),
     ] {
         // None at all must be answered as well.
         reader(&[]);

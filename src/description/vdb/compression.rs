@@ -102,3 +102,74 @@ impl Encoding {
             .ok_or_else(|| before.fault("a chunk cannot be unzipped"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use miniz_oxide::deflate::compress_to_vec_zlib;
+
+    const ACTIVE: [u8; 1] = [0b0101_0001];
+    const BY_MASK: u8 = 0b0010_0010;
+
+    fn floats(values: &[f32]) -> Vec<u8> {
+        values.iter().flat_map(|value| value.to_le_bytes()).collect()
+    }
+
+    /// The values of a node of 8 places, read from what stands before them and their bytes.
+    fn read(flags: u32, is_half: bool, before: &[u8], numbers: &[u8]) -> Vec<f32> {
+        let all = [before, numbers].concat();
+        let mut bytes = Bytes::new(&all);
+        let active = Bytes::new(&ACTIVE).mask(8).unwrap();
+        let values = Encoding { flags, is_half, background: 9.0 }.values(&mut bytes, active, 8).unwrap();
+        assert_eq!(bytes.place(), all.len() as i64, "all bytes are read");
+        values
+    }
+
+    /// Behind its length, zipped, or as it is where that is shorter.
+    fn zipped(raw: &[u8], is_shorter: bool) -> Vec<u8> {
+        let bytes = if is_shorter { compress_to_vec_zlib(raw, 6) } else { raw.to_vec() };
+        let length = if is_shorter { bytes.len() as i64 } else { -(bytes.len() as i64) };
+        [&length.to_le_bytes()[..], &bytes].concat()
+    }
+
+    #[test]
+    fn what_is_not_active_has_the_value_that_its_kind_says() {
+        let numbers = floats(&[1.0, 2.0, 3.0]);
+        let (one, two) = (floats(&[5.0]), floats(&[5.0, 6.0]));
+        for (before, off, chosen) in [
+            (vec![0], 9.0, 9.0),
+            (vec![1], -9.0, -9.0),
+            ([&[2][..], &one].concat(), 5.0, 5.0),
+            (vec![3, BY_MASK], -9.0, 9.0),
+            ([&[4][..], &one, &[BY_MASK]].concat(), 5.0, 9.0),
+            ([&[5][..], &two, &[BY_MASK]].concat(), 5.0, 6.0),
+        ] {
+            let expected = [1.0, chosen, off, off, 2.0, chosen, 3.0, off];
+            assert_eq!(read(ACTIVE_MASK, false, &before, &numbers), expected);
+            for is_shorter in [true, false] {
+                let numbers = zipped(&numbers, is_shorter);
+                assert_eq!(read(ACTIVE_MASK | ZIP, false, &before, &numbers), expected);
+            }
+        }
+    }
+
+    #[test]
+    fn all_values_may_be_written_and_as_half_floats() {
+        let all = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, -4.0];
+        assert_eq!(read(ACTIVE_MASK, false, &[6], &floats(&all)), all);
+        assert_eq!(read(0, false, &[0], &floats(&all)), all);
+        let halves: Vec<u8> = all.iter().flat_map(|&value| f16::from_f32(value).to_le_bytes()).collect();
+        assert_eq!(read(0, true, &[0], &halves), all);
+        assert_eq!(read(ZIP, true, &[0], &zipped(&halves, true)), all);
+    }
+
+    #[test]
+    fn a_chunk_that_unzips_to_more_or_fewer_bytes_is_refused() {
+        for count in [7, 9, 100_000] {
+            let chunk = [&[6][..], &zipped(&floats(&vec![1.0; count]), true)].concat();
+            let active = Bytes::new(&ACTIVE).mask(8).unwrap();
+            let encoding = Encoding { flags: ZIP, is_half: false, background: 0.0 };
+            assert!(encoding.values(&mut Bytes::new(&chunk), active, 8).is_err(), "{count}");
+        }
+    }
+}
