@@ -1,5 +1,6 @@
 """The render engine: F12, without a window, in the Blender that runs this."""
 
+import json
 import os
 import subprocess
 import tempfile
@@ -9,12 +10,13 @@ from types import SimpleNamespace
 from unittest import mock
 
 import bpy
+import mathutils
 import numpy
 import scenes
 import stages
 import sunfleck
 from sunfleck import engine
-from sunfleck.engine import exporting, picture
+from sunfleck.engine import cryptomatte, exporting, picture
 from sunfleck.engine.viewport import View, Viewport
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
@@ -101,27 +103,101 @@ class Engine(unittest.TestCase):
         self.scene.sunfleck_settings.passes = {"shafts", "leaf-id", "albedo", "error"}
         layer = self.scene.view_layers[0]
         layer.use_pass_z = layer.use_pass_normal = layer.use_pass_position = True
-        self.scene.render.image_settings.media_type = "MULTI_LAYER_IMAGE"
-        self.scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+        theirs, _ = self.all_passes()
+        ours = self.frame()
+        named = {"Depth.Z": "Z"} | {f"Combined.{channel}": channel for channel in "RGB"}
+        named |= {f"shafts.{color}": f"shafts.{color}" for color in "RGB"}
+        named |= {"leaf_id.X": "leaf_id.X", "error.Y": "error.Y"}
+        for name, channel in named.items():
+            numpy.testing.assert_array_equal(theirs[name], ours.pixels[..., ours.numbers[channel]], name)
+        # In the program's frame y is up, in Blender z.
+        for name in ("Normal", "Position"):
+            for axis, channel, sign in (("X", "X", 1.0), ("Y", "Z", -1.0), ("Z", "Y", 1.0)):
+                own = ours.pixels[..., ours.numbers[f"{name}.{channel}"]]
+                numpy.testing.assert_array_equal(theirs[f"{name}.{axis}"], sign * own, f"{name}.{axis}")
+
+    def all_passes(self):
+        """Channels of all that Blender wrote of a frame, by their names without the view layer's, and metadata."""
+        settings, found, said = self.scene.render.image_settings, {}, {}
+        settings.media_type, settings.file_format = "MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER"
         self.still()
-        theirs, ours = {}, self.frame()
         bpy.utils.expose_bundled_modules()
         import OpenImageIO
 
         file, part = OpenImageIO.ImageInput.open(str(self.folder / "blender_.exr")), 0
         while file.seek_subimage(part, 0):
             names = [name.split(".", 1)[1] for name in file.spec().channelnames]
-            pixels = file.read_image(OpenImageIO.FLOAT)
-            theirs.update((name, pixels[..., number]) for number, name in enumerate(names))
+            pixels = file.read_image(OpenImageIO.FLOAT).reshape(*SIZE[::-1], -1)
+            found.update((name, pixels[..., number]) for number, name in enumerate(names))
+            said |= {one.name: one.value for one in file.spec().extra_attribs}
             part += 1
         file.close()
-        named = {"Depth.Z": "Z"} | {f"Combined.{channel}": channel for channel in "RGB"}
-        for pair in ("Normal", "Position"):
-            named |= {f"{pair}.{axis}": f"{pair}.{axis}" for axis in "XYZ"}
-        named |= {f"shafts.{color}": f"shafts.{color}" for color in "RGB"}
-        named |= {"leaf_id.X": "leaf_id.X", "error.Y": "error.Y"}
-        for name, channel in named.items():
-            numpy.testing.assert_array_equal(theirs[name], ours.pixels[..., ours.numbers[channel]], name)
+        return found, said
+
+    def test_vectors_are_the_way_from_frame_to_frame(self):
+        from bpy_extras.object_utils import world_to_camera_view
+
+        scene, layer, quad = self.scene, self.scene.view_layers[0], self.scene.objects["quad"]
+        stages.key(quad, "location", ((0.0, 0.0, 1.0), (0.2, 0.1, 1.3)), frames=(1, 3), interpolation="LINEAR")
+        scene.frame_set(2)
+        layer.use_pass_z = layer.use_pass_vector = layer.use_pass_position = layer.use_pass_normal = True
+        found, _ = self.all_passes()
+        self.assertEqual(scene.frame_current, 2)
+        step, seen = mathutils.Vector((0.1, 0.05, 0.15)), numpy.argwhere(found["Depth.Z"] < 1e3)
+        self.assertGreater(len(seen), 3)
+        on_screen = lambda point: numpy.array(world_to_camera_view(scene, scene.camera, point)[:2]) * SIZE
+        for row, column in seen:
+            at = lambda name, axes: [float(found[f"{name}.{axis}"][row, column]) for axis in axes]
+            point = mathutils.Vector(at("Position", "XYZ"))
+            self.assertAlmostEqual(point.z, 1.15, places=4)
+            self.assertGreater(at("Normal", "Z")[0], 0.0)
+            before, here, after = (on_screen(point + way * step) for way in (-1, 0, 1))
+            expected = [*(before - here), *(here - after)]
+            numpy.testing.assert_allclose(at("Vector", "XYZW"), expected, rtol=0.02)
+
+    def test_the_shutter_is_where_blender_has_it_and_the_frame_stays(self):
+        scene = self.scene
+        stages.moving(scene.objects["quad"])
+        scene.render.use_motion_blur = True
+        from sunfleck import export, render
+
+        for position in ("START", "CENTER", "END"):
+            scene.render.motion_blur_position = position
+            scene.frame_set(3)
+            blurred = self.still()
+            self.assertEqual((scene.frame_current, scene.frame_subframe), (3, 0.0))
+            glb, own = self.folder / "scene.glb", self.folder / "own.exr"
+            export.export(scene, glb, 3)
+            own.unlink(missing_ok=True)
+            run = render.Run(PROGRAM, glb, own, [f"--size={SIZE[0]}x{SIZE[1]}"])
+            self.assertEqual(run.wait(), 0, run.error())
+            self.assert_same(blurred, picture.read(own))
+
+    def test_a_cryptomatte_says_which_objects_it_has(self):
+        self.scene.view_layers[0].use_pass_cryptomatte_object = True
+        found, said = self.all_passes()
+        # From the specification's own hash of the layer's name.
+        self.assertEqual(f"{cryptomatte.hash_of(b'hello, world'):08x}", "149bbb7f")
+        key = f"cryptomatte/{cryptomatte.hash_of(b'ViewLayer.CryptoObject'):08x}"[:19]
+        self.assertEqual(said[f"{key}/name"], "ViewLayer.CryptoObject")
+        number = int(json.loads(said[f"{key}/manifest"])["quad"], 16)
+        bits = found["CryptoObject00.R"].view("u4")
+        self.assertTrue((bits == number).any())
+
+    def test_the_default_scene_is_as_bright_as_in_cycles(self):
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=False)
+        scene = bpy.context.scene
+        self.set_up(scene)
+        scene.render.resolution_x, scene.render.resolution_y = 64, 36
+        scene.sunfleck_settings.samples, scene.sunfleck_settings.bounces = 32, 2
+        ours = self.still().of("RGB")
+        scene.render.engine = "CYCLES"
+        cycles = scene.cycles
+        cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling, cycles.seed = 512, False, False, 1
+        cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 2
+        cycles.sample_clamp_indirect = 0.0
+        theirs = self.still().of("RGB")
+        self.assertAlmostEqual(ours.mean() / theirs.mean(), 1.0, delta=0.005)
 
     def test_each_view_layer_shows_its_own(self):
         hidden = bpy.data.collections.new("hidden")

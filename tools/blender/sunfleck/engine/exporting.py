@@ -32,6 +32,8 @@ class Kept:
 
 
 _kept = {}
+# Of each view layer's file.
+_numbers = {}
 _folder = None
 
 
@@ -47,6 +49,7 @@ def forget():
     """Nothing is kept."""
     global _folder
     _kept.clear()
+    _numbers.clear()
     if _folder is not None:
         shutil.rmtree(_folder, ignore_errors=True)
         _folder = None
@@ -57,7 +60,7 @@ def exported(engine, graph):
     scene, key = graph.scene, (graph.scene.name, graph.view_layer.name)
     kept = _kept.pop(key, None)
     if kept is None or not is_camera_alone(graph, kept):
-        kept = anew(engine, graph)
+        kept = anew(engine, graph, folder() / f"{_numbers.setdefault(key, len(_numbers))}.glb")
     else:
         put_camera(graph, kept)
     if scene.render.use_persistent_data:
@@ -65,20 +68,15 @@ def exported(engine, graph):
     return kept.path, kept.findings
 
 
-def anew(engine, graph):
+def anew(engine, graph, path):
     scene, frame = graph.scene, graph.scene.frame_current
     findings = [one for one in check.check(scene) if one.id not in DONE_BY_BLENDER]
     errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
     if errors:
         raise NotRendered("; ".join(errors))
-    path = folder() / f"{len(_kept)}.glb"
     try:
         with scenes.Job(scene, frame) as job:
-            if job.shutter.length:
-                for _ in walk.look(engine, graph, job.frames, job.shutter, job):
-                    pass
-            else:
-                job.visit(graph, frame, 0.0)
+            see(engine, graph, job)
             said = {**custom(scene), **extras.of_scene(scene, path)}
             made = job.written(path, graph.view_layer, said)
     except (OSError, RuntimeError) as problem:
@@ -86,10 +84,24 @@ def anew(engine, graph):
     return Kept(path, frame, made, ordered([*findings, *made.findings]))
 
 
+def see(engine, graph, job):
+    """The frame at hand, what the shutter sees of it, and what the motion pass needs; then the frame again."""
+    frame, is_moving = graph.scene.frame_current, "motion" in passes.wanted(graph.scene, graph.view_layer)
+    if not job.shutter.length and not is_moving:
+        job.visit(graph, frame, 0.0)
+        return
+    for _ in walk.look(engine, graph, job.frames, job.shutter, job):
+        pass
+    for step in (-1, 1) if is_moving else ():
+        engine.frame_set(frame + step, 0.0)
+        job.visit(graph, frame, float(step))
+    engine.frame_set(frame, 0.0)
+
+
 def is_camera_alone(graph, kept):
     """Whether a file is right but for its camera."""
     scene, eye = graph.scene, graph.scene.camera
-    if eye is None or scene.frame_current != kept.frame or kept.exported.assembly.shutter.length:
+    if eye is None or scene.frame_current != kept.frame or len(kept.exported.record.moments) > 1:
         return False
     # Hair turns to the camera.
     if kept.exported.record.capture.eyes or camera_key(kept, eye) is None:

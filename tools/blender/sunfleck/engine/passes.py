@@ -16,11 +16,13 @@ class Pass:
     switch: str = ""
 
 
-COMBINED = "Combined"
+COMBINED, NORMAL, POSITION = "Combined", "Normal", "Position"
+# What Blender has in the space of its world, whose z is up: the program's axes, whose y is, with their signs.
+AXES = {"X": ("X", 1.0), "Y": ("Z", -1.0), "Z": ("Y", 1.0)}
 PASSES = {
     "depth": Pass(("Depth",), "Z", "VALUE", "use_pass_z"),
-    "normal": Pass(("Normal",), "XYZ", "VECTOR", "use_pass_normal"),
-    "position": Pass(("Position",), "XYZ", "VECTOR", "use_pass_position"),
+    "normal": Pass((NORMAL,), "XYZ", "VECTOR", "use_pass_normal"),
+    "position": Pass((POSITION,), "XYZ", "VECTOR", "use_pass_position"),
     "motion": Pass(("Vector",), "XYZW", "VECTOR", "use_pass_vector"),
     "cryptomatte": Pass(
         tuple(f"CryptoObject{number:02}" for number in range(3)), "RGBA", "COLOR", "use_pass_cryptomatte_object"
@@ -53,8 +55,15 @@ def registered(scene, layer):
             yield name, one.channels, one.kind
 
 
+def signs(name):
+    """Of the channels of one of Blender's passes, beside those of the frame."""
+    return tuple(sign for _, sign in AXES.values()) if name in (NORMAL, POSITION) else None
+
+
 def channels_of(name, count):
     """What a frame calls the channels of one of Blender's passes."""
+    if name in (NORMAL, POSITION):
+        return tuple(f"{name}.{axis}" for axis, _ in AXES.values())
     if name == COMBINED:
         return tuple("RGBA"[:count])
     if name == "Depth":

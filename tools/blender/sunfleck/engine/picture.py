@@ -3,15 +3,16 @@
 import bpy
 import numpy
 
-from . import passes
+from . import cryptomatte, passes
 from .exporting import NotRendered
 
 
 class Picture:
-    """A frame: rows from the top, columns, channels by their names."""
+    """A frame: rows from the top, columns, channels by their names; and the manifest of its Cryptomatte, if any."""
 
-    def __init__(self, names, pixels):
+    def __init__(self, names, pixels, manifest=None):
         self.numbers, self.pixels = {name: number for number, name in enumerate(names)}, pixels
+        self.manifest = manifest
 
     def of(self, channels):
         """As Blender has it, rows from the bottom; None if the frame lacks a channel."""
@@ -33,7 +34,9 @@ def read(path):
         pixels = file.read_image(OpenImageIO.FLOAT)
         if pixels is None:
             raise NotRendered(f"{path} cannot be read: {file.geterror()}")
-        return Picture(file.spec().channelnames, pixels)
+        said = {one.name: one.value for one in file.spec().extra_attribs}
+        manifests = [value for name, value in said.items() if cryptomatte.is_manifest(name)]
+        return Picture(file.spec().channelnames, pixels, next(iter(manifests), None))
     finally:
         file.close()
 
@@ -47,5 +50,13 @@ def hand_over(engine, layer, picture):
             if found.size != len(one.rect) * one.channels:
                 engine.end_result(result, cancel=True)
                 raise NotRendered(f"the picture has {columns} x {rows} pixels, and Blender's has {len(one.rect)}")
+            signs = passes.signs(one.name)
+            if signs:
+                found = (found.reshape(-1, len(signs)) * numpy.array(signs, "f4")).ravel()
             one.rect.foreach_set(found)
     engine.end_result(result)
+    if picture.manifest is not None:
+        # Of the whole, as what a part says is not kept.
+        whole = engine.get_result()
+        for name, value in cryptomatte.metadata(f"{layer}.CryptoObject", picture.manifest):
+            whole.stamp_data_add_field(name, value)
