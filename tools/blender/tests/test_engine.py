@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from unittest import mock
 
 import bpy
+import leaf_scenes
 import mathutils
 import numpy
 import scenes
@@ -18,6 +19,7 @@ import sunfleck
 from sunfleck import engine
 from sunfleck.engine import cryptomatte, exporting, picture
 from sunfleck.engine.viewport import View, Viewport
+from sunfleck.materials import inputs
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
 SIZE = 32, 18
@@ -215,6 +217,8 @@ class Engine(unittest.TestCase):
         self.assertEqual(light["empty"], 0.0)
 
     def test_of_a_turned_camera_nothing_else_is_written(self):
+        # As in a Blender that has just started.
+        inputs._as_new.clear()
         self.scene.render.use_persistent_data = True
         self.still()
         self.scene.camera.rotation_euler.z += 0.1
@@ -243,6 +247,20 @@ class Engine(unittest.TestCase):
         self.scene.frame_start, self.scene.frame_end = 1, 4
         bpy.ops.render.render(animation=True)
         self.assert_same(picture.read(self.folder / "blender_0004.exr"), first)
+
+    def test_vectors_of_a_simulation_are_there_before_its_next_frame_was_shown(self):
+        scene = self.scene = leaf_scenes.build("simulation")
+        scene.camera.location.z = 3.9
+        self.set_up(scene)
+        scene.frame_set(5)
+        layer = scene.view_layers[0]
+        layer.use_pass_z = layer.use_pass_position = layer.use_pass_vector = True
+        found, _ = self.all_passes()
+        # Leaves fall above the ground, equally fast in all frames.
+        falls = (found["Depth.Z"] < 1e3) & (found["Position.Z"] > 1.0)
+        self.assertTrue(falls.any())
+        self.assertTrue((found["Vector.Y"][falls] > 0.0).all())
+        numpy.testing.assert_allclose(found["Vector.W"][falls], found["Vector.Y"][falls], rtol=0.05)
 
     def test_nodes_are_baked_while_blender_renders(self):
         tree = self.scene.objects["quad"].data.materials[0].node_tree

@@ -1,7 +1,8 @@
-"""Caches of simulations, filled before Blender renders. A graph that renders reads them and steps nothing.
+"""What has to happen before Blender renders: caches of simulations are filled, as a graph that renders reads
+them and steps nothing; and what is asked of Blender by making things is asked, as that makes all graphs anew.
 
-Invariant: when a frame is rendered, the viewport's graph has been shown it, and all before it. What was hidden
-is hidden again afterwards.
+Invariant: when a frame is rendered, the viewport's graph has been shown it, and all before it; the one after, too,
+if a motion pass looks there. What was hidden is hidden again afterwards.
 """
 
 from contextlib import ExitStack
@@ -10,7 +11,9 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..evaluated import simulations, walk
+from ..materials import inputs
 from ..world import ENGINE
+from . import passes
 
 # By the names of scenes that render.
 _running = {}
@@ -27,7 +30,10 @@ class Running:
 @persistent
 def begin(scene, *_):
     finish(scene)
-    if scene.render.engine == ENGINE and simulations.any_in(scene):
+    if scene.render.engine != ENGINE:
+        return
+    inputs.know([*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights], bpy.data.node_groups)
+    if simulations.any_in(scene):
         _running[scene.name] = Running(scene)
 
 
@@ -38,11 +44,13 @@ def step(scene, *_):
     if running is None:
         return
     frame = scene.frame_current
-    if frame <= running.last:
-        return
-    for number in range(running.last + 1, frame + 1):
+    layers = (layer for layer in scene.view_layers if layer.use)
+    until = frame + any("motion" in passes.wanted(scene, layer) for layer in layers)
+    for number in range(running.last + 1, until + 1):
         scene.frame_set(number)
-    running.last = frame
+    running.last = max(running.last, until)
+    if scene.frame_current != frame:
+        scene.frame_set(frame)
 
 
 @persistent

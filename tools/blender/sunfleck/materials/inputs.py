@@ -76,6 +76,14 @@ def as_new(kind):
     return _as_new[kind]
 
 
+def know(owners, trees):
+    """Asks for all kinds of nodes in trees, those of owners and those by themselves: nothing is made for them later."""
+    for tree in [*(owner.node_tree for owner in owners if owner.node_tree), *trees]:
+        for node in tree.nodes:
+            if node.type in KNOWN:
+                as_new(node.bl_idname)
+
+
 def value_of(socket):
     value = getattr(socket, "default_value", None)
     return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
