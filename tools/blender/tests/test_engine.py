@@ -262,6 +262,16 @@ class Engine(unittest.TestCase):
         self.assertTrue((found["Vector.Y"][falls] > 0.0).all())
         numpy.testing.assert_allclose(found["Vector.W"][falls], found["Vector.Y"][falls], rtol=0.05)
 
+    def test_blur_of_a_simulation_is_the_same_whatever_was_shown_before(self):
+        scene = self.scene = leaf_scenes.build("simulation")
+        self.set_up(scene)
+        scene.camera.location.z, scene.render.use_motion_blur, scene.render.motion_blur_shutter = 3.9, True, 1.0
+        scene.frame_set(5)
+        first = self.still()
+        for frame in (1, 2, 3, 4, 5, 6, 7, 5):
+            scene.frame_set(frame)
+        self.assert_same(self.still(), first)
+
     def test_nodes_are_baked_while_blender_renders(self):
         tree = self.scene.objects["quad"].data.materials[0].node_tree
         noise = tree.nodes.new("ShaderNodeTexNoise")

@@ -1,16 +1,18 @@
 """What has to happen before Blender renders: caches of simulations are filled, as a graph that renders reads
 them and steps nothing; and what is asked of Blender by making things is asked, as that makes all graphs anew.
 
-Invariant: when a frame is rendered, the viewport's graph has been shown it, and all before it; the one after, too,
-if a motion pass looks there. What was hidden is hidden again afterwards.
+Invariant: when a frame is rendered, the viewport's graph has been shown it, all before it, and those after
+it that the shutter or a motion pass reaches. What was hidden is hidden again afterwards.
 """
 
+import math
 from contextlib import ExitStack
 
 import bpy
 from bpy.app.handlers import persistent
 
 from ..evaluated import simulations, walk
+from ..evaluated.moments import Shutter
 from ..materials import inputs
 from ..world import ENGINE
 from . import passes
@@ -44,13 +46,19 @@ def step(scene, *_):
     if running is None:
         return
     frame = scene.frame_current
-    layers = (layer for layer in scene.view_layers if layer.use)
-    until = frame + any("motion" in passes.wanted(scene, layer) for layer in layers)
+    until = frame + frames_ahead(scene)
     for number in range(running.last + 1, until + 1):
         scene.frame_set(number)
     running.last = max(running.last, until)
     if scene.frame_current != frame:
         scene.frame_set(frame)
+
+
+def frames_ahead(scene):
+    """How far behind a frame its shutter and its motion pass look."""
+    shutter = Shutter.of(scene)
+    is_moving = any("motion" in passes.wanted(scene, layer) for layer in scene.view_layers if layer.use)
+    return max(int(is_moving), math.ceil(shutter.opening + shutter.length))
 
 
 @persistent
