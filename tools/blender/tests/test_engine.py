@@ -16,7 +16,7 @@ import numpy
 import scenes
 import stages
 import sunfleck
-from sunfleck import engine
+from sunfleck import engine, export, render
 from sunfleck.engine import cryptomatte, exporting, picture
 from sunfleck.engine.viewport import View, Viewport
 from sunfleck.materials import inputs
@@ -161,19 +161,21 @@ class Engine(unittest.TestCase):
         scene = self.scene
         stages.moving(scene.objects["quad"])
         scene.render.use_motion_blur = True
-        from sunfleck import export, render
-
         for position in ("START", "CENTER", "END"):
             scene.render.motion_blur_position = position
             scene.frame_set(3)
             blurred = self.still()
             self.assertEqual((scene.frame_current, scene.frame_subframe), (3, 0.0))
-            glb, own = self.folder / "scene.glb", self.folder / "own.exr"
-            export.export(scene, glb, 3)
-            own.unlink(missing_ok=True)
-            run = render.Run(PROGRAM, glb, own, [f"--size={SIZE[0]}x{SIZE[1]}"])
-            self.assertEqual(run.wait(), 0, run.error())
-            self.assert_same(blurred, picture.read(own))
+            self.assert_same(blurred, self.exported())
+
+    def exported(self):
+        """The program's frame of the exporter's file of the frame at hand."""
+        glb, own = self.folder / "scene.glb", self.folder / "own.exr"
+        export.export(self.scene, glb, self.scene.frame_current)
+        own.unlink(missing_ok=True)
+        run = render.Run(PROGRAM, glb, own, [f"--size={SIZE[0]}x{SIZE[1]}"])
+        self.assertEqual(run.wait(), 0, run.error())
+        return picture.read(own)
 
     def test_a_cryptomatte_says_which_objects_it_has(self):
         self.scene.view_layers[0].use_pass_cryptomatte_object = True
@@ -267,7 +269,9 @@ class Engine(unittest.TestCase):
         self.set_up(scene)
         scene.camera.location.z, scene.render.use_motion_blur, scene.render.motion_blur_shutter = 3.9, True, 1.0
         scene.frame_set(5)
+        exported = self.exported()
         first = self.still()
+        self.assert_same(exported, first)
         for frame in (1, 2, 3, 4, 5, 6, 7, 5):
             scene.frame_set(frame)
         self.assert_same(self.still(), first)
@@ -277,13 +281,7 @@ class Engine(unittest.TestCase):
         noise = tree.nodes.new("ShaderNodeTexNoise")
         tree.links.new(noise.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
         baked = self.still()
-        from sunfleck import export, render
-
-        glb = self.folder / "scene.glb"
-        export.export(self.scene, glb, self.scene.frame_current)
-        run = render.Run(PROGRAM, glb, self.folder / "own.exr", [f"--size={SIZE[0]}x{SIZE[1]}"])
-        self.assertEqual(run.wait(), 0, run.error())
-        self.assert_same(baked, picture.read(self.folder / "own.exr"))
+        self.assert_same(baked, self.exported())
 
     def test_what_stands_in_the_way_is_an_error_of_blenders(self):
         self.scene.objects["sun"].data.energy = -1.0

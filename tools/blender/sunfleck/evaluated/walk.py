@@ -59,7 +59,9 @@ def walk(scene, frames, shutter, job):
         stack.enter_context(settings_aside(scene))
         stack.enter_context(a_camera(scene))
         if is_simulated:
-            stack.enter_context(simulations.run(scene, layer, range(scene.frame_start, frames[-1] + 1)))
+            # As far as the last shutter reaches.
+            last = frames[-1] + math.ceil(shutter.opening + shutter.length)
+            stack.enter_context(simulations.run(scene, layer, range(scene.frame_start, last + 1)))
         have_rendered(scene, layer)
     if failed:
         raise failed[0]
