@@ -1,8 +1,10 @@
-"""What has to happen before Blender renders: caches of simulations are filled, as a graph that renders reads
-them and steps nothing; and what is asked of Blender by making things is asked, as that makes all graphs anew.
+"""What has to happen before Blender renders.
 
-Invariant: when a frame is rendered, the viewport's graph has been shown it, all before it, and those after
-it that the shutter or a motion pass reaches. What was hidden is hidden again afterwards.
+A graph that renders reads caches of simulations and steps nothing, so they are filled here. To make anything has
+Blender build all graphs anew, so what is asked in that way is asked here.
+
+Invariant: when a frame is rendered, the viewport's graph has been shown it and all before it. It has also been
+shown those after it that the shutter or a motion pass reaches. What was hidden is hidden again afterwards.
 """
 
 import math
