@@ -23,6 +23,8 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
     bl_idname, bl_label = ENGINE, "Sunfleck"
     bl_use_preview = False
     bl_use_shading_nodes_custom = False
+    # *Material Preview* is Eevee's, as with Cycles.
+    bl_use_eevee_viewport = True
 
     def update_render_passes(self, scene=None, renderlayer=None):
         for name, channels, kind in passes.registered(scene, renderlayer):
