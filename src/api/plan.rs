@@ -7,7 +7,7 @@ use super::scene::Scene;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use crate::film;
 use crate::frame_file::Provenance;
-use crate::passes::{Needs, any_needs};
+use crate::passes::{Needs, Pass, any_needs};
 use crate::render::{self, Choice, Job, Method, Rendered, Watch};
 use crate::scanline;
 use crate::scene::{self, RenderSettings, Sampling, Size, Window, matte_id};
@@ -88,7 +88,17 @@ impl<'scene> Plan<'scene> {
 
     /// Renders an exposure of this plan on the current rayon pool.
     pub(crate) fn render(&self, exposure: &Exposure, watch: &Watch) -> Rendered {
-        render::render(exposure, &self.job, watch)
+        if !self.settings.shafts_alone {
+            return render::render(exposure, &self.job, watch);
+        }
+        let mut needed = vec![Pass::Shafts, Pass::Transmittance];
+        needed.retain(|pass| !self.job.passes.contains(pass));
+        let mut passes = [&self.job.passes[..], &needed].concat();
+        passes.sort_unstable();
+        let mut rendered = render::render(exposure, &Job { passes, ..self.job.clone() }, watch);
+        rendered.frame.show_shafts_alone();
+        rendered.frame.drop_passes(&needed);
+        rendered
     }
 
     /// How a frame, or a moment between two, is rendered where nobody says.
@@ -198,11 +208,12 @@ impl<'scene> Plan<'scene> {
             _ => format!(" {:?}", settings.shutter_position),
         };
         let default_light = if options.no_default_light { " Off" } else { "" };
+        let shafts_alone = if settings.shafts_alone { " shafts alone" } else { "" };
         let sky_sun = if options.keep_sky_suns { " sky sun off" } else { "" };
         let animation =
             options.animation.as_ref().map_or(String::new(), |name| format!(" animation {name:?}"));
         let text = format!(
-            "{} {:?} {:?} {camera} {:?}{shutter_position}{default_light}{sky_sun}{animation}",
+            "{} {:?} {:?} {camera} {:?}{shutter_position}{default_light}{sky_sun}{animation}{shafts_alone}",
             job.hashed(),
             settings.frame_rate,
             settings.shutter,

@@ -122,6 +122,12 @@ impl<'a> Renderer<'a> {
         self
     }
 
+    /// Light that fog scatters alone in place of the beauty, with alpha for what fog hides.
+    pub fn shafts_alone(mut self, alone: bool) -> Self {
+        self.settings.shafts_alone = alone;
+        self
+    }
+
     /// Where samples lie and how light in fog is found.
     pub fn method(mut self, method: Method) -> Self {
         self.method = method;

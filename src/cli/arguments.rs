@@ -7,8 +7,8 @@ use super::parse::{
 };
 pub(super) use super::shared_arguments::{BakeArguments, DisplayArguments, SceneArguments};
 pub(super) use super::words::{
-    FarmProfile, FilterArgument, MethodArgument, PassArgument, PreviewArgument, ProgressArgument,
-    QuantityArgument, SkipArgument, Volume, passes,
+    FarmProfile, FilterArgument, MethodArgument, OnlyArgument, PassArgument, PreviewArgument,
+    ProgressArgument, QuantityArgument, SkipArgument, Volume, passes,
 };
 use crate::scene::Bounces;
 use clap::{Args, Parser, Subcommand};
@@ -90,6 +90,9 @@ pub(super) struct RenderArguments {
     /// Passes beside the beauty, or `all` or `none` [default: the sequence's].
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
     pub(super) passes: Option<Vec<PassArgument>>,
+    /// Shafts alone in place of the beauty, with alpha for what fog hides: to be laid over other pictures.
+    #[arg(long, value_enum)]
+    pub(super) only: Option<OnlyArgument>,
     /// Frames a second, such as 24 or 24000/1001 [default: the input's].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
     pub(super) fps: Option<crate::scene::FrameRate>,

@@ -60,6 +60,7 @@ fn renderer<'a>(scene: &'a Scene, arguments: &RenderArguments) -> Result<Rendere
     if let Some(list) = &arguments.passes {
         renderer = renderer.passes(passes(list));
     }
+    renderer = renderer.shafts_alone(arguments.only.is_some());
     if let Some(Crop { x0, y0, x1, y1 }) = arguments.crop {
         renderer = renderer.crop(Window { x: x0, y: y0, width: x1 - x0, height: y1 - y0 });
     }

@@ -106,6 +106,12 @@ pub(super) enum SkySunArgument {
     Off,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum OnlyArgument {
+    /// Light that fog scatters.
+    Shafts,
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum SkipArgument {
     /// Those that are whole and were made by this version from this scene and these settings.

@@ -137,6 +137,23 @@ impl Frame {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
+    /// Shows the shafts in place of the beauty, with alpha for how much of what is behind them fog hides, on
+    /// the mean of the colours. It needs both passes.
+    pub fn show_shafts_alone(&mut self) {
+        let of = |pass: Pass| pass.row().channels.iter().map(|name| Some(self.channel(name)?.pixels.clone()));
+        let shafts: Option<Vec<_>> = of(Pass::Shafts).collect();
+        let through: Option<Vec<_>> = of(Pass::Transmittance).collect();
+        let (Some(shafts), Some(through)) = (shafts, through) else { return };
+        let hidden = (0..through[0].len())
+            .map(|pixel| 1.0 - through.iter().map(|channel| channel[pixel]).sum::<f32>() / 3.0)
+            .collect();
+        for (name, pixels) in ["R", "G", "B", "A"].into_iter().zip(shafts.into_iter().chain([hidden])) {
+            if let Some(channel) = self.channels.iter_mut().find(|channel| channel.name == name) {
+                channel.pixels = pixels;
+            }
+        }
+    }
+
     /// Leaves out the channels of these passes.
     pub fn drop_passes(&mut self, passes: &[Pass]) {
         let is_dropped = |name: &str| passes.iter().any(|pass| pass.row().channels.contains(&name));

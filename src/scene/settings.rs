@@ -200,6 +200,8 @@ pub struct RenderSettings {
     pub filter: PixelFilter,
     /// Passes beside the beauty.
     pub passes: Vec<Pass>,
+    /// Whether the shafts alone take the beauty's place.
+    pub shafts_alone: bool,
     /// Seed of the sample points.
     pub seed: u32,
     /// How long the shutter is open, in frames; 0 is an instant.
@@ -238,6 +240,7 @@ impl Default for RenderSettings {
             sampling: Sampling::Until { tolerance: 0.02, most: Sampling::MOST },
             filter: PixelFilter::Box,
             passes: Vec::new(),
+            shafts_alone: false,
             seed: 0,
             shutter: 0.0,
             shutter_position: 0.0,

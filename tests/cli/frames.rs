@@ -3,6 +3,7 @@
 use crate::program::Studio;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
+use sunfleck::film::Frame;
 use sunfleck::scene::Size;
 
 #[test]
@@ -384,4 +385,25 @@ fn previews_follow_curve_and_exposure_and_frames_do_not() {
     let (_, doubled) = picture("--display raw --exposure 1 --skip valid", "raw");
     let (_, once) = picture("--display raw --exposure 0 --skip valid", "raw");
     assert!(once.iter().zip(&doubled).all(|(&once, &doubled)| once > 120 || doubled.abs_diff(2 * once) <= 2));
+}
+
+#[test]
+fn shafts_alone_are_the_pass_and_hide_what_fog_hides() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1 --passes shafts,transmittance --out all.exr");
+    studio.succeed("render tiny.ron --frames 1 --passes depth --only shafts --out alone.exr");
+    let (all, alone) = (studio.frame("all.exr").frame, studio.frame("alone.exr").frame);
+    let pixels = |frame: &Frame, name: &str| frame.channel(name).unwrap().pixels.clone();
+    for color in ["R", "G", "B"] {
+        assert_eq!(pixels(&alone, color), pixels(&all, &format!("shafts.{color}")), "{color}");
+    }
+    let through = ["R", "G", "B"].map(|color| pixels(&all, &format!("transmittance.{color}")));
+    for (pixel, alpha) in pixels(&alone, "A").into_iter().enumerate() {
+        let mean = through.iter().map(|channel| channel[pixel]).sum::<f32>() / 3.0;
+        assert!((alpha - (1.0 - mean)).abs() < 1e-3, "{alpha} {mean}");
+    }
+    assert!(alone.channel("Z").is_some() && alone.channel("shafts.R").is_none());
+    // Another picture: not the one that is there.
+    let beauty = studio.succeed("render tiny.ron --frames 1 --passes depth --out alone.exr --skip valid");
+    assert!(beauty.err.contains("1 frame written"), "{}", beauty.err);
 }
