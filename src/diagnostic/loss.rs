@@ -43,7 +43,7 @@ losses! {
     MorphWeightsWithoutTargets "morph-weights-without-targets" "weights of meshes without morph targets are passed over"
     InstancesWithoutMesh "instances-without-mesh" "instances of nodes without a mesh are passed over"
     InstancesOfSkins "instances-of-skins" "instances do not follow skeletons, these keep the shape at rest"
-    InstanceAttributes "instance-attributes" "instances differ in place, rotation and scale alone, not in these"
+    InstanceAttributes "instance-attributes" "instances differ in place, rotation, scale and colour alone, not in these"
     MeshWithoutTriangles "mesh-without-triangles" "meshes without triangles are left out"
     NodesOutsideScene "nodes-outside-scene" "nodes outside the scene are passed over"
     OtherScenes "other-scenes" "only one scene is read, the others are passed over"

@@ -16,6 +16,14 @@ const ROTATIONS: Wanted = Wanted {
     components: &[Component::F32, Component::I8, Component::I16],
 };
 
+/// As three.js and Babylon.js write it.
+const COLOR: &str = "_COLOR_0";
+const COLORS: Wanted = Wanted {
+    purpose: "colours of instances",
+    width: 3,
+    components: &[Component::F32, Component::U8, Component::U16],
+};
+
 /// Gives every node the places of its instances, from the node's space.
 pub(super) fn read(document: &Document, nodes: &mut [Node], accessors: &Accessors<'_>, report: &mut Report) {
     for (index, (node, source)) in nodes.iter_mut().zip(&document.nodes).enumerate() {
@@ -29,13 +37,36 @@ pub(super) fn read(document: &Document, nodes: &mut [Node], accessors: &Accessor
             report.not_honoured(Loss::InstancesOfSkins, &name);
         }
         for attribute in instancing.attributes.keys() {
-            if !["TRANSLATION", "ROTATION", "SCALE"].contains(&attribute.as_str()) {
+            if !["TRANSLATION", "ROTATION", "SCALE", COLOR].contains(&attribute.as_str()) {
                 let name = format!("{attribute}` of `{name}");
                 report.not_honoured(Loss::InstanceAttributes, &name);
             }
         }
         node.instances = report.spare(Loss::InstancesDamaged, places(instancing, index, accessors));
+        let count = node.instances.as_ref().map_or(0, Vec::len);
+        let colors = colors(document, instancing, (index, count), accessors);
+        node.instance_colors = report.spare(Loss::InstancesDamaged, colors).unwrap_or_default();
     }
+}
+
+/// Of so many instances of a node; without alpha.
+fn colors(
+    document: &Document,
+    instancing: &json::Instancing,
+    (index, count): (usize, usize),
+    accessors: &Accessors<'_>,
+) -> Result<Vec<DVec3>, Diagnostic> {
+    let Some(&accessor) = instancing.attributes.get(COLOR) else { return Ok(Vec::new()) };
+    let path = format!("nodes[{index}].extensions.EXT_mesh_gpu_instancing.attributes.{COLOR}");
+    let has_alpha = document.accessors.get(accessor).is_some_and(|accessor| accessor.shape == "VEC4");
+    let width = if has_alpha { 4 } else { 3 };
+    let numbers = accessors.read(accessor, Wanted { width, ..COLORS }, &path)?;
+    if numbers.len() != width * count {
+        let found = format!("{} colours for {count} instances", numbers.len() / width);
+        return Err(accessors.invalid(path, found).expected("one element an instance"));
+    }
+    let color = |numbers: &[f64]| DVec3::from_slice(numbers).clamp(DVec3::ZERO, DVec3::ONE);
+    Ok(numbers.chunks_exact(width).map(color).collect())
 }
 
 fn places(

@@ -102,6 +102,8 @@ pub struct Node {
     pub weights: Option<Vec<f64>>,
     /// Where its mesh is drawn instead, from the node's space (EXT_mesh_gpu_instancing).
     pub instances: Option<Vec<DAffine3>>,
+    /// Linear colours of these, which multiply those of their materials; none, or one for each.
+    pub instance_colors: Vec<DVec3>,
     /// Whether it and what is below it is shown (KHR_node_visibility).
     pub visible: bool,
     /// Index into [`GltfScene::cameras`].

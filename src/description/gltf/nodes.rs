@@ -50,6 +50,7 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
         skin,
         weights: None,
         instances: None,
+        instance_colors: Vec::new(),
         visible: node.extensions.visibility.as_ref().is_none_or(|visibility| visibility.visible),
         camera,
         light,

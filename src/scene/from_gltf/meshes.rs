@@ -6,8 +6,8 @@ use super::deformations::{Baked, Converted, Part};
 use crate::description::gltf::{self, Primitive};
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::outline::Between;
-use crate::scene::{Instance, Mesh, Motion, Node, Track, Triangle};
-use glam::{Vec2, Vec3, Vec4};
+use crate::scene::{Instance, MaterialIndex, Mesh, Motion, Node, Track, Triangle};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 impl Builder<'_> {
     /// Adds an instance for every node of the scene that shows a mesh, and those meshes.
@@ -30,13 +30,13 @@ impl Builder<'_> {
                 converted[mesh] = Some(self.add_mesh(mesh_source));
             }
             match &node.instances {
-                None => shown.push((index, number, mesh)),
+                None => shown.push((index, number, mesh, None)),
                 Some(places) => shown.extend(places.iter().enumerate().map(|(copy, &place)| {
                     let name = format!("{}[{copy}]", node.name);
                     let motion = Motion::Still(place);
                     let visible = Track::from(true);
                     self.scene.nodes.push(Node { name, parent: Some(number), motion, visible });
-                    (index, self.scene.nodes.len() - 1, mesh)
+                    (index, self.scene.nodes.len() - 1, mesh, node.instance_colors.get(copy).copied())
                 })),
             }
         }
@@ -44,14 +44,39 @@ impl Builder<'_> {
             self.report_material(material);
         }
         let leaf_ids = self.leaf_ids(&shown.iter().map(|&(node, ..)| node).collect::<Vec<_>>());
-        for ((index, node, source), leaf_id) in shown.into_iter().zip(leaf_ids) {
+        for ((index, node, source, color), leaf_id) in shown.into_iter().zip(leaf_ids) {
             let rays = self.ray_visibility(index);
             self.scene.set_ray_visibility(node, rays);
             for part in converted[source].iter().flatten() {
                 let (mesh, deformation) = self.bend(part, index, &mut baked);
-                self.scene.instances.push(Instance { node, mesh, material: None, leaf_id, deformation });
+                let material = color.and_then(|color| self.in_color(index, mesh, color));
+                self.scene.instances.push(Instance { node, mesh, material, leaf_id, deformation });
             }
         }
+    }
+
+    /// The material of a mesh in an instance's colour. A mesh of several materials keeps its own, and so does
+    /// one whose material changes, as is said.
+    fn in_color(&mut self, node: usize, mesh: usize, color: DVec3) -> Option<MaterialIndex> {
+        let triangles = &self.scene.meshes[mesh].triangles;
+        let material = triangles.first()?.material;
+        let is_one = triangles.iter().all(|triangle| triangle.material == material);
+        if !is_one || self.scene.materials[material].changes.is_some() {
+            let name = format!("_COLOR_0` of `{}", self.source.nodes[node].name);
+            self.report.not_honoured(Loss::InstanceAttributes, &name);
+            return None;
+        }
+        let key = (material, color.to_array().map(f64::to_bits));
+        if let Some(&known) = self.colored.get(&key) {
+            return Some(known);
+        }
+        let mut made = self.scene.materials[material].clone();
+        made.name = format!("{} {}", made.name, self.colored.len() + 1);
+        made.base_color *= color;
+        made.transmission *= color;
+        self.scene.materials.push(made);
+        self.colored.insert(key, self.scene.materials.len() - 1);
+        Some(self.scene.materials.len() - 1)
     }
 
     /// Adds a mesh: one of ours for the primitives that have normals, one for those that have none.

@@ -22,7 +22,7 @@ mod sun_pictures;
 mod surfaces;
 
 use super::outline::Tally;
-use super::{Light, LightKind, RenderSettings, ResolveOptions, Scene, Texture};
+use super::{Light, LightKind, MaterialIndex, RenderSettings, ResolveOptions, Scene, Texture};
 use crate::description::gltf::report::Report;
 use crate::description::gltf::{Channel, GltfScene, Property, PropertyChannel};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
@@ -48,6 +48,8 @@ struct Builder<'a> {
     pictures_on_suns: usize,
     /// Meshes that a mask has cut.
     outlines: Tally,
+    /// Materials in an instance's colour, by their own number and that.
+    colored: BTreeMap<(MaterialIndex, [u64; 3]), MaterialIndex>,
 }
 
 /// Resolves a glTF file as whoever renders wants it.
@@ -82,6 +84,7 @@ pub(super) fn resolve(
         sun_images,
         pictures_on_suns: 0,
         outlines: Tally::default(),
+        colored: BTreeMap::new(),
     };
     builder.collect_properties();
     builder.add_nodes();

@@ -4,5 +4,6 @@
 mod bending;
 mod cameras;
 mod file;
+mod instances;
 mod materials;
 mod pointers;
