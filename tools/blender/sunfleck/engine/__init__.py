@@ -47,6 +47,8 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
         glb, findings = exporting.exported(self, graph)
         for finding in by_kind(findings):
             self.report({"WARNING" if finding.severity == "WARNING" else "INFO"}, str(finding))
+        if self.is_stopped():
+            return
         frame = glb.with_suffix(".exr")
         flags = exporting.flags(self, graph.scene, graph.view_layer)
         run = render.Run(executable, glb, frame, flags)
