@@ -20,6 +20,7 @@ pub(super) fn pool(asked: Option<u32>) -> Result<ThreadPool, CliError> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -104,6 +104,7 @@ impl Encoding {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use miniz_oxide::deflate::compress_to_vec_zlib;

@@ -178,8 +178,7 @@ fn with_tree(scene: &str) -> Result<Scene, String> {
 
 #[test]
 fn materials_of_an_obj_file_give_way_by_name() {
-    let rest =
-        r#"materials: { "green": (transmission: (0.1, 0.3, 0.05)) }, objects: { "tree": (mesh: "tree") }"#;
+    let rest = r#"materials: { "green": (base_color: 0.4, transmission: (0.1, 0.3, 0.05)) }, objects: { "tree": (mesh: "tree") }"#;
     let tree = |names: &str| {
         format!(r#"meshes: {{ "tree": ObjWith(file: "tree.obj", materials: {names}) }}, {rest}"#)
     };
