@@ -15,6 +15,7 @@ import time
 import unittest
 from pathlib import Path, PureWindowsPath
 from shlex import quote
+from unittest import mock
 
 from .command import NO_PROGRAM, PROGRAM
 
@@ -62,6 +63,12 @@ class OpenJobDescription(WithShot):
             f'#!/bin/sh\nPYTHONPATH={quote(str(TOOLS))} exec {quote(sys.executable)} -m sunfleck_tools "$@"\n'
         )
         self.tools.chmod(0o755)
+        # openjd's folder of temporary files belongs to whoever first ran it on a machine.
+        self.temporary = self.folder / "temporary"
+        self.temporary.mkdir()
+        elsewhere = mock.patch("tempfile.tempdir", str(self.temporary))
+        elsewhere.start()
+        self.addCleanup(elsewhere.stop)
 
     def worker(self, *arguments: str, shot: Path | None = None) -> subprocess.Popen:
         """A session of `openjd run`, in a group of processes of its own."""
@@ -70,6 +77,7 @@ class OpenJobDescription(WithShot):
         return subprocess.Popen(
             [OPENJD, "run", self.job / "template.json", *flags, *arguments],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True,
+            env={**os.environ, "TMPDIR": str(self.temporary)},
         )  # fmt: skip
 
     def tasks(self, *chunks: str) -> tuple[str, ...]:
