@@ -69,8 +69,8 @@ pub(super) struct BoxLimit<L> {
 }
 
 impl<L: Lanes> BoxLimit<L> {
-    #[inline(always)]
     /// Boxes of nodes are padded by what is lost of positions; what is lost of the offset comes here.
+    #[inline(always)]
     pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
         let offset = functional.offset + wide_tree::padding(functional.offset.abs());
         let padded = Functional { offset, ..*functional };

@@ -128,6 +128,19 @@ pub enum AlphaMode {
 }
 
 impl Material {
+    /// The same in a colour, which multiplies what pictures are of, and light that comes through.
+    pub fn tinted(&self, color: Rgb) -> Self {
+        let mut tinted = self.clone();
+        tinted.base_color *= color;
+        tinted.transmission *= color;
+        match self.painted {
+            Painted::BaseColor => {}
+            Painted::Mirror => tinted.mirror *= color,
+            Painted::Emission => tinted.emission *= color,
+        }
+        tinted
+    }
+
     /// Its colours, then its single numbers; zeros for a coat or a normal map that it lacks.
     pub fn numbers(&self) -> MaterialNumbers {
         let (f0, metallic, roughness, f90) = self

@@ -407,3 +407,36 @@ fn shafts_alone_are_the_pass_and_hide_what_fog_hides() {
     let beauty = studio.succeed("render tiny.ron --frames 1 --passes depth --out alone.exr --skip valid");
     assert!(beauty.err.contains("1 frame written"), "{}", beauty.err);
 }
+
+/// A wall that shines, and the same wall as a plate behind a holdout.
+#[test]
+fn frames_go_over_a_plate() {
+    let studio = Studio::new();
+    let plate = [0.5, 0.3, 0.2];
+    for (name, holdout) in [("wall", false), ("plate", true)] {
+        let scene = format!(
+            r#"Scene(version: 1, meshes: {{ "wall": Quad(size_m: 8.0), "leaf": Leaf(length_m: 0.5, width_m: 0.3) }},
+            materials: {{ "glow": (base_color: 0.0, emission_w_per_m2_sr: {:?}), "red": (base_color: (0.5, 0.2, 0.1)) }},
+            objects: {{ "wall": (mesh: "wall", material: "glow", rotation_deg: (90.0, 0.0, 0.0),
+                translation_m: (0.0, 0.0, -2.0), holdout: {holdout}),
+                "leaf": (mesh: "leaf", material: "red", rotation_deg: (60.0, 20.0, 0.0)) }},
+            cameras: {{ "main": (position_m: (0.0, 0.0, 3.0), look_at_m: (0.0, 0.0, 0.0), fov_deg: 40.0) }},
+            lights: {{ "sun": Sun(to_sun: (0.3, 1.0, 0.2), irradiance_w_per_m2: 3.0) }},
+            fog: {{ "haze": (min_m: (-3.0, -3.0, -1.5), max_m: (3.0, 3.0, 2.0), density_per_m: 0.2) }})"#,
+            (plate[0], plate[1], plate[2])
+        );
+        std::fs::write(studio.path(&format!("{name}.ron")), scene).unwrap();
+        studio.succeed(&format!(
+            "render {name}.ron --frames 1 --size 32x18 --samples 4 --bounces 0 --out {name}.exr"
+        ));
+    }
+    let (wall, over) = (studio.frame("wall.exr").frame, studio.frame("plate.exr").frame);
+    let alpha = &over.channel("A").unwrap().pixels;
+    for (color, plate) in ["R", "G", "B"].into_iter().zip(plate) {
+        let pixels = wall.channel(color).unwrap().pixels.iter().zip(&over.channel(color).unwrap().pixels);
+        for ((&whole, &light), &alpha) in pixels.zip(alpha) {
+            let laid_over = light + (1.0 - alpha) * plate;
+            assert!((laid_over - whole).abs() < 1e-3, "{color}: {laid_over} {whole}");
+        }
+    }
+}

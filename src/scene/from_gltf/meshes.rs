@@ -70,10 +70,8 @@ impl Builder<'_> {
         if let Some(&known) = self.colored.get(&key) {
             return Some(known);
         }
-        let mut made = self.scene.materials[material].clone();
+        let mut made = self.scene.materials[material].tinted(color);
         made.name = format!("{} {}", made.name, self.colored.len() + 1);
-        made.base_color *= color;
-        made.transmission *= color;
         self.scene.materials.push(made);
         self.colored.insert(key, self.scene.materials.len() - 1);
         Some(self.scene.materials.len() - 1)

@@ -68,10 +68,8 @@ impl Resolver<'_> {
         if let Some(&known) = self.tinted.get(&(material, level)) {
             return Some(known);
         }
-        let mut made = self.scene.materials[material].clone();
+        let mut made = self.scene.materials[material].tinted(level.color());
         made.name = format!("{} {}", made.name, self.tinted.len() + 1);
-        made.base_color *= level.color();
-        made.transmission *= level.color();
         self.scene.materials.push(made);
         self.tinted.insert((material, level), self.scene.materials.len() - 1);
         Some(self.scene.materials.len() - 1)

@@ -35,6 +35,23 @@ fn each_instance_has_its_colour_on_its_material() {
     }
 }
 
+/// What shines in its own colours, and metal, are as coloured as matte things.
+#[test]
+fn what_shines_and_what_mirrors_has_the_colour_too() {
+    let bytes = vec![255, 0, 51, 255].repeat(3);
+    for (kind, of) in [
+        (json!({ "extensions": { "KHR_materials_unlit": {} } }), 0),
+        (json!({ "pbrMetallicRoughness": { "metallicFactor": 1, "roughnessFactor": 0 } }), 1),
+    ] {
+        let mut file = with_colors("VEC4", 5121, bytes.clone());
+        file.json["materials"][0] = kind;
+        let scene = file.scene();
+        let material = &scene.materials[scene.instances[0].material.unwrap()];
+        let shown = [material.emission, material.mirror][of];
+        assert!((shown - DVec3::new(1.0, 0.0, 0.2)).abs().max_element() < 1e-7, "{shown}");
+    }
+}
+
 #[test]
 fn colours_of_another_number_are_damaged() {
     let few = [1.0_f32, 0.0, 0.2].map(f32::to_le_bytes).concat();
