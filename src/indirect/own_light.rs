@@ -118,14 +118,11 @@ impl OwnLight {
             (leaf.normal, alone.nodes, self.sent_again(&alone))
         };
         let factor = FRAC_1_PI * self.per_volume;
-        let numbers: Vec<usize> = (0..leaves.all().len()).collect();
-        for numbers in numbers.chunks(AT_ONCE) {
-            let lit = numbers.par_iter().filter_map(|&number| {
-                let leaf = &leaves.all()[number];
-                let scattered = on_leaves.scattered(number, leaf);
-                let is_dark = scattered.iter().all(|side| side.all() == Rgb::ZERO);
-                let is_black = leaf.scatters.emission == Rgb::ZERO;
-                (!is_dark || !is_black).then_some((leaf, scattered))
+        for (first, leaves) in (0..).step_by(AT_ONCE).zip(leaves.all().chunks(AT_ONCE)) {
+            let lit = leaves.par_iter().enumerate().filter_map(|(number, leaf)| {
+                let scattered = on_leaves.scattered(first + number, leaf);
+                let is_lit = scattered.iter().any(|side| side.all() != Rgb::ZERO);
+                (is_lit || leaf.scatters.emission != Rgb::ZERO).then_some((leaf, scattered))
             });
             for (normal, nodes, sent) in lit.map(of_leaf).collect::<Vec<_>>() {
                 for ((nodes, sent), facing) in nodes.iter().zip(sent).zip([normal, -normal]) {
