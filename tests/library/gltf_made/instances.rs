@@ -38,7 +38,7 @@ fn each_instance_has_its_colour_on_its_material() {
 /// What shines in its own colours, and metal, are as coloured as matte things.
 #[test]
 fn what_shines_and_what_mirrors_has_the_colour_too() {
-    let bytes = vec![255, 0, 51, 255].repeat(3);
+    let bytes = [255, 0, 51, 255].repeat(3);
     for (kind, of) in [
         (json!({ "extensions": { "KHR_materials_unlit": {} } }), 0),
         (json!({ "pbrMetallicRoughness": { "metallicFactor": 1, "roughnessFactor": 0 } }), 1),
