@@ -33,7 +33,7 @@ FRAMES, SEEDS = 240, (1, 2)
 ALIKE_FRAMES = 36
 """Leaves that move alike for so long would be seen to move in step."""
 FASTEST_M_PER_S, FASTEST_RAD_PER_S = 8.0, 150.0
-"""Above what a leaf reaches in this wind, times `speed`; for its turns see docs/notes/falling.md."""
+"""Above what a leaf reaches in this wind, times `speed`; for its turns see docs/decisions/falling.md."""
 SUNK_M = 0.01
 """Keys are within 1 % of a leaf's length of where it was found to be, a third of that on the ground."""
 
