@@ -70,7 +70,7 @@ fn camera_on_a_triangle() {
             fog(&mut scene, &Frame::HERE, DVec3::new(-4.0, -2.0, -9.0), DVec3::new(4.0, 3.0, 1.0), 0.2, 0.5);
             light(&mut scene, &Frame::HERE, lamp);
             per_ray(&scene, 1.0, spread(200)).hold(&format!("camera on {name}, {lamp:?}, per ray"), 1e-6);
-            // Slices do not yet bear the camera on an edge or in a vertex: docs/numerics.md.
+            // Slices do not yet bear the camera on an edge or in a vertex: docs/builders/numerics.md.
             if matches!(name, "edge" | "vertex") {
                 continue;
             }

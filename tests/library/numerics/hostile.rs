@@ -41,7 +41,7 @@ fn scene() -> impl Strategy<Value = Scene> {
     );
     let banks = prop::collection::vec(bank, 0..3);
     let parts = (triangles, banks, lamp(), -4.0..4.0_f64);
-    // Whose shadow falls which way is then a matter of rounding (docs/numerics.md).
+    // Whose shadow falls which way is then a matter of rounding (docs/builders/numerics.md).
     let parts = parts.prop_filter("a lamp on no triangle", |(triangles, _, lamp, _)| {
         triangles.iter().all(|triangle| !lies_on(lamp, triangle))
     });

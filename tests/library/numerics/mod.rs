@@ -1,5 +1,5 @@
 //! What breaks renderers, one file a hazard, each against a slow truth in double precision or a closed
-//! form. What was found, with the measured errors, is in docs/numerics.md.
+//! form. What was found, with the measured errors, is in docs/builders/numerics.md.
 
 mod compare;
 mod fog_truth;
