@@ -23,7 +23,7 @@ mod survey;
 mod tiles;
 
 use crate::film::{Film, Frame};
-use crate::indirect::Indirect;
+use crate::indirect::{Indirect, KeptLight};
 use crate::math::{Ray, Sampler};
 use crate::passes::{Needs, Pass, any_needs};
 use crate::scene::{Bounces, PixelFilter, Sampling, Size, Window};
@@ -224,10 +224,10 @@ impl Job {
     }
 
     /// Light of higher orders, if it is wanted from a grid.
-    fn indirect(&self, snapshot: &Snapshot, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<Indirect> {
+    fn indirect(&self, exposure: &Exposure, kept: &KeptLight, watch: &Watch) -> Option<Indirect> {
         let wants_grid = self.bounces != Bounces::NONE && self.method != Method::Paths;
         let aspect = self.size.width as f64 / self.size.height as f64;
-        if wants_grid { Indirect::new(snapshot, self.bounces, aspect, cancelled) } else { None }
+        if wants_grid { Indirect::new(exposure, self.bounces, aspect, kept, watch.cancelled) } else { None }
     }
 
     /// Whether errors are estimated.
@@ -238,8 +238,13 @@ impl Job {
 
 /// Renders on the current rayon pool.
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
+    render_keeping(exposure, job, &KeptLight::default(), watch)
+}
+
+/// The same with light of other pictures of the scene, where it is the same.
+pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
-    let indirect = job.indirect(middle, watch.cancelled);
+    let indirect = job.indirect(exposure, kept, watch);
     let indirect = indirect.as_ref();
     let components = components(exposure, indirect);
     if !job.is_judged() {

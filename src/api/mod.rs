@@ -15,6 +15,7 @@ mod plan;
 mod renderer;
 mod scene;
 mod surroundings;
+mod viewer;
 
 pub use animated::{Animated, Extend, Key};
 pub use arrays::Array;
@@ -29,3 +30,4 @@ pub(crate) use plan::Plan;
 pub use renderer::Renderer;
 pub use scene::{NodePlace, Scene};
 pub use surroundings::{Fog, Sky, SkyLight};
+pub(crate) use viewer::{NAME as VIEWER, Viewer};

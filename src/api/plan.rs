@@ -89,13 +89,14 @@ impl<'scene> Plan<'scene> {
     /// Renders an exposure of this plan on the current rayon pool.
     pub(crate) fn render(&self, exposure: &Exposure, watch: &Watch) -> Rendered {
         if !self.settings.shafts_alone {
-            return render::render(exposure, &self.job, watch);
+            return render::render_keeping(exposure, &self.job, self.scene.light(), watch);
         }
         let mut needed = vec![Pass::Shafts, Pass::Transmittance];
         needed.retain(|pass| !self.job.passes.contains(pass));
         let mut passes = [&self.job.passes[..], &needed].concat();
         passes.sort_unstable();
-        let mut rendered = render::render(exposure, &Job { passes, ..self.job.clone() }, watch);
+        let mut rendered =
+            render::render_keeping(exposure, &Job { passes, ..self.job.clone() }, self.scene.light(), watch);
         rendered.frame.show_shafts_alone();
         rendered.frame.drop_passes(&needed);
         rendered
@@ -129,7 +130,9 @@ impl<'scene> Plan<'scene> {
             method: self.job.method.by_rays(),
             ..self.job.clone()
         };
-        render::render(&exposure, &job, &Watch::NOBODY).frame.auto_exposure_stops()
+        render::render_keeping(&exposure, &job, self.scene.light(), &Watch::NOBODY)
+            .frame
+            .auto_exposure_stops()
     }
 
     /// Where a frame comes from.

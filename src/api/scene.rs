@@ -2,12 +2,15 @@
 //! that exists is valid, and its files are not read again.
 
 use super::error::RenderError;
+use super::viewer::Viewer;
 use crate::description::Description;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::export::{self, Exported};
 use crate::frame_file;
+use crate::indirect::KeptLight;
 use crate::scene::{self, Baking, FrameRate, RenderSettings, ResolveOptions, Size};
 use crate::snapshot::MeshTrees;
+use sha2::{Digest, Sha256};
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -19,10 +22,13 @@ pub struct Scene {
     pub(super) settings: RenderSettings,
     /// What it was asked to be.
     pub(super) options: ResolveOptions,
-    /// SHA-256 over all input files.
+    /// SHA-256 over all input files; and over the camera that was brought along, if any.
     pub(super) content_hash: String,
+    input_hash: String,
     /// Built as frames need them.
     trees: OnceLock<MeshTrees>,
+    /// Indirect light of the last frame.
+    light: KeptLight,
 }
 
 impl fmt::Debug for Scene {
@@ -51,7 +57,9 @@ impl Scene {
         let content_hash = description.content_hash.clone();
         let (resolved, settings) = scene::resolve_telling(description, options, baking)?;
         let settings = options.overrule(&settings);
-        Ok(Self { resolved, settings, options: options.clone(), content_hash, trees: OnceLock::new() })
+        let (trees, light) = (OnceLock::new(), KeptLight::default());
+        let (options, input_hash) = (options.clone(), content_hash.clone());
+        Ok(Self { resolved, settings, options, content_hash, input_hash, trees, light })
     }
 
     /// What is asked for and not honoured, or only nearly, and what was put in where the input says nothing.
@@ -96,9 +104,21 @@ impl Scene {
         })
     }
 
+    /// Has a camera that a program brings along, in place of the last such.
+    pub(crate) fn look_from(&mut self, viewer: &Viewer) {
+        viewer.put_into(&mut self.resolved);
+        let said = format!("{} {viewer:?}", self.input_hash);
+        self.content_hash = Sha256::digest(said).iter().map(|byte| format!("{byte:02x}")).collect();
+    }
+
     /// Built when a frame first needs them, kept for all.
     pub(super) fn trees(&self) -> &MeshTrees {
         self.trees.get_or_init(|| MeshTrees::new(&self.resolved))
+    }
+
+    /// Light of the last frame, for the next one if it is the same.
+    pub(super) fn light(&self) -> &KeptLight {
+        &self.light
     }
 
     /// Writes it as a binary glTF file, whole or not at all: meshes shared, motion as keys over `frames`.

@@ -222,7 +222,7 @@ fn accuracy(plan: &ScalingPlan) -> Vec<(f64, f64)> {
     errors.zip(&times).map(|(error, &(_, seconds))| (1.0 / error, seconds)).collect()
 }
 
-fn exposure<'a>(plan: &ScalingPlan, scene: &'a Scene, trees: &MeshTrees, size: Size) -> Exposure<'a> {
+fn exposure<'a>(plan: &ScalingPlan, scene: &'a Scene, trees: &'a MeshTrees, size: Size) -> Exposure<'a> {
     Exposure::new(scene, trees, plan.camera, size.width as f64 / size.height as f64, plan.shutter)
 }
 

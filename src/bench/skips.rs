@@ -262,7 +262,7 @@ fn tree(mesh: &scene::Mesh) -> MeshTree {
     MeshTree::new(&mesh.positions, &triangles)
 }
 
-fn exposure<'a>(plan: &SkipsPlan, scene: &'a Scene, trees: &MeshTrees) -> Exposure<'a> {
+fn exposure<'a>(plan: &SkipsPlan, scene: &'a Scene, trees: &'a MeshTrees) -> Exposure<'a> {
     let aspect = plan.job.size.width as f64 / plan.job.size.height as f64;
     Exposure::new(scene, trees, plan.camera, aspect, plan.shutter)
 }
@@ -274,7 +274,8 @@ fn rendered(plan: &SkipsPlan, exposure: &Exposure, passes: &[Pass]) -> Frame {
 
 /// The picture of a scene, and the time of rendering alone.
 fn picture(plan: &SkipsPlan, scene: &Scene, passes: &[Pass]) -> (Frame, f64) {
-    let exposure = exposure(plan, scene, &MeshTrees::new(scene));
+    let trees = MeshTrees::new(scene);
+    let exposure = exposure(plan, scene, &trees);
     timed(|| rendered(plan, &exposure, passes))
 }
 

@@ -39,6 +39,8 @@ pub(super) enum Command {
     Diff(DiffArguments),
     /// Write a job for the manager of a render farm.
     Farm(FarmArguments),
+    /// Keep a scene loaded, and render what lines of the input stream ask for.
+    Serve(ServeArguments),
     /// Print a completion script for a shell.
     Completions {
         /// Which shell.
@@ -132,6 +134,27 @@ pub(super) struct RenderArguments {
     /// Say what would be rendered, and render nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct ServeArguments {
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf) or a mesh (.obj).
+    pub(super) input: PathBuf,
+    /// Picture size that made-up cameras and lights are for: 960x540, or a percentage of the sequence's, 50%
+    /// [default: the sequence's, else 960x540].
+    #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
+    pub(super) size: Option<SizeArgument>,
+    /// Name of the camera [default: the sequence's, else the first].
+    #[arg(long)]
+    pub(super) camera: Option<String>,
+    /// Frames a second, such as 24 or 24000/1001 [default: the input's].
+    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
+    pub(super) fps: Option<crate::scene::FrameRate>,
+    /// Threads to render with [default: all cores].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
+    pub(super) threads: Option<u32>,
     #[command(flatten)]
     pub(super) scene: SceneArguments,
 }

@@ -25,6 +25,7 @@ mod preview;
 mod progress;
 mod render;
 mod saving;
+mod serve;
 #[allow(rustdoc::broken_intra_doc_links)]
 mod shared_arguments;
 mod signals;
@@ -65,6 +66,7 @@ pub fn run() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Diff(arguments) => diff::run(&arguments),
         Command::Farm(arguments) => farm::run(&arguments),
+        Command::Serve(arguments) => serve::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();

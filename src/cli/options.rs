@@ -3,12 +3,20 @@
 
 use super::arguments::{
     BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SceneArguments,
+    ServeArguments,
 };
 use super::parse::SizeArgument;
 use super::words::Switch;
 use crate::scene::{FrameRate, ResolveOptions, Size};
 
 impl RenderArguments {
+    /// Of these flags.
+    pub(super) fn options(&self) -> ResolveOptions {
+        seen(&self.scene, self.size, self.fps, self.camera.as_ref())
+    }
+}
+
+impl ServeArguments {
     /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
         seen(&self.scene, self.size, self.fps, self.camera.as_ref())

@@ -11,6 +11,7 @@ use super::signals::Stop;
 use super::stats::Stats;
 use super::threads;
 use super::{CliError, answer, exposure, tell};
+use crate::api::Scene;
 use crate::color::Display;
 use crate::film::Frame;
 use crate::render::{self, Rendered, Watch};
@@ -40,7 +41,17 @@ pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliErr
 fn render(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
     let pool = threads::pool(arguments.threads)?;
     let scene = pool.install(|| plan::load(arguments))?;
-    let plan = Plan::new(&scene, arguments)?;
+    of_scene(arguments, &scene, &pool, stop)
+}
+
+/// The same of a scene that is loaded, on threads that there are.
+pub(super) fn of_scene(
+    arguments: &RenderArguments,
+    scene: &Scene,
+    pool: &ThreadPool,
+    stop: &Stop,
+) -> Result<(), CliError> {
+    let plan = Plan::new(scene, arguments)?;
     let remarks = &plan.picture.remarks;
     remarks.told().for_each(|remark| tell(&remark.to_string()));
     if arguments.dry_run {
@@ -49,7 +60,7 @@ fn render(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
     plan.picture.check_memory()?;
     let live = Live::new(arguments.live.as_deref())?;
     let stats = Stats::new(arguments.stats.as_deref(), remarks)?;
-    Run { arguments, stop, pool: &pool, plan: &plan, live, stats }.sequence()
+    Run { arguments, stop, pool, plan: &plan, live, stats }.sequence()
 }
 
 impl Run<'_> {

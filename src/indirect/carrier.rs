@@ -5,19 +5,18 @@ use super::beam::Beam;
 use super::extinction::Shade;
 use super::faces::TowardsFaces;
 use super::grid::{Corners, Grid};
-use super::halo::Halo;
 use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
+use super::high_degrees::{HIGH, HIGH_ODD, high_basis};
 use super::highlights::Highlights;
+use super::inflow::{Arriving, Inflow};
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::{Ordinate, Ordinates};
 use super::planes::{Layout, Planes};
-use super::sweep_kernels::{Accumulate, AccumulateDegree, AccumulateTowards, AddBeam, CrossRows, Prepare};
-use super::towards_eye::EYE_DEGREES;
+use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, CrossRows, Prepare};
 use super::walls::{WalledNode, Walls, link_of};
 use super::wanted::Wanted;
 use crate::accel::vectorized;
-use crate::color::Rgb;
 use glam::DVec3;
 
 /// Where light of a sweep comes from.
@@ -34,16 +33,6 @@ pub(super) struct Sources<'a> {
     pub(super) inflow: Inflow<'a>,
 }
 
-/// Radiance from outside.
-#[derive(Clone, Copy)]
-pub(super) enum Inflow<'a> {
-    Nothing,
-    /// Along each ordinate, the same on all sides.
-    Even(&'a [Rgb]),
-    /// Of a larger grid.
-    Around(&'a Halo),
-}
-
 /// One of nine: of an axis and a channel.
 pub(super) struct Carrier<'a> {
     pub(super) axis: usize,
@@ -53,8 +42,8 @@ pub(super) struct Carrier<'a> {
     /// The same of degrees 3 and 4, for the last scattering.
     pub(super) third: Vec<f32>,
     pub(super) fourth: Vec<f32>,
-    /// By degree of the cosine to where the eye is seen from each node.
-    pub(super) towards_eye: Vec<f32>,
+    /// And of degrees 5 and 6.
+    pub(super) high: Vec<f32>,
     /// What of it travels towards walls.
     pub(super) towards_faces: TowardsFaces,
     /// Each ordinate's number and radiance, where a grid within this one needs it.
@@ -142,7 +131,7 @@ impl<'a> Carrier<'a> {
             moments: Vec::new(),
             third: Vec::new(),
             fourth: Vec::new(),
-            towards_eye: Vec::new(),
+            high: Vec::new(),
             towards_faces: TowardsFaces::new(&walls.faces, |node| layout.node(node)),
             radiances: Vec::new(),
             cell_m: grid.cell_m,
@@ -174,7 +163,7 @@ impl<'a> Carrier<'a> {
         self.moments = room(wanted.moments, COUNT);
         self.third = room(wanted.third, COUNT);
         self.fourth = room(wanted.last, COUNT);
-        self.towards_eye = room(wanted.last && wanted.to_eye.is_some(), EYE_DEGREES.len());
+        self.high = room(wanted.high, HIGH);
         self.towards_faces.clear(wanted);
         self.radiances.clear();
         for number in 0..self.pairs.len() {
@@ -190,6 +179,13 @@ impl<'a> Carrier<'a> {
         }
     }
 
+    /// Has no moments any more.
+    pub(super) fn clear(&mut self) {
+        for moments in [&mut self.moments, &mut self.third, &mut self.fourth, &mut self.high] {
+            *moments = Vec::new();
+        }
+    }
+
     fn add_up(&mut self, Ordinate { direction, weight }: Ordinate, wanted: &Wanted) {
         let [along, against] = &self.radiance;
         for (direction, radiance) in [(direction, along), (-direction, against)] {
@@ -200,17 +196,19 @@ impl<'a> Carrier<'a> {
             vectorized(Accumulate { along, against, factors, moments: &mut self.moments });
         }
         if wanted.last {
-            let factors = fourth_basis(direction).map(|value| (weight * value) as f32);
+            let factors = &fourth_basis(direction).map(|value| (weight * value) as f32);
             vectorized(AccumulateDegree { along, against, back: 1.0, factors, moments: &mut self.fourth });
         }
         if wanted.third {
-            let factors = third_basis(direction).map(|value| (weight * value) as f32);
+            let factors = &third_basis(direction).map(|value| (weight * value) as f32);
             vectorized(AccumulateDegree { along, against, back: -1.0, factors, moments: &mut self.third });
         }
-        if let Some(to_eye) = wanted.to_eye.filter(|_| wanted.last) {
-            let (direction, weight) = (direction.to_array().map(|value| value as f32), weight as f32);
-            let moments = &mut self.towards_eye;
-            vectorized(AccumulateTowards { along, against, direction, weight, to_eye, moments });
+        if wanted.high {
+            let factors = high_basis(direction).map(|value| (weight * value) as f32);
+            let (odd, even) = factors.split_at(HIGH_ODD);
+            let (moments, of_even) = self.high.split_at_mut(HIGH_ODD * along.len());
+            vectorized(AccumulateDegree { along, against, back: -1.0, factors: odd, moments });
+            vectorized(AccumulateDegree { along, against, back: 1.0, factors: even, moments: of_even });
         }
     }
 
@@ -329,38 +327,6 @@ impl<'a> Carrier<'a> {
 fn means(of_nodes: &[f32], places: &[Corners]) -> Vec<f32> {
     let mean = |corners: &Corners| corners.iter().map(|(node, weight)| weight as f32 * of_nodes[node]).sum();
     places.iter().map(mean).collect()
-}
-
-/// What comes from outside along one ordinate.
-struct Arriving<'a> {
-    inflow: Inflow<'a>,
-    /// Its number.
-    ordinate: usize,
-}
-
-impl Arriving<'_> {
-    /// The rim of a plane, and all of one before the first or past the last.
-    fn fill(&self, into: &mut [f32], planes: &Planes, channel: usize, plane: i32) {
-        let halo = match self.inflow {
-            Inflow::Nothing => return into.fill(0.0),
-            Inflow::Even(radiances) => return into.fill(radiances[self.ordinate][channel] as f32),
-            Inflow::Around(halo) => halo,
-        };
-        let [count, rows, columns] = planes.count.map(|count| count as i32);
-        let is_outside = plane < 0 || plane == count;
-        for row in -1..=rows {
-            let is_rim = is_outside || row < 0 || row == rows;
-            let step = if is_rim { 1 } else { columns as usize + 1 };
-            for column in (-1..=columns).step_by(step) {
-                let mut place = [0; 3];
-                for (axis, index) in planes.axes.into_iter().zip([plane, row, column]) {
-                    place[axis] = index;
-                }
-                let at = (row + 1) as usize * planes.row() + (column + 1) as usize;
-                into[at] = halo.radiance(place, channel, self.ordinate);
-            }
-        }
-    }
 }
 
 /// Nodes near walls, by plane.

@@ -49,13 +49,8 @@ const NEARLY_ALL: f64 = 0.95;
 const FARTHEST: f64 = 1e3;
 
 /// About all fog that has bounds and all leaves, without either about everything; then about that, as far as
-/// there are things or fog. Cells are `scale` times as wide as they would be, but no finer than leaves allow.
-/// The innermost comes first.
-pub(super) fn levels(
-    snapshot: &Snapshot,
-    surroundings: &Surroundings,
-    (scale, layers): (f64, Option<&Layers>),
-) -> Vec<Grid> {
+/// there are things or fog. The innermost comes first.
+pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, layers: Option<&Layers>) -> Vec<Grid> {
     let things = surroundings.boxes(f64::INFINITY);
     let all = core_bounds(things, Strays::Lost);
     let fogs = bounded_fogs(snapshot);
@@ -80,7 +75,7 @@ pub(super) fn levels(
         leaf_m => leaf_m,
     };
     let finest = (LEAVES_PER_CELL * leaf_m).min(side.max_element() / FEWEST_CELLS);
-    let mut cell_m = (scale * fine.max(finest)).max(finest);
+    let mut cell_m = fine.max(finest);
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
     let mut bounds = inner;
     while grids.len() < MOST_LEVELS && diagonal(world) > LARGER * diagonal(bounds) {
@@ -90,7 +85,7 @@ pub(super) fn levels(
         let nodes = if grids.len() == 1 { OUTER_NODES } else { FAR_NODES };
         let side = self::side(bounds);
         let even = (side.element_product() / nodes).cbrt().max(side.max_element() / OUTER_CELLS);
-        cell_m = (scale * even).max(2.0 * cell_m);
+        cell_m = even.max(2.0 * cell_m);
         grids.extend(grid(bounds, cell_m));
     }
     grids

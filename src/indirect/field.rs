@@ -5,11 +5,12 @@
 use super::gathered::Gathered;
 use super::grid::Grid;
 use super::halo::Around;
+use super::high_degrees::SEEN_DEGREES;
 use super::layers::Layers;
 use super::level::{Context, Level};
 use super::lobe::Lobe;
 use super::surroundings::Leaf;
-use super::towards_eye::SEEN_DEGREES;
+use super::towards::Towards;
 use crate::color::Rgb;
 use glam::DVec3;
 
@@ -108,20 +109,19 @@ impl Field {
         }
     }
 
+    /// A direction of travel, a unit vector, ready for [`Field::scattered`].
+    pub(super) fn towards(&self, travel: DVec3) -> Towards {
+        Towards::new(travel, self.layers.as_ref().map(|layers| layers.harmonics_towards(travel)))
+    }
+
     /// What fog at a place of world space scatters into a direction of travel, for a coefficient
-    /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance. More is
-    /// known of the way to the eye.
-    pub(super) fn scattered(
-        &self,
-        world: DVec3,
-        travel: (DVec3, bool),
-        scattering: &[Rgb; SEEN_DEGREES],
-    ) -> Rgb {
+    /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
+    pub(super) fn scattered(&self, world: DVec3, towards: &Towards, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
         let layers = self.layers.as_ref();
         self.mixed(
             world,
-            |level| level.scattered((world, layers), travel, scattering),
-            |layers| layers.scattered(world, travel.0, scattering),
+            |level| level.scattered((world, layers), towards, scattering),
+            |layers| layers.scattered(world, towards, scattering),
         )
     }
 

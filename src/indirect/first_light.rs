@@ -6,6 +6,7 @@ use super::beam::Beam;
 use super::fluence::{Fluence, Glow};
 use super::grid::{Grid, Stretch};
 use super::harmonics::{DEGREE, basis, cosine_lobe};
+use super::high_degrees::HighMoments;
 use super::leaf_index::LeafIndex;
 use super::leaf_power::{self, LeafHit, LeafPower};
 use super::matter::Matter;
@@ -14,7 +15,6 @@ use super::occluders::OFF_WALL;
 use super::power_rays::{BUNDLE, Emitters, PowerRay, of_lamp};
 use super::scatters::scatters_of;
 use super::swept_fog::SweptFog;
-use super::towards_eye::TowardsEye;
 use super::walls::Walls;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -170,7 +170,7 @@ impl FirstLight<'_> {
                 }
             }
         }
-        if TowardsEye::matters(&self.snapshot.medium) {
+        if HighMoments::matter(&self.snapshot.medium) {
             found.beams.push(Beam::new(travel, &irradiance, self.matter));
         }
         let all = |node: usize| irradiance.iter().map(|channel| channel[node]).sum();

@@ -6,8 +6,9 @@
 //! the fog of its cell; how it goes on within, a solution in one dimension tells.
 
 use super::grid::Grid;
+use super::high_degrees::SEEN_DEGREES;
 use super::layers::{FogLight, Layers};
-use super::towards_eye::SEEN_DEGREES;
+use super::towards::Towards;
 use crate::color::Rgb;
 use glam::DVec3;
 
@@ -47,23 +48,23 @@ impl LayerDetail {
     pub(super) fn ratio(
         &self,
         layers: &Layers,
-        (world, travel): (DVec3, DVec3),
+        (world, towards): (DVec3, &Towards),
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
         let last = self.rows.len() - 1;
         let along = ((world.y - self.lowest_m) / self.cell_m).clamp(0.0, last as f64);
         let row = (along as usize).min(last - 1);
-        let towards = layers.harmonics_towards(travel);
+        let Some(in_layers) = &towards.in_layers else { return Rgb::ONE };
         let [below, above] = [0, 1].map(|next| self.rows[row + next].as_ref());
         let as_nodes_tell = match (below, above) {
             (Some(below), Some(above)) => {
-                let [below, above] = [below, above].map(|light| light.scattered(&towards, scattering));
+                let [below, above] = [below, above].map(|light| light.scattered(in_layers, scattering));
                 below.lerp(above, along - row as f64)
             }
-            (Some(only), None) | (None, Some(only)) => only.scattered(&towards, scattering),
+            (Some(only), None) | (None, Some(only)) => only.scattered(in_layers, scattering),
             (None, None) => return Rgb::ONE,
         };
-        let true_light = layers.scattered(world, travel, scattering);
+        let true_light = layers.scattered(world, towards, scattering);
         let share = |channel: usize| match as_nodes_tell[channel] {
             told if told > 0.0 => (true_light[channel] / told).clamp(1.0 / MOST, MOST),
             _ => 1.0,

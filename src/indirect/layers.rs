@@ -10,13 +10,14 @@ use super::grid::Grid;
 use super::ground::Ground;
 use super::halo::{Around, Halo, places_about};
 use super::harmonics::{COUNT, basis, fourth_basis, product, third_basis};
+use super::high_degrees::SEEN_DEGREES;
 use super::lobe::Lobe;
 use super::masses::Mass;
 use super::ordinates::Ordinates;
 use super::radiances::Radiances;
 use super::rounds::{has_sky, inflow, is_even};
 use super::stack::Heights;
-use super::towards_eye::SEEN_DEGREES;
+use super::towards::Towards;
 use crate::color::Rgb;
 use crate::ordinates::{Boundaries, HARMONICS, Harmonics, PlaneParallel, harmonic_basis};
 use crate::scene::Bounces;
@@ -239,11 +240,11 @@ impl Layers {
     }
 
     /// What fog scatters into a direction of travel: see [`super::Field::scattered`].
-    pub(super) fn scattered(&self, world: DVec3, travel: DVec3, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
+    pub(super) fn scattered(&self, world: DVec3, towards: &Towards, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
+        let Some(towards) = &towards.in_layers else { return Rgb::ZERO };
         let between = self.between(world);
-        let towards = self.harmonics_towards(travel);
         let [above, below] = [between.above, between.below]
-            .map(|level| self.levels[level].in_fog.scattered(&towards, scattering));
+            .map(|level| self.levels[level].in_fog.scattered(towards, scattering));
         above.lerp(below, between.share_below).max(Rgb::ZERO)
     }
 

@@ -9,7 +9,8 @@ use super::fluence::Glow;
 use super::gathered::{Gathered, with_glows};
 use super::grid::{Corners, Grid};
 use super::halo::{Around, Halo, places_about};
-use super::harmonics::{COUNT, DEGREE, basis, fourth_basis, product, third_basis};
+use super::harmonics::{COUNT, DEGREE, product};
+use super::high_degrees::{HighMoments, SEEN_DEGREES};
 use super::layer_detail::LayerDetail;
 use super::layers::Layers;
 use super::leaf_index::LeafIndex;
@@ -26,7 +27,7 @@ use super::rounds::{Light, Rounds, Scatterers, has_sky};
 use super::surroundings::{Leaf, Surfels, Surroundings, WallTriangle};
 use super::sweep::Sweeper;
 use super::swept_fog::SweptFog;
-use super::towards_eye::{SEEN_DEGREES, TowardsEye};
+use super::towards::Towards;
 use super::wall_light::WallLight;
 use super::walls::Walls;
 use crate::color::Rgb;
@@ -63,8 +64,8 @@ pub(super) struct Level {
     fourth: NodeMoments,
     /// What fog gets: the same unless the sky lights surfaces alone.
     light_in_fog: Option<NodeMoments>,
-    /// What fog sends to the eye of it beyond its harmonics.
-    towards_eye: Option<TowardsEye>,
+    /// And of degrees 5 and 6, where fog scatters ahead.
+    high: Option<HighMoments>,
     /// Of each face of a wall the irradiance by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
     /// What a finer grid within it gets, until that is solved; apart from what comes straight from the sky.
@@ -140,11 +141,11 @@ impl Level {
             sky,
             has_sky: has_sky(sky),
             beams,
-            to_eye: TowardsEye::matters(&snapshot.medium).then(|| TowardsEye::ways(&grid, snapshot)),
             fine: fine.as_ref(),
             highlights: lit.highlights,
             next_to_inner: next_to_inner.as_deref(),
-            sees_third: snapshot.has_gloss() || TowardsEye::matters(&snapshot.medium),
+            sees_third: snapshot.has_gloss() || HighMoments::matter(&snapshot.medium),
+            sees_high: HighMoments::matter(&snapshot.medium),
             cancelled,
         };
         let own_light = OwnLight::new(&grid, &ordinates, bounces);
@@ -159,7 +160,7 @@ impl Level {
             third: lit.last.third.as_ref().map(NodeMoments::of),
             fourth,
             light_in_fog: light_in_fog(&lit, sky),
-            towards_eye: lit.last.towards_eye.map(|moments| TowardsEye::of(&moments, &grid, eye)),
+            high: lit.last.high.as_ref().map(HighMoments::of),
             radiances: lit.last.radiances,
             sky_radiances: lit.sky_radiances,
             glows,
@@ -253,34 +254,32 @@ impl Level {
     }
 
     /// What fog at a place of the grid scatters into a direction of travel, for a coefficient
-    /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance. More is
-    /// known of the way to the eye.
+    /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
     pub(super) fn scattered(
         &self,
         (world, layers): (DVec3, Option<&Layers>),
-        (travel, is_to_eye): (DVec3, bool),
+        towards: &Towards,
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
-        let basis = basis(travel);
         let corners = self.corners_seen_from(world);
         let moments = self.moments_in_fog(&corners);
         let of_channel = |channel: usize| -> f64 {
             let harmonic = |index: usize| {
-                scattering[DEGREE[index]][channel] * basis[index] * f64::from(moments[channel][index])
+                scattering[DEGREE[index]][channel] * towards.low[index] * f64::from(moments[channel][index])
             };
             (0..COUNT).map(harmonic).sum()
         };
         let mut by_harmonics = Rgb::new(of_channel(0), of_channel(1), of_channel(2));
         if let Some(third) = self.third.as_ref().filter(|_| self.light_in_fog.is_none()) {
-            by_harmonics += scattering[3] * product(&third_basis(travel), &third.mean(&corners));
-            by_harmonics += scattering[4] * product(&fourth_basis(travel), &self.fourth.mean(&corners));
+            by_harmonics += scattering[3] * product(&towards.third, &third.mean(&corners));
+            by_harmonics += scattering[4] * product(&towards.fourth, &self.fourth.mean(&corners));
         }
-        let beyond = self.towards_eye.as_ref().filter(|_| is_to_eye);
-        let beyond = beyond.map_or(Rgb::ZERO, |beyond| beyond.scattered(&corners, scattering));
+        let high = self.high.as_ref();
+        let high = high.map_or(Rgb::ZERO, |high| high.scattered(&corners, &towards.high, scattering));
         let ratio =
-            |(detail, layers): (&LayerDetail, &Layers)| detail.ratio(layers, (world, travel), scattering);
+            |(detail, layers): (&LayerDetail, &Layers)| detail.ratio(layers, (world, towards), scattering);
         let detail = self.detail.as_ref().zip(layers).map_or(Rgb::ONE, ratio);
-        detail * (by_harmonics + beyond).max(Rgb::ZERO)
+        detail * (by_harmonics + high).max(Rgb::ZERO)
     }
 
     /// Nodes about a place of world space that no wall hides.

@@ -1,6 +1,6 @@
 //! Light of all orders of scattering but the first: from leaf to leaf, from sky to ground, within fog. In
-//! goes a snapshot, out comes an [`Indirect`] that every ray may ask. Invariant: nothing in it is random, and
-//! nothing depends on where the camera stands in a cell of its grid.
+//! goes an exposure, out comes an [`Indirect`] that every ray may ask. Invariant: nothing in it is random,
+//! and what is solved does not know the camera.
 //!
 //! Direct light and single scattering stay exact, in `transport`. What comes after is solved on world grids
 //! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
@@ -24,7 +24,10 @@ mod grid;
 mod ground;
 mod halo;
 mod harmonics;
+mod high_degrees;
 mod highlights;
+mod inflow;
+mod kept;
 mod layer_detail;
 mod layers;
 mod leaf_index;
@@ -44,43 +47,38 @@ mod power_rays;
 mod radiances;
 mod rounds;
 mod scatters;
+mod solved;
 mod stack;
 mod surroundings;
 mod sweep;
 mod sweep_kernels;
 mod swept_fog;
-mod towards_eye;
+mod towards;
 mod view;
 mod wall_light;
 mod walls;
 mod wanted;
 
-use self::extent::levels;
 use self::field::Field;
-use self::ground::Beneath;
-use self::layers::Layers;
-use self::leaf_index::LeafIndex;
-use self::leaf_light::LeafLight;
-use self::level::{Context, Level};
+use self::level::Level;
 use self::lobe::Lobe;
-use self::rounds::has_sky;
-use self::surroundings::Surroundings;
+use self::solved::Solved;
 use self::view::ViewedFog;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scene::Bounces;
-use crate::snapshot::{Snapshot, SurfacePoint};
+use crate::snapshot::{Exposure, Snapshot, SurfacePoint};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
+use std::sync::Arc;
 
-/// Indirect light of a shutter interval.
+pub use kept::KeptLight;
+
+/// Indirect light of a shutter interval, as a camera sees it.
 pub struct Indirect {
-    field: Field,
-    leaves: LeafLight,
+    solved: Arc<Solved>,
     fog: Option<ViewedFog>,
-    bounces: Bounces,
-    has_sky: bool,
     /// After one bounce less, where that is asked for.
     once_less: Option<Box<Self>>,
 }
@@ -89,72 +87,38 @@ impl Indirect {
     /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of
     /// no use. `aspect` is width / height of the picture.
     pub fn new(
-        snapshot: &Snapshot,
+        exposure: &Exposure,
         bounces: Bounces,
         aspect: f64,
+        kept: &KeptLight,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        Self::on_cells(1.0, snapshot, bounces, aspect, cancelled)
-    }
-
-    /// The same on cells of another size, in those that it would have: 2 for coarser, 0.5 for finer ones,
-    /// though never finer than leaves allow.
-    pub fn on_cells(
-        scale: f64,
-        snapshot: &Snapshot,
-        bounces: Bounces,
-        aspect: f64,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
-        let mut indirect = Self::solved(scale, snapshot, bounces, cancelled)?;
-        indirect.fog = ViewedFog::new(&indirect.field, snapshot, aspect);
-        if let Bounces::UpTo(count @ 2..) = bounces
-            && snapshot.has_gloss()
-        {
-            indirect.once_less =
-                Self::solved(scale, snapshot, Bounces::UpTo(count - 1), cancelled).map(Box::new);
-        }
-        Some(indirect)
-    }
-
-    /// What no camera sees yet.
-    fn solved(
-        scale: f64,
-        snapshot: &Snapshot,
-        bounces: Bounces,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
-        let mut surroundings = Surroundings::of(snapshot);
-        let layers = layers(snapshot, &mut surroundings, bounces);
-        let grids = levels(snapshot, &surroundings, (scale, layers.as_ref()));
-        let cell_m = grids.first().map_or(f64::INFINITY, |grid| grid.cell_m);
-        let leaves = LeafIndex::new(snapshot, surroundings.leaves(cell_m));
-        let context = Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, cancelled };
-        let field = Field::on(&grids, layers, &context)?;
-        let leaves = LeafLight::new(leaves);
-        let has_sky = has_sky(snapshot.sky);
-        Some(Self { field, leaves, fog: None, bounces, has_sky, once_less: None })
+        let solved = kept.of(exposure.contents(), bounces, cancelled)?;
+        let fog = ViewedFog::new(&solved.field, exposure.middle(), aspect);
+        let unseen = |solved: &Arc<Solved>| Self { solved: Arc::clone(solved), fog: None, once_less: None };
+        let once_less = solved.once_less.as_ref().map(|less| Box::new(unseen(less)));
+        Some(Self { solved, fog, once_less })
     }
 
     /// Light that was scattered once less than this, if there is any.
     pub fn once_less(&self) -> Option<&Self> {
-        if self.bounces == Bounces::All { Some(self) } else { self.once_less.as_deref() }
+        if self.solved.bounces == Bounces::All { Some(self) } else { self.once_less.as_deref() }
     }
 
     /// Side of the finest cells, metres; infinite where there are none.
     pub fn cell_m(&self) -> f64 {
-        self.field.levels().first().map_or(f64::INFINITY, Level::cell_m)
+        self.solved.field.levels().first().map_or(f64::INFINITY, Level::cell_m)
     }
 
     /// Whether next to nothing absorbs it: it goes on and on, and there is more of it than is found.
     pub fn is_endless(&self) -> bool {
-        self.field.is_endless()
+        self.solved.field.is_endless()
     }
 
     /// Whether the sky's own light is part of it, so that nobody need look for it: not where a part of the
     /// sky is as bright as a sun, whose shadows have borders.
     pub fn has_sky(&self) -> bool {
-        self.has_sky
+        self.solved.has_sky
     }
 
     /// Which share of a surface's shine is to be found by rays: harmonics are too wide for what stands near.
@@ -177,10 +141,10 @@ impl Indirect {
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
         let sent = point.albedo + point.transmission;
-        let leaf = self.leaves.of(&self.field, snapshot, point.primitive);
+        let leaf = self.solved.leaves.of(&self.solved.field, snapshot, point.primitive);
         let gathered = |lobe: Lobe| match &leaf {
-            Some(leaf) => leaf.gathered_by(&self.field, &lobe, sent),
-            None => self.field.gathered_by(world, &lobe),
+            Some(leaf) => leaf.gathered_by(&self.solved.field, &lobe, sent),
+            None => self.solved.field.gathered_by(world, &lobe),
         };
         let normal = point.shading_normal;
         let mut radiance = Rgb::ZERO;
@@ -213,17 +177,6 @@ impl Indirect {
         const STEPS: u32 = 24;
         const FEW_STEPS: u32 = 6;
         let steps = if is_exact { STEPS } else { FEW_STEPS };
-        view::along(&self.field, snapshot, ray, (distance, steps))
+        view::along(&self.solved.field, snapshot, ray, (distance, steps))
     }
-}
-
-/// What lies about all grids, if fog without bounds lies over plain ground, and nothing else shines on it.
-fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces) -> Option<Layers> {
-    let (up, scale_m) = snapshot.medium.banks().iter().find_map(|bank| bank.layer())?;
-    let ground = match Beneath::of(surroundings, up, scale_m) {
-        Beneath::Hills => return None,
-        Beneath::Nothing => None,
-        Beneath::Plain(ground) => Some(ground),
-    };
-    Layers::new(snapshot, ground.as_ref(), bounces)
 }

@@ -3,11 +3,12 @@
 //! last is a geometric series.
 
 use super::beam::Beam;
-use super::carrier::{Inflow, Sources};
+use super::carrier::Sources;
 use super::grid::{Corners, Grid};
 use super::halo::{Around, Halo};
 use super::harmonics::{by_lobe, irradiance_lobe};
 use super::highlights::Highlights;
+use super::inflow::Inflow;
 use super::matter::Matter;
 use super::moments::{Moments, NodeMoments};
 use super::ordinates::{Ordinate, Ordinates};
@@ -48,12 +49,12 @@ pub(super) struct Rounds<'a> {
     pub(super) fine: Option<&'a Ordinates>,
     /// What of lamps' and suns' light shines on walls, along those of the first order.
     pub(super) highlights: Highlights,
-    /// The way to the eye from each node, where fog needs more than harmonics for it.
-    pub(super) to_eye: Option<[Vec<f32>; 3]>,
     /// Nodes about each place next to a finer grid within this one.
     pub(super) next_to_inner: Option<&'a [Corners]>,
-    /// Whether what is seen makes something of degree 3: what shines, and fog that scatters ahead.
+    /// Whether what is seen makes something of degree 3: what shines, and fog that scatters ahead; and of
+    /// degrees 5 and 6, which such fog alone does.
     pub(super) sees_third: bool,
+    pub(super) sees_high: bool,
     /// Whether nobody waits for the light any more.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
@@ -119,31 +120,30 @@ impl<'a> Rounds<'a> {
         self.scatterers.matter.emit(&mut leaving.matter);
         self.scatterers.add_first(on_walls, &mut leaving.walls);
         let nothing = Leaving { matter: leaving.matter.emptied(), walls: dark, has_first: false };
-        let mut from_outside = Vec::new();
-        let to_eye = self.to_eye.take();
+        let mut from_outside = None;
         if let Some(halo) = &around.scattered {
-            let wanted = Wanted { moments: true, ..self.last(to_eye.as_ref()) };
+            let wanted = Wanted { moments: true, ..self.last(true) };
             let swept = self.sweep_around(halo, &nothing, &wanted);
             // Where orders are counted, nobody knows how many it has behind it.
             if bounces == Bounces::All {
                 leaving.add(&self.scatterers.scatter(&swept.moments, true), [1.0; 3]);
             }
             light.add(&swept.moments, [1.0; 3]);
-            from_outside.push(swept);
+            Swept::add_to(&mut from_outside, swept);
         }
         let lights_fog = self.sky.is_some_and(|sky| sky.lights_fog());
         if let Some(sky) = self.sky.filter(FrozenSky::lights_surfaces) {
-            let wanted = Wanted { moments: true, ..self.last(to_eye.as_ref().filter(|_| lights_fog)) };
+            let wanted = Wanted { moments: true, ..self.last(lights_fog) };
             let mut swept = self.sweep_sky((sky, around.of_sky.as_ref()), &nothing, &wanted);
             sky_radiances = swept.radiances.take();
             leaving.add(&self.scatterers.scatter(&swept.moments, lights_fog), [1.0; 3]);
             if self.has_sky {
                 light.add(&swept.moments, [1.0; 3]);
                 of_sky = Some(swept.moments.clone());
-                from_outside.push(swept);
+                Swept::add_to(&mut from_outside, swept);
             }
         }
-        let wanted = self.last(to_eye.as_ref());
+        let wanted = self.last(true);
         let first = self.sweep_finely(&leaving, &Wanted { moments: true, ..wanted });
         let (sent, is_endless) = self.go_on(bounces, (leaving, first.as_ref(), again), &mut light);
         let mut last = self.sweep(&sent, Inflow::Nothing, &wanted);
@@ -151,13 +151,10 @@ impl<'a> Rounds<'a> {
         Light { all: light, of_sky, last, sky_radiances, is_endless }
     }
 
-    /// What is seen.
-    fn last<'w>(&self, to_eye: Option<&'w [Vec<f32>; 3]>) -> Wanted<'w>
-    where
-        'a: 'w,
-    {
-        let (third, radiances) = (self.sees_third, self.next_to_inner);
-        Wanted { moments: false, last: true, third, to_eye, radiances }
+    /// What is seen, of light that fog gets or does not.
+    fn last(&self, lights_fog: bool) -> Wanted<'a> {
+        let (third, high) = (self.sees_third, self.sees_high && lights_fog);
+        Wanted { moments: false, last: true, third, high, radiances: self.next_to_inner }
     }
 
     /// Adds order after order; all that was sent out on the way and not swept finely, and whether there is no

@@ -10,12 +10,12 @@ use super::beam::Beam;
 use super::carrier::{Carrier, Sources};
 use super::grid::{Corners, Grid};
 use super::harmonics::COUNT;
+use super::high_degrees::HighSums;
 use super::matter::Matter;
 use super::moments::Moments;
 use super::ordinates::Ordinates;
 use super::planes::Layout;
 use super::radiances::Radiances;
-use super::towards_eye::EYE_DEGREES;
 use super::walls::Walls;
 use super::wanted::Wanted;
 use rayon::prelude::*;
@@ -26,20 +26,28 @@ pub(super) struct Swept {
     pub(super) moments: Moments,
     pub(super) third: Option<Moments>,
     pub(super) fourth: Moments,
-    /// By Legendre polynomials of the cosine to the eye: by channel, then by degree.
-    pub(super) towards_eye: Option<[[Vec<f32>; EYE_DEGREES.len()]; 3]>,
+    /// Those of degrees 5 and 6, of nodes alone, if wanted.
+    pub(super) high: Option<HighSums>,
     /// Ordinate by ordinate.
     pub(super) radiances: Option<Radiances>,
 }
 
 impl Swept {
+    /// Adds what the last scattering needs to what there is of it, without what orders go on with.
+    pub(super) fn add_to(sum: &mut Option<Self>, other: Self) {
+        match sum {
+            Some(sum) => sum.add_last(&other),
+            None => *sum = Some(Self { moments: Moments::zero(0), ..other }),
+        }
+    }
+
     /// Adds what the last scattering needs.
     pub(super) fn add_last(&mut self, other: &Self) {
         self.fourth.add(&other.fourth, [1.0; 3]);
         if let (Some(sums), Some(values)) = (&mut self.third, &other.third) {
             sums.add(values, [1.0; 3]);
         }
-        if let (Some(sums), Some(values)) = (&mut self.towards_eye, &other.towards_eye) {
+        if let (Some(sums), Some(values)) = (&mut self.high, &other.high) {
             for (sums, values) in sums.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
@@ -88,23 +96,23 @@ impl<'a> Sweeper<'a> {
         let turned = sources.of_matter.map(|values| self.turned.of_grid(values));
         let turned_beams = self.turned_beams(sources);
         let turned = Sources { of_matter: &turned, beams: &turned_beams, ..*sources };
-        let turned_to_eye = wanted.to_eye.map(|axes| axes.each_ref().map(|axis| self.turned.of_grid(axis)));
         let turned_places: Option<Vec<Corners>> = wanted
             .radiances
             .map(|places| places.iter().map(|corners| self.turned.corners(corners)).collect());
-        let turned_wanted =
-            Wanted { to_eye: turned_to_eye.as_ref(), radiances: turned_places.as_deref(), ..*wanted };
+        let turned_wanted = Wanted { radiances: turned_places.as_deref(), ..*wanted };
         self.carriers.par_iter_mut().for_each(|carrier| match carrier.axis {
             0 => carrier.carry(&turned, &turned_wanted, cancelled),
             _ => carrier.carry(sources, wanted, cancelled),
         });
-        Swept {
+        let swept = Swept {
             moments: self.sums(|carrier| (&carrier.moments, &carrier.towards_faces.moments)),
             third: wanted.third.then(|| self.sums(|carrier| (&carrier.third, &carrier.towards_faces.third))),
             fourth: self.sums(|carrier| (&carrier.fourth, &carrier.towards_faces.fourth)),
-            towards_eye: wanted.to_eye.filter(|_| wanted.last).map(|_| self.towards_eye()),
+            high: wanted.high.then(|| self.high()),
             radiances: wanted.radiances.map(|_| self.radiances()),
-        }
+        };
+        self.carriers.iter_mut().for_each(Carrier::clear);
+        swept
     }
 
     fn turned_beams(&self, sources: &Sources) -> Vec<Beam> {
@@ -126,12 +134,11 @@ impl<'a> Sweeper<'a> {
         moments
     }
 
-    fn towards_eye(&self) -> [[Vec<f32>; EYE_DEGREES.len()]; 3] {
-        let mut moments: [[Vec<f32>; _]; 3] =
-            std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; self.count]));
+    fn high(&self) -> HighSums {
+        let mut moments: HighSums = std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; self.count]));
         for carrier in &self.carriers {
             let sums = moments[carrier.channel].iter_mut().map(Vec::as_mut_slice);
-            self.add_up(sums, carrier, &carrier.towards_eye);
+            self.add_up(sums, carrier, &carrier.high);
         }
         moments
     }

@@ -148,7 +148,7 @@ pub(super) struct AccumulateDegree<'a> {
     pub(super) against: &'a [f32],
     /// What they are of the opposite direction: the same, 1, or less than nothing, -1.
     pub(super) back: f32,
-    pub(super) factors: [f32; COUNT],
+    pub(super) factors: &'a [f32],
     pub(super) moments: &'a mut [f32],
 }
 
@@ -156,48 +156,10 @@ impl Vectorized for AccumulateDegree<'_> {
     #[inline(always)]
     fn run(self) {
         let (along, against) = (self.along, &self.against[..self.along.len()]);
-        for (factor, moments) in self.factors.into_iter().zip(self.moments.chunks_exact_mut(along.len())) {
+        for (factor, moments) in self.factors.iter().zip(self.moments.chunks_exact_mut(along.len())) {
             for node in 0..along.len() {
                 moments[node] += factor * (along[node] + self.back * against[node]);
             }
-        }
-    }
-}
-
-/// Adds radiance along an ordinate and against it to moments by Legendre polynomials of degrees 5 and 6.
-pub(super) struct AccumulateTowards<'a> {
-    pub(super) along: &'a [f32],
-    pub(super) against: &'a [f32],
-    /// Of travel along it, and the solid angle that it stands for.
-    pub(super) direction: [f32; 3],
-    pub(super) weight: f32,
-    /// Unit vectors by axis, then by node.
-    pub(super) to_eye: &'a [Vec<f32>; 3],
-    /// Degree after degree.
-    pub(super) moments: &'a mut [f32],
-}
-
-impl Vectorized for AccumulateTowards<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let count = self.along.len();
-        let (along, against) = (&self.along[..count], &self.against[..count]);
-        let [to_x, to_y, to_z] = self.to_eye.each_ref().map(|axis| &axis[..count]);
-        let ([x, y, z], weight) = (self.direction, self.weight);
-        let (fifth, sixth) = self.moments.split_at_mut(count);
-        let sixth = &mut sixth[..count];
-        for node in 0..count {
-            let cos = x * to_x[node] + y * to_y[node] + z * to_z[node];
-            let p2 = 1.5 * cos * cos - 0.5;
-            // (l + 1) P_(l+1) = (2 l + 1) cos P_l - l P_(l-1).
-            let p3 = (5.0 * cos * p2 - 2.0 * cos) * (1.0 / 3.0);
-            let p4 = (7.0 * cos * p3 - 3.0 * p2) * (1.0 / 4.0);
-            let p5 = (9.0 * cos * p4 - 4.0 * p3) * (1.0 / 5.0);
-            let p6 = (11.0 * cos * p5 - 5.0 * p4) * (1.0 / 6.0);
-            let even = weight * (along[node] + against[node]);
-            let odd = weight * (along[node] - against[node]);
-            fifth[node] += p5 * odd;
-            sixth[node] += p6 * even;
         }
     }
 }

@@ -3,8 +3,9 @@
 //! prefix sum of the same steps, so parts of a ray add up to the whole.
 
 use super::Field;
+use super::high_degrees::SEEN_DEGREES;
 use super::layers::Layers;
-use super::towards_eye::SEEN_DEGREES;
+use super::towards::Towards;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::Snapshot;
@@ -50,7 +51,7 @@ impl ViewedFog {
         sums.par_chunks_mut(steps + 1).enumerate().for_each(|(number, sums)| {
             let place = [number % (columns + 1), number / (columns + 1)].map(|index| index as f64);
             let ray = snapshot.view.ray(place[0] / columns as f64, place[1] / rows as f64);
-            let mut walk = Walk::new(field, snapshot, ray, true);
+            let mut walk = Walk::new(field, snapshot, ray);
             for (step, sum) in sums.iter_mut().enumerate() {
                 // In halves: light differs within a cell.
                 walk.to(depths.distance(step as f64 - 0.5));
@@ -210,8 +211,8 @@ struct Walk<'a> {
     field: &'a Field,
     snapshot: &'a Snapshot<'a>,
     ray: Ray,
-    /// Whether it goes to the eye: of no other way is more known than harmonics.
-    is_of_camera: bool,
+    /// Against it: light travels so that it sees.
+    towards: Towards,
     /// Where there is fog at all.
     fog: Option<(f64, f64)>,
     at: f64,
@@ -228,14 +229,14 @@ struct Walk<'a> {
 const STEPS_BEHIND_WALL: u32 = 2;
 
 impl<'a> Walk<'a> {
-    fn new(field: &'a Field, snapshot: &'a Snapshot, ray: Ray, is_of_camera: bool) -> Self {
+    fn new(field: &'a Field, snapshot: &'a Snapshot, ray: Ray) -> Self {
         let fog = snapshot.medium.range(&ray, f64::INFINITY);
         let [light, source] = [Rgb::ZERO; 2];
         Self {
             field,
             snapshot,
             ray,
-            is_of_camera,
+            towards: field.towards(-ray.direction),
             fog,
             at: 0.0,
             through: Rgb::ONE,
@@ -286,8 +287,8 @@ impl<'a> Walk<'a> {
             };
             Rgb::new(share(0), share(1), share(2))
         };
-        let travel = (-self.ray.direction, self.is_of_camera);
-        let mut source = self.field.scattered(world(middle), travel, &scattering.map(per_extinction));
+        let shares = scattering.map(per_extinction);
+        let mut source = self.field.scattered(world(middle), &self.towards, &shares);
         self.field.for_each_glow(world(middle), |travel, irradiance, times| {
             let cos = -travel.dot(self.ray.direction);
             source += irradiance * per_extinction(medium.scattering_again_at(place, cos, times));
@@ -304,7 +305,7 @@ pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, (distance, st
     let distance = if field.layers().is_some() { distance } else { distance.min(outermost_m) };
     let Some((start, end)) = snapshot.medium.range(ray, distance) else { return Rgb::ZERO };
     let is_even = field.layers().is_none();
-    let mut walk = Walk::new(field, snapshot, *ray, false);
+    let mut walk = Walk::new(field, snapshot, *ray);
     for step in 1..=steps {
         let share = f64::from(step) / f64::from(steps);
         walk.to(start + (end - start) * if is_even { share } else { share * share });

@@ -12,8 +12,8 @@ pub(super) struct Wanted<'a> {
     /// degree 3.
     pub(super) last: bool,
     pub(super) third: bool,
-    /// The way to the eye from each node, by axis, where fog's last scattering needs it.
-    pub(super) to_eye: Option<&'a [Vec<f32>; 3]>,
+    /// And degrees 5 and 6, where fog scatters ahead.
+    pub(super) high: bool,
     /// Nodes about each place next to a grid within this one, which needs light ordinate by ordinate.
     pub(super) radiances: Option<&'a [Corners]>,
 }
@@ -21,5 +21,5 @@ pub(super) struct Wanted<'a> {
 impl<'a> Wanted<'a> {
     /// What the next order is made of.
     pub(super) const ORDERS: Self =
-        Self { moments: true, last: false, third: false, to_eye: None, radiances: None };
+        Self { moments: true, last: false, third: false, high: false, radiances: None };
 }

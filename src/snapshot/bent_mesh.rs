@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// One instance's mesh at one moment.
 #[derive(Debug)]
 pub(super) struct BentMesh {
-    pose: Pose,
+    pub(super) pose: Pose,
     pub(super) shape: Shape,
     /// Of its opaque and of its blended triangles, where it has such.
     pub(super) trees: [Option<Arc<MeshTree>>; 2],

@@ -4,7 +4,7 @@
 //! same order.
 
 use super::moment::shining;
-use super::{MeshTrees, MotionField, Shutter, Snapshot};
+use super::{Contents, MeshTrees, MotionField, Shutter, Snapshot};
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Scene, matte_id};
 use std::sync::Arc;
@@ -22,13 +22,18 @@ const FEWEST_MOMENTS: usize = 3;
 /// The moments of one frame.
 pub struct Exposure<'scene> {
     moments: Vec<Snapshot<'scene>>,
+    scene: &'scene Scene,
+    trees: &'scene MeshTrees,
+    middle_s: f64,
+    /// Which of the scene's lights shine at any of the moments.
+    shining: Vec<bool>,
 }
 
 impl<'scene> Exposure<'scene> {
     /// Freezes the moments of `shutter`; for the rest see [`Snapshot::new`].
     pub fn new(
         scene: &'scene Scene,
-        trees: &MeshTrees,
+        trees: &'scene MeshTrees,
         camera: usize,
         aspect: f64,
         shutter: Shutter,
@@ -40,7 +45,7 @@ impl<'scene> Exposure<'scene> {
     /// small part of the memory.
     pub fn middle_of(
         scene: &'scene Scene,
-        trees: &MeshTrees,
+        trees: &'scene MeshTrees,
         camera: usize,
         aspect: f64,
         shutter: Shutter,
@@ -53,7 +58,7 @@ impl<'scene> Exposure<'scene> {
 
     fn of(
         scene: &'scene Scene,
-        trees: &MeshTrees,
+        trees: &'scene MeshTrees,
         (camera, aspect): (usize, f64),
         shutter: Shutter,
         chosen: impl Fn(&[f64]) -> &[f64],
@@ -67,7 +72,13 @@ impl<'scene> Exposure<'scene> {
         let shining = times_s.iter().map(|time_s| shining(scene, *time_s));
         let shines = shining.reduce(either).unwrap_or_default();
         let freeze = |time_s: &f64| Snapshot::at(scene, trees, (camera, aspect), *time_s, &shines);
-        Self { moments: chosen(&times_s).iter().map(freeze).collect() }
+        let frozen = chosen(&times_s).iter().map(freeze).collect();
+        Self { moments: frozen, scene, trees, middle_s: times_s[moments / 2], shining: shines }
+    }
+
+    /// The moment in the middle, wherever the camera stands.
+    pub fn contents(&self) -> Contents<'scene> {
+        Contents::apart_from_camera(self.scene, self.trees, self.middle_s, &self.shining)
     }
 
     /// What is to be said where a shutter that opens has fewer moments than motion blur needs to look smooth.

@@ -66,6 +66,23 @@ impl View {
         }
     }
 
+    /// Looks along -Z from a place of the world, as nobody's camera.
+    pub(super) fn at(eye: DVec3) -> Self {
+        Self {
+            eye,
+            right: DVec3::X,
+            up: DVec3::Y,
+            backward: DVec3::Z,
+            half: DVec2::ONE,
+            middle: DVec2::ZERO,
+            is_orthographic: false,
+            lens_radius_m: 0.0,
+            focus_distance_m: f64::INFINITY,
+            blades: 0,
+            clip: Clip::NONE,
+        }
+    }
+
     /// The same for surfaces in a box of relative space: without planes if none of them may hide anything.
     pub fn of_surfaces(mut self, bounds: Option<(DVec3, DVec3)>) -> Self {
         let hides = |(low, high): (DVec3, DVec3)| {

@@ -5,6 +5,7 @@
 
 mod bent_mesh;
 mod blended;
+mod contents;
 mod exposure;
 mod glow;
 mod lens;
@@ -30,6 +31,7 @@ use std::sync::{Arc, OnceLock};
 
 pub use crate::light::{Cone, Emission, FrozenLight, LightPlace};
 pub use blended::{BlendedHit, NEGLIGIBLE};
+pub use contents::Contents;
 pub use exposure::Exposure;
 pub use glow::Glow;
 pub use lens::View;
@@ -136,35 +138,7 @@ impl<'scene> Snapshot<'scene> {
         let camera = &scene.cameras[camera];
         let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
         let moment = Moment { scene, time_s, placements, eye: view.eye };
-        let classes = moment.instances(trees);
-        let rays = ray_visibility::rays_of(scene, &classes);
-        let casting = ray_visibility::casting(&classes, rays.as_ref());
-        let [opaque, blended] = classes;
-        let first_blended = opaque.placed.len();
-        let tree = InstanceTree::new(opaque.meshes);
-        let blended_tree = InstanceTree::numbered((first_blended as u32..).zip(blended.meshes));
-        let boxes = [tree.bounds(), blended_tree.bounds()].into_iter().flatten();
-        let medium = moment.medium();
-        Self {
-            scene,
-            view: view.of_surfaces(boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))),
-            tree,
-            blended: blended_tree,
-            casting,
-            rays,
-            materials: moment.materials(),
-            is_blended: Arc::clone(&trees.is_blended),
-            parts: Arc::clone(&trees.parts),
-            placed: opaque.placed.into_iter().chain(blended.placed).collect(),
-            first_blended,
-            lights: moment.lights(shining, &medium),
-            medium,
-            background: scene.background,
-            sky: scene.sky.as_ref().and_then(|sky| FrozenSky::new(sky, time_s)),
-            motion: None,
-            mattes: None,
-            glow: OnceLock::new(),
-        }
+        Contents::of(&moment, trees, shining).seen_by(view)
     }
 
     /// Whether anything shines.

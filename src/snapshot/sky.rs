@@ -21,6 +21,11 @@ impl<'scene> FrozenSky<'scene> {
         (strength.max_element() > 0.0).then_some(Self { sky, strength, turn })
     }
 
+    /// What of it changes with time: its strength, and by which angle's cosine and sine it is turned.
+    pub(super) fn turned_by(&self) -> (Rgb, DVec2) {
+        (self.strength, self.turn)
+    }
+
     /// Radiance seen in a direction, W m^-2 sr^-1.
     pub fn along(&self, direction: DVec3) -> Rgb {
         self.strength * self.sky.along(self.before_turn(direction))

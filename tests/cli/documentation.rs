@@ -22,7 +22,7 @@ fn the_page_on_the_command_line_has_every_flag() {
     let page = page("docs/command-line.md");
     let described = flags(&page);
     let studio = Studio::new();
-    for command in ["render", "preview", "inspect", "bench", "export", "diff", "farm"] {
+    for command in ["render", "preview", "inspect", "bench", "export", "diff", "farm", "serve"] {
         let help = studio.succeed(&format!("{command} --help")).out;
         let missing: Vec<_> = flags(&help).difference(&described).copied().collect();
         assert!(missing.is_empty(), "{command}: {missing:?} are not described");

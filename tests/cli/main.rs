@@ -20,5 +20,6 @@ mod previews;
 mod program;
 mod questions;
 mod schema;
+mod serve;
 mod shipped;
 mod surroundings;

@@ -52,7 +52,8 @@ fn stage() -> Scene {
 fn picture(scene: &Scene, method: Method, seed: u32) -> Frame {
     let shutter = Shutter { open_s: 0.0, close_s: 1.0 };
     let aspect = SIZE.width as f64 / SIZE.height as f64;
-    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, aspect, shutter);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, aspect, shutter);
     let job = Job {
         size: SIZE,
         window: Window::whole(SIZE),

@@ -4,10 +4,10 @@ use crate::common::{INSTANT, add_fog, add_light, camera_at, coat, place};
 use glam::{DAffine3, DVec3, Vec3};
 use std::f64::consts::{FRAC_1_PI, PI};
 use sunfleck::color::Rgb;
-use sunfleck::indirect::Indirect;
+use sunfleck::indirect::{Indirect, KeptLight};
 use sunfleck::math::Ray;
 use sunfleck::scene::{Bounces, Instance, LightKind, Material, Mesh, Scene, Triangle};
-use sunfleck::snapshot::{MeshTrees, Snapshot};
+use sunfleck::snapshot::{Exposure, MeshTrees};
 
 const TO_SUN: DVec3 = DVec3::new(0.28, 0.77, 0.574);
 const IRRADIANCE: f64 = 50.0;
@@ -38,8 +38,11 @@ fn ground(half_m: f32, material: Material) -> Scene {
 
 /// Indirect light that the ground sends towards the camera from places of it, W m^-2 sr^-1.
 fn scattered(scene: &Scene, places: impl Iterator<Item = DVec3>) -> Vec<f64> {
-    let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
-    let indirect = Indirect::new(&snapshot, Bounces::UpTo(1), 1.0, &|| false).expect("there is ground");
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, 1.0, INSTANT);
+    let snapshot = exposure.middle();
+    let indirect = Indirect::new(&exposure, Bounces::UpTo(1), 1.0, &KeptLight::default(), &|| false)
+        .expect("there is ground");
     let of_place = |place: DVec3| {
         let ray = Ray { origin: DVec3::ZERO, direction: (place - snapshot.view.eye).normalize() };
         let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None).expect("ground is seen");

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use sunfleck::color::Rgb;
 use sunfleck::description;
 use sunfleck::film::Frame;
-use sunfleck::indirect::Indirect;
+use sunfleck::indirect::{Indirect, KeptLight};
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Method, Rendered, Watch, render};
@@ -101,8 +101,10 @@ fn strays_change_nothing() {
 
 /// Radiance of camera rays on a grid over the picture.
 fn radiances(scene: &Scene, bounces: Bounces) -> Vec<Rgb> {
-    let snapshot = Snapshot::new(scene, &MeshTrees::new(scene), 0, 1.0, INSTANT);
-    let indirect = Indirect::new(&snapshot, bounces, 1.0, &|| false);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, 1.0, INSTANT);
+    let snapshot = exposure.middle();
+    let indirect = Indirect::new(&exposure, bounces, 1.0, &KeptLight::default(), &|| false);
     let transport = Transport {
         volume: VolumeMethod::Segments,
         mirror_depth: 0,
@@ -238,9 +240,12 @@ fn a_leaf_does_not_light_itself() {
             add_leaf(&mut scene, place, normal, material);
         }
         add_light(&mut scene, LightKind::Sun, DVec3::ZERO, -normal, Rgb::splat(sunlight));
-        let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+        let trees = MeshTrees::new(&scene);
+        let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+        let snapshot = exposure.middle();
         for bounces in [Bounces::UpTo(1), Bounces::All] {
-            let indirect = Indirect::new(&snapshot, bounces, 1.0, &|| false).expect("leaves scatter");
+            let indirect = Indirect::new(&exposure, bounces, 1.0, &KeptLight::default(), &|| false)
+                .expect("leaves scatter");
             let (mut most, mut seen) = (0.0_f64, 0);
             for number in 0..4096 {
                 let along = |index: usize| ((index % 64) as f64 + 0.5) / 64.0;
@@ -268,8 +273,10 @@ fn a_leaf_keeps_its_light_where_another_is_hidden() {
         ground: Rgb::splat(0.2),
     });
     let trees = MeshTrees::new(&scene);
-    let middle = Snapshot::new(&scene, &trees, 0, 1.0, INSTANT);
-    let indirect = Indirect::new(&middle, Bounces::All, 1.0, &|| false).expect("leaves scatter");
+    let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+    let middle = exposure.middle();
+    let indirect = Indirect::new(&exposure, Bounces::All, 1.0, &KeptLight::default(), &|| false)
+        .expect("leaves scatter");
     let mut fewer = scene.clone();
     for instance in [0, 7, 20] {
         let node = fewer.instances[instance].node;
@@ -365,7 +372,8 @@ pub(crate) fn picture(scene: &Scene, bounces: Bounces, method: Method) -> Frame 
 
 fn rendered(scene: &Scene, bounces: Bounces, method: Method, passes: Vec<Pass>) -> Rendered {
     let aspect = SIZE.width as f64 / SIZE.height as f64;
-    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, aspect, INSTANT);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, aspect, INSTANT);
     let job = Job {
         size: SIZE,
         window: Window::whole(SIZE),

@@ -34,6 +34,7 @@ mod ground_light;
 mod height_fog;
 mod indirect;
 mod invalid_input;
+mod kept_light;
 mod lights;
 mod masks;
 mod mattes;

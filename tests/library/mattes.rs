@@ -43,7 +43,8 @@ fn at(place: DVec3) -> Motion {
 }
 
 fn picture(scene: &Scene, shutter: Shutter, samples: u32, method: Method) -> Frame {
-    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, 1.0, shutter).with_mattes(scene);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, 1.0, shutter).with_mattes(scene);
     let job = Job {
         size: SIZE,
         window: Window::whole(SIZE),

@@ -9,7 +9,7 @@ use crate::indirect::{
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 use sunfleck::color::Rgb;
-use sunfleck::indirect::Indirect;
+use sunfleck::indirect::{Indirect, KeptLight};
 use sunfleck::math::Sampler;
 use sunfleck::passes::Pass;
 use sunfleck::render::{Job, Method, Watch, render};
@@ -433,8 +433,9 @@ fn the_grid_has_the_same_light() {
     ];
     for (name, scene, samples, tolerance) in scenes {
         for bounces in [Bounces::UpTo(1), Bounces::All] {
-            let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
-            let grid = Indirect::new(&snapshot, bounces, 1.0, &|| false);
+            let trees = MeshTrees::new(&scene);
+            let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+            let grid = Indirect::new(&exposure, bounces, 1.0, &KeptLight::default(), &|| false);
             let on_grid =
                 Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(bounces) };
             let (paths, error) = estimate(&scene, &by_paths(bounces), samples);
@@ -455,8 +456,9 @@ fn a_metal_shows_the_sky_in_a_mirror() {
     let mirror = Material { base_color: Rgb::ZERO, mirror: Rgb::ONE, ..Material::default() };
     add_box(&mut scene, DVec3::new(-4.0, -4.0, 3.0), DVec3::new(4.0, 4.0, 3.1), mirror);
     scene.sky = Sky::new(EVEN_SKY);
-    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
-    let grid = Indirect::new(&snapshot, Bounces::All, 1.0, &|| false);
+    let trees = MeshTrees::new(&scene);
+    let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+    let grid = Indirect::new(&exposure, Bounces::All, 1.0, &KeptLight::default(), &|| false);
     let on_grid =
         Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(Bounces::All) };
     let (mean, error) = estimate(&scene, &on_grid, 16);
@@ -562,7 +564,8 @@ fn small_job(method: Method, bounces: Bounces) -> Job {
 }
 
 fn small_frame(scene: &Scene, job: &Job) -> sunfleck::film::Frame {
-    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, 32.0 / 18.0, INSTANT);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, 32.0 / 18.0, INSTANT);
     render(&exposure, job, &Watch::NOBODY).frame
 }
 

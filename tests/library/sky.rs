@@ -263,7 +263,8 @@ fn the_switch_says_what_is_lit() {
 const SIZE: Size = Size { width: 32, height: 18 };
 
 fn picture(scene: &Scene, samples: u32, method: Method) -> Frame {
-    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, 16.0 / 9.0, INSTANT);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
     let (window, sampling) = (Window::whole(SIZE), Sampling::Exactly(samples));
     let passes = vec![Pass::Shafts, Pass::Transmittance];
     let job = Job {
@@ -395,7 +396,8 @@ fn pixels_equal_those_of_mitsuba() {
             let (sigma_t, albedo) = (Rgb::new(0.1, 0.12, 0.15), Rgb::new(0.9, 0.8, 0.7));
             add_fog(&mut scene, low, high, sigma_t, albedo, 0.5);
         }
-        let exposure = Exposure::new(&scene, &MeshTrees::new(&scene), 0, 1.5, INSTANT);
+        let trees = MeshTrees::new(&scene);
+        let exposure = Exposure::new(&scene, &trees, 0, 1.5, INSTANT);
         let pictures = [1, 2, 3, 4, 5, 6, 7, 8].map(|seed| {
             let job = Job {
                 size,

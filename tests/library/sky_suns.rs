@@ -74,7 +74,8 @@ fn glade(sky: Sky) -> Scene {
 }
 
 fn picture(scene: &Scene, samples: u32, method: Method) -> Frame {
-    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, 16.0 / 9.0, INSTANT);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, 16.0 / 9.0, INSTANT);
     let job = Job {
         size: SIZE,
         window: Window::whole(SIZE),

@@ -34,7 +34,8 @@ pub(crate) fn picture(scene: &Scene, size: Size, samples: u32, method: Method) -
         method,
     };
     let aspect = size.width as f64 / size.height as f64;
-    let exposure = Exposure::new(scene, &MeshTrees::new(scene), 0, aspect, INSTANT);
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, aspect, INSTANT);
     let frame = render(&exposure, &job, &Watch::NOBODY).frame;
     for name in ["R", "G", "B", "A"] {
         let channel = frame.channel(name).expect("a colour");

@@ -18,7 +18,7 @@ import stages
 import sunfleck
 from sunfleck import engine, export, render
 from sunfleck.engine import cryptomatte, exporting, picture
-from sunfleck.engine.viewport import View, Viewport
+from sunfleck.engine.viewport import STAGES, View, Viewport
 from sunfleck.materials import inputs
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
@@ -313,7 +313,7 @@ class Engine(unittest.TestCase):
         while shown.poll():
             if shown.shown is not None and shown.number > len(sizes):
                 sizes.append(shown.shown.pixels.shape[:2])
-        self.assertEqual((sizes[0], shown.number), ((4, 8), 3))
+        self.assertEqual((sizes[0], shown.number), ((4, 8), len(STAGES)))
         self.scene.sunfleck_settings.samples = 16
         whole = self.still()
         numpy.testing.assert_allclose(shown.shown.pixels[..., :3], whole.pixels[..., :3], atol=0.02)

@@ -9,7 +9,7 @@ import time
 
 import bpy
 
-from .. import program, render
+from .. import program
 from ..losses import by_kind
 from ..world import ENGINE
 from . import exporting, panels, passes, picture, stepping
@@ -44,14 +44,12 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
         if executable is None:
             raise exporting.NotRendered(program.MISSING)
         self.update_stats("", "Sunfleck: exporting")
-        glb, findings = exporting.exported(self, graph)
-        for finding in by_kind(findings):
+        kept = exporting.exported(self, graph)
+        for finding in by_kind(kept.findings):
             self.report({"WARNING" if finding.severity == "WARNING" else "INFO"}, str(finding))
         if self.is_stopped():
             return
-        frame = glb.with_suffix(".exr")
-        flags = exporting.flags(self, graph.scene, graph.view_layer)
-        run = render.Run(executable, glb, frame, flags)
+        run, frame = exporting.started(self, graph, kept, executable)
         if not self.awaited(run):
             return
         code = run.wait()

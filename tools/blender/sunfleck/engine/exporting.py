@@ -1,7 +1,7 @@
 """The graph that Blender renders as a file for the program.
 
-In goes the graph, out come a file and what is lost. Invariant: with Blender's *Persistent Data*, nothing but
-the camera is written anew while nothing but the camera has changed.
+In goes the graph, out come a file, what is lost, and the program at work on it. Invariant: with Blender's
+*Persistent Data* nothing is written or loaded anew while nothing but the camera has changed.
 """
 
 import shutil
@@ -10,8 +10,8 @@ from pathlib import Path
 
 import bpy
 
-from .. import check, extras, render
-from ..evaluated import places, scenes, values, walk
+from .. import check, extras, render, service
+from ..evaluated import scenes, values, walk
 from ..losses import ordered
 from ..materials.library import custom
 from . import passes
@@ -29,6 +29,13 @@ class Kept:
 
     def __init__(self, path, frame, exported, findings):
         self.path, self.frame, self.exported, self.findings = path, frame, exported, findings
+        # The program with this file loaded, and the camera that it does not have of it.
+        self.service = self.camera = None
+
+    def close(self):
+        if self.service is not None:
+            self.service.close()
+            self.service = None
 
 
 _kept = {}
@@ -48,7 +55,8 @@ def folder():
 def forget():
     """Nothing is kept."""
     global _folder
-    _kept.clear()
+    while _kept:
+        _kept.popitem()[1].close()
     _numbers.clear()
     if _folder is not None:
         shutil.rmtree(_folder, ignore_errors=True)
@@ -56,16 +64,18 @@ def forget():
 
 
 def exported(engine, graph):
-    """The file, and what was found on the way."""
+    """The file, and what was found on the way: `Kept`."""
     scene, key = graph.scene, (graph.scene.name, graph.view_layer.name)
     kept = _kept.pop(key, None)
     if kept is None or not is_camera_alone(graph, kept):
+        if kept is not None:
+            kept.close()
         kept = anew(engine, graph, folder() / f"{_numbers.setdefault(key, len(_numbers))}.glb")
     else:
         put_camera(graph, kept)
     if scene.render.use_persistent_data:
         _kept[key] = kept
-    return kept.path, kept.findings
+    return kept
 
 
 def anew(engine, graph, path):
@@ -118,22 +128,26 @@ def camera_key(kept, eye):
 
 
 def put_camera(graph, kept):
-    """The camera's place and lens, in the file that there is."""
-    scene, assembly = graph.scene, kept.exported.assembly
-    eye = scene.camera.evaluated_get(graph)
-    document, view = assembly.document, values.View(kept.frame, scene.camera, eye, scene)
-    node = document.lists["nodes"][assembly.nodes[camera_key(kept, scene.camera)]]
-    parts = places.parts(places.in_gltf(view.matrix[None], looks=True))
-    for name in ("translation", "rotation", "scale"):
-        node[name] = getattr(parts, name)[0].tolist()
-    assembly.look(node, None, view.said)
-    document.write(kept.path)
+    """The camera's place and lens, of which the program is told beside the file."""
+    eye = graph.scene.camera.evaluated_get(graph)
+    view = values.View(kept.frame, graph.scene.camera, eye, graph.scene)
+    kept.camera = service.viewer(view.matrix, {**view.said.camera, "extras": view.said.extras})
+
+
+def started(engine, graph, kept, executable):
+    """The program at work on a picture, and where its frame will be: for this picture alone, or loaded for more."""
+    scene, frame = graph.scene, kept.path.with_suffix(".exr")
+    threads = [f"--threads={scene.render.threads}"] if scene.render.threads_mode == "FIXED" else []
+    wanted = flags(engine, scene, graph.view_layer)
+    if not scene.render.use_persistent_data:
+        return render.Run(executable, kept.path, frame, [*wanted, *threads]), frame
+    if kept.service is None or not kept.service.is_alive():
+        kept.service = service.Service(executable, kept.path, threads)
+    return kept.service.render([*wanted, f"--out={frame}"], kept.camera), frame
 
 
 def flags(engine, scene, layer):
     """What the program is told beside the file."""
-    found = [f"--size={engine.resolution_x}x{engine.resolution_y}"]
-    found += [f"--passes={','.join(passes.wanted(scene, layer)) or 'none'}"]
-    if scene.render.threads_mode == "FIXED":
-        found.append(f"--threads={scene.render.threads}")
-    return [*found, *render.flags(scene, animation=False, size=(engine.resolution_x, engine.resolution_y))]
+    size = engine.resolution_x, engine.resolution_y
+    passes_wanted = ",".join(passes.wanted(scene, layer)) or "none"
+    return [f"--size={size[0]}x{size[1]}", f"--passes={passes_wanted}", *render.flags(scene, animation=False, size=size)]

@@ -1,21 +1,21 @@
-"""Pictures for a viewport: a part of the size first, then all of it, each by a run of the program.
+"""Pictures for a viewport: a part of the size first, then all of it, of a scene that stays loaded.
 
 In go a graph that the viewport shows and how it is looked at, out come pictures, the last one finished at any
-time. Invariant: nothing waits; what has changed ends the run under way. It draws nothing itself.
+time. Invariant: nothing waits; what has changed ends the picture under way. It draws nothing itself.
 """
 
 import math
 
 import numpy
 
-from .. import extras, program, render
-from ..evaluated import places, scenes
+from .. import extras, program, service
+from ..evaluated import scenes
 from ..materials.library import custom
 from . import picture
 from .exporting import folder
 
 # Share of the size and samples of each picture, until the view changes.
-STAGES = ((0.25, 1), (1.0, 2), (1.0, 16))
+STAGES = ((0.25, 1), (0.5, 1), (1.0, 1), (1.0, 4), (1.0, 16))
 NAME = "viewport"
 
 
@@ -39,13 +39,12 @@ class View:
             and numpy.array_equal(self.projection, other.projection)
         )
 
-    def node(self):
-        """Its place, as a node of glTF has it."""
-        parts = places.parts(places.in_gltf(numpy.linalg.inv(self.from_world)[None], looks=True))
-        return {name: getattr(parts, name)[0].tolist() for name in ("translation", "rotation")}
-
     def camera(self):
-        """Its lens, as a camera of glTF has it."""
+        """As the program is told of it."""
+        return service.viewer(numpy.linalg.inv(self.from_world), self.lens())
+
+    def lens(self):
+        """As a camera of glTF has it."""
         near, aspect, across = 1e-3, self.size[0] / self.size[1], 1.0 / self.projection[1, 1]
         if not self.is_perspective:
             lens = {"xmag": across * aspect, "ymag": across, "znear": near, "zfar": 1e6}
@@ -61,21 +60,18 @@ class Viewport:
     """What one region shows; `poll` is called whenever it is drawn."""
 
     def __init__(self):
-        self.exported = self.view = self.eye = self.run = self.shown = None
+        self.exported = self.view = self.service = self.run = self.shown = None
         self.stage, self.number, self.problem = 0, 0, ""
 
     def changed(self, graph):
         """Everything may be another: the file is written anew."""
-        self.cancel()
+        self.close()
         scene = graph.scene
         self.path = folder() / f"{NAME}_{id(self)}.glb"
         with scenes.Job(scene, scene.frame_current) as job:
             job.visit(graph, scene.frame_current, 0.0)
             said = {**custom(scene), **extras.of_scene(scene, self.path)}
             self.exported = job.written(self.path, graph.view_layer, said)
-        # Of this file, so that there is one camera more.
-        document = self.exported.assembly.document
-        self.eye = document.add("nodes", {"name": NAME}), document.add("cameras", {})
         self.view = None
 
     def look(self, view):
@@ -84,12 +80,6 @@ class Viewport:
             return
         self.cancel()
         self.view, self.stage = view, 0
-        document = self.exported.assembly.document
-        node, camera = self.eye
-        document.lists["cameras"][camera] = view.camera()
-        document.lists["nodes"][node] = {"name": NAME, "camera": camera, **view.node()}
-        document.scene_extras["sunfleck"] = {**document.scene_extras["sunfleck"], "camera": NAME}
-        document.write(self.path)
         self.start()
 
     def start(self):
@@ -97,11 +87,14 @@ class Viewport:
         if executable is None:
             self.problem = program.MISSING
             return
+        if self.service is None:
+            self.service = service.Service(executable, self.path)
         share, samples = STAGES[self.stage]
         width, height = (max(1, round(share * side)) for side in self.view.size)
         flags = [f"--size={width}x{height}", f"--samples={samples}", "--passes=none"]
         flags.append(f"--frames={self.exported.frames[0]}")
-        self.run = render.Run(executable, self.path, self.path.with_suffix(".exr"), flags)
+        flags.append(f"--out={self.path.with_suffix('.exr')}")
+        self.run = self.service.render(flags, self.view.camera())
 
     def poll(self):
         """Whether there is more to come."""
@@ -118,9 +111,15 @@ class Viewport:
         return self.run is not None
 
     def __del__(self):
-        self.cancel()
+        self.close()
 
     def cancel(self):
         if self.run is not None:
             self.run.cancel()
             self.run = None
+
+    def close(self):
+        self.cancel()
+        if self.service is not None:
+            self.service.close()
+            self.service = None

@@ -1,0 +1,47 @@
+//! Indirect light that outlives a picture. In goes what is there at a moment, out comes its light, solved or
+//! kept. Invariant: what is kept changes no bit, as light is solved of the same contents about the same
+//! origin wherever the camera stands.
+
+use super::solved::Solved;
+use crate::scene::Bounces;
+use crate::snapshot::Contents;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Light of the last picture of a scene, for the next one: where only the camera, size or exposure changes it
+/// is the same. Of one scene alone.
+#[derive(Default)]
+pub struct KeptLight {
+    last: Mutex<Option<(Key, Arc<Solved>)>>,
+}
+
+/// What light depends on.
+#[derive(Clone, Copy, PartialEq)]
+struct Key {
+    contents: [u8; 32],
+    bounces: Bounces,
+}
+
+impl KeptLight {
+    /// `None` where nothing could scatter light. What `cancelled` cut short is not kept.
+    pub(super) fn of(
+        &self,
+        contents: Contents,
+        bounces: Bounces,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Arc<Solved>> {
+        let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = Key { contents: contents.digest(), bounces };
+        if let Some((kept, light)) = &*last()
+            && *kept == key
+        {
+            return Some(Arc::clone(light));
+        }
+        // Two of them take twice the memory.
+        *last() = None;
+        let light = Arc::new(Solved::new(&contents.frozen(), bounces, cancelled)?);
+        if !cancelled() {
+            *last() = Some((key, Arc::clone(&light)));
+        }
+        Some(light)
+    }
+}

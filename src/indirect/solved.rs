@@ -1,0 +1,71 @@
+//! Indirect light that no camera sees yet. In goes a snapshot, out come a field and what leaves get of it.
+//! Invariant: nothing in it depends on where a camera stands.
+
+use super::extent::levels;
+use super::field::Field;
+use super::ground::Beneath;
+use super::layers::Layers;
+use super::leaf_index::LeafIndex;
+use super::leaf_light::LeafLight;
+use super::level::Context;
+use super::rounds::has_sky;
+use super::surroundings::Surroundings;
+use crate::scene::Bounces;
+use crate::snapshot::Snapshot;
+use std::sync::Arc;
+
+/// Light of all orders that are wanted, but the first.
+pub(super) struct Solved {
+    pub(super) field: Field,
+    pub(super) leaves: LeafLight,
+    pub(super) bounces: Bounces,
+    pub(super) has_sky: bool,
+    /// After one bounce less, where that is asked for.
+    pub(super) once_less: Option<Arc<Self>>,
+}
+
+impl Solved {
+    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of
+    /// no use.
+    pub(super) fn new(
+        snapshot: &Snapshot,
+        bounces: Bounces,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let mut solved = Self::of_bounces(snapshot, bounces, cancelled)?;
+        if let Bounces::UpTo(count @ 2..) = bounces
+            && snapshot.has_gloss()
+        {
+            let less = Self::of_bounces(snapshot, Bounces::UpTo(count - 1), cancelled);
+            solved.once_less = less.map(Arc::new);
+        }
+        Some(solved)
+    }
+
+    fn of_bounces(
+        snapshot: &Snapshot,
+        bounces: Bounces,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let mut surroundings = Surroundings::of(snapshot);
+        let layers = layers(snapshot, &mut surroundings, bounces);
+        let grids = levels(snapshot, &surroundings, layers.as_ref());
+        let cell_m = grids.first().map_or(f64::INFINITY, |grid| grid.cell_m);
+        let leaves = LeafIndex::new(snapshot, surroundings.leaves(cell_m));
+        let context = Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, cancelled };
+        let field = Field::on(&grids, layers, &context)?;
+        let has_sky = has_sky(snapshot.sky);
+        Some(Self { field, leaves: LeafLight::new(leaves), bounces, has_sky, once_less: None })
+    }
+}
+
+/// What lies about all grids, if fog without bounds lies over plain ground, and nothing else shines on it.
+fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces) -> Option<Layers> {
+    let (up, scale_m) = snapshot.medium.banks().iter().find_map(|bank| bank.layer())?;
+    let ground = match Beneath::of(surroundings, up, scale_m) {
+        Beneath::Hills => return None,
+        Beneath::Nothing => None,
+        Beneath::Plain(ground) => Some(ground),
+    };
+    Layers::new(snapshot, ground.as_ref(), bounces)
+}

@@ -1,0 +1,147 @@
+//! What is there at a moment, before it can be traced. In go a moment and mesh trees, out comes a snapshot,
+//! or a digest by which two moments are told apart. Invariant: moments of one scene that have the same digest
+//! give the same light everywhere.
+
+use super::mesh_parts::MeshParts;
+use super::moment::{Moment, PlacedInstances};
+use super::ray_visibility::{casting, rays_of};
+use super::{FrozenSky, Luminaire, MeshTrees, Snapshot, View};
+use crate::accel::InstanceTree;
+use crate::fog::Medium;
+use crate::scene::{Material, Pose, Scene};
+use glam::{DAffine3, DVec3};
+use sha2::{Digest, Sha256};
+use std::borrow::Cow;
+use std::sync::{Arc, OnceLock};
+
+/// Everything of a scene at one moment, about an origin.
+pub struct Contents<'scene> {
+    scene: &'scene Scene,
+    is_blended: Arc<[bool]>,
+    parts: Arc<MeshParts>,
+    /// In the world.
+    origin: DVec3,
+    /// Instances with opaque and with blended triangles.
+    classes: [PlacedInstances; 2],
+    materials: Cow<'scene, [Material]>,
+    lights: Vec<Luminaire>,
+    medium: Medium,
+    sky: Option<FrozenSky<'scene>>,
+}
+
+impl<'scene> Contents<'scene> {
+    /// With those of the scene's lights of which `shining` says so.
+    pub(super) fn of(moment: &Moment<'scene>, trees: &MeshTrees, shining: &[bool]) -> Self {
+        let &Moment { scene, time_s, eye: origin, .. } = moment;
+        let medium = moment.medium();
+        let lights = moment.lights(shining, &medium);
+        Self {
+            scene,
+            is_blended: Arc::clone(&trees.is_blended),
+            parts: Arc::clone(&trees.parts),
+            origin,
+            classes: moment.instances(trees),
+            materials: moment.materials(),
+            medium,
+            lights,
+            sky: scene.sky.as_ref().and_then(|sky| FrozenSky::new(sky, time_s)),
+        }
+    }
+
+    /// The same about an origin that does not know the camera: for light that does not either.
+    pub(super) fn apart_from_camera(
+        scene: &'scene Scene,
+        trees: &MeshTrees,
+        time_s: f64,
+        shining: &[bool],
+    ) -> Self {
+        let placements = scene.placements(time_s);
+        let instances = scene.instances.iter().map(|instance| instance.node);
+        let nodes = instances.chain(scene.fogs.iter().map(|fog| fog.node));
+        let visible = nodes.map(|node| &placements[node]).filter(|placement| placement.visible);
+        let eye = median(visible.map(|placement| placement.world_from_node.translation));
+        Self::of(&Moment { scene, time_s, placements, eye }, trees, shining)
+    }
+
+    /// Ready to be traced about its origin.
+    pub fn frozen(self) -> Snapshot<'scene> {
+        let view = View::at(self.origin);
+        self.seen_by(view)
+    }
+
+    /// Ready to be traced; the view's eye is the origin.
+    pub(super) fn seen_by(self, view: View) -> Snapshot<'scene> {
+        let rays = rays_of(self.scene, &self.classes);
+        let casting = casting(&self.classes, rays.as_ref());
+        let [opaque, blended] = self.classes;
+        let first_blended = opaque.placed.len();
+        let tree = InstanceTree::new(opaque.meshes);
+        let blended_tree = InstanceTree::numbered((first_blended as u32..).zip(blended.meshes));
+        let boxes = [tree.bounds(), blended_tree.bounds()].into_iter().flatten();
+        Snapshot {
+            scene: self.scene,
+            view: view.of_surfaces(boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))),
+            tree,
+            blended: blended_tree,
+            casting,
+            rays,
+            materials: self.materials,
+            is_blended: self.is_blended,
+            parts: self.parts,
+            placed: opaque.placed.into_iter().chain(blended.placed).collect(),
+            first_blended,
+            lights: self.lights,
+            medium: self.medium,
+            background: self.scene.background,
+            sky: self.sky,
+            motion: None,
+            mattes: None,
+            glow: OnceLock::new(),
+        }
+    }
+
+    /// SHA-256 over all that changes from moment to moment.
+    pub fn digest(&self) -> [u8; 32] {
+        let mut hash = Sha256::new();
+        let mut numbers: Vec<f64> = Vec::new();
+        for class in &self.classes {
+            for placed in &class.placed {
+                numbers.push(placed.instance as f64);
+                push(&mut numbers, &placed.relative_from_mesh);
+                if let Some(bent) = &placed.bent {
+                    let Pose { weights, shape_from_rest } = &bent.pose;
+                    numbers.extend([weights.len(), shape_from_rest.len()].map(|count| count as f64));
+                    numbers.extend(weights);
+                    shape_from_rest.iter().for_each(|joint| push(&mut numbers, joint));
+                }
+            }
+            numbers.push(f64::NAN);
+        }
+        numbers.extend(self.origin.to_array());
+        numbers.iter().for_each(|number| hash.update(number.to_le_bytes()));
+        let Self { lights, medium, sky, .. } = self;
+        hash.update(format!("{lights:?} {medium:?} {:?}", sky.as_ref().map(FrozenSky::turned_by)));
+        if let Cow::Owned(materials) = &self.materials {
+            hash.update(format!("{materials:?}"));
+        }
+        hash.finalize().into()
+    }
+}
+
+fn push(numbers: &mut Vec<f64>, place: &DAffine3) {
+    numbers.extend(place.to_cols_array());
+}
+
+/// The median by each axis: strays do not move it. The world's origin where there is nothing.
+fn median(places: impl Iterator<Item = DVec3>) -> DVec3 {
+    let mut places: Vec<DVec3> = places.filter(|place| place.is_finite()).collect();
+    if places.is_empty() {
+        return DVec3::ZERO;
+    }
+    let middle = places.len() / 2;
+    let mut of_axis = |axis: usize| {
+        let (_, place, _) = places.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
+        place[axis]
+    };
+    DVec3::new(of_axis(0), of_axis(1), of_axis(2))
+}
