@@ -16,6 +16,12 @@ impl Writer<'_> {
     /// Adds every bank of fog, at its node.
     pub(super) fn add_fogs(&mut self) {
         for fog in &self.scene.fogs {
+            if matches!(fog.shape, FogShape::Voxels(_)) {
+                let found =
+                    format!("fog `{}` is as dense as voxels are, which glTF does not carry", fog.name);
+                self.lost(Loss::ExportVoxels, found);
+                continue;
+            }
             let written = self.fog(fog);
             let is_taken = |node: &Map<String, Value>| {
                 node.get("extras").is_some_and(|extras| extras.get("sunfleck_fog_volume").is_some())

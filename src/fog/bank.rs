@@ -4,10 +4,12 @@
 
 use super::beer_lambert::NOTHING_LEFT;
 use super::falloff::{Climb, Falloff};
+use super::voxel_fog::VoxelFog;
 use crate::color::Rgb;
 use crate::light::LightPlace;
-use crate::math::Ray;
+use crate::math::{Ray, SunlitVoxels};
 use glam::{DAffine3, DMat3, DVec3};
+use std::sync::Arc;
 
 /// A cut too many costs one exponential, a cut too few an error: rounding must not lose one.
 pub(super) const EDGE_SLACK: f64 = 1e-9;
@@ -22,6 +24,8 @@ enum Density {
     Even,
     /// Less with height.
     Thinning(Falloff),
+    /// By a grid, whose box is the bank's.
+    Voxels(VoxelFog),
 }
 
 /// Fog in a parallelepiped, or everywhere. Frozen at one time.
@@ -60,6 +64,37 @@ impl FogBank {
         Self { density: Density::Thinning(falloff), ..self }
     }
 
+    /// Fog as dense as voxels are, whose largest number stands for `sigma_t`; `None` if it does nothing.
+    pub fn of_voxels(
+        relative_from_voxel: DAffine3,
+        grid: Arc<SunlitVoxels>,
+        sigma_t: Rgb,
+        albedo: Rgb,
+        g: f64,
+    ) -> Option<Self> {
+        let (low, high) = grid.voxels.bounds();
+        let voxel_from_cube =
+            DAffine3 { matrix3: DMat3::from_diagonal(0.5 * (high - low)), translation: 0.5 * (low + high) };
+        let bank = Self::in_box(relative_from_voxel * voxel_from_cube, sigma_t, albedo, g)?;
+        Some(Self { density: Density::Voxels(VoxelFog::new(relative_from_voxel, grid)), ..bank })
+    }
+
+    /// The same, ready for suns in these directions.
+    pub fn lit_by(self, to_lights: &[DVec3]) -> Self {
+        match self.density {
+            Density::Voxels(voxels) => Self { density: Density::Voxels(voxels.lit_by(to_lights)), ..self },
+            _ => self,
+        }
+    }
+
+    /// Its voxels, if it has some.
+    pub(super) fn voxels(&self) -> Option<&VoxelFog> {
+        match &self.density {
+            Density::Voxels(voxels) => Some(voxels),
+            Density::Even | Density::Thinning(_) => None,
+        }
+    }
+
     /// The share of its scattering that harmonics below a degree do not tell from going straight on:
     /// delta-M, `f = g^degree` (Wiscombe 1977, "The delta-M method", eq. 14).
     pub(super) fn forward_peak(&self, degree: i32) -> f64 {
@@ -92,7 +127,7 @@ impl FogBank {
     pub fn layer(&self) -> Option<(DVec3, f64)> {
         match &self.density {
             Density::Thinning(falloff) if !self.is_bounded() => Some(falloff.up()),
-            Density::Even | Density::Thinning(_) => None,
+            Density::Even | Density::Thinning(_) | Density::Voxels(_) => None,
         }
     }
 
@@ -104,7 +139,7 @@ impl FogBank {
     /// Heights along a ray, if it thins out with them.
     pub(super) fn climb(&self, ray: &Ray) -> Option<Climb> {
         match &self.density {
-            Density::Even => None,
+            Density::Even | Density::Voxels(_) => None,
             Density::Thinning(falloff) => Some(falloff.along(ray)),
         }
     }
@@ -114,6 +149,7 @@ impl FogBank {
         match &self.density {
             Density::Even => false,
             Density::Thinning(falloff) => falloff.along(ray).height(t) > 0.0,
+            Density::Voxels(_) => true,
         }
     }
 
@@ -122,6 +158,7 @@ impl FogBank {
         match &self.density {
             Density::Even => (end - start).max(0.0),
             Density::Thinning(falloff) => falloff.along(ray).metres_at_base_density(start, end),
+            Density::Voxels(voxels) => voxels.metres(ray, start, end),
         }
     }
 
@@ -130,6 +167,7 @@ impl FogBank {
         match &self.density {
             Density::Even => 1.0,
             Density::Thinning(falloff) => falloff.along(ray).density(t),
+            Density::Voxels(voxels) => voxels.density(ray.at(t)),
         }
     }
 
@@ -223,6 +261,10 @@ impl FogBank {
     /// equation is linear in `t` for distant and for near lights alike. It counts only where the
     /// way really crosses the edge between the two faces.
     pub(super) fn for_each_kink(&self, ray: &Ray, light: LightPlace, mut kink: impl FnMut(f64)) {
+        if let Density::Voxels(voxels) = &self.density {
+            let span = self.span(ray);
+            return span.map_or((), |span| voxels.for_each_cut(ray, span, kink));
+        }
         let (origin, direction) = self.in_cube(ray.origin, ray.direction);
         // w(t) = w0 + t * w1.
         let (w0, w1) = match light {

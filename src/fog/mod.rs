@@ -18,6 +18,7 @@ mod scattered;
 mod slice;
 mod stretch;
 mod sun_stretch;
+mod voxel_fog;
 
 pub use bank::FogBank;
 pub use beer_lambert::{exp_minus, exp_minus_little};

@@ -37,6 +37,7 @@ impl<'a> Stretch<'a> {
         mut each: impl FnMut(Self),
     ) {
         let (mut tau, none) = (Rgb::ZERO, Rgb::ZERO);
+        let spans: Vec<_> = medium.banks().iter().map(|fog| fog.visible_span(ray, t_max)).collect();
         for pair in cuts(medium, ray, t_max, light).windows(2) {
             let (start, end) = (pair[0], pair[1]);
             let mut stretch = Self {
@@ -52,8 +53,7 @@ impl<'a> Stretch<'a> {
             };
             let middle = stretch.middle();
             for (index, fog) in medium.banks().iter().enumerate() {
-                let span = fog.visible_span(ray, t_max);
-                if span.is_some_and(|(enter, leave)| enter < middle && middle < leave) {
+                if spans[index].is_some_and(|(enter, leave)| enter < middle && middle < leave) {
                     stretch.inside |= 1 << index;
                     match fog.changes_at(ray, middle) {
                         true => stretch.changing |= 1 << index,
@@ -79,7 +79,7 @@ impl<'a> Stretch<'a> {
 
     /// Optical depth from the ray's origin over a `t` to the light.
     pub(super) fn tau(&self, t: f64) -> Rgb {
-        self.tau_to_eye(t) + self.medium.optical_depth_to(self.ray.at(t), self.light)
+        self.tau_to_eye(t) + self.medium.depth_in_fog_to(self.ray.at(t), self.light)
     }
 
     fn tau_to_eye(&self, t: f64) -> Rgb {
@@ -98,6 +98,26 @@ impl<'a> Stretch<'a> {
         })
     }
 
+    /// Its density as a cubic, with the bank, where that of one bank alone changes and voxels have it.
+    pub(super) fn cubic(&self) -> Option<(&'a FogBank, Cubic)> {
+        let mut changing = self.members(self.changing);
+        let fog = changing.next().filter(|fog| fog.voxels().is_some() && changing.next().is_none())?;
+        let length = self.end - self.start;
+        let at = |share: f64| fog.density_along(self.ray, self.start + share * length);
+        Some((fog, Cubic::through([at(0.0), at(1.0 / 3.0), at(2.0 / 3.0), at(1.0)], length)))
+    }
+
+    /// Optical depth and scattering at a `t` as [`Stretch::tau`] and [`Stretch::scattering`] have them, where
+    /// the density of one bank alone changes, and is a cubic.
+    pub(super) fn by_cubic(&self, t: f64, cos: f64, (fog, cubic): &(&FogBank, Cubic)) -> (Rgb, Rgb) {
+        let from_start = t - self.start;
+        let to_eye =
+            self.tau_at_start + self.even_per_m * from_start + fog.sigma_t * cubic.integral(from_start);
+        let even = self.scattering_at_base(self.inside & !self.changing, cos);
+        let scattering = even + fog.sigma_s * (henyey_greenstein(cos, fog.g) * cubic.at(from_start));
+        (to_eye + self.medium.depth_in_fog_to(self.ray.at(t), self.light), scattering)
+    }
+
     /// The same where all its fog is as dense as at its base.
     pub(super) fn densest_scattering(&self, cos_deflection: f64) -> Rgb {
         self.scattering_at_base(self.inside, cos_deflection)
@@ -111,6 +131,32 @@ impl<'a> Stretch<'a> {
     fn members(&self, mask: u64) -> impl Iterator<Item = &'a FogBank> {
         let banks = self.medium.banks().iter().enumerate();
         banks.filter(move |(index, _)| mask >> index & 1 == 1).map(|(_, fog)| fog)
+    }
+}
+
+/// A cubic from 0 to a length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cubic([f64; 4]);
+
+impl Cubic {
+    /// Through values at 0, a third, two thirds and all of the length.
+    fn through([a, b, c, d]: [f64; 4], length: f64) -> Self {
+        let per = if length > 0.0 { length.recip() } else { 0.0 };
+        let first = (-11.0 * a + 18.0 * b - 9.0 * c + 2.0 * d) / 2.0;
+        let second = (18.0 * a - 45.0 * b + 36.0 * c - 9.0 * d) / 2.0;
+        let third = (-9.0 * a + 27.0 * b - 27.0 * c + 9.0 * d) / 2.0;
+        Self([a, first * per, second * per * per, third * per * per * per])
+    }
+
+    fn at(&self, x: f64) -> f64 {
+        let [a, b, c, d] = self.0;
+        a + x * (b + x * (c + x * d))
+    }
+
+    /// From 0 on.
+    fn integral(&self, x: f64) -> f64 {
+        let [a, b, c, d] = self.0;
+        x * (a + x * (b / 2.0 + x * (c / 3.0 + x * d / 4.0)))
     }
 }
 

@@ -2,29 +2,35 @@
 //! part of it that is lit. Invariant: in closed form wherever there is one; elsewhere from one fit,
 //! which a hundred lit parts share.
 
+use super::FogBank;
 use super::beer_lambert::{exp_minus, mean_transmittance};
 use super::falloff::Climb;
-use super::stretch::Stretch;
+use super::stretch::{Cubic, Stretch};
 use crate::color::Rgb;
-use crate::math::{Antiderivative, Ray};
+use crate::math::{Antiderivative, Ray, gauss_legendre};
 use glam::DVec3;
 
 /// What a fit may be wrong by, as a share of what the whole stretch would scatter without any shadow.
 const TOLERANCE: f64 = 1e-11;
 
 /// Light scattered on a stretch, per unit of irradiance.
-pub(super) enum SunStretch {
+pub(super) enum SunStretch<'a> {
     Closed(ClosedForm),
+    /// By a rule for each part as long as a voxel.
+    Voxels(VoxelRule<'a>),
     /// An integral that has no closed form.
     Fitted(Antiderivative),
 }
 
-impl SunStretch {
-    pub(super) fn new(stretch: &Stretch, to_light: DVec3) -> Self {
+impl<'a> SunStretch<'a> {
+    pub(super) fn new(stretch: &'a Stretch, to_light: DVec3) -> Self {
+        let cos = to_light.dot(stretch.ray.direction);
+        if let Some(voxel_m) = stretch.medium.voxel_m(stretch.ray) {
+            return Self::Voxels(VoxelRule { stretch, cos, voxel_m, cubic: stretch.cubic() });
+        }
         if let Some(closed) = ClosedForm::of(stretch, to_light) {
             return Self::Closed(closed);
         }
-        let cos = to_light.dot(stretch.ray.direction);
         let mut fitted = Antiderivative::default();
         let integrand = |t: f64| stretch.scattering(t, cos) * exp_minus(stretch.tau(t));
         fitted.fit(integrand, stretch.start, stretch.end, TOLERANCE);
@@ -36,6 +42,42 @@ impl SunStretch {
         match self {
             Self::Closed(closed) => closed.integral(start, end),
             Self::Fitted(fitted) => fitted.between(start, end),
+            Self::Voxels(rule) => rule.integral(start, end),
+        }
+    }
+}
+
+/// The density of a cell is a cubic, and the depth to the sun changes with each voxel.
+pub(super) struct VoxelRule<'a> {
+    stretch: &'a Stretch<'a>,
+    cos: f64,
+    voxel_m: f64,
+    cubic: Option<(&'a FogBank, Cubic)>,
+}
+
+impl VoxelRule<'_> {
+    fn integral(&self, start: f64, end: f64) -> Rgb {
+        /// Parts at most.
+        const MOST_PARTS: f64 = 256.0;
+        let parts = ((end - start) / self.voxel_m).ceil().clamp(1.0, MOST_PARTS);
+        let half = 0.5 * (end - start) / parts;
+        // Two nodes have a cubic exactly, and little depth hardly bends it.
+        let nodes = if self.stretch.medium.most_extinction_per_m() * half < 0.05 { 2 } else { 3 };
+        let mut sum = Rgb::ZERO;
+        for part in 0..parts as usize {
+            let middle = start + (2.0 * part as f64 + 1.0) * half;
+            for (node, weight) in gauss_legendre(nodes) {
+                let (tau, scattering) = self.at(middle + node * half);
+                sum += *weight * scattering * exp_minus(tau);
+            }
+        }
+        half * sum
+    }
+
+    fn at(&self, t: f64) -> (Rgb, Rgb) {
+        match &self.cubic {
+            Some(cubic) => self.stretch.by_cubic(t, self.cos, cubic),
+            None => (self.stretch.tau(t), self.stretch.scattering(t, self.cos)),
         }
     }
 }

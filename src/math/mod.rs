@@ -14,6 +14,9 @@ mod quadrature;
 mod ray;
 mod running_product;
 mod sampler;
+mod voxel_depths;
+mod voxel_walk;
+mod voxels;
 
 pub use chance::Chance;
 pub use chebyshev::Antiderivative;
@@ -30,3 +33,5 @@ pub use ray::Ray;
 pub(crate) use running_product::MULTIPLICATIONS;
 pub use running_product::RunningProduct;
 pub use sampler::Sampler;
+pub use voxel_depths::{SunlitVoxels, VoxelDepths};
+pub use voxels::{BRICK, Voxels, VoxelsBuilder, VoxelsError};

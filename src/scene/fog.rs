@@ -3,6 +3,8 @@
 
 use super::{NodeIndex, Track};
 use crate::color::Rgb;
+use crate::math::SunlitVoxels;
+use std::sync::Arc;
 
 /// More banks of fog than this are refused: sets of them are bit masks in the inner loops.
 pub const MOST_FOGS: usize = 64;
@@ -16,7 +18,8 @@ pub struct Fog {
     pub node: NodeIndex,
     /// Where the fog is.
     pub shape: FogShape,
-    /// Extinction sigma_t per channel where the fog is densest, 1/m: scattering plus absorption.
+    /// Extinction sigma_t per channel where the fog is densest, 1/m: scattering plus absorption. Of voxels,
+    /// where they are 1.
     pub density_per_m: Track<Rgb>,
     /// Single-scattering albedo sigma_s / sigma_t per channel, `0..=1`.
     pub albedo: Track<Rgb>,
@@ -34,13 +37,15 @@ pub enum FogShape {
     ThinningBox(HeightFalloff),
     /// Everywhere, thinner with height.
     Layer(HeightFalloff),
+    /// As dense as voxels are, whose places are the shape's own space.
+    Voxels(Arc<SunlitVoxels>),
 }
 
 impl FogShape {
     /// How the fog thins out, if it does.
     pub fn falloff(&self) -> Option<&HeightFalloff> {
         match self {
-            Self::EvenBox => None,
+            Self::EvenBox | Self::Voxels(_) => None,
             Self::ThinningBox(falloff) | Self::Layer(falloff) => Some(falloff),
         }
     }

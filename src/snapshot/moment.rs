@@ -106,6 +106,13 @@ impl<'scene> Moment<'scene> {
                 Some(FogBank::in_box(relative_from_node, sigma_t, albedo, g)?.thinning(frozen(falloff)?))
             }
             FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
+            FogShape::Voxels(grid) => FogBank::of_voxels(
+                relative_from_node,
+                Arc::clone(grid),
+                grid.voxels.most() * sigma_t,
+                albedo,
+                g,
+            ),
         }
     }
 

@@ -59,3 +59,4 @@ mod spots;
 mod tolerance;
 mod translucent;
 mod vdb;
+mod voxel_fog;

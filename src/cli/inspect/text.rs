@@ -3,6 +3,7 @@
 
 use super::super::pass_names;
 use super::Inspected;
+use crate::math::Voxels;
 use crate::scene::{
     Animation, AreaShape, Clip, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Placement, Scene, Sky,
     SkyLight, SkyPicture, SkySun, SunPicture, SunShows,
@@ -168,9 +169,14 @@ fn write_lights(out: &mut String, scene: &Scene, placements: &[Placement], time_
 fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::fmt::Result {
     let half_extents = world.matrix3.x_axis.abs() + world.matrix3.y_axis.abs() + world.matrix3.z_axis.abs();
     let (low, high) = (world.translation - half_extents, world.translation + half_extents);
-    let bounds = match fog.shape {
+    let bounds = match &fog.shape {
         FogShape::EvenBox | FogShape::ThinningBox(_) => format!("within {low:.3} to {high:.3}"),
         FogShape::Layer(_) => String::from("without bounds"),
+        FogShape::Voxels(grid) => {
+            let voxels = &grid.voxels;
+            let [low, high] = voxel_bounds(world, voxels);
+            format!("by voxels, up to {:.3}, within {low:.3} to {high:.3}", voxels.most())
+        }
     };
     let density = fog.density_per_m.at(time_s);
     let mut falloff = String::new();
@@ -190,6 +196,16 @@ fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::
         color(fog.albedo.at(time_s)),
         fog.anisotropy.at(time_s)
     )
+}
+
+/// The box about voxels in the world.
+fn voxel_bounds(world: DAffine3, voxels: &Voxels) -> [DVec3; 2] {
+    let (low, high) = voxels.bounds();
+    let middle = world.transform_point3(0.5 * (low + high));
+    let half = 0.5 * (high - low);
+    let axes = [world.matrix3.x_axis, world.matrix3.y_axis, world.matrix3.z_axis];
+    let reach: DVec3 = axes.into_iter().zip(half.to_array()).map(|(axis, half)| half * axis.abs()).sum();
+    [middle - reach, middle + reach]
 }
 
 fn write_sky(out: &mut String, sky: &Sky, time_s: f64) -> std::fmt::Result {

@@ -24,7 +24,7 @@ mod version;
 
 use super::image::DecodedImage;
 use super::obj::{self, ObjModel, ObjPictures};
-use super::{Files, LoadError};
+use super::{Files, LoadError, vdb};
 use crate::diagnostic::{Diagnostic, Place};
 use parse::Document;
 use std::collections::BTreeMap;
@@ -74,6 +74,8 @@ pub struct LoadedScene {
     pub sun_images: BTreeMap<PathBuf, DecodedImage>,
     /// Images of directions by their path as the scene writes it.
     pub normal_maps: BTreeMap<PathBuf, DecodedImage>,
+    /// Grids that fog takes its density from, by their file's path as the scene writes it.
+    pub grids: BTreeMap<PathBuf, Vec<vdb::Grid>>,
     /// The image that the sky shows.
     pub sky_image: Option<DecodedImage>,
     /// Whether nobody wrote it: a mesh was to be rendered by itself. Then it has neither camera nor light.

@@ -3,7 +3,7 @@
 
 use super::{Keyed, Light, LoadedScene, NormalMap, SceneFile, Sky, beside};
 use crate::description::image::{self, Encoding};
-use crate::description::{Files, LoadError, obj};
+use crate::description::{Files, LoadError, obj, vdb};
 use crate::diagnostic::{Diagnostics, Place};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -45,12 +45,7 @@ pub(super) fn load(
             loader.image(texture, Encoding::Linear, &referrer, &mut normal_maps)?;
         }
     }
-    let mut sun_images = BTreeMap::new();
-    for (name, light) in file.lights.iter() {
-        if let Light::Sun { image: Some(image), .. } = light {
-            loader.image(image, Encoding::Srgb, &format!("lights.{name}.image"), &mut sun_images)?;
-        }
-    }
+    let (sun_images, grids) = (loader.sun_images(&file)?, loader.grids(&file)?);
     let sky_image = loader.sky(file.sky.as_ref())?;
     if loader.problems.has_errors() {
         return Err(LoadError::Invalid(loader.problems));
@@ -63,6 +58,7 @@ pub(super) fn load(
         obj_pictures,
         sun_images,
         normal_maps,
+        grids,
         sky_image,
         is_mesh_alone: false,
     })
@@ -126,6 +122,33 @@ impl Loader<'_> {
             }
             Err(error) => Err(error),
         }
+    }
+
+    fn sun_images(&mut self, file: &SceneFile) -> Result<BTreeMap<PathBuf, image::DecodedImage>, LoadError> {
+        let mut images = BTreeMap::new();
+        for (name, light) in file.lights.iter() {
+            if let Light::Sun { image: Some(image), .. } = light {
+                self.image(image, Encoding::Srgb, &format!("lights.{name}.image"), &mut images)?;
+            }
+        }
+        Ok(images)
+    }
+
+    fn grids(&mut self, file: &SceneFile) -> Result<BTreeMap<PathBuf, Vec<vdb::Grid>>, LoadError> {
+        let mut grids = BTreeMap::new();
+        for (name, fog) in file.fog.iter() {
+            let Some(vdb) = fog.vdb.as_ref().filter(|vdb| !grids.contains_key(*vdb)) else { continue };
+            let path = beside(self.path, vdb);
+            let referrer = format!("{}: fog.{name}.vdb", self.path.display());
+            match vdb::parse(&self.files.read(&path, Some(&referrer))?, &path) {
+                Ok(found) => {
+                    grids.insert(vdb.clone(), found);
+                }
+                Err(LoadError::Invalid(problems)) => self.problems.0.extend(problems.0),
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(grids)
     }
 
     fn sky(&mut self, sky: Option<&Sky>) -> Result<Option<image::DecodedImage>, LoadError> {

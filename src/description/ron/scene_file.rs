@@ -315,7 +315,7 @@ pub struct Julia {
     pub iterations: Whole<1, 1000>,
 }
 
-/// A bank of fog, in a box or thinner with height or both.
+/// A bank of fog: in a box, thinner with height, or both; or as dense as voxels are.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fog {
@@ -329,7 +329,11 @@ pub struct Fog {
     pub scale_height_m: Option<Keyed<Number<Positive>>>,
     /// Where that begins: a y coordinate of its parent's space.
     pub base_m: Option<Number<Finite>>,
-    /// Extinction coefficient sigma_t where the fog is densest.
+    /// An OpenVDB file that says how dense it is, in its parent's space.
+    pub vdb: Option<PathBuf>,
+    /// The file's grid that does [default: `density`].
+    pub grid: Option<String>,
+    /// Extinction coefficient sigma_t where the fog is densest; of voxels that of 1 in them.
     pub density_per_m: Keyed<Triple<NonNegative>>,
     /// How much of the extinction is scattering.
     #[serde(default = "one")]

@@ -1,6 +1,7 @@
 //! Our own format in, a scene and its settings out. Invariant: every problem is collected and
 //! named by its field's path; what is not used is a remark.
 
+mod cameras;
 mod falls;
 mod fogs;
 mod hierarchy;
@@ -20,20 +21,20 @@ mod suns;
 mod tests;
 mod tints;
 mod tracks;
+mod voxel_fogs;
 
 use super::outline::Tally;
 use super::sun_picture::image_for_suns;
 use super::{
-    AlphaMode, Aperture, Baking, Camera, Clip, Coat, Instance, Lens, Material, MaterialIndex, Mesh,
-    MeshIndex, Motion, Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track,
-    Triangle, Wrap,
+    AlphaMode, Baking, Coat, Instance, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node, NodeIndex,
+    RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
 };
 use crate::color::Rgb;
 use crate::description::image::DecodedImage;
 use crate::description::obj::{ObjModel, ObjPicture};
 use crate::description::ron::{self, LoadedScene, SceneFile};
+use crate::description::vdb;
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
-use glam::{DVec2, DVec3};
 use problems::Problems;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -41,9 +42,6 @@ use std::sync::Arc;
 use tracks::{rotation, track};
 
 pub(super) use sequence::apply_sequence;
-
-/// Full vertical field of view of a camera that has none of its own.
-const DEFAULT_FOV_DEG: f64 = 45.0;
 
 /// Resolves a scene.
 pub(super) fn resolve(loaded: LoadedScene, baking: &Baking) -> Result<(Scene, RenderSettings), Diagnostics> {
@@ -56,12 +54,14 @@ pub(super) fn resolve(loaded: LoadedScene, baking: &Baking) -> Result<(Scene, Re
         obj_pictures,
         sun_images,
         normal_maps,
+        grids,
         sky_image,
         is_mesh_alone,
     } = loaded;
     let mut resolver = Resolver::new(&path, &file, &models);
     resolver.scene.background = file.background_w_per_m2_sr.si();
     resolver.sky_image = sky_image;
+    resolver.grids = grids;
     for (image_path, image) in sun_images {
         let image = image_for_suns(&image_path.display().to_string(), image);
         resolver.sun_images.insert(image_path, image);
@@ -148,6 +148,8 @@ struct Resolver<'a> {
     outlines: Tally,
     /// Images that suns show, by their paths.
     sun_images: BTreeMap<PathBuf, Arc<Texture>>,
+    /// Of OpenVDB files, by their paths.
+    grids: BTreeMap<PathBuf, Vec<vdb::Grid>>,
     /// Until the sky takes it.
     sky_image: Option<DecodedImage>,
 }
@@ -175,6 +177,7 @@ impl<'a> Resolver<'a> {
             tinted: BTreeMap::new(),
             outlines: Tally::default(),
             sun_images: BTreeMap::new(),
+            grids: BTreeMap::new(),
             sky_image: None,
         }
     }
@@ -286,97 +289,6 @@ impl<'a> Resolver<'a> {
         self.meshes.insert(name, self.scene.meshes.len());
         self.scene.meshes.push(mesh);
         Some(self.scene.meshes.len() - 1)
-    }
-
-    fn cameras(&mut self) {
-        if self.file.cameras.iter().len() == 0 {
-            let remedy = "add `cameras: { \"main\": (position_m: (0.0, 1.0, 4.0)) }`";
-            self.problems.error("cameras", "the scene has no camera", "at least one camera", remedy);
-        }
-        for (name, camera) in self.file.cameras.iter() {
-            let owner = format!("cameras.{name}");
-            let parent = self.parent(&owner, camera.parent.as_deref());
-            let motion = self.camera_motion(&owner, camera);
-            let lens = self.lens(&owner, camera);
-            let aperture = camera.aperture.as_ref().and_then(|aperture| {
-                let owner = format!("{owner}.aperture");
-                let f_stop = track(&aperture.f_stop, &format!("{owner}.f_stop"), &mut self.problems);
-                let focus = &aperture.focus_distance_m;
-                let focus = track(focus, &format!("{owner}.focus_distance_m"), &mut self.problems);
-                Some(Aperture {
-                    f_stop: f_stop?,
-                    sensor_width_m: 1e-3 * aperture.sensor_width_mm.si(),
-                    focus_distance_m: focus?,
-                    blades: aperture.blades.map_or(0, |blades| blades.0),
-                })
-            });
-            if let (Some(parent), Some(motion), Some(lens)) = (parent, motion, lens) {
-                let node = self.node(name.to_owned(), parent, motion);
-                let (shift, clip) = (DVec2::ZERO, self.clip(&owner, camera));
-                self.scene.cameras.push(Camera { name: name.to_owned(), node, lens, shift, aperture, clip });
-            }
-        }
-    }
-
-    fn clip(&mut self, owner: &str, camera: &ron::Camera) -> Clip {
-        let Some((start, end)) = &camera.clip_m else { return Clip::NONE };
-        let clip = Clip { start_m: start.si(), end_m: end.si() };
-        if clip.start_m >= clip.end_m {
-            self.problems.error(
-                &format!("{owner}.clip_m"),
-                format!(
-                    "the clipping planes at {} and {} m leave nothing between them",
-                    clip.start_m, clip.end_m
-                ),
-                "the nearer plane first: `(start, end)`",
-                "swap them, or take `clip_m` out",
-            );
-        }
-        clip
-    }
-
-    fn lens(&mut self, owner: &str, camera: &ron::Camera) -> Option<Lens> {
-        let Some(height) = &camera.orthographic_height_m else {
-            let fov_y = match &camera.fov_deg {
-                Some(fov) => track(fov, &format!("{owner}.fov_deg"), &mut self.problems)?,
-                None => Track::from(DEFAULT_FOV_DEG.to_radians()),
-            };
-            return Some(Lens::Perspective { fov_y });
-        };
-        if camera.fov_deg.is_some() || camera.aperture.is_some() {
-            self.problems.error(
-                owner,
-                "an orthographic camera has neither an angle of view nor an aperture",
-                "either `orthographic_height_m`, or `fov_deg` and `aperture`",
-                "take one of the two out",
-            );
-        }
-        let height_m = track(height, &format!("{owner}.orthographic_height_m"), &mut self.problems)?;
-        Some(Lens::Orthographic { height_m })
-    }
-
-    fn camera_motion(&mut self, owner: &str, camera: &ron::Camera) -> Option<Motion> {
-        let turned = camera.rotation_deg.is_some() || camera.rotation_quaternion.is_some();
-        let Some(look_at) = &camera.look_at_m else {
-            let position = track(&camera.position_m, &format!("{owner}.position_m"), &mut self.problems);
-            let turn = rotation(
-                camera.rotation_deg.as_ref(),
-                camera.rotation_quaternion.as_ref(),
-                owner,
-                &mut self.problems,
-            );
-            return Some(Motion::Keyed { translation: position?, rotation: turn?, scale: DVec3::ONE.into() });
-        };
-        if turned {
-            self.problems.error(
-                owner,
-                "the camera looks at something and is turned as well",
-                "either `look_at_m`, or `rotation_deg` or `rotation_quaternion`",
-                "take one of the two out",
-            );
-        }
-        let up = track(&camera.up, &format!("{owner}.up"), &mut self.problems)?;
-        self.aimed(owner, ("position_m", &camera.position_m), ("look_at_m", look_at), up)
     }
 
     fn remark_no_light(&mut self) {

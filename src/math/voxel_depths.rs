@@ -1,0 +1,114 @@
+//! How much of voxels lies towards a sun. In go voxels and a direction, out come depths of any place by a
+//! lattice of lines along it. Invariant: at the lattice's nodes they are exact; between them they are linear.
+
+use super::{Ray, Voxels};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// How far nodes lie apart, in voxels; farther where there would be too many.
+const SPACING: f64 = 0.5;
+const MOST_NODES: f64 = (1 << 23) as f64;
+
+/// Suns whose depths are kept.
+const MOST_SUNS: usize = 8;
+
+/// Voxels that suns shine through.
+#[derive(Debug)]
+pub struct SunlitVoxels {
+    /// Them.
+    pub voxels: Voxels,
+    /// The last suns: directions of the voxels' own space.
+    suns: Mutex<Vec<(DVec3, Arc<VoxelDepths>)>>,
+}
+
+impl From<Voxels> for SunlitVoxels {
+    fn from(voxels: Voxels) -> Self {
+        Self { voxels, suns: Mutex::default() }
+    }
+}
+
+impl SunlitVoxels {
+    /// Depths towards a direction of its own space, found once.
+    pub fn depths_towards(&self, to_light: DVec3) -> Arc<VoxelDepths> {
+        let suns = || self.suns.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, depths)) = suns().iter().find(|(direction, _)| *direction == to_light) {
+            return Arc::clone(depths);
+        }
+        let depths = Arc::new(VoxelDepths::new(&self.voxels, to_light));
+        let mut suns = suns();
+        if suns.len() == MOST_SUNS {
+            suns.remove(0);
+        }
+        suns.push((to_light, Arc::clone(&depths)));
+        depths
+    }
+}
+
+/// Depths in voxels of the densest, towards one direction.
+#[derive(Debug)]
+pub struct VoxelDepths {
+    /// Unit vectors: across, across, and towards the sun.
+    axes: [DVec3; 3],
+    low: DVec3,
+    spacing: f64,
+    /// Nodes along each of them.
+    size: [usize; 3],
+    /// Node by node, towards the sun fastest.
+    depths: Vec<f32>,
+}
+
+impl VoxelDepths {
+    /// `to_light` is a direction of the voxels' own space.
+    pub(super) fn new(voxels: &Voxels, to_light: DVec3) -> Self {
+        let up = to_light.normalize();
+        let (right, across) = up.any_orthonormal_pair();
+        let axes = [right, across, up];
+        let (low, high) = voxels.bounds();
+        let (mut from, mut to) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for corner in 0..8 {
+            let side = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            let corner = DVec3::new(side(0), side(1), side(2));
+            let along = DVec3::from_array(axes.map(|axis| axis.dot(corner)));
+            (from, to) = (from.min(along), to.max(along));
+        }
+        let nodes = (to - from).element_product() / SPACING.powi(3);
+        let spacing = SPACING * (nodes / MOST_NODES).cbrt().max(1.0);
+        let size = (to - from).to_array().map(|side| (side / spacing).ceil() as usize + 1);
+        let mut depths = vec![0.0; size.iter().product()];
+        depths.par_chunks_mut(size[2]).enumerate().for_each(|(number, depths)| {
+            let [i, j] = [number / size[1], number % size[1]].map(|index| spacing * index as f64);
+            let origin = (from.x + i) * right + (from.y + j) * across + from.z * up;
+            let line = Ray { origin, direction: up };
+            let mut depth = 0.0;
+            for (index, value) in depths.iter_mut().enumerate().rev() {
+                let start = spacing * index as f64;
+                depth += voxels.integral(&line, (start, start + spacing));
+                *value = (depth / voxels.most()) as f32;
+            }
+        });
+        Self { axes, low: from, spacing, size, depths }
+    }
+
+    /// Of a place.
+    pub fn of(&self, place: DVec3) -> f64 {
+        let along = DVec3::from_array(self.axes.map(|axis| axis.dot(place)));
+        let at = (along - self.low) / self.spacing;
+        let last = DVec3::from_array(self.size.map(|count| (count - 1) as f64));
+        if at.x < 0.0 || at.y < 0.0 || at.x > last.x || at.y > last.y || at.z > last.z {
+            return 0.0;
+        }
+        let at = at.max(DVec3::ZERO);
+        let cell = at.floor().min((last - 1.0).max(DVec3::ZERO));
+        let share = at - cell;
+        let [i, j, k] = cell.to_array().map(|index| index as usize);
+        let depth = |corner: usize| {
+            let [i, j] = [i + (corner & 1), j + (corner >> 1)];
+            let start = (i.min(self.size[0] - 1) * self.size[1] + j.min(self.size[1] - 1)) * self.size[2];
+            let (here, next) = (self.depths[start + k], self.depths[start + (k + 1).min(self.size[2] - 1)]);
+            f64::from(here) + share.z * f64::from(next - here)
+        };
+        let [near, far] = [0, 2].map(|row| depth(row) + share.x * (depth(row + 1) - depth(row)));
+        near + share.y * (far - near)
+    }
+}
