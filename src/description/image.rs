@@ -56,7 +56,9 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
         _ => false,
     };
     if !is_read {
-        return Err(reject(String::from("this is not an image in a format that is read")));
+        let name = reader.format().and_then(|format| format.extensions_str().first());
+        let name = name.map_or(String::new(), |name| format!(", but in {}", name.to_uppercase()));
+        return Err(reject(format!("this is not an image in a format that is read{name}")));
     }
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);

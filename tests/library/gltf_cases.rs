@@ -176,6 +176,24 @@ fn what_is_damaged_is_left_out_and_the_rest_is_drawn() {
     }
 }
 
+/// By its extension where that is all there is, and by its bytes where they stand for a plain image.
+#[test]
+fn images_of_other_formats_are_called_by_their_names() {
+    let avif = "data:image/avif;base64,AAAAHGZ0eXBhdmlmAAAAAGF2aWZtaWYxbWlhZg==";
+    let said = |texture: serde_json::Value| {
+        let mut document = json_of("missing_image_file.gltf");
+        document["textures"] = json!([texture]);
+        document["images"] = json!([{ "uri": avif }]);
+        let (scene, _) = load_json(&document).unwrap();
+        scene.remarks.losses().map(|(_, remark)| remark.found.clone()).collect::<Vec<_>>().join("\n")
+    };
+    let by_extension = said(json!({ "extensions": { "EXT_texture_avif": { "source": 0 } } }));
+    assert!(by_extension.contains("as `EXT_texture_avif` alone, which is not read"), "{by_extension}");
+    let by_bytes = said(json!({ "source": 0 }));
+    assert!(by_bytes.contains("not an image in a format that is read, but in AVIF"), "{by_bytes}");
+    assert!(said(json!({})).contains("the texture has no image that can be read"));
+}
+
 #[test]
 fn what_is_not_shown_is_not_read() {
     let mut document = json_of("missing_image_file.gltf");

@@ -2,6 +2,7 @@
 //! been checked.
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -124,6 +125,9 @@ pub(super) struct TextureExtensions {
     pub(super) webp: Option<ImageReference>,
     #[serde(rename = "KHR_texture_basisu")]
     pub(super) basisu: Option<ImageReference>,
+    /// Of formats that are not read, by their names.
+    #[serde(flatten)]
+    pub(super) others: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Debug, Deserialize)]

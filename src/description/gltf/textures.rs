@@ -121,7 +121,11 @@ impl<'a> Textures<'a> {
         let others = [&texture.extensions.webp, &texture.extensions.basisu];
         let others = others.into_iter().flatten().filter_map(|image| image.source);
         let Some(source) = texture.source.into_iter().chain(others).next() else {
-            return Err(invalid(self.file, path, "the texture has no image that can be read")
+            let found = match texture.extensions.others.keys().next() {
+                Some(format) => format!("the texture has its image as `{format}` alone, which is not read"),
+                None => String::from("the texture has no image that can be read"),
+            };
+            return Err(invalid(self.file, path, found)
                 .expected("an image in PNG, JPEG, WebP or KTX2")
                 .remedy("export images as PNG or JPEG (Blender: Material > Images)"));
         };
