@@ -256,3 +256,97 @@ fn a_ground_that_is_none_is_told_of_each_block_that_names_it() {
         assert_eq!(told.matches(&format!("fall.{name}.ground.object")).count(), 1, "{told}");
     }
 }
+
+/// Two keys of one value.
+fn twice(value: &str) -> String {
+    format!("Keyed(keys: [(at_s: 0.0, value: {value}), (at_s: 3.0, value: {value})])")
+}
+
+#[test]
+fn keys_that_say_the_same_are_a_plain_value() {
+    let of = |speed: &str, mean: &str, gust: &str, eddy: &str| {
+        let wind = format!("mean_m_per_s: {mean}, gust_m_per_s: {gust}, eddy_m_per_s: {eddy}");
+        scene_of("", &format!("{FROM_A_BOX}, speed: {speed}, wind: ({wind})"))
+    };
+    let (mean, gust) = ("(0.5, 0.0, 0.1)", "(0.4, 0.1, 0.0)");
+    let plain = of("2.0", mean, gust, "0.0");
+    let keyed = of(&twice("2.0"), &twice(mean), &twice(gust), &twice("0.0"));
+    let moments = (0..48).map(|moment| f64::from(moment) / 8.0);
+    assert!(moments.clone().all(|time_s| leaves(&plain, time_s) == leaves(&keyed, time_s)));
+    // What the wind carries past is a sum of its keys, the same but for the rounding of sums.
+    let (plain, keyed) = (of("1.0", mean, gust, "0.3"), of("1.0", &twice(mean), gust, &twice("0.3")));
+    for (one, other) in
+        moments.flat_map(|time_s| leaves(&plain, time_s).into_iter().zip(leaves(&keyed, time_s)))
+    {
+        assert!((one.1 - other.1).length() < 1e-3, "{one:?} {other:?}");
+    }
+}
+
+#[test]
+fn a_fall_that_comes_later_is_the_same_fall() {
+    let of = |from_s: f64| {
+        let key = |at_s: f64, value: &str| format!("(at_s: {:?}, value: {value})", from_s + at_s);
+        let mean = [key(0.0, "(0.0, 0.0, 0.0)"), key(1.5, "(2.0, 0.0, 0.0)"), key(2.5, "(0.0, 0.0, 1.0)")];
+        let speed = [key(0.5, "1.0"), key(2.0, "2.5")];
+        let keys = |keys: &[String]| format!("Keyed(keys: [{}])", keys.join(", "));
+        let (mean, speed) = (keys(&mean), keys(&speed));
+        let fields = format!("{FROM_A_BOX}, speed: {speed}, wind: (mean_m_per_s: {mean}, eddy_m_per_s: 0.0)");
+        let text = scene_file("", &fields)
+            .replace("release_s: (0.0, 2.0)", &format!("release_s: ({from_s:?}, {:?})", from_s + 2.0));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.ron");
+        std::fs::write(&path, text).unwrap();
+        resolved(&path).0
+    };
+    let (soon, late) = (of(0.0), of(16.0));
+    for time_s in (0..48).map(|moment| f64::from(moment) / 8.0) {
+        for (one, other) in leaves(&soon, time_s).iter().zip(&leaves(&late, 16.0 + time_s)) {
+            assert!((one.1 - other.1).length() < 1e-5, "{time_s} s: {one:?} {other:?}");
+        }
+    }
+}
+
+/// Level leaves that fall for long, in keys of wind and speed.
+fn sinking(speed: &str, mean: &str) -> Scene {
+    let fields =
+        format!("{FROM_A_BOX}, ground: (height_m: -40.0), speed: {speed}, wind: (mean_m_per_s: {mean})");
+    let text = scene_file("", &fields)
+        .replace("motion: (flutter: 1.0, tumble: 1.0, helical: 1.0)", "motion: (steady: 1.0)")
+        .replace("release_s: (0.0, 2.0)", "release_s: 0.0");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, text).unwrap();
+    resolved(&path).0
+}
+
+/// From a time on by so many seconds.
+fn moved(scene: &Scene, from_s: f64, seconds: f64) -> Vec<DVec3> {
+    let ways = leaves(scene, from_s).into_iter().zip(leaves(scene, from_s + seconds));
+    ways.map(|((_, from, _), (_, to, _))| to - from).collect()
+}
+
+#[test]
+fn wind_that_begins_carries_leaves_from_then_on() {
+    let begins = "Keyed(keys: [(at_s: 0.0, value: (0.0, 0.0, 0.0), to_next: Step), (at_s: 4.0, value: (1.5, 0.0, 0.0))])";
+    let (calm, windy) = (sinking("1.0", "(0.0, 0.0, 0.0)"), sinking("1.0", begins));
+    for (calm, windy) in moved(&calm, 0.0, 3.9).iter().zip(&moved(&windy, 0.0, 3.9)) {
+        assert!((*calm - *windy).length() < 1e-3, "{calm} {windy}");
+    }
+    for (calm, windy) in moved(&calm, 8.0, 4.0).iter().zip(&moved(&windy, 8.0, 4.0)) {
+        let carried = (*windy - *calm) / 4.0;
+        assert!((carried - DVec3::new(1.5, 0.0, 0.0)).length() < 0.1, "{carried}");
+    }
+}
+
+#[test]
+fn leaves_sink_as_fast_as_keys_of_their_speed_say() {
+    let faster = "Keyed(keys: [(at_s: 0.0, value: 1.0, to_next: Step), (at_s: 6.0, value: 2.0)])";
+    let scenes = ["1.0", "2.0", faster].map(|speed| sinking(speed, "(0.0, 0.0, 0.0)"));
+    let sinks = |scene: &Scene, from_s: f64| {
+        let ways = moved(scene, from_s, 2.0);
+        -ways.iter().map(|way| way.y).sum::<f64>() / ways.len() as f64 / 2.0
+    };
+    let [slow, fast, keyed] = scenes.each_ref().map(|scene| (sinks(scene, 3.0), sinks(scene, 8.0)));
+    assert!((fast.1 / slow.1 - 2.0).abs() < 0.1, "{fast:?} {slow:?}");
+    assert!((keyed.0 / slow.0 - 1.0).abs() < 0.02 && (keyed.1 / fast.1 - 1.0).abs() < 0.02, "{keyed:?}");
+}

@@ -2,6 +2,7 @@
 //! lengths, masses and speeds are those of leaves, so that a fall can be followed in steps.
 
 use super::defaults::{one, yes, zero};
+use super::keyed::Keyed;
 use super::number::{
     AirSpeed, AirVelocity, ArealMass, Degrees, Finite, GustScale, LeafLength, NonNegative, Number, Point,
     Positive, Span, SpeedGain, Triple, UnitInterval, Vector, Whole,
@@ -43,8 +44,8 @@ pub struct Fall {
     #[serde(default = "yes")]
     pub attached: bool,
     /// Factor on the speed of falling and turning.
-    #[serde(default = "one")]
-    pub speed: Number<SpeedGain>,
+    #[serde(default = "own_speed")]
+    pub speed: Keyed<Number<SpeedGain>>,
     /// Whether the camera sees them.
     #[serde(default = "yes")]
     pub visible_to_camera: bool,
@@ -113,13 +114,13 @@ pub enum Emitter {
 #[serde(deny_unknown_fields, default)]
 pub struct Wind {
     /// Along the ground.
-    pub mean_m_per_s: Vector<AirVelocity>,
+    pub mean_m_per_s: Keyed<Vector<AirVelocity>>,
     /// What the strongest gust adds.
-    pub gust_m_per_s: Vector<AirVelocity>,
+    pub gust_m_per_s: Keyed<Vector<AirVelocity>>,
     /// From gust to gust.
     pub gust_s: Number<GustScale>,
     /// Speed of the air in eddies.
-    pub eddy_m_per_s: Number<AirSpeed>,
+    pub eddy_m_per_s: Keyed<Number<AirSpeed>>,
     /// Their size.
     pub eddy_m: Number<GustScale>,
     /// Another seed, other gusts and eddies.
@@ -157,10 +158,10 @@ pub struct FallGround {
 impl Default for Wind {
     fn default() -> Self {
         Self {
-            mean_m_per_s: Vector::new(DVec3::ZERO),
-            gust_m_per_s: Vector::new(DVec3::ZERO),
+            mean_m_per_s: Keyed::Plain(Vector::new(DVec3::ZERO)),
+            gust_m_per_s: Keyed::Plain(Vector::new(DVec3::ZERO)),
             gust_s: Number::new(4.0),
-            eddy_m_per_s: Number::new(0.0),
+            eddy_m_per_s: Keyed::Plain(Number::new(0.0)),
             eddy_m: Number::new(2.0),
             seed: 0,
         }
@@ -171,6 +172,10 @@ impl Default for FallGround {
     fn default() -> Self {
         Self { height_m: Number::new(0.0), object: None }
     }
+}
+
+fn own_speed() -> Keyed<Number<SpeedGain>> {
+    Keyed::Plain(Number::new(1.0))
 }
 
 /// Autumn leaves of broadleaved trees, half dry.

@@ -11,6 +11,7 @@ mod keyed;
 mod leaves;
 mod meant;
 mod mesh;
+mod misplaced;
 mod named;
 mod number;
 mod parse;

@@ -1,8 +1,8 @@
 //! RON text in, typed document or a diagnostic out. Invariant: every error has the line and column
 //! of the value that caused it, says what was expected, and has a remedy.
 
-use super::suggest;
 use super::{SceneFile, SequenceFields};
+use super::{misplaced, suggest};
 use crate::diagnostic::{Diagnostic, Place};
 use ::ron::Options;
 use ::ron::error::{Error, SpannedError};
@@ -28,7 +28,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Document, Diagnostic> {
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
         .from_str(text)
-        .map_err(|error| diagnostic(path, &error))
+        .map_err(|error| diagnostic(path, text, &error))
 }
 
 fn not_utf8(path: &Path, bytes: &[u8], valid_up_to: usize) -> Diagnostic {
@@ -40,7 +40,7 @@ fn not_utf8(path: &Path, bytes: &[u8], valid_up_to: usize) -> Diagnostic {
         .remedy("save the file as UTF-8")
 }
 
-fn diagnostic(path: &Path, error: &SpannedError) -> Diagnostic {
+fn diagnostic(path: &Path, text: &str, error: &SpannedError) -> Diagnostic {
     let start = error.span.start;
     let place = Place::Text { file: path.to_owned(), line: start.line, column: start.col };
     // `Document` is a name of ours that no file contains.
@@ -48,6 +48,9 @@ fn diagnostic(path: &Path, error: &SpannedError) -> Diagnostic {
         None | Some("Document") => String::new(),
         Some(outer) => format!(" in `{outer}`"),
     };
+    if let Some(misplaced) = misplaced::diagnostic(&place, text, error) {
+        return misplaced;
+    }
     match &error.code {
         Error::NoSuchStructField { expected, found, outer } => {
             Diagnostic::error(place, format!("there is no field `{found}`{}", inside(outer)))

@@ -42,31 +42,37 @@ pub(super) struct Leg {
 pub(super) struct Journey {
     leaf: Leaf,
     interval_s: f64,
-    steps: usize,
     flier: Flier,
     poses: Vec<Pose>,
 }
 
 impl Journey {
     /// A leaf that is let go, with poses so far apart; or the flight of one that is on the ground already.
-    pub(super) fn released(leaf: Leaf, interval_s: f64, around: Surroundings<'_>) -> Result<Self, Flight> {
-        // Well within the 2.8 that the method bears.
-        let longest_step = LONGEST_STEP.min(1.5 * leaf.plate.damping_time());
-        let steps = (interval_s / (longest_step * leaf.own_time_s())).ceil() as usize;
+    pub(super) fn released(
+        mut leaf: Leaf,
+        interval_s: f64,
+        around: Surroundings<'_>,
+    ) -> Result<Self, Flight> {
+        leaf.speed_gain = around.speed_gain.at(leaf.release_s);
         let flier = Flier::released(&leaf, around);
         let first = flier.pose(&leaf, 0.0);
         let poses = vec![first];
         if landing::is_below(&leaf, around.ground, &first) {
             return Err(Flight { poses, touches_with: Some(DVec3::ZERO) });
         }
-        Ok(Self { leaf, interval_s, steps, flier, poses })
+        Ok(Self { leaf, interval_s, flier, poses })
     }
 
     /// What the plate does until the next pose.
-    pub(super) fn depart(&mut self, wind: &Wind) -> Leg {
-        let weight = self.flier.depart(&self.leaf, wind, self.interval_s);
-        let time = self.interval_s / self.leaf.own_time_s() / self.steps as f64;
-        Leg { plate: self.leaf.plate, state: self.flier.state, weight, time, steps: self.steps }
+    pub(super) fn depart(&mut self, around: Surroundings<'_>) -> Leg {
+        let (leaf, interval_s) = (&mut self.leaf, self.interval_s);
+        leaf.speed_gain = around.speed_gain.at(leaf.release_s + self.flier.time_s + 0.5 * interval_s);
+        let weight = self.flier.depart(leaf, around.wind, interval_s);
+        // Well within the 2.8 that the method bears.
+        let longest_step = LONGEST_STEP.min(1.5 * leaf.plate.damping_time());
+        let steps = (interval_s / (longest_step * leaf.own_time_s())).ceil() as usize;
+        let time = interval_s / leaf.own_time_s() / steps as f64;
+        Leg { plate: leaf.plate, state: self.flier.state, weight, time, steps }
     }
 
     /// Takes what the steps have come to; all of the flight, if it has ended.

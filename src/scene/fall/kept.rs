@@ -239,7 +239,7 @@ mod tests {
             fall(every_way(), calm(), level()),
             Fall { seed: 4, ..fall(every_way(), storm(), level()) },
             Fall { count: 201, ..fall(every_way(), storm(), level()) },
-            Fall { speed_gain: 1.0 + f64::EPSILON, ..fall(every_way(), storm(), level()) },
+            Fall { speed_gain: (1.0 + f64::EPSILON).into(), ..fall(every_way(), storm(), level()) },
             Fall { mix: None, ..fall(every_way(), storm(), level()) },
         ];
         let names: std::collections::BTreeSet<String> = falls.iter().map(Fall::name).collect();

@@ -5,6 +5,7 @@ use super::ground::Ground;
 use super::obstacles::Obstacles;
 use super::plate::{Plate, Scales};
 use super::wind::Wind;
+use crate::scene::Track;
 use glam::{DQuat, DVec3};
 
 /// Longest time between two poses, seconds, and in units of the leaf's own time: four steps.
@@ -17,6 +18,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) wind: &'a Wind,
     pub(super) ground: &'a Ground,
     pub(super) obstacles: &'a Obstacles,
+    /// Factor on all speeds of leaves, over time.
+    pub(super) speed_gain: &'a Track<f64>,
 }
 
 /// A leaf that is about to fall.
@@ -24,7 +27,7 @@ pub(super) struct Surroundings<'a> {
 pub(crate) struct Leaf {
     pub(crate) plate: Plate,
     pub(crate) scales: Scales,
-    /// Factor on all speeds.
+    /// Factor on all speeds: the largest before the fall, in it that of the moment.
     pub(crate) speed_gain: f64,
     pub(crate) manner: Manner,
     /// Where its middle hangs.

@@ -5,6 +5,7 @@
 //!
 //! docs/decisions/falling.md says what is modelled, what is dressing, and what was compared with whom.
 
+mod drift;
 mod emitter;
 mod flight;
 mod flown;
@@ -78,7 +79,7 @@ pub(super) struct Fall {
     /// First and last release.
     pub(super) release_s: (f64, f64),
     /// Factor on all speeds but the wind's.
-    pub(super) speed_gain: f64,
+    pub(super) speed_gain: Track<f64>,
 }
 
 /// Leaves of one kind.
@@ -160,7 +161,8 @@ impl Fall {
     }
 
     fn surroundings(&self) -> Surroundings<'_> {
-        Surroundings { wind: &self.wind, ground: &self.ground, obstacles: &self.obstacles }
+        let Self { wind, ground, obstacles, speed_gain, .. } = self;
+        Surroundings { wind, ground, obstacles, speed_gain }
     }
 
     /// What chance makes of a leaf's looks.
@@ -190,7 +192,7 @@ impl Fall {
         Leaf {
             plate: plate::Plate { inertia, damping, curl: within(kind.curl, draw(Draw::Curl)) },
             scales: plate::Scales::new(width_m, areal_mass),
-            speed_gain: self.speed_gain,
+            speed_gain: self.speed_gain.hull().into_iter().fold(0.0, f64::max),
             manner: manner_of,
             middle: self.emitter.place(chance, Draw::Place as u64),
             release_s,

@@ -49,7 +49,7 @@ pub(super) fn fall(mix: Mix, wind: Wind, ground: Ground) -> Fall {
         ground,
         obstacles: Obstacles::default(),
         release_s: (0.0, 3.0),
-        speed_gain: 1.0,
+        speed_gain: 1.0.into(),
     }
 }
 
@@ -301,7 +301,11 @@ fn lone_flight(inertia: f64, damping: f64, interval_s: f64, wind: &Wind) -> Flig
         clearance_m: 0.0,
     };
     let (ground, obstacles) = (Ground::new(0.0, Vec::new(), Vec::new()), Obstacles::default());
-    fly_alone(leaf, interval_s, Surroundings { wind, ground: &ground, obstacles: &obstacles })
+    fly_alone(
+        leaf,
+        interval_s,
+        Surroundings { wind, ground: &ground, obstacles: &obstacles, speed_gain: &1.0.into() },
+    )
 }
 
 /// A flight with steps of numbers that have no neighbours.
@@ -311,7 +315,7 @@ fn fly_alone(leaf: Leaf, interval_s: f64, around: Surroundings<'_>) -> Flight {
         Err(flight) => return flight,
     };
     loop {
-        let flight::Leg { plate, mut state, weight, time, steps } = journey.depart(around.wind);
+        let flight::Leg { plate, mut state, weight, time, steps } = journey.depart(around);
         for _ in 0..steps {
             state = plate.step(state, weight, time);
         }
@@ -418,7 +422,7 @@ fn helices_keep_their_radius_and_spirals_widen() {
 fn faster_leaves_fall_the_same_way_in_less_time() {
     // Twice the speed is four times the weight: in calm air the same path.
     let slow = bake(&Fall { count: 20, ..fall(every_way(), calm(), level()) });
-    let fast = bake(&Fall { speed_gain: 2.0, count: 20, ..fall(every_way(), calm(), level()) });
+    let fast = bake(&Fall { speed_gain: 2.0.into(), count: 20, ..fall(every_way(), calm(), level()) });
     let duration_s = |leaf: &Fallen| {
         leaf.translation.times_s().last().unwrap() - leaf.translation.times_s().first().unwrap()
     };

@@ -88,7 +88,7 @@ pub(super) fn fly(
                 }
             }
             if let Some(seat) = seat {
-                let leg = seat.journey.depart(around.wind);
+                let leg = seat.journey.depart(around);
                 plates.set(lane, &leg);
                 seat.steps_left = leg.steps;
             }

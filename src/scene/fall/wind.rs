@@ -1,7 +1,9 @@
 //! The air's velocity at any place and time. Invariant: eddies have no divergence, so that leaves
 //! neither gather nor thin out because of them, and every machine finds the same wind to the last bit.
 
+use super::drift::Drift;
 use crate::math::Chance;
+use crate::scene::Track;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -16,11 +18,16 @@ const VELOCITY_EXPONENT: f64 = 1.0 / 3.0;
 /// Mean wind, gusts and eddies.
 #[derive(Clone, Debug)]
 pub(crate) struct Wind {
-    mean: DVec3,
-    gust: DVec3,
+    mean: Drift,
+    /// The velocity with which gusts come, and the square of its length.
+    carrier: (DVec3, f64),
+    gust: Track<DVec3>,
     gust_s: f64,
     seed: u32,
+    /// Of the eddies when they are strongest.
     waves: Vec<Wave>,
+    /// Their strength over that.
+    eddy: Track<f64>,
 }
 
 /// Air that moves to and fro across a direction.
@@ -35,14 +42,19 @@ struct Wave {
 }
 
 impl Wind {
-    /// `gust` is what the strongest gust adds, one every `gust_s` or so; `eddy_m_per_s` the root of the
-    /// mean square of the eddies' velocity, `eddy_m` their size.
+    /// `gust` is what the strongest gust adds, one every `gust_s` or so; `eddy` the root of the mean square
+    /// of the eddies' velocity, `eddy_m` their size. Gusts come with the mean wind where it is strongest: one
+    /// that changed its speed would bring them all at once.
     pub(crate) fn new(
-        mean: DVec3,
-        (gust, gust_s): (DVec3, f64),
-        (eddy_m_per_s, eddy_m): (f64, f64),
+        mean: impl Into<Track<DVec3>>,
+        (gust, gust_s): (impl Into<Track<DVec3>>, f64),
+        (eddy, eddy_m): (impl Into<Track<f64>>, f64),
         seed: u32,
     ) -> Self {
+        let (mean, eddy) = (mean.into(), eddy.into());
+        let eddy_m_per_s = eddy.hull().into_iter().fold(0.0, f64::max);
+        let strongest = |a: DVec3, b: DVec3| if b.length_squared() > a.length_squared() { b } else { a };
+        let carrier = mean.hull().into_iter().fold(DVec3::ZERO, strongest);
         let mut waves = Vec::new();
         if eddy_m_per_s > 0.0 {
             waves.extend(
@@ -51,22 +63,28 @@ impl Wind {
             let energy: f64 = waves.iter().map(|wave: &Wave| 0.5 * wave.velocity.length_squared()).sum();
             waves.iter_mut().for_each(|wave| wave.velocity *= eddy_m_per_s / energy.sqrt());
         }
-        Self { mean, gust, gust_s, seed, waves }
+        let eddy = eddy.map_linear(|speed| if eddy_m_per_s > 0.0 { speed / eddy_m_per_s } else { 0.0 });
+        let (mean, carrier) = (Drift::new(mean), (carrier, carrier.length_squared()));
+        Self { mean, carrier, gust: gust.into(), gust_s, seed, waves, eddy }
     }
 
     /// The air's velocity, m/s.
     pub(crate) fn at(&self, place: DVec3, time_s: f64) -> DVec3 {
-        let mut velocity = self.mean;
-        if self.gust != DVec3::ZERO {
+        let mut velocity = self.mean.velocity(time_s);
+        let gust = self.gust.at(time_s);
+        if gust != DVec3::ZERO {
             // Gusts come with the mean wind (Taylor's frozen turbulence).
-            let speed_squared = self.mean.length_squared();
-            let late_s = if speed_squared > 0.0 { place.dot(self.mean) / speed_squared } else { 0.0 };
-            velocity += self.gust * self.gustiness(time_s - late_s);
+            let (carrier, speed_squared) = self.carrier;
+            let late_s = if speed_squared > 0.0 { place.dot(carrier) / speed_squared } else { 0.0 };
+            velocity += gust * self.gustiness(time_s - late_s);
         }
-        let carried = place - self.mean * time_s;
+        if self.waves.is_empty() {
+            return velocity;
+        }
+        let (carried, strength) = (place - self.mean.way(time_s), self.eddy.at(time_s));
         for wave in &self.waves {
             let phase = wave.per_m.dot(carried) + wave.per_s * time_s + wave.phase;
-            velocity += wave.velocity * libm::cos(phase);
+            velocity += wave.velocity * (strength * libm::cos(phase));
         }
         velocity
     }

@@ -1,7 +1,7 @@
 //! Blocks of leaves that fall in, nodes with keys and instances out. Invariant: until it lands, leaf `i`
 //! depends on its block's fields other than `count`, and on `i`; an object of its name goes before it.
 
-use super::Resolver;
+use super::{Resolver, track};
 use crate::color::Rgb;
 use crate::description::ron;
 use crate::diagnostic::{Diagnostic, Loss};
@@ -109,6 +109,7 @@ impl Resolver<'_> {
         let ground = ground(&block.ground, grounds);
         let obstacles = self.obstacles(&owner, &block.obstacles);
         let ((species, dresses), emitter) = (species?, emitter?);
+        let speed_gain = track(&block.speed, &format!("{owner}.speed"), &mut self.problems);
         let (wind, mix, ground, obstacles) = (wind?, mix?, ground?, obstacles?);
         let height_m = emitter.highest_m() - block.ground.height_m.si();
         if height_m > HIGHEST_START_M {
@@ -128,7 +129,7 @@ impl Resolver<'_> {
             ground,
             obstacles,
             release_s: (block.release_s.at(0.0), block.release_s.at(1.0)),
-            speed_gain: block.speed.si(),
+            speed_gain: speed_gain?,
         };
         let flown = fall.fly_or_recall(baking);
         Some(Flock { name, block, fall, dresses, flown })
@@ -266,16 +267,18 @@ impl Resolver<'_> {
     }
 
     fn wind(&mut self, owner: &str, wind: &ron::Wind) -> Option<Wind> {
-        let (mean, gust) = (wind.mean_m_per_s.si(), wind.gust_m_per_s.si());
-        if mean.y != 0.0 {
+        let owner = format!("{owner}.wind");
+        let mean = track(&wind.mean_m_per_s, &format!("{owner}.mean_m_per_s"), &mut self.problems)?;
+        let gust = track(&wind.gust_m_per_s, &format!("{owner}.gust_m_per_s"), &mut self.problems)?;
+        let eddy = track(&wind.eddy_m_per_s, &format!("{owner}.eddy_m_per_s"), &mut self.problems)?;
+        if mean.hull().iter().any(|mean| mean.y != 0.0) {
             let found = "the mean wind blows up or down, for ever";
             let remedy = "make its y 0; gusts and eddies go up and down";
-            let field = format!("{owner}.wind.mean_m_per_s");
+            let field = format!("{owner}.mean_m_per_s");
             self.problems.error(&field, found, "a wind along the ground", remedy);
             return None;
         }
-        let eddies = (wind.eddy_m_per_s.si(), wind.eddy_m.si());
-        Some(Wind::new(mean, (gust, wind.gust_s.si()), eddies, wind.seed))
+        Some(Wind::new(mean, (gust, wind.gust_s.si()), (eddy, wind.eddy_m.si()), wind.seed))
     }
 
     /// `Some(None)` is a fall without a mix.
@@ -328,6 +331,12 @@ impl Resolver<'_> {
             self.problems.error(field, format!("the object `{name}` has no mesh to see"), "a mesh", remedy);
             return None;
         };
+        if instance.deformation.is_some() {
+            let found = format!("the mesh of `{name}` changes its shape");
+            let remedy = "name an object whose mesh is a single file";
+            self.problems.error(field, found, "a mesh that keeps its shape", remedy);
+            return None;
+        }
         let mesh = &self.scene.meshes[instance.mesh];
         let point =
             |vertex: u32| world_from_node.transform_point3(mesh.positions[vertex as usize].as_dvec3());

@@ -1,0 +1,62 @@
+//! Values in a form that their field does not take. In go an error of the parser and the text, out comes what
+//! stands there in an author's words. Invariant: who writes keys where there are none, or in another form, is
+//! told how they are written.
+
+use crate::diagnostic::{Diagnostic, Place};
+use ::ron::error::{Error, SpannedError};
+
+/// `None` of other errors.
+pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnostic> {
+    Some(match &error.code {
+        Error::ExpectedFloat | Error::ExpectedInteger => told(place, at(text, error), "a number"),
+        Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
+            told(place, at(text, error), "fields in round brackets, `(field: value, ..)`")
+        }
+        Error::ExpectedDifferentStructName { found, .. } if found == "Keyed" => {
+            told(place, "Keyed", "fields in round brackets, `(field: value, ..)`")
+                .remedy("give keys to its fields one by one; docs/scene-format.md says which may be keyed")
+        }
+        Error::SuggestRawIdentifier(word) | Error::InvalidIdentifier(word) => {
+            Diagnostic::error(place.clone(), format!("`{word}` does not belong here"))
+                .expected("the name of a field, or a value without names")
+                .remedy("write `field: value`; keys are `Keyed(keys: [(at_s: 0.0, value: ..), ..])`")
+        }
+        Error::InvalidValueForType { expected, found } if found == "a map" || found == "a sequence" => {
+            told(place, at(text, error), if expected == "f64" { "a number" } else { expected })
+        }
+        _ => return None,
+    })
+}
+
+/// The text from an error on.
+fn at<'a>(text: &'a str, error: &SpannedError) -> &'a str {
+    let start = error.span.start;
+    let before: usize = text.split_inclusive('\n').take(start.line.saturating_sub(1)).map(str::len).sum();
+    let line = &text[before..];
+    let column = line.char_indices().nth(start.col.saturating_sub(1));
+    column.map_or("", |(column, _)| line[column..].trim_start())
+}
+
+/// Says what stands in a value's place.
+fn told(place: &Place, text: &str, expected: &str) -> Diagnostic {
+    let is_of_keys = |text: &str| text.starts_with("Keyed") || text.starts_with("keys");
+    let within = text.trim_start_matches(['(', '[']).trim_start();
+    let (found, remedy) = match text.chars().next() {
+        _ if is_of_keys(text) || is_of_keys(within) => (
+            String::from("keys do not belong here: this does not change over time"),
+            "write a plain value; docs/scene-format.md says which fields may be keyed",
+        ),
+        Some(bracket @ ('(' | '[' | '{')) => (
+            format!("the bracket `{bracket}` does not belong here"),
+            "write the value as docs/scene-format.md has it; keys are `Keyed(keys: [(at_s: 0.0, value: ..), ..])`",
+        ),
+        Some('"') => {
+            (String::from("a text does not belong here"), "take the quotes out, or change the value")
+        }
+        _ => match text.split([',', ':', '(', ')', ']', '}', ' ', '\n']).next().unwrap_or_default() {
+            "" => (String::from("there is no value here"), "write one, or take the field out"),
+            word => (format!("`{word}` does not belong here"), "change the value"),
+        },
+    };
+    Diagnostic::error(place.clone(), found).expected(expected).remedy(remedy)
+}
