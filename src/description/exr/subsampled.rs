@@ -31,6 +31,9 @@ pub(crate) fn read(bytes: &[u8], meta: &MetaData) -> Result<Vec<AnyChannels<Flat
         if header.blocks != BlockDescription::ScanLines || header.deep {
             return Err(String::from("tiles beside channels that have fewer samples than the picture"));
         }
+        if header.channels.list.iter().any(|channel| channel.sampling.0.min(channel.sampling.1) == 0) {
+            return Err(String::from("a channel has a sample every 0 pixels"));
+        }
         let count = header.chunk_count;
         let table = bytes.get(at..).and_then(|rest| rest.get(..count.checked_mul(8)?));
         let table = table.ok_or("the file ends within its table of chunks")?;
