@@ -7,6 +7,7 @@ mod files;
 pub mod gltf;
 pub mod image;
 mod ktx2;
+mod numbered;
 pub mod obj;
 mod peers;
 mod radiances;

@@ -36,7 +36,11 @@ pub fn resolve_telling(
     let animation = options.animation.clone().or_else(of_sequence);
     let holds_cameras = matches!(description.scene, SceneSource::Gltf(_));
     let (mut scene, mut settings) = match description.scene {
-        SceneSource::Ron(scene) => from_ron::resolve(scene, baking)?,
+        SceneSource::Ron(scene) => {
+            let of_sequence = || from_ron::frame_rate(description.sequence.as_ref()?);
+            let frame_rate = options.frame_rate.or_else(of_sequence).unwrap_or_default();
+            from_ron::resolve(scene, frame_rate, baking)?
+        }
         SceneSource::Gltf(scene) => {
             from_gltf::resolve(scene, &ResolveOptions { animation, ..options.clone() })?
         }

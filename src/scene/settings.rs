@@ -14,6 +14,12 @@ pub struct FrameRate {
     pub denominator: u32,
 }
 
+impl Default for FrameRate {
+    fn default() -> Self {
+        Self { numerator: 24, denominator: 1 }
+    }
+}
+
 impl FrameRate {
     /// The time of a frame, in seconds: `frame * denominator / numerator`.
     pub fn seconds(self, frame: f64) -> f64 {
@@ -232,7 +238,7 @@ impl Default for RenderSettings {
     fn default() -> Self {
         Self {
             name: String::from("sunfleck"),
-            frame_rate: FrameRate { numerator: 24, denominator: 1 },
+            frame_rate: FrameRate::default(),
             frames: 1..=1,
             only_these_frames: false,
             size: Size { width: 960, height: 540 },

@@ -43,6 +43,7 @@ mod near_light;
 mod normal_maps;
 mod numerics;
 mod obj;
+mod obj_sequences;
 mod outline;
 mod paths;
 mod pixel_filter;

@@ -8,24 +8,28 @@ mod material;
 mod normalize;
 mod part;
 mod pictures;
+mod sequence;
 mod tally;
 mod text;
 mod texture;
 mod triangles;
 mod triangulate;
 
+use super::numbered::Numbered;
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use glam::{Vec2, Vec3};
 use library::Library;
 use normalize::{Groups, Vertices};
 use part::Part;
+use std::mem;
 use std::path::Path;
 use tally::Tally;
 
 pub use material::{ObjCoat, ObjMaterial};
 pub(super) use pictures::load as load_pictures;
 pub use pictures::{ObjPicture, ObjPictures};
+pub use sequence::{Shape, Shapes};
 pub use texture::{ObjTexture, Placement};
 pub use triangles::Triangles;
 
@@ -44,6 +48,10 @@ pub struct ObjModel {
     pub triangles: Vec<ObjTriangle>,
     /// Materials of the MTL files.
     pub materials: Vec<ObjMaterial>,
+    /// Of a sequence of files: the shapes after this one.
+    pub shapes: Shapes,
+    /// Of a sequence whose faces change: the models that take turns with this one, in order.
+    pub later: Vec<ObjModel>,
     /// What the files ask for and is not honoured.
     pub remarks: Diagnostics,
 }
@@ -57,11 +65,15 @@ pub struct ObjTriangle {
     pub material: Option<usize>,
 }
 
-/// Reads an OBJ file and the MTL files that it names.
+/// Reads an OBJ file and the MTL files that it names; all files of a sequence, if the path has signs for a
+/// number and is no file itself.
 ///
 /// # Errors
-/// [`LoadError`] if the file cannot be read, or holds no triangle.
+/// [`LoadError`] if the file cannot be read, or holds no triangle; of a sequence also if a number is missing.
 pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, LoadError> {
+    if let Some(numbered) = Numbered::of(path) {
+        return sequence::read(&numbered, referrer, files);
+    }
     let model = read(path, Some(referrer), files)?;
     if model.triangles.is_empty() { Err(nothing_left(path, &model.remarks).into()) } else { Ok(model) }
 }
@@ -71,33 +83,66 @@ pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, 
 /// # Errors
 /// [`LoadError`] if the file cannot be read.
 pub fn load_alone(path: &Path, files: &mut Files) -> Result<ObjModel, LoadError> {
-    read(path, None, files)
+    match Numbered::of(path) {
+        Some(numbered) => sequence::read(&numbered, "the command line", files),
+        None => read(path, None, files),
+    }
+}
+
+/// What a mesh of this path is called: like its file, or like all files of its sequence.
+pub fn name(path: &Path) -> String {
+    match Numbered::of(path) {
+        Some(numbered) if !numbered.name().is_empty() => numbered.name().to_owned(),
+        _ => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+    }
 }
 
 fn read(path: &Path, referrer: Option<&str>, files: &mut Files) -> Result<ObjModel, LoadError> {
-    let text = text::decoded(files.read(path, referrer)?);
     let mut tally = Tally::default();
-    let vertices = Vertices::of(&text, path, &mut tally);
-    let library = Library::of(&text, path, files, &mut tally);
-    let groups = normalize::faces(&text, path, &vertices, |name| library.find(name), &mut tally);
+    let Opened { mut model, parts, .. } = open(path, referrer, files, &mut tally)?;
+    part::merge(parts, &mut model);
+    model.remarks.0.extend(tally.into_remarks().0);
+    Ok(model)
+}
+
+/// A file whose faces are cut, and not yet joined to one mesh.
+struct Opened {
+    /// Its materials.
+    model: ObjModel,
+    common: Common,
+    parts: Vec<Part>,
+}
+
+/// What the files of a sequence have in common: names of materials, and faces.
+struct Common {
+    library: Library,
+    groups: Groups,
+}
+
+fn open(
+    path: &Path,
+    referrer: Option<&str>,
+    files: &mut Files,
+    tally: &mut Tally,
+) -> Result<Opened, LoadError> {
+    let text = text::decoded(files.read(path, referrer)?);
+    let vertices = Vertices::of(&text, path, tally);
+    let mut library = Library::of(&text, path, files, tally);
+    let groups = normalize::faces(&text, path, &vertices, |name| library.find(name), tally);
     drop(text);
-    let mut model = ObjModel { materials: library.materials, ..ObjModel::default() };
+    let mut model = ObjModel { materials: mem::take(&mut library.materials), ..ObjModel::default() };
     let mut parts = Vec::new();
     for (tobj::Model { mesh, .. }, group) in indexed(path, vertices, &groups)?.into_iter().zip(groups.keys())
     {
         let material = model.materials.get(group.material);
-        let placement = material.map(ObjMaterial::placement).unwrap_or_default();
-        let mut part = Part::new(&mesh, *group, placement);
         if let Some(material) = material.filter(|material| material.has_textures() && !group.has_uvs) {
             tally.add(Loss::TextureCoordinatesMissing, &material.name, Place::File(path.to_owned()));
-            part.use_corner_texel();
         }
-        part.cut(&mesh, path, &mut tally, &mut model);
+        let mut part = Part::new(&mesh, *group, material);
+        part.cut(&mesh, path, tally, &mut model);
         parts.push(part);
     }
-    part::merge(parts, &mut model);
-    model.remarks.0.extend(tally.into_remarks().0);
-    Ok(model)
+    Ok(Opened { model, common: Common { library, groups }, parts })
 }
 
 /// A mesh a group, in the groups' order.

@@ -3,8 +3,7 @@
 
 use super::normalize::Group;
 use super::tally::Tally;
-use super::texture::Placement;
-use super::{ObjModel, ObjTriangle, triangulate};
+use super::{ObjMaterial, ObjModel, ObjTriangle, triangulate};
 use crate::color::linear_from_srgb;
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use glam::{DVec3, Vec2, Vec3};
@@ -18,19 +17,20 @@ pub(super) struct Part {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     colors: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
 impl Part {
-    /// `placement` says where the material's images lie on the texture coordinates.
-    pub(super) fn new(mesh: &tobj::Mesh, group: Group, placement: Placement) -> Self {
+    /// The material says where its images lie on the texture coordinates; without any, they show a corner.
+    pub(super) fn new(mesh: &tobj::Mesh, group: Group, material: Option<&ObjMaterial>) -> Self {
+        let placement = material.map(ObjMaterial::placement).unwrap_or_default();
         let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
         // Their `v` points up, ours down.
         let down = |uv: Vec2| Vec2::new(uv.x, 1.0 - uv.y);
         let uvs = mesh.texcoords.chunks_exact(2).map(|uv| down(placement.apply(Vec2::from_slice(uv))));
         // Colours of vertices are in sRGB, as to Blender.
         let linear = |value: f32| linear_from_srgb(f64::from(value.clamp(0.0, 1.0))) as f32;
-        Self {
+        let mut part = Self {
             group,
             positions: vectors(&mesh.positions),
             normals: vectors(&mesh.normals)
@@ -40,7 +40,11 @@ impl Part {
             uvs: uvs.collect(),
             colors: vectors(&mesh.vertex_color).iter().map(|color| color.map(linear)).collect(),
             triangles: Vec::new(),
+        };
+        if material.is_some_and(ObjMaterial::has_textures) && !group.has_uvs {
+            part.uvs = vec![Vec2::ZERO; part.positions.len()];
         }
+        part
     }
 
     /// Cuts the group's faces into triangles; those without area are left out.
@@ -69,11 +73,6 @@ impl Part {
             let found = format!("{without_area} faces have no area; left out");
             model.remarks.push(Diagnostic::note(file(), found));
         }
-    }
-
-    /// For textures without texture coordinates.
-    pub(super) fn use_corner_texel(&mut self) {
-        self.uvs = vec![Vec2::ZERO; self.positions.len()];
     }
 
     fn position(&self, index: u32) -> DVec3 {

@@ -95,6 +95,10 @@ impl ObjMaterial {
 
 /// Makes the pictures of the materials that the model's triangles have.
 pub(in crate::description) fn load(model: &mut ObjModel, files: &mut Files, pictures: &mut ObjPictures) {
+    for later in &mut model.later {
+        load(later, files, pictures);
+        model.remarks.0.append(&mut later.remarks.0);
+    }
     let mut maker = Maker { files, tally: Tally::default() };
     let used: BTreeSet<usize> = model.triangles.iter().filter_map(|triangle| triangle.material).collect();
     for material in used.into_iter().map(|material| &model.materials[material]) {

@@ -130,7 +130,7 @@ pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadErr
 /// # Errors
 /// [`LoadError`] if a file cannot be read, or does not hold what it should.
 pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = obj::name(path);
     let mesh_path = PathBuf::from(path.file_name().unwrap_or_default());
     let model = obj::load_alone(path, files)?;
     let mut file = SceneFile::of_mesh(&name, Mesh::Obj(mesh_path.clone()));

@@ -1,4 +1,5 @@
-//! Cameras in, cameras at nodes out. Invariant: a camera looks along its node's -Z.
+//! Cameras of a file in, cameras with their nodes out. Invariant: a camera either looks at something or is
+//! turned, and is either orthographic or has an angle of view.
 
 use super::{Resolver, rotation, track};
 use crate::description::ron;
@@ -9,7 +10,7 @@ use glam::{DVec2, DVec3};
 const DEFAULT_FOV_DEG: f64 = 45.0;
 
 impl Resolver<'_> {
-    /// Places all cameras.
+    /// Adds all cameras.
     pub(super) fn cameras(&mut self) {
         if self.file.cameras.iter().len() == 0 {
             let remedy = "add `cameras: { \"main\": (position_m: (0.0, 1.0, 4.0)) }`";

@@ -82,6 +82,11 @@ impl Resolver<'_> {
         }
         let node = self.problems.find(&field, "object", object, &self.nodes)?;
         let instance = self.scene.instances.iter().find(|instance| instance.node == node);
+        if instance.is_some_and(|instance| instance.deformation.is_some()) {
+            let found = format!("the mesh of `{object}` changes its shape");
+            let remedy = "name an object whose mesh is a single file";
+            self.problems.error(&field, found, "a mesh that keeps its shape", remedy);
+        }
         let site = instance.and_then(|instance| Site::of(&self.scene.meshes[instance.mesh]));
         if site.is_none() {
             let found = format!("`{object}` has no surface to sit on");

@@ -23,14 +23,16 @@ impl Resolver<'_> {
         let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
         let Some(texture) = texture else { return (material.opacity >= cutoff).then_some(index) };
         let mask = Mask::new(&self.scene.textures[texture], cutoff, material.opacity);
-        match outline::cut_out(mesh, mask) {
-            Ok(cut) => {
+        match outline::traced_cut_out(mesh, mask) {
+            Ok((cut, added)) => {
                 self.outlines.add(&mesh.name, mesh.triangles.len(), cut.triangles.len());
                 if cut.triangles.is_empty() {
                     return None;
                 }
                 self.scene.meshes.push(cut);
-                Some(self.scene.meshes.len() - 1)
+                let cut = self.scene.meshes.len() - 1;
+                self.bend_like(index, cut, &added);
+                Some(cut)
             }
             Err(loss) => {
                 let place = self.problems.place(&format!("meshes.{}", mesh.name));

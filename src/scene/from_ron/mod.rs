@@ -9,6 +9,7 @@ mod leaf_sites;
 mod leaves;
 mod lights;
 mod masks;
+mod moving;
 mod normal_maps;
 mod obj_models;
 mod problems;
@@ -26,12 +27,12 @@ mod voxel_fogs;
 use super::outline::Tally;
 use super::sun_picture::image_for_suns;
 use super::{
-    AlphaMode, Baking, Coat, Instance, Material, MaterialIndex, Mesh, MeshIndex, Motion, Node, NodeIndex,
-    RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
+    AlphaMode, Baking, Coat, Deformation, FrameRate, Instance, Material, MaterialIndex, Mesh, MeshIndex,
+    Motion, Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
 };
 use crate::color::Rgb;
 use crate::description::image::DecodedImage;
-use crate::description::obj::{ObjModel, ObjPicture};
+use crate::description::obj::{self, ObjModel, ObjPicture};
 use crate::description::ron::{self, LoadedScene, SceneFile};
 use crate::description::vdb;
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
@@ -41,10 +42,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tracks::{rotation, track};
 
-pub(super) use sequence::apply_sequence;
+pub(super) use sequence::{apply_sequence, frame_rate};
 
-/// Resolves a scene.
-pub(super) fn resolve(loaded: LoadedScene, baking: &Baking) -> Result<(Scene, RenderSettings), Diagnostics> {
+/// Resolves a scene. Files of a mesh that are numbered are frames at this rate.
+pub(super) fn resolve(
+    loaded: LoadedScene,
+    frame_rate: FrameRate,
+    baking: &Baking,
+) -> Result<(Scene, RenderSettings), Diagnostics> {
     let settings = RenderSettings { name: name_of(&loaded.path), ..RenderSettings::default() };
     let LoadedScene {
         path,
@@ -58,7 +63,7 @@ pub(super) fn resolve(loaded: LoadedScene, baking: &Baking) -> Result<(Scene, Re
         sky_image,
         is_mesh_alone,
     } = loaded;
-    let mut resolver = Resolver::new(&path, &file, &models);
+    let mut resolver = Resolver::new(&path, (&file, &models), frame_rate);
     resolver.scene.background = file.background_w_per_m2_sr.si();
     resolver.sky_image = sky_image;
     resolver.grids = grids;
@@ -99,7 +104,8 @@ pub(super) fn resolve(loaded: LoadedScene, baking: &Baking) -> Result<(Scene, Re
         let (place, found) = (Place::File(path.clone()), Loss::NothingToDraw.sentence());
         scene.remarks.push(Diagnostic::warning(Loss::NothingToDraw, place, found));
     }
-    problems.unless_any((scene, settings))
+    let frames = models.values().find_map(|model| model.frames()).filter(|_| is_mesh_alone);
+    problems.unless_any((scene, RenderSettings { frames: frames.unwrap_or(1..=1), ..settings }))
 }
 
 fn texture(path: &Path, image: DecodedImage) -> Texture {
@@ -109,6 +115,9 @@ fn texture(path: &Path, image: DecodedImage) -> Texture {
 
 /// A scene is called like its file, or like its folder if the file is just `scene.ron`.
 fn name_of(path: &Path) -> String {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) {
+        return obj::name(path);
+    }
     let text = |part: Option<&std::ffi::OsStr>| part.map(|part| part.to_string_lossy().into_owned());
     let folder = path.parent().and_then(|folder| text(folder.file_name()));
     match (text(path.file_stem()), folder) {
@@ -125,15 +134,20 @@ const DIELECTRIC_F0: f64 = 0.04;
 struct Resolver<'a> {
     file: &'a SceneFile,
     models: &'a BTreeMap<PathBuf, ObjModel>,
+    frame_rate: FrameRate,
     scene: Scene,
     problems: Problems,
     /// Objects placed so far.
     nodes: BTreeMap<&'a str, NodeIndex>,
     mesh_files: BTreeMap<&'a str, &'a ron::Mesh>,
     meshes: BTreeMap<&'a str, MeshIndex>,
+    /// What bends those that have a file a frame.
+    moving: BTreeMap<MeshIndex, Arc<Deformation>>,
+    /// Meshes that take turns, by the first of them.
+    turns: BTreeMap<MeshIndex, Arc<[moving::Turn]>>,
     materials: BTreeMap<&'a str, MaterialIndex>,
-    /// Where the materials of an OBJ file start.
-    model_materials: BTreeMap<&'a Path, MaterialIndex>,
+    /// Where the materials of an OBJ file start, and of which of the models that it stands for.
+    model_materials: BTreeMap<(&'a Path, usize), MaterialIndex>,
     textures: BTreeMap<PathBuf, TextureIndex>,
     normal_maps: BTreeMap<PathBuf, TextureIndex>,
     obj_pictures: BTreeMap<ObjPicture, TextureIndex>,
@@ -155,16 +169,23 @@ struct Resolver<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    fn new(path: &Path, file: &'a SceneFile, models: &'a BTreeMap<PathBuf, ObjModel>) -> Self {
+    fn new(
+        path: &Path,
+        (file, models): (&'a SceneFile, &'a BTreeMap<PathBuf, ObjModel>),
+        frame_rate: FrameRate,
+    ) -> Self {
         Self {
             file,
             models,
+            frame_rate,
             // Material 0 is for triangles that nobody gave one.
             scene: Scene { materials: vec![Material::default()], ..Scene::default() },
             problems: Problems::of(path),
             nodes: BTreeMap::new(),
             mesh_files: file.meshes.iter().collect(),
             meshes: BTreeMap::new(),
+            moving: BTreeMap::new(),
+            turns: BTreeMap::new(),
             materials: BTreeMap::new(),
             model_materials: BTreeMap::new(),
             textures: BTreeMap::new(),
@@ -281,14 +302,16 @@ impl<'a> Resolver<'a> {
         if let Some(&index) = self.meshes.get(name) {
             return Some(index);
         }
-        let mesh = match shape.obj() {
-            Some((path, materials)) => self.model_mesh(name, path, materials)?,
-            None => shapes::built_in(name, shape)?,
+        let index = match shape.obj() {
+            Some((path, materials)) => self.model_meshes(name, path, materials)?,
+            None => {
+                self.scene.meshes.push(shapes::built_in(name, shape)?);
+                self.scene.meshes.len() - 1
+            }
         };
         let (&name, _) = self.mesh_files.get_key_value(name)?;
-        self.meshes.insert(name, self.scene.meshes.len());
-        self.scene.meshes.push(mesh);
-        Some(self.scene.meshes.len() - 1)
+        self.meshes.insert(name, index);
+        Some(index)
     }
 
     fn remark_no_light(&mut self) {

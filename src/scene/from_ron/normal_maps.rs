@@ -8,8 +8,8 @@ use crate::diagnostic::{Diagnostic, Loss};
 impl Resolver<'_> {
     /// Gives the mesh what it needs for the material's normal map, if there is one; says
     /// where that cannot be.
-    pub(super) fn make_tangents(&mut self, mesh: MeshIndex, material: Option<MaterialIndex>) {
-        let mesh = &mut self.scene.meshes[mesh];
+    pub(super) fn make_tangents(&mut self, index: MeshIndex, material: Option<MaterialIndex>) {
+        let mesh = &mut self.scene.meshes[index];
         if !mesh.tangents.is_empty() {
             return;
         }
@@ -45,6 +45,7 @@ impl Resolver<'_> {
         made.copy(&mut mesh.colors);
         let triangle = |(triangle, vertices): (&Triangle, [u32; 3])| Triangle { vertices, ..*triangle };
         mesh.triangles = mesh.triangles.iter().zip(triangles).map(triangle).collect();
-        mesh.tangents = made.tangents;
+        mesh.tangents.clone_from(&made.tangents);
+        self.bend_tangents(index, &made);
     }
 }

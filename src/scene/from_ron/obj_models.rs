@@ -23,21 +23,22 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The mesh of an OBJ file, its materials after the others; some of them may be the scene's instead.
+    /// The mesh of a model, its materials after the others; some of them may be the scene's instead. `key` is
+    /// the model's file, and which of those it is that the file stands for.
     pub(super) fn model_mesh(
         &mut self,
         name: &str,
-        path: &'a Path,
+        key: (&'a Path, usize),
+        model: &ObjModel,
         replaced: Option<&Named<String>>,
     ) -> Option<Mesh> {
-        let model = self.models.get(path)?;
         let replaced = self.replaced(name, model, replaced)?;
-        let first_material = self.model_materials.get(path).copied().unwrap_or_else(|| {
+        let first_material = self.model_materials.get(&key).copied().unwrap_or_else(|| {
             let first = self.scene.materials.len();
             let materials: Vec<Material> =
                 model.materials.iter().map(|material| self.obj_material(material)).collect();
             self.scene.materials.extend(materials);
-            self.model_materials.insert(path, first);
+            self.model_materials.insert(key, first);
             first
         });
         Some(Mesh {

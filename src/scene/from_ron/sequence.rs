@@ -9,6 +9,12 @@ use std::collections::BTreeMap;
 /// As many as `--volume-steps` takes.
 const MOST_MARCH_STEPS: f64 = 1e6;
 
+/// Its frames a second, if it says so.
+pub(in crate::scene) fn frame_rate(sequence: &SequenceFile) -> Option<FrameRate> {
+    let rate = sequence.fields.frame_rate?;
+    Some(FrameRate { numerator: rate.numerator, denominator: rate.denominator })
+}
+
 /// Applies what the sequence says to the settings of its scene.
 pub(in crate::scene) fn apply_sequence(
     sequence: SequenceFile,
@@ -17,10 +23,8 @@ pub(in crate::scene) fn apply_sequence(
 ) -> Result<RenderSettings, Diagnostics> {
     let mut problems = Problems::of(&sequence.path);
     let mut settings = RenderSettings { name: super::name_of(&sequence.path), ..settings };
+    settings.frame_rate = frame_rate(&sequence).unwrap_or(settings.frame_rate);
     let fields = sequence.fields;
-    if let Some(rate) = fields.frame_rate {
-        settings.frame_rate = FrameRate { numerator: rate.numerator, denominator: rate.denominator };
-    }
     if let Some(Frames(first, last)) = fields.frames {
         settings.frames = first..=last;
         settings.only_these_frames = true;

@@ -10,7 +10,7 @@ fn resolved(fields: &str) -> Scene {
     let path = folder.path().join("scene.ron");
     std::fs::write(&path, format!("Scene(version: 1, cameras: {{ \"main\": () }}, {fields})")).unwrap();
     let loaded = ron::load_scene(&path, &mut Files::default()).unwrap();
-    resolve(loaded, &Baking::ALONE).unwrap().0
+    resolve(loaded, FrameRate::default(), &Baking::ALONE).unwrap().0
 }
 
 const LEAF: &str = r#"meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.05) },"#;
@@ -48,7 +48,10 @@ fn light_comes_through_in_the_colours_of_its_own_texture_or_of_the_other() {
         objects: {{ "a": (mesh: "leaf", material: "both"), "b": (mesh: "leaf", material: "one") }})"#
     );
     std::fs::write(&path, text).unwrap();
-    let scene = resolve(ron::load_scene(&path, &mut Files::default()).unwrap(), &Baking::ALONE).unwrap().0;
+    let scene =
+        resolve(ron::load_scene(&path, &mut Files::default()).unwrap(), FrameRate::default(), &Baking::ALONE)
+            .unwrap()
+            .0;
     let colors = ["both", "one"].map(|name| {
         let material = scene.materials.iter().find(|material| material.name == name).unwrap();
         let maps = [material.base_color_texture, material.transmission_texture.map(|map| map.texture)];
@@ -173,7 +176,9 @@ fn with_tree(scene: &str) -> Result<Scene, String> {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
     let loaded = ron::load_scene(&folder.path().join("scene.ron"), &mut Files::default()).unwrap();
-    resolve(loaded, &Baking::ALONE).map(|(scene, _)| scene).map_err(|problems| problems.to_string())
+    resolve(loaded, FrameRate::default(), &Baking::ALONE)
+        .map(|(scene, _)| scene)
+        .map_err(|problems| problems.to_string())
 }
 
 #[test]

@@ -39,10 +39,25 @@ impl Resolver<'_> {
         mesh: MeshIndex,
         (shaped, shown): (Option<MaterialIndex>, Option<MaterialIndex>),
     ) {
+        let leaf_id = self.scene.instances.len() as u32 + 1;
+        let place = |resolver: &mut Self, node, mesh| resolver.one_of(leaf_id, node, mesh, (shaped, shown));
+        if !self.in_turns(node, mesh, place) {
+            self.one_of(leaf_id, node, mesh, (shaped, shown));
+        }
+    }
+
+    /// Of meshes that take turns under one id.
+    fn one_of(
+        &mut self,
+        leaf_id: u32,
+        node: NodeIndex,
+        mesh: MeshIndex,
+        (shaped, shown): (Option<MaterialIndex>, Option<MaterialIndex>),
+    ) {
         self.make_tangents(mesh, shaped);
         let Some(mesh) = self.cut_out(mesh, shaped) else { return };
-        let leaf_id = self.scene.instances.len() as u32 + 1;
-        self.scene.instances.push(Instance { node, mesh, material: shown, leaf_id, deformation: None });
+        let deformation = self.moving.get(&mesh).cloned();
+        self.scene.instances.push(Instance { node, mesh, material: shown, leaf_id, deformation });
     }
 
     /// Says that leaves of a block have a tint and nothing that is tinted.

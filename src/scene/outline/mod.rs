@@ -88,12 +88,8 @@ struct Outlined {
     triangles: Vec<[u32; 3]>,
 }
 
-/// What is left of a mesh whose triangles all have one material; none of them if the mask hides all.
-pub(super) fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, Loss> {
-    traced_cut_out(mesh, mask).map(|(mesh, _)| mesh)
-}
-
-/// The same, and the vertices that follow the mesh's own.
+/// What is left of a mesh whose triangles all have one material, none of them if the mask hides all, and the
+/// vertices that follow the mesh's own.
 pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Between>), Loss> {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
     Ok(rebuilt(mesh, outlined(mask, &mesh.uvs, &triangles)?))

@@ -8,6 +8,10 @@ use proptest::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
+fn cut_out(mesh: &Mesh, mask: Mask) -> Result<Mesh, Loss> {
+    traced_cut_out(mesh, mask).map(|(mesh, _)| mesh)
+}
+
 fn texture(size: usize, wrap: Wrap, alpha: impl Fn(DVec2) -> f64) -> Texture {
     let texel = |index: usize| DVec2::new((index % size) as f64 + 0.5, (index / size) as f64 + 0.5);
     let texels = (0..size * size).map(|index| [1.0, 1.0, 1.0, alpha(texel(index)).clamp(0.0, 1.0) as f32]);

@@ -1,0 +1,153 @@
+//! Files that are numbered, one a frame. In goes a path with signs in the number's place, `leaf.####.obj` or
+//! `leaf.%04d.obj`, out come the files that it stands for. Invariant: their numbers have no gap.
+
+use super::LoadError;
+use crate::diagnostic::{Diagnostic, Place};
+use std::fs;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+/// A name with signs in a number's place.
+#[derive(Debug, PartialEq)]
+pub(super) struct Numbered<'a> {
+    path: &'a Path,
+    before: &'a str,
+    /// At least so many digits.
+    digits: usize,
+    after: &'a str,
+}
+
+impl<'a> Numbered<'a> {
+    /// `None` of a path without such signs, and of one that is a file itself.
+    pub(super) fn of(path: &'a Path) -> Option<Self> {
+        let name = path.file_name()?.to_str()?;
+        let (before, digits, after) = hashes(name).or_else(|| percent(name))?;
+        (!path.is_file()).then_some(Self { path, before, digits, after })
+    }
+
+    /// What all of them are called, without number and ending.
+    pub(super) fn name(&self) -> &'a str {
+        self.before.trim_end_matches(['.', '_', '-', ' '])
+    }
+
+    /// The numbers of the files that are there; `referrer` asks for them.
+    ///
+    /// # Errors
+    /// If there are none, or one between the first and the last is missing.
+    pub(super) fn numbers(&self, referrer: &str) -> Result<RangeInclusive<i64>, LoadError> {
+        let folder = match self.path.parent() {
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        };
+        let entries = fs::read_dir(folder).map_err(|source| LoadError::Io {
+            path: folder.to_owned(),
+            referrer: Some(referrer.to_owned()),
+            source,
+        })?;
+        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        let mut numbers: Vec<i64> = names.filter_map(|name| self.number(&name)).collect();
+        numbers.sort_unstable();
+        let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else {
+            let found = "no file is called so, with a number in the place of the signs";
+            let expected = format!("files such as `{}` and `{}`", self.file_name(1), self.file_name(2));
+            return Err(Diagnostic::error(Place::File(self.path.to_owned()), found)
+                .expected(expected)
+                .remedy(format!("check the path in {referrer}, and how many digits there are"))
+                .into());
+        };
+        if let Some(pair) = numbers.windows(2).find(|pair| pair[0].checked_add(1) != Some(pair[1])) {
+            let found = format!("this file is missing in the sequence `{}`", self.path.display());
+            return Err(Diagnostic::error(Place::File(self.file(pair[0] + 1)), found)
+                .expected(format!("a file for each number from {first} to {last}"))
+                .remedy("export the missing frames, or number the files without gaps")
+                .into());
+        }
+        Ok(first..=last)
+    }
+
+    /// The file of a number.
+    pub(super) fn file(&self, number: i64) -> PathBuf {
+        self.path.with_file_name(self.file_name(number))
+    }
+
+    fn file_name(&self, number: i64) -> String {
+        format!("{}{number:0width$}{}", self.before, self.after, width = self.digits)
+    }
+
+    fn number(&self, name: &str) -> Option<i64> {
+        let digits = name.strip_prefix(self.before)?.strip_suffix(self.after)?;
+        let number = digits.parse().ok()?;
+        // Other ways to write it are names of other sequences.
+        (self.file_name(number) == name).then_some(number)
+    }
+}
+
+/// The last run of number signs.
+fn hashes(name: &str) -> Option<(&str, usize, &str)> {
+    let (upto, after) = name.split_at(name.rfind('#')? + 1);
+    let before = upto.trim_end_matches('#');
+    Some((before, upto.len() - before.len(), after))
+}
+
+/// `%d` or `%04d`, as `printf` has it.
+fn percent(name: &str) -> Option<(&str, usize, &str)> {
+    let (before, rest) = name.rsplit_once('%')?;
+    let (digits, after) = rest.split_once('d')?;
+    match digits {
+        "" => Some((before, 1, after)),
+        digits if digits.starts_with('0') && digits.len() < 3 => Some((before, digits.parse().ok()?, after)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn numbers(names: &[&str], asked: &str) -> Result<RangeInclusive<i64>, String> {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let path = folder.path().join(asked);
+        Numbered::of(&path).unwrap().numbers("scene.ron: meshes.leaf").map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn signs_stand_for_numbers() {
+        let names =
+            ["a.0009.obj", "a.0010.obj", "a.0011.mtl", "a.011.obj", "b.0011.obj", "a.x.obj", "a.+011.obj"];
+        for asked in ["a.####.obj", "a.%04d.obj"] {
+            assert_eq!(numbers(&names, asked), Ok(9..=10));
+        }
+        assert_eq!(numbers(&names, "a.###.obj"), Ok(11..=11));
+        let unpadded = ["l9", "l10", "l-1", "l0", "l8", "l7", "l1", "l2", "l3", "l4", "l5", "l6"];
+        assert_eq!(numbers(&unpadded, "l%d"), Ok(-1..=10));
+        assert_eq!(numbers(&unpadded, "l#"), Ok(-1..=10));
+        assert_eq!(numbers(&["f.9999.obj", "f.10000.obj"], "f.####.obj"), Ok(9999..=10000));
+    }
+
+    #[test]
+    fn gaps_and_nothing_at_all_are_told() {
+        let told = numbers(&["a.1.obj", "a.2.obj", "a.4.obj", "a.9.obj"], "a.#.obj").unwrap_err();
+        assert!(told.contains("a.3.obj: error: this file is missing"), "{told}");
+        assert!(told.contains("each number from 1 to 9"), "{told}");
+        let told = numbers(&["a.1.obj"], "a.####.obj").unwrap_err();
+        assert!(told.contains("`a.0001.obj`") && told.contains("scene.ron: meshes.leaf"), "{told}");
+        let far = numbers(&["a.-9223372036854775808.obj", "a.9223372036854775807.obj"], "a.#.obj");
+        assert!(far.unwrap_err().contains("is missing"));
+    }
+
+    #[test]
+    fn other_names_are_files() {
+        for name in ["leaf.0001.obj", "100%.obj", "50%wood.obj", "%4d.obj", "%0999d.obj", ".."] {
+            assert_eq!(Numbered::of(Path::new(name)), None, "{name}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("leaf #2.obj");
+        fs::write(&path, "").unwrap();
+        assert_eq!(Numbered::of(&path), None);
+        assert_eq!(Numbered::of(Path::new("oak_leaf-####.obj")).unwrap().name(), "oak_leaf");
+    }
+}
