@@ -7,8 +7,8 @@ use glam::DVec3;
 /// Where the two points of Gauss' rule lie about the middle, over half an interval: 1 / sqrt(3). It is exact
 /// for cubics, which is what curves between keys are, Bezier curves excepted.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
-/// Parts of each curve that the rule is applied to.
-const PARTS: u32 = 4;
+/// Parts of each curve that the rule is applied to, for the sake of Bezier curves.
+const PARTS: u32 = 16;
 
 /// A velocity, m/s, and its integral.
 #[derive(Clone, Debug)]
