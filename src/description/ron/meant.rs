@@ -100,7 +100,92 @@ mod tests {
         }
     }
 
+    /// Blanks and comments, with what means something elsewhere.
+    const GAPS: [&str; 11] = [
+        "",
+        " ",
+        "\t\n",
+        "\r\n",
+        "/**/",
+        "/* \" ' r#\" */",
+        "/* a /* b // */ c */",
+        "// \" /* (\n",
+        "//\r\n",
+        "/*/**/*/",
+        "\u{2028}",
+    ];
+    /// Values of one token.
+    const WORDS: [&str; 20] = [
+        "true",
+        "-12",
+        "0x1F",
+        "1_000",
+        "1e-3",
+        "-.5",
+        "+2.25",
+        "'a'",
+        "'\"'",
+        "'\\''",
+        "'/'",
+        "\"\"",
+        "\"a b\"",
+        "\"// /* \\\" */\"",
+        "\"\\\\\"",
+        "r\"\\\"",
+        "r#\"a\"b // \"#",
+        "r##\"\"# /* \"##",
+        "\"\u{e9} \u{2028}\"",
+        "b\"x // \\\" y\"",
+    ];
+
+    /// The tokens of some value that RON reads, up to so deep.
+    fn push_value(pick: &mut impl FnMut(usize) -> usize, depth: usize, tokens: &mut Vec<String>) {
+        let kind = if depth == 0 { 0 } else { pick(5) };
+        let [open, close] = [["", ""], ["[", "]"], ["(", ")"], ["{", "}"], ["Leaf(", ")"]][kind];
+        if kind == 0 {
+            tokens.push(String::from(WORDS[pick(WORDS.len())]));
+            return;
+        }
+        tokens.extend(open.split_inclusive("Leaf").map(String::from));
+        // Where any value may stand, RON tells `()` from `( )`; a struct without fields is either.
+        let least = usize::from(kind == 2 || kind == 4);
+        for number in 0..least + pick(4 - least) {
+            match kind {
+                3 => tokens.extend([format!("\"key // {number}\""), String::from(":")]),
+                4 => tokens.extend([format!("r_{number}"), String::from(":")]),
+                _ => {}
+            }
+            push_value(pick, depth - 1, tokens);
+            tokens.push(String::from(","));
+        }
+        tokens.push(String::from(close));
+    }
+
     proptest! {
+        /// What is left is what RON reads of the whole, and nothing of the gaps.
+        #[test]
+        fn what_is_read_stays(seed in any::<u32>()) {
+            let (chance, mut draw) = (crate::math::Chance::of(seed, 0), 0);
+            let mut pick = |count: usize| {
+                draw += 1;
+                (chance.at(draw) * count as f64) as usize
+            };
+            let mut tokens = Vec::new();
+            push_value(&mut pick, 4, &mut tokens);
+            let mut whole = String::new();
+            for token in &tokens {
+                whole.push_str(token);
+                // Commas and brackets part all words.
+                whole.push_str(GAPS[pick(GAPS.len())]);
+            }
+            let read = |text: &str| ::ron::from_str::<::ron::Value>(text);
+            let expected = read(&whole);
+            prop_assert!(expected.is_ok(), "{whole}: {expected:?}");
+            let left = said(&whole);
+            prop_assert_eq!(read(&left), expected, "{} of {}", left, whole);
+            prop_assert_eq!(left.replace('\u{2028}', ""), said(&tokens.concat()).replace('\u{2028}', ""));
+        }
+
         #[test]
         fn any_bytes_are_taken(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
             let once = meant(&bytes);
