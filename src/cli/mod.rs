@@ -52,6 +52,9 @@ pub fn run() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { error::USAGE } else { 0 });
         }
     };
+    if let Some(note) = stats::tight_memory() {
+        tell(&note);
+    }
     let stop = match Stop::watch() {
         Ok(stop) => stop,
         Err(error) => {

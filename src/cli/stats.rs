@@ -122,6 +122,24 @@ fn peak_memory_bytes() -> Option<u64> {
     Some(1024 * kibibytes)
 }
 
+/// Less address space than this is not enough for most scenes.
+const TIGHT_BYTES: u64 = 200_000_000;
+
+/// Says that the process may not have much memory, where Linux tells (proc(5), `limits`): when it cannot have
+/// more, the standard library says how much that was, and nobody may say anything after it.
+pub(super) fn tight_memory() -> Option<String> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let bytes: u64 = limit.split_whitespace().next()?.parse().ok()?;
+    let [limit, least] = [bytes, TIGHT_BYTES].map(|bytes| bytes / 1_000_000);
+    (bytes < TIGHT_BYTES).then(|| {
+        format!(
+            "note: the address space is limited to {limit} MB: where memory cannot be had the command ends with exit \
+             code 4\n  remedy: allow {least} MB and more (ulimit -v)"
+        )
+    })
+}
+
 fn failure(path: &Path, error: &std::io::Error) -> CliError {
     let path = shown(path);
     CliError::InputOutput(format!(

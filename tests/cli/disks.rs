@@ -39,6 +39,9 @@ fn memory_that_cannot_be_had_is_said() {
         let outcome = outcome(studio.shell(&shell).output().unwrap());
         assert_eq!(outcome.code, INPUT_OUTPUT, "{kilobytes} kB: {}", outcome.err);
         assert!(outcome.err.contains("memory"), "{kilobytes} kB: {}", outcome.err);
+        // Nobody may speak once memory is at its end.
+        let is_told = outcome.err.contains("limited to 153 MB") && outcome.err.contains("(ulimit -v)");
+        assert_eq!(is_told, kilobytes == 150_000, "{kilobytes} kB: {}", outcome.err);
         assert!(!outcome.err.contains("panicked"), "{kilobytes} kB: {}", outcome.err);
     }
 }
