@@ -2,8 +2,9 @@
 
 pub(super) use super::bench_arguments::BenchArguments;
 use super::parse::{
-    ChannelsLimit, Crop, SizeArgument, parse_bounces, parse_crop, parse_frame_rate, parse_limit,
-    parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
+    ChannelsLimit, ChunkArgument, Crop, SizeArgument, parse_bounces, parse_chunk, parse_crop,
+    parse_frame_rate, parse_limit, parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position,
+    parse_size, parse_tolerance,
 };
 pub(super) use super::shared_arguments::{BakeArguments, DisplayArguments, SceneArguments};
 pub(super) use super::words::{
@@ -261,14 +262,18 @@ pub(super) struct FarmArguments {
     /// @FILE [default: all].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
-    /// Frames that a task renders, 1 to 150.
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=150), allow_negative_numbers = true)]
-    pub(super) chunk: u32,
+    /// Frames that a task renders, 1 to 150, or as many as give most frames an hour, auto.
+    #[arg(long, value_name = "N|auto", default_value = "8", value_parser = parse_chunk, allow_negative_numbers = true)]
+    pub(super) chunk: ChunkArgument,
+    /// What a frame takes on a machine, for --chunk auto [default: estimated].
+    #[arg(long, value_name = "S", value_parser = parse_seconds, allow_negative_numbers = true)]
+    pub(super) frame_seconds: Option<f64>,
     /// Whose job.
     #[arg(long, value_enum, default_value_t)]
     pub(super) profile: FarmProfile,
-    /// For how many machines there are scripts, for --profile shell [default: 2].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
+    /// How many machines share the work, for --profile shell, which has a script for each of up to
+    /// 1000 [default: 2], and for --chunk auto.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
     pub(super) machines: Option<u32>,
     /// Flags of `render` for every task, after `--`.
     #[arg(last = true, value_name = "FLAGS")]

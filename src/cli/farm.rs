@@ -2,6 +2,7 @@
 //! files that the manager takes. Invariant: the command line that tasks have has been checked, with the
 //! scene; a file is whole or not there.
 
+mod chunk;
 mod deadline;
 mod flamenco;
 mod job;
@@ -13,15 +14,19 @@ mod slurm;
 
 use super::arguments::{Arguments, Command, FarmArguments, FarmProfile, RenderArguments};
 use super::error::usage;
+use super::parse::ChunkArgument;
 use super::plan::{self, Plan};
 use super::saving::{failure, save};
 use super::{CliError, answer, tell};
 use crate::description;
 use crate::diagnostic::shown;
 use crate::frame_file;
+use chunk::Farm;
 use clap::Parser as _;
 use job::{BAKES, FRAMES, Job, Names, ranges};
 use std::path::Path;
+use std::thread::available_parallelism;
+use std::time::Instant;
 
 /// What messages call the flags for every task.
 const FLAGS: &str = "the flags after --";
@@ -47,24 +52,26 @@ pub(super) fn run(arguments: &FarmArguments) -> Result<(), CliError> {
         save(&folder.join(name), &[contents.as_bytes()])?;
     }
     answer(&format!(
-        "{}: frames {} in tasks of {}, which read {} files\n{how_to_submit}",
+        "{}: frames {} in tasks of {}, which read {} files\n{}{how_to_submit}",
         shown(folder),
         ranges(&job.frames, Some('x')),
         job.chunk,
         job.files.len(),
+        job.why.as_deref().unwrap_or_default(),
     ))
 }
 
 fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
     let files = description::load(&arguments.input)?.files;
-    let read_bytes = files.iter().filter_map(|file| file.metadata().ok()).map(|file| file.len()).sum();
+    let read_bytes: u64 = files.iter().filter_map(|file| file.metadata().ok()).map(|file| file.len()).sum();
     let mut job = Job {
         name: String::new(),
         input: absolute(&arguments.input)?,
         files: files.iter().map(|file| absolute(file)).collect::<Result<_, _>>()?,
         folder: absolute(&arguments.out)?,
         frames: Vec::new(),
-        chunk: arguments.chunk,
+        chunk: 1,
+        why: None,
         flags: arguments.flags.clone(),
         is_still: false,
         memory_mib: 0,
@@ -86,10 +93,52 @@ fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
     job.is_still = scene.resolved().is_still();
     job.threads = task.threads;
     let picture = &plan.picture.job;
+    let threads = task.threads.unwrap_or_else(|| usual_threads(arguments.profile));
     let pixels = picture.window.width * picture.window.height;
-    job.minutes = job::minutes(job.chunk, pixels, picture.sampling, task.threads.unwrap_or(1));
+    let frame_s =
+        arguments.frame_seconds.unwrap_or_else(|| job::frame_seconds(pixels, picture.sampling, threads));
+    match arguments.chunk {
+        ChunkArgument::Frames(frames) => job.chunk = frames,
+        ChunkArgument::Auto => choose_chunk(&mut job, arguments, frame_s, (load_seconds(&task)?, read_bytes)),
+    }
+    job.minutes = job::minutes(job.chunk, frame_s);
     job.memory_mib = job::memory_mib(plan.picture.job.memory_bytes() as u64, read_bytes);
     Ok(job)
+}
+
+/// Threads of a task whose flags do not say: Slurm gives it a processor, others a machine, such as this one.
+fn usual_threads(profile: FarmProfile) -> u32 {
+    match profile {
+        FarmProfile::Slurm => 1,
+        _ => available_parallelism().map_or(1, |count| u32::try_from(count.get()).unwrap_or(u32::MAX)),
+    }
+}
+
+/// For a scene that takes so many seconds to load, and is read from files of so many bytes.
+fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, (load_s, bytes): (f64, u64)) {
+    let machines = job.machines.unwrap_or(shell::MACHINES);
+    let begin_s = match arguments.profile {
+        FarmProfile::Shell => chunk::PROGRAM_S,
+        _ => chunk::MANAGER_S,
+    };
+    let farm = Farm { machines, start_s: begin_s + load_s, serial_s: chunk::serial_seconds(bytes), frame_s };
+    let choice = farm.best_chunk(job.frames.len());
+    job.chunk = choice.chunk;
+    let estimated = if arguments.frame_seconds.is_some() { "" } else { ", an estimate: see --frame-seconds" };
+    job.why = Some(format!(
+        "chunk {} gives most frames an hour on {machines} machines: of their time {:.1} % starts tasks and \
+         {:.1} % waits; a frame takes {frame_s:.3} s{estimated}\n",
+        choice.chunk,
+        100.0 * choice.starting,
+        100.0 * choice.waiting,
+    ));
+}
+
+/// How long a task loads the scene, by how long that takes here, now that falls are baked.
+fn load_seconds(task: &RenderArguments) -> Result<f64, CliError> {
+    let began = Instant::now();
+    plan::load(task)?;
+    Ok(began.elapsed().as_secs_f64())
 }
 
 /// The command line of the tasks, for all frames at once; falls are baked where machines of the farm find
@@ -120,11 +169,31 @@ fn first_task(job: &Job, frames: &str) -> Result<RenderArguments, CliError> {
 
 /// Refuses what a machine of a farm cannot do, or what tasks would take from one another.
 fn check_flags(arguments: &FarmArguments, task: &RenderArguments) -> Result<(), CliError> {
-    if arguments.machines.is_some() && arguments.profile != FarmProfile::Shell {
+    let (is_shell, is_auto) =
+        (arguments.profile == FarmProfile::Shell, arguments.chunk == ChunkArgument::Auto);
+    match arguments.machines {
+        Some(_) if !is_shell && !is_auto => {
+            return Err(usage(
+                "--machines",
+                "a manager knows its machines itself".into(),
+                "--machines beside --profile shell or --chunk auto alone",
+            ));
+        }
+        Some(count) if is_shell && count > shell::MOST_MACHINES => {
+            let found = format!("{count} scripts are more than anybody starts by hand");
+            return Err(usage("--machines", found, "1 to 1000 for --profile shell"));
+        }
+        None if is_auto && !is_shell => {
+            let expected = "--machines N beside --chunk auto: about how many share the work";
+            return Err(usage("--machines", "nobody said how many there are".into(), expected));
+        }
+        _ => {}
+    }
+    if arguments.frame_seconds.is_some() && !is_auto && arguments.profile != FarmProfile::Slurm {
         return Err(usage(
-            "--machines",
-            "a manager knows its machines itself".into(),
-            "--machines beside --profile shell alone",
+            "--frame-seconds",
+            "the chunk is given".into(),
+            "--frame-seconds beside --chunk auto, or --profile slurm, whose tasks have a limit of time",
         ));
     }
     if let Some(viewer) = &task.live {

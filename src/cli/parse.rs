@@ -20,6 +20,13 @@ pub(super) enum SizeArgument {
     Percent(f64),
 }
 
+/// Frames that a task of a farm renders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ChunkArgument {
+    Frames(u32),
+    Auto,
+}
+
 /// A rectangle of pixels, far edges excluded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crop {
@@ -49,6 +56,9 @@ pub(super) fn parse_size(text: &str) -> Result<SizeArgument, String> {
     Ok(SizeArgument::Pixels(Size { width: side(width)?, height: side(height)? }))
 }
 
+/// Frames that a task renders at most.
+pub(super) const LARGEST_CHUNK: u32 = 150;
+
 pub(super) fn parse_bounces(text: &str) -> Result<Bounces, String> {
     /// More cannot be told from all.
     const MOST: u32 = 64;
@@ -65,6 +75,16 @@ pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(tolerance) if 0.0 < tolerance && tolerance <= 1.0 => Ok(tolerance),
         _ => Err("expected a relative error greater than 0 and at most 1, such as 0.02 for 2 %".into()),
+    }
+}
+
+pub(super) fn parse_chunk(text: &str) -> Result<ChunkArgument, String> {
+    match text.trim() {
+        "auto" => Ok(ChunkArgument::Auto),
+        text => match text.parse::<u32>() {
+            Ok(frames) if (1..=LARGEST_CHUNK).contains(&frames) => Ok(ChunkArgument::Frames(frames)),
+            _ => Err(format!("expected a whole number from 1 to {LARGEST_CHUNK}, or auto")),
+        },
     }
 }
 

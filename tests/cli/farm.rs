@@ -111,6 +111,27 @@ fn long_jobs_are_several_arrays() {
 }
 
 #[test]
+fn a_chunk_is_chosen_and_said() {
+    let studio = Studio::new();
+    // Starting takes less than a frame, of which each machine has one.
+    let told = studio.succeed("farm tiny.ron --out a --chunk auto --machines 12 --frame-seconds 60").out;
+    assert!(told.contains("in tasks of 1,"), "{told}");
+    assert!(told.contains("chunk 1 gives most") && told.contains("a frame takes 60.000 s\n"), "{told}");
+    // Starting takes much longer than all frames.
+    let told = studio.succeed("farm tiny.ron --out b --chunk auto --machines 2 --frame-seconds 0.01").out;
+    assert!(told.contains("in tasks of 6,"), "{told}");
+    let told = studio.succeed("farm tiny.ron --out c --profile shell --chunk auto").out;
+    assert!(told.contains("on 2 machines") && told.contains("an estimate: see --frame-seconds"), "{told}");
+}
+
+#[test]
+fn a_task_has_three_times_what_its_frames_take() {
+    let studio = Studio::new();
+    studio.succeed("farm tiny.ron --out job --profile slurm --chunk 4 --frame-seconds 600");
+    assert!(text(&studio, "job/submit.sh").contains("--time=120 "));
+}
+
+#[test]
 fn commands_are_quoted_for_a_shell() {
     let studio = Studio::new();
     std::fs::rename(studio.path("tiny.ron"), studio.path("it's.ron")).unwrap();
@@ -136,6 +157,11 @@ fn what_cannot_be_a_job_is_refused_and_leaves_no_file() {
         ("farm tiny.ron --out job --profile sleep", 2, "--profile"),
         ("farm tiny.ron --out job --machines 3", 2, "--machines"),
         ("farm tiny.ron --out job --profile shell --machines 0", 2, "--machines"),
+        ("farm tiny.ron --out job --profile shell --machines 1001", 2, "--machines"),
+        ("farm tiny.ron --out job --chunk auto", 2, "--machines"),
+        ("farm tiny.ron --out job --chunk automatic", 2, "--chunk"),
+        ("farm tiny.ron --out job --frame-seconds 9", 2, "--frame-seconds"),
+        ("farm tiny.ron --out job --chunk auto --machines 3 --frame-seconds 0", 2, "--frame-seconds"),
         ("farm tiny.ron --out job -- --live localhost", 2, "--live localhost"),
         ("farm tiny.ron --out job -- --stats took.jsonl", 2, "--stats took.jsonl"),
         ("farm tiny.ron --out job -- --out elsewhere", 2, "--out"),

@@ -15,8 +15,10 @@ const MIB_BESIDE: u64 = 512;
 /// A mesh or a texture in memory, by its bytes in a file, which may be compressed.
 const MEMORY_BY_FILE: u64 = 8;
 
-/// Of a thread, with all light; most scenes take a third of it.
-const SECONDS_A_SAMPLE: f64 = 1e-4;
+/// Of a thread, with all light, in most scenes.
+const SECONDS_A_SAMPLE: f64 = 1e-4 / 3.0;
+/// A task may take so many times what its frames are thought to take.
+const PATIENCE: f64 = 3.0;
 /// Of a picture that is rendered until it is good enough.
 const MOST_USUAL_SAMPLES: u32 = 64;
 const FEWEST_MINUTES: u64 = 15;
@@ -34,6 +36,8 @@ pub(super) struct Job {
     pub(super) frames: Vec<i64>,
     /// Frames that a task renders.
     pub(super) chunk: u32,
+    /// Why so many, if nobody said.
+    pub(super) why: Option<String>,
     /// Of `sunfleck render`, for every task.
     pub(super) flags: Vec<String>,
     /// Nothing moves, so that frames may look like the ones before.
@@ -111,16 +115,20 @@ pub(super) fn memory_mib(picture_bytes: u64, file_bytes: u64) -> u64 {
     MIB_BESIDE + (picture_bytes + MEMORY_BY_FILE * file_bytes).div_ceil(1 << 20)
 }
 
-/// For a task of so many frames of so many pixels each, on so many threads. Generous: a task that reaches its
-/// limit goes on in another, which starts anew.
-pub(super) fn minutes(frames: u32, pixels: usize, sampling: Sampling, threads: u32) -> u64 {
+/// What a frame of so many pixels is thought to take on so many threads.
+pub(super) fn frame_seconds(pixels: usize, sampling: Sampling, threads: u32) -> f64 {
     let samples = match sampling {
         Sampling::Exactly(count) => count,
         Sampling::Until { most, .. } => most.min(MOST_USUAL_SAMPLES),
     };
-    let seconds =
-        f64::from(frames) * pixels as f64 * f64::from(samples) * SECONDS_A_SAMPLE / f64::from(threads);
-    ((seconds / 60.0).ceil() as u64).clamp(FEWEST_MINUTES, MOST_MINUTES)
+    pixels as f64 * f64::from(samples) * SECONDS_A_SAMPLE / f64::from(threads)
+}
+
+/// For a task of so many frames. Generous: a task that reaches its limit goes on in another, which starts
+/// anew.
+pub(super) fn minutes(frames: u32, frame_s: f64) -> u64 {
+    let minutes = PATIENCE * f64::from(frames) * frame_s / 60.0;
+    (minutes.ceil() as u64).clamp(FEWEST_MINUTES, MOST_MINUTES)
 }
 
 /// The shortest list of ranges that these ascending frames are; every nth frame is a range with a step if

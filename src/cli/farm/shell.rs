@@ -9,7 +9,9 @@ use super::quoting::quoted;
 use super::scripts::{CHUNKS, chunks, lines};
 
 /// Of a job that names none.
-const MACHINES: u32 = 2;
+pub(super) const MACHINES: u32 = 2;
+/// As there is a script for each.
+pub(super) const MOST_MACHINES: u32 = 1000;
 const WORK: &str = include_str!("shell_work.sh");
 const FINISH: &str = "finish.sh";
 
