@@ -216,7 +216,7 @@ impl Voxels {
     /// At a place.
     pub fn at(&self, place: DVec3) -> f64 {
         // As far out as whole numbers go.
-        if !(place.abs().max_element() < 1e9) {
+        if place.is_nan() || place.abs().max_element() >= 1e9 {
             return 0.0;
         }
         let cell = place.floor().as_ivec3();

@@ -46,7 +46,7 @@ fn scattered(scene: &Scene, places: impl Iterator<Item = DVec3>) -> Vec<f64> {
     let of_place = |place: DVec3| {
         let ray = Ray { origin: DVec3::ZERO, direction: (place - snapshot.view.eye).normalize() };
         let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None).expect("ground is seen");
-        indirect.scattered(&snapshot, &snapshot.surface(&ray, &hit), 1.0).x
+        indirect.scattered(snapshot, &snapshot.surface(&ray, &hit), 1.0).x
     };
     places.map(of_place).collect()
 }

@@ -118,7 +118,7 @@ fn radiances(scene: &Scene, bounces: Bounces) -> Vec<Rgb> {
     (0..256)
         .map(|number| {
             let mut sampler = Sampler::new(0, 0, 0, 0);
-            radiance(&snapshot, &transport, &ray(number), &mut sampler, &mut Scratch::default()).radiance
+            radiance(snapshot, &transport, &ray(number), &mut sampler, &mut Scratch::default()).radiance
         })
         .collect()
 }
@@ -251,7 +251,7 @@ fn a_leaf_does_not_light_itself() {
                 let along = |index: usize| ((index % 64) as f64 + 0.5) / 64.0;
                 let ray = snapshot.view.ray(along(number), along(number / 64));
                 let Some(hit) = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None) else { continue };
-                let light = indirect.scattered(&snapshot, &snapshot.surface(&ray, &hit), 1.0);
+                let light = indirect.scattered(snapshot, &snapshot.surface(&ray, &hit), 1.0);
                 most = most.max(light.max_element());
                 seen += 1;
             }
@@ -292,7 +292,7 @@ fn a_leaf_keeps_its_light_where_another_is_hidden() {
             let hit = snapshot.tree.nearest_hit(&ray, f64::INFINITY, None)?;
             Some((hit.t, indirect.scattered(snapshot, &snapshot.surface(&ray, &hit), 1.0)))
         };
-        if let (Some((t, one)), Some((u, other))) = (light(&middle), light(&moment))
+        if let (Some((t, one)), Some((u, other))) = (light(middle), light(&moment))
             && t == u
         {
             assert_eq!(one, other);

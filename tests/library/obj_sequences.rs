@@ -92,7 +92,7 @@ fn picture(scene: &Scene, frame: f64, shutter_frames: f64) -> Vec<(Rgb, f64)> {
             let mut sampler = Sampler::new(0, 0, 0, 0);
             radiance(snapshot, &EXACT, &ray, &mut sampler, &mut Scratch::default())
         };
-        let samples: Vec<_> = moments.iter().map(|moment| seen(moment)).collect();
+        let samples: Vec<_> = moments.iter().map(seen).collect();
         let count = samples.len() as f64;
         let color = samples.iter().map(|sample| sample.radiance).sum::<Rgb>() / count;
         (color, samples.iter().map(|sample| sample.alpha).sum::<f64>() / count)
@@ -133,7 +133,8 @@ fn a_leaf_that_travels_is_the_leaf_under_a_keyed_transform() {
 fn a_blurred_edge_covers_as_much_as_the_time_says() {
     let folder = travelling();
     let scene = folder.shown("Obj(\"l.####.obj\")", "").unwrap();
-    let exposure = Exposure::new(&scene, &MeshTrees::new(&scene), 0, 1.0, shutter_about(5.0, 2.0));
+    let trees = MeshTrees::new(&scene);
+    let exposure = Exposure::new(&scene, &trees, 0, 1.0, shutter_about(5.0, 2.0));
     let (moments, depth) = (exposure.moments(), 4.0 - 0.2);
     for x in [0.41, 0.45, 0.5, 0.55, 0.59] {
         let film_x = 0.5 + 0.5 * x / (depth * 20.0_f64.to_radians().tan());
@@ -141,7 +142,7 @@ fn a_blurred_edge_covers_as_much_as_the_time_says() {
             let ray = moment.view.ray(film_x, 0.5);
             radiance(moment, &EXACT, &ray, &mut Sampler::new(0, 0, 0, 0), &mut Scratch::default()).alpha
         };
-        let share = moments.iter().map(|moment| covers(moment)).sum::<f64>() / moments.len() as f64;
+        let share = moments.iter().map(covers).sum::<f64>() / moments.len() as f64;
         assert!((share - (0.6 - x) / 0.2).abs() <= 1.0 / moments.len() as f64, "{x}: {share}");
     }
 }

@@ -71,14 +71,8 @@ pub(super) fn resolve(
         let image = image_for_suns(&image_path.display().to_string(), image);
         resolver.sun_images.insert(image_path, image);
     }
-    for (texture_path, image) in images {
-        resolver.textures.insert(texture_path.clone(), resolver.scene.textures.len());
-        resolver.scene.textures.push(texture(&texture_path, image));
-    }
-    for (texture_path, image) in normal_maps {
-        resolver.normal_maps.insert(texture_path.clone(), resolver.scene.textures.len());
-        resolver.scene.textures.push(texture(&texture_path, image));
-    }
+    resolver.textures = resolver.add_textures(images);
+    resolver.normal_maps = resolver.add_textures(normal_maps);
     resolver.add_obj_pictures(obj_pictures);
     resolver.materials();
     resolver.objects();
@@ -201,6 +195,15 @@ impl<'a> Resolver<'a> {
             grids: BTreeMap::new(),
             sky_image: None,
         }
+    }
+
+    /// Adds images; their numbers by their paths.
+    fn add_textures(&mut self, images: BTreeMap<PathBuf, DecodedImage>) -> BTreeMap<PathBuf, TextureIndex> {
+        let add = |(path, image): (PathBuf, DecodedImage)| {
+            self.scene.textures.push(texture(&path, image));
+            (path, self.scene.textures.len() - 1)
+        };
+        images.into_iter().map(add).collect()
     }
 
     fn node(&mut self, name: String, parent: Option<NodeIndex>, motion: Motion) -> NodeIndex {
