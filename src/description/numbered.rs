@@ -7,6 +7,11 @@ use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+/// Frames that a sequence may have lie so far from 0 at most.
+const FARTHEST: u64 = 1_000_000_000;
+/// More signs than this are no number's.
+const MOST_DIGITS: usize = 20;
+
 /// A name with signs in a number's place.
 #[derive(Debug, PartialEq)]
 pub(super) struct Numbered<'a> {
@@ -76,9 +81,9 @@ impl<'a> Numbered<'a> {
 
     fn number(&self, name: &str) -> Option<i64> {
         let digits = name.strip_prefix(self.before)?.strip_suffix(self.after)?;
-        let number = digits.parse().ok()?;
+        let number: i64 = digits.parse().ok()?;
         // Other ways to write it are names of other sequences.
-        (self.file_name(number) == name).then_some(number)
+        (number.unsigned_abs() <= FARTHEST && self.file_name(number) == name).then_some(number)
     }
 }
 
@@ -86,7 +91,8 @@ impl<'a> Numbered<'a> {
 fn hashes(name: &str) -> Option<(&str, usize, &str)> {
     let (upto, after) = name.split_at(name.rfind('#')? + 1);
     let before = upto.trim_end_matches('#');
-    Some((before, upto.len() - before.len(), after))
+    let digits = upto.len() - before.len();
+    (digits <= MOST_DIGITS).then_some((before, digits, after))
 }
 
 /// `%d` or `%04d`, as `printf` has it.
@@ -135,12 +141,14 @@ mod tests {
         assert!(told.contains("each number from 1 to 9"), "{told}");
         let told = numbers(&["a.1.obj"], "a.####.obj").unwrap_err();
         assert!(told.contains("`a.0001.obj`") && told.contains("scene.ron: meshes.leaf"), "{told}");
-        let far = numbers(&["a.-9223372036854775808.obj", "a.9223372036854775807.obj"], "a.#.obj");
-        assert!(far.unwrap_err().contains("is missing"));
+        let far = ["a.-1000000000.obj", "a.1000000000.obj", "a.-9223372036854775808.obj"];
+        let told = numbers(&far, "a.#.obj").unwrap_err();
+        assert!(told.contains("is missing") && told.contains("to 1000000000"), "{told}");
     }
 
     #[test]
     fn other_names_are_files() {
+        assert_eq!(Numbered::of(Path::new(&"#".repeat(100_000))), None);
         for name in ["leaf.0001.obj", "100%.obj", "50%wood.obj", "%4d.obj", "%0999d.obj", ".."] {
             assert_eq!(Numbered::of(Path::new(name)), None, "{name}");
         }

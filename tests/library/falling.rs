@@ -50,7 +50,10 @@ fn leaves(scene: &Scene, time_s: f64) -> Vec<(String, DVec3, bool)> {
 #[test]
 fn frames_and_frame_rates_do_not_change_the_leaves() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scene.ron"), scene_file("", FROM_A_BOX)).unwrap();
+    let keyed = "Keyed(keys: [(at_s: 0.5, value: (0.0, 0.0, 0.0)), (at_s: 1.7, value: (2.0, 0.0, 0.5))])";
+    let speed = "Keyed(extend: Cycle, keys: [(at_s: 0.0, value: 1.0), (at_s: 1.3, value: 2.0)])";
+    let fields = format!("{FROM_A_BOX}, speed: {speed}, wind: (mean_m_per_s: {keyed}, eddy_m_per_s: 0.4)");
+    std::fs::write(folder.path().join("scene.ron"), scene_file("", &fields)).unwrap();
     let sequence = |name: &str, fields: &str| {
         let path = folder.path().join(name);
         std::fs::write(&path, format!("Sequence(version: 1, scene: \"scene.ron\", {fields})")).unwrap();

@@ -313,6 +313,9 @@ impl Resolver<'_> {
     /// The triangles of an object's mesh in the world, if it never moves.
     fn still_triangles(&mut self, field: &str, name: &str) -> Option<Vec<[DVec3; 3]>> {
         let node = self.problems.find(field, "object", name, &self.nodes)?;
+        if self.changes_shape(field, name) {
+            return None;
+        }
         let mut world_from_node = DAffine3::IDENTITY;
         let mut next = Some(node);
         while let Some(node) = next {
@@ -331,12 +334,6 @@ impl Resolver<'_> {
             self.problems.error(field, format!("the object `{name}` has no mesh to see"), "a mesh", remedy);
             return None;
         };
-        if instance.deformation.is_some() {
-            let found = format!("the mesh of `{name}` changes its shape");
-            let remedy = "name an object whose mesh is a single file";
-            self.problems.error(field, found, "a mesh that keeps its shape", remedy);
-            return None;
-        }
         let mesh = &self.scene.meshes[instance.mesh];
         let point =
             |vertex: u32| world_from_node.transform_point3(mesh.positions[vertex as usize].as_dvec3());

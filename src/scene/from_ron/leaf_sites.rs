@@ -81,12 +81,10 @@ impl Resolver<'_> {
             self.problems.error(&field, found, "`on` without `parent` and `motion`", remedy);
         }
         let node = self.problems.find(&field, "object", object, &self.nodes)?;
-        let instance = self.scene.instances.iter().find(|instance| instance.node == node);
-        if instance.is_some_and(|instance| instance.deformation.is_some()) {
-            let found = format!("the mesh of `{object}` changes its shape");
-            let remedy = "name an object whose mesh is a single file";
-            self.problems.error(&field, found, "a mesh that keeps its shape", remedy);
+        if self.changes_shape(&field, object) {
+            return None;
         }
+        let instance = self.scene.instances.iter().find(|instance| instance.node == node);
         let site = instance.and_then(|instance| Site::of(&self.scene.meshes[instance.mesh]));
         if site.is_none() {
             let found = format!("`{object}` has no surface to sit on");

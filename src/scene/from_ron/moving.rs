@@ -106,6 +106,20 @@ impl<'a> Resolver<'a> {
         true
     }
 
+    /// Says that the mesh of an object changes, where only one that does not will do; false if it does not.
+    pub(super) fn changes_shape(&mut self, field: &str, object: &str) -> bool {
+        let mesh = self.file.objects.get(object).and_then(|object| object.mesh.as_deref());
+        let mesh = mesh.and_then(|mesh| self.meshes.get(mesh));
+        let changes =
+            mesh.is_some_and(|mesh| self.moving.contains_key(mesh) || self.turns.contains_key(mesh));
+        if changes {
+            let found = format!("the mesh of `{object}` changes its shape");
+            let remedy = "name an object whose mesh is a single file";
+            self.problems.error(field, found, "a mesh that keeps its shape", remedy);
+        }
+        changes
+    }
+
     /// Has a mesh that was cut out of another bend like that, with vertices that follow its own.
     pub(super) fn bend_like(&mut self, mesh: MeshIndex, cut: MeshIndex, added: &[Between]) {
         let Some(whole) = self.moving.get(&mesh) else { return };
