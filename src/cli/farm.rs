@@ -99,7 +99,7 @@ fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
         arguments.frame_seconds.unwrap_or_else(|| job::frame_seconds(pixels, picture.sampling, threads));
     match arguments.chunk {
         ChunkArgument::Frames(frames) => job.chunk = frames,
-        ChunkArgument::Auto => choose_chunk(&mut job, arguments, frame_s, (load_seconds(&task)?, read_bytes)),
+        ChunkArgument::Auto => choose_chunk(&mut job, arguments, frame_s, load_seconds(&task)?, read_bytes),
     }
     job.minutes = job::minutes(job.chunk, frame_s);
     job.memory_mib = job::memory_mib(plan.picture.job.memory_bytes() as u64, read_bytes);
@@ -115,7 +115,7 @@ fn usual_threads(profile: FarmProfile) -> u32 {
 }
 
 /// For a scene that takes so many seconds to load, and is read from files of so many bytes.
-fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, (load_s, bytes): (f64, u64)) {
+fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, load_s: f64, bytes: u64) {
     let machines = job.machines.unwrap_or(shell::MACHINES);
     let begin_s = match arguments.profile {
         FarmProfile::Shell => chunk::PROGRAM_S,
