@@ -18,7 +18,7 @@ PAGE = """# A page
 [code](is/no/link.md)
 ```
 
-[a file](missing.md), [a heading](other.md#missing), ![a picture](missing.png)
+[a file](missing.md), [a heading](other.md#missing), ![a picture](missing.png), `render.rs`, `no/such/render.rs`
 """
 OTHER = """# A heading: `code`, and all
 
@@ -41,6 +41,7 @@ class Links(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         faults = [line.split(".md:", 1)[1] for line in done.stdout.splitlines()]
         missing = ["there is no missing.md", "other.md has no #missing", "there is no missing.png"]
+        missing.append("there is no source file no/such/render.rs")
         self.assertEqual(faults, [f"10: {fault}" for fault in missing])
 
 
