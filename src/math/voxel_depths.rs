@@ -4,6 +4,7 @@
 use super::{Ray, Voxels};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// How far nodes lie apart, in voxels; farther where there would be too many.
@@ -46,7 +47,6 @@ impl SunlitVoxels {
 }
 
 /// Depths in voxels of the densest, towards one direction.
-#[derive(Debug)]
 pub struct VoxelDepths {
     /// Unit vectors: across, across, and towards the sun.
     axes: [DVec3; 3],
@@ -56,6 +56,13 @@ pub struct VoxelDepths {
     size: [usize; 3],
     /// Node by node, towards the sun fastest.
     depths: Vec<f32>,
+}
+
+/// By where they lie: they never change.
+impl fmt::Debug for VoxelDepths {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "VoxelDepths({self:p})")
+    }
 }
 
 impl VoxelDepths {

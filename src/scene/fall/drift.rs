@@ -8,22 +8,26 @@ use glam::DVec3;
 /// for cubics, which is what curves between keys are, Bezier curves excepted.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 /// Parts of each curve that the rule is applied to, for the sake of Bezier curves.
-const PARTS: u32 = 16;
+const PARTS: usize = 64;
 
 /// A velocity, m/s, and its integral.
 #[derive(Clone, Debug)]
 pub(super) struct Drift {
     velocity: Track<DVec3>,
-    /// From the first key to each.
+    /// From the first key to where each part begins, and to the last key.
     ways: Vec<DVec3>,
 }
 
 impl Drift {
     pub(super) fn new(velocity: Track<DVec3>) -> Self {
         let mut drift = Self { ways: vec![DVec3::ZERO], velocity };
+        let mut way = DVec3::ZERO;
         for key in 1..drift.velocity.times_s().len() {
-            let [from_s, to_s] = [key - 1, key].map(|key| drift.velocity.times_s()[key]);
-            drift.ways.push(drift.ways[key - 1] + drift.between(from_s, to_s));
+            for part in 0..PARTS {
+                let [from_s, to_s] = [part, part + 1].map(|part| drift.begins_s(key, part));
+                way += drift.within_part(from_s, to_s);
+                drift.ways.push(way);
+            }
         }
         drift
     }
@@ -52,20 +56,26 @@ impl Drift {
         let way = match after {
             0 => self.velocity(first_s) * (within_s - first_s),
             after if after == times_s.len() => all + self.velocity(last_s) * (within_s - last_s),
-            after => self.ways[after - 1] + self.between(times_s[after - 1], within_s),
+            after => {
+                let share = (within_s - times_s[after - 1]) / (times_s[after] - times_s[after - 1]);
+                let part = ((share * PARTS as f64) as usize).min(PARTS - 1);
+                self.ways[(after - 1) * PARTS + part] + self.within_part(self.begins_s(after, part), within_s)
+            }
         };
         way + all * rounds
     }
 
-    /// The way between two times that no key lies between.
-    fn between(&self, from_s: f64, to_s: f64) -> DVec3 {
-        let half_s = 0.5 * (to_s - from_s) / f64::from(PARTS);
-        let part = |part: u32| {
-            let middle_s = from_s + half_s * f64::from(2 * part + 1);
-            let [before, behind] = [-GAUSS, GAUSS].map(|at| self.velocity(middle_s + at * half_s));
-            (before + behind) * half_s
-        };
-        (0..PARTS).map(part).sum()
+    /// When a part of the curve to a key begins.
+    fn begins_s(&self, key: usize, part: usize) -> f64 {
+        let [from_s, to_s] = [key - 1, key].map(|key| self.velocity.times_s()[key]);
+        from_s + (to_s - from_s) * (part as f64 / PARTS as f64)
+    }
+
+    /// The way between two times of a part.
+    fn within_part(&self, from_s: f64, to_s: f64) -> DVec3 {
+        let (middle_s, half_s) = (0.5 * (from_s + to_s), 0.5 * (to_s - from_s));
+        let [before, behind] = [-GAUSS, GAUSS].map(|at| self.velocity(middle_s + at * half_s));
+        (before + behind) * half_s
     }
 }
 
