@@ -320,8 +320,13 @@ class Engine(unittest.TestCase):
         turned = View(SIZE, matrices[0] @ matrices[0].Rotation(0.2, 4, "Z"), matrices[1], True)
         shown.look(turned)
         self.assertIsNotNone(shown.run)
+        shown.service.process.kill()
+        shown.service.process.wait()
         shown.look(View(SIZE, *matrices, True))
-        shown.cancel()
+        while shown.poll():
+            pass
+        self.assertEqual((shown.number, shown.problem), (2 * len(STAGES), ""))
+        shown.close()
         self.assertEqual(processes(), [])
 
     def test_a_viewport_that_is_drawn_goes_on_until_it_is_done(self):
@@ -347,7 +352,7 @@ class Engine(unittest.TestCase):
         engine.SUNFLECK_RENDER_engine.view_update(one, looks, graph)
         while not drawn or len(redraws) == len(drawn):
             engine.SUNFLECK_RENDER_engine.view_draw(one, looks, graph)
-        self.assertEqual(drawn[-1], 3)
+        self.assertEqual(drawn[-1], len(STAGES))
         before = len(redraws)
         engine.SUNFLECK_RENDER_engine.view_draw(one, looks, graph)
         self.assertEqual(len(redraws), before)

@@ -87,7 +87,7 @@ class Viewport:
         if executable is None:
             self.problem = program.MISSING
             return
-        if self.service is None:
+        if self.service is None or not self.service.is_alive():
             self.service = service.Service(executable, self.path)
         share, samples = STAGES[self.stage]
         width, height = (max(1, round(share * side)) for side in self.view.size)
