@@ -120,7 +120,7 @@ fn even_voxels_are_even_fog() {
 fn a_march_of_many_steps_finds_the_same_light() {
     let scene = lit_puff();
     let march = Transport { volume: VolumeMethod::March(MarchSteps::Count(20_000)), ..EXACT };
-    for place in [[0.5, 0.5], [0.42, 0.55], [0.6, 0.41]] {
+    for place in [[0.5, 0.5], [0.42, 0.55], [0.53, 0.46]] {
         let (expected, found) = (seen(&scene, &march, place, 0), seen(&scene, &EXACT, place, 0));
         assert!(found.radiance.min_element() > 0.005, "{place:?}: {}", found.radiance);
         let off = (found.radiance / expected.radiance - 1.0).abs().max_element();
