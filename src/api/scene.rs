@@ -104,8 +104,10 @@ impl Scene {
         })
     }
 
-    /// Has a camera that a program brings along, in place of the last such.
-    pub(crate) fn look_from(&mut self, viewer: &Viewer) {
+    /// Has a camera that a program brings along, in place of the last such; without one it is as its files
+    /// say.
+    pub(crate) fn look_from(&mut self, viewer: Option<&Viewer>) {
+        let Some(viewer) = viewer else { return self.content_hash.clone_from(&self.input_hash) };
         viewer.put_into(&mut self.resolved);
         let said = format!("{} {viewer:?}", self.input_hash);
         self.content_hash = Sha256::digest(said).iter().map(|byte| format!("{byte:02x}")).collect();

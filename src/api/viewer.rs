@@ -39,8 +39,8 @@ struct Opening {
     blades: u32,
 }
 
-/// Its camera's name.
-pub(crate) const NAME: &str = "viewer";
+/// Its camera's name, which no file's has.
+pub(crate) const NAME: &str = "\0viewer";
 
 impl Viewer {
     /// What of it makes no sense.

@@ -114,9 +114,7 @@ impl Server<'_> {
         let Request { id, render, camera } = request;
         let Some(flags) = render else { return answered(&id, "ended", "") };
         let outcome = self.arguments_of(&flags, camera.as_ref()).and_then(|arguments| {
-            if let Some(camera) = &camera {
-                self.scene.look_from(camera);
-            }
+            self.scene.look_from(camera.as_ref());
             render::of_scene(&arguments, &self.scene, &self.pool, stop).map_err(|error| error.to_string())
         });
         match outcome {

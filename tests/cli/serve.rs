@@ -81,7 +81,7 @@ fn pictures_are_those_of_render() {
 fn a_camera_may_be_brought_along() {
     let studio = Studio::new();
     let flat = r#"Scene(version: 1, meshes: { "ground": Quad(size_m: 8.0) }, objects: { "ground": (mesh: "ground") },
-        cameras: { "main": (position_m: (0.5, 3.0, 1.0), look_at_m: (0.5, 0.0, 1.0), fov_deg: 50.0) },
+        cameras: { "viewer": (position_m: (0.5, 3.0, 1.0), look_at_m: (0.5, 0.0, 1.0), fov_deg: 50.0) },
         lights: { "sun": Sun(to_sun: (0.0, 1.0, 0.0), irradiance_w_per_m2: (3.0, 2.0, 1.0)) })"#;
     std::fs::write(studio.path("flat.ron"), flat).unwrap();
     let flags = ["--frames", "1", "--size", "16x9", "--samples", "4", "--bounces", "0", "--out"];
@@ -96,7 +96,9 @@ fn a_camera_may_be_brought_along() {
     assert_eq!((&own["outcome"], &brought["outcome"]), (&json!("rendered"), &json!("rendered")), "{brought}");
     let higher = json!({ "matrix": [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0.5, 30, 1, 1], "fov_deg": 50 });
     server.ask(&json!({ "render": render("higher.exr"), "camera": higher }));
+    server.ask(&json!({ "render": render("again.exr") }));
     assert_eq!(server.close(), 0);
+    assert!(studio.bytes("again.exr") == studio.bytes("own.exr"), "the scene's own camera is where it was");
     let [own, brought, higher] = ["own.exr", "brought.exr", "higher.exr"].map(|name| studio.frame(name));
     let red = |file: &FrameFile| file.frame.channel("R").unwrap().pixels.clone();
     let off = red(&own).into_iter().zip(red(&brought)).map(|(own, brought)| (own - brought).abs());

@@ -47,10 +47,7 @@ class Run:
 
     def news(self):
         """Every event since the last call."""
-        found = []
-        while not self.events.empty():
-            found.append(self.events.get())
-        return found
+        return drained(self.events)
 
     def is_over(self):
         return self.process.poll() is not None and not any(reader.is_alive() for reader in self.readers)
@@ -79,6 +76,14 @@ class Run:
         frames."""
         found = (WARNING.search(line) for line in self.complaints if self.process.poll() == 0)
         return [warning[0] for warning in found if warning]
+
+
+def drained(events):
+    """What a queue holds now."""
+    found = []
+    while not events.empty():
+        found.append(events.get())
+    return found
 
 
 def flags(scene, animation, size=None):

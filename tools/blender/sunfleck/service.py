@@ -13,7 +13,7 @@ import threading
 import numpy
 
 from .evaluated import places
-from .render import WARNING
+from .render import WARNING, drained
 
 # So far away that nothing is behind it: JSON has no infinity.
 FARTHEST_M = 1e30
@@ -94,10 +94,7 @@ class Job:
         self.first = len(service.complaints)
 
     def news(self):
-        found = []
-        while not self.events.empty():
-            found.append(self.events.get())
-        return found
+        return drained(self.events)
 
     def is_over(self):
         return self.answer is not None or not self.service.is_alive()
