@@ -62,7 +62,7 @@ pub fn deviation(
             let truth = shadows(triangles, &ray, light.place(), range);
             let truth = LitSegments::from_shadows(truth, range);
             let value = |lit: &LitSegments| {
-                let scattered: Rgb = snapshot.medium.scattered(&ray, distance, lit, light);
+                let scattered: Rgb = snapshot.medium.passage(&ray, distance, lit, light).scattered;
                 scattered.element_sum() / 3.0
             };
             Some((value(&found), value(&truth)))

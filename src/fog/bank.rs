@@ -245,6 +245,19 @@ impl FogBank {
         distance * (leave - enter).max(0.0)
     }
 
+    /// The same from a point to a light.
+    pub(super) fn metres_to(&self, point: DVec3, light: LightPlace) -> f64 {
+        match light {
+            LightPlace::Towards(to_light) => self.length(point, to_light, f64::INFINITY),
+            LightPlace::At(position) => self.length_between(point, position),
+        }
+    }
+
+    /// Whether a ray comes into its box, or begins there.
+    pub(super) fn lies_on(&self, ray: &Ray) -> bool {
+        self.span(ray).is_some_and(|(_, leave)| leave > 0.0)
+    }
+
     /// The density at a point, as a share of the densest; 0 outside.
     pub(super) fn density(&self, point: DVec3) -> f64 {
         if self.cube_from_relative.transform_point3(point).abs().max_element() > 1.0 {
@@ -261,10 +274,6 @@ impl FogBank {
     /// equation is linear in `t` for distant and for near lights alike. It counts only where the
     /// way really crosses the edge between the two faces.
     pub(super) fn for_each_kink(&self, ray: &Ray, light: LightPlace, mut kink: impl FnMut(f64)) {
-        if let Density::Voxels(voxels) = &self.density {
-            let span = self.span(ray);
-            return span.map_or((), |span| voxels.for_each_cut(ray, span, kink));
-        }
         let (origin, direction) = self.in_cube(ray.origin, ray.direction);
         // w(t) = w0 + t * w1.
         let (w0, w1) = match light {

@@ -8,6 +8,7 @@
 //! weight grows without bound.
 
 use super::beer_lambert::exp_minus;
+use super::foggy_ray::FoggyRay;
 use super::phase::{henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};
 use super::{FogBank, Medium};
 use crate::color::Rgb;
@@ -40,37 +41,30 @@ pub struct Loss {
     pub through_per_density: Rgb,
 }
 
-impl Medium {
-    /// What is lost of light that counts `weights` before it has gone `distance` metres;
-    /// `None` if nothing is.
-    pub fn losses(&self, ray: &Ray, distance: f64, weights: Rgb) -> Option<Losses> {
-        let range = self.range(ray, distance)?;
-        let depth = self.optical_depth(ray.origin, ray.direction, range.1);
+impl FoggyRay<'_> {
+    /// What is lost of light that counts `weights` before it gets to the ray's end; `None` if nothing is.
+    pub fn losses(&self, weights: Rgb) -> Option<Losses> {
+        let range = self.medium.range(self.ray, self.t_max)?;
+        let depth = self.optical_depth(range.1);
         let lost = weights * depth.map(|depth| -(-depth).exp_m1());
         let chance = lost.element_sum() / weights.element_sum();
         (chance > 0.0).then_some(Losses { range, lost, depth, chance })
     }
 
     /// Where it is lost, for two uniform numbers.
-    pub fn pick_loss(&self, ray: &Ray, weights: Rgb, losses: &Losses, [u, v]: [f64; 2]) -> Option<Loss> {
+    pub fn pick_loss(&self, weights: Rgb, losses: &Losses, [u, v]: [f64; 2]) -> Option<Loss> {
         let Losses { range, lost, depth, .. } = *losses;
         let channel = pick(lost.to_array(), u);
         let wanted = -(v * (-depth[channel]).exp_m1()).ln_1p();
-        let t = self.place_at_depth(ray, range, wanted, |color| color[channel]);
-        let through = exp_minus(self.optical_depth(ray.origin, ray.direction, t));
-        let per_m = (weights * through * self.extinction_at(ray.at(t))).element_sum() / lost.element_sum();
+        let t = self.place_at_depth(range, wanted, |color| color[channel]);
+        let through = exp_minus(self.optical_depth(t));
+        let per_m = (weights * through * self.extinction(t)).element_sum() / lost.element_sum();
         (per_m > 0.0).then(|| Loss { t, through_per_density: through / per_m })
     }
 
-    /// Where on a part of a ray so much of its optical depth lies behind; `of` says what of a colour counts.
-    pub fn place_at_depth(
-        &self,
-        ray: &Ray,
-        (start, end): (f64, f64),
-        wanted: f64,
-        of: impl Fn(Rgb) -> f64,
-    ) -> f64 {
-        let depth_to = |t: f64| of(self.optical_depth(ray.origin, ray.direction, t));
+    /// Where on a part of the ray so much of its optical depth lies behind; `of` says how a colour counts.
+    pub fn place_at_depth(&self, (start, end): (f64, f64), wanted: f64, of: impl Fn(Rgb) -> f64) -> f64 {
+        let depth_to = |t: f64| of(self.optical_depth(t));
         let all = depth_to(end);
         // Newton's method within what bisection leaves: of one even bank the first step is exact.
         let (mut low, mut high) = (start, end);
@@ -85,12 +79,14 @@ impl Medium {
             } else {
                 low = t
             }
-            let newton = t - excess / of(self.extinction_at(ray.at(t)));
+            let newton = t - excess / of(self.extinction(t));
             t = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
         }
         t
     }
+}
 
+impl Medium {
     /// Whereto fog at a point sends light that travels along a unit vector, for three uniform numbers: a
     /// direction, and what is scattered there over how densely it was picked, 1/m. `None` if nothing is.
     pub fn pick_scattering(
@@ -168,11 +164,12 @@ mod tests {
         let medium = two_fogs();
         let ray = Ray { origin: DVec3::ZERO, direction: DVec3::new(2.0, 1.0, 0.1).normalize() };
         for (distance, weights) in [(1.5, Rgb::ONE), (f64::INFINITY, Rgb::new(0.2, 1.0, 0.7))] {
-            let losses = medium.losses(&ray, distance, weights).expect("there is fog");
+            let along = medium.along(&ray, distance);
+            let losses = along.losses(weights).expect("there is fog");
             let (mut lost, count) = (Rgb::ZERO, 300);
             for index in 0..count * count {
                 let u = [even(index / count, count), even(index % count, count)];
-                let loss = medium.pick_loss(&ray, weights, &losses, u).expect("a place");
+                let loss = along.pick_loss(weights, &losses, u).expect("a place");
                 assert!(loss.t >= losses.range.0 && loss.t <= losses.range.1);
                 let here = loss.through_per_density * medium.extinction_at(ray.at(loss.t));
                 // As the head says: what counts never grows beyond all that counts.
@@ -214,8 +211,8 @@ mod tests {
     fn where_there_is_no_fog_nothing_is_lost() {
         let medium = two_fogs();
         let up = Ray { origin: DVec3::new(0.0, 1e4, 0.0), direction: DVec3::Y };
-        assert!(medium.losses(&up, f64::INFINITY, Rgb::ONE).is_none());
-        assert!(Medium::default().losses(&up, 1.0, Rgb::ONE).is_none());
+        assert!(medium.along(&up, f64::INFINITY).losses(Rgb::ONE).is_none());
+        assert!(Medium::default().along(&up, 1.0).losses(Rgb::ONE).is_none());
         assert!(medium.pick_scattering(up.origin, DVec3::X, Rgb::ONE, [0.5; 3]).is_none());
     }
 }

@@ -58,33 +58,12 @@ impl Medium {
 
     /// Optical depth from a point to the light.
     pub fn optical_depth_to(&self, point: DVec3, light: LightPlace) -> Rgb {
-        match light {
-            LightPlace::Towards(to_light) => self.optical_depth(point, to_light, f64::INFINITY),
-            LightPlace::At(position) => {
-                self.banks.iter().map(|fog| fog.sigma_t * fog.length_between(point, position)).sum()
-            }
-        }
-    }
-
-    /// The same within fog: towards suns that it is ready for, by what its voxels know of them.
-    pub(super) fn depth_in_fog_to(&self, point: DVec3, light: LightPlace) -> Rgb {
-        let LightPlace::Towards(to_light) = light else { return self.optical_depth_to(point, light) };
-        let metres = |fog: &FogBank| {
-            let known = fog.voxels().and_then(|voxels| voxels.metres_to_sun(point, to_light));
-            known.unwrap_or_else(|| fog.length(point, to_light, f64::INFINITY))
-        };
-        self.banks.iter().map(|fog| fog.sigma_t * metres(fog)).sum()
+        self.banks.iter().map(|fog| fog.sigma_t * fog.metres_to(point, light)).sum()
     }
 
     /// The same fog, ready for suns in these directions.
     pub fn lit_by(self, to_lights: &[DVec3]) -> Self {
         Self { banks: self.banks.into_iter().map(|bank| bank.lit_by(to_lights)).collect() }
-    }
-
-    /// The shortest way along a ray over which voxels change, metres; `None` if there are no voxels.
-    pub(super) fn voxel_m(&self, ray: &Ray) -> Option<f64> {
-        let voxels = self.banks.iter().filter_map(FogBank::voxels);
-        voxels.map(|voxels| voxels.voxel_m(ray)).reduce(f64::min)
     }
 
     /// First and last fog to be seen on the ray within `[0, t_max]`; `None` if there is none. Finite, also

@@ -10,6 +10,7 @@ mod bank;
 mod beer_lambert;
 mod events;
 mod falloff;
+mod foggy_ray;
 mod lit_segments;
 mod medium;
 mod near_light;
@@ -18,15 +19,19 @@ mod scattered;
 mod slice;
 mod stretch;
 mod sun_stretch;
+mod voxel_cells;
 mod voxel_fog;
+mod voxel_stretch;
 
 pub use bank::FogBank;
 pub use beer_lambert::{exp_minus, exp_minus_little};
 pub use events::{Loss, Losses};
 pub use falloff::Falloff;
+pub use foggy_ray::FoggyRay;
 pub use lit_segments::LitSegments;
 pub use medium::Medium;
 pub use phase::{
     BEAM_DEGREES, henyey_greenstein, legendre, pick_henyey_greenstein, picked_henyey_greenstein,
 };
-pub use slice::{FogSlice, Passage};
+pub use scattered::Passage;
+pub use slice::FogSlice;

@@ -1,6 +1,7 @@
 //! Light that fog scatters towards the start of a ray. In go the lit parts of the ray, out comes radiance.
 //! Invariant: nothing is sampled, nothing is stepped.
 
+use super::beer_lambert::exp_minus;
 use super::near_light::NearLight;
 use super::stretch::Stretch;
 use super::sun_stretch::SunStretch;
@@ -9,11 +10,26 @@ use crate::color::Rgb;
 use crate::light::FrozenLight;
 use crate::math::Ray;
 
+/// What fog does along one ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
+    /// Of what lies behind.
+    pub transmittance: Rgb,
+    /// Radiance scattered on the way, W m^-2 sr^-1.
+    pub scattered: Rgb,
+}
+
+impl Passage {
+    /// Where there is no fog.
+    pub const NOTHING: Self = Self { transmittance: Rgb::ONE, scattered: Rgb::ZERO };
+}
+
 impl Medium {
-    /// Radiance scattered into a ray, which ends at `t_max`, from its lit parts, W m^-2 sr^-1.
-    pub fn scattered(&self, ray: &Ray, t_max: f64, lit: &LitSegments, light: &FrozenLight) -> Rgb {
+    /// What fog does on a ray that ends at `t_max` and is lit in parts.
+    pub fn passage(&self, ray: &Ray, t_max: f64, lit: &LitSegments, light: &FrozenLight) -> Passage {
         let mut sum = Rgb::ZERO;
-        Stretch::for_each(self, ray, t_max, light.place(), |stretch| {
+        let along = self.along(ray, t_max);
+        Stretch::for_each(&along, light.place(), |stretch| {
             let range = lit.within(stretch.start, stretch.end);
             match *light {
                 FrozenLight::Sun { to_light, .. } => {
@@ -28,9 +44,10 @@ impl Medium {
                 }
             }
         });
-        sum * match *light {
+        let of_light = match *light {
             FrozenLight::Sun { irradiance, .. } => irradiance,
             FrozenLight::Point { intensity, .. } => intensity,
-        }
+        };
+        Passage { scattered: sum * of_light, transmittance: exp_minus(along.optical_depth(t_max)) }
     }
 }

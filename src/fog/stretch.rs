@@ -2,6 +2,7 @@
 //! fog's parameters are constant. Invariant: on a stretch the optical depths to the eye and to
 //! the light are smooth.
 
+use super::foggy_ray::FoggyRay;
 use super::phase::henyey_greenstein;
 use super::{FogBank, Medium};
 use crate::color::Rgb;
@@ -9,8 +10,9 @@ use crate::light::LightPlace;
 use crate::math::Ray;
 
 /// A part of a ray on which everything is smooth.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(super) struct Stretch<'a> {
+    pub(super) along: &'a FoggyRay<'a>,
     pub(super) medium: &'a Medium,
     pub(super) ray: &'a Ray,
     pub(super) light: LightPlace,
@@ -29,18 +31,14 @@ pub(super) struct Stretch<'a> {
 
 impl<'a> Stretch<'a> {
     /// Cuts the foggy parts of the ray within `[0, t_max]` into smooth stretches, in order.
-    pub(super) fn for_each(
-        medium: &'a Medium,
-        ray: &'a Ray,
-        t_max: f64,
-        light: LightPlace,
-        mut each: impl FnMut(Self),
-    ) {
+    pub(super) fn for_each(along: &'a FoggyRay<'a>, light: LightPlace, mut each: impl FnMut(Self)) {
+        let FoggyRay { medium, ray, t_max, .. } = *along;
         let (mut tau, none) = (Rgb::ZERO, Rgb::ZERO);
         let spans: Vec<_> = medium.banks().iter().map(|fog| fog.visible_span(ray, t_max)).collect();
-        for pair in cuts(medium, ray, t_max, light).windows(2) {
+        for pair in cuts(along, light).windows(2) {
             let (start, end) = (pair[0], pair[1]);
             let mut stretch = Self {
+                along,
                 medium,
                 ray,
                 light,
@@ -77,45 +75,49 @@ impl<'a> Stretch<'a> {
         self.inside >> bank & 1 == 1
     }
 
+    /// Whether it lies in one of some banks.
+    pub(super) fn is_inside_of(&self, banks: u64) -> bool {
+        self.inside & banks != 0
+    }
+
     /// Optical depth from the ray's origin over a `t` to the light.
     pub(super) fn tau(&self, t: f64) -> Rgb {
-        self.tau_to_eye(t) + self.medium.depth_in_fog_to(self.ray.at(t), self.light)
+        self.tau_to_eye(t) + self.medium.optical_depth_to(self.ray.at(t), self.light)
     }
 
     fn tau_to_eye(&self, t: f64) -> Rgb {
         let even = self.tau_at_start + self.even_per_m * (t - self.start);
-        let changing = self.members(self.changing);
-        changing.fold(even, |sum, fog| sum + fog.sigma_t * fog.metres(self.ray, self.start, t))
+        self.members(self.changing).fold(even, |sum, (number, fog)| {
+            let metres = match self.along.cells(number) {
+                Some(cells) => cells.metres(t) - cells.metres(self.start),
+                None => fog.metres(self.ray, self.start, t),
+            };
+            sum + fog.sigma_t * metres
+        })
+    }
+
+    /// Optical depth to eye and light and what is scattered, as [`Stretch::tau`] and [`Stretch::scattering`]
+    /// have them, of some of the banks alone; before the start all of them count.
+    pub(super) fn of_banks(&self, banks: u64, t: f64, cos_deflection: f64) -> (Rgb, Rgb) {
+        if banks == 0 {
+            return (self.tau_at_start, Rgb::ZERO);
+        }
+        let some = Self { inside: self.inside & banks, changing: self.changing & banks, ..*self };
+        let point = self.ray.at(t);
+        let to_light = |fog: &FogBank| fog.sigma_t * fog.metres_to(point, self.light);
+        let tau = self.members(banks).fold(some.tau_to_eye(t), |tau, (_, fog)| tau + to_light(fog));
+        (tau, some.scattering(t, cos_deflection))
     }
 
     /// Light scattered per metre at a `t` towards the ray's origin per unit of irradiance:
     /// `sum(sigma_s * phase)`, 1/(m sr).
     pub(super) fn scattering(&self, t: f64, cos_deflection: f64) -> Rgb {
         let even = self.scattering_at_base(self.inside & !self.changing, cos_deflection);
-        self.members(self.changing).fold(even, |sum, fog| {
-            let density = fog.density_along(self.ray, t);
+        self.members(self.changing).fold(even, |sum, (number, fog)| {
+            let cells = self.along.cells(number);
+            let density = cells.map_or_else(|| fog.density_along(self.ray, t), |cells| cells.density(t));
             sum + fog.sigma_s * (henyey_greenstein(cos_deflection, fog.g) * density)
         })
-    }
-
-    /// Its density as a cubic, with the bank, where that of one bank alone changes and voxels have it.
-    pub(super) fn cubic(&self) -> Option<(&'a FogBank, Cubic)> {
-        let mut changing = self.members(self.changing);
-        let fog = changing.next().filter(|fog| fog.voxels().is_some() && changing.next().is_none())?;
-        let length = self.end - self.start;
-        let at = |share: f64| fog.density_along(self.ray, self.start + share * length);
-        Some((fog, Cubic::through([at(0.0), at(1.0 / 3.0), at(2.0 / 3.0), at(1.0)], length)))
-    }
-
-    /// Optical depth and scattering at a `t` as [`Stretch::tau`] and [`Stretch::scattering`] have them, where
-    /// the density of one bank alone changes, and is a cubic.
-    pub(super) fn by_cubic(&self, t: f64, cos: f64, (fog, cubic): &(&FogBank, Cubic)) -> (Rgb, Rgb) {
-        let from_start = t - self.start;
-        let to_eye =
-            self.tau_at_start + self.even_per_m * from_start + fog.sigma_t * cubic.integral(from_start);
-        let even = self.scattering_at_base(self.inside & !self.changing, cos);
-        let scattering = even + fog.sigma_s * (henyey_greenstein(cos, fog.g) * cubic.at(from_start));
-        (to_eye + self.medium.depth_in_fog_to(self.ray.at(t), self.light), scattering)
     }
 
     /// The same where all its fog is as dense as at its base.
@@ -124,44 +126,19 @@ impl<'a> Stretch<'a> {
     }
 
     fn scattering_at_base(&self, banks: u64, cos_deflection: f64) -> Rgb {
-        self.members(banks).map(|fog| fog.sigma_s * henyey_greenstein(cos_deflection, fog.g)).sum()
+        self.members(banks).map(|(_, fog)| fog.sigma_s * henyey_greenstein(cos_deflection, fog.g)).sum()
     }
 
     /// Banks by a mask of their numbers.
-    fn members(&self, mask: u64) -> impl Iterator<Item = &'a FogBank> {
+    fn members(&self, mask: u64) -> impl Iterator<Item = (usize, &'a FogBank)> {
         let banks = self.medium.banks().iter().enumerate();
-        banks.filter(move |(index, _)| mask >> index & 1 == 1).map(|(_, fog)| fog)
-    }
-}
-
-/// A cubic from 0 to a length.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cubic([f64; 4]);
-
-impl Cubic {
-    /// Through values at 0, a third, two thirds and all of the length.
-    fn through([a, b, c, d]: [f64; 4], length: f64) -> Self {
-        let per = if length > 0.0 { length.recip() } else { 0.0 };
-        let first = (-11.0 * a + 18.0 * b - 9.0 * c + 2.0 * d) / 2.0;
-        let second = (18.0 * a - 45.0 * b + 36.0 * c - 9.0 * d) / 2.0;
-        let third = (-9.0 * a + 27.0 * b - 27.0 * c + 9.0 * d) / 2.0;
-        Self([a, first * per, second * per * per, third * per * per * per])
-    }
-
-    fn at(&self, x: f64) -> f64 {
-        let [a, b, c, d] = self.0;
-        a + x * (b + x * (c + x * d))
-    }
-
-    /// From 0 on.
-    fn integral(&self, x: f64) -> f64 {
-        let [a, b, c, d] = self.0;
-        x * (a + x * (b / 2.0 + x * (c / 3.0 + x * d / 4.0)))
+        banks.filter(move |(index, _)| mask >> index & 1 == 1)
     }
 }
 
 /// Where a stretch may begin or end, in order.
-fn cuts(medium: &Medium, ray: &Ray, t_max: f64, light: LightPlace) -> Vec<f64> {
+fn cuts(along: &FoggyRay, light: LightPlace) -> Vec<f64> {
+    let FoggyRay { medium, ray, t_max, .. } = *along;
     let Some((first, last)) = medium.range(ray, t_max) else { return Vec::new() };
     let mut cuts = vec![first, last];
     let mut cut = |t: f64| {
@@ -169,12 +146,16 @@ fn cuts(medium: &Medium, ray: &Ray, t_max: f64, light: LightPlace) -> Vec<f64> {
             cuts.push(t);
         }
     };
-    for fog in medium.banks() {
+    for (number, fog) in medium.banks().iter().enumerate() {
         if let Some((enter, leave)) = fog.visible_span(ray, t_max) {
             cut(enter);
             cut(leave);
         }
-        fog.for_each_kink(ray, light, &mut cut);
+        match (along.cells(number), light) {
+            // What is scattered of a near light is fitted, and has a kink at each cell.
+            (Some(cells), LightPlace::At(_)) => cells.for_each_border(&mut cut),
+            _ => fog.for_each_kink(ray, light, &mut cut),
+        }
     }
     cuts.sort_unstable_by(f64::total_cmp);
     cuts.dedup();
@@ -197,14 +178,15 @@ mod tests {
         let ray =
             Ray { origin: DVec3::new(-3.0, 0.2, 0.3), direction: DVec3::new(1.0, -0.1, -0.15).normalize() };
         let mut stretches = Vec::new();
-        Stretch::for_each(&medium, &ray, 100.0, light, |stretch| stretches.push(stretch));
+        let along = medium.along(&ray, 100.0);
+        Stretch::for_each(&along, light, |stretch| stretches.push(stretch));
         assert!(stretches.len() >= 4);
         for stretch in &stretches {
             let tau = |t: f64| medium.optical_depth_to(ray.at(t), light).x;
             let inset = 1e-9 * (stretch.end - stretch.start);
             let mean = 0.5 * (tau(stretch.start + inset) + tau(stretch.end - inset));
             let middle = tau(0.5 * (stretch.start + stretch.end));
-            assert!((middle - mean).abs() < 1e-8, "{stretch:?}: {middle} {mean}");
+            assert!((middle - mean).abs() < 1e-8, "{} to {}: {middle} {mean}", stretch.start, stretch.end);
         }
         let last = stretches.last().expect("fog");
         let total = last.tau_to_eye(last.end);

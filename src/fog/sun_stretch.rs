@@ -2,12 +2,12 @@
 //! part of it that is lit. Invariant: in closed form wherever there is one; elsewhere from one fit,
 //! which a hundred lit parts share.
 
-use super::FogBank;
 use super::beer_lambert::{exp_minus, mean_transmittance};
 use super::falloff::Climb;
-use super::stretch::{Cubic, Stretch};
+use super::stretch::Stretch;
+use super::voxel_stretch::VoxelStretch;
 use crate::color::Rgb;
-use crate::math::{Antiderivative, Ray, gauss_legendre};
+use crate::math::{Antiderivative, Ray};
 use glam::DVec3;
 
 /// What a fit may be wrong by, as a share of what the whole stretch would scatter without any shadow.
@@ -16,8 +16,8 @@ const TOLERANCE: f64 = 1e-11;
 /// Light scattered on a stretch, per unit of irradiance.
 pub(super) enum SunStretch<'a> {
     Closed(ClosedForm),
-    /// By a rule for each part as long as a voxel.
-    Voxels(VoxelRule<'a>),
+    /// By a rule for each cell.
+    Voxels(VoxelStretch<'a>),
     /// An integral that has no closed form.
     Fitted(Antiderivative),
 }
@@ -25,8 +25,8 @@ pub(super) enum SunStretch<'a> {
 impl<'a> SunStretch<'a> {
     pub(super) fn new(stretch: &'a Stretch, to_light: DVec3) -> Self {
         let cos = to_light.dot(stretch.ray.direction);
-        if let Some(voxel_m) = stretch.medium.voxel_m(stretch.ray) {
-            return Self::Voxels(VoxelRule { stretch, cos, voxel_m, cubic: stretch.cubic() });
+        if let Some(voxels) = VoxelStretch::new(stretch, to_light) {
+            return Self::Voxels(voxels);
         }
         if let Some(closed) = ClosedForm::of(stretch, to_light) {
             return Self::Closed(closed);
@@ -42,42 +42,7 @@ impl<'a> SunStretch<'a> {
         match self {
             Self::Closed(closed) => closed.integral(start, end),
             Self::Fitted(fitted) => fitted.between(start, end),
-            Self::Voxels(rule) => rule.integral(start, end),
-        }
-    }
-}
-
-/// The density of a cell is a cubic, and the depth to the sun changes with each voxel.
-pub(super) struct VoxelRule<'a> {
-    stretch: &'a Stretch<'a>,
-    cos: f64,
-    voxel_m: f64,
-    cubic: Option<(&'a FogBank, Cubic)>,
-}
-
-impl VoxelRule<'_> {
-    fn integral(&self, start: f64, end: f64) -> Rgb {
-        /// Parts at most.
-        const MOST_PARTS: f64 = 256.0;
-        let parts = ((end - start) / self.voxel_m).ceil().clamp(1.0, MOST_PARTS);
-        let half = 0.5 * (end - start) / parts;
-        // Two nodes have a cubic exactly, and little depth hardly bends it.
-        let nodes = if self.stretch.medium.most_extinction_per_m() * half < 0.05 { 2 } else { 3 };
-        let mut sum = Rgb::ZERO;
-        for part in 0..parts as usize {
-            let middle = start + (2.0 * part as f64 + 1.0) * half;
-            for (node, weight) in gauss_legendre(nodes) {
-                let (tau, scattering) = self.at(middle + node * half);
-                sum += *weight * scattering * exp_minus(tau);
-            }
-        }
-        half * sum
-    }
-
-    fn at(&self, t: f64) -> (Rgb, Rgb) {
-        match &self.cubic {
-            Some(cubic) => self.stretch.by_cubic(t, self.cos, cubic),
-            None => (self.stretch.tau(t), self.stretch.scattering(t, self.cos)),
+            Self::Voxels(voxels) => voxels.integral(start, end),
         }
     }
 }

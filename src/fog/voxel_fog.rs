@@ -1,7 +1,7 @@
 //! Fog as dense as the voxels of a grid. In go rays of relative space, out come metres and densities.
 //! Invariant: metres along a ray are exact; towards suns they are interpolated where fog gathers light.
 
-use crate::math::{Ray, SunlitVoxels, VoxelDepths};
+use crate::math::{Cubic, Ray, SunlitVoxels, VoxelDepths};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -56,23 +56,37 @@ impl VoxelFog {
         self.grid.voxels.at(self.voxel_from_relative.transform_point3(point)) / self.grid.voxels.most()
     }
 
-    /// Metres towards a sun, as dense as the densest; `None` if none of the suns is there.
-    pub(super) fn metres_to_sun(&self, point: DVec3, to_light: DVec3) -> Option<f64> {
+    /// Metres towards a sun from places on a ray; `None` if none of the suns is there.
+    pub(super) fn towards_sun(&self, ray: &Ray, to_light: DVec3) -> Option<MetresToSun> {
         let sun = self.suns.iter().find(|sun| sun.to_light.dot(to_light) > NEAR)?;
-        let place = self.voxel_from_relative.transform_point3(point);
-        Some(sun.metres_per_voxel * sun.depths.of(place))
-    }
-
-    /// Where a ray passes from cell to cell, if they hold something.
-    pub(super) fn for_each_cut(&self, ray: &Ray, span: (f64, f64), mut cut: impl FnMut(f64)) {
-        self.grid.voxels.for_each_cell(&self.line(ray), span, |cell| {
-            cut(cell.start);
-            cut(cell.end);
-        });
+        let line = sun.depths.line(&self.line(ray));
+        Some(MetresToSun { depths: Arc::clone(&sun.depths), line, metres_per_voxel: sun.metres_per_voxel })
     }
 
     /// How many metres of a ray are as long as a voxel.
     pub(super) fn voxel_m(&self, ray: &Ray) -> f64 {
         self.voxel_from_relative.transform_vector3(ray.direction).length().recip()
+    }
+
+    /// Cells that a part of a ray passes through, if they hold something: where it does, and the density as a
+    /// share of the densest.
+    pub(super) fn for_each_cell(&self, ray: &Ray, span: (f64, f64), mut each: impl FnMut((f64, f64), Cubic)) {
+        let per_most = self.grid.voxels.most().recip();
+        self.grid.voxels.for_each_cell(&self.line(ray), span, |cell| {
+            each((cell.start, cell.end), cell.values.times(per_most));
+        });
+    }
+}
+
+/// Metres of voxels, as dense as the densest, between a sun and places on a ray.
+pub(super) struct MetresToSun {
+    depths: Arc<VoxelDepths>,
+    line: Ray,
+    metres_per_voxel: f64,
+}
+
+impl MetresToSun {
+    pub(super) fn at(&self, t: f64) -> f64 {
+        self.metres_per_voxel * self.depths.of(self.line.at(t))
     }
 }

@@ -155,9 +155,9 @@ fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
 
 /// How far fog goes on that matters, up to an optical depth.
 fn reach_m(snapshot: &Snapshot, ray: &Ray, (size_m, most): (f64, f64)) -> f64 {
-    let depth =
-        |reach_m: f64| snapshot.medium.optical_depth(ray.origin, ray.direction, reach_m).max_element();
     let farthest = FARTHEST * size_m;
+    let along = snapshot.medium.along(ray, farthest);
+    let depth = |reach_m: f64| along.optical_depth(reach_m).max_element();
     let enough = most.min(NEARLY_ALL * depth(farthest));
     let (mut near, mut far) = (0.0, farthest);
     for _ in 0..40 {

@@ -189,7 +189,8 @@ fn farthest_seen_m(snapshot: &Snapshot) -> f64 {
         let place = |index: usize| index as f64 / (SIDE - 1) as f64;
         let ray = snapshot.view.ray(place(number % SIDE), place(number / SIDE));
         let Some((start, end)) = medium.range(&ray, f64::INFINITY) else { return 0.0 };
-        let depth = |t: f64| medium.optical_depth(ray.origin, ray.direction, t).max_element();
+        let along = medium.along(&ray, end);
+        let depth = |t: f64| along.optical_depth(t).max_element();
         let enough = DEPTH.min(SHARE * depth(end));
         let (mut near, mut far) = (start, end);
         for _ in 0..48 {
@@ -252,7 +253,9 @@ impl<'a> Walk<'a> {
         if let Some((start, end)) = self.fog {
             let (from, to) = (self.at.max(start), distance.min(end));
             if from < to {
-                let through = self.snapshot.medium.transmittance(self.ray.origin, self.ray.direction, to);
+                let start = self.ray.at(from);
+                let through =
+                    self.through * self.snapshot.medium.transmittance(start, self.ray.direction, to - from);
                 self.look(0.5 * (from + to));
                 self.light += (self.through - through) * self.source;
                 self.through = through;

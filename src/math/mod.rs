@@ -3,6 +3,7 @@
 
 mod chance;
 mod chebyshev;
+mod cubic;
 mod disc;
 mod distribution;
 mod exponential;
@@ -20,6 +21,7 @@ mod voxels;
 
 pub use chance::Chance;
 pub use chebyshev::Antiderivative;
+pub use cubic::Cubic;
 pub use disc::{disc_from_square, sphere_from_square, square_from_disc, square_from_sphere};
 pub use distribution::SquareDistribution;
 pub use exponential::fast_exp;

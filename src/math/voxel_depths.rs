@@ -87,35 +87,44 @@ impl VoxelDepths {
             let [i, j] = [number / size[1], number % size[1]].map(|index| spacing * index as f64);
             let origin = (from.x + i) * right + (from.y + j) * across + from.z * up;
             let line = Ray { origin, direction: up };
-            let mut depth = 0.0;
-            for (index, value) in depths.iter_mut().enumerate().rev() {
-                let start = spacing * index as f64;
-                depth += voxels.integral(&line, (start, start + spacing));
-                *value = (depth / voxels.most()) as f32;
+            let before = voxels.integrals(&line, spacing, size[2]);
+            let all = before[size[2] - 1];
+            for (value, before) in depths.iter_mut().zip(before) {
+                *value = ((all - before) / voxels.most()) as f32;
             }
         });
         Self { axes, low: from, spacing, size, depths }
     }
 
-    /// Of a place.
-    pub fn of(&self, place: DVec3) -> f64 {
-        let along = DVec3::from_array(self.axes.map(|axis| axis.dot(place)));
-        let at = (along - self.low) / self.spacing;
+    /// A line of the voxels' own space in the lattice's.
+    pub fn line(&self, line: &Ray) -> Ray {
+        let along = |way: DVec3| DVec3::from_array(self.axes.map(|axis| axis.dot(way))) / self.spacing;
+        Ray { origin: along(line.origin) - self.low / self.spacing, direction: along(line.direction) }
+    }
+
+    /// Of a place of the lattice's space.
+    pub fn of(&self, at: DVec3) -> f64 {
         let last = DVec3::from_array(self.size.map(|count| (count - 1) as f64));
-        if at.x < 0.0 || at.y < 0.0 || at.x > last.x || at.y > last.y || at.z > last.z {
-            return 0.0;
+        if at.cmplt(DVec3::ZERO).any() || at.cmpgt(last).any() {
+            // Before the lattice, seen from the sun, there is nothing; behind it all.
+            return if at.z < 0.0 { self.of(at.with_z(0.0)) } else { 0.0 };
         }
-        let at = at.max(DVec3::ZERO);
-        let cell = at.floor().min((last - 1.0).max(DVec3::ZERO));
-        let share = at - cell;
-        let [i, j, k] = cell.to_array().map(|index| index as usize);
-        let depth = |corner: usize| {
-            let [i, j] = [i + (corner & 1), j + (corner >> 1)];
-            let start = (i.min(self.size[0] - 1) * self.size[1] + j.min(self.size[1] - 1)) * self.size[2];
-            let (here, next) = (self.depths[start + k], self.depths[start + (k + 1).min(self.size[2] - 1)]);
-            f64::from(here) + share.z * f64::from(next - here)
+        let node = at.to_array().map(|along| along as usize);
+        let share = at - DVec3::from_array(node.map(|index| index as f64));
+        let [_, rows, row] = self.size;
+        let start = (node[0] * rows + node[1]) * row + node[2];
+        // Beyond the last node lies none, and nothing counts there.
+        let to_next = |axis: usize, step: usize| if node[axis] + 1 < self.size[axis] { step } else { 0 };
+        let (right, across, up) = (to_next(0, rows * row), to_next(1, row), to_next(2, 1));
+        let depth = |start: usize| {
+            let (here, next) = (f64::from(self.depths[start]), f64::from(self.depths[start + up]));
+            here + share.z * (next - here)
         };
-        let [near, far] = [0, 2].map(|row| depth(row) + share.x * (depth(row + 1) - depth(row)));
-        near + share.y * (far - near)
+        let between = |start: usize| {
+            let near = depth(start);
+            near + share.y * (depth(start + across) - near)
+        };
+        let near = between(start);
+        near + share.x * (between(start + right) - near)
     }
 }

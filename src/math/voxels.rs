@@ -8,29 +8,31 @@ use std::fmt;
 /// Voxels along an edge of a brick, as a power of two.
 const LOG_EDGE: i32 = 3;
 pub(super) const EDGE: i32 = 1 << LOG_EDGE;
-/// Voxels of a brick, z fastest: steps along x and y.
+/// Voxels of a brick, z fastest.
 pub const BRICK: usize = 512;
-const STEP_X: usize = 64;
-const STEP_Y: usize = 8;
 /// Places in the table at most: 64 MB.
 const MOST_PLACES: u64 = 1 << 24;
 const NOTHING: u32 = u32::MAX;
 
 /// A grid of numbers, none of them negative.
 pub struct Voxels {
-    /// The first voxel of the first brick, and bricks along each axis.
+    /// The first voxel of the first brick that cells begin in, and such bricks along each axis.
     first: IVec3,
     bricks: IVec3,
-    /// By place of a brick, z fastest: its number among those that hold something.
+    /// By place of a brick, z fastest: its number among those in which a cell begins that holds something.
     table: Vec<u32>,
-    /// By the same: whether any cell that begins in the brick holds something.
-    holds: Vec<bool>,
+    /// By that number.
+    neighbours: Vec<Neighbours>,
     values: Vec<f32>,
     /// Corners of what is not nothing, in whole places.
     low: IVec3,
     high: IVec3,
     most: f32,
 }
+
+/// Where values of a brick begin and those of the seven next to it that its cells have corners in: ahead
+/// along x by bit 0 of the index, y by bit 1, z by bit 2.
+pub(super) type Neighbours = [u32; 8];
 
 /// By where it lies: its numbers never change.
 impl fmt::Debug for Voxels {
@@ -107,7 +109,8 @@ impl VoxelsBuilder {
             .filter(|(_, number)| is_full(number))
             .map(|(&at, &number)| (at, number))
             .collect();
-        let low = full.keys().copied().reduce(IVec3::min).ok_or(VoxelsError::Empty)?;
+        // A cell has corners in the brick that it begins in and in those ahead.
+        let low = full.keys().copied().reduce(IVec3::min).ok_or(VoxelsError::Empty)? - 1;
         let high = full.keys().copied().reduce(IVec3::max).ok_or(VoxelsError::Empty)?;
         let bricks = high - low + 1;
         let places = bricks.to_array().into_iter().map(|count| count as u64).product::<u64>();
@@ -118,35 +121,41 @@ impl VoxelsBuilder {
             first: low << LOG_EDGE,
             bricks,
             table: vec![NOTHING; places as usize],
-            holds: vec![false; places as usize],
+            neighbours: Vec::new(),
             most: self.values.iter().copied().fold(0.0, f32::max),
             values: self.values,
             low: IVec3::MAX,
             high: IVec3::MIN,
         };
+        let nothing = voxels.values.len() as u32;
+        voxels.values.resize(voxels.values.len() + BRICK, 0.0);
         for (&at, &number) in &full {
-            let place = voxels.place(at - low).expect("it is within");
-            voxels.table[place] = number;
-            voxels.bound(at << LOG_EDGE, number);
-        }
-        // A cell has corners in the brick that it begins in and in those behind it.
-        for &at in full.keys() {
+            let start = number * BRICK as u32;
+            voxels.bound(at << LOG_EDGE, start);
             for corner in 0..8 {
-                let before = at - low - IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
-                if let Some(place) = voxels.place(before) {
-                    voxels.holds[place] = true;
+                let before = at - low - offset(corner);
+                let place = voxels.place(before).expect("it is within");
+                if voxels.table[place] == NOTHING {
+                    voxels.table[place] = voxels.neighbours.len() as u32;
+                    voxels.neighbours.push([nothing; 8]);
                 }
+                voxels.neighbours[voxels.table[place] as usize][corner] = start;
             }
         }
         Ok(voxels)
     }
 }
 
+/// To a corner of a cell from its first, or to a brick's neighbour.
+fn offset(corner: usize) -> IVec3 {
+    IVec3::new(corner as i32 & 1, corner as i32 >> 1 & 1, corner as i32 >> 2)
+}
+
 impl Voxels {
-    fn bound(&mut self, first: IVec3, number: u32) {
-        let values = &self.values[number as usize * BRICK..][..BRICK];
+    fn bound(&mut self, first: IVec3, start: u32) {
+        let values = &self.values[start as usize..][..BRICK];
         for place in (0..BRICK).filter(|place| values[*place] > 0.0) {
-            let along = [place / STEP_X, place / STEP_Y % STEP_Y, place % STEP_Y].map(|index| index as i32);
+            let along = [place / 64, place / 8 % 8, place % 8].map(|index| index as i32);
             let voxel = first + IVec3::from(along);
             (self.low, self.high) = (self.low.min(voxel), self.high.max(voxel));
         }
@@ -168,15 +177,11 @@ impl Voxels {
         is_in.then(|| ((brick.x * self.bricks.y + brick.y) * self.bricks.z + brick.z) as usize)
     }
 
-    fn number(&self, brick: IVec3) -> u32 {
-        self.place(brick).map_or(NOTHING, |place| self.table[place])
-    }
-
-    /// Whether the cells that begin in the brick of one of them hold anything.
-    pub(super) fn brick_of_cell_holds(&self, cell: IVec3) -> bool {
-        let brick = (cell - self.first) >> LOG_EDGE;
-        // Before the first brick cells end in it.
-        brick.cmplt(IVec3::ZERO).any() || self.place(brick).is_some_and(|place| self.holds[place])
+    /// The brick in which a cell begins; `None` if its cells hold nothing.
+    #[inline]
+    pub(super) fn brick_of(&self, cell: IVec3) -> Option<&Neighbours> {
+        let number = self.table[self.place((cell - self.first) >> LOG_EDGE)?];
+        (number != NOTHING).then(|| &self.neighbours[number as usize])
     }
 
     /// Corners of the block of cells that begin in the brick of one of them.
@@ -185,32 +190,59 @@ impl Voxels {
         (low, low + EDGE)
     }
 
-    fn value(&self, voxel: IVec3) -> f32 {
-        let from_first = voxel - self.first;
-        match self.number(from_first >> LOG_EDGE) {
-            NOTHING => 0.0,
-            number => self.values[number as usize * BRICK + within(from_first)],
+    /// Whether a cell that was reached by a step along an axis begins in the same brick as the one before.
+    pub(super) fn is_in_the_brick_before(&self, cell: IVec3, axis: usize, step: i32) -> bool {
+        let local = (cell[axis] - self.first[axis]) & (EDGE - 1);
+        local != if step > 0 { 0 } else { EDGE - 1 }
+    }
+
+    /// At the corners of a cell that begins in a brick: x fastest.
+    #[inline]
+    pub(super) fn corners(&self, brick: &Neighbours, cell: IVec3) -> [f32; 8] {
+        let [x, y, z] = self.steps(cell);
+        std::array::from_fn(|corner| self.value(brick, x[corner & 1], y[corner >> 1 & 1], z[corner >> 2]))
+    }
+
+    /// Makes of the corners of a cell those of the next along an axis, in the same brick: half of them stay.
+    #[inline]
+    pub(super) fn step_corners(
+        &self,
+        brick: &Neighbours,
+        corners: &mut [f32; 8],
+        cell: IVec3,
+        (axis, is_ahead): (usize, bool),
+    ) {
+        let mut steps = self.steps(cell);
+        if is_ahead {
+            // Both of them lie on the new side.
+            steps[axis][0] = steps[axis][1];
+        }
+        let [x, y, z] = steps;
+        /// Those of the side with the lower coordinate.
+        const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
+        for near in LOW[axis] {
+            let far = near | 1 << axis;
+            let new = self.value(brick, x[near & 1], y[near >> 1 & 1], z[near >> 2]);
+            (corners[near], corners[far]) = if is_ahead { (corners[far], new) } else { (new, corners[near]) };
         }
     }
 
-    /// At the corners of a cell: x fastest.
-    pub(super) fn corners(&self, cell: IVec3) -> [f32; 8] {
-        let from_first = cell - self.first;
-        let local = from_first & (EDGE - 1);
-        if local.max_element() < EDGE - 1 {
-            let number = self.number(from_first >> LOG_EDGE);
-            if number == NOTHING {
-                return [0.0; 8];
-            }
-            let start = number as usize * BRICK + within(from_first);
-            return std::array::from_fn(|corner| {
-                self.values[start + (corner & 1) * STEP_X + (corner >> 1 & 1) * STEP_Y + (corner >> 2)]
-            });
-        }
-        std::array::from_fn(|corner| {
-            let corner = corner as i32;
-            self.value(cell + IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2))
-        })
+    /// For a cell's corners along each axis: the bit of the neighbour that they are in, and steps within it.
+    #[inline]
+    fn steps(&self, cell: IVec3) -> [[(usize, usize); 2]; 3] {
+        const STEPS: [usize; 3] = [64, 8, 1];
+        let local = (cell - self.first) & (EDGE - 1);
+        let along = |axis: usize, ahead: i32| {
+            let local = (local.to_array()[axis] + ahead) as usize;
+            ((local >> LOG_EDGE) << axis, (local & (EDGE as usize - 1)) * STEPS[axis])
+        };
+        [0, 1, 2].map(|axis| [along(axis, 0), along(axis, 1)])
+    }
+
+    #[inline]
+    fn value(&self, brick: &Neighbours, x: (usize, usize), y: (usize, usize), z: (usize, usize)) -> f32 {
+        let start = brick[(x.0 | y.0 | z.0) & 7];
+        self.values[start as usize + x.1 + y.1 + z.1]
     }
 
     /// At a place.
@@ -220,18 +252,13 @@ impl Voxels {
             return 0.0;
         }
         let cell = place.floor().as_ivec3();
-        trilinear(&self.corners(cell), place - cell.as_dvec3())
+        let values = |brick| trilinear(&self.corners(brick, cell), place - cell.as_dvec3());
+        self.brick_of(cell).map_or(0.0, values)
     }
 }
 
-/// Of a voxel's values in its brick.
-fn within(from_first: IVec3) -> usize {
-    let local = from_first & (EDGE - 1);
-    local.x as usize * STEP_X + local.y as usize * STEP_Y + local.z as usize
-}
-
 /// Between a cell's corners; `share` of the way along each axis.
-pub(super) fn trilinear(corners: &[f32; 8], share: DVec3) -> f64 {
+fn trilinear(corners: &[f32; 8], share: DVec3) -> f64 {
     let along = |from: f32, to: f32| f64::from(from) + share.x * (f64::from(to) - f64::from(from));
     let [a, b] = [0, 4].map(|z| {
         let (low, high) = (along(corners[z], corners[z + 1]), along(corners[z + 2], corners[z + 3]));

@@ -60,9 +60,10 @@ pub(super) fn scattered(path: &mut Path, bounces: Bounces, point: &SurfacePoint)
 /// Radiance of light that was scattered before that fog scatters into a camera ray on its way, W m^-2 sr^-1.
 pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &Way) -> Rgb {
     let medium = &path.snapshot.medium;
-    let Some(losses) = medium.losses(ray, way.distance, Rgb::ONE) else { return Rgb::ZERO };
+    let along = medium.along(ray, way.distance);
+    let Some(losses) = along.losses(Rgb::ONE) else { return Rgb::ZERO };
     let u = path.sampler.next_2d();
-    let Some(loss) = medium.pick_loss(ray, Rgb::ONE, &losses, u.into()) else { return Rgb::ZERO };
+    let Some(loss) = along.pick_loss(Rgb::ONE, &losses, u.into()) else { return Rgb::ZERO };
     let seen_through = way.blended.iter().filter(|hit| hit.t < loss.t);
     let throughput =
         seen_through.fold(loss.through_per_density, |product, hit| product * hit.point.see_through);
@@ -138,14 +139,15 @@ impl Leg {
     /// scattered with certainty there, per metre.
     fn lost_in_fog(&mut self, path: &mut Path, distance: f64) -> Option<DVec3> {
         let medium = &path.snapshot.medium;
-        let losses = medium.losses(&self.ray, distance, self.throughput)?;
+        let along = medium.along(&self.ray, distance);
+        let losses = along.losses(self.throughput)?;
         let (u, v) = path.sampler.next_2d();
         if u >= losses.chance {
             let through = medium.transmittance(self.ray.origin, self.ray.direction, distance);
             self.throughput *= through / (1.0 - losses.chance);
             return None;
         }
-        let loss = medium.pick_loss(&self.ray, self.throughput, &losses, [u / losses.chance, v])?;
+        let loss = along.pick_loss(self.throughput, &losses, [u / losses.chance, v])?;
         self.throughput *= loss.through_per_density / losses.chance;
         Some(self.ray.at(loss.t))
     }

@@ -6,7 +6,7 @@ use super::path::{Path, VolumeMethod};
 use super::visibility::Way;
 use super::{equiangular, march};
 use crate::color::Rgb;
-use crate::fog::LitSegments;
+use crate::fog::{LitSegments, Passage};
 use crate::math::Ray;
 use crate::snapshot::FrozenLight;
 
@@ -19,7 +19,7 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
             VolumeMethod::Segments | VolumeMethod::Paths(_) => {
                 let snapshot = path.snapshot;
                 let shadows = |lit: &mut LitSegments| shade(lit, snapshot, ray, light, way);
-                by_segments(path, ray, way.distance, light, shadows)
+                by_segments(path, ray, way.distance, light, shadows).scattered
             }
             VolumeMethod::March(steps) => march::in_scattered(path, steps, ray, way, light),
             VolumeMethod::Equiangular { points } => equiangular::in_scattered(path, points, ray, way, light),
@@ -34,10 +34,10 @@ pub(super) fn by_segments(
     distance: f64,
     light: &FrozenLight,
     shadows: impl FnOnce(&mut LitSegments),
-) -> Rgb {
+) -> Passage {
     let (medium, lit) = (&path.snapshot.medium, &mut path.scratch.lit);
-    let Some(range) = medium.range(ray, distance) else { return Rgb::ZERO };
+    let Some(range) = medium.range(ray, distance) else { return Passage::NOTHING };
     lit.start(ray, light, range);
     shadows(lit);
-    medium.scattered(ray, distance, lit, light)
+    medium.passage(ray, distance, lit, light)
 }

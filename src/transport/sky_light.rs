@@ -10,7 +10,7 @@ use super::lobes::{Lobes, about};
 use super::path::Path;
 use super::visibility::Way;
 use crate::color::Rgb;
-use crate::fog::{Medium, exp_minus, pick_henyey_greenstein, picked_henyey_greenstein};
+use crate::fog::{FoggyRay, exp_minus, pick_henyey_greenstein, picked_henyey_greenstein};
 use crate::math::Ray;
 use crate::snapshot::{FrozenSky, Snapshot, SurfacePoint};
 use glam::{DVec2, DVec3};
@@ -62,14 +62,15 @@ pub(super) fn on_the_way(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
     let Some(range) = medium.range(ray, way.distance) else { return Rgb::ZERO };
     let [along, u, v] = path.sampler.next_3d();
-    let Some((t, density_per_m)) = place_by_depth(medium, ray, range, along) else { return Rgb::ZERO };
+    let fog = medium.along(ray, range.1);
+    let Some((t, density_per_m)) = place_by_depth(&fog, range, along) else { return Rgb::ZERO };
     let point = ray.at(t);
     let Some(found) = FromSky::pick(snapshot, sky, point, ray.direction, DVec2::new(u, v)) else {
         return Rgb::ZERO;
     };
     let seen_through = way.blended.iter().filter(|hit| hit.t < t);
     let visible = seen_through.fold(found.visible, |product, hit| product * hit.point.see_through);
-    let tau = found.depth + medium.optical_depth(ray.origin, ray.direction, t);
+    let tau = found.depth + fog.optical_depth(t);
     found.scattered * exp_minus(tau) * visible / (found.density * density_per_m)
 }
 
@@ -143,16 +144,15 @@ fn picked(
 
 /// The place within `range` before which a share of the light lost on it is lost, and its density per metre:
 /// as often as the eye's own light would be scattered there. `None` where nothing is lost.
-fn place_by_depth(medium: &Medium, ray: &Ray, range: (f64, f64), u: f64) -> Option<(f64, f64)> {
+fn place_by_depth(fog: &FoggyRay, range: (f64, f64), u: f64) -> Option<(f64, f64)> {
     let mean = |depth: Rgb| depth.element_sum() / 3.0;
-    let depth_to = |t: f64| mean(medium.optical_depth(ray.origin, ray.direction, t));
-    let extinction = |t: f64| mean(medium.extinction_at(ray.at(t)));
+    let depth_to = |t: f64| mean(fog.optical_depth(t));
     let all = depth_to(range.1);
     let lost = -(-all).exp_m1();
     if lost <= 0.0 {
         return None;
     }
-    let t = medium.place_at_depth(ray, range, -(-u * lost).ln_1p(), mean);
-    let density_per_m = extinction(t) * (-depth_to(t)).exp() / lost;
+    let t = fog.place_at_depth(range, -(-u * lost).ln_1p(), mean);
+    let density_per_m = mean(fog.extinction(t)) * (-depth_to(t)).exp() / lost;
     (density_per_m > 0.0).then_some((t, density_per_m))
 }

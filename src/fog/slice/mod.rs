@@ -1,6 +1,6 @@
 //! Fog in a half plane, under a distant light. In go the half plane and its shadows as they grow. Out comes,
 //! for any ray in it, what fog does on the way. Invariant: what does not depend on the ray is found once a
-//! slice. Where there is no answer the ray is left to [`Medium::scattered`].
+//! slice. Where there is no answer the ray is left to [`Medium::passage`].
 //!
 //! The light's way through a bank leads from one border of its section (`section.rs`) to another. Between
 //! breaks that are known beforehand the two stay the same. So all ways are smooth on every stretch of a ray
@@ -17,7 +17,7 @@ mod thinning_fog;
 
 use super::beer_lambert::exp_minus;
 use super::falloff::ENDLESS_M;
-use super::{FogBank, Medium};
+use super::{FogBank, Medium, Passage};
 use crate::accel::{Cut, HalfPlane};
 use crate::color::Rgb;
 use crate::light::FrozenLight;
@@ -46,15 +46,6 @@ pub struct FogSlice {
     thinning: Vec<ThinningFog>,
     /// What of the light the scene lets through.
     cells: LitCells,
-}
-
-/// What fog does along one ray.
-#[derive(Clone, Copy, Debug)]
-pub struct Passage {
-    /// Of what lies behind.
-    pub transmittance: Rgb,
-    /// Radiance scattered on the way, W m^-2 sr^-1.
-    pub scattered: Rgb,
 }
 
 /// Cells for each optical depth of the way through all fog, to the eye and to the light: where they

@@ -71,9 +71,7 @@ impl SliceRay<'_> {
                         lit.shadows_mut().insert(distance_of(*start), distance_of(*end));
                     }
                 };
-                let scattered = by_segments(&mut path, ray, distance, light, shade);
-                let transmittance = snapshot.medium.transmittance(ray.origin, ray.direction, distance);
-                Passage { transmittance, scattered }
+                by_segments(&mut path, ray, distance, light, shade)
             });
         let is_hole = self.meeting.is_some_and(|(meeting, _)| snapshot.is_holdout(meeting.primitive));
         let shows = |(meeting, facet): &(Meeting, &Facet)| {

@@ -1,0 +1,57 @@
+//! A ray and all fog on it. In go a medium and a ray, out come optical depths. Invariant: voxels are walked
+//! through once.
+
+use super::voxel_cells::VoxelCells;
+use super::{FogBank, Medium};
+use crate::color::Rgb;
+use crate::math::Ray;
+
+/// A ray up to where it ends.
+pub struct FoggyRay<'a> {
+    pub(super) medium: &'a Medium,
+    pub(super) ray: &'a Ray,
+    pub(super) t_max: f64,
+    /// By banks; none of those without voxels, and nothing where none has some.
+    cells: Vec<Option<VoxelCells>>,
+}
+
+impl Medium {
+    /// Its fog along a ray up to where that ends.
+    pub fn along<'a>(&'a self, ray: &'a Ray, t_max: f64) -> FoggyRay<'a> {
+        let cells_of = |fog: &FogBank| {
+            let voxels = fog.voxels()?;
+            let span = fog.visible_span(ray, t_max);
+            Some(span.map_or_else(VoxelCells::default, |span| VoxelCells::new(voxels, ray, span)))
+        };
+        let has_voxels = self.banks().iter().any(|fog| fog.voxels().is_some());
+        let cells = if has_voxels { self.banks().iter().map(cells_of).collect() } else { Vec::new() };
+        FoggyRay { medium: self, ray, t_max, cells }
+    }
+}
+
+impl FoggyRay<'_> {
+    /// Of a bank by its number.
+    pub(super) fn cells(&self, bank: usize) -> Option<&VoxelCells> {
+        self.cells.get(bank)?.as_ref()
+    }
+
+    /// Optical depth from its origin on.
+    pub fn optical_depth(&self, t: f64) -> Rgb {
+        let Ray { origin, direction } = *self.ray;
+        let metres = |(number, fog): (usize, &FogBank)| {
+            let metres = self.cells(number).map(|cells| cells.metres(t));
+            fog.sigma_t * metres.unwrap_or_else(|| fog.length(origin, direction, t))
+        };
+        self.medium.banks().iter().enumerate().map(metres).sum()
+    }
+
+    /// Extinction at a place on it, 1/m.
+    pub fn extinction(&self, t: f64) -> Rgb {
+        let point = self.ray.at(t);
+        let density = |(number, fog): (usize, &FogBank)| {
+            let density = self.cells(number).map(|cells| cells.density(t));
+            fog.sigma_t * density.unwrap_or_else(|| fog.density(point))
+        };
+        self.medium.banks().iter().enumerate().map(density).sum()
+    }
+}

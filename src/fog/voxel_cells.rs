@@ -1,0 +1,82 @@
+//! Voxels along a ray. In go the cells that it passes through, out come metres and densities. Invariant: each
+//! cell is looked at once, and metres are exact.
+
+use super::voxel_fog::VoxelFog;
+use crate::math::{Cubic, Ray};
+
+/// Cells that hold something, in order; densities are shares of the densest.
+#[derive(Clone, Debug, Default)]
+pub(super) struct VoxelCells(Vec<Cell>);
+
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    start: f64,
+    end: f64,
+    /// From `start` on.
+    density: Cubic,
+    /// Of all cells before, as dense as the densest.
+    metres_before: f64,
+}
+
+impl Cell {
+    fn metres(&self, t: f64) -> f64 {
+        self.metres_before + self.density.integral(t - self.start)
+    }
+}
+
+impl VoxelCells {
+    pub(super) fn new(voxels: &VoxelFog, ray: &Ray, span: (f64, f64)) -> Self {
+        let (mut cells, mut metres_before) = (Vec::new(), 0.0);
+        voxels.for_each_cell(ray, span, |(start, end), density| {
+            let cell = Cell { start, end, density, metres_before };
+            metres_before = cell.metres(end);
+            cells.push(cell);
+        });
+        Self(cells)
+    }
+
+    /// Metres before a place on the ray, as dense as the densest.
+    pub(super) fn metres(&self, t: f64) -> f64 {
+        self.at(self.cursor(t), t).0
+    }
+
+    /// The density there.
+    pub(super) fn density(&self, t: f64) -> f64 {
+        self.at(self.cursor(t), t).1
+    }
+
+    /// Where cells begin and end.
+    pub(super) fn for_each_border(&self, mut border: impl FnMut(f64)) {
+        for cell in &self.0 {
+            border(cell.start);
+            border(cell.end);
+        }
+    }
+
+    /// Number of the first cell that ends beyond a place.
+    pub(super) fn cursor(&self, t: f64) -> usize {
+        self.0.partition_point(|cell| cell.end <= t)
+    }
+
+    /// Where the cell or gap that begins or goes on at a place ends, and whether it is a cell; `cursor` comes
+    /// along.
+    pub(super) fn next_border(&self, cursor: &mut usize, t: f64) -> (f64, bool) {
+        while self.0.get(*cursor).is_some_and(|cell| cell.end <= t) {
+            *cursor += 1;
+        }
+        match self.0.get(*cursor) {
+            Some(cell) if cell.start <= t => (cell.end, true),
+            Some(cell) => (cell.start, false),
+            None => (f64::INFINITY, false),
+        }
+    }
+
+    /// Metres before a place, and the density there, both as of the densest.
+    pub(super) fn at(&self, cursor: usize, t: f64) -> (f64, f64) {
+        match self.0.get(cursor) {
+            Some(cell) if cell.start <= t => (cell.metres(t), cell.density.at(t - cell.start)),
+            Some(cell) => (cell.metres_before, 0.0),
+            None => (self.0.last().map_or(0.0, |cell| cell.metres(cell.end)), 0.0),
+        }
+    }
+}

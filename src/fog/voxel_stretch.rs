@@ -1,0 +1,119 @@
+//! A stretch of a ray through voxels under a sun. In go cells and the depths towards the sun, out comes the
+//! light scattered on what is lit. Invariant: optical depths to the eye are exact; a rule of Gauss takes the
+//! product with what gets through, in every cell by itself.
+
+use super::FogBank;
+use super::beer_lambert::exp_minus;
+use super::phase::henyey_greenstein;
+use super::stretch::Stretch;
+use super::voxel_cells::VoxelCells;
+use super::voxel_fog::MetresToSun;
+use crate::color::Rgb;
+use crate::math::{Ray, gauss_legendre};
+use glam::DVec3;
+
+/// It, and what does not change on it.
+pub(super) struct VoxelStretch<'a> {
+    stretch: &'a Stretch<'a>,
+    cos: f64,
+    /// Of voxels that the ray passes through.
+    inside: Vec<Bank<'a>>,
+    /// Of voxels on the way to the sun.
+    to_sun: Vec<ToSun<'a>>,
+    /// All other banks, by a mask, and whether they scatter here.
+    others: u64,
+    others_scatter: bool,
+    /// How far the depth to the sun is a cubic, about, where no cell says it, metres.
+    longest_m: f64,
+}
+
+/// Voxels between the ray and a sun.
+struct ToSun<'a> {
+    fog: &'a FogBank,
+    /// `None` for a direction that they have no lattice for.
+    lattice: Option<MetresToSun>,
+}
+
+/// A bank of voxels along the stretch.
+struct Bank<'a> {
+    cells: &'a VoxelCells,
+    sigma_t: Rgb,
+    /// What it scatters towards the eye where it is densest, 1/(m sr).
+    scattering: Rgb,
+    metres_at_start: f64,
+}
+
+impl<'a> VoxelStretch<'a> {
+    /// `None` where no voxels change what is scattered.
+    pub(super) fn new(stretch: &'a Stretch, to_light: DVec3) -> Option<Self> {
+        let Stretch { medium, ray, start, .. } = *stretch;
+        let cos = to_light.dot(ray.direction);
+        let (mut inside, mut to_sun, mut others) = (Vec::new(), Vec::new(), 0);
+        let mut longest_m = f64::INFINITY;
+        let way = Ray { origin: ray.at(stretch.middle()), direction: to_light };
+        for (number, fog) in medium.banks().iter().enumerate() {
+            let Some(voxels) = fog.voxels() else {
+                others |= 1 << number;
+                continue;
+            };
+            if let Some(cells) = stretch.along.cells(number).filter(|_| stretch.is_inside(number)) {
+                let scattering = fog.sigma_s * henyey_greenstein(cos, fog.g);
+                let metres_at_start = cells.metres(start);
+                inside.push(Bank { cells, sigma_t: fog.sigma_t, scattering, metres_at_start });
+            }
+            if fog.lies_on(&way) {
+                to_sun.push(ToSun { fog, lattice: voxels.towards_sun(ray, to_light) });
+                longest_m = voxels.voxel_m(ray).min(longest_m);
+            }
+        }
+        let others_scatter = stretch.is_inside_of(others);
+        let changes = !inside.is_empty() || !to_sun.is_empty();
+        changes.then_some(Self { stretch, cos, inside, to_sun, others, others_scatter, longest_m })
+    }
+
+    /// Over a lit part, 1/sr.
+    pub(super) fn integral(&self, start: f64, end: f64) -> Rgb {
+        let mut sum = Rgb::ZERO;
+        let mut cursors: Vec<usize> = self.inside.iter().map(|bank| bank.cells.cursor(start)).collect();
+        let mut from = start;
+        while from < end {
+            let (mut to, mut is_in_a_cell) = (end, false);
+            for (bank, cursor) in self.inside.iter().zip(&mut cursors) {
+                let (border, is_cell) = bank.cells.next_border(cursor, from);
+                to = border.min(to);
+                is_in_a_cell |= is_cell;
+            }
+            if self.others_scatter {
+                to = to.min((from + self.longest_m).max(from.next_up()));
+            }
+            if is_in_a_cell || self.others_scatter {
+                sum += self.within_cells(from, to, &cursors);
+            }
+            from = to;
+        }
+        sum
+    }
+
+    /// Between two places that no border of a cell lies between.
+    fn within_cells(&self, start: f64, end: f64, cursors: &[usize]) -> Rgb {
+        let half = 0.5 * (end - start);
+        // Two nodes have a cubic exactly, and little depth hardly bends it.
+        let nodes = if self.stretch.medium.most_extinction_per_m() * half < 0.05 { 2 } else { 3 };
+        let mut sum = Rgb::ZERO;
+        for (node, weight) in gauss_legendre(nodes) {
+            let t = start + half * (1.0 + node);
+            let (mut tau, mut scattering) = self.stretch.of_banks(self.others, t, self.cos);
+            for (bank, cursor) in self.inside.iter().zip(cursors) {
+                let (metres, density) = bank.cells.at(*cursor, t);
+                tau += bank.sigma_t * (metres - bank.metres_at_start);
+                scattering += bank.scattering * density;
+            }
+            for ToSun { fog, lattice } in &self.to_sun {
+                let exact = || fog.metres_to(self.stretch.ray.at(t), self.stretch.light);
+                tau += fog.sigma_t * lattice.as_ref().map_or_else(exact, |lattice| lattice.at(t));
+            }
+            sum += *weight * scattering * exp_minus(tau);
+        }
+        half * sum
+    }
+}
