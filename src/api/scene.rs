@@ -133,14 +133,16 @@ impl Scene {
         path: impl AsRef<Path>,
         frames: RangeInclusive<i64>,
     ) -> Result<Vec<Diagnostic>, RenderError> {
-        let exported = self.export(frames).map_err(|error| RenderError::Export(Box::new(error)))?;
-        frame_file::write_whole(path.as_ref(), &[&exported.head, &exported.binary])?;
+        let path = path.as_ref();
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let exported = self.export(frames, folder).map_err(|error| RenderError::Export(Box::new(error)))?;
+        frame_file::write_whole(path, &[&exported.head, &exported.binary])?;
         Ok(exported.remarks.told().cloned().collect())
     }
 
-    /// It as a glTF file with its motion over some frames.
-    pub(crate) fn export(&self, frames: RangeInclusive<i64>) -> Result<Exported, Diagnostic> {
-        export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() })
+    /// It as a glTF file for a folder, with its motion over some frames.
+    pub(crate) fn export(&self, frames: RangeInclusive<i64>, folder: &Path) -> Result<Exported, Diagnostic> {
+        export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() }, folder)
     }
 
     /// SHA-256 over all input files, in hexadecimal digits.

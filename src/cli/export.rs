@@ -10,6 +10,7 @@ use crate::description;
 use crate::diagnostic::{Diagnostics, shown};
 use crate::sequence::FrameList;
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let output = &arguments.output;
@@ -22,17 +23,20 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let scene = loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
     let frames = frames(arguments.frames.as_deref(), &scene)?;
     let (first, last) = (*frames.start(), *frames.end());
-    let exported = scene.export(frames).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;
+    let folder = output.parent().unwrap_or(Path::new(""));
+    let exported = scene.export(frames, folder).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;
     let remarks = Diagnostics([scene.resolved().remarks.0.clone(), exported.remarks.0].concat());
     arguments.scene.check(&remarks)?;
     remarks.told().for_each(|remark| tell(&remark.to_string()));
     save(output, &[&exported.head, &exported.binary])?;
+    let files: Vec<String> = exported.files.iter().map(|uri| format!(", beside `{uri}`")).collect();
     answer(&format!(
-        "{}: {:.1} MB, {} nodes, {} moving values over frames {first} to {last}",
+        "{}: {:.1} MB, {} nodes, {} moving values over frames {first} to {last}{}",
         shown(output),
         (exported.head.len() + exported.binary.len()) as f64 / 1e6,
         scene.nodes().count(),
-        exported.channels
+        exported.channels,
+        files.concat()
     ))
 }
 

@@ -138,7 +138,6 @@ losses! {
     ExportChange "export-change" "a change of a material is not carried by glTF"
     ExportMaterial "export-material" "what a material shows is not carried by glTF"
     ExportShape "export-shape" "what bends is carried to a tolerance"
-    ExportVoxels "export-voxels" "fog that takes its density from voxels is not carried by glTF"
 }
 
 impl fmt::Display for Loss {

@@ -2,6 +2,7 @@
 //! cannot say goes into the custom properties that `scene/from_gltf` reads. Invariant: reading the file back
 //! gives the same pictures, or [`Exported::remarks`] says what differs.
 
+mod beside;
 mod binary;
 mod controls;
 mod deformations;
@@ -20,6 +21,7 @@ use crate::scene::{RenderSettings, Scene};
 use binary::Binary;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 /// The parts of a `.glb` file, to be written one after another.
 #[derive(Debug)]
@@ -30,6 +32,8 @@ pub struct Exported {
     pub binary: Vec<u8>,
     /// How many keyed values there are.
     pub channels: usize,
+    /// What files it names instead of holding them.
+    pub files: BTreeSet<String>,
     /// What the file cannot carry.
     pub remarks: Diagnostics,
 }
@@ -37,6 +41,8 @@ pub struct Exported {
 /// A file under construction.
 struct Writer<'a> {
     scene: &'a Scene,
+    /// Where the file is to lie.
+    folder: &'a Path,
     /// When motion is sampled that has no keys of its own, seconds, increasing, none negative.
     moments: keys::Moments,
     binary: Binary,
@@ -51,6 +57,7 @@ struct Writer<'a> {
     skins: Vec<Value>,
     skin_numbers: BTreeMap<deformations::JointKey, usize>,
     extensions: BTreeSet<&'static str>,
+    files: BTreeSet<String>,
     remarks: Diagnostics,
 }
 
@@ -59,13 +66,14 @@ const GENERATOR: &str = concat!("sunfleck ", env!("CARGO_PKG_VERSION"));
 /// glTF counts bytes of the binary part in 32 bits.
 const MOST_BYTES: usize = u32::MAX as usize;
 
-/// Writes a scene as glTF, motion over the settings' frames.
+/// Writes a scene as glTF for a folder, motion over the settings' frames.
 ///
 /// # Errors
 /// If the file would be larger than glTF can count.
-pub fn glb(scene: &Scene, settings: &RenderSettings) -> Result<Exported, Diagnostic> {
+pub fn glb(scene: &Scene, settings: &RenderSettings, folder: &Path) -> Result<Exported, Diagnostic> {
     let mut writer = Writer {
         scene,
+        folder,
         moments: keys::Moments::new(settings),
         binary: Binary::default(),
         nodes: Vec::new(),
@@ -78,6 +86,7 @@ pub fn glb(scene: &Scene, settings: &RenderSettings) -> Result<Exported, Diagnos
         skins: Vec::new(),
         skin_numbers: BTreeMap::new(),
         extensions: BTreeSet::new(),
+        files: BTreeSet::new(),
         remarks: Diagnostics::default(),
     };
     writer.warn_of_negative_frames(settings);
@@ -162,7 +171,7 @@ impl Writer<'_> {
         }
         let json = Value::Object(document).to_string().into_bytes();
         let head = head(json, bytes.len())?;
-        Ok(Exported { head, binary: bytes, channels, remarks: self.remarks })
+        Ok(Exported { head, binary: bytes, channels, files: self.files, remarks: self.remarks })
     }
 }
 

@@ -1,7 +1,7 @@
 //! What glTF has no word for: fog, background, and how the scene is to be rendered. Invariant: the
 //! names are those that `scene/from_gltf/extras.rs` reads.
 
-use super::Writer;
+use super::{Writer, beside};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Bounces, Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture, Texture};
@@ -16,12 +16,6 @@ impl Writer<'_> {
     /// Adds every bank of fog, at its node.
     pub(super) fn add_fogs(&mut self) {
         for fog in &self.scene.fogs {
-            if matches!(fog.shape, FogShape::Voxels(_)) {
-                let found =
-                    format!("fog `{}` is as dense as voxels are, which glTF does not carry", fog.name);
-                self.lost(Loss::ExportVoxels, found);
-                continue;
-            }
             let written = self.fog(fog);
             let is_taken = |node: &Map<String, Value>| {
                 node.get("extras").is_some_and(|extras| extras.get("sunfleck_fog_volume").is_some())
@@ -42,11 +36,20 @@ impl Writer<'_> {
             self.carry_number(format!("{owner}.scale_height"), &falloff.scale_height_m);
         }
         let mut written = json!({
-            "shape": if matches!(fog.shape, FogShape::Layer(_)) { "layer" } else { "box" },
             "density": channels(fog.density_per_m.at(time_s)),
             "albedo": channels(fog.albedo.at(time_s)),
             "anisotropy": fog.anisotropy.at(time_s),
         });
+        match &fog.shape {
+            FogShape::EvenBox | FogShape::ThinningBox(_) => written["shape"] = json!("box"),
+            FogShape::Layer(_) => written["shape"] = json!("layer"),
+            FogShape::Voxels(grids) => {
+                let uri = beside::uri(&grids.path, self.folder);
+                self.files.insert(uri.clone());
+                written["vdb"] = json!(uri);
+                written["grid"] = json!(grids.name);
+            }
+        }
         if let Some(falloff) = falloff {
             written["scale_height"] = json!(falloff.scale_height_m.at(time_s));
             written["base_height"] = json!(falloff.base);

@@ -1,10 +1,8 @@
 //! Banks of fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| <= 0.9999`, scale heights
 //! above 0; fog without bounds thins out with height, or no sunlight would come through it.
 
-use super::{NodeIndex, Track};
+use super::{GridFrames, NodeIndex, Track};
 use crate::color::Rgb;
-use crate::math::SunlitVoxels;
-use std::sync::Arc;
 
 /// More banks of fog than this are refused: sets of them are bit masks in the inner loops.
 pub const MOST_FOGS: usize = 64;
@@ -37,8 +35,8 @@ pub enum FogShape {
     ThinningBox(HeightFalloff),
     /// Everywhere, thinner with height.
     Layer(HeightFalloff),
-    /// As dense as voxels are, whose places are the shape's own space.
-    Voxels(Arc<SunlitVoxels>),
+    /// As dense as the grids of files are, whose own space is the shape's.
+    Voxels(GridFrames),
 }
 
 impl FogShape {

@@ -2,7 +2,7 @@
 //! Invariant: a value that can be keyed is in this list, so whether a scene is still and how long it
 //! moves are told alike.
 
-use super::{Animate, Extend, FogShape, Motion, Node, Rotation, Scene, Track};
+use super::{Animate, Extend, FogShape, GridFrames, Motion, Node, Rotation, Scene, Track};
 
 /// A track of some value.
 pub trait Keyed {
@@ -25,6 +25,21 @@ impl<T: Animate> Keyed for Track<T> {
 
     fn is_endless(&self) -> bool {
         self.extend() == Extend::Cycle
+    }
+}
+
+impl Keyed for GridFrames {
+    fn is_constant(&self) -> bool {
+        self.frames.len() == 1
+    }
+
+    fn span_s(&self) -> Option<(f64, f64)> {
+        let (first, last) = (self.frames.first()?, self.frames.last()?);
+        (self.frames.len() > 1).then_some((first.time_s, last.time_s))
+    }
+
+    fn is_endless(&self) -> bool {
+        false
     }
 }
 
@@ -87,6 +102,9 @@ impl Scene {
             let mut tracks: Vec<&dyn Keyed> = vec![&fog.density_per_m, &fog.albedo, &fog.anisotropy];
             if let Some(falloff) = FogShape::falloff(&fog.shape) {
                 tracks.push(&falloff.scale_height_m);
+            }
+            if let FogShape::Voxels(grids) = &fog.shape {
+                tracks.push(grids);
             }
             tracks
         });

@@ -7,7 +7,7 @@ use super::bent_mesh::BentMesh;
 use super::{Luminaire, MeshTrees};
 use crate::accel::PlacedMesh;
 use crate::fog::{Falloff, FogBank, Medium};
-use crate::scene::{Fog, FogShape, HeightFalloff, Light, Material, NodeIndex, Placement, Scene};
+use crate::scene::{Fog, FogShape, GridFrame, HeightFalloff, Light, Material, NodeIndex, Placement, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -106,13 +106,17 @@ impl<'scene> Moment<'scene> {
                 Some(FogBank::in_box(relative_from_node, sigma_t, albedo, g)?.thinning(frozen(falloff)?))
             }
             FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
-            FogShape::Voxels(grid) => FogBank::of_voxels(
-                relative_from_node,
-                Arc::clone(grid),
-                grid.voxels.most() * sigma_t,
-                albedo,
-                g,
-            ),
+            FogShape::Voxels(grids) => {
+                let GridFrame { shape_from_voxel, voxels, .. } = grids.at(time_s);
+                let sigma_t = voxels.voxels.most() * sigma_t;
+                FogBank::of_voxels(
+                    relative_from_node * *shape_from_voxel,
+                    Arc::clone(voxels),
+                    sigma_t,
+                    albedo,
+                    g,
+                )
+            }
         }
     }
 

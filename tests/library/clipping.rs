@@ -239,7 +239,7 @@ fn planes_are_exported() {
         std::fs::write(&path, ron(lens)).unwrap();
         let description = description::load(&path).map_err(|error| error.to_string()).unwrap();
         let (scene, settings) = scene::resolve(description, None).map_err(|error| error.to_string()).unwrap();
-        let exported = export::glb(&scene, &settings).unwrap();
+        let exported = export::glb(&scene, &settings, Path::new("")).unwrap();
         let path = folder.path().join("scene.glb");
         std::fs::write(&path, [exported.head, exported.binary].concat()).unwrap();
         assert_eq!(load(&path).cameras[0].clip, Clip { start_m: expected.0, end_m: expected.1 }, "{lens}");

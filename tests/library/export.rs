@@ -28,7 +28,7 @@ fn repository(path: &str) -> std::path::PathBuf {
 
 /// The file's bytes; nothing may be lost.
 fn written(scene: &Scene, settings: &RenderSettings) -> Vec<u8> {
-    let exported = export::glb(scene, settings).unwrap();
+    let exported = export::glb(scene, settings, Path::new("")).unwrap();
     assert!(exported.remarks.0.is_empty(), "{}", exported.remarks);
     [exported.head, exported.binary].concat()
 }
@@ -51,7 +51,7 @@ fn through_gltf(scene: &Scene, settings: &RenderSettings) -> (Scene, RenderSetti
     (again, settings)
 }
 
-fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
+pub(crate) fn picture(scene: &Scene, settings: &RenderSettings, frame: i64) -> Frame {
     let job = Job {
         size: settings.size,
         window: Window::whole(settings.size),

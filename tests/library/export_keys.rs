@@ -85,7 +85,7 @@ fn curves(glb: &[u8], frames_per_s: f64) -> BTreeMap<(String, &'static str), Cur
 
 /// Opens the exported scene as Blender does; how many places were compared.
 fn check(scene: &Scene, settings: &RenderSettings) -> usize {
-    let exported = export::glb(scene, settings).unwrap();
+    let exported = export::glb(scene, settings, Path::new("")).unwrap();
     let rate = f64::from(settings.frame_rate.numerator) / f64::from(settings.frame_rate.denominator);
     let curves = curves(&[exported.head, exported.binary].concat(), rate);
     let mut compared = 0;

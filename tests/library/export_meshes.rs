@@ -1,6 +1,7 @@
 //! Meshes written as glTF and read back.
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
+use std::path::Path;
 use sunfleck::scene::{
     self, Instance, Material, Mesh, Motion, Node, RenderSettings, Scene, Texture, TextureMap, Track,
     Triangle, Wrap,
@@ -41,7 +42,7 @@ fn flat_meshes_keep_tangents_for_their_normal_maps() {
         meshes: vec![mesh.clone()],
         ..Scene::default()
     };
-    let exported = export::glb(&scene, &RenderSettings::default()).unwrap();
+    let exported = export::glb(&scene, &RenderSettings::default(), Path::new("")).unwrap();
     assert!(exported.remarks.0.is_empty(), "{}", exported.remarks);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.glb");

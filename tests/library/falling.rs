@@ -138,7 +138,7 @@ fn leaves_fall_the_same_way_through_gltf() {
     std::fs::write(&path, scene_file("", &format!("{FROM_A_BOX}, attached: false"))).unwrap();
     let (scene, settings) = resolved(&path);
     let settings = RenderSettings { frames: 1..=120, ..settings };
-    let exported = export::glb(&scene, &settings).unwrap();
+    let exported = export::glb(&scene, &settings, Path::new("")).unwrap();
     assert!(exported.remarks.0.is_empty(), "{}", exported.remarks);
     let path = folder.path().join("scene.glb");
     std::fs::write(&path, [exported.head, exported.binary].concat()).unwrap();

@@ -471,7 +471,7 @@ fn alpha_of_vertices_masks() {
 fn alpha_of_vertices_is_exported() {
     let (scene, settings) = load("vertex_alpha_blend.gltf", None).unwrap();
     let before = seen(scene.clone(), 0.0);
-    let exported = sunfleck::export::glb(&scene, &settings).unwrap();
+    let exported = sunfleck::export::glb(&scene, &settings, Path::new("")).unwrap();
     let mut files = Files::default();
     let path = Path::new("exported.glb").to_owned();
     let read = gltf::parse(&[exported.head, exported.binary].concat(), &path, &mut files).unwrap();

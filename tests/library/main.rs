@@ -30,6 +30,7 @@ mod gltf_compressed;
 mod gltf_invalid;
 mod gltf_made;
 mod gltf_valid;
+mod grid_files;
 mod ground_light;
 mod height_fog;
 mod indirect;

@@ -64,7 +64,7 @@ fn gltf_carries_them() {
     for (mesh, code) in FLAT.into_iter().zip(CODES) {
         let (scene, settings) = load(&write(folder.path(), mesh, code, 0.7));
         let path = folder.path().join("out.glb");
-        let export::Exported { head, binary, .. } = export::glb(&scene, &settings).unwrap();
+        let export::Exported { head, binary, .. } = export::glb(&scene, &settings, Path::new("")).unwrap();
         std::fs::write(&path, [head, binary].concat()).unwrap();
         let (again, _) = load(&path);
         let (found, expected) = (seen(&again), seen(&scene));

@@ -204,7 +204,7 @@ fn files_carry_it() {
     let expected =
         [("gobo", UNSEEN), ("fill", SHADOWLESS), ("hole", HOLE)].map(|(name, rays)| (name.to_owned(), rays));
     assert_eq!(said(&scene), expected);
-    let exported = export::glb(&scene, &settings).unwrap();
+    let exported = export::glb(&scene, &settings, Path::new("")).unwrap();
     std::fs::write(&glb, [exported.head, exported.binary].concat()).unwrap();
     let (again, _) = load(&glb);
     assert_eq!(said(&again), expected);

@@ -101,7 +101,7 @@ fn angles_survive_a_journey() {
         std::fs::write(&path, serde_json::to_vec(&file(&spot)).unwrap()).unwrap();
         let description = description::load(&path).map_err(|error| error.to_string()).unwrap();
         let (scene, settings) = scene::resolve(description, None).map_err(|error| error.to_string()).unwrap();
-        let exported = export::glb(&scene, &settings).unwrap();
+        let exported = export::glb(&scene, &settings, Path::new("")).unwrap();
         let back = read(&[exported.head, exported.binary].concat(), "spot.glb").unwrap();
         let (there, back) = (shape(&scene.lights[0]), shape(&back.lights[0]));
         assert!(there.0 == back.0 && (there.1 - back.1).abs() < 1e-15, "{there:?} {back:?}");

@@ -13,7 +13,7 @@ pub(super) fn holds(path: &Path) -> bool {
 pub(super) fn describe(path: &Path) -> Result<String, LoadError> {
     let grids = vdb::load(path)?;
     let mut text = format!(
-        "{}: {} in an OpenVDB file, which `render` does not read yet",
+        "{}: {} in an OpenVDB file; fog of a scene names it as `vdb`",
         path.display(),
         count(grids.len())
     );

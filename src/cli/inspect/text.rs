@@ -172,9 +172,10 @@ fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::
     let bounds = match &fog.shape {
         FogShape::EvenBox | FogShape::ThinningBox(_) => format!("within {low:.3} to {high:.3}"),
         FogShape::Layer(_) => String::from("without bounds"),
-        FogShape::Voxels(grid) => {
-            let voxels = &grid.voxels;
-            let [low, high] = voxel_bounds(world, voxels);
+        FogShape::Voxels(grids) => {
+            let grid = grids.at(time_s);
+            let voxels = &grid.voxels.voxels;
+            let [low, high] = voxel_bounds(world * grid.shape_from_voxel, voxels);
             format!("by voxels, up to {:.3}, within {low:.3} to {high:.3}", voxels.most())
         }
     };

@@ -11,7 +11,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// All buffers of a file.
 pub(super) struct Buffers<'a> {
@@ -107,17 +107,19 @@ pub(super) fn fetch<'a>(
     if let Some(data) = uri.strip_prefix("data:") {
         return Ok(data_uri(data).map(Cow::Owned));
     }
-    if uri.contains("://") {
-        return Ok(Err(format!("`{uri}` is not a file beside this one")));
+    match file_beside(uri, file) {
+        Ok(path) => files.read(&path, Some(referrer)).map(|bytes| Ok(Cow::Owned(bytes))),
+        Err(found) => Ok(Err(found)),
     }
-    let Some(name) = percent_decoded(uri) else {
-        return Ok(Err(format!("`{uri}` is not a valid URI")));
-    };
-    if Path::new(&name).has_root() {
-        return Ok(Err(format!("`{uri}` is not a file beside this one")));
+}
+
+/// The file that a URI means in another.
+pub(super) fn file_beside(uri: &str, file: &Path) -> Result<PathBuf, String> {
+    let name = percent_decoded(uri).ok_or_else(|| format!("`{uri}` is not a valid URI"))?;
+    if uri.contains("://") || uri.starts_with("data:") || Path::new(&name).has_root() {
+        return Err(format!("`{uri}` is not a file beside this one"));
     }
-    let path = file.parent().unwrap_or(Path::new("")).join(name);
-    files.read(&path, Some(referrer)).map(|bytes| Ok(Cow::Owned(bytes)))
+    Ok(file.parent().unwrap_or(Path::new("")).join(name))
 }
 
 /// What follows `data:`, decoded (RFC 2397, base64 only, as the glTF specification asks for).

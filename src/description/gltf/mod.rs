@@ -13,6 +13,7 @@ mod buffers;
 mod container;
 mod draco;
 mod extensions;
+mod grids;
 mod instancing;
 mod json;
 mod json_buffers;
@@ -33,7 +34,7 @@ mod texture_maps;
 mod textures;
 
 use super::image::DecodedImage;
-use super::{Files, LoadError};
+use super::{Files, LoadError, vdb};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 pub use optics::{Camera, Lens, Light, LightKind};
@@ -75,6 +76,8 @@ pub struct GltfScene {
     pub sky_image: Option<DecodedImage>,
     /// Images that the extras of suns name, by those names.
     pub sun_images: BTreeMap<String, DecodedImage>,
+    /// Of the files that the extras of fog name, by those names.
+    pub grids: BTreeMap<String, vdb::GridFiles>,
     /// Names of all animations: the author's, else `animation N`.
     pub animations: Vec<String>,
     /// All channels that move nodes, of all animations, in the file's order.
@@ -338,6 +341,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     skins::check_nodes(&mut scene, &mut report);
     nodes::choose_scene(&document, &mut scene, &mut report);
     pictures::read(&mut scene, files, &mut report)?;
+    grids::read(&mut scene, files, &mut report)?;
     let shown = scene.shown_meshes();
     (scene.materials, scene.textures) =
         materials::read((&document, &shown), &buffers, path, files, &mut report);

@@ -39,21 +39,27 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
 }
 
 /// Nodes of the scene that hold a sun.
-fn shown_suns(scene: &GltfScene) -> Vec<usize> {
+fn shown_suns(scene: &GltfScene) -> impl Iterator<Item = usize> {
     let is_sun = |light: usize| matches!(scene.lights[light].kind, LightKind::Directional);
+    let nodes = shown_nodes(scene).into_iter();
+    nodes.filter(move |&index| scene.nodes[index].light.is_some_and(is_sun))
+}
+
+/// Nodes of the scene.
+pub(super) fn shown_nodes(scene: &GltfScene) -> Vec<usize> {
     let mut was_there = vec![false; scene.nodes.len()];
     let mut waiting = scene.roots.clone();
-    let mut suns = Vec::new();
+    let mut shown = Vec::new();
     // The hierarchy may be damaged, which has been reported.
     while let Some(index) = waiting.pop() {
         let Some(node) = scene.nodes.get(index) else { continue };
         if !std::mem::replace(&mut was_there[index], true) {
             waiting.extend(&node.children);
-            suns.extend(node.light.filter(|&light| is_sun(light)).map(|_| index));
+            shown.push(index);
         }
     }
-    suns.sort_unstable();
-    suns
+    shown.sort_unstable();
+    shown
 }
 
 /// The file of an image, or why there is none.

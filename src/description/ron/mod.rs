@@ -76,7 +76,7 @@ pub struct LoadedScene {
     /// Images of directions by their path as the scene writes it.
     pub normal_maps: BTreeMap<PathBuf, DecodedImage>,
     /// Grids that fog takes its density from, by their file's path as the scene writes it.
-    pub grids: BTreeMap<PathBuf, Vec<vdb::Grid>>,
+    pub grids: BTreeMap<PathBuf, vdb::GridFiles>,
     /// The image that the sky shows.
     pub sky_image: Option<DecodedImage>,
     /// Whether nobody wrote it: a mesh was to be rendered by itself. Then it has neither camera nor light.

@@ -134,13 +134,13 @@ impl Loader<'_> {
         Ok(images)
     }
 
-    fn grids(&mut self, file: &SceneFile) -> Result<BTreeMap<PathBuf, Vec<vdb::Grid>>, LoadError> {
+    fn grids(&mut self, file: &SceneFile) -> Result<BTreeMap<PathBuf, vdb::GridFiles>, LoadError> {
         let mut grids = BTreeMap::new();
         for (name, fog) in file.fog.iter() {
             let Some(vdb) = fog.vdb.as_ref().filter(|vdb| !grids.contains_key(*vdb)) else { continue };
             let path = beside(self.path, vdb);
             let referrer = format!("{}: fog.{name}.vdb", self.path.display());
-            match vdb::parse(&self.files.read(&path, Some(&referrer))?, &path) {
+            match vdb::load_files(&path, &referrer, self.files) {
                 Ok(found) => {
                     grids.insert(vdb.clone(), found);
                 }

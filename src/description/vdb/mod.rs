@@ -4,6 +4,7 @@
 mod blosc;
 mod bytes;
 mod compression;
+mod frames;
 mod header;
 mod transform;
 mod tree;
@@ -14,6 +15,7 @@ use bytes::{Bytes, Fault, Read};
 use glam::{DAffine3, DVec3};
 use std::path::Path;
 
+pub use frames::{GridFiles, load_files};
 pub use tree::{Leaf, Tile, Tree};
 
 const FLOATS: &str = "Tree_float_5_4_3";

@@ -163,7 +163,7 @@ impl Builder<'_> {
     }
 
     fn control_fog(&mut self, fog: usize, field: &str, carried: &Carried, path: &str) -> Option<()> {
-        let is = |fog: &Fog| matches!(fog.shape, FogShape::EvenBox);
+        let is = |fog: &Fog| matches!(fog.shape, FogShape::EvenBox | FogShape::Voxels(_));
         match field {
             "density" => self.scene.fogs[fog].density_per_m = self.color(carried, &NOT_NEGATIVE, path)?,
             "albedo" => self.scene.fogs[fog].albedo = self.color(carried, &SHARE, path)?,

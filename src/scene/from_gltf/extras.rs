@@ -66,8 +66,12 @@ pub(super) struct Fog {
     /// Metres; its reciprocal.
     pub(super) scale_height: Option<f64>,
     pub(super) base_height: Option<f64>,
-    /// Two opposite corners of a box in glTF's space.
+    /// Two opposite corners of a box in glTF's space, of the scene's fog alone.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
+    /// An OpenVDB file beside this one, in place of the five above.
+    pub(super) vdb: Option<String>,
+    /// One of its grids.
+    pub(super) grid: Option<String>,
     #[serde(flatten)]
     pub(super) unknown: BTreeMap<String, Value>,
 }

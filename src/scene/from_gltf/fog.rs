@@ -18,26 +18,40 @@ impl Builder<'_> {
                 extras::read::<extras::Fog>(&node.extras, "sunfleck_fog_volume", &path, &mut self.report);
             let Some(fog) = fog else { continue };
             let path = format!("{path}.extras.sunfleck_fog_volume");
-            let is_layer = fog.shape.as_deref() == Some("layer");
-            if let Some(shape) = fog.shape.as_deref().filter(|shape| !is_layer && *shape != "box") {
-                let found = format!("`{shape}` is no shape of fog");
-                self.report.error(format!("{path}.shape"), found, "box or layer");
+            if let Some(shape) = self.fog_shape_of_node(&fog, &node.name, &path) {
+                self.add_fog(&node.name, number, fog, shape, &path);
             }
-            if fog.bounds.is_some() {
-                self.report.not_honoured(Loss::FogBounds, &node.name);
-            }
-            // The cube's own bottom, unless the file says otherwise in the cube's own space.
-            let base = fog.base_height.unwrap_or(if is_layer { 0.0 } else { -1.0 });
-            let shape = self.fog_shape(&fog, !is_layer, base, &path);
-            self.add_fog(&node.name, number, fog, shape, &path);
         }
         if let Some(fog) = of_scene {
             self.add_fog_of_scene(fog);
         }
     }
 
+    /// The shape of a node's fog; `None` where it is refused.
+    fn fog_shape_of_node(&mut self, fog: &extras::Fog, name: &str, path: &str) -> Option<FogShape> {
+        if let Some(uri) = &fog.vdb {
+            return self.fog_of_grids(uri, fog, path);
+        }
+        self.check_no_grid(fog, path);
+        let is_layer = fog.shape.as_deref() == Some("layer");
+        if let Some(shape) = fog.shape.as_deref().filter(|shape| !is_layer && *shape != "box") {
+            let found = format!("`{shape}` is no shape of fog");
+            self.report.error(format!("{path}.shape"), found, "box or layer");
+        }
+        if fog.bounds.is_some() {
+            self.report.not_honoured(Loss::FogBounds, name);
+        }
+        // The cube's own bottom, unless the file says otherwise in the cube's own space.
+        let base = fog.base_height.unwrap_or(if is_layer { 0.0 } else { -1.0 });
+        Some(self.fog_shape(fog, !is_layer, base, path))
+    }
+
     fn add_fog_of_scene(&mut self, fog: extras::Fog) {
         let path = format!("scenes[{}].extras.sunfleck_fog", self.source.scene);
+        for (field, _) in [("vdb", &fog.vdb), ("grid", &fog.grid)].iter().filter(|(_, said)| said.is_some()) {
+            let found = format!("`{field}` is of fog at a node");
+            self.report.error(format!("{path}.{field}"), found, "`sunfleck_fog_volume` of an object");
+        }
         let bounds = fog.bounds.map(|corners| corners.map(DVec3::from));
         let (world_from_shape, base) = match bounds {
             None => (DAffine3::IDENTITY, fog.base_height.unwrap_or(0.0)),

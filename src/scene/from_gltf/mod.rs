@@ -9,6 +9,7 @@ mod deformations;
 mod environment;
 mod extras;
 mod fog;
+mod grids;
 mod joined;
 mod light_extras;
 mod lights;

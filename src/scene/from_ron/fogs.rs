@@ -4,15 +4,14 @@ use super::{Resolver, track};
 use crate::description::ron;
 use crate::scene::{Fog, FogShape, HeightFalloff, Motion};
 use glam::{DAffine3, DQuat, DVec3};
-use std::sync::Arc;
 
 impl Resolver<'_> {
     /// Places all fog.
     pub(super) fn fogs(&mut self) {
         for (name, fog) in self.file.fog.iter() {
             let owner = format!("fog.{name}");
-            let voxels = fog.vdb.as_deref().map(|vdb| self.fog_voxels(&owner, fog, vdb));
-            let (bounds, falloff) = match (&voxels, &fog.grid) {
+            let grids = fog.vdb.as_deref().map(|vdb| self.fog_grids(&owner, fog, vdb));
+            let (bounds, falloff) = match (&grids, &fog.grid) {
                 (Some(_), _) => (None, None),
                 (None, grid) => {
                     if grid.is_some() {
@@ -34,7 +33,7 @@ impl Resolver<'_> {
             let albedo = track(&fog.albedo, &format!("{owner}.albedo"), problems);
             let anisotropy = track(&fog.anisotropy, &format!("{owner}.anisotropy"), problems);
             let shape = match (bounds, falloff) {
-                (None, None) if let Some(Some((voxels, _))) = &voxels => FogShape::Voxels(Arc::clone(voxels)),
+                (None, None) if let Some(Some(grids)) = grids => FogShape::Voxels(grids),
                 (Some(_), None) => FogShape::EvenBox,
                 (Some(_), Some(falloff)) => FogShape::ThinningBox(falloff),
                 (None, Some(falloff)) => FogShape::Layer(falloff),
@@ -46,8 +45,7 @@ impl Resolver<'_> {
             else {
                 continue;
             };
-            let of_voxels = voxels.flatten().map(|(_, parent_from_voxel)| parent_from_voxel);
-            let parent_from_shape = bounds.map_or(of_voxels.unwrap_or_default(), |[min, max]| {
+            let parent_from_shape = bounds.map_or(DAffine3::IDENTITY, |[min, max]| {
                 let (half_size, centre) = (0.5 * (max - min), 0.5 * (min + max));
                 DAffine3::from_scale_rotation_translation(half_size, DQuat::IDENTITY, centre)
             });

@@ -157,7 +157,7 @@ struct Resolver<'a> {
     /// Images that suns show, by their paths.
     sun_images: BTreeMap<PathBuf, Arc<Texture>>,
     /// Of OpenVDB files, by their paths.
-    grids: BTreeMap<PathBuf, Vec<vdb::Grid>>,
+    grids: BTreeMap<PathBuf, vdb::GridFiles>,
     /// Until the sky takes it.
     sky_image: Option<DecodedImage>,
 }

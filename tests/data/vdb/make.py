@@ -3,7 +3,8 @@
     python tests/data/vdb/make.py        # where `import bpy` works
 
 `several.vdb`: `density` has numbers along a line in i, j and k, and a block of .75; `heat` is the same in half
-floats; `velocity` holds vectors; `nothing` has no voxels. `billion.vdb`: 1024^3 voxels of .5, as tiles.
+floats; `velocity` holds vectors; `nothing` has no voxels. `billion.vdb`: 1024^3 voxels of .5, as tiles. `thin.vdb`:
+12 x 6 x 9 voxels of .25 where the lines of `several.vdb` are.
 """
 
 from pathlib import Path
@@ -45,3 +46,9 @@ billion.name = "density"
 billion.fill((0, 0, 0), (1023, 1023, 1023), 0.5, True)
 billion.prune()
 openvdb.write(str(HERE / "billion.vdb"), billion)
+
+thin = openvdb.FloatGrid()
+thin.name = "density"
+thin.fill((-2, -1, 0), (9, 4, 8), 0.25, True)
+thin.transform = lines("density", False).transform
+openvdb.write(str(HERE / "thin.vdb"), thin)

@@ -2,6 +2,7 @@
 
 use crate::gltf_made::file::{File, assert_near, seen};
 use serde_json::{Value, json};
+use std::path::Path;
 
 const PLACES: [(f64, f64); 3] = [(0.45, 0.52), (0.6, 0.4), (0.33, 0.66)];
 
@@ -132,7 +133,7 @@ fn changes_travel_out_and_back() {
             file.animate(strength, "SCALAR", "STEP", &[0.0, 1.25], &[3.0, 20.0]);
         }
         let (scene, settings) = file.load();
-        let exported = sunfleck::export::glb(&scene, &settings).unwrap();
+        let exported = sunfleck::export::glb(&scene, &settings, Path::new("")).unwrap();
         assert!(exported.remarks.0.is_empty(), "{}", exported.remarks);
         let again = crate::gltf_made::file::load(&[exported.head, exported.binary].concat(), "made.glb").0;
         for time_s in [0.0, 0.7, 0.9999, 1.0, 1.2499, 1.25, 1.7, 3.0] {
