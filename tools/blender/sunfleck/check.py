@@ -4,7 +4,7 @@ In goes a scene, out come findings (`losses`); what only the export itself finds
 whatever Blender renders and sunfleck does not is among them.
 """
 
-from . import film, fog, world
+from . import film, fog, volumes, world
 from .evaluated import lights, walk
 from .film import of_cycles
 from .keys import curves_of
@@ -18,7 +18,7 @@ def check(scene):
     materials = set()
     for thing in rendered(scene):
         found += of_object(thing, scene)
-        if not thing.sunfleck_settings.is_fog:
+        if not (thing.sunfleck_settings.is_fog or thing.type == "VOLUME"):
             materials.update(slot.material for slot in thing.material_slots if slot.material)
     for material in sorted(materials, key=lambda material: material.name):
         found += of_material(material)
@@ -122,10 +122,13 @@ def of_object(thing, scene):
         ):
             yield Finding("camera-aperture", name)
         return
-    if thing.sunfleck_settings.is_fog:
+    if thing.type == "VOLUME" or thing.sunfleck_settings.is_fog:
         if thing.type == "MESH" and not is_fogs_cube(thing):
             yield Finding("fog-not-a-cube", name)
-        if fog.is_lost(thing):
+        if thing.type == "VOLUME":
+            if reason := volumes.check(thing):
+                yield Finding("volume", name, reason)
+        elif fog.is_lost(thing):
             yield Finding("fog-material", name)
         if not all(getattr(thing, rays) for rays in (*RAYS, "visible_camera", "visible_shadow")):
             yield Finding("ray-visibility", name)
@@ -133,7 +136,6 @@ def of_object(thing, scene):
     is_blurred, own = scene.render.use_motion_blur, scene.sunfleck_settings
     bounces = own.all_bounces or own.bounces > 0
     said = {
-        "volume": thing.type == "VOLUME",
         "grease-pencil": thing.type in {"GPENCIL", "GREASEPENCIL"},
         "point-cloud": thing.type == "POINTCLOUD",
         "hair": thing.type == "CURVES" or any(shows_hair(system.settings) for system in thing.particle_systems),

@@ -44,6 +44,11 @@ def of_material(thing):
         found = read(link)
     except NotSimple:
         return None
+    return said(found)
+
+
+def said(found):
+    """Coefficients, as custom properties say them."""
     extinction = found.scattering + found.absorption
     albedo = numpy.divide(found.scattering, extinction, out=numpy.zeros(3), where=extinction > 0.0)
     return {
@@ -89,12 +94,14 @@ def number(node, name):
     return source.number()
 
 
-def scatter(node):
-    return Coefficients(number(node, "Density") * value(node, "Color"), numpy.zeros(3), number(node, "Anisotropy"))
+def scatter(node, density=None):
+    density = number(node, "Density") if density is None else density
+    return Coefficients(density * value(node, "Color"), numpy.zeros(3), number(node, "Anisotropy"))
 
 
-def absorb(node):
-    return Coefficients(numpy.zeros(3), number(node, "Density") * numpy.maximum(1.0 - value(node, "Color"), 0.0))
+def absorb(node, density=None):
+    density = number(node, "Density") if density is None else density
+    return Coefficients(numpy.zeros(3), density * numpy.maximum(1.0 - value(node, "Color"), 0.0))
 
 
 def of_principled(node):
@@ -102,7 +109,11 @@ def of_principled(node):
     glows = any(number(node, name) > 0.0 for name in ("Emission Strength", "Blackbody Intensity"))
     if glows or node.inputs["Color Attribute"].default_value:
         raise NotSimple(node)
-    density, color = number(node, "Density"), value(node, "Color")
+    return principled_numbers(node, number(node, "Density"))
+
+
+def principled_numbers(node, density):
+    color = value(node, "Color")
     kept = 1.0 - numpy.sqrt(value(node, "Absorption Color"))
     absorption = numpy.maximum(1.0 - color, 0.0) * numpy.maximum(kept, 0.0)
     return Coefficients(density * color, density * absorption, number(node, "Anisotropy"))

@@ -60,7 +60,8 @@ LOSSES = {
     "light-linking": (WARNING, "light and shadow linking is not honoured: lights light everything"),
     "light-portal": (WARNING, "portals light nothing and are not exported"),
     # Things.
-    "volume": (WARNING, "volumes are not rendered"),
+    "volume": (WARNING, "a volume is not rendered"),
+    "volume-lost": (WARNING, "of a volume something is lost"),
     "volume-material": (WARNING, "a volume material without a surface is not rendered, nor an opaque box: "
                                  "tick Holds fog in its panel"),
     "volume-beside-surface": (WARNING, "of a material with a surface and a volume only the surface is "

@@ -111,4 +111,4 @@ class Counts(Case):
             said.getvalue(),
         )
         self.assertIn("material `quad`: exact", said.getvalue())
-        self.assertIn("warning[volume] `smoke`: volumes are not rendered", said.getvalue())
+        self.assertIn("warning[volume] `smoke`: a volume is not rendered", said.getvalue())

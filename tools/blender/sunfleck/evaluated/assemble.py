@@ -73,12 +73,15 @@ class Assembly:
         there = self.is_frame[thing.moments]
         if not there.any():
             return
+        written = custom(key, thing)
+        if written is None:
+            return
         node = {"name": self.name(thing)}
         number = self.nodes[key] = self.document.add("nodes", node)
-        written = custom(thing)
         if written:
             node["extras"] = written
-        looks = thing.kind in {"LIGHT", "CAMERA"}
+        # Files of volumes keep Blender's axes.
+        looks = thing.kind in {"LIGHT", "CAMERA", "VOLUME"}
         parts = places.parts(places.in_gltf(self.record.places(thing), looks))
         times = self.times[thing.moments]
         holder = number

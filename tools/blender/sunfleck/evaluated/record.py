@@ -12,6 +12,7 @@ import numpy
 
 from ..materials import instances
 from .capture import Capture
+from .volumes import Volumes
 
 # Curves, texts and metaballs are among the instances a second time, as the meshes that they make.
 KINDS = {
@@ -20,10 +21,11 @@ KINDS = {
     "POINTCLOUD": "SURFACE",
     "LIGHT": "LIGHT",
     "CAMERA": "CAMERA",
+    "VOLUME": "VOLUME",
     "EMPTY": "EMPTY",
 }
 # What is said of these, which nodes of a mesh may make too.
-SHAPES = {"VOLUME": "volume", "GREASEPENCIL": "grease-pencil", "CURVES": "hair", "POINTCLOUD": "point-cloud"}
+SHAPES = {"GREASEPENCIL": "grease-pencil", "CURVES": "hair", "POINTCLOUD": "point-cloud"}
 
 
 @dataclass
@@ -128,7 +130,7 @@ class Record:
         # Names of attributes that materials ask instances for, and whether any answer may change.
         self.attributes = {name for kind, of, name in self.questions if (kind, of) == ("ATTRIBUTE", "INSTANCER")}
         self.changes = not set(self.questions) <= instances.STILL
-        self.things = {}
+        self.things, self.volumes = {}, Volumes(seconds_a_frame > 0.0)
         # Ids of losses and names of what is there in a shape that has none here, or another.
         self.shapes = set()
         # Of each moment: frame and offset, places of all instances, the first one's row, which rows show
@@ -162,6 +164,8 @@ class Record:
                 for part, shown in self.capture.shown(thing, source, instance):
                     self.add(here.key(row, source, part), Seen(row, instance, thing, source, here), shown)
                     rows.append((row, shown[0]))
+            elif source.kind == "VOLUME" and not self.volumes.is_there(thing):
+                continue
             elif source.kind is not None and instance.show_self:
                 key = here.key(row, source, "")
                 self.add(key, Seen(row, instance, thing, source, here), None)

@@ -14,7 +14,7 @@ from .assemble import Assembly
 from .moments import Clock, Shutter, frames, seconds_a_frame
 from .record import Record
 from .smoothness import Smoothness
-from .values import Values
+from .values import Values, of_fog
 
 
 class Exported:
@@ -25,6 +25,7 @@ class Exported:
         self.materials = library.words()
         # What only the export found out.
         self.findings = [*library.findings(), *(Finding(id, f"`{name}`") for id, name in sorted(record.shapes))]
+        self.findings += record.volumes.found
         self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
         if not assembly.shutter.is_centred:
             self.findings += [Finding("velocity-blur", f"`{name}`") for name in sorted(record.capture.drifted)]
@@ -56,7 +57,7 @@ class Job:
         self.library, self.values, self.shutter = Library(film.exposure(scene)), Values(scene), Shutter.of(scene)
         self.library.watch(bpy.data.materials)
         blur_s = seconds_a_frame(scene.render) if self.shutter.length else 0.0
-        self.record = Record(self.library, self.values.watch, blur_s)
+        self.record = Record(self.library, self.watch, blur_s)
         self.is_smooth = Smoothness(self.record).is_enough
 
     def __enter__(self):
@@ -70,7 +71,13 @@ class Job:
         return self
 
     def __exit__(self, *_):
+        self.record.volumes.close()
         self.library.close()
+
+    def watch(self, key, thing, frame):
+        self.values.watch(key, thing, frame)
+        if thing.type == "VOLUME":
+            self.values.see(key, frame, of_fog("sunfleck_fog_volume", self.record.volumes.see(key, thing, frame)))
 
     def visit(self, graph, frame, moment):
         self.record.visit(graph, frame, moment)
@@ -84,11 +91,19 @@ class Job:
         clock = Clock.of(self.scene, self.frames)
         assembly = Assembly(self.record, self.frames, self.shutter, clock, layer)
         self.library.start(assembly.document, assembly.clock)
-        assembly.add(self.library, self.values, lambda thing: properties(thing, self.scene, path))
+        assembly.add(self.library, self.values, lambda key, thing: self.properties(key, thing, path))
         assembly.document.scene_extras = scene_extras
         finish(self.scene, assembly, self.library, self.values, self.only)
         assembly.document.write(path)
         return Exported(self.frames, self.record, assembly, self.library)
+
+    def properties(self, key, thing, path):
+        """Of a thing's node; None if there is to be none."""
+        found = properties(thing, self.scene, path)
+        if thing.kind != "VOLUME":
+            return found
+        fog = self.record.volumes.properties(key, path)
+        return None if fog is None else {**found, **fog}
 
 
 def finish(scene, assembly, library, values, only):

@@ -1,0 +1,157 @@
+"""Volumes as fog by OpenVDB files, frame by frame.
+
+In go evaluated volumes, out come custom properties. A file that Blender has read is named where it lies; what
+modifiers and nodes make is written beside the .glb file. Invariant: a file is named by the frame at which it
+shows, or it is the same at all frames.
+"""
+
+import hashlib
+import os
+import re
+import shutil
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import quote
+
+import bpy
+
+from .. import volumes
+from ..losses import Finding
+
+# An OpenVDB file begins with a name of its own, that no other has.
+HEAD_BYTES = 57
+
+
+@dataclass
+class Seen:
+    """One volume."""
+
+    name: str
+    said: dict = None
+    # By frame.
+    files: dict = field(default_factory=dict)
+
+
+class Volumes:
+    """Those of a scene, by key."""
+
+    def __init__(self, is_blurred=False):
+        self.is_blurred = is_blurred
+        self.seen, self.found, self.made, self.named = {}, {}, {}, set()
+        self.folder = None
+
+    def is_there(self, thing):
+        """Whether there is anything of an evaluated volume at the moment."""
+        grids = thing.data.grids
+        if not grids.load():
+            self.say("volume", thing.name, "its file cannot be read")
+        return len(grids) > 0
+
+    def see(self, key, thing, frame):
+        """At a frame: the numbers of its custom properties; none if it is not rendered."""
+        try:
+            said = self.looked_at(thing)
+        except volumes.NotFog as problem:
+            self.say("volume", thing.name, str(problem))
+            return {}
+        seen = self.seen.setdefault(key, Seen(thing.name, said))
+        seen.files[frame] = self.file(thing)
+        return {field: value for field, value in said.items() if field != "grid"}
+
+    def looked_at(self, thing):
+        look, grids = volumes.look(thing), thing.data.grids
+        grid = next((grid for grid in grids if grid.name == look.grid), None)
+        if grid is None or grid.data_type != "FLOAT":
+            raise volumes.NotFog(f"it has no grid of floats `{look.grid}`")
+        for lost in look.lost:
+            # Only what is there is lost.
+            colors = re.search("`(.*)`", lost)
+            if colors is None or colors[1] in {grid.name for grid in grids}:
+                self.say("volume-lost", thing.name, lost)
+        if self.is_blurred and thing.data.velocity_grid in {grid.name for grid in grids}:
+            self.say("volume-lost", thing.name, "its blur by velocities")
+        return look.fog(thing)
+
+    def say(self, id, name, more):
+        self.found.setdefault(Finding(id, f"`{name}`", more))
+
+    def file(self, thing):
+        """Of the frame at hand."""
+        grids = thing.data.grids
+        is_changed = any(modifier.show_render for modifier in thing.original.modifiers) or not grids.frame_filepath
+        return self.written(grids) if is_changed else Path(bpy.path.abspath(grids.frame_filepath)).resolve()
+
+    def written(self, grids):
+        if self.folder is None:
+            self.folder = Path(tempfile.mkdtemp(prefix="sunfleck_grids_"))
+        path = self.folder / f"{len(self.made)}.vdb"
+        if not grids.save(str(path)):
+            raise RuntimeError(f"{path}: Blender cannot write an OpenVDB file: {grids.error_message}")
+        known = self.made.setdefault(hashlib.sha256(path.read_bytes()[HEAD_BYTES:]).digest(), path)
+        if known != path:
+            path.unlink()
+        return known
+
+    def properties(self, key, path):
+        """What a node in the file at `path` says; None if there is no such fog."""
+        seen = self.seen.get(key)
+        if seen is None:
+            return None
+        return {"sunfleck_fog_volume": {**seen.said, "vdb": self.uri(seen, Path(path).resolve())}}
+
+    def uri(self, seen, path):
+        files = seen.files
+        if len(set(files.values())) > 1:
+            file = numbered(files) or self.laid_beside(seen, path)
+        else:
+            file = next(iter(files.values()))
+            if file.parent == self.folder:
+                file = Path(shutil.copyfile(file, self.beside(path, seen.name, "")))
+        return quote(os.path.relpath(file, path.parent).replace(os.sep, "/"))
+
+    def beside(self, path, name, number):
+        """A name that no other volume of this file has."""
+        stem = re.sub(r"[^\w.-]+", "_", name)
+        while (stem, path) in self.named:
+            stem += "_"
+        self.named.add((stem, path))
+        return path.with_name(f"{path.name}.{stem}{number}.vdb")
+
+    def laid_beside(self, seen, path):
+        """Files by frames: links where the disk has them, else copies. Between two frames stays what was there."""
+        pattern = self.beside(path, seen.name, ".####")
+        before, after = pattern.name.split("####")
+        for old in path.parent.iterdir():
+            if re.fullmatch(re.escape(before) + r"-?\d+" + re.escape(after), old.name):
+                old.unlink()
+        shown = None
+        for frame in range(min(seen.files), max(seen.files) + 1):
+            shown = seen.files.get(frame, shown)
+            target = pattern.with_name(f"{before}{frame:04d}{after}")
+            try:
+                os.link(shown, target)
+            except OSError:
+                shutil.copyfile(shown, target)
+        return pattern
+
+    def close(self):
+        if self.folder is not None:
+            shutil.rmtree(self.folder, ignore_errors=True)
+            self.folder = None
+
+
+def numbered(files):
+    """The path with signs in the number's place, if files are called by their frames and none is missing."""
+    frame, file = next(iter(files.items()))
+    name = re.fullmatch(r"(.*?)(\d+)(\.vdb)", file.name)
+    if name is None or int(name[2]) != frame:
+        return None
+    before, digits, after = name.groups()
+    pattern = file.with_name(f"{before}{'#' * len(digits)}{after}")
+    called = lambda frame: file.with_name(f"{before}{frame:0{len(digits)}d}{after}")
+    if any(called(frame) != file for frame, file in files.items()):
+        return None
+    there = (re.fullmatch(re.escape(before) + r"(\d+)" + re.escape(after), other.name) for other in file.parent.iterdir())
+    numbers = sorted(int(one[1]) for one in there if one and called(int(one[1])).name == one[0])
+    return pattern if numbers == list(range(numbers[0], numbers[-1] + 1)) else None
