@@ -29,6 +29,7 @@ from .samples import Sampler
 from .sky import sky_picture, write_sky
 from .surroundings import write_fog, write_metadata, write_scene
 from .textures import Textures
+from .volumes import write_volume
 
 ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
 MOST_SAMPLES = 30_000_000
@@ -72,9 +73,9 @@ def export_usd(source: str | Path, target: str | Path, options: ExportOptions = 
         # Textures are named after the stage, so that two stages in one folder keep theirs apart.
         name = "textures" if is_package else f"{target.stem}_textures"
         stage = Path(scratch) / (f"{target.stem}.usdc" if is_package else target.name)
-        exported = _Export(
-            gltf, options, Textures(gltf.container, Path(scratch) / name, name), source.name
-        ).write(stage)
+        export = _Export(gltf, options, Textures(gltf.container, Path(scratch) / name, name), source.name)
+        export.folder = None if is_package else target.parent
+        exported = export.write(stage)
         if is_package:
             package = Path(scratch) / target.name
             if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(stage)), str(package)):
@@ -108,6 +109,8 @@ class _Export:
         self.names, self.lost = Names(), []
         self.layer = Sdf.Layer.CreateAnonymous(".usda")
         self.textures = textures
+        # Where the stage is to lie; None of a package, which holds what it names.
+        self.folder: Path | None = None
         self.prims: Counter[str] = Counter()
 
     def write(self, path: Path) -> Exported:
@@ -192,7 +195,10 @@ class _Export:
         if has_camera:
             target = prim if alone else self._child(prim, f"{node.name}_camera", "Camera")
             write_camera(target, node, self.gltf, self.sampler, self.options.for_blender)
-        if has_fog:
+        if has_fog and node.extras.group("sunfleck_fog_volume").member("vdb") is not None:
+            write_volume(prim, node, self.gltf, self.sampler, self.names, self.folder)
+            self.prims["Volume"] += 1
+        elif has_fog:
             write_fog(prim, node, self.gltf, self.sampler, self.names)
         if has_mesh:
             self._write_mesh(prim, node, alone)

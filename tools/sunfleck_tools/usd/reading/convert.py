@@ -32,6 +32,7 @@ from .shapes import is_shape
 from .skins import Skins
 from .source import Source, open_stage, usd_said
 from .unread import say_unread, say_unread_of_camera
+from .volumes import Volumes
 from .visibility import is_hidden_by_purpose, says_visibility, seen, up_to
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def import_usd(source: str | Path, target: str | Path, options: ImportOptions = 
         raise SceneError(f"{target}: there is no folder {target.parent}")
     with usd_said(source):
         lost = Losses()
-        conversion = _Import(open_stage(source, options, lost), options, lost)
+        conversion = _Import(open_stage(source, options, lost), options, lost, target.parent)
         data = conversion.run()
     if options.strict and lost.list():
         said = "\n".join(f"  {loss}" for loss in lost.list())
@@ -87,11 +88,12 @@ def _children(prim: Usd.Prim) -> list[Usd.Prim]:
 class _Import:
     """One file under construction."""
 
-    def __init__(self, source: Source, options: ImportOptions, lost: Losses):
+    def __init__(self, source: Source, options: ImportOptions, lost: Losses, folder: Path):
         self.source, self.options, self.lost = source, options, lost
         self.writer = GlbWriter("sunfleck-tools import-usd")
         self.nodes = Nodes(self.writer, source, self.lost)
         self.skins = Skins(source, self.nodes, self.lost)
+        self.volumes = Volumes(self.nodes, folder)
         self.meshes = Meshes(self.writer, self.nodes, self.skins, source, self.lost)
         self.lights: list[dict] = []
         self.shutter: tuple[float, float] | None = None
@@ -164,7 +166,7 @@ class _Import:
             return False
         if is_hidden_by_purpose(prim, str(purpose), self.source):
             return False
-        if not (kind.is_shape or kind.is_instancer):
+        if not (kind.is_shape or kind.is_instancer or kind.is_volume):
             self.lost.add(
                 "usd-shape", prim.GetPath(), f"a {prim.GetTypeName()} is not carried, only faces are"
             )
@@ -222,7 +224,7 @@ class _Import:
     def _joins(self, prim: Usd.Prim) -> bool:
         """True if a prim has nothing that its parent's node could not hold."""
         kind = self.kinds.of(prim)
-        if not (kind.is_shape or kind.is_camera or prim.HasAPI(UsdLux.LightAPI)):
+        if not (kind.is_shape or kind.is_camera or kind.is_volume or prim.HasAPI(UsdLux.LightAPI)):
             return False
         if (
             says_visibility(prim, self.source)
@@ -278,6 +280,8 @@ class _Import:
                 self.nodes.carry(node, f"sunfleck_camera.{name}", codes, rows)
         elif not kind.is_mesh and thing.HasAPI(UsdLux.LightAPI):
             self._place_lamp(thing, node)
+        elif kind.is_volume:
+            self.volumes.place(thing, node, self._extras)
         elif kind.is_instancer:
             if depth == 0:
                 self.census.add(thing)
@@ -389,7 +393,7 @@ class _Import:
         ]
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
-        shown = (document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene)
+        shown = (document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene, self.volumes.count)
         # What is left out is said already.
         if not any(shown) and {loss.kind for loss in self.lost.list()} <= {"usd-missing"}:
             self.lost.add("usd-empty", "/", "the stage holds nothing to be seen")

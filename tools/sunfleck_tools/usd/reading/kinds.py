@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Usd, UsdGeom, UsdShade, UsdVol
 
 from .shapes import is_shape
+from .volumes import FIELDS
 
 NOWHERE = (UsdShade.Material, UsdShade.Shader, UsdGeom.Subset)
 """What stands nowhere itself."""
@@ -23,6 +24,7 @@ class Kind:
     is_mesh: bool
     is_camera: bool
     is_instancer: bool
+    is_volume: bool
 
 
 class Kinds:
@@ -37,12 +39,13 @@ class Kinds:
         found = self._known.get(name)
         if found is None:
             found = self._known[name] = Kind(
-                any(prim.IsA(kind) for kind in NOWHERE),
+                any(prim.IsA(kind) for kind in NOWHERE) or name in FIELDS,
                 prim.IsA(UsdGeom.Xformable),
                 prim.IsA(UsdGeom.Gprim),
                 is_shape(prim),
                 prim.IsA(UsdGeom.Mesh),
                 prim.IsA(UsdGeom.Camera),
                 prim.IsA(UsdGeom.PointInstancer),
+                prim.IsA(UsdVol.Volume),
             )
         return found

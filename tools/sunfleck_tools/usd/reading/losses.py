@@ -51,6 +51,7 @@ KINDS = {
     "usd-texture-size": "a texture that is made smaller",
     "usd-texture-wrap": "a texture with black around it",
     "usd-unit": "a unit of length, or an axis that points up, that is none",
+    "usd-volume": "a field or the material of a volume, or another volume than one with a density",
 }
 """Ids and what they stand for; docs/usd.md lists them for users."""
 

@@ -1,0 +1,81 @@
+"""Fog by OpenVDB files as UsdVol has it. In go extras of glTF, out comes a `Volume` with its field. Invariant: the
+stage names the same files.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from urllib.parse import quote, unquote
+
+from pxr import Sdf
+
+from ..errors import SceneError
+from ..gltf.nodes import Node
+from ..gltf.scene import Gltf
+from .prims import Names, Prim, Types
+from .properties import write_properties
+from .samples import Sampler
+
+FOG = "sunfleck_fog_volume"
+OF_FILE = ("vdb", "grid")
+USUAL_GRID = "density"
+
+
+def write_volume(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Names, folder: Path | None) -> None:
+    """The fog of a node that names a file; the stage is to lie in `folder`, or packs what it names."""
+    fog = node.extras.group(FOG)
+    volume = prim.child(names.new(f"{node.name}_volume"), "Volume")
+    numbers = {name: value for name, value in fog.raw.items() if name not in OF_FILE}
+    write_properties(volume, FOG, numbers, node.name, gltf, sampler)
+    grid = fog.text_at("grid", USUAL_GRID)
+    field = volume.child(names.new(grid), "OpenVDBAsset")
+    field.set("fieldName", Types.Token, grid)
+    # Its own folder may be gone: the renderer's export was read from it.
+    path = Path(os.path.realpath(gltf.container.path.parent / unquote(fog.need("vdb").text())))
+    named = lambda file: Sdf.AssetPath(str(file) if folder is None else "./" + relative(file, folder))
+    if path.is_file() or "#" not in path.name:
+        field.set("filePath", Types.Asset, named(path))
+    else:
+        numbers = numbers_of(path)
+        frames = [frame for frame in sampler.frames if float(frame).is_integer()]
+        shown = [min(max(int(frame), numbers[0]), numbers[-1]) for frame in frames]
+        field.animate("filePath", Types.Asset, frames, [named(numbered(path, number)) for number in shown])
+    volume.relate(f"field:{grid}" if grid.isidentifier() else "field:density", field.path)
+
+
+def relative(file: Path, folder: Path) -> str:
+    """A file's path from a folder."""
+    return os.path.relpath(os.path.realpath(file), os.path.realpath(folder)).replace(os.sep, "/")
+
+
+def uri(file: Path, folder: Path) -> str:
+    """The same as glTF has it."""
+    return quote(relative(file, folder))
+
+
+def numbered(path: Path, number: int) -> Path:
+    """The file of a sequence, whose name has signs in the number's place."""
+    before, digits, after = _parts(path)
+    return path.with_name(f"{before}{number:0{digits}d}{after}")
+
+
+def numbers_of(path: Path) -> list[int]:
+    """Those of the files that are there."""
+    before, _, after = _parts(path)
+    try:
+        files = [file.name for file in path.parent.iterdir()]
+    except OSError as error:
+        raise SceneError(f"{path.parent}: cannot be read: {error.strerror}") from None
+    found = (re.fullmatch(re.escape(before) + r"(-?\d+)" + re.escape(after), name) for name in files)
+    numbers = sorted(int(one[1]) for one in found if one and numbered(path, int(one[1])).name == one[0])
+    if not numbers:
+        raise SceneError(f"{path}: no file is called so, with a number in the place of the signs")
+    return numbers
+
+
+def _parts(path: Path) -> tuple[str, int, str]:
+    """What stands before the last run of signs, how many digits that is, and what stands behind."""
+    before, signs, after = re.fullmatch(r"(.*?)(#+)([^#]*)", path.name).groups()
+    return before, len(signs), after
