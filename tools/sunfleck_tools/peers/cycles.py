@@ -166,14 +166,39 @@ def add_fog(made, fog):
     for node in (scatter, absorb):
         # Scattering is density * colour, absorption density * (1 - colour).
         node.inputs["Density"].default_value = fog.density_per_m[0]
+        if fog.grid is not None:
+            links.new(density_of_grid(nodes, links, fog), node.inputs["Density"])
         node.inputs["Color"].default_value = (*fog.albedo, 1.0)
         links.new(node.outputs[0], both.inputs[0 if node is scatter else 1])
     scatter.inputs["Anisotropy"].default_value = fog.anisotropy
     links.new(both.outputs[0], out.inputs["Volume"])
+    if fog.grid is not None:
+        add_volume(made, fog, material)
+        return
     corners = numpy.array([[x, y, z, 1] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     points = (corners @ (BLENDER_FROM_GLTF @ fog.world_from_cube).T)[:, :3]
     quads = numpy.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
     add_mesh(made, "fog", points, quads, material)
+
+
+def density_of_grid(nodes, links, fog):
+    read, times = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeMath")
+    read.attribute_name, times.operation = fog.grid[1], "MULTIPLY"
+    times.inputs[1].default_value = fog.density_per_m[0]
+    links.new(next(each for each in read.outputs if each.name in ("Fac", "Factor")), times.inputs[0])
+    return times.outputs[0]
+
+
+def add_volume(made, fog, material):
+    data = bpy.data.volumes.new("fog")
+    # Densities are those of the world, and not rounded to halves.
+    data.filepath, data.render.space, data.render.precision = str(fog.grid[0]), "WORLD", "FULL"
+    if not data.grids.load() or fog.grid[1] not in {grid.name for grid in data.grids}:
+        raise SceneError(f"{fog.grid[0]}: Blender finds no grid `{fog.grid[1]}` in it")
+    data.materials.append(material)
+    thing = bpy.data.objects.new("fog", data)
+    thing.matrix_world = mathutils.Matrix((BLENDER_FROM_GLTF @ fog.world_from_cube).tolist())
+    made.collection.objects.link(thing)
 
 
 def add_sky(made, sky: PeerSky, folder: Path):

@@ -4,11 +4,13 @@ beyond is one more."""
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import mitsuba as mi
 import numpy
 
 from ..errors import SceneError
+from .mitsuba_grids import grid_fog
 from .mitsuba_lights import lamp_emitter, sky_emitter, sun_emitter
 from .mitsuba_pictures import colors
 from .scene import Fog, PeerScene, Surface
@@ -31,6 +33,10 @@ def prepare(scene: PeerScene, variant: str):
     """Builds the scene; what comes back renders so many samples a pixel, and returns the
     picture and CPU seconds."""
     select(variant)
+    fog = None if scene.fog is None or scene.fog.grid else medium(scene.fog)
+    if scene.fog is not None and scene.fog.grid:
+        world_from_cube, fog = grid_fog(scene.fog)
+        scene = replace(scene, fog=replace(scene.fog, world_from_cube=world_from_cube))
     # Mitsuba's cameras look along +Z with +X to the left.
     turned = scene.world_from_camera @ numpy.diag([-1.0, 1.0, -1.0, 1.0])
     sensor = pinhole(mi.ScalarTransform4f(turned), float(numpy.degrees(scene.fov_y_rad)), scene.size)
@@ -47,7 +53,6 @@ def prepare(scene: PeerScene, variant: str):
     ]
     described.update({f"light_{index}": emitter for index, emitter in enumerate(emitters)})
     if scene.fog is not None:
-        fog = medium(scene.fog)
         described["fog_box"] = {
             "type": "cube",
             "to_world": mi.ScalarTransform4f(scene.fog.world_from_cube),

@@ -6,9 +6,11 @@ refused where it would change the light, and told where it changes surfaces.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 
@@ -45,12 +47,15 @@ class Surface:
 
 @dataclass
 class Fog:
-    """The image of the cube [-1, 1]^3, filled evenly; extinction a metre."""
+    """The image of the cube [-1, 1]^3, filled evenly, or as densely as a grid says, in its own space;
+    extinction a metre."""
 
     world_from_cube: np.ndarray
     density_per_m: list[float]
     albedo: list[float]
     anisotropy: float
+    # An OpenVDB file and its grid.
+    grid: tuple[Path, str] | None = None
 
 
 @dataclass
@@ -137,6 +142,13 @@ class _Reader:
         return True
 
     def _fog(self, node: Node, fog: Value, world_from_cube: np.ndarray) -> Fog:
+        vdb, grid = fog.member("vdb"), None
+        if vdb is not None:
+            # Its own folder may be gone: the renderer's export was read from it.
+            path = Path(os.path.realpath(self.gltf.container.path.parent / unquote(vdb.text())))
+            if not path.is_file():
+                vdb.fail(f"leads to {path}, which is no file: other renderers get no sequences of grids")
+            grid = path, fog.text_at("grid", "density")
         if fog.text_at("shape", "box") != "box" or any(fog.number_at(name, 0.0) > 0 for name in THINNING):
             fog.fail("other renderers get fog that fills a box evenly")
 
@@ -146,10 +158,11 @@ class _Reader:
 
         albedo, anisotropy = fog.member("albedo"), fog.number_at("anisotropy", 0.0, -1.0, 1.0)
         return Fog(
-            world_from_cube @ FOG_GROWTH,
+            world_from_cube if grid else world_from_cube @ FOG_GROWTH,
             channels("density", fog.need("density").channels()),
             channels("albedo", [1.0] * 3 if albedo is None else albedo.channels()),
             channels("anisotropy", [anisotropy])[0],
+            grid,
         )
 
     def _camera(self, cameras: list[tuple[Node, np.ndarray]]) -> tuple[np.ndarray, float]:

@@ -1,0 +1,61 @@
+"""Fog by a grid as Mitsuba's `gridvolume`. The file is read by the `openvdb` that Blender's module brings."""
+
+from __future__ import annotations
+
+import mitsuba as mi
+import numpy
+
+from ..errors import SceneError
+from .scene import Fog
+
+CUBE_FROM_UNIT = numpy.array([[2, 0, 0, -1], [0, 2, 0, -1], [0, 0, 2, -1], [0, 0, 0, 1]], float)
+
+
+def grid_fog(fog: Fog) -> tuple[numpy.ndarray, dict]:
+    """World from the cube [-1, 1]^3 that holds all of it, and the medium."""
+    values, node_from_unit = _dense(fog)
+    world_from_unit = fog.world_from_cube @ node_from_unit
+    # Mitsuba has z outermost and x fastest, a colour within.
+    density = values.transpose(2, 1, 0)[..., None] * numpy.float32(fog.density_per_m)
+    sigma_t = {
+        "type": "gridvolume",
+        "grid": mi.VolumeGrid(numpy.ascontiguousarray(density, numpy.float32)),
+        "to_world": mi.ScalarTransform4f(world_from_unit),
+        "filter_type": "trilinear",
+        "wrap_mode": "clamp",
+        "raw": True,
+    }
+    medium = {
+        "type": "heterogeneous",
+        "sigma_t": sigma_t,
+        "albedo": {"type": "constvolume", "value": {"type": "rgb", "value": fog.albedo}},
+        "phase": {"type": "hg", "g": fog.anisotropy},
+    }
+    return world_from_unit @ numpy.linalg.inv(CUBE_FROM_UNIT), medium
+
+
+def _dense(fog: Fog) -> tuple[numpy.ndarray, numpy.ndarray]:
+    """Voxels with one of nothing around them, and the node's space from the unit cube that they fill."""
+    path, name = fog.grid
+    try:
+        import bpy
+
+        bpy.utils.expose_bundled_modules()
+        import openvdb
+    except ImportError as error:
+        raise SceneError(f"{path}: Mitsuba gets grids by Blender's module ({error}): pip install bpy") from None
+    try:
+        grid = openvdb.read(str(path), name)
+        low, high = (numpy.array(corner) for corner in grid.evalActiveVoxelBoundingBox())
+    except (KeyError, OSError, RuntimeError, AttributeError) as error:
+        raise SceneError(f"{path}: no grid `{name}` can be read: {error}") from None
+    low, size = low - 1, high - low + 3
+    values = numpy.zeros(size, numpy.float32)
+    grid.copyToArray(values, ijk=tuple(map(int, low)))
+    place = lambda voxel: numpy.array(grid.transform.indexToWorld(tuple(map(float, voxel))))
+    first = low - 0.5
+    node_from_unit = numpy.eye(4)
+    node_from_unit[:3, 3] = place(first)
+    for axis in range(3):
+        node_from_unit[:3, axis] = place(first + size * numpy.eye(3)[axis]) - node_from_unit[:3, 3]
+    return values, node_from_unit
