@@ -103,6 +103,32 @@ class Rule(unittest.TestCase):
         self.assertEqual(self.found("93 s", quoting=False), [])
 
 
+class Page(unittest.TestCase):
+    """What is printed of the table."""
+
+    usual = replace(Rule.row, id="other", what="another", value="7")
+    rows = [Rule.row, usual]
+
+    def test_a_unit_stands_in_the_head_of_its_column(self):
+        self.assertIn("|  | s |\n|---|---|\n", figures.markdown(self.rows))
+        mixed = figures.markdown([Rule.row, replace(self.usual, unit="MB")])
+        self.assertIn("|  | value |\n|---|---|\n", mixed)
+        self.assertIn("7 MB", mixed)
+
+    def test_rows_that_documents_cite_have_an_anchor(self):
+        printed = figures.markdown(self.rows, cited={"frame"})
+        self.assertIn('<a id="frame"></a>93 |', printed)
+        self.assertIn("| another | 7 |", printed)
+
+    def test_where_it_was_measured_is_told_unless_it_is_the_usual_place(self):
+        places = "".join(f"<!-- figures: {topic} -->\n<!-- end -->\n" for topic in ("usual", "t", "u"))
+        elsewhere = replace(Rule.row, topic="u", machine="an old one")
+        head, usual, other = figures.page(places, [*self.rows, elsewhere]).split("<!-- end -->\n")[:3]
+        self.assertIn("*2020-01-02, a machine; abc*", head)
+        self.assertNotIn("a machine", usual)
+        self.assertIn("*2020-01-02, an old one; abc*", other)
+
+
 @contextlib.contextmanager
 def silent():
     """What the script says as it measures is no result of a test."""
