@@ -1,7 +1,7 @@
 """Kinds of damage: each a function that damages a good sequence of twelve frames, and the checks
 that have to find it.
 
-`python -m tests.damages` (in tools/) prints the table that docs/validate.md has.
+`python -m tests.damages` (in tools/) prints them as a table.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
     SUNFLECK=../target/release/sunfleck python -m tests.good_frames [PART OF A NAME ...]        (in tools/)
 
-Prints the table that docs/validate.md has; exits with 1 if anything is found.
+Prints what was found in each run; exits with 1 if anything is found.
 """
 
 from __future__ import annotations

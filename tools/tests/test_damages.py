@@ -34,10 +34,9 @@ class Damaged(unittest.TestCase):
         damaged = {entry.found_by for entry in DAMAGES} | TESTED_APART
         self.assertEqual(damaged, set(CHECKS))
 
-    def test_the_table_in_the_docs_has_each(self):
+    def test_the_page_has_each_check_and_says_how_many_damages_there_are(self):
         text = (ROOT / "docs/validate.md").read_text()
-        for entry in DAMAGES:
-            self.assertIn(f"| {entry.what} | `{entry.found_by}` | yes |", text)
+        self.assertIn(f"{len(DAMAGES)} kinds of damage (`tools/tests/damages.py`)", text)
         for check in CHECKS.values():
             self.assertIn(f"| `{check.id}` | {check.severity.value} | {check.about} |", text)
 
