@@ -120,13 +120,28 @@ class Page(unittest.TestCase):
         self.assertIn('<a id="frame"></a>93 |', printed)
         self.assertIn("| another | 7 |", printed)
 
+    def places(self, *marks):
+        return "".join(f"<!-- {mark} -->\n<!-- end -->\n" for mark in marks)
+
     def test_where_it_was_measured_is_told_unless_it_is_the_usual_place(self):
-        places = "".join(f"<!-- figures: {topic} -->\n<!-- end -->\n" for topic in ("usual", "t", "u"))
         elsewhere = replace(Rule.row, topic="u", machine="an old one")
-        head, usual, other = figures.page(places, [*self.rows, elsewhere]).split("<!-- end -->\n")[:3]
+        text = figures.page(
+            self.places("figures: usual", "figures: t", "figures: u"), [*self.rows, elsewhere], {"frame"}
+        )
+        head, usual, other = text.split("<!-- end -->\n")[:3]
         self.assertIn("*2020-01-02, a machine; abc*", head)
         self.assertNotIn("a machine", usual)
         self.assertIn("*2020-01-02, an old one; abc*", other)
+
+    def test_a_place_may_have_what_documents_quote_alone(self):
+        text = figures.page(self.places("figures: usual", "cited: t"), self.rows, {"frame"})
+        self.assertIn("| a frame |", text)
+        self.assertNotIn("| another |", text)
+
+    def test_what_documents_quote_needs_a_place(self):
+        self.assertTrue(figures.page(self.places("figures: usual"), self.rows, set()))
+        with self.assertRaisesRegex(SystemExit, "one place for the topic 't'"):
+            figures.page(self.places("figures: usual"), self.rows, {"frame"})
 
 
 @contextlib.contextmanager
