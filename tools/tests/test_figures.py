@@ -115,6 +115,11 @@ class Page(unittest.TestCase):
         self.assertIn("|  | value |\n|---|---|\n", mixed)
         self.assertIn("7 MB", mixed)
 
+    def test_two_commands_of_one_thing_are_two_tables(self):
+        self.assertIn("| by |", figures.markdown([Rule.row, replace(self.usual, command="sunfleck render y")]))
+        same = [Rule.row, replace(Rule.row, id="other", column="memory", command="sunfleck render y")]
+        self.assertEqual(figures.markdown(same).count("|---|---|\n"), 2)
+
     def test_rows_that_documents_cite_have_an_anchor(self):
         printed = figures.markdown(self.rows, cited={"frame"})
         self.assertIn('<a id="frame"></a>93 |', printed)
