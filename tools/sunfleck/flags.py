@@ -9,6 +9,7 @@ import os
 from collections.abc import Iterable, Mapping
 from numbers import Real
 from operator import index
+from typing import Any
 
 from .errors import WrongType
 
@@ -33,7 +34,7 @@ def as_flags(settings: dict[str, object]) -> list[str]:
     return flags
 
 
-def path_text(name: str, value: object) -> str:
+def path_text(name: str, value: Any) -> str:
     """A path as the program takes it."""
     try:
         text = os.fsdecode(value)
@@ -44,7 +45,7 @@ def path_text(name: str, value: object) -> str:
     return text
 
 
-def frame_number(value: object) -> int:
+def frame_number(value: Any) -> int:
     """The number of one frame."""
     try:
         return index(value)
@@ -78,7 +79,7 @@ def _told(value: object) -> str:
     return f"{text if len(text) <= 60 else text[:57] + '...'}, a {type(value).__name__}"
 
 
-def _text(name: str, value: object) -> str:
+def _text(name: str, value: Any) -> str:
     if isinstance(value, os.PathLike):
         return path_text(name, value)
     if name == "size" and not isinstance(value, str):

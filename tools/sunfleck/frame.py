@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from sunfleck_tools import frame as files
 from sunfleck_tools.analysis import read_frame
@@ -21,6 +22,7 @@ from . import passes
 from .errors import FileError
 from .flags import path_text
 
+Pixels = npt.NDArray[np.float32]
 MATRICES = ("worldToCamera", "worldToNDC")
 
 
@@ -34,7 +36,7 @@ class Pass:
     """Their names in the file, in the order of the array."""
     unit: str
     """`1` if in nothing, `id` of numbers of things, `px` of pixels."""
-    pixels: np.ndarray
+    pixels: Pixels
 
 
 class Frame:
@@ -77,13 +79,13 @@ class Frame:
                 values[name] = np.frombuffer(stored, "<f4").reshape(4, 4).T.copy()
         return values
 
-    def __getitem__(self, channel: str) -> np.ndarray:
+    def __getitem__(self, channel: str) -> Pixels:
         """A channel by its name in the file. Raises `KeyError`."""
         if channel not in self._file.channels:
             raise KeyError(f"there is no channel {channel}: the frame has {', '.join(self.channels)}")
         return self._file.float(channel)
 
-    def __getattr__(self, name: str) -> np.ndarray:
+    def __getattr__(self, name: str) -> Pixels:
         """The array of a pass."""
         if name.startswith("_"):
             raise AttributeError(name)
@@ -106,7 +108,7 @@ class Frame:
         return Pass(name, channels, unit, arrays[0] if len(arrays) == 1 else np.stack(arrays, axis=-1))
 
 
-def read(path: str | os.PathLike) -> Frame:
+def read(path: str | os.PathLike[str]) -> Frame:
     """A frame from a file of this renderer, or the channels of another's. Raises `FileError`, which says what is wrong with it."""
     name = path_text("path", path)
     file, frame = read_frame(0, name)

@@ -5,16 +5,20 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable
+from typing import Any
 
 from .flags import as_flags, joined, path_text
 from .process import answer
 
 
-def inspect(scene: str | os.PathLike, frames: str | float | Iterable[float] | None = None, **settings: object) -> dict:
+def inspect(
+    scene: str | os.PathLike[str], frames: str | float | Iterable[float] | None = None, **settings: object
+) -> dict[str, Any]:
     """Frame range and rate, cameras, lights, matrices of all nodes at `frames` (the first; fractions are allowed), and what of the
     input is not honoured. Every field is described in docs/inspect.schema.json. `settings` are flags of `sunfleck inspect`.
 
     Raises a `SunfleckError`, as `render` does.
     """
     chosen = [] if frames is None else [f"--frames={joined('frames', frames)}"]
-    return json.loads(answer(["inspect", "--json", *chosen, *as_flags(settings), "--", path_text("scene", scene)]))
+    found: dict[str, Any] = json.loads(answer(["inspect", "--json", *chosen, *as_flags(settings), "--", path_text("scene", scene)]))
+    return found

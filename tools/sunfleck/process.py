@@ -11,15 +11,17 @@ import os
 import subprocess
 import tempfile
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import closing
 from functools import lru_cache
+from typing import IO
 
 from sunfleck_tools.program import VARIABLE, find_program
 
 from . import __version__
 from .diagnostic import diagnostics
 from .errors import ProgramError, SunfleckWarning, error_of
+from .progress import Event
 
 GRACE_S = 5.0
 """Until a program that was asked to end is killed. It takes a tenth of a second."""
@@ -55,7 +57,7 @@ def _need_this_version(path: str, _changed_ns: int) -> None:
         )
 
 
-def events(arguments: Sequence[str]) -> Iterator[dict]:
+def events(arguments: Sequence[str]) -> Generator[Event, None, None]:
     """Runs the program and yields what it tells: the objects of `--progress jsonl`, one a line. Raises what it failed of once it
     has ended; its warnings become `SunfleckWarning`s, its notes go to the logger `sunfleck`."""
     with closing(_lines([program(), *arguments])) as lines:
@@ -73,14 +75,16 @@ def answer(arguments: Sequence[str]) -> bytes:
     return b"".join(_lines([program(), *arguments]))
 
 
-def _lines(command: Sequence[str]) -> Iterator[bytes]:
+def _lines(command: Sequence[str]) -> Generator[bytes, None, None]:
     # A file, not a pipe: it never is full, so that nobody has to read it meanwhile.
     with tempfile.TemporaryFile() as error_stream:
         process = _start(command, error_stream)
+        assert process.stdout is not None
         try:
             yield from process.stdout
             process.wait()
         finally:
+            process.stdout.close()
             _end(process)
         error_stream.seek(0)
         said = error_stream.read().decode("utf-8", "replace")
@@ -93,16 +97,15 @@ def _lines(command: Sequence[str]) -> Iterator[bytes]:
             log.info(found.text)
 
 
-def _start(command: Sequence[str], error_stream) -> subprocess.Popen:
+def _start(command: Sequence[str], error_stream: IO[bytes]) -> subprocess.Popen[bytes]:
     try:
         return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=error_stream)
     except OSError as error:
         raise ProgramError(f"{command[0]} cannot be run: {error.strerror or error}") from error
 
 
-def _end(process: subprocess.Popen) -> None:
+def _end(process: subprocess.Popen[bytes]) -> None:
     """Nobody waits for it any more: asks it to end, and sees that it does."""
-    process.stdout.close()
     if process.poll() is not None:
         return
     process.terminate()

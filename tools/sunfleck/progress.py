@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from sunfleck_tools.progress import Bar
 
 from .errors import WrongType
 
 STEPS_PER_FRAME = 1000
-Progress = Callable[[dict], None]
+Event = dict[str, Any]
+Progress = Callable[[Event], None]
 """Called with each event, as `--progress jsonl` in docs/command-line.md has them."""
 
 
@@ -20,7 +22,7 @@ class EventBar:
         self._bar = Bar()
         self._frames, self._done, self._fraction = 1, 0, 0.0
 
-    def __call__(self, event: dict) -> None:
+    def __call__(self, event: Event) -> None:
         """The next event."""
         kind = event["event"]
         if kind == "started":

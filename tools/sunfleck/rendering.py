@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import closing, contextmanager
 
 from .flags import as_flags, frame_number, joined, path_text
 from .frame import Frame, read
 from .process import events
-from .progress import EventBar, Progress, watcher
+from .progress import Event, EventBar, Progress, watcher
 
-Path = str | os.PathLike
+Path = str | os.PathLike[str]
 
 
 def render(
@@ -52,14 +52,14 @@ def render_frames(
 
 def _rendered(
     scene: Path, frames: str | int | Iterable[int], flags: list[str], out: Path | None, progress: Progress | bool | None
-) -> Iterator[Frame]:
+) -> Generator[Frame, None, None]:
     """Refuses at once what it cannot take; the iterator does the rest."""
     folder = None if out is None else path_text("out", out)
     command = ["render", f"--frames={joined('frames', frames)}", "--progress=jsonl", *flags]
     return _frames(command, path_text("scene", scene), folder, watcher(progress))
 
 
-def _frames(command: list[str], scene: str, out: str | None, watch: Progress) -> Iterator[Frame]:
+def _frames(command: list[str], scene: str, out: str | None, watch: Progress) -> Generator[Frame, None, None]:
     try:
         with _folder(out) as folder:
             with closing(events([*command, f"--out={folder}", "--", scene])) as told:
@@ -82,7 +82,7 @@ def _folder(out: str | None) -> Iterator[str]:
         yield os.path.join(folder, "")
 
 
-def _taken(event: dict, keep: bool) -> Frame:
+def _taken(event: Event, keep: bool) -> Frame:
     path = event["path"]
     frame = read(path)
     frame.number = event["frame"]

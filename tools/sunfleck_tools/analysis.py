@@ -120,7 +120,7 @@ def analyse(job: Job) -> FrameSummary:
     if (luminance := frame.luminance()) is not None:
         left, top = frame.header.data_window[:2]
         summary.suspicion.fireflies = [
-            (x + left, y + top, *rest) for x, y, *rest in fireflies.candidates(luminance)
+            (x + left, y + top, value, around) for x, y, value, around in fireflies.candidates(luminance)
         ]
         summary.suspicion.blocks = blocks.candidates(frame)
         summary.suspicion.window = frame.header.data_window

@@ -63,17 +63,14 @@ def pair_up(output: Path, reference: Path, pictures: Path | None = None) -> list
     of the same names."""
     if output.is_file() and reference.is_file():
         found = parts(output.name)
-        return [
-            Pair(
-                int(found.number) if found else None, str(output), str(reference), pictures and str(pictures)
-            )
-        ]
+        number, picture = int(found.number) if found else None, str(pictures) if pictures else None
+        return [Pair(number, str(output), str(reference), picture)]
     for one, other in ((output, reference), (reference, output)):
         if one.is_file() and other.is_dir():
             raise ToolError(f"{one} is a file and {other} a folder: give two files, or two sequences")
     sides = [list_sequences(side) for side in (output, reference)]
     if len(sides[0]) == len(sides[1]) == 1:
-        return _by_number(*(listings[0] for listings in sides), pictures)
+        return _by_number(sides[0][0], sides[1][0], pictures)
     ours, theirs = ({listing.key: listing for listing in listings} for listings in sides)
     keys = [*ours, *(key for key in theirs if key not in ours)]
     return [
@@ -90,6 +87,7 @@ def _by_number(
         {f.number: str(f.path) for f in listing.frames} if listing else {} for listing in (output, reference)
     ]
     listing = output or reference
+    assert listing is not None, "one of the two is there"
 
     def picture(number: int) -> str | None:
         name = (
@@ -97,7 +95,7 @@ def _by_number(
             if is_one
             else f"difference.{Path(listing.name_of(number)).stem}.png"
         )
-        return pictures and str(pictures / name)
+        return str(pictures / name) if pictures else None
 
     return [
         Pair(None if listing.is_still else n, sides[0].get(n), sides[1].get(n), picture(n), "" if is_one else listing.pattern)
@@ -141,11 +139,12 @@ def _compare(wants_flip: bool, display: Display, white: float | None, pair: Pair
         if frame is None:
             return Compared(pair, fault=f"{path}: {file.fault}")
         frames.append(frame)
-    if (why := incomparable(*frames)) is not None:
+    output, reference = frames
+    if (why := incomparable(output, reference)) is not None:
         return Compared(pair, fault=why)
-    found = difference(*frames, wants_flip)
-    if pair.picture is not None and all(frame.picture for frame in frames) and not Overlap(*frames).is_empty:
-        pixels, white = difference_picture(Overlap(*frames), display, white)
+    found, overlap = difference(output, reference, wants_flip), Overlap(output, reference)
+    if pair.picture is not None and all(frame.picture for frame in frames) and not overlap.is_empty:
+        pixels, white = difference_picture(overlap, display, white)
         write_whole(Path(pair.picture), png(pixels))
     return Compared(pair, found, white=white if pair.picture is not None else None, notes=_notes(*frames))
 

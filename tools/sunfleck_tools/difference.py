@@ -90,11 +90,13 @@ class Overlap:
 
     def channel(self) -> list[np.ndarray]:
         """The channel of output and reference as float32, cut to what both have."""
-        return [_in_one_space(frame, self._frames, self._name)[place] for frame, place in zip(self._frames, self._places())]
+        name = self._channel_name()
+        return [_in_one_space(frame, self._frames, name)[place] for frame, place in zip(self._frames, self._places())]
 
     def stored(self) -> list[np.ndarray]:
         """The same as they are stored."""
-        return [frame.channels[self._name][place] for frame, place in zip(self._frames, self._places())]
+        name = self._channel_name()
+        return [frame.channels[name][place] for frame, place in zip(self._frames, self._places())]
 
     def colors(self) -> list[np.ndarray]:
         """Output and reference, colours in the last axis; those of different spaces in linear Rec. 709."""
@@ -110,6 +112,10 @@ class Overlap:
             np.stack([color[place] for color in frame.shown()], axis=-1)
             for frame, place in zip(self._frames, self._places())
         ]
+
+    def _channel_name(self) -> str:
+        assert self._name is not None, "it is of the pictures"
+        return self._name
 
     def _places(self) -> list[tuple[slice, slice]]:
         corners = [header.data_window[:2] for header in self._headers]

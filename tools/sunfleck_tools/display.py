@@ -34,7 +34,7 @@ OUTSET = np.array(
 MIDDLE_GREY, STOPS_BELOW, STOPS_ABOVE, SLOPE, GAMMA, HUE_SHIFT_KEPT = 0.18, 10.0, 6.5, 2.4, 2.4, 0.4
 GLARE = 1e9
 """Light beyond this is white under every curve, and its logarithm still finite."""
-BAYER = np.zeros((1, 1))
+BAYER: np.ndarray = np.zeros((1, 1))
 for _ in range(3):
     # Bayer 1973: each quarter is the smaller matrix times 4, plus its place in the order of the quarters.
     BAYER = np.block([[4 * BAYER, 4 * BAYER + 2], [4 * BAYER + 3, 4 * BAYER + 1]])

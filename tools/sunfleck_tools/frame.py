@@ -23,6 +23,7 @@ OWN = "sunfleck:"
 MOST_EMPTY, LARGEST_EMPTY = 64, 1 << 25
 """Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a
 picture of 8K has."""
+Range = tuple[float, float]
 BLOCK_PIXELS = 1 << 15
 """Temporaries of so many values stay in the cache and on the heap: fresh memory costs
 more than arithmetic."""
@@ -84,7 +85,7 @@ class Frame:
     part_of: dict[str, int]
     hash: str
     wide: dict[str, np.ndarray] = field(default_factory=dict)
-    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    ranges: dict[str, Range] = field(default_factory=dict)
 
     @cached_property
     def picture(self) -> tuple[str, ...]:
@@ -151,7 +152,7 @@ class Frame:
             self.wide[name] = wide(self.channels[name])
         return self.wide[name]
 
-    def extremes(self, name: str) -> tuple[float, float]:
+    def extremes(self, name: str) -> Range:
         """The smallest and largest value of a channel, NaN twice if there is one. Most checks need no more:
         only where these say that something is wrong do they look for the place."""
         if name not in self.ranges:
@@ -163,18 +164,18 @@ class Frame:
                     self.ranges[name] = float(stored.min()), float(stored.max())
         return self.ranges[name]
 
-    def group(self) -> list[np.ndarray] | None:
-        """Red, green and blue of the picture, if there is one: of luminance alone it is grey."""
+    def group(self) -> list[np.ndarray]:
+        """Red, green and blue of the picture, none if there is none: of luminance alone it is grey."""
         values = [self.float(name) for name in self.picture]
         if len(values) == 1 and all(name in self.channels for name in layers.CHROMA):
             weights = luminances(self.space).astype(np.float32)
-            return _from_chroma(values[0], *map(self.float, layers.CHROMA), weights)
-        return values * 3 if len(values) == 1 else values or None
+            ry, by = map(self.float, layers.CHROMA)
+            return _from_chroma(values[0], ry, by, weights)
+        return values * 3 if len(values) == 1 else values
 
-    def shown(self) -> list[np.ndarray] | None:
+    def shown(self) -> list[np.ndarray]:
         """The same in linear Rec. 709, which is what is shown."""
-        colors = self.group()
-        return colors and self.space.to_rec_709(colors)
+        return self.space.to_rec_709(self.group()) if self.picture else []
 
     def luminance(self) -> np.ndarray | None:
         """Of the picture, the caller's to keep or spoil; values that are not finite count as 0."""

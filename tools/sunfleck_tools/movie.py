@@ -69,6 +69,7 @@ def movie(
         raise ToolError(
             f"none of the frames can be shown; frame {ahead[0].number}: {ahead[0].fault}", is_usage=False
         )
+    assert first.pixels is not None and first.header is not None
     height, width, _ = first.pixels.shape
     said = first.header.values.get("framesPerSecond")
     fps = fps or (said if isinstance(said, Fraction) and said > 0 else DEFAULT_FPS)
@@ -142,11 +143,13 @@ class Ffmpeg:
             stdout=subprocess.DEVNULL,
             stderr=self._errors,
         )
+        assert self._process.stdin is not None
+        self._input = self._process.stdin
 
     def add(self, pixels: np.ndarray) -> None:
         """The next picture."""
         try:
-            self._process.stdin.write(pixels.tobytes())
+            self._input.write(pixels.tobytes())
         except BrokenPipeError:
             # It gave up; `close` says why.
             self.close()
@@ -163,7 +166,7 @@ class Ffmpeg:
         if self._errors.closed:
             return
         with suppress(BrokenPipeError):
-            self._process.stdin.close()
+            self._input.close()
         code = self._process.wait()
         with self._errors as said:
             said.seek(0)

@@ -14,12 +14,14 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing.context import BaseContext
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnContext
 from typing import TypeVar
 
 from .memory import keep_freed_memory
 
-Argument, Result = TypeVar("Argument"), TypeVar("Result")
+Argument = TypeVar("Argument")
+Result = TypeVar("Result")
 QUEUED_PER_PROCESS = 4
 KILLED = "the system ended the process that decoded a frame, most likely for want of memory"
 WAITING = (signal.SIGINT, signal.SIGTERM)
@@ -95,7 +97,9 @@ def begin_work() -> None:
 
 
 def _end_with_parent() -> None:
-    multiprocessing.parent_process().join()
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
     os._exit(1)
 
 
@@ -116,14 +120,14 @@ def _signals_later() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for number, handler in handlers.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
-        for number in heard[:1]:
-            signal.raise_signal(number)
+        for first in heard[:1]:
+            signal.raise_signal(first)
 
 
 def _alone(
     function: Callable[[Argument], Result],
     argument: Argument,
-    context: BaseContext,
+    context: SpawnContext,
     if_it_dies: Callable[[Argument], Result],
 ) -> Result:
     ours, theirs = context.Pipe(duplex=False)
@@ -150,9 +154,10 @@ def _alone(
     return answer
 
 
-def _answer(function, argument, pipe) -> None:
+def _answer(function: Callable[[Argument], object], argument: Argument, pipe: Connection) -> None:
     begin_work()
     pipe.send(True)
+    answer: tuple[bool, object]
     try:
         answer = True, function(argument)
     except Exception as error:

@@ -60,7 +60,9 @@ def show(display: Display, width: int | None, argument: tuple[int, str | None]) 
             display.bytes(np.stack(frame.shown(), axis=-1), frame.header.data_window[:2])
         )
     else:
-        pixels = display.bytes(thumbnail(frame, width).astype(np.float32))
+        small = thumbnail(frame, width)
+        assert small is not None, "a frame that was loaded has a picture"
+        pixels = display.bytes(small.astype(np.float32))
     return Shown(number, pixels, header=frame.header)
 
 

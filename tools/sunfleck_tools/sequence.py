@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -202,9 +202,12 @@ def _named(path: Path) -> tuple[tuple[str, str], Named]:
     return (found.before, found.after), Named(int(found.number), found.digits, path)
 
 
-def _listing(folder, key, files, expected, leftovers) -> Listing:
+def _listing(
+    folder: Path, key: tuple[str, str], files: list[Named], expected: Sequence[int] | None, leftovers: list[Path]
+) -> Listing:
+    before, after = key
     if not files[0].digits:
-        return Listing(folder, *key, 0, files, [STILL_NUMBER], leftovers=leftovers, is_still=True)
+        return Listing(folder, before, after, 0, files, [STILL_NUMBER], leftovers=leftovers, is_still=True)
     numbers = [file.number for file in files]
     if expected is None:
         # Numbers far apart are a slip in a name, not a billion lost frames.
@@ -212,7 +215,7 @@ def _listing(folder, key, files, expected, leftovers) -> Listing:
         expected = (
             range(first, last + 1) if last - first < 100 * len(numbers) + 1000 else sorted(set(numbers))
         )
-    return Listing(folder, *key, _usual_digits(files), files, list(expected), leftovers=leftovers)
+    return Listing(folder, before, after, _usual_digits(files), files, list(expected), leftovers=leftovers)
 
 
 def _names(folder: Path) -> list[Path]:

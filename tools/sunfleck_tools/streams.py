@@ -11,6 +11,7 @@ import errno
 import io
 import os
 import sys
+from collections.abc import Callable
 from typing import TextIO
 
 UNWANTED = {errno.EPIPE, errno.EBADF, errno.ECONNRESET, errno.ESHUTDOWN}
@@ -22,18 +23,19 @@ class Patient(io.TextIOBase):
     def __init__(self, stream: TextIO | None):
         self.stream = stream
         self.lost: OSError | None = None
-        if hasattr(stream, "reconfigure"):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
             # Names of files may be any bytes.
-            stream.reconfigure(errors="backslashreplace")
+            reconfigure(errors="backslashreplace")
 
     def write(self, text: str) -> int:
         """Writes, or not."""
-        self._try(lambda: self.stream.write(text))
+        self._try(lambda stream: stream.write(text))
         return len(text)
 
     def flush(self) -> None:
         """Flushes, or not."""
-        self._try(lambda: self.stream.flush())
+        self._try(lambda stream: stream.flush())
 
     def isatty(self) -> bool:
         """True if somebody watches."""
@@ -48,26 +50,26 @@ class Patient(io.TextIOBase):
             raise io.UnsupportedOperation("there is no stream")
         return self.stream.fileno()
 
-    def _try(self, action) -> None:
+    def _try(self, action: Callable[[TextIO], object]) -> None:
         if self.stream is None:
             return
         try:
-            action()
+            action(self.stream)
         except OSError as error:
             if error.errno not in UNWANTED:
                 self.lost = error
-            self._silence()
+            self._silence(self.stream)
         except ValueError:  # closed
             self.stream = None
 
-    def _silence(self) -> None:
+    def _silence(self, stream: TextIO) -> None:
         """What is in buffers goes nowhere, lest Python complains at its end."""
         try:
-            descriptor = self.stream.fileno()
+            descriptor = stream.fileno()
             nowhere = os.open(os.devnull, os.O_WRONLY)
             os.dup2(nowhere, descriptor)
             os.close(nowhere)
-            self.stream.flush()
+            stream.flush()
         except (OSError, ValueError):
             pass
         self.stream = None

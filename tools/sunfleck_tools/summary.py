@@ -138,7 +138,7 @@ def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
     small = np.empty((rows, columns, 3), np.float32)
     for index, color in enumerate(colors):
         stored = color[: rows * step, : columns * step]
-        for block in row_blocks(stored.shape, step):
+        for block in row_blocks((rows * step, columns * step), step):
             light = wide(stored[block])
             if not np.isfinite([light.min(), light.max()]).all():
                 np.nan_to_num(light, copy=False, nan=0.0, posinf=0.0, neginf=0.0)

@@ -15,7 +15,7 @@ from .findings import CHECKS, Finding, Scope, Severity, checks_of, ordered
 from .options import Options
 from .parallel import in_processes
 from .sequence import Listing, SequenceError, list_sequence, list_sequences
-from .summary import FrameSummary, Rendered
+from .summary import FrameSummary, Rendered, Suspicion
 
 Progress = Callable[[int, int], None]
 """Told how many frames are done, of how many."""
@@ -164,7 +164,7 @@ def _look_again(frames: list[FrameSummary], options: Options, processes: int) ->
         frame.fireflies, frame.black_blocks = found.fireflies, found.blocks
 
 
-def _confirm_one(argument):
+def _confirm_one(argument: tuple[Suspicion, list[str]]) -> Suspicion:
     return confirm(*argument)
 
 

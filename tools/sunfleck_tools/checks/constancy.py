@@ -156,9 +156,7 @@ def image_counter(rendered: Rendered) -> Iterator[Found]:
     if not is_own:
         said = [frame for frame in rendered.frames if number_said(frame) is not None]
         ahead = "own number ahead of its name by"
-        yield from odd_ones(
-            Rendered(said, rendered.options), ahead, lambda frame: number_said(frame) - frame.number
-        )
+        yield from odd_ones(Rendered(said, rendered.options), ahead, lambda frame: (number_said(frame) or 0) - frame.number)
     for frame in rendered.frames:
         counter = frame.attributes.get("imageCounter")
         if is_own and counter is not None and counter != frame.number:

@@ -84,7 +84,7 @@ def decode(file: FileBytes) -> Iterator[Found]:
 def pixel_hash(frame: Frame) -> Iterator[Found]:
     """Damage that decodes without complaint, as in uncompressed or PIZ files."""
     if not _has_its_pixels(frame):
-        stored = frame.headers[0].text(NAME)
+        stored = frame.headers[0].text(NAME) or ""
         yield Found(f"the pixels' hash is {frame.hash[:12]}..., the header says {stored[:12]}...")
 
 

@@ -61,9 +61,7 @@ def _runs(frames: Sequence[FrameSummary]) -> Iterator[list[FrameSummary]]:
     run: list[FrameSummary] = []
     for frame in frames:
         fits = frame.signature is not None and number_said(frame) is None
-        if run and not (
-            fits and frame.number == run[-1].number + 1 and frame.signature.shape == run[-1].signature.shape
-        ):
+        if run and not (fits and frame.number == run[-1].number + 1 and _size(frame) == _size(run[-1])):
             yield run
             run = []
         if fits:
@@ -71,13 +69,18 @@ def _runs(frames: Sequence[FrameSummary]) -> Iterator[list[FrameSummary]]:
     yield run
 
 
+def _size(frame: FrameSummary) -> tuple[int, ...] | None:
+    return None if frame.signature is None else frame.signature.shape
+
+
 def _swapped(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
     """Indices of the pairs that have to change places."""
     distances: dict[tuple[int, int], float] = {}
+    signatures = [frame.signature for frame in frames if frame.signature is not None]
 
     def distance(i: int, j: int) -> float:
         if (i, j) not in distances:
-            distances[i, j] = float(np.sqrt(np.mean(np.square(frames[i].signature - frames[j].signature))))
+            distances[i, j] = float(np.sqrt(np.mean(np.square(signatures[i] - signatures[j]))))
         return distances[i, j]
 
     def progress(i: int, j: int, k: int) -> float:

@@ -155,13 +155,14 @@ def pop(rendered: Rendered) -> Iterator[Found]:
 def flicker(rendered: Rendered) -> Iterator[Found]:
     """Runs of steps whose signs alternate."""
     frames = [frame for frame in rendered.decoded if frame.mean is not None]
-    steps = [after.mean - before.mean for before, after in zip(frames, frames[1:])]
+    means = [frame.mean for frame in rendered.decoded if frame.mean is not None]
+    steps = [after - before for before, after in zip(means, means[1:])]
     start = 0
     for i in range(1, len(steps) + 1):
         if i < len(steps) and steps[i] * steps[i - 1] < 0:
             continue
         run = steps[start:i]
-        level = median(frame.mean for frame in frames[start : i + 1])
+        level = median(means[start : i + 1])
         if len(run) >= FLICKER_FRAMES and median(map(abs, run)) > FLICKER_RATIO * level:
             first, last = frames[start], frames[i]
             share = 100 * median(map(abs, run)) / level if level else 0.0

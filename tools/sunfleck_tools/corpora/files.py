@@ -32,7 +32,7 @@ def find_files(
     found = []
     for path in folder.rglob("*"):
         kind = KIND_OF_SUFFIX.get(path.suffix.lower())
-        if kind in kinds and path.is_file():
+        if kind is not None and kind in kinds and path.is_file():
             name = path.relative_to(folder).as_posix()
             found.append(CorpusFile(path, name, kind, name in invalid))
     return sorted(found, key=lambda file: file.name)

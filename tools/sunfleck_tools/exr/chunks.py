@@ -101,7 +101,9 @@ def _raw_bytes(header: Header, place: Place) -> int:
     not make it smaller."""
     left, top, right, bottom = header.data_window
     if header.is_tiled:
-        wide, high, _ = header.values["tiles"]
+        described = header.values["tiles"]
+        assert isinstance(described, tuple), "of others the places are not known"
+        wide, high, _ = described
         columns, rows = (
             min(wide, right - left + 1 - place[0] * wide),
             min(high, bottom - top + 1 - place[1] * high),

@@ -24,7 +24,7 @@ PRIMARIES = {
 }
 XYZ = "ciexyzd65"
 """CIE XYZ as it is, not scaled so that white is 1, 1, 1."""
-CURVES = {"lin": 1.0, "srgb": "srgb", "srgbe": "srgb", "g18": 1.8, "g22": 2.2, "g24": 2.4, "g26": 2.6}
+CURVES: dict[str, float | str] = {"lin": 1.0, "srgb": "srgb", "srgbe": "srgb", "g18": 1.8, "g22": 2.2, "g24": 2.4, "g26": 2.6}
 CONE_FROM_XYZ = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
 """Bradford's (ICC.1:2022, annex E)."""
 SAME = 1e-3
@@ -56,7 +56,7 @@ class ColorSpace:
             return list(colors)
         with np.errstate(all="ignore"):
             linear = [_linear(color.astype(np.float64), self.curve) for color in colors]
-            matrix = _matrix(self.primaries)
+            matrix = _known_matrix(self.primaries)
             return [sum(m * c for m, c in zip(row, linear)).astype(np.float32) for row in matrix]
 
 
@@ -110,13 +110,21 @@ def _linear(color: np.ndarray, curve: float | str) -> np.ndarray:
 
 def luminances(space: ColorSpace) -> np.ndarray:
     """How much red, green and blue of linear colours of a space add to luminance (ITU-R BT.709, item 3.2)."""
-    return _matrix(space.primaries).T @ (0.2126, 0.7152, 0.0722)
+    return _known_matrix(space.primaries).T @ (0.2126, 0.7152, 0.0722)
+
+
+def _known_matrix(primaries: str | tuple[float, ...]) -> np.ndarray:
+    """Of the primaries of a `ColorSpace`, which span colours."""
+    matrix = _matrix(primaries)
+    assert matrix is not None
+    return matrix
 
 
 @lru_cache(maxsize=None)
 def _matrix(primaries: str | tuple[float, ...]) -> np.ndarray | None:
     """Linear Rec. 709 from linear colours; None if they span none."""
     ours = _xyz_from_rgb(PRIMARIES["rec709"])
+    assert ours is not None
     if primaries == XYZ:
         return np.linalg.inv(ours)
     said = PRIMARIES[primaries] if isinstance(primaries, str) else primaries

@@ -21,7 +21,7 @@ def widened(stored: np.ndarray) -> np.ndarray:
     smallest, largest = extremes(stored)
     if not (isfinite(smallest) and isfinite(largest)):
         return stored.astype(np.float32)
-    bits = stored.view(np.uint16).astype(np.uint32)
+    bits: np.ndarray = stored.view(np.uint16).astype(np.uint32)
     if copysign(1.0, smallest) < 0:
         sign = bits & NEGATIVE
         bits ^= sign

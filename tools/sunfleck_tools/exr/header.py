@@ -11,6 +11,7 @@ import struct
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from mmap import mmap
+from typing import Any
 
 MAGIC = b"\x76\x2f\x31\x01"
 TILED, DEEP, MULTIPART = 0x200, 0x800, 0x1000
@@ -156,7 +157,7 @@ def _attributes(data: bytes | mmap, at: int) -> tuple[dict[str, object], int]:
 
 
 def _header(flags: int, values: dict[str, object], end: int) -> Header:
-    def required(name: str, kind: type) -> object:
+    def required(name: str, kind: type) -> Any:
         if not isinstance(values.get(name), kind):
             raise HeaderError(f"the header has no {name}")
         return values[name]
@@ -233,7 +234,8 @@ class TimeCode:
 
 
 def _channels(raw: bytes) -> tuple[Channel, ...]:
-    channels, at = [], 0
+    channels: list[Channel] = []
+    at = 0
     while True:
         name, at = _name(raw, at)
         if not name:

@@ -17,7 +17,7 @@ class Bending:
     def __init__(self, gltf: Gltf, node: Node, mesh: Mesh):
         self.node, self.mesh = node, mesh
         self.joints: list[Node] = []
-        self.joint_from_mesh = np.zeros((0, 4, 4))
+        self.joint_from_mesh: np.ndarray = np.zeros((0, 4, 4))
         skins = gltf.document.items("skins")
         skin = node.source.member("skin")
         tied = any(primitive.joints is not None for primitive in mesh.primitives)
@@ -76,7 +76,7 @@ class Bending:
                 weights[:, : said.shape[1]] = said
             for number, target in enumerate(primitive.targets):
                 found += weights[:, number, None, None] * target
-        if primitive.joints is not None and self.is_skinned:
+        if primitive.joints is not None and primitive.weights is not None and self.is_skinned:
             # time, joint
             world_from_mesh = (
                 np.stack([joint.world_from_node(times_s) for joint in self.joints], axis=1)

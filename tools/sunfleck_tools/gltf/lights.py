@@ -60,6 +60,7 @@ class LightSource:
 
     def cone(self) -> tuple[float, float]:
         """A spot's half angle, and the share of it over which it fades."""
+        assert self.punctual is not None, "a spot is a light of KHR_lights_punctual"
         spot = self.punctual.group("spot")
         outer = spot.number_at("outerConeAngle", math.pi / 4, 1e-9, math.pi / 2 + 1e-6)
         return outer, 1.0 - spot.number_at("innerConeAngle", 0.0, 0.0, outer) / outer

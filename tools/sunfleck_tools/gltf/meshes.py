@@ -93,7 +93,7 @@ class Meshes:
 
         indices = source.member("indices")
         if indices is None:
-            corners = np.arange(count)
+            corners: np.ndarray = np.arange(count)
         else:
             corners = accessors.integers(indices, count, "vertices")[:, 0]
         uvs = {layer: found for layer in range(8) if (found := rows(f"TEXCOORD_{layer}", 2)) is not None}

@@ -99,7 +99,8 @@ def read_nodes(document: Value, scene: Value) -> list[Node]:
     keys = _keys(sources, sorted(parents))
     nodes: dict[int, Node] = {}
     for index in order:
-        parent = None if parents[index] is None else nodes[parents[index]]
+        above = parents[index]
+        parent = None if above is None else nodes[above]
         nodes[index] = _node(index, sources[index], keys[index], parent)
         if parent is not None:
             parent.children.append(nodes[index])

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from ..errors import SceneError
 
@@ -15,7 +15,7 @@ from ..errors import SceneError
 class Value:
     """A JSON value, the file that it is from and its path there."""
 
-    def __init__(self, raw: object, file: str, path: str = ""):
+    def __init__(self, raw: Any, file: str, path: str = ""):
         self.raw, self.file, self.path = raw, file, path
 
     def fail(self, message: str) -> NoReturn:

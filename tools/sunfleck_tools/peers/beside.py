@@ -37,7 +37,8 @@ def exported(scene, wish: Wish, folder: Path):
 
     scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"
     cycles.settings(scene, wish.size, wish.bounces)
-    findings = export.exported(scene, folder / "scene.glb").findings
+    # The add-on's package of that name, which is not the one here.
+    findings = export.exported(scene, folder / "scene.glb").findings  # type: ignore[attr-defined]  # as above
     scene.frame_set(wish.frame)
     return findings
 
@@ -50,7 +51,7 @@ def ours(scene, wish: Wish, folder: Path, volume: str = "auto"):
         wish.program,
         "render",
         folder / "scene.glb",
-        *render.flags(scene, False),
+        *render.flags(scene, False),  # type: ignore[attr-defined]  # the add-on's `render`, too
         "--samples",
         wish.samples,
         "--bounces",

@@ -73,6 +73,7 @@ def read_light(source: LightSource, world_from_node: np.ndarray, time_s: np.ndar
             outer, blend = source.cone()
             lamp.outer_rad, lamp.blend = number("outer_angle", outer), number("blend", blend)
         return lamp
+    assert kind is not None, "whoever asks has seen a light"
     width, height = source.size()
     size = number("width", width) * scales[0], number("height", height) * scales[1]
     return Lamp(kind, place, power("power_w", 1.0), size_m=size)

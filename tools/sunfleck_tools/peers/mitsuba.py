@@ -21,7 +21,7 @@ NEAR_M = 1e-4
 
 def version() -> str:
     """Of Mitsuba."""
-    return mi.__version__
+    return str(mi.__version__)
 
 
 def select(variant: str) -> None:
@@ -127,7 +127,7 @@ def medium(fog: Fog) -> dict:
 def _reflectance(surface: Surface) -> dict:
     if surface.texture is None:
         return {"type": "rgb", "value": surface.reflectance}
-    bitmap = mi.Bitmap(colors(surface.texture.picture) * numpy.float32(surface.reflectance))
+    bitmap = mi.Bitmap(colors(surface.texture.picture) * numpy.array(surface.reflectance, numpy.float32))
     # Linear already.
     return {"type": "bitmap", "bitmap": bitmap, "raw": True, "wrap_mode": surface.texture.wrap}
 

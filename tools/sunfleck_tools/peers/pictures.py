@@ -94,14 +94,16 @@ def read_texture(gltf: Gltf, info: Value) -> Texture:
     wrap = (
         10497 if sampler is None else samplers[sampler.index(samplers, "sampler")].number_at("wrapS", 10497)
     )
-    layer, offset, linear = info.number_at("texCoord", 0, 0, 7), np.zeros(2), np.eye(2)
+    layer, linear = info.number_at("texCoord", 0, 0, 7), np.eye(2)
+    offset: np.ndarray = np.zeros(2)
     if (moved := info.extension("KHR_texture_transform")) is not None:
         layer = moved.number_at("texCoord", layer, 0, 7)
         scale = moved.member("scale")
         angle = moved.number_at("rotation", 0.0)
         turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         linear = turn @ np.diag([1.0, 1.0] if scale is None else scale.numbers(2))
-        offset = offset if (said := moved.member("offset")) is None else np.array(said.numbers(2))
+        said = moved.member("offset")
+        offset = offset if said is None else np.array(said.numbers(2), dtype=float)
     return Texture(_picture(data, image), WRAPS.get(int(wrap), "repeat"), int(layer), offset, linear)
 
 

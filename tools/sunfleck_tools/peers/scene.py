@@ -85,7 +85,8 @@ def read_scene(
 
 class _Reader:
     def __init__(self, gltf: Gltf, frame: float):
-        self.gltf, self.notes = gltf, []
+        self.gltf = gltf
+        self.notes: list[str] = []
         self.time_s = gltf.settings.seconds(np.array([frame]))
         self.materials = gltf.document.items("materials")
 
@@ -191,7 +192,7 @@ class _Reader:
             triangles.append(primitive.triangles.astype(np.uint32) + np.uint32(first))
             first += len(points)
             found = None if texture is None else primitive.uvs.get(texture.layer)
-            uvs.append(np.zeros((len(points), 2)) if found is None else texture.placed(found))
+            uvs.append(np.zeros((len(points), 2)) if texture is None or found is None else texture.placed(found))
         positions = np.concatenate([points for points, _ in pieces])
         return Surface(positions, np.concatenate(triangles), np.concatenate(uvs), reflectance, texture)
 
@@ -222,7 +223,7 @@ class _Reader:
 
     def _is_matte(self, extension: str, source: Value) -> bool:
         """True for what says that there is no shine."""
-        return (
-            extension == "KHR_materials_specular"
-            and source.extension(extension).number_at("specularFactor", 1.0) == 0.0
-        )
+        found = source.extension(extension)
+        if extension != "KHR_materials_specular" or found is None:
+            return False
+        return found.number_at("specularFactor", 1.0) == 0.0

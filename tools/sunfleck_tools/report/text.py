@@ -19,7 +19,8 @@ def text_report(report: Report) -> str:
 
 
 def _lines(checked: Checked) -> list[str]:
-    lines, seen = [], Counter()
+    lines: list[str] = []
+    seen: Counter[str] = Counter()
     for finding in checked.findings:
         seen[finding.check] += 1
         if seen[finding.check] <= MOST_OF_A_KIND:

@@ -89,8 +89,8 @@ def _turned_prototypes(
 
 
 def _say_names(prim: Prim, nodes: list[Node]) -> None:
-    ids = [node.extras.member("leaf_id") for node in nodes]
-    if all(each is not None for each in ids) and len({each.raw for each in ids}) == len(ids):
+    ids = [found for node in nodes if (found := node.extras.member("leaf_id")) is not None]
+    if len({each.raw for each in ids}) == len(nodes):
         prim.set("ids", Types.Int64Array, Vt.Int64Array([each.whole() for each in ids]))
     prim.set(
         "userProperties:sunfleck_names",

@@ -106,7 +106,8 @@ class _Export:
             raise SceneError(
                 f"{said}: would have {samples} time samples, of at most {MOST_SAMPLES}: export fewer --frames"
             )
-        self.names, self.lost = Names(), []
+        self.names = Names()
+        self.lost: list[str] = []
         self.layer = Sdf.Layer.CreateAnonymous(".usda")
         self.textures = textures
         # Where the stage is to lie; None of a package, which holds what it names.
@@ -150,10 +151,10 @@ class _Export:
                 continue
             parent = self.world if node.parent is None else written[node.parent.index]
             written[node.index] = self._write_node(node, parent, node.index in plain)
-        for parent, nodes in grouped.items():
-            holder = written[parent]
+        for index, nodes in grouped.items():
+            holder = written[index]
             prim = self._child(
-                holder, "leaves" if parent < 0 else f"{holder.path.name}_leaves", "PointInstancer"
+                holder, "leaves" if index < 0 else f"{holder.path.name}_leaves", "PointInstancer"
             )
             shapes = [self.geometry.prototype(node) for node in nodes]
             write_crowd(prim, nodes, shapes, self.sampler, self.names, self.options.for_blender)
@@ -211,7 +212,7 @@ class _Export:
             holder = self._child(self.world, f"{node.name}_skin", "Xform") if bending.is_skinned else prim
             if holder is not prim:
                 holder.say_name(node.key)
-            self.geometry.fill(holder, self.geometry.meshes.of(node)[1], bending, self.sampler)
+            self.geometry.fill(holder, bending.mesh, bending, self.sampler)
             return
         instance = prim if alone else self._child(prim, f"{node.name}_shape", "Xform")
         instance.refer_to(self.geometry.prototype(node))

@@ -40,7 +40,9 @@ class Geometry:
 
     def prototype(self, node: Node) -> Sdf.Path:
         """What an instance of the node's mesh refers to."""
-        number, mesh = self.meshes.of(node)
+        found = self.meshes.of(node)
+        assert found is not None, "whoever asks has seen a mesh"
+        number, mesh = found
         if number not in self._written:
             holder = self.prototypes.child(self.names.new(mesh.name), "Xform")
             self.fill(holder, mesh)
@@ -55,7 +57,7 @@ class Geometry:
         for primitive in mesh.primitives:
             prim = holder.child(self.names.new(f"{mesh.name}_mesh"), "Mesh")
             _write_faces(prim, primitive)
-            if bending is None:
+            if bending is None or sampler is None:
                 _write_points(prim, [0.0], primitive.positions[None])
             else:
                 codes = sampler.codes(*bending.curves)
@@ -85,7 +87,7 @@ def _write_faces(prim: Prim, primitive: Primitive) -> None:
     for layer, uvs in primitive.uvs.items():
         name = texture_coordinates(layer)
         # glTF counts rows of texels from the top.
-        flipped = np.ascontiguousarray(uvs * np.float32([1, -1]) + np.float32([0, 1]))
+        flipped = np.ascontiguousarray(uvs * np.array([1, -1], np.float32) + np.array([0, 1], np.float32))
         prim.set(f"primvars:{name}", Types.TexCoord2fArray, Vt.Vec2fArray.FromNumpy(flipped))
         prim.annotate(f"primvars:{name}", "interpolation", "vertex")
     if primitive.colors is not None:

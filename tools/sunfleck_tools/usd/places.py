@@ -66,9 +66,12 @@ def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_
     if hidden is not None and (said := hidden.member("visible")) is not None and said.raw is False:
         prim.set("visibility", Types.Token, "invisible")
     control = gltf.control(node.name, "sunfleck_node.visible")
-    if control is None and node.shown is None:
+    if control is not None:
+        curve, at = control.curve, control.at
+    elif node.shown is not None:
+        curve, at = node.shown, node.shown.at
+    else:
         return False
-    curve, at = (node.shown, node.shown.at) if control is None else (control.curve, control.at)
     codes = sampler.codes(curve)
     codes, rows = thinned(codes, at(sampler.seconds(codes))[:, :1] >= 0.5)
     shown = rows[:, 0].tolist()

@@ -57,9 +57,9 @@ class Bakery:
             if rgb.texture is not None
             else np.ones((*planes[0].shape[:2], 3), np.float32)
         )
-        baked = [srgb_from_linear(self._clipped(colors, rgb.texture or alpha.texture))]
+        baked = [srgb_from_linear(self._clipped(colors, rgb.texture or alpha.map))]
         if alpha.texture is not None:
-            baked.append(self._clipped(planes.pop(0)[..., :1], alpha.texture))
+            baked.append(self._clipped(planes.pop(0)[..., :1], alpha.map))
         factors.append(1.0 if alpha.texture is not None else alpha.numbers[0])
         return factors, self._baked(("color", key), np.concatenate(baked, axis=-1), placement)
 
@@ -104,12 +104,12 @@ class Bakery:
             return factors, None
         if self._is_packed(slots, textured):
             for slot, fed in textured.items():
-                factors[slot] = fed.numbers[0] * fed.texture.scale[slot]
-            return factors, self._info(next(iter(textured.values())).texture)
+                factors[slot] = fed.numbers[0] * fed.map.scale[slot]
+            return factors, self._info(next(iter(textured.values())).map)
         key, planes, placement = self.planes.read(list(textured.values()), [False] * len(textured))
         packed = np.ones((*planes[0].shape[:2], 3), np.float32)
         for (slot, fed), plane in zip(textured.items(), planes):
-            packed[..., slot] = self._clipped(plane[..., 0], fed.texture)
+            packed[..., slot] = self._clipped(plane[..., 0], fed.map)
             factors[slot] = 1.0
         return factors, self._baked(("shares", tuple(textured), key), packed, placement)
 
@@ -149,13 +149,13 @@ class Bakery:
         ]
 
     def _mean(self, fed: Fed) -> Fed:
-        is_bare = fed.texture.placement.layer < 0
+        is_bare = fed.map.placement.layer < 0
         why = (
             "the mesh has no coordinates for it"
             if is_bare
             else "it lies elsewhere than another that it has to be packed with"
         )
-        self.lost.add("usd-texture-packing", fed.texture.place, f"its mean stands for a texture: {why}")
+        self.lost.add("usd-texture-packing", fed.map.place, f"its mean stands for a texture: {why}")
         return Fed(self.planes.mean(fed))
 
     def _picture(self, texture: Texture) -> Picture:
@@ -166,7 +166,7 @@ class Bakery:
 
     def _is_color(self, fed: Fed, most: float) -> bool:
         """Whether glTF can say it as it is."""
-        texture = fed.texture
+        texture = fed.map
         is_scaled = texture.bias is None or not any(texture.bias[:3])
         in_range = all(0 <= each <= most for each in texture.scale[:3])
         return (
@@ -178,7 +178,7 @@ class Bakery:
         )
 
     def _is_alpha_of(self, alpha: Fed, other: Texture) -> bool:
-        texture = alpha.texture
+        texture = alpha.map
         is_plain = (texture.bias is None or not texture.bias[3]) and 0 <= texture.scale[3] <= 1
         return (
             alpha.output == "a"
@@ -189,7 +189,7 @@ class Bakery:
     def _is_packed(self, slots: dict[int, Fed], textured: dict[int, Fed]) -> bool:
         """Whether a file holds numbers just where glTF wants them, and those without a texture are 0,
         whatever multiplies them."""
-        textures = [fed.texture for fed in textured.values()]
+        textures = [fed.map for fed in textured.values()]
         if len({(texture.files, texture.placement) for texture in textures}) > 1 or not self._is_carried(
             textures[0]
         ):
@@ -197,7 +197,7 @@ class Bakery:
         if any(fed.numbers[0] != 0 for slot, fed in slots.items() if slot not in textured):
             return False
         for slot, fed in textured.items():
-            texture, bias = fed.texture, fed.texture.bias
+            texture, bias = fed.map, fed.map.bias
             is_plain = (
                 (bias is None or not bias[slot])
                 and 0 <= texture.scale[slot] <= 1

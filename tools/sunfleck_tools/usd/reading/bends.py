@@ -65,7 +65,8 @@ def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows that differ, and which of those each one is: codes at which points are where they are at
     another add nothing."""
     known: dict[bytes, int] = {}
-    first, number = [], np.empty(len(rows), np.int64)
+    first: list[int] = []
+    number = np.empty(len(rows), np.int64)
     for index, row in enumerate(rows):
         number[index] = known.setdefault(hashlib.blake2b(row).digest(), len(first))
         if number[index] == len(first):

@@ -62,7 +62,7 @@ class Census:
         """How often each prototype is there, at the time at which it is there most often."""
         attribute = UsdGeom.PointInstancer(prim).GetProtoIndicesAttr()
         codes = [self.source.first, *attribute.GetTimeSamples()] if attribute else []
-        most = np.zeros(0, np.int64)
+        most: np.ndarray = np.zeros(0, np.int64)
         for code in codes:
             numbers = np.array(attribute.Get(code) or [], np.int64)
             here = np.bincount(numbers[numbers >= 0])

@@ -29,7 +29,7 @@ def vertex_colors(
 ) -> np.ndarray | None:
     """COLOR_0 of a mesh, RGB or RGBA, at a time code; None if it has none."""
     api = UsdGeom.PrimvarsAPI(prim)
-    rows = []
+    rows: list[np.ndarray | None] = []
     for name, width in (("displayColor", 3), ("displayOpacity", 1)):
         primvar = api.FindPrimvarWithInheritance(name)
         if not primvar or not primvar.HasValue():

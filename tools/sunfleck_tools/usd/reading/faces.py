@@ -52,6 +52,7 @@ class Faces:
     @cached_property
     def fans(self) -> np.ndarray:
         """The triangles of `loops` as `triangulate` has them, if all those are convex."""
+        assert self.loops is not None
         return fans_of(np.arange(self.count), np.arange(len(self.corners)).reshape(self.loops.shape))
 
     @cached_property
@@ -109,7 +110,7 @@ def read_faces(prim: Usd.Prim, code: float, points: int, authored: frozenset[str
 
 
 def _faces(counts: bytes, corners: bytes, holes: bytes, flips: bool) -> Faces:
-    return Faces(*(np.frombuffer(each, np.int64) for each in (counts, corners, holes)), flips)
+    return Faces(np.frombuffer(counts, np.int64), np.frombuffer(corners, np.int64), np.frombuffer(holes, np.int64), flips)
 
 
 _known_faces = lru_cache(maxsize=KEPT)(_faces)

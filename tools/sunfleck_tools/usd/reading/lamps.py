@@ -168,6 +168,7 @@ class _Reader:
         outer = np.clip(outer, 1e-4, math.pi / 2)
         blend = softness if self.source.by_us or self.source.by_blender else _blend(outer, softness)
         inner = outer[0] * (1 - max(blend[0], NARROWEST_EDGE))
+        assert lamp.light is not None, "a cone is asked for of lights of KHR_lights_punctual"
         lamp.light.update(type="spot", spot={"innerConeAngle": inner, "outerConeAngle": outer[0]})
         self._carry(lamp, "outer_angle", outer[:, None])
         self._carry(lamp, "blend", blend[:, None])

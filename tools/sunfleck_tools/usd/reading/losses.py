@@ -104,13 +104,13 @@ class Losses:
         """A context that leaves out a prim that cannot be read, and says why."""
         return _LeavingOut(self, prim)
 
-    def list(self) -> list[Loss]:
-        """One a kind, in the order in which they were found."""
-        return [Loss(kind, *first, self._counts[kind]) for kind, first in self._first.items()]
-
     def every(self) -> list[Loss]:
         """Each by itself, in the order in which they were found."""
         return [Loss(kind, place, f"{place}: {what}", 1) for kind, place, what in self._seen]
+
+    def list(self) -> list[Loss]:
+        """One a kind, in the order in which they were found."""
+        return [Loss(kind, *first, self._counts[kind]) for kind, first in self._first.items()]
 
 
 class _LeavingOut:

@@ -89,7 +89,8 @@ class Meshes:
 
     def _pieces(self, prims: list[Usd.Prim], bound: list[Bound]) -> list[Piece]:
         """Meshes of prims, what stays first."""
-        still, moving = [], []
+        still: list[Shape] = []
+        moving: list[tuple[str, Shapes, Span | None, int | None]] = []
         for prim, each in zip(prims, bound):
             with self.lost.leaving_out(prim):
                 glow = read_glow(prim, self.source, self.lost)
@@ -107,7 +108,7 @@ class Meshes:
                             moving.append((prim.GetName(), shapes, None if span.is_always else span, skin))
         pieces = [Piece(prims[0].GetName(), self._write(prims[0].GetName(), Shapes(still)))] if still else []
         return pieces + [
-            Piece(name, self._write(name, shapes), shapes.bend, *rest) for name, shapes, *rest in moving
+            Piece(name, self._write(name, shapes), shapes.bend, span, skin) for name, shapes, span, skin in moving
         ]
 
     def _take_turns(self, node: int, span: Span) -> None:

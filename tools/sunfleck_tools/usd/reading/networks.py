@@ -37,6 +37,12 @@ class Fed:
     changing: Usd.Attribute | None = None
     """What the numbers come from, where they change over time."""
 
+    @property
+    def map(self) -> Texture:
+        """The texture of an input that has one."""
+        assert self.texture is not None
+        return self.texture
+
 
 class Network:
     """A surface shader and all that feeds it."""

@@ -45,7 +45,8 @@ class Nodes:
 
     def linear(self, number: int) -> np.ndarray:
         """World from node without translation, as it stands still, metres."""
-        found, at = np.eye(3), number
+        found = np.eye(3)
+        at: int | None = number
         while at is not None:
             node = self.of(at)
             found = (

@@ -36,9 +36,9 @@ def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
     first, last = reach(codes)
     found = [codes, samples[(samples > first) & (samples < last)]]
     if splines or (samples < codes[0]).any():
-        found.append([first])
+        found.append(np.array([first]))
     if splines or (samples > codes[-1]).any():
-        found.append([last])
+        found.append(np.array([last]))
     return np.unique(np.round(np.concatenate(found), 6))
 
 

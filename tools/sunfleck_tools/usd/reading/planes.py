@@ -42,14 +42,14 @@ class Planes:
 
     def _size(self, inputs: Sequence[Fed]) -> tuple[int, int]:
         """Of a tile: the largest of all pictures, or less where that is too much; said."""
-        pictures = [self.textures.picture(path) for fed in inputs for _, path in fed.texture.files]
+        pictures = [self.textures.picture(path) for fed in inputs for _, path in fed.map.files]
         wide, high = (max(picture.size[axis] for picture in pictures) for axis in (0, 1))
         columns, rows = _grid(inputs)
         shrink = min(1.0, (MOST_BAKED / (wide * high * columns * rows)) ** 0.5)
         if shrink < 1:
             self.lost.add(
                 "usd-texture-size",
-                inputs[0].texture.place,
+                inputs[0].map.place,
                 f"{columns * wide} x {rows * high} texels are made fewer",
             )
         return max(int(wide * shrink), 1), max(int(high * shrink), 1)
@@ -60,12 +60,12 @@ class Planes:
         """Rows of numbers of each input, all of one size, what they depend on, and where they lie."""
         size, grid = self._size(inputs), _grid(inputs)
         planes = [self._texels(fed, is_color, size, grid) for fed, is_color in zip(inputs, are_colors)]
-        return (tuple(inputs), size), planes, _placed(inputs[0].texture.placement, grid)
+        return (tuple(inputs), size), planes, _placed(inputs[0].map.placement, grid)
 
     def _texels(self, fed: Fed, is_color: bool, size: tuple[int, int], grid: tuple[int, int]) -> np.ndarray:
         """What an input has at each texel: tiles of UDIM one beside the other, the first
         row at the bottom."""
-        texture, (wide, high), (columns, rows) = fed.texture, size, grid
+        texture, (wide, high), (columns, rows) = fed.map, size, grid
         whole = np.zeros((rows * high, columns * wide, 3 if fed.output == "rgb" else 1), np.float32)
         for (column, row), path in texture.files:
             try:
@@ -73,8 +73,8 @@ class Planes:
             except PictureError as error:
                 self.lost.add("usd-texture", texture.place, f"a texture is black: {error}")
                 continue
-            texels = texels * np.clip(np.float32(texture.scale), -LARGEST, LARGEST) + np.float32(
-                texture.bias or (0.0,) * 4
+            texels = texels * np.clip(np.array(texture.scale, np.float32), -LARGEST, LARGEST) + np.array(
+                texture.bias or (0.0,) * 4, np.float32
             )
             first = 0 if fed.output == "rgb" else "rgba".index(fed.output)
             top = (rows - 1 - row) * high
@@ -83,7 +83,7 @@ class Planes:
             ]
         # One channel feeds all three of a colour.
         return (
-            whole * np.float32(fed.numbers)
+            whole * np.array(fed.numbers, np.float32)
             if fed.output == "rgb" or len(fed.numbers) == 3
             else whole * fed.numbers[0]
         )
@@ -91,9 +91,9 @@ class Planes:
 
 def _grid(inputs: Sequence[Fed]) -> tuple[int, int]:
     """Columns and rows of tiles; as many of both where the placement turns, which must not stretch."""
-    tiles = [tile for fed in inputs for tile, _ in fed.texture.files]
+    tiles = [tile for fed in inputs for tile, _ in fed.map.files]
     columns, rows = 1 + max(column for column, _ in tiles), 1 + max(row for _, row in tiles)
-    moved = inputs[0].texture.placement.moved
+    moved = inputs[0].map.placement.moved
     return (max(columns, rows),) * 2 if moved is not None and moved[1] else (columns, rows)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 from pxr import Usd
@@ -43,7 +44,7 @@ def read_properties(
     return found, carried
 
 
-def _plain(value: object) -> object:
+def _plain(value: Any) -> object:
     if isinstance(value, str) and value[:1] in ("[", "{"):
         try:
             return json.loads(value)
@@ -63,7 +64,7 @@ def custom_data(prim: Usd.Prim) -> dict:
     return _unpacked(found) if isinstance(found, dict) else {}
 
 
-def _unpacked(value: object) -> object:
+def _unpacked(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _unpacked(each) for key, each in value.items()}
     return value if isinstance(value, (bool, int, float, str)) else list(map(float, value))

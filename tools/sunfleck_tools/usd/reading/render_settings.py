@@ -110,8 +110,9 @@ def _first_product(prim: Usd.Prim, lost: Losses) -> Usd.Prim | None:
 
 def _read_camera(prim: Usd.Prim, product: Usd.Prim | None, found: dict, lost: Losses) -> None:
     for asking in (product, prim):
-        targets = UsdRender.SettingsBase(asking).GetCameraRel().GetForwardedTargets() if asking else []
-        for target in targets[:1]:
+        if not asking:
+            continue
+        for target in UsdRender.SettingsBase(asking).GetCameraRel().GetForwardedTargets()[:1]:
             camera = prim.GetStage().GetPrimAtPath(target)
             if camera and camera.IsA(UsdGeom.Camera):
                 found["camera"] = target

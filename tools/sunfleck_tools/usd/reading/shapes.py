@@ -72,7 +72,7 @@ class _Outline:
         """A row for each corner of the faces that are written."""
         self.is_by_point &= stream is None or stream.is_by_point
         if stream is None or self.finer is None:
-            return stream and stream.rows(self.faces)
+            return None if stream is None else stream.rows(self.faces)
         return self.finer.stream(stream).rows(self.finer.faces)
 
 
@@ -125,16 +125,21 @@ class ShapeReader:
         points = points_at(code)
         faces = read_faces(prim, code, len(points), self.source.authored(prim))
         outline = _Outline(points, faces, points_at)
-        if self._is_refined(prim, faces, code):
+        refiner = self._refines(prim, faces, code)
+        if refiner is not None:
             authored = self.source.authored(prim)
-            outline.finer = self._refiner.subdivided(prim, faces, len(points), code, authored)
+            outline.finer = refiner.subdivided(prim, faces, len(points), code, authored)
             outline.finer_points = outline.finer.points(points)
         primvars = Primvars(prim, code, faces, self.source, self.lost)
         streams, outline.layers = primvars.coordinates()
-        outline.rows.update({each.name: outline.spread(each) for each in streams})
-        if finer := outline.finer:
+        for each in streams:
+            rows = outline.spread(each)
+            assert rows is not None
+            outline.rows[each.name] = rows
+        finer, refined = outline.finer, outline.finer_points
+        if finer is not None and refined is not None:
             outline.is_by_point = False
-            finest, refined = finer.cage_of_faces, outline.finer_points
+            finest = finer.cage_of_faces
             outline.normals_at = lambda at: smooth_normals(
                 finest, refined if at == code else finer.points(points_at(at))
             )
@@ -156,10 +161,11 @@ class ShapeReader:
         if colors is not None:
             outline.rows["COLOR_0"] = colors
 
-    def _is_refined(self, prim: Usd.Prim, faces: Faces, code: float) -> bool:
+    def _refines(self, prim: Usd.Prim, faces: Faces, code: float) -> Refiner | None:
+        """What refines a subdivision surface; None of other meshes, and where there is room for no level."""
         scheme = value_of(prim.GetAttribute("subdivisionScheme"), code)
         if scheme == UsdGeom.Tokens.none or not (faces.counts >= 3).any():
-            return False
+            return None
         if self._refiner is None:
             self._refiner = Refiner(depth_of(*_cage_faces(self.source)))
         if self._refiner.depth < LEVELS:
@@ -169,13 +175,13 @@ class ShapeReader:
                 prim.GetPath(),
                 f"{what}: the stage's subdivision surfaces have too many faces for two levels",
             )
-        return self._refiner.depth > 0
+        return self._refiner if self._refiner.depth > 0 else None
 
 
 def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list[Shape]:
     """Triangles by their materials. Raises `SceneError`."""
     finer = outline.finer
-    if finer is not None:
+    if finer is not None and outline.finer_points is not None:
         points, faces, triangles = outline.finer_points, finer.faces, finer.triangles
     else:
         points, faces = outline.points, outline.faces

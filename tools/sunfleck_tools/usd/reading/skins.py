@@ -162,6 +162,7 @@ def _tied(root: UsdSkel.Root, query: UsdSkel.SkeletonQuery, target: UsdSkel.Skin
         return None
     try:
         influences = target.ComputeVaryingJointInfluences(len(UsdGeom.Mesh(prim).GetPointsAttr().Get()))
+        joints: np.ndarray
         joints, weights = (
             np.array(each).reshape(-1, target.GetNumInfluencesPerComponent()) for each in influences
         )

@@ -232,7 +232,7 @@ def _opens(layer: Sdf.Layer, path: str) -> bool:
 
 def _of_template(template: str, clips: dict) -> Iterator[str]:
     """The files that a template such as `clip.###.usd` or `clip.###.##.usd` stands for."""
-    start, end, stride = (clips.get(f"template{name}") for name in ("StartTime", "EndTime", "Stride"))
+    start, end, stride = (clips.get(f"template{name}", math.nan) for name in ("StartTime", "EndTime", "Stride"))
     found = re.fullmatch(r"([^#]*)(#+)(?:\.(#+))?([^#]*)", template)
     usable = all(isinstance(each, (int, float)) and math.isfinite(each) for each in (start, end, stride))
     if not found or not usable or stride <= 0:

@@ -63,7 +63,8 @@ def _changes(attributes: list[Usd.Attribute], source: Source) -> list[float]:
     samples = {code for attribute in attributes for code in attribute.GetTimeSamples()}
     points, *faces = attributes
     varying = [attribute for attribute in faces if attribute.ValueMightBeTimeVarying()]
-    starts, before = [], None
+    starts: list[float] = []
+    before: tuple[object, ...] | None = None
     for code in sorted({first, *(code for code in samples if first < code <= last)}):
         here = (
             len(points.Get(code) or ()),

@@ -82,8 +82,8 @@ class Surfaces:
     def _add(self, looks: Looks) -> int:
         self.writer.extensions.update(looks.material.get("extensions", ()))
         # Instances refer to copies of their own.
-        rows = {path: (codes.tolist(), rows.tolist()) for path, (codes, rows) in looks.changing.items()}
-        text = json.dumps([looks.material, rows], sort_keys=True)
+        changing = {path: (codes.tolist(), rows.tolist()) for path, (codes, rows) in looks.changing.items()}
+        text = json.dumps([looks.material, changing], sort_keys=True)
         if text not in self._known:
             self._looks_of[len(self.writer.document.get("materials", ()))] = copy.deepcopy(looks)
             number = self._known[text] = self.writer.add("materials", looks.material)

@@ -131,7 +131,7 @@ def _pillow_head(resolved: str, data: bytes) -> Picture:
         )
         is_carried = image.format in CARRIED and image.mode in CARRIED_MODES
         picture = Picture(
-            resolved, data, image.format, _checked(image.size, MOST_TEXELS), channels, bits, is_carried
+            resolved, data, image.format or "", _checked(image.size, MOST_TEXELS), channels, bits, is_carried
         )
     if is_carried:
         _verify(data)
@@ -152,7 +152,7 @@ def _pillow_texels(data: bytes, size: tuple[int, int]) -> np.ndarray:
     """As stored: bytes, or floats from 0 to 1 of what has more bits."""
     with _opened(data) as image:
         if image.mode == "F":
-            grey = np.asarray(image, np.float32)
+            grey: np.ndarray = np.asarray(image, np.float32)
         elif image.mode.startswith("I"):
             grey = np.asarray(image, np.float32) / 65535
         else:

@@ -75,7 +75,9 @@ class Textures:
 
     def picture(self, resolved: str) -> Picture:
         """The picture of a file of a `Texture`."""
-        return self._pictures[resolved]
+        picture = self._pictures[resolved]
+        assert picture is not None, "a `Texture` has files that open"
+        return picture
 
     def read(self, shader: UsdShade.Shader, layers: list[str]) -> Texture | None:
         """The texture of a node; None, and said, without a file that can be read."""
@@ -191,7 +193,8 @@ class Textures:
             elif layers:
                 what = f"a texture by the coordinates `{name}`, which the mesh does not have, takes others"
                 self.lost.add("usd-material-input", shader.GetPath(), what)
-        return Placement(layer, moved, tuple(WRAPS.get(wrap, WRAPS["repeat"]) for wrap in wraps))
+        across, up = (WRAPS.get(wrap, WRAPS["repeat"]) for wrap in wraps)
+        return Placement(layer, moved, (across, up))
 
     def _address_modes(self, shader: UsdShade.Shader, wraps: list[str]) -> list[str]:
         """Of nodes of MaterialX, in the words of UsdUVTexture."""
@@ -209,8 +212,9 @@ class Textures:
         pairs = {"uvtiling": (1.0, 1.0), "uvoffset": (0.0, 0.0), "realworldimagesize": (1.0, 1.0), "realworldtilesize": (1.0, 1.0)}  # fmt: skip
         if not any(shader.GetInput(name) for name in pairs):
             return moved
-        found = [numbers_in(self._value(shader, name, rest), 2) for name, rest in pairs.items()]
-        if None in found or 0 in found[2] or moved is not None:
+        said = [numbers_in(self._value(shader, name, rest), 2) for name, rest in pairs.items()]
+        found = [each for each in said if each is not None]
+        if None in said or 0 in found[2] or moved is not None:
             what = "its tiling is moved by another node too, or is no numbers, and is left out"
             self.lost.add("usd-material-input", shader.GetPath(), what)
             return moved
@@ -234,15 +238,16 @@ class Textures:
         """The reverse of what export writes: glTF turns about the upper left corner, USD about
         the lower left one."""
         given = {name: self._value(shader, name, rest) for name, rest in MOVES.items()}
-        numbers = {name: numbers_in(value, 1 if name == "rotation" else 2) for name, value in given.items()}
-        if None in numbers.values():
+        said = [numbers_in(value, 1 if name == "rotation" else 2) for name, value in given.items()]
+        numbers = [each for each in said if each is not None]
+        if None in said:
             self.lost.add(
                 "usd-material-input",
                 shader.GetPath(),
                 "moves a texture by what are no numbers, and is left out",
             )
             return None
-        (degrees,), (wide, high), (x, y) = numbers.values()
+        (degrees,), (wide, high), (x, y) = numbers
         angle = math.radians(degrees)
         offset = np.round([x - high * math.sin(angle), 1 - y - high * math.cos(angle)], 7).tolist()
         return tuple(offset), angle, (wide, high)

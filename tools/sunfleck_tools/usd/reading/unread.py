@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from pxr import Usd, UsdGeom
 
@@ -59,6 +60,6 @@ def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float 
     return math.log2(scale)
 
 
-def _told(value: object) -> object:
+def _told(value: Any) -> object:
     """A value that can be compared; arrays as lists."""
     return list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
