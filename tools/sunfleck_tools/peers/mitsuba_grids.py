@@ -16,7 +16,7 @@ def grid_fog(fog: Fog) -> tuple[numpy.ndarray, dict]:
     values, node_from_unit = _dense(fog)
     world_from_unit = fog.world_from_cube @ node_from_unit
     # Mitsuba has z outermost and x fastest, a colour within.
-    density = values.transpose(2, 1, 0)[..., None] * numpy.float32(fog.density_per_m)
+    density = values.transpose(2, 1, 0)[..., None] * numpy.array(fog.density_per_m, numpy.float32)
     sigma_t = {
         "type": "gridvolume",
         "grid": mi.VolumeGrid(numpy.ascontiguousarray(density, numpy.float32)),
@@ -36,6 +36,7 @@ def grid_fog(fog: Fog) -> tuple[numpy.ndarray, dict]:
 
 def _dense(fog: Fog) -> tuple[numpy.ndarray, numpy.ndarray]:
     """Voxels with one of nothing around them, and the node's space from the unit cube that they fill."""
+    assert fog.grid is not None, "whoever asks has seen a grid"
     path, name = fog.grid
     try:
         import bpy

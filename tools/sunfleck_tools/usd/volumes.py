@@ -27,8 +27,8 @@ def write_volume(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Na
     """The fog of a node that names a file; the stage is to lie in `folder`, or packs what it names."""
     fog = node.extras.group(FOG)
     volume = prim.child(names.new(f"{node.name}_volume"), "Volume")
-    numbers = {name: value for name, value in fog.raw.items() if name not in OF_FILE}
-    write_properties(volume, FOG, numbers, node.name, gltf, sampler)
+    fields = {name: value for name, value in fog.raw.items() if name not in OF_FILE}
+    write_properties(volume, FOG, fields, node.name, gltf, sampler)
     grid = fog.text_at("grid", USUAL_GRID)
     field = volume.child(names.new(grid), "OpenVDBAsset")
     field.set("fieldName", Types.Token, grid)
@@ -77,5 +77,7 @@ def numbers_of(path: Path) -> list[int]:
 
 def _parts(path: Path) -> tuple[str, int, str]:
     """What stands before the last run of signs, how many digits that is, and what stands behind."""
-    before, signs, after = re.fullmatch(r"(.*?)(#+)([^#]*)", path.name).groups()
+    found = re.fullmatch(r"(.*?)(#+)([^#]*)", path.name)
+    assert found is not None, "whoever asks has seen signs"
+    before, signs, after = found.groups()
     return before, len(signs), after
