@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdVol
 
+from sunfleck_tools.exr.decode import decode
 from sunfleck_tools.usd import ExportOptions, export_usd, import_usd
 
 from .test_usd_export import PROGRAM, needs_program, validation_errors
@@ -47,12 +48,15 @@ class VolumeCase(LookCase):
         )
         return fog
 
+    def field(self, stage: Usd.Stage, name: str) -> UsdVol.OpenVDBAsset:
+        """Of the only volume."""
+        (volume,) = (each for each in stage.Traverse() if each.IsA(UsdVol.Volume))
+        return UsdVol.OpenVDBAsset(stage.GetPrimAtPath(UsdVol.Volume(volume).GetFieldPaths()[name]))
+
     def rendered(self, path: Path, frame: int = 1) -> np.ndarray:
         out = path.with_suffix(".exr")
-        flags = f"--frames {frame} --size 48x27 --samples 4 --bounces 0 --passes none --out {out}".split()
-        subprocess.run([PROGRAM, "render", path, *flags], check=True, capture_output=True)
-        from sunfleck_tools.exr.decode import decode
-
+        flags = f"--frames {frame} --size 48x27 --samples 4 --bounces 0 --passes none".split()
+        subprocess.run([PROGRAM, "render", path, *flags, "--out", out], check=True, capture_output=True)
         channels = decode(out)
         return np.stack([np.float64(channels[each]) for each in "RGB"], axis=-1)
 
@@ -76,8 +80,8 @@ class ThereAndBack(VolumeCase):
             exported = export_usd(source, stage, ExportOptions(program=PROGRAM))
             self.assertEqual((exported.prims["Volume"], exported.lost), (1, []))
             self.assertEqual(validation_errors(stage), [])
-            (prim,) = (each for each in Usd.Stage.Open(str(stage)).Traverse() if each.IsA(UsdVol.Volume))
-            field = UsdVol.OpenVDBAsset(prim.GetStage().GetPrimAtPath(UsdVol.Volume(prim).GetFieldPaths()["heat"]))
+            opened = Usd.Stage.Open(str(stage))
+            field = self.field(opened, "heat")
             self.assertEqual(field.GetFilePathAttr().Get().path, "./my scene/mist.vdb")
             self.assertEqual(field.GetFieldNameAttr().Get(), "heat")
             imported = import_usd(stage, back)
@@ -104,9 +108,8 @@ class ThereAndBack(VolumeCase):
         package = self.folder / "stage.usdz"
         export_usd(source, package, ExportOptions(program=PROGRAM))
         shutil.rmtree(source.parent)
-        (prim,) = (each for each in Usd.Stage.Open(str(package)).Traverse() if each.IsA(UsdVol.Volume))
-        field = prim.GetStage().GetPrimAtPath(UsdVol.Volume(prim).GetFieldPaths()["density"])
-        self.assertIn("[", UsdVol.OpenVDBAsset(field).GetFilePathAttr().Get().resolvedPath)
+        opened = Usd.Stage.Open(str(package))
+        self.assertIn("[", self.field(opened, "density").GetFilePathAttr().Get().resolvedPath)
 
 
 class Foreign(VolumeCase):
