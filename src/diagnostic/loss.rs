@@ -137,6 +137,7 @@ losses! {
     ExportSky "export-sky" "the sky does not change in glTF, it stays as it is at the start"
     ExportChange "export-change" "a change of a material is not carried by glTF"
     ExportMaterial "export-material" "what a material shows is not carried by glTF"
+    ExportMist "export-mist" "billows of mist are not carried by glTF, their bank of fog is left out"
     ExportShape "export-shape" "what bends is carried to a tolerance"
 }
 

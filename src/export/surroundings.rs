@@ -16,6 +16,11 @@ impl Writer<'_> {
     /// Adds every bank of fog, at its node.
     pub(super) fn add_fogs(&mut self) {
         for fog in &self.scene.fogs {
+            if let FogShape::Mist(_) = fog.shape {
+                let found = format!("fog.{}: mist is not carried by glTF, the bank is left out", fog.name);
+                self.lost(Loss::ExportMist, found);
+                continue;
+            }
             let written = self.fog(fog);
             let is_taken = |node: &Map<String, Value>| {
                 node.get("extras").is_some_and(|extras| extras.get("sunfleck_fog_volume").is_some())
@@ -43,6 +48,8 @@ impl Writer<'_> {
         match &fog.shape {
             FogShape::EvenBox | FogShape::ThinningBox(_) => written["shape"] = json!("box"),
             FogShape::Layer(_) => written["shape"] = json!("layer"),
+            // Left out, and said.
+            FogShape::Mist(_) => {}
             FogShape::Voxels(grids) => {
                 let uri = beside::uri(&grids.path, self.folder);
                 self.files.insert(uri.clone());

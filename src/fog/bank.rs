@@ -64,7 +64,7 @@ impl FogBank {
         Self { density: Density::Thinning(falloff), ..self }
     }
 
-    /// Fog as dense as voxels are, whose largest number stands for `sigma_t`; `None` if it does nothing.
+    /// Fog as dense as voxels are, of which 1 stands for `sigma_t`; `None` if it does nothing.
     pub fn of_voxels(
         relative_from_voxel: DAffine3,
         grid: Arc<SunlitVoxels>,
@@ -75,6 +75,7 @@ impl FogBank {
         let (low, high) = grid.voxels.bounds();
         let voxel_from_cube =
             DAffine3 { matrix3: DMat3::from_diagonal(0.5 * (high - low)), translation: 0.5 * (low + high) };
+        let sigma_t = grid.voxels.most() * sigma_t;
         let bank = Self::in_box(relative_from_voxel * voxel_from_cube, sigma_t, albedo, g)?;
         Some(Self { density: Density::Voxels(VoxelFog::new(relative_from_voxel, grid)), ..bank })
     }

@@ -4,6 +4,7 @@
 use glam::{DVec3, IVec3};
 use std::collections::HashMap;
 use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Voxels along an edge of a brick, as a power of two.
 const LOG_EDGE: i32 = 3;
@@ -13,6 +14,8 @@ pub const BRICK: usize = 512;
 /// Places in the table at most: 64 MB.
 const MOST_PLACES: u64 = 1 << 24;
 const NOTHING: u32 = u32::MAX;
+
+static IDS: AtomicU64 = AtomicU64::new(0);
 
 /// A grid of numbers, none of them negative.
 pub struct Voxels {
@@ -28,16 +31,18 @@ pub struct Voxels {
     low: IVec3,
     high: IVec3,
     most: f32,
+    /// No two grids of a process have the same.
+    id: u64,
 }
 
 /// Where values of a brick begin and those of the seven next to it that its cells have corners in: ahead
 /// along x by bit 0 of the index, y by bit 1, z by bit 2.
 pub(super) type Neighbours = [u32; 8];
 
-/// By where it lies: its numbers never change.
+/// By its id: its numbers never change.
 impl fmt::Debug for Voxels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Voxels({self:p})")
+        write!(f, "Voxels({})", self.id)
     }
 }
 
@@ -126,6 +131,7 @@ impl VoxelsBuilder {
             values: self.values,
             low: IVec3::MAX,
             high: IVec3::MIN,
+            id: IDS.fetch_add(1, Ordering::Relaxed),
         };
         let nothing = voxels.values.len() as u32;
         voxels.values.resize(voxels.values.len() + BRICK, 0.0);
@@ -164,6 +170,11 @@ impl Voxels {
     /// Corners of the box outside of which it is nothing.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         ((self.low - 1).as_dvec3(), (self.high + 1).as_dvec3())
+    }
+
+    /// What it takes, in bytes.
+    pub fn memory(&self) -> usize {
+        size_of_val(&*self.values) + size_of_val(&*self.neighbours) + size_of_val(&*self.table)
     }
 
     /// Its largest number.

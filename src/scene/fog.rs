@@ -1,7 +1,7 @@
 //! Banks of fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| <= 0.9999`, scale heights
 //! above 0; fog without bounds thins out with height, or no sunlight would come through it.
 
-use super::{GridFrames, NodeIndex, Track};
+use super::{GridFrames, Mist, NodeIndex, Track};
 use crate::color::Rgb;
 
 /// More banks of fog than this are refused: sets of them are bit masks in the inner loops.
@@ -37,13 +37,15 @@ pub enum FogShape {
     Layer(HeightFalloff),
     /// As dense as the grids of files are, whose own space is the shape's.
     Voxels(GridFrames),
+    /// Billows that drift, within a box of the shape's own space.
+    Mist(Box<Mist>),
 }
 
 impl FogShape {
     /// How the fog thins out, if it does.
     pub fn falloff(&self) -> Option<&HeightFalloff> {
         match self {
-            Self::EvenBox | Self::Voxels(_) => None,
+            Self::EvenBox | Self::Voxels(_) | Self::Mist(_) => None,
             Self::ThinningBox(falloff) | Self::Layer(falloff) => Some(falloff),
         }
     }

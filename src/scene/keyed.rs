@@ -2,7 +2,7 @@
 //! Invariant: a value that can be keyed is in this list, so whether a scene is still and how long it
 //! moves are told alike.
 
-use super::{Animate, Extend, FogShape, GridFrames, Motion, Node, Rotation, Scene, Track};
+use super::{Animate, Extend, FogShape, GridFrames, Mist, Motion, Node, Rotation, Scene, Track};
 
 /// A track of some value.
 pub trait Keyed {
@@ -40,6 +40,21 @@ impl Keyed for GridFrames {
 
     fn is_endless(&self) -> bool {
         false
+    }
+}
+
+impl Keyed for Mist {
+    fn is_constant(&self) -> bool {
+        self.wind.is_still() && self.tracks().all(Track::is_constant)
+    }
+
+    fn span_s(&self) -> Option<(f64, f64)> {
+        let spans = self.tracks().map(Track::span_s).chain([self.wind.track().span_s()]);
+        spans.flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    fn is_endless(&self) -> bool {
+        !self.wind.is_still() || self.tracks().any(Keyed::is_endless)
     }
 }
 
@@ -103,8 +118,10 @@ impl Scene {
             if let Some(falloff) = FogShape::falloff(&fog.shape) {
                 tracks.push(&falloff.scale_height_m);
             }
-            if let FogShape::Voxels(grids) = &fog.shape {
-                tracks.push(grids);
+            match &fog.shape {
+                FogShape::Voxels(grids) => tracks.push(grids),
+                FogShape::Mist(mist) => tracks.push(&**mist),
+                FogShape::EvenBox | FogShape::ThinningBox(_) | FogShape::Layer(_) => {}
             }
             tracks
         });

@@ -61,7 +61,7 @@ impl<'scene> Contents<'scene> {
         let nodes = instances.chain(scene.fogs.iter().map(|fog| fog.node));
         let visible = nodes.map(|node| &placements[node]).filter(|placement| placement.visible);
         let eye = median(visible.map(|placement| placement.world_from_node.translation));
-        Self::of(&Moment { scene, time_s, placements, eye }, trees, shining)
+        Self::of(&Moment { scene, time_s, frame_s: time_s, placements, eye }, trees, shining)
     }
 
     /// Ready to be traced about its origin.

@@ -4,7 +4,7 @@
 //! same order.
 
 use super::moment::shining;
-use super::{Contents, MeshTrees, MotionField, Shutter, Snapshot};
+use super::{Contents, Instant, MeshTrees, MotionField, Shutter, Snapshot};
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Scene, matte_id};
 use std::sync::Arc;
@@ -71,9 +71,13 @@ impl<'scene> Exposure<'scene> {
         let either = |a: Vec<bool>, b: Vec<bool>| a.into_iter().zip(b).map(|(a, b)| a | b).collect();
         let shining = times_s.iter().map(|time_s| shining(scene, *time_s));
         let shines = shining.reduce(either).unwrap_or_default();
-        let freeze = |time_s: &f64| Snapshot::at(scene, trees, (camera, aspect), *time_s, &shines);
+        let middle_s = times_s[moments / 2];
+        let freeze = |&time_s: &f64| {
+            let instant = Instant { time_s, frame_s: middle_s };
+            Snapshot::at(scene, trees, (camera, aspect), instant, &shines)
+        };
         let frozen = chosen(&times_s).iter().map(freeze).collect();
-        Self { moments: frozen, scene, trees, middle_s: times_s[moments / 2], shining: shines }
+        Self { moments: frozen, scene, trees, middle_s, shining: shines }
     }
 
     /// The moment in the middle, wherever the camera stands.

@@ -111,6 +111,14 @@ pub struct Snapshot<'scene> {
     glow: OnceLock<Option<Glow>>,
 }
 
+/// A moment of a frame.
+#[derive(Clone, Copy)]
+struct Instant {
+    time_s: f64,
+    /// In the middle of the shutter.
+    frame_s: f64,
+}
+
 impl<'scene> Snapshot<'scene> {
     /// Freezes `scene` as its camera number `camera` sees it in the middle of `shutter`.
     ///
@@ -123,7 +131,8 @@ impl<'scene> Snapshot<'scene> {
         shutter: Shutter,
     ) -> Self {
         let time_s = shutter.middle_s();
-        Self::at(scene, trees, (camera, aspect), time_s, &shining(scene, time_s))
+        let instant = Instant { time_s, frame_s: time_s };
+        Self::at(scene, trees, (camera, aspect), instant, &shining(scene, time_s))
     }
 
     /// Freezes a moment with those of the scene's lights of which `shining` says so.
@@ -131,13 +140,13 @@ impl<'scene> Snapshot<'scene> {
         scene: &'scene Scene,
         trees: &MeshTrees,
         (camera, aspect): (usize, f64),
-        time_s: f64,
+        Instant { time_s, frame_s }: Instant,
         shining: &[bool],
     ) -> Self {
         let placements = scene.placements(time_s);
         let camera = &scene.cameras[camera];
         let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
-        let moment = Moment { scene, time_s, placements, eye: view.eye };
+        let moment = Moment { scene, time_s, frame_s, placements, eye: view.eye };
         Contents::of(&moment, trees, shining).seen_by(view)
     }
 

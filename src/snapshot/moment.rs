@@ -16,6 +16,8 @@ use std::sync::Arc;
 pub(super) struct Moment<'scene> {
     pub(super) scene: &'scene Scene,
     pub(super) time_s: f64,
+    /// Of the frame: mist is that of the middle of the shutter.
+    pub(super) frame_s: f64,
     /// Of its nodes.
     pub(super) placements: Vec<Placement>,
     /// The origin of relative space, in the world.
@@ -108,14 +110,13 @@ impl<'scene> Moment<'scene> {
             FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
             FogShape::Voxels(grids) => {
                 let GridFrame { shape_from_voxel, voxels, .. } = grids.at(time_s);
-                let sigma_t = voxels.voxels.most() * sigma_t;
-                FogBank::of_voxels(
-                    relative_from_node * *shape_from_voxel,
-                    Arc::clone(voxels),
-                    sigma_t,
-                    albedo,
-                    g,
-                )
+                let relative_from_voxel = relative_from_node * *shape_from_voxel;
+                FogBank::of_voxels(relative_from_voxel, Arc::clone(voxels), sigma_t, albedo, g)
+            }
+            FogShape::Mist(mist) => {
+                let shape_from_voxel = DAffine3::from_scale(DVec3::splat(mist.voxel_m));
+                let voxels = mist.voxels(self.frame_s)?;
+                FogBank::of_voxels(relative_from_node * shape_from_voxel, voxels, sigma_t, albedo, g)
             }
         }
     }

@@ -16,6 +16,7 @@ mod interruption;
 mod leftovers;
 mod live;
 mod losses;
+mod mist;
 mod previews;
 mod program;
 mod questions;

@@ -78,8 +78,7 @@ fn optical_depths_are_those_of_many_steps() {
     let relative_from_voxel = turned();
     let voxels = puff();
     let voxel_from_relative = relative_from_voxel.inverse();
-    let most = voxels.most();
-    let at = |point: DVec3| voxels.at(voxel_from_relative.transform_point3(point)) / most;
+    let at = |point: DVec3| voxels.at(voxel_from_relative.transform_point3(point));
     let grid = Arc::new(SunlitVoxels::from(puff()));
     let bank = FogBank::of_voxels(relative_from_voxel, grid, Rgb::splat(1.2), Rgb::ONE, 0.0);
     let medium = Medium::new(vec![bank.expect("fog")]);

@@ -172,6 +172,15 @@ fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::
     let bounds = match &fog.shape {
         FogShape::EvenBox | FogShape::ThinningBox(_) => format!("within {low:.3} to {high:.3}"),
         FogShape::Layer(_) => String::from("without bounds"),
+        FogShape::Mist(mist) => {
+            let [low, high] = mist.bounds;
+            let of_voxels = mist.voxels(time_s).map_or(0, |voxels| voxels.voxels.memory());
+            let memory_mb = of_voxels as f64 / 1e6;
+            format!(
+                "billows of {} m and smaller within {low:.3} to {high:.3}, a voxel every {:.3} m, {memory_mb:.1} MB",
+                mist.size_m, mist.voxel_m
+            )
+        }
         FogShape::Voxels(grids) => {
             let grid = grids.at(time_s);
             let voxels = &grid.voxels.voxels;

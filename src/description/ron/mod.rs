@@ -12,6 +12,7 @@ mod leaves;
 mod meant;
 mod mesh;
 mod misplaced;
+mod mist;
 mod named;
 mod number;
 mod parse;
@@ -36,6 +37,7 @@ pub use fall::{Emitter, Fall, FallGround, MOST_FALLING, Motion, Species, Wind};
 pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
 pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
 pub use mesh::Mesh;
+pub use mist::{Mist, MistShape};
 pub use named::Named;
 pub use number::{
     AirSpeed, AirVelocity, Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FStop, FieldOfView, Finite,

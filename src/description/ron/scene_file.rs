@@ -6,6 +6,7 @@ use super::fall::Fall;
 use super::keyed::Keyed;
 use super::leaves::Leaves;
 use super::mesh::Mesh;
+use super::mist::Mist;
 use super::named::Named;
 use super::number::{
     Anisotropy, Degrees, Direction, DiscAngle, FStop, FieldOfView, Finite, FocusDistance, HalfAngle,
@@ -333,6 +334,8 @@ pub struct Fog {
     pub vdb: Option<PathBuf>,
     /// The file's grid that does [default: `density`].
     pub grid: Option<String>,
+    /// Billows that it is made of, in its box.
+    pub mist: Option<Mist>,
     /// Extinction coefficient sigma_t where the fog is densest; of voxels that of 1 in them.
     pub density_per_m: Keyed<Triple<NonNegative>>,
     /// How much of the extinction is scattering.

@@ -5,7 +5,6 @@
 //!
 //! docs/decisions/falling.md says what is modelled, what is dressing, and what was compared with whom.
 
-mod drift;
 mod emitter;
 mod flight;
 mod flown;

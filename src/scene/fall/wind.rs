@@ -1,9 +1,9 @@
 //! The air's velocity at any place and time. Invariant: eddies have no divergence, so that leaves
 //! neither gather nor thin out because of them, and every machine finds the same wind to the last bit.
 
-use super::drift::Drift;
 use crate::math::Chance;
 use crate::scene::Track;
+use crate::scene::drift::Drift;
 use glam::DVec3;
 use std::f64::consts::TAU;
 

@@ -311,7 +311,7 @@ impl Resolver<'_> {
     }
 
     /// The triangles of an object's mesh in the world, if it never moves.
-    fn still_triangles(&mut self, field: &str, name: &str) -> Option<Vec<[DVec3; 3]>> {
+    pub(super) fn still_triangles(&mut self, field: &str, name: &str) -> Option<Vec<[DVec3; 3]>> {
         let node = self.problems.find(field, "object", name, &self.nodes)?;
         if self.changes_shape(field, name) {
             return None;

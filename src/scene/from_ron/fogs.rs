@@ -10,9 +10,11 @@ impl Resolver<'_> {
     pub(super) fn fogs(&mut self) {
         for (name, fog) in self.file.fog.iter() {
             let owner = format!("fog.{name}");
+            let mist = fog.mist.as_ref().map(|mist| self.mist(&owner, fog, mist));
             let grids = fog.vdb.as_deref().map(|vdb| self.fog_grids(&owner, fog, vdb));
             let (bounds, falloff) = match (&grids, &fog.grid) {
                 (Some(_), _) => (None, None),
+                (None, None) if mist.is_some() => (None, None),
                 (None, grid) => {
                     if grid.is_some() {
                         let found = "`grid` names one of a file that is not named";
@@ -33,6 +35,7 @@ impl Resolver<'_> {
             let albedo = track(&fog.albedo, &format!("{owner}.albedo"), problems);
             let anisotropy = track(&fog.anisotropy, &format!("{owner}.anisotropy"), problems);
             let shape = match (bounds, falloff) {
+                (None, None) if let Some(Some(mist)) = mist => FogShape::Mist(Box::new(mist)),
                 (None, None) if let Some(Some(grids)) = grids => FogShape::Voxels(grids),
                 (Some(_), None) => FogShape::EvenBox,
                 (Some(_), Some(falloff)) => FogShape::ThinningBox(falloff),
@@ -62,7 +65,7 @@ impl Resolver<'_> {
     }
 
     /// The corners of the box, if there is one.
-    fn fog_bounds(&mut self, owner: &str, fog: &ron::Fog) -> Option<[DVec3; 2]> {
+    pub(super) fn fog_bounds(&mut self, owner: &str, fog: &ron::Fog) -> Option<[DVec3; 2]> {
         match (fog.min_m, fog.max_m) {
             (Some(min), Some(max)) => {
                 let (min, max) = (min.si(), max.si());

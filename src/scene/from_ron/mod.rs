@@ -9,6 +9,7 @@ mod leaf_sites;
 mod leaves;
 mod lights;
 mod masks;
+mod mists;
 mod moving;
 mod normal_maps;
 mod obj_models;

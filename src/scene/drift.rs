@@ -12,14 +12,14 @@ const PARTS: usize = 64;
 
 /// A velocity, m/s, and its integral.
 #[derive(Clone, Debug)]
-pub(super) struct Drift {
+pub(crate) struct Drift {
     velocity: Track<DVec3>,
     /// From the first key to where each part begins, and to the last key.
     ways: Vec<DVec3>,
 }
 
 impl Drift {
-    pub(super) fn new(velocity: Track<DVec3>) -> Self {
+    pub(crate) fn new(velocity: Track<DVec3>) -> Self {
         let mut drift = Self { ways: vec![DVec3::ZERO], velocity };
         let mut way = DVec3::ZERO;
         for key in 1..drift.velocity.times_s().len() {
@@ -30,6 +30,16 @@ impl Drift {
             }
         }
         drift
+    }
+
+    /// Whether no wind blows, ever.
+    pub(super) fn is_still(&self) -> bool {
+        self.velocity.is_constant() && self.velocity.at(0.0) == DVec3::ZERO
+    }
+
+    /// Its keys.
+    pub(super) fn track(&self) -> &Track<DVec3> {
+        &self.velocity
     }
 
     pub(super) fn velocity(&self, time_s: f64) -> DVec3 {

@@ -1,0 +1,93 @@
+//! Mist in, what drifts in a box out. Invariant: it has a box, and no more voxels than memory is asked for.
+
+use super::{Resolver, track};
+use crate::description::ron;
+use crate::scene::drift::Drift;
+use crate::scene::mist::usual_voxel_m;
+use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist, MistShape};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Of the largest billows' width, over which mist fades.
+const USUAL_EDGE: f64 = 0.5;
+
+impl Resolver<'_> {
+    /// The mist of a bank; `None` where it is refused.
+    pub(super) fn mist(&mut self, owner: &str, fog: &ron::Fog, mist: &ron::Mist) -> Option<Mist> {
+        let bounds = self.mist_bounds(owner, fog)?;
+        let size_m = mist.size_m.si();
+        let usual_m = usual_voxel_m(bounds, size_m, mist.octaves.get());
+        let voxel_m = mist.voxel_m.map_or(usual_m, ron::Number::si);
+        let count = ((bounds[1] - bounds[0]) / voxel_m).element_product();
+        if count > MOST_MIST_VOXELS {
+            let found = format!("mist with a voxel every {voxel_m} m has {count:.0} of them");
+            let expected = format!("{MOST_MIST_VOXELS:.0} at most");
+            let remedy = "make `voxel_m` larger, or the box smaller";
+            self.problems.error(&format!("{owner}.mist"), &found, &expected, remedy);
+            return None;
+        }
+        let ground = match &mist.ground {
+            Some(name) => Some(Arc::new(self.mist_ground(owner, fog, name, (bounds, voxel_m))?)),
+            None => None,
+        };
+        let problems = &mut self.problems;
+        let field = |name: &str| format!("{owner}.mist.{name}");
+        let cover = track(&mist.cover, &field("cover"), problems);
+        let wind = track(&mist.wind_m_per_s, &field("wind_m_per_s"), problems);
+        let evolution_turns = track(&mist.evolution_turns, &field("evolution_turns"), problems);
+        let scale_height_m = match &fog.scale_height_m {
+            Some(height) => Some(track(height, &format!("{owner}.scale_height_m"), problems)?),
+            None => None,
+        };
+        Some(Mist {
+            bounds,
+            shape: match mist.shape {
+                ron::MistShape::Box => MistShape::Box,
+                ron::MistShape::Ellipsoid => MistShape::Ellipsoid,
+            },
+            edge_m: mist.edge_m.map_or(USUAL_EDGE * size_m, ron::Number::si),
+            size_m,
+            octaves: mist.octaves.get(),
+            cover: cover?,
+            wind: Drift::new(wind?),
+            evolution_turns: evolution_turns?,
+            base_m: fog.base_m.map_or(bounds[0].y, ron::Number::si),
+            scale_height_m,
+            ground,
+            seed: mist.seed,
+            voxel_m,
+            kept: Arc::default(),
+        })
+    }
+
+    fn mist_bounds(&mut self, owner: &str, fog: &ron::Fog) -> Option<[DVec3; 2]> {
+        if fog.vdb.is_some() {
+            let found = "`mist` stands beside `vdb`, whose voxels say how dense the fog is";
+            self.problems.error(owner, found, "one of the two", "take one out, or add a bank of fog");
+            return None;
+        }
+        if fog.min_m.is_none() && fog.max_m.is_none() {
+            let found = "`mist` has no box";
+            self.problems.error(owner, found, "`min_m` and `max_m`", "add the corners of a box");
+            return None;
+        }
+        self.fog_bounds(owner, fog)
+    }
+
+    fn mist_ground(
+        &mut self,
+        owner: &str,
+        fog: &ron::Fog,
+        name: &str,
+        (bounds, voxel_m): ([DVec3; 2], f64),
+    ) -> Option<GroundHeights> {
+        let field = format!("{owner}.mist.ground");
+        if fog.parent.is_some() {
+            let found = "mist with a `parent` has a ground, which stays where it is";
+            self.problems.error(&field, found, "one of the two", "take `parent` or `ground` out");
+            return None;
+        }
+        let triangles = self.still_triangles(&field, name)?;
+        Some(GroundHeights::new(bounds, voxel_m, &triangles))
+    }
+}
