@@ -71,6 +71,8 @@ def of_scene(scene):
                 yield Finding("sky-disc")
         if world.changes(scene):
             yield Finding("world-changes")
+        if scene.world and world.depends_on_rays(scene):
+            yield Finding("world-depends-on-rays")
         if world.lights(scene) == "nothing" and (world.shines(scene) or world.is_baked(scene)):
             yield Finding("world-lights-nothing")
     elif own.background_strength == 0.0 and world.shines(scene):

@@ -74,6 +74,9 @@ def is_lost(thing):
 
 def read(link):
     node = link.from_node
+    if node.type in {"GROUP", "GROUP_INPUT"} and not node.mute:
+        with sockets.behind(link.from_socket) as socket:
+            return input_of(socket)
     reader = READERS.get(node.type)
     if node.mute or reader is None or getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
         raise NotSimple(node)

@@ -15,6 +15,7 @@ from urllib.parse import quote
 import bpy
 
 from . import keys, world_picture, world_sun
+from .materials import dependence
 from .materials.colours import rec709
 from .materials.sockets import link_to
 
@@ -70,6 +71,11 @@ def is_baked(scene):
 def changes(scene):
     """Whether it is keyed or driven."""
     return keys.changes(scene.world)
+
+
+def depends_on_rays(scene):
+    """Whether it is another for the camera than for what it lights."""
+    return any(dependence.LOST.get(node.type) == dependence.VIEW for node in dependence.nodes_of(scene.world))
 
 
 def of_world(scene, path):

@@ -110,6 +110,13 @@ def seasons(scene):
     scene["season"] = 0.9
 
 
+def path_of_a_property(scene):
+    """Of a part of one Cycles knows nothing."""
+    tree = matte()
+    asked = tree.node("Attribute", attribute_type="OBJECT", attribute_name="location.z")
+    leaves(scene, between(tree, output(asked, "Factor", "Fac")))
+
+
 def places(scene):
     tree = matte()
     apart, span = tree.node("SeparateXYZ"), tree.node("Math", operation="MULTIPLY")
@@ -220,16 +227,55 @@ def strips(scene):
     leaves(scene, tree, 1)
 
 
+def group_of(tree, kind, **sockets):
+    """A node of a group with one node in it, whose named inputs are the group's."""
+    group = bpy.data.node_groups.new("group", "ShaderNodeTree")
+    start, inner, end = (group.nodes.new(name) for name in ("NodeGroupInput", kind, "NodeGroupOutput"))
+    group.interface.new_socket("out", in_out="OUTPUT", socket_type=inner.outputs[0].bl_idname)
+    group.links.new(inner.outputs[0], end.inputs["out"])
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    for name, value in sockets.items():
+        group.interface.new_socket(name, in_out="INPUT", socket_type=inner.inputs[name].bl_idname)
+        group.links.new(start.outputs[name], inner.inputs[name])
+        node.inputs[name].default_value = value
+    return node
+
+
 def grouped(scene):
+    """Keys within a group, in another as an input of its own."""
     tree = matte()
-    group = bpy.data.node_groups.new("colour", "ShaderNodeTree")
-    group.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
-    end, color = group.nodes.new("NodeGroupOutput"), group.nodes.new("ShaderNodeRGB")
-    group.links.new(color.outputs["Color"], end.inputs["Color"])
-    keyed(color.outputs["Color"], "default_value", (RED, GREEN))
-    node = tree.node("Group", node_tree=group)
-    tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
+    color = group_of(tree.material.node_tree, "ShaderNodeRGB")
+    keyed(color.node_tree.nodes["Color"].outputs["Color"], "default_value", (RED, GREEN))
+    shader = group_of(tree.material.node_tree, "ShaderNodeBsdfDiffuse", Color=RED)
+    tree.link(color.outputs["out"], shader.inputs["Color"])
+    tree.link(shader.outputs["out"], tree.output.inputs["Surface"])
     leaves(scene, tree)
+
+
+def light_in_a_group(scene):
+    leaves(scene, matte())
+    sun = scene.objects["sun"].data
+    sun.use_nodes = True
+    node = group_of(sun.node_tree, "ShaderNodeEmission", Strength=1.0)
+    keyed(node.inputs["Strength"], "default_value", (1.0, 5.0))
+    inner = node.node_tree.nodes
+    warm = inner.new("ShaderNodeBlackbody")
+    warm.inputs["Temperature"].default_value = 3000.0
+    shader = next(one for one in inner if one.type == "EMISSION")
+    node.node_tree.links.new(warm.outputs["Color"], shader.inputs["Color"])
+    output = next(one for one in sun.node_tree.nodes if one.type == "OUTPUT_LIGHT")
+    sun.node_tree.links.new(node.outputs["out"], output.inputs["Surface"])
+
+
+def world_by_rays(scene):
+    leaves(scene, matte())
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
+    background = next(node for node in nodes if node.type == "BACKGROUND")
+    links.new(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], background.inputs["Strength"])
+    scene.sunfleck_settings.use_world = True
 
 
 def keyed_shutter(scene):
@@ -317,6 +363,26 @@ def thin_wall(scene):
     leaves(scene, tree)
 
 
+def thin_wall_of_a_texture(scene):
+    """How much is scattered through differs from place to place."""
+    thin_wall(scene)
+    tree = bpy.data.materials["shade"].node_tree
+    weight = tree.nodes["Principled BSDF"].inputs["Subsurface Weight"]
+    tree.links.new(output(tree.nodes.new("ShaderNodeTexNoise"), "Factor", "Fac"), weight)
+
+
+def thin_metal(scene):
+    thin_wall(scene)
+    shader = bpy.data.materials["shade"].node_tree.nodes["Principled BSDF"]
+    shader.inputs["Metallic"].default_value = 0.5
+
+
+def sheen(scene):
+    tree = matte()
+    tree.shader.inputs["Sheen Weight"].default_value = 0.5
+    leaves(scene, tree)
+
+
 def rough_transmission(scene):
     tree = matte()
     tree.shader.inputs["Transmission Weight"].default_value = 0.6
@@ -338,6 +404,12 @@ def two_sided_by_shaders(scene):
     tree.mixed(tree.node("NewGeometry").outputs["Backfacing"], tree.shader, other)
     for leaf in leaves(scene, tree)[::2]:
         leaf.rotation_euler.x += math.pi
+
+
+def two_sided_and_transparent(scene):
+    tree = between(tree := matte(), tree.node("NewGeometry").outputs["Backfacing"])
+    tree.shader.inputs["Alpha"].default_value = 0.6
+    leaves(scene, tree)
 
 
 def two_sided_and_translucent(scene):
@@ -402,6 +474,12 @@ def fog_box(scene, **rays):
     return tree, scatter
 
 
+def fog_in_a_group(scene):
+    tree, scatter = fog_box(scene)
+    node = group_of(tree.material.node_tree, "ShaderNodeVolumeScatter", Density=0.3)
+    tree.link(node.outputs["out"], tree.output.inputs["Volume"])
+
+
 def fog_of_noise(scene):
     tree, scatter = fog_box(scene)
     tree.link(output(tree.node("TexNoise"), "Factor", "Fac"), scatter.inputs["Density"])
@@ -419,10 +497,15 @@ BESIDE = {
     "missing attribute": (missing_attribute, 1, EXACT), "strips": (strips, 10, EXACT), "velocities": (velocities, 6, EXACT),
     "two-sided": (two_sided, 1, EXACT), "two-sided by shaders": (two_sided_by_shaders, 1, EXACT),
     "hair": (hair, 1, BAKED), "thin wall": (thin_wall, 1, EXACT), "fog box": (fog_box, 6, EXACT),
+    "thin wall of a texture": (thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
+    "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (fog_in_a_group, 1, EXACT),
+    "path of a property": (path_of_a_property, 1, EXACT),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {
-    "keys in a group": (grouped, "material-changes"), "keyed shutter": (keyed_shutter, "shutter-changes"),
+    "world by rays": (world_by_rays, "world-depends-on-rays"), "sheen": (sheen, "material-lost"),
+    "thin metal": (thin_metal, "material-lost"), "two-sided and transparent": (two_sided_and_transparent, "material-lost"),
+    "keyed shutter": (keyed_shutter, "shutter-changes"),
     "velocities at the start": (lambda scene: velocities(scene, "START"), "velocity-blur"),
     "volume of nodes": (nodes_volume, "volume"), "pencil of nodes": (nodes_pencil, "grease-pencil"),
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hair, "hair"),
@@ -433,4 +516,6 @@ SAID = {
     "fog unseen": (lambda scene: fog_box(scene, visible_camera=False), "ray-visibility"),
 }
 # What came after Blender 5.0.
-LATER = {"thin wall": (5, 2), "light info": (5, 1)}
+LATER = {
+    "thin wall": (5, 2), "thin wall of a texture": (5, 2), "thin metal": (5, 2), "light info": (5, 1),
+}

@@ -23,6 +23,8 @@ PARTS = {
     "more-than-all",
     "attribute-above-one",
     "transmission",
+    "sheen",
+    "thin-wall",
     "mean-colours",
     "nearly-...",
     "count-...",

@@ -15,7 +15,7 @@ from bpy.app.handlers import persistent
 
 from ..evaluated import simulations, walk
 from ..evaluated.moments import Shutter
-from ..materials import inputs
+from ..materials import blackbody, colours, inputs
 from ..world import ENGINE
 from . import passes
 
@@ -36,6 +36,7 @@ def begin(scene, *_):
     finish(scene)
     if scene.render.engine != ENGINE:
         return
+    blackbody.table(colours.working_space())
     inputs.know([*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights], bpy.data.node_groups)
     if simulations.any_in(scene):
         _running[scene.name] = Running(scene)

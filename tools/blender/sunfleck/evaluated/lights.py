@@ -50,14 +50,13 @@ def of_nodes(light):
     link = sockets.link_to(output.inputs["Surface"]) if output else None
     if link is None:
         return (0.0, 0.0, 0.0)
-    if link.from_node.type != "EMISSION" or link.from_node.mute:
-        return None
     try:
         surface = closures.read(link)
     except sockets.NotSimple:
         return None
-    sources = [surface.sources[name] for name in ("emission", "emission_strength")]
-    if surface.losses or not all(source.is_constant() for source in sources):
+    sources = [surface.sources.get(name) for name in ("emission", "emission_strength")]
+    is_light = surface.sources["base"] == closures.BLACK and None not in sources
+    if surface.losses or not is_light or not all(source.is_constant() for source in sources):
         return None
     tint, strength = sources[0].factor, sources[1].number()
     return tuple(max(0.0, channel * strength) for channel in tint)

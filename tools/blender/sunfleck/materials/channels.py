@@ -86,11 +86,11 @@ class Channels:
         emission = self.product(
             self.value(node.inputs["Emission Color"]), self.value(node.inputs["Emission Strength"])
         )
-        base, shares = self.product(self.value(node.inputs["Base Color"]), cover), (1.0, 0.0)
+        base, share = self.product(self.value(node.inputs["Base Color"]), cover), 0.0
         if sheets.is_sheet(node):
-            shares = sheets.shares(node)
+            share = self.product(self.value(node.inputs["Subsurface Weight"]), sheets.through(node))
         return {
-            "reflected": self.product(base, shares[0]), "through": self.product(base, shares[1]),
+            "reflected": self.mix(share, base, 0.0), "through": self.product(base, share),
             "emission": self.product(emission, cover), "cover": cover,
             "roughness": self.product(self.value(node.inputs["Roughness"]), cover),
             "metallic": self.product(self.value(node.inputs["Metallic"]), cover),
@@ -142,6 +142,8 @@ class Channels:
         return a if same(a, b) else self.node("MIX", a, b, share)
 
     def product(self, a, b):
+        if isinstance(a, float) and isinstance(b, float):
+            return a * b
         if same(a, 1.0):
             return b
         if same(b, 1.0):

@@ -19,6 +19,9 @@ def read(link):
     node = link.from_node
     if node.mute:
         raise NotSimple(node)
+    if node.type in {"GROUP", "GROUP_INPUT"}:
+        with sockets.behind(link.from_socket) as socket:
+            return of_socket(node, socket)
     if node.type == "MIX_SHADER":
         return mixed(node)
     if node.type == "ADD_SHADER":
@@ -31,7 +34,11 @@ def read(link):
 
 
 def of_input(node, number):
-    link = sockets.link_to(node.inputs[number])
+    return of_socket(node, node.inputs[number])
+
+
+def of_socket(node, socket):
+    link = sockets.link_to(socket)
     if link is None:
         raise NotSimple(node)
     return read(link)

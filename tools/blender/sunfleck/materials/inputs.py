@@ -13,10 +13,10 @@ OF_PRINCIPLED = {
     **dict.fromkeys((
         "Base Color", "Metallic", "Roughness", "IOR", "Alpha", "Normal", "Weight", "Subsurface Radius", "Subsurface Scale",
         "Subsurface IOR", "Subsurface Anisotropy", "Specular IOR Level", "Specular Tint", "Anisotropic Rotation", "Tangent",
-        "Coat Weight", "Coat Roughness", "Coat Normal", "Sheen Weight", "Sheen Roughness", "Sheen Tint", "Emission Color",
+        "Coat Weight", "Coat Roughness", "Coat Normal", "Sheen Roughness", "Sheen Tint", "Emission Color",
         "Emission Strength", "Thin Film IOR", "Transmission Dispersion Abbe Number",
     )),
-    "Thin Wall": "thin-wall", "Diffuse Roughness": "diffuse-roughness", "Subsurface Weight": "subsurface",
+    "Thin Wall": "thin-wall", "Sheen Weight": "sheen", "Diffuse Roughness": "diffuse-roughness", "Subsurface Weight": "subsurface",
     "Anisotropic": "anisotropy", "Transmission Weight": "transmission", "Transmission Dispersion Scale": "dispersion",
     "Thin Film Thickness": "thin-film", "Coat IOR": "coat-tint", "Coat Tint": "coat-tint",
 }
@@ -55,8 +55,10 @@ def losses_of(node):
 
 def does_nothing(node, loss):
     """Whether an input does not count, or is honoured, as others stand."""
-    if loss in {"thin-wall", "subsurface"}:
-        return sheets.is_sheet(node) or (loss == "thin-wall" and sheets.is_zero(node, "Subsurface Weight"))
+    if loss == "subsurface":
+        return sheets.is_sheet(node)
+    if loss == "thin-wall":
+        return sheets.is_zero(node, "Subsurface Weight") or (sheets.is_sheet(node) and sheets.is_zero(node, "Metallic"))
     if loss == "dispersion":
         return sheets.is_zero(node, "Transmission Weight")
     return loss == "coat-tint" and sheets.is_zero(node, "Coat Weight")

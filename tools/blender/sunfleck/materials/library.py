@@ -84,7 +84,8 @@ class Library:
         facts = ((instances.SIDE, (float(is_back),) * 4),)
         name = f"{material.name} ({'back' if is_back else 'front'})"
         made = self.copies[material, facts] = instances.copy(material, facts, name)
-        self.look(made)
+        if dependence.is_transparent(material):
+            self.lose(made, dependence.SIDE)
         return made
 
     # What differs from instance to instance.

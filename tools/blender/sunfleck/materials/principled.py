@@ -69,10 +69,11 @@ def read(shader):
     if shader.inputs["Coat Normal"].is_linked is False:
         surface.coat_normal = None
     if sheets.is_sheet(shader):
-        reflected, through = sheets.shares(shader)
-        base = surface.sources["base"]
-        surface.sources["base"] = scaled(base, reflected)
-        surface.sources["through"] = scaled(base, through)
+        weight, base = sockets.of(shader.inputs["Subsurface Weight"]), surface.sources["base"]
+        if not weight.is_constant():
+            raise NotSimple(shader)
+        share = sheets.unit(weight.number()) * sheets.through(shader)
+        surface.sources["base"], surface.sources["through"] = scaled(base, 1.0 - share), scaled(base, share)
     scatter(surface)
     return surface
 

@@ -20,7 +20,9 @@ def of(owner, name):
     value = owner.get(name) if hasattr(owner, "get") else None
     if value is None:
         try:
-            value = owner.path_resolve(name)
+            # Of a part of a property, like `location.x`, nobody knows.
+            is_whole = type(owner.path_resolve(name, False)).__name__ == "bpy_prop"
+            value = owner.path_resolve(name) if is_whole else None
         except (ValueError, AttributeError):
             return None
     return four(value)

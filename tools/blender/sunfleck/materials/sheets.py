@@ -1,7 +1,7 @@
 """Principled BSDFs that are thin walls, as leaves are since Blender 5.2.
 
-In goes a shader, out come shares of the light that its base scatters. Invariant: what is not said by numbers
-alone is no sheet here.
+In goes a shader, out comes the share of the light that its base scatters to the other side. Invariant: what is
+said by other than numbers, but for the weight, is no sheet here.
 """
 
 
@@ -12,18 +12,14 @@ def is_zero(shader, name):
 def is_sheet(shader):
     """Whether it is a thin wall that scatters to both sides."""
     wall = shader.inputs.get("Thin Wall")
-    if wall is None or wall.is_linked or not wall.default_value or is_zero(shader, "Subsurface Weight"):
+    if wall is None or wall.is_linked or not wall.default_value:
         return False
-    return not any(shader.inputs[name].is_linked for name in ("Subsurface Weight", "Subsurface Anisotropy", "Metallic"))
+    return not is_zero(shader, "Subsurface Weight") and not shader.inputs["Subsurface Anisotropy"].is_linked
 
 
-def shares(shader):
-    """What is reflected and what is let through: by the anisotropy of what is below the surface."""
-    weight, anisotropy, metallic = (
-        shader.inputs[name].default_value for name in ("Subsurface Weight", "Subsurface Anisotropy", "Metallic")
-    )
-    through = unit(weight) * (1.0 - unit(metallic)) * unit(0.5 * (1.0 + anisotropy))
-    return 1.0 - through, through
+def through(shader):
+    """Of what is below the surface, by its anisotropy."""
+    return unit(0.5 * (1.0 + shader.inputs["Subsurface Anisotropy"].default_value))
 
 
 def unit(value):

@@ -2,12 +2,15 @@
 or a product of those.
 
 In goes a socket, out comes a `Source`. Invariant: the source is exact; whatever is more involved is
-`NotSimple`, by the node's name.
+`NotSimple`, by the node's name. Groups are looked through.
 """
 
 import colorsys
 import math
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+
+from . import blackbody
 
 CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "X": 0, "Y": 1, "Z": 2}
 
@@ -79,10 +82,39 @@ def of_output(output):
     node = output.node
     if node.mute:
         raise NotSimple(node)
+    if node.type in {"GROUP", "GROUP_INPUT"}:
+        with behind(output) as socket:
+            return of(socket)
     read = READERS.get(node.type)
     if read is None or any(socket.enabled and socket.is_linked and socket.name not in KNOWN for socket in node.inputs):
         raise NotSimple(node)
     return read(node, output)
+
+
+# The group nodes within which one looks, the innermost last.
+_groups = []
+
+
+@contextmanager
+def behind(output):
+    """The socket that an output of a group, or of its input node, takes its value from."""
+    node = output.node
+    if node.type == "GROUP":
+        nodes = node.node_tree.nodes if node.node_tree else ()
+        ends = [one for one in nodes if one.type == "GROUP_OUTPUT" and one.is_active_output]
+        before, after, sockets = _groups[:], [*_groups, node], ends[0].inputs if ends else ()
+    elif _groups:
+        before, after, sockets = _groups[:], _groups[:-1], _groups[-1].inputs
+    else:
+        raise NotSimple(node)
+    found = next((socket for socket in sockets if socket.identifier == output.identifier), None)
+    if found is None:
+        raise NotSimple(node)
+    _groups[:] = after
+    try:
+        yield found
+    finally:
+        _groups[:] = before
 
 
 def product(node, a, b):
@@ -148,7 +180,7 @@ def mapped(node):
 
 
 def read_mix(node, output):
-    if node.data_type != "RGBA" or node.blend_type not in {"MULTIPLY", "MIX"}:
+    if node.data_type not in {"RGBA", "FLOAT"} or (node.data_type == "RGBA" and node.blend_type not in {"MULTIPLY", "MIX"}):
         raise NotSimple(node)
     factor, a, b = (
         next(socket for socket in node.inputs if socket.enabled and socket.name == name)
@@ -167,7 +199,7 @@ def mixed(node, factor, a, b):
     if not factor.is_constant():
         raise NotSimple(node)
     share = min(1.0, max(0.0, factor.number()))
-    if node.blend_type == "MULTIPLY":
+    if node.blend_type == "MULTIPLY" and getattr(node, "data_type", "RGBA") == "RGBA":
         if share == 1.0:
             return product(node, a, b)
         if b.is_constant():
@@ -243,6 +275,13 @@ def read_range(node, output):
     return Source((low + share * (high - low),) * 3)
 
 
+def read_blackbody(node, output):
+    temperature = of(node.inputs["Temperature"])
+    if not temperature.is_constant():
+        raise NotSimple(node)
+    return Source(blackbody.color(temperature.number()))
+
+
 def read_combine(node, output):
     """Three constants."""
     if getattr(node, "mode", "RGB") != "RGB":
@@ -266,7 +305,7 @@ def read_attribute(node, output):
 # Inputs that the readers read: whatever else is linked, in later Blenders, is left to Cycles.
 KNOWN = {
     "Vector", "Factor", "Fac", "A", "B", "Color1", "Color2", "Color", "Image", "Value", "Hue", "Saturation", "From Min",
-    "From Max", "To Min", "To Max", "Red", "Green", "Blue", "X", "Y", "Z",
+    "From Max", "To Min", "To Max", "Red", "Green", "Blue", "X", "Y", "Z", "Temperature",
 }
 ARITHMETIC = {
     "ADD": lambda a, b: a + b,
@@ -290,6 +329,7 @@ READERS = {
     "MAP_RANGE": read_range,
     "COMBINE_COLOR": read_combine,
     "COMBXYZ": read_combine,
+    "BLACKBODY": read_blackbody,
     "RGB": lambda node, output: constant(output),
     "VALUE": lambda node, output: constant(output),
 }

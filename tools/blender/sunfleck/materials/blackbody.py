@@ -1,0 +1,33 @@
+"""The colour of a black body, as Blender's node has it.
+
+In goes a temperature, K, out come three numbers in the working space. Invariant: they are Blender's own, which tells
+them of lights.
+"""
+
+from functools import cache
+
+import bpy
+import numpy
+
+from .colours import working_space
+
+# Beyond these colours stay.
+LOWEST_K, HIGHEST_K, STEP_K = 800, 12000, 5
+
+
+def color(kelvin):
+    temperatures, colors = table(working_space())
+    return tuple(float(numpy.interp(kelvin, temperatures, channel)) for channel in colors.T)
+
+
+@cache
+def table(_space):
+    light = bpy.data.lights.new("sunfleck black body", "SUN")
+    try:
+        temperatures, colors = numpy.arange(LOWEST_K, HIGHEST_K + 1, STEP_K, float), []
+        light.use_temperature = True
+        for light.temperature in temperatures:
+            colors.append(tuple(light.temperature_color))
+        return temperatures, numpy.array(colors)
+    finally:
+        bpy.data.lights.remove(light)
