@@ -19,6 +19,7 @@ import sunfleck
 from sunfleck import engine, export, render
 from sunfleck.engine import cryptomatte, exporting, picture
 from sunfleck.engine.viewport import STAGES, View, Viewport
+from sunfleck.evaluated.document import Document
 from sunfleck.materials import inputs
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
@@ -296,12 +297,31 @@ class Engine(unittest.TestCase):
     def test_esc_ends_the_program(self):
         own = self.scene.sunfleck_settings
         own.samples, own.all_bounces = 65536, True
-        looks = iter([False, False, True])
-        with mock.patch.object(engine.SUNFLECK_RENDER_engine, "is_stopped", lambda _: next(looks, True)):
+        with mock.patch.object(engine.SUNFLECK_RENDER_engine, "is_stopped", lambda _: processes() != []):
             with mock.patch.object(picture, "hand_over") as handed:
                 bpy.ops.render.render()
         handed.assert_not_called()
         self.assertEqual(processes(), [])
+
+    def test_esc_ends_an_export(self):
+        for number in range(20):
+            stages.quad(self.scene, f"quad {number}")
+        looks = iter([False] * 3)
+        with mock.patch.object(engine.SUNFLECK_RENDER_engine, "is_stopped", lambda _: next(looks, True)):
+            with mock.patch.object(exporting, "started") as started, mock.patch.object(Document, "write") as written:
+                bpy.ops.render.render()
+        started.assert_not_called()
+        written.assert_not_called()
+        self.assertGreater(self.still().of("RGB").max(), 0.0)
+
+    def test_a_viewport_sees_shifted_as_its_camera_does(self):
+        camera = self.scene.camera
+        for camera.data.type in ("PERSP", "ORTHO"):
+            camera.data.shift_x, camera.data.shift_y = 0.15, -0.1
+            graph = bpy.context.evaluated_depsgraph_get()
+            matrices = camera.matrix_world.inverted(), camera.calc_matrix_camera(graph, x=SIZE[0], y=SIZE[1])
+            lens = View(SIZE, *matrices, camera.data.type == "PERSP").lens()
+            numpy.testing.assert_allclose(lens["extras"]["sunfleck_camera"]["shift"], (0.15, -0.1), atol=1e-6)
 
     def test_a_viewport_shows_what_the_camera_sees(self):
         graph = bpy.context.evaluated_depsgraph_get()

@@ -10,6 +10,7 @@ import time
 import bpy
 
 from .. import program
+from ..evaluated import walk
 from ..losses import by_kind
 from ..world import ENGINE
 from . import exporting, panels, passes, picture, stepping
@@ -34,6 +35,8 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
         # What is not caught Blender prints, and says that it has rendered.
         try:
             self.rendered(depsgraph)
+        except walk.Stopped:
+            pass
         except exporting.NotRendered as problem:
             self.fail(str(problem))
         except Exception as problem:
@@ -74,6 +77,11 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
 
     def is_stopped(self):
         return self.test_break()
+
+    def heed(self):
+        """Ends an export that nobody waits for."""
+        if self.is_stopped():
+            raise walk.Stopped
 
     # Of a viewport in *Rendered* shading: each has an engine of its own.
 

@@ -86,6 +86,7 @@ def anew(engine, graph, path):
         raise NotRendered("; ".join(errors))
     try:
         with scenes.Job(scene, frame) as job:
+            job.record.heed = engine.heed
             see(engine, graph, job)
             said = {**custom(scene), **extras.of_scene(scene, path)}
             made = job.written(path, graph.view_layer, said)

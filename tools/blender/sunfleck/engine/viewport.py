@@ -48,11 +48,13 @@ class View:
         near, aspect, across = 1e-3, self.size[0] / self.size[1], 1.0 / self.projection[1, 1]
         if not self.is_perspective:
             lens = {"xmag": across * aspect, "ymag": across, "znear": near, "zfar": 1e6}
-            return {"type": "orthographic", "orthographic": lens}
-        lens = {"yfov": 2.0 * math.atan(across), "aspectRatio": aspect, "znear": near}
-        said = {"type": "perspective", "perspective": lens}
+            said = {"type": "orthographic", "orthographic": lens}
+        else:
+            lens = {"yfov": 2.0 * math.atan(across), "aspectRatio": aspect, "znear": near}
+            said = {"type": "perspective", "perspective": lens}
         # Where the middle of the picture lies beside the way that the camera looks, in halves of its sides.
-        shift = [0.5 * self.projection[axis, 2] * self.size[axis] / max(self.size) for axis in (0, 1)]
+        beside = self.projection[:2, 2] if self.is_perspective else -self.projection[:2, 3]
+        shift = [0.5 * beside[axis] * self.size[axis] / max(self.size) for axis in (0, 1)]
         return {**said, "extras": {"sunfleck_camera": {"shift": shift}}} if any(shift) else said
 
 

@@ -65,8 +65,10 @@ class Assembly:
             for material in shown[1]
         ))
         for _, thing in things:
+            self.record.heed()
             self.unite_shapes(thing)
         for key, thing in things:
+            self.record.heed()
             self.add_thing(key, thing, values, custom)
 
     def add_thing(self, key, thing, values, custom):

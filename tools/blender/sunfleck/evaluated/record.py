@@ -136,6 +136,8 @@ class Record:
         # Of each moment: frame and offset, places of all instances, the first one's row, which rows show
         # which geometry, and lights.
         self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
+        # Called again and again; raises if nobody wants to know any more.
+        self.heed = lambda: None
 
     @property
     def geometries(self):
@@ -154,6 +156,7 @@ class Record:
         self.capture.begin(graph, offset)
         rows = []
         for row, instance in enumerate(seen):
+            self.heed()
             thing = instance.object
             source = here.source(instance, thing)
             here.count(instance)
