@@ -132,6 +132,8 @@ def of_object(thing, scene):
                 yield Finding("volume", name, reason)
         elif fog.is_lost(thing):
             yield Finding("fog-material", name)
+        if fog.is_clipped(thing, scene.camera):
+            yield Finding("fog-clipped", name)
         if not all(getattr(thing, rays) for rays in (*RAYS, "visible_camera", "visible_shadow")):
             yield Finding("ray-visibility", name)
         return

@@ -38,6 +38,8 @@ class Told:
 
 def exported(scene, path, only=None):
     """Writes the file, and reads it back."""
+    # Places are looked at, which a script may just have set.
+    walk.view_layer(scene).update()
     findings = check.check(scene)
     errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
     if errors:

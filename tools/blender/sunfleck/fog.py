@@ -72,6 +72,19 @@ def is_lost(thing):
     return volume_of(thing) is not None and of_material(thing) is None
 
 
+# Of fog that is thinner than that up to where a camera begins to see nobody misses any.
+LEAST_DEPTH = 2e-3
+
+
+def is_clipped(thing, eye):
+    """Whether a camera stands within the fog, and its clipping takes some away in Cycles."""
+    if eye is None or eye.type != "CAMERA":
+        return False
+    within = thing.matrix_world.inverted_safe() @ eye.matrix_world.translation
+    depth = eye.data.clip_start * float(numpy.max(numbers(thing)["density"]))
+    return depth > LEAST_DEPTH and max(map(abs, within)) <= 1.0
+
+
 def read(link):
     node = link.from_node
     if node.type in {"GROUP", "GROUP_INPUT"} and not node.mute:

@@ -86,6 +86,8 @@ LOSSES = {
     "fog-not-a-cube": (WARNING, "fog fills the cube from -1 to 1 of an object, and its mesh reaches "
                                 "elsewhere"),
     "fog-material": (WARNING, "the fog's own volume material is more than numbers: those of its panel count"),
+    "fog-clipped": (WARNING, "the camera is in fog, which begins at the camera here and at its clip start in "
+                             "Cycles: make that smaller"),
     "velocity-blur": (WARNING, "what is blurred by velocities moves from where it is at the frame, and not in "
                                "the middle of the shutter"),
     # Materials.

@@ -1,65 +1,13 @@
-"""What artists of today build, a small scene of each kind: to be rendered beside Cycles, or to be said.
-
-Sockets are addressed by name: their numbers differ from version to version.
-"""
+"""What artists of today build, a small scene of each kind: to be rendered beside Cycles, or to be said."""
 
 import math
 
 import bpy
+import kinds_surfaces as surfaces
 import numpy
 import scenes
+from kinds_parts import GREEN, RED, between, group_of, keyed, leaves, matte, output, stage
 from leaf_scenes import Tree as Nodes
-from test_materials import Tree
-
-FRAMES = (1, 10)
-RED, GREEN = (0.8, 0.1, 0.05, 1.0), (0.05, 0.6, 0.1, 1.0)
-
-
-def stage(towards=(0.3, 1.0, -0.6)):
-    scene = scenes.empty(FRAMES)
-    scenes.camera(scene, (0.0, -5.0, 1.0), (0.0, 0.0, 1.0))
-    scenes.sun(scene, towards=towards)
-    return scene
-
-
-def leaves(scene, tree, count=5):
-    """They stand upright and face the camera, turned a little."""
-    found = []
-    for number in range(count):
-        leaf = scenes.quad(scene, f"leaf {number}", 0.7, tree.material, (0.8 * number - 1.6, 0.0, 1.0))
-        leaf.data.uv_layers.new(name="UVMap").uv.foreach_set("vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4"))
-        leaf.rotation_euler = (1.4, 0.2 * number, 0.0)
-        found.append(leaf)
-    return found
-
-
-def matte():
-    tree = Tree()
-    tree.shader.inputs["Specular IOR Level"].default_value, tree.shader.inputs["Roughness"].default_value = 0.0, 1.0
-    return tree
-
-
-def between(tree, output):
-    """The base colour goes from red to green as a number goes from 0 to 1."""
-    ramp = tree.node("ValToRGB")
-    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = RED, GREEN
-    tree.link(output, next(iter(ramp.inputs))).link(ramp.outputs["Color"], tree.shader.inputs["Base Color"])
-    return tree
-
-
-def output(node, *names):
-    """By whichever name a version has."""
-    return next(node.outputs[name] for name in names if name in node.outputs)
-
-
-def keyed(owner, path, values):
-    for frame, value in zip(FRAMES, values):
-        if path.startswith("["):
-            owner[path[2:-2]] = value
-        else:
-            setattr(owner, path, value)
-        owner.keyframe_insert(path, frame=frame)
-
 
 # Lights and the sky.
 
@@ -227,21 +175,6 @@ def strips(scene):
     leaves(scene, tree, 1)
 
 
-def group_of(tree, kind, **sockets):
-    """A node of a group with one node in it, whose named inputs are the group's."""
-    group = bpy.data.node_groups.new("group", "ShaderNodeTree")
-    start, inner, end = (group.nodes.new(name) for name in ("NodeGroupInput", kind, "NodeGroupOutput"))
-    group.interface.new_socket("out", in_out="OUTPUT", socket_type=inner.outputs[0].bl_idname)
-    group.links.new(inner.outputs[0], end.inputs["out"])
-    node = tree.nodes.new("ShaderNodeGroup")
-    node.node_tree = group
-    for name, value in sockets.items():
-        group.interface.new_socket(name, in_out="INPUT", socket_type=inner.inputs[name].bl_idname)
-        group.links.new(start.outputs[name], inner.inputs[name])
-        node.inputs[name].default_value = value
-    return node
-
-
 def grouped(scene):
     """Keys within a group, in another as an input of its own."""
     tree = matte()
@@ -352,139 +285,6 @@ def hair(scene):
     scenes.add(scene, "hair", data)
 
 
-# Materials.
-
-
-def thin_wall(scene):
-    tree = matte()
-    inputs = tree.shader.inputs
-    inputs["Base Color"].default_value, inputs["Thin Wall"].default_value = GREEN, True
-    inputs["Subsurface Weight"].default_value, inputs["Subsurface Anisotropy"].default_value = 0.8, 0.3
-    leaves(scene, tree)
-
-
-def thin_wall_of_a_texture(scene):
-    """How much is scattered through differs from place to place."""
-    thin_wall(scene)
-    tree = bpy.data.materials["shade"].node_tree
-    weight = tree.nodes["Principled BSDF"].inputs["Subsurface Weight"]
-    tree.links.new(output(tree.nodes.new("ShaderNodeTexNoise"), "Factor", "Fac"), weight)
-
-
-def thin_metal(scene):
-    thin_wall(scene)
-    shader = bpy.data.materials["shade"].node_tree.nodes["Principled BSDF"]
-    shader.inputs["Metallic"].default_value = 0.5
-
-
-def sheen(scene):
-    tree = matte()
-    tree.shader.inputs["Sheen Weight"].default_value = 0.5
-    leaves(scene, tree)
-
-
-def rough_transmission(scene):
-    tree = matte()
-    tree.shader.inputs["Transmission Weight"].default_value = 0.6
-    leaves(scene, tree)
-
-
-def two_sided(scene):
-    """Every other leaf shows its back."""
-    tree = matte()
-    for leaf in leaves(scene, between(tree, tree.node("NewGeometry").outputs["Backfacing"]))[::2]:
-        leaf.rotation_euler.x += math.pi
-
-
-def two_sided_by_shaders(scene):
-    tree = matte()
-    other = tree.node("BsdfDiffuse")
-    other.inputs["Color"].default_value = GREEN
-    tree.shader.inputs["Base Color"].default_value = RED
-    tree.mixed(tree.node("NewGeometry").outputs["Backfacing"], tree.shader, other)
-    for leaf in leaves(scene, tree)[::2]:
-        leaf.rotation_euler.x += math.pi
-
-
-def two_sided_and_transparent(scene):
-    tree = between(tree := matte(), tree.node("NewGeometry").outputs["Backfacing"])
-    tree.shader.inputs["Alpha"].default_value = 0.6
-    leaves(scene, tree)
-
-
-def two_sided_and_translucent(scene):
-    tree = matte()
-    glow = tree.node("BsdfTranslucent")
-    between(tree, tree.node("NewGeometry").outputs["Backfacing"])
-    tree.mixed(0.4, tree.shader, glow)
-    leaves(scene, tree)
-
-
-def window(scene):
-    tree = matte()
-    tree.link(tree.node("TexCoord").outputs["Window"], tree.shader.inputs["Base Color"])
-    leaves(scene, tree)
-
-
-def added_translucence(scene):
-    tree = matte()
-    image, glow, sum_of = tree.node("TexVoronoi"), tree.node("BsdfTranslucent"), tree.node("AddShader")
-    for socket in (tree.shader.inputs["Base Color"], glow.inputs["Color"]):
-        tree.link(image.outputs["Color"], socket)
-    first, second = sum_of.inputs
-    tree.link(tree.shader.outputs["BSDF"], first).link(glow.outputs["BSDF"], second)
-    tree.link(sum_of.outputs["Shader"], tree.output.inputs["Surface"])
-    leaves(scene, tree)
-
-
-def light_info(scene):
-    tree = matte()
-    tree.link(tree.node("LightInfo").outputs["Color"], tree.shader.inputs["Base Color"])
-    leaves(scene, tree)
-
-
-def hues(scene):
-    tree = matte()
-    hue = tree.node("HueSaturation")
-    tree.link(tree.node("ObjectInfo").outputs["Random"], hue.inputs["Hue"])
-    tree.link(tree.node("TexChecker").outputs["Color"], hue.inputs["Color"])
-    tree.link(hue.outputs["Color"], tree.shader.inputs["Base Color"])
-    leaves(scene, tree, 20)
-
-
-# Fog.
-
-
-def fog_box(scene, **rays):
-    """Of its own material; the panel says something else."""
-    scenes.quad(scene, "ground", 12.0, scenes.material("ground", (0.5,) * 3))
-    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 1.0, 1.05))
-    box = bpy.context.active_object
-    box.scale = (2.0, 2.0, 1.0)
-    tree = Tree("fog")
-    tree.nodes.remove(tree.shader)
-    scatter = tree.node("VolumeScatter")
-    scatter.inputs["Color"].default_value, scatter.inputs["Anisotropy"].default_value = (1.0, 0.6, 0.3, 1.0), 0.7
-    keyed(scatter.inputs["Density"], "default_value", (0.1, 0.6))
-    tree.link(scatter.outputs["Volume"], tree.output.inputs["Volume"])
-    box.data.materials.append(tree.material)
-    box.sunfleck_settings.is_fog = True
-    for name, value in rays.items():
-        setattr(box, name, value)
-    return tree, scatter
-
-
-def fog_in_a_group(scene):
-    tree, scatter = fog_box(scene)
-    node = group_of(tree.material.node_tree, "ShaderNodeVolumeScatter", Density=0.3)
-    tree.link(node.outputs["out"], tree.output.inputs["Volume"])
-
-
-def fog_of_noise(scene):
-    tree, scatter = fog_box(scene)
-    tree.link(output(tree.node("TexNoise"), "Factor", "Fac"), scatter.inputs["Density"])
-
-
 # By name: how it is built, the frame, and how far from Cycles' mean it may be.
 BACK = (0.2, -1.0, -0.5)
 EXACT, BAKED = 0.005, 0.02
@@ -495,25 +295,30 @@ BESIDE = {
     "from instancer": (from_instancer, 1, EXACT), "colours of faces": (colors_of_faces, 1, EXACT),
     "numbers of points": (numbers_of("POINT"), 1, BAKED), "numbers of faces": (numbers_of("FACE"), 1, BAKED),
     "missing attribute": (missing_attribute, 1, EXACT), "strips": (strips, 10, EXACT), "velocities": (velocities, 6, EXACT),
-    "two-sided": (two_sided, 1, EXACT), "two-sided by shaders": (two_sided_by_shaders, 1, EXACT),
-    "hair": (hair, 1, BAKED), "thin wall": (thin_wall, 1, EXACT), "fog box": (fog_box, 6, EXACT),
-    "thin wall of a texture": (thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
-    "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (fog_in_a_group, 1, EXACT),
+    "two-sided": (surfaces.two_sided, 1, EXACT),
+    "two-sided by shaders": (surfaces.two_sided_by_shaders, 1, EXACT),
+    "hair": (hair, 1, BAKED), "thin wall": (surfaces.thin_wall, 1, EXACT),
+    "fog box": (surfaces.fog_box, 6, EXACT),
+    "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
+    "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {
-    "world by rays": (world_by_rays, "world-depends-on-rays"), "sheen": (sheen, "material-lost"),
-    "thin metal": (thin_metal, "material-lost"), "two-sided and transparent": (two_sided_and_transparent, "material-lost"),
+    "world by rays": (world_by_rays, "world-depends-on-rays"), "sheen": (surfaces.sheen, "material-lost"),
+    "thin metal": (surfaces.thin_metal, "material-lost"),
+    "two-sided and transparent": (surfaces.two_sided_and_transparent, "material-lost"),
     "keyed shutter": (keyed_shutter, "shutter-changes"),
     "velocities at the start": (lambda scene: velocities(scene, "START"), "velocity-blur"),
     "volume of nodes": (nodes_volume, "volume"), "pencil of nodes": (nodes_pencil, "grease-pencil"),
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hair, "hair"),
-    "rough transmission": (rough_transmission, "material-lost"), "two-sided leaf": (two_sided_and_translucent, "material-lost"),
-    "window": (window, "material-lost"), "added translucence": (added_translucence, "material-lost"),
-    "light info": (light_info, "material-lost"), "hues": (hues, "instance-colors"),
-    "fog of noise": (fog_of_noise, "fog-material"),
-    "fog unseen": (lambda scene: fog_box(scene, visible_camera=False), "ray-visibility"),
+    "rough transmission": (surfaces.rough_transmission, "material-lost"),
+    "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
+    "window": (surfaces.window, "material-lost"), "added translucence": (surfaces.added_translucence, "material-lost"),
+    "light info": (surfaces.light_info, "material-lost"), "hues": (surfaces.hues, "instance-colors"),
+    "fog of noise": (surfaces.fog_of_noise, "fog-material"),
+    "fog about the camera": (surfaces.fog_about_the_camera, "fog-clipped"),
+    "fog unseen": (lambda scene: surfaces.fog_box(scene, visible_camera=False), "ray-visibility"),
 }
 # What came after Blender 5.0.
 LATER = {

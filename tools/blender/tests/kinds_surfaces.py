@@ -1,0 +1,143 @@
+"""Of the scenes of `kinds` those of materials and fog."""
+
+import math
+
+import bpy
+import scenes
+from kinds_parts import GREEN, RED, between, group_of, keyed, leaves, matte, output
+from test_materials import Tree
+
+
+def thin_wall(scene):
+    tree = matte()
+    inputs = tree.shader.inputs
+    inputs["Base Color"].default_value, inputs["Thin Wall"].default_value = GREEN, True
+    inputs["Subsurface Weight"].default_value, inputs["Subsurface Anisotropy"].default_value = 0.8, 0.3
+    leaves(scene, tree)
+
+
+def thin_wall_of_a_texture(scene):
+    """How much is scattered through differs from place to place."""
+    thin_wall(scene)
+    tree = bpy.data.materials["shade"].node_tree
+    weight = tree.nodes["Principled BSDF"].inputs["Subsurface Weight"]
+    tree.links.new(output(tree.nodes.new("ShaderNodeTexNoise"), "Factor", "Fac"), weight)
+
+
+def thin_metal(scene):
+    thin_wall(scene)
+    shader = bpy.data.materials["shade"].node_tree.nodes["Principled BSDF"]
+    shader.inputs["Metallic"].default_value = 0.5
+
+
+def sheen(scene):
+    tree = matte()
+    tree.shader.inputs["Sheen Weight"].default_value = 0.5
+    leaves(scene, tree)
+
+
+def rough_transmission(scene):
+    tree = matte()
+    tree.shader.inputs["Transmission Weight"].default_value = 0.6
+    leaves(scene, tree)
+
+
+def two_sided(scene):
+    """Every other leaf shows its back."""
+    tree = matte()
+    for leaf in leaves(scene, between(tree, tree.node("NewGeometry").outputs["Backfacing"]))[::2]:
+        leaf.rotation_euler.x += math.pi
+
+
+def two_sided_by_shaders(scene):
+    tree = matte()
+    other = tree.node("BsdfDiffuse")
+    other.inputs["Color"].default_value = GREEN
+    tree.shader.inputs["Base Color"].default_value = RED
+    tree.mixed(tree.node("NewGeometry").outputs["Backfacing"], tree.shader, other)
+    for leaf in leaves(scene, tree)[::2]:
+        leaf.rotation_euler.x += math.pi
+
+
+def two_sided_and_transparent(scene):
+    tree = between(tree := matte(), tree.node("NewGeometry").outputs["Backfacing"])
+    tree.shader.inputs["Alpha"].default_value = 0.6
+    leaves(scene, tree)
+
+
+def two_sided_and_translucent(scene):
+    tree = matte()
+    glow = tree.node("BsdfTranslucent")
+    between(tree, tree.node("NewGeometry").outputs["Backfacing"])
+    tree.mixed(0.4, tree.shader, glow)
+    leaves(scene, tree)
+
+
+def window(scene):
+    tree = matte()
+    tree.link(tree.node("TexCoord").outputs["Window"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def added_translucence(scene):
+    tree = matte()
+    image, glow, sum_of = tree.node("TexVoronoi"), tree.node("BsdfTranslucent"), tree.node("AddShader")
+    for socket in (tree.shader.inputs["Base Color"], glow.inputs["Color"]):
+        tree.link(image.outputs["Color"], socket)
+    first, second = sum_of.inputs
+    tree.link(tree.shader.outputs["BSDF"], first).link(glow.outputs["BSDF"], second)
+    tree.link(sum_of.outputs["Shader"], tree.output.inputs["Surface"])
+    leaves(scene, tree)
+
+
+def light_info(scene):
+    tree = matte()
+    tree.link(tree.node("LightInfo").outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def hues(scene):
+    tree = matte()
+    hue = tree.node("HueSaturation")
+    tree.link(tree.node("ObjectInfo").outputs["Random"], hue.inputs["Hue"])
+    tree.link(tree.node("TexChecker").outputs["Color"], hue.inputs["Color"])
+    tree.link(hue.outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree, 20)
+
+
+# Fog.
+
+
+def fog_box(scene, **rays):
+    """Of its own material; the panel says something else."""
+    scenes.quad(scene, "ground", 12.0, scenes.material("ground", (0.5,) * 3))
+    bpy.ops.mesh.primitive_cube_add(size=2.0, location=(0.0, 1.0, 1.05))
+    box = bpy.context.active_object
+    box.scale = (2.0, 2.0, 1.0)
+    tree = Tree("fog")
+    tree.nodes.remove(tree.shader)
+    scatter = tree.node("VolumeScatter")
+    scatter.inputs["Color"].default_value, scatter.inputs["Anisotropy"].default_value = (1.0, 0.6, 0.3, 1.0), 0.7
+    keyed(scatter.inputs["Density"], "default_value", (0.1, 0.6))
+    tree.link(scatter.outputs["Volume"], tree.output.inputs["Volume"])
+    box.data.materials.append(tree.material)
+    box.sunfleck_settings.is_fog = True
+    for name, value in rays.items():
+        setattr(box, name, value)
+    return tree, scatter
+
+
+def fog_in_a_group(scene):
+    tree, scatter = fog_box(scene)
+    node = group_of(tree.material.node_tree, "ShaderNodeVolumeScatter", Density=0.3)
+    tree.link(node.outputs["out"], tree.output.inputs["Volume"])
+
+
+def fog_about_the_camera(scene):
+    fog_box(scene)
+    scene.camera.location.y, scene.camera.data.clip_start = 0.0, 0.1
+
+
+def fog_of_noise(scene):
+    tree, scatter = fog_box(scene)
+    tree.link(output(tree.node("TexNoise"), "Factor", "Fac"), scatter.inputs["Density"])
