@@ -92,6 +92,8 @@ class Frame:
         wanted = name.replace("_", "-")
         if wanted in self.passes:
             return self.passes[wanted].pixels
+        if not self.passes:
+            raise AttributeError(f"the frame holds no pass: take a channel by its name, frame[NAME], of {', '.join(self.channels)}")
         if wanted in passes.PASSES:
             raise AttributeError(f"the frame holds {', '.join(self.passes)} and no {wanted}: render it with passes=['{wanted}']")
         raise AttributeError(f"a frame has no {name}: its passes are {', '.join(self.passes)}")

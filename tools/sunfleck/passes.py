@@ -25,10 +25,12 @@ PASSES: dict[str, tuple[tuple[str, ...], str]] = {
 
 
 def held(names: Iterable[str]) -> dict[str, tuple[tuple[str, ...], str]]:
-    """The passes of which a file has all channels."""
+    """The passes of which a file has all channels; a plate's beauty has no alpha."""
     there = list(names)
     matte = sorted((name for name in there if name.startswith(MATTE_LAYER)), key=_layer_then_rgba)
     found = {name: (channels or tuple(matte), unit) for name, (channels, unit) in PASSES.items()}
+    if "A" not in there:
+        found["beauty"] = ("R", "G", "B"), RADIANCE
     return {name: row for name, row in found.items() if row[0] and set(row[0]) <= set(there)}
 
 

@@ -6,6 +6,7 @@ import io
 import os
 import re
 import subprocess
+import sys
 import tempfile
 import threading
 import unittest
@@ -23,6 +24,7 @@ from sunfleck.progress import EventBar
 from sunfleck_tools.exr.decode import decode
 
 from .command import NO_PROGRAM, PROGRAM, SEQUENCES, run
+from .files import write_frame
 
 ROOT = Path(__file__).parents[2]
 FIRST_LEAF = SEQUENCES / "first_leaf.ron"
@@ -65,6 +67,8 @@ class Tables(unittest.TestCase):
         found = held(["A", "B", "G", "R", "Normal.X", "Z", *sorted(matte)])
         self.assertEqual(list(found), ["beauty", "depth", "cryptomatte"])
         self.assertEqual(found["cryptomatte"][0], tuple(matte))
+        self.assertEqual(held(["B", "G", "R"])["beauty"][0], ("R", "G", "B"))
+        self.assertEqual(held(["B", "R", "A"]), {})
 
     def test_all_that_is_exported_is_there_and_documented(self):
         for name in sunfleck.__all__:
@@ -129,6 +133,22 @@ class Frames(WithFolder):
             frame["Z"]
         self.assertEqual(repr(frame), "<sunfleck.Frame 1: 48x27, beauty>")
         self.assertIn("beauty", dir(frame))
+
+    def test_a_frame_goes_over_a_plate_as_the_page_has_it(self):
+        page = (ROOT / "docs/over-a-plate.md").read_text("utf-8")
+        script = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+        leaves = sunfleck.render(FIRST_LEAF, 24, size=SIZE, samples=1, bounces=0, out=self.folder / "out/shot.0024.exr").beauty
+        plate = np.full((27, 48), 0.25, np.float16)
+        write_frame(self.folder / "plate.0024.exr", dict.fromkeys("RGB", plate))
+        environment = {**os.environ, "PYTHONPATH": str(ROOT / "tools")}
+        subprocess.run([sys.executable, "-c", script], cwd=self.folder, env=environment, check=True)
+        over = sunfleck.read(self.folder / "over.0024.exr").beauty
+        np.testing.assert_allclose(over, leaves[..., :3] + (1 - leaves[..., 3:]) * 0.25, rtol=1e-3)
+
+    def test_channels_that_are_no_pass_are_named(self):
+        path = write_frame(self.folder / "x.exr", {"Y": np.ones((4, 4), np.float32)})
+        with self.assertRaisesRegex(AttributeError, r"holds no pass: take a channel by its name, frame\[NAME\], of Y"):
+            sunfleck.read(path).beauty
 
     def test_inspect_is_what_the_program_says(self):
         found = sunfleck.inspect(FIRST_LEAF, [1, 2.5], size="50%")
