@@ -3,6 +3,7 @@
 use super::defaults::zero;
 use super::named::Named;
 use super::number::{Degrees, Number, Positive};
+use super::replacement::Replacement;
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -12,12 +13,12 @@ use std::path::PathBuf;
 pub enum Mesh {
     /// A Wavefront OBJ file, relative to the scene file.
     Obj(PathBuf),
-    /// The same, with materials of the scene in place of some of its own.
+    /// The same, with other materials in place of some of its own.
     ObjWith {
         /// Relative to the scene file.
         file: PathBuf,
-        /// Names of the scene's materials, by names of the file's.
-        materials: Named<String>,
+        /// What takes their place, by names of the file's.
+        materials: Named<Replacement>,
     },
     /// A square in the x-z plane, centred, facing +y.
     Quad {
@@ -50,8 +51,8 @@ pub enum Mesh {
 }
 
 impl Mesh {
-    /// The OBJ file that it shows, and which materials take the place of which of the file's.
-    pub fn obj(&self) -> Option<(&PathBuf, Option<&Named<String>>)> {
+    /// The OBJ file that it shows, and what takes the place of which of the file's materials.
+    pub fn obj(&self) -> Option<(&PathBuf, Option<&Named<Replacement>>)> {
         match self {
             Self::Obj(file) => Some((file, None)),
             Self::ObjWith { file, materials } => Some((file, Some(materials))),

@@ -9,6 +9,7 @@ mod defaults;
 mod fall;
 mod keyed;
 mod leaves;
+mod material;
 mod meant;
 mod mesh;
 mod misplaced;
@@ -18,6 +19,7 @@ mod number;
 mod parse;
 mod range;
 mod references;
+mod replacement;
 mod scene_file;
 mod sequence_file;
 mod sky;
@@ -36,6 +38,7 @@ pub use built::{BUILT, BuiltScene, Parts, load_built};
 pub use fall::{Emitter, Fall, FallGround, MOST_FALLING, Motion, Species, Wind};
 pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
 pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
+pub use material::{Material, NormalMap};
 pub use mesh::Mesh;
 pub use mist::{Mist, MistShape};
 pub use named::Named;
@@ -44,7 +47,8 @@ pub use number::{
     FocusDistance, GustScale, HalfAngle, JuliaPart, LeafLength, NonNegative, Number, Point, Positive,
     Quaternion, QuaternionRate, Range, Span, SpeedGain, Stops, Triple, UnitInterval, Vector, Whole,
 };
-pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Material, NormalMap, Object, SceneFile};
+pub use replacement::Replacement;
+pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Object, SceneFile};
 pub use sequence_file::{Bounces, FrameRate, Frames, March, PixelFilter, SequenceFields};
 pub use sky::{Sky, SkyLight};
 pub use version::Version;

@@ -1,7 +1,7 @@
 //! A parsed scene in, the same with its meshes and textures read out. Invariant: a mesh, material
 //! or texture that nothing in the picture uses is not read.
 
-use super::{Keyed, Light, LoadedScene, NormalMap, SceneFile, Sky, beside};
+use super::{Keyed, Light, LoadedScene, Material, NormalMap, Replacement, SceneFile, Sky, beside};
 use crate::description::image::{self, Encoding};
 use crate::description::{Files, LoadError, obj, vdb};
 use crate::diagnostic::{Diagnostics, Place};
@@ -33,17 +33,12 @@ pub(super) fn load(
         }
     }
     for (name, material) in file.materials.iter().filter(|(name, _)| used.materials.contains(name)) {
-        let owner = format!("materials.{name}");
-        let textures =
-            [("texture", &material.texture), ("transmission_texture", &material.transmission_texture)];
-        for (field, texture) in textures {
-            let Some(texture) = texture else { continue };
-            loader.image(texture, Encoding::Srgb, &format!("{owner}.{field}"), &mut images)?;
-        }
-        if let Some(NormalMap { texture, .. }) = &material.normal_map {
-            let referrer = format!("{owner}.normal_map.texture");
-            loader.image(texture, Encoding::Linear, &referrer, &mut normal_maps)?;
-        }
+        loader.pictures(&format!("materials.{name}"), material, &mut images, &mut normal_maps)?;
+    }
+    for (mesh, name, replacement) in used.replacements(&file) {
+        let Some(material) = replacement.inline() else { continue };
+        let owner = format!("meshes.{mesh}.materials.{name}");
+        loader.pictures(&owner, material, &mut images, &mut normal_maps)?;
     }
     let (sun_images, grids) = (loader.sun_images(&file)?, loader.grids(&file)?);
     let sky_image = loader.sky(file.sky.as_ref())?;
@@ -87,11 +82,18 @@ impl<'a> Used<'a> {
                 used.add(&species.meshes, &species.materials);
             }
         }
-        let dressed = file.meshes.iter().filter(|(name, _)| used.own_materials.contains(name));
-        let in_place_of_theirs = dressed.filter_map(|(_, mesh)| mesh.obj()?.1);
-        let names = in_place_of_theirs.flat_map(|materials| materials.iter().map(|(_, name)| name.as_str()));
-        used.materials.extend(names);
+        let named: Vec<_> =
+            used.replacements(file).filter_map(|(.., replacement)| replacement.name()).collect();
+        used.materials.extend(named);
         used
+    }
+
+    /// What takes the place of materials of OBJ files: the mesh, the material's name there, and what.
+    fn replacements(&self, file: &'a SceneFile) -> impl Iterator<Item = (&'a str, &'a str, &'a Replacement)> {
+        let dressed = file.meshes.iter().filter(|(name, _)| self.own_materials.contains(name));
+        dressed.filter_map(|(mesh, shape)| Some((mesh, shape.obj()?.1?))).flat_map(|(mesh, replacements)| {
+            replacements.iter().map(move |(name, replacement)| (mesh, name, replacement))
+        })
     }
 
     fn add(&mut self, meshes: &'a [String], materials: &'a [String]) {
@@ -156,6 +158,25 @@ impl Loader<'_> {
             Some(Sky::Image { image, .. }) => self.decoded(image, Encoding::Radiance, "sky.image"),
             _ => Ok(None),
         }
+    }
+
+    fn pictures(
+        &mut self,
+        owner: &str,
+        material: &Material,
+        images: &mut BTreeMap<PathBuf, image::DecodedImage>,
+        normal_maps: &mut BTreeMap<PathBuf, image::DecodedImage>,
+    ) -> Result<(), LoadError> {
+        let textures =
+            [("texture", &material.texture), ("transmission_texture", &material.transmission_texture)];
+        for (field, texture) in textures {
+            let Some(texture) = texture else { continue };
+            self.image(texture, Encoding::Srgb, &format!("{owner}.{field}"), images)?;
+        }
+        if let Some(NormalMap { texture, .. }) = &material.normal_map {
+            self.image(texture, Encoding::Linear, &format!("{owner}.normal_map.texture"), normal_maps)?;
+        }
+        Ok(())
     }
 
     fn image(

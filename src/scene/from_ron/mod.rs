@@ -9,6 +9,7 @@ mod leaf_sites;
 mod leaves;
 mod lights;
 mod masks;
+mod materials;
 mod mists;
 mod moving;
 mod normal_maps;
@@ -31,7 +32,6 @@ use super::{
     AlphaMode, Baking, Coat, Deformation, FrameRate, Instance, Material, MaterialIndex, Mesh, MeshIndex,
     Motion, Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
 };
-use crate::color::Rgb;
 use crate::description::image::DecodedImage;
 use crate::description::obj::{self, ObjModel, ObjPicture};
 use crate::description::ron::{self, LoadedScene, SceneFile};
@@ -122,9 +122,6 @@ fn name_of(path: &Path) -> String {
     }
 }
 
-/// Reflectance of plastics, leaves and most of what is no metal; glTF's default.
-const DIELECTRIC_F0: f64 = 0.04;
-
 /// A scene on its way from names to indices.
 struct Resolver<'a> {
     file: &'a SceneFile,
@@ -141,6 +138,8 @@ struct Resolver<'a> {
     /// Meshes that take turns, by the first of them.
     turns: BTreeMap<MeshIndex, Arc<[moving::Turn]>>,
     materials: BTreeMap<&'a str, MaterialIndex>,
+    /// What stands in the place of OBJ files' materials and nowhere else, by mesh and name.
+    inline_materials: BTreeMap<(&'a str, &'a str), MaterialIndex>,
     /// Where the materials of an OBJ file start, and of which of the models that it stands for.
     model_materials: BTreeMap<(&'a Path, usize), MaterialIndex>,
     textures: BTreeMap<PathBuf, TextureIndex>,
@@ -182,6 +181,7 @@ impl<'a> Resolver<'a> {
             moving: BTreeMap::new(),
             turns: BTreeMap::new(),
             materials: BTreeMap::new(),
+            inline_materials: BTreeMap::new(),
             model_materials: BTreeMap::new(),
             textures: BTreeMap::new(),
             normal_maps: BTreeMap::new(),
@@ -222,80 +222,6 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    fn materials(&mut self) {
-        for (name, material) in self.file.materials.iter() {
-            let texture = material.texture.as_ref();
-            let base_color = match material.base_color {
-                Some(color) => color.si(),
-                None if texture.is_some() => Rgb::ONE,
-                None => Material::default().base_color,
-            };
-            let (transmission, mirror) = (material.transmission.si(), material.mirror.si());
-            let filter_color = material.filter_color.map_or(Rgb::ZERO, |color| color.si());
-            if (base_color + transmission + mirror + filter_color).max_element() > 1.0 {
-                self.problems.error(
-                    &format!("materials.{name}"),
-                    "the surface would give more light than it receives",
-                    "base_color + transmission + mirror + filter_color <= 1 in every channel",
-                    "make one of them darker",
-                );
-            }
-            if let Some(cutoff) = &material.alpha_cutoff {
-                if texture.is_none() || material.filter_color.is_some() {
-                    self.problems.error(
-                        &format!("materials.{name}.alpha_cutoff"),
-                        "the material has a mask without a texture, or a filter as well",
-                        "a `texture` with alpha, and no `filter_color`",
-                        "take `alpha_cutoff` or `filter_color` out",
-                    );
-                }
-                self.cutoffs.insert(self.scene.materials.len(), cutoff.si());
-            }
-            let coat = self.coat(name, material);
-            let is_blended = material.opacity.is_some() || material.filter_color.is_some();
-            let texture = texture.and_then(|texture| self.textures.get(texture).copied());
-            let let_through = material.transmission_texture.as_ref();
-            let let_through = let_through.and_then(|image| self.textures.get(image).copied()).or(texture);
-            self.materials.insert(name, self.scene.materials.len());
-            self.scene.materials.push(Material {
-                name: name.to_owned(),
-                base_color,
-                base_color_texture: texture,
-                transmission,
-                transmission_texture: let_through.map(|texture| TextureMap { texture, layer: 0 }),
-                mirror,
-                alpha_mode: match material.alpha_cutoff {
-                    None if is_blended => AlphaMode::Blend,
-                    _ => AlphaMode::Opaque,
-                },
-                opacity: material.opacity.map_or(1.0, |opacity| opacity.si()),
-                filter_color,
-                emission: material.emission_w_per_m2_sr.si(),
-                coat,
-                normal_map: material.normal_map.as_ref().and_then(|map| {
-                    let texture = *self.normal_maps.get(&map.texture)?;
-                    Some((TextureMap { texture, layer: 0 }, map.scale.si()))
-                }),
-                ..Material::default()
-            });
-        }
-    }
-
-    /// Shiny if it has a roughness.
-    fn coat(&mut self, name: &str, material: &ron::Material) -> Option<Coat> {
-        let metallic = material.metallic.as_ref().map_or(0.0, |metallic| metallic.si());
-        let Some(roughness) = &material.roughness else {
-            if material.metallic.is_some() {
-                let remedy = "add `roughness`, or take `metallic` out; a perfect mirror has `mirror`";
-                let field = format!("materials.{name}.metallic");
-                self.problems.error(&field, "the metal has no roughness", "a `roughness` beside it", remedy);
-            }
-            return None;
-        };
-        let f0 = Rgb::splat(DIELECTRIC_F0);
-        Some(Coat { metallic, roughness: roughness.si(), texture: None, f0, f0_texture: None, f90: 1.0 })
-    }
-
     fn material(&mut self, field: &str, name: &str) -> Option<MaterialIndex> {
         self.problems.find(field, "material", name, &self.materials)
     }
@@ -303,6 +229,7 @@ impl<'a> Resolver<'a> {
     /// The mesh of that name, built when it is first used.
     fn mesh(&mut self, field: &str, name: &str) -> Option<MeshIndex> {
         let shape = self.problems.find(field, "mesh", name, &self.mesh_files)?;
+        let (&name, _) = self.mesh_files.get_key_value(name)?;
         if let Some(&index) = self.meshes.get(name) {
             return Some(index);
         }
@@ -313,7 +240,6 @@ impl<'a> Resolver<'a> {
                 self.scene.meshes.len() - 1
             }
         };
-        let (&name, _) = self.mesh_files.get_key_value(name)?;
         self.meshes.insert(name, index);
         Some(index)
     }

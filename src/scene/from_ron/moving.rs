@@ -4,7 +4,7 @@
 
 use super::{Deformation, FrameRate, MeshIndex, Motion, NodeIndex, Resolver};
 use crate::description::obj::ObjModel;
-use crate::description::ron::Named;
+use crate::description::ron::{Named, Replacement};
 use crate::description::tangents::{self, Vertices};
 use crate::scene::outline::Between;
 use crate::scene::{Extend, InnerVertex, Key, MorphTarget, Segment, Track};
@@ -50,9 +50,9 @@ impl<'a> Resolver<'a> {
     /// The mesh of an OBJ file; of a sequence the first of those that take turns.
     pub(super) fn model_meshes(
         &mut self,
-        name: &str,
+        name: &'a str,
         path: &'a Path,
-        replaced: Option<&Named<String>>,
+        replaced: Option<&'a Named<Replacement>>,
     ) -> Option<MeshIndex> {
         let model = self.models.get(path)?;
         let mut turns = Vec::new();

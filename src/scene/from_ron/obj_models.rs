@@ -4,7 +4,7 @@
 use super::{AlphaMode, Coat, Material, MaterialIndex, Mesh, Resolver, TextureMap, Triangle, Wrap};
 use crate::color::Rgb;
 use crate::description::obj::{ObjMaterial, ObjModel, ObjPicture, ObjPictures};
-use crate::description::ron::Named;
+use crate::description::ron::{Named, Replacement};
 use crate::scene::Clearcoat;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,14 +23,14 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The mesh of a model, its materials after the others; some of them may be the scene's instead. `key` is
-    /// the model's file, and which of those it is that the file stands for.
+    /// The mesh of a model, its materials after the others; others may take the place of some. `key` is the
+    /// model's file, and which of those it is that the file stands for.
     pub(super) fn model_mesh(
         &mut self,
-        name: &str,
+        name: &'a str,
         key: (&'a Path, usize),
         model: &ObjModel,
-        replaced: Option<&Named<String>>,
+        replaced: Option<&'a Named<Replacement>>,
     ) -> Option<Mesh> {
         let replaced = self.replaced(name, model, replaced)?;
         let first_material = self.model_materials.get(&key).copied().unwrap_or_else(|| {
@@ -63,29 +63,40 @@ impl<'a> Resolver<'a> {
         })
     }
 
-    /// Materials of the scene by the numbers of those of a model that they take the place of.
+    /// Materials by the numbers of those of a model that they take the place of.
     fn replaced(
         &mut self,
-        mesh: &str,
+        mesh: &'a str,
         model: &ObjModel,
-        names: Option<&Named<String>>,
+        replaced: Option<&'a Named<Replacement>>,
     ) -> Option<BTreeMap<usize, MaterialIndex>> {
         let theirs = model.materials.iter().enumerate();
         let theirs: BTreeMap<&str, usize> =
             theirs.map(|(number, material)| (material.name.as_str(), number)).collect();
-        let pairs = names.into_iter().flat_map(Named::iter);
+        let pairs = replaced.into_iter().flat_map(Named::iter);
         let found: Vec<_> = pairs
-            .map(|(name, ours)| {
+            .map(|(name, replacement)| {
                 let field = format!("meshes.{mesh}.materials");
-                let number = self.problems.find(&field, "material of the OBJ file", name, &theirs);
-                let material = self.material(&format!("{field}.{name}"), ours)?;
+                let number = self.problems.find(&field, "material of the OBJ file", name, &theirs)?;
+                let field = format!("{field}.{name}");
+                let material = match replacement {
+                    Replacement::Named(ours) => self.material(&field, ours)?,
+                    Replacement::Inline(ours) => {
+                        self.inline_materials.get(&(mesh, name)).copied().unwrap_or_else(|| {
+                            let beneath = self.obj_material(&model.materials[number]);
+                            let index = self.add_material(&field, ours, beneath);
+                            self.inline_materials.insert((mesh, name), index);
+                            index
+                        })
+                    }
+                };
                 if self.cutoffs.contains_key(&material) {
                     let found = "a material with `alpha_cutoff` cuts the whole mesh out";
                     let remedy = "give it to an object with a mesh of its own, by `material`";
                     let expected = "a material without `alpha_cutoff`";
-                    self.problems.error(&format!("{field}.{name}"), found, expected, remedy);
+                    self.problems.error(&field, found, expected, remedy);
                 }
-                Some((number?, material))
+                Some((number, material))
             })
             .collect();
         found.into_iter().collect()

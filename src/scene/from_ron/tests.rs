@@ -1,6 +1,7 @@
 //! Small scenes in, and what becomes of them.
 
 use super::*;
+use crate::color::Rgb;
 use crate::description::Files;
 use crate::scene::{Extend, RayVisibility, Segment};
 use glam::DVec3;
@@ -175,8 +176,8 @@ fn with_tree(scene: &str) -> Result<Scene, String> {
     for (name, text) in [("tree.obj", obj), ("tree.mtl", mtl), ("scene.ron", &file)] {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    let loaded = ron::load_scene(&folder.path().join("scene.ron"), &mut Files::default()).unwrap();
-    resolve(loaded, FrameRate::default(), &Baking::ALONE)
+    let loaded = ron::load_scene(&folder.path().join("scene.ron"), &mut Files::default());
+    resolve(loaded.map_err(|error| error.to_string())?, FrameRate::default(), &Baking::ALONE)
         .map(|(scene, _)| scene)
         .map_err(|problems| problems.to_string())
 }
@@ -194,6 +195,48 @@ fn materials_of_an_obj_file_give_way_by_name() {
     for (names, word) in [(r#"{ "leaves": "green" }"#, "`leaf`"), (r#"{ "leaf": "grean" }"#, "`green`")] {
         let said = with_tree(&tree(names)).unwrap_err();
         assert!(said.contains("meshes.tree.materials") && said.contains(word), "{said}");
+    }
+}
+
+#[test]
+fn materials_of_an_obj_file_may_be_written_in_their_place() {
+    let rest = r#"materials: { "green": (base_color: 0.4) }, objects: { "tree": (mesh: "tree"), "other": (mesh: "other") }"#;
+    let scene = |leaf: &str| {
+        let tree = format!(r#"ObjWith(file: "tree.obj", materials: {{ "leaf": {leaf}, "bark": "green" }})"#);
+        with_tree(&format!(r#"meshes: {{ "tree": {tree}, "other": Obj("tree.obj") }}, {rest}"#))
+    };
+    let leaf = |text: &str| {
+        let scene = scene(text).unwrap();
+        let materials = |mesh: usize| {
+            let triangles = scene.meshes[mesh].triangles.iter();
+            triangles.map(|triangle| scene.materials[triangle.material].clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(materials(0)[1].name, "green");
+        assert_eq!((materials(1)[0].transmission, materials(1)[1].name.as_str()), (Rgb::ZERO, "bark"));
+        materials(0)[0].clone()
+    };
+    // What it leaves out is as the file has it.
+    let lets_through = leaf("(transmission: (0.2, 0.3, 0.1))");
+    assert_eq!(lets_through.name, "leaf");
+    assert!((lets_through.base_color - Rgb::new(0.1, 0.5, 0.1)).length() < 1e-6);
+    assert_eq!(lets_through.transmission, Rgb::new(0.2, 0.3, 0.1));
+    let shines =
+        leaf("(base_color: (0.5, 0.4, 0.1), roughness: 0.3, opacity: 0.5, emission_w_per_m2_sr: 2.0)");
+    assert_eq!(shines.base_color, Rgb::new(0.5, 0.4, 0.1));
+    assert_eq!(
+        (shines.coat.unwrap().roughness, shines.opacity, shines.emission),
+        (0.3, 0.5, Rgb::splat(2.0))
+    );
+    assert_eq!(leaf("()").base_color, lets_through.base_color);
+    let place = "meshes.tree.materials.leaf";
+    for (leaf, place, word) in [
+        ("(transmission: 0.6)", place, "more light"),
+        ("(metallic: 1.0)", "meshes.tree.materials.leaf.metallic", "roughness"),
+        ("(alpha_cutoff: 0.5)", place, "alpha_cutoff"),
+        (r#"(texture: "gone.png")"#, "meshes.tree.materials.leaf.texture", "gone.png"),
+    ] {
+        let said = scene(leaf).unwrap_err();
+        assert!(said.contains(place) && said.contains(word), "{leaf}: {said}");
     }
 }
 

@@ -1,0 +1,49 @@
+//! What surfaces of a scene file are made of. Invariant: docs/scene-format.md describes every field.
+
+use super::defaults::{one, zero};
+use super::number::{Finite, NonNegative, Number, Triple, UnitInterval};
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// What a surface is made of.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Lambert reflectance, linear Rec. 709; multiplied by the texture if there is one.
+    pub base_color: Option<Triple<UnitInterval>>,
+    /// A PNG, JPEG, WebP or PPM image in sRGB, relative to the scene file.
+    pub texture: Option<PathBuf>,
+    /// Alpha; multiplied by that of the texture.
+    pub opacity: Option<Number<UnitInterval>>,
+    /// The surface is cut away where alpha is less than this.
+    pub alpha_cutoff: Option<Number<UnitInterval>>,
+    /// How much light goes straight through where alpha is 1.
+    pub filter_color: Option<Triple<UnitInterval>>,
+    /// Lambert transmittance to the far side; multiplied by its texture, or else by `texture`.
+    #[serde(default = "zero")]
+    pub transmission: Triple<UnitInterval>,
+    /// An image of the colours in which light comes through, as `texture` is of those it shows.
+    pub transmission_texture: Option<PathBuf>,
+    /// An image of directions that bend its normals.
+    pub normal_map: Option<NormalMap>,
+    /// How rough its shine is; matte without.
+    pub roughness: Option<Number<UnitInterval>>,
+    /// How much of a metal it is.
+    pub metallic: Option<Number<UnitInterval>>,
+    /// Perfect mirror reflectance.
+    #[serde(default = "zero")]
+    pub mirror: Triple<UnitInterval>,
+    /// Radiance emitted to either side.
+    pub emission_w_per_m2_sr: Option<Triple<NonNegative>>,
+}
+
+/// An image of directions, as glTF's normal maps are.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NormalMap {
+    /// A PNG, JPEG, WebP or PPM image whose red, green and blue are x, y and z, from -1 to 1.
+    pub texture: PathBuf,
+    /// Factor on x and y.
+    #[serde(default = "one")]
+    pub scale: Number<Finite>,
+}

@@ -1,0 +1,66 @@
+//! What takes the place of an OBJ file's material: `"bark"`, or `(transmission: (0.1, 0.3, 0.05))`.
+//! Invariant: both forms are read without buffering, so errors keep their line and column.
+
+use super::material::Material;
+use serde::de::value::{MapAccessDeserializer, MapDeserializer};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use std::fmt;
+
+/// A material of the scene, or one that only this mesh has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Replacement {
+    /// The name of a material of the scene.
+    Named(String),
+    /// A material that stands right here.
+    Inline(Box<Material>),
+}
+
+impl Replacement {
+    /// The name of a material of the scene.
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Self::Named(name) => Some(name),
+            Self::Inline(_) => None,
+        }
+    }
+
+    /// A material that stands right here.
+    pub fn inline(&self) -> Option<&Material> {
+        match self {
+            Self::Named(_) => None,
+            Self::Inline(material) => Some(material),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Replacement {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ReplacementVisitor)
+    }
+}
+
+/// A text is a name; a struct with named fields is a material, and empty brackets are one without any.
+struct ReplacementVisitor;
+
+impl<'de> Visitor<'de> for ReplacementVisitor {
+    type Value = Replacement;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the name of a material, or a material (base_color: .., ..)")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<Self::Value, E> {
+        Ok(Replacement::Named(name.to_owned()))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        let material = Material::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Replacement::Inline(Box::new(material)))
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<Self::Value, E> {
+        let no_fields = std::iter::empty::<(&str, &str)>();
+        let material = Material::deserialize(MapDeserializer::new(no_fields))?;
+        Ok(Replacement::Inline(Box::new(material)))
+    }
+}
