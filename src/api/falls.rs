@@ -1,6 +1,7 @@
 //! Leaves that fall, for programs that make scenes. In go numbers, out come the fields of a file. Invariant:
 //! names, units, ranges and defaults are those of docs/scene-format.md. Ranges are `[low, high]`.
 
+use super::animated::Animated;
 use serde::Serialize;
 
 /// Leaves that fall as leaves fall.
@@ -28,7 +29,13 @@ pub struct Fall {
     /// Whether they hang there before they are let go; else they are not there yet.
     pub attached: bool,
     /// Factor on the speed of falling and turning.
-    pub speed: f64,
+    pub speed: Animated<f64>,
+    /// Whether the camera sees them; mirrors do in any case.
+    pub visible_to_camera: bool,
+    /// Whether they keep light from what lies behind them.
+    pub casts_shadow: bool,
+    /// Whether they are holes in the picture: black, with alpha 0.
+    pub holdout: bool,
 }
 
 /// One kind of leaf.
@@ -38,6 +45,8 @@ pub struct Species {
     pub meshes: Vec<String>,
     /// Names of materials; each leaf is made of one of them. If empty, of the mesh's own.
     pub materials: Vec<String>,
+    /// Colours of which each leaf has one in between, as a factor on its material; needs `materials`.
+    pub tint: Vec<[f64; 3]>,
     /// How many of the leaves are of this kind, in proportion to the others.
     pub share: f64,
     /// From stalk to tip: the mesh is scaled to it.
@@ -79,13 +88,13 @@ pub enum Emitter {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Wind {
     /// Along the ground.
-    pub mean_m_per_s: [f64; 3],
+    pub mean_m_per_s: Animated<[f64; 3]>,
     /// What the strongest gust adds.
-    pub gust_m_per_s: [f64; 3],
+    pub gust_m_per_s: Animated<[f64; 3]>,
     /// From gust to gust.
     pub gust_s: f64,
     /// Speed of the air in eddies.
-    pub eddy_m_per_s: f64,
+    pub eddy_m_per_s: Animated<f64>,
     /// Their size.
     pub eddy_m: f64,
     /// Another seed, other gusts and eddies.
@@ -133,7 +142,10 @@ impl Fall {
             obstacles: Vec::new(),
             release_s: [0.0; 2],
             attached: true,
-            speed: 1.0,
+            speed: 1.0.into(),
+            visible_to_camera: true,
+            casts_shadow: true,
+            holdout: false,
         }
     }
 }
@@ -144,6 +156,7 @@ impl Species {
         Self {
             meshes: vec![mesh.to_owned()],
             materials: Vec::new(),
+            tint: Vec::new(),
             share: 1.0,
             length_m,
             width_m: None,
@@ -157,10 +170,10 @@ impl Default for Wind {
     /// Calm.
     fn default() -> Self {
         Self {
-            mean_m_per_s: [0.0; 3],
-            gust_m_per_s: [0.0; 3],
+            mean_m_per_s: [0.0; 3].into(),
+            gust_m_per_s: [0.0; 3].into(),
             gust_s: 4.0,
-            eddy_m_per_s: 0.0,
+            eddy_m_per_s: 0.0.into(),
             eddy_m: 2.0,
             seed: 0,
         }

@@ -25,7 +25,7 @@ pub use falls::{Emitter, Fall, FallGround, FallMotion, Species, Wind};
 pub use frame::Frame;
 pub use lights::{Julia, Light, Sun};
 pub use options::SceneOptions;
-pub use parts::{Aperture, Camera, LeafMotion, Leaves, Material, NormalMap, Object, Shape};
+pub use parts::{Aperture, Camera, LeafMotion, Leaves, Material, NormalMap, Object, Replacement, Shape};
 pub(crate) use plan::Plan;
 pub use renderer::Renderer;
 pub use scene::{NodePlace, Scene};

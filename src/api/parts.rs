@@ -4,6 +4,7 @@
 
 use super::animated::{Animated, in_steps};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A shape.
@@ -12,6 +13,13 @@ pub enum Shape {
     /// A Wavefront OBJ file with its materials; like all files it lies relative to the folder that
     /// the program runs in.
     Obj(PathBuf),
+    /// The same, with other materials in place of some of its own.
+    ObjWith {
+        /// Where it lies.
+        file: PathBuf,
+        /// What takes their place, by names of the file's.
+        materials: BTreeMap<String, Replacement>,
+    },
     /// A square in the x-z plane, centred, facing +y.
     Quad {
         /// Length of an edge.
@@ -38,6 +46,16 @@ pub enum Shape {
         /// How far each half is lifted about the middle vein.
         fold_deg: f64,
     },
+}
+
+/// What takes the place of a material of an OBJ file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Replacement {
+    /// A material of the scene, by its name.
+    Named(String),
+    /// One that only this mesh has. What it leaves out is as the file has it.
+    Inline(Box<Material>),
 }
 
 /// What a surface is made of.
@@ -76,8 +94,13 @@ pub struct Material {
     pub metallic: Option<f64>,
     /// Perfect mirror reflectance, `0..=1`.
     pub mirror: [f64; 3],
-    /// Radiance emitted to either side.
+    /// Radiance emitted to either side; black is left out.
+    #[serde(skip_serializing_if = "is_black")]
     pub emission_w_per_m2_sr: [f64; 3],
+}
+
+fn is_black(color: &[f64; 3]) -> bool {
+    *color == [0.0; 3]
 }
 
 /// An image of directions, as glTF's normal maps are.
@@ -151,6 +174,8 @@ pub struct Leaves {
     pub meshes: Vec<String>,
     /// Names of materials; each leaf is made of one of them.
     pub materials: Vec<String>,
+    /// Colours of which each leaf has one in between, as a factor on its material; needs `materials`.
+    pub tint: Vec<[f64; 3]>,
     /// Name of the object that the leaves follow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parent: Option<String>,
@@ -173,6 +198,12 @@ pub struct Leaves {
     pub scale: [f64; 2],
     /// How they move.
     pub motion: LeafMotion,
+    /// Whether the camera sees them; mirrors do in any case.
+    pub visible_to_camera: bool,
+    /// Whether they keep light from what lies behind them.
+    pub casts_shadow: bool,
+    /// Whether they are holes in the picture: black, with alpha 0.
+    pub holdout: bool,
 }
 
 impl Default for Leaves {
@@ -182,6 +213,7 @@ impl Default for Leaves {
             seed: 0,
             meshes: Vec::new(),
             materials: Vec::new(),
+            tint: Vec::new(),
             parent: None,
             min_m: None,
             max_m: None,
@@ -190,6 +222,9 @@ impl Default for Leaves {
             roll_deg: None,
             scale: [1.0; 2],
             motion: LeafMotion::Still,
+            visible_to_camera: true,
+            casts_shadow: true,
+            holdout: false,
         }
     }
 }

@@ -5,7 +5,7 @@ use super::animated::Animated;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// A bank of fog: in a box, thinner with height, or both.
+/// A bank of fog: in a box, thinner with height, or both; or as dense as voxels are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fog {
     /// Name of the object that the fog follows.
@@ -23,7 +23,13 @@ pub struct Fog {
     /// Where that begins: a y coordinate of its parent's space.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_m: Option<f64>,
-    /// Extinction coefficient sigma_t where the fog is densest.
+    /// An OpenVDB file that says how dense it is, in its parent's space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vdb: Option<PathBuf>,
+    /// The file's grid that does; none is `density`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<String>,
+    /// Extinction coefficient sigma_t where the fog is densest; of voxels that of 1 in them.
     pub density_per_m: Animated<[f64; 3]>,
     /// How much of the extinction is scattering, `0..=1`.
     pub albedo: Animated<[f64; 3]>,
@@ -40,6 +46,8 @@ impl Fog {
             max_m: Some(max_m),
             scale_height_m: None,
             base_m: None,
+            vdb: None,
+            grid: None,
             density_per_m: Animated::Still([density_per_m; 3]),
             albedo: Animated::Still([1.0; 3]),
             anisotropy: Animated::Still(0.0),

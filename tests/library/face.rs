@@ -438,12 +438,17 @@ fn leaves_of_code_fall_as_those_of_files() {
     let emitter = Emitter::Ellipsoid { center_m: [0.0, 3.0, 0.0], radii_m: [1.0, 0.5, 1.0] };
     let shower = Fall {
         seed: 5,
-        wind: Wind { mean_m_per_s: [0.8, 0.0, 0.2], eddy_m_per_s: 0.3, seed: 2, ..Wind::default() },
+        wind: Wind {
+            mean_m_per_s: [0.8, 0.0, 0.2].into(),
+            eddy_m_per_s: 0.3.into(),
+            seed: 2,
+            ..Wind::default()
+        },
         motion: Some(FallMotion { flutter: 3.0, tumble: 1.0, ..FallMotion::default() }),
         ground: FallGround { height_m: 0.1, object: None },
         release_s: [-1.0, 1.0],
         attached: false,
-        speed: 1.5,
+        speed: 1.5.into(),
         ..Fall::new(3, species, emitter)
     };
     let made = built(stage().material("grey", grey()).fall("shower", shower));
@@ -452,6 +457,38 @@ fn leaves_of_code_fall_as_those_of_files() {
         assert_eq!(Some(place), read.place(leaf, frame));
         assert_ne!(Some(place), made.place(leaf, frame + 10.0), "{leaf} stays where it is");
     }
+}
+
+/// A gust that begins, and a fall that is slowed down.
+#[test]
+fn keyed_wind_and_speed_of_code_are_those_of_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("scene.ron");
+    let fields = "materials: { \"grey\": (base_color: 0.5) }, fall: { \"shower\": (count: 40,
+        species: [(meshes: [\"floor\"], materials: [\"grey\"], length_m: (0.1, 0.2), tint: [(1.0, 0.5, 0.0), 0.5])],
+        emitter: Box(min_m: (-1.0, 1.0, -1.0), max_m: (1.0, 2.0, 1.0)), casts_shadow: false,
+        wind: (mean_m_per_s: Keyed(keys: [(at_s: 0.5, value: (0.0, 0.0, 0.0)), (at_s: 1.0, value: (3.0, 0.0, 0.0))]),
+            eddy_m_per_s: Keyed(keys: [(at_s: 0.0, value: 0.1), (at_s: 1.0, value: 0.6)], extend: Cycle)),
+        speed: Keyed(keys: [(at_s: 0.0, value: 1.0), (at_s: 1.0, value: 0.3)])) }";
+    fs::write(&file, format!("Scene({STAGE}, {fields})")).expect("written");
+    let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let species = Species {
+        materials: vec!["grey".into()],
+        tint: vec![[1.0, 0.5, 0.0], [0.5; 3]],
+        ..Species::new("floor", [0.1, 0.2])
+    };
+    let emitter = Emitter::Box { min_m: [-1.0, 1.0, -1.0], max_m: [1.0, 2.0, 1.0] };
+    let calm = Fall { casts_shadow: false, ..Fall::new(40, species, emitter) };
+    let wind = Wind {
+        mean_m_per_s: Animated::keys([(0.5, [0.0; 3]), (1.0, [3.0, 0.0, 0.0])]),
+        eddy_m_per_s: Animated::cycle([(0.0, 0.1), (1.0, 0.6)]),
+        ..Wind::default()
+    };
+    let gust = Fall { wind, speed: Animated::keys([(0.0, 1.0), (1.0, 0.3)]), ..calm.clone() };
+    let [made, calm] = [gust, calm].map(|fall| built(stage().material("grey", grey()).fall("shower", fall)));
+    let frame = |scene: &Scene| small(scene).frame(36).shutter(0.0).render().expect("a frame").beauty();
+    assert_eq!(frame(&made), frame(&read));
+    assert_ne!(frame(&made), frame(&calm), "the wind changes nothing");
 }
 
 /// Defaults are written down twice, for code and for files.
@@ -465,7 +502,7 @@ fn what_code_leaves_out_is_what_files_leave_out() {
     fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let emitter = Emitter::Box { min_m: [0.0, 2.0, 0.0], max_m: [1.0, 3.0, 1.0] };
-    let wind = Wind { eddy_m_per_s: 0.5, gust_m_per_s: [1.0, 0.0, 0.0], ..Wind::default() };
+    let wind = Wind { eddy_m_per_s: 0.5.into(), gust_m_per_s: [1.0, 0.0, 0.0].into(), ..Wind::default() };
     let shower = Fall { wind, ..Fall::new(1, Species::new("floor", [0.06, 0.1]), emitter) };
     let made = built(stage().material("grey", grey()).fall("shower", shower));
     assert!(made.place("shower.0", 15.0).is_some());
