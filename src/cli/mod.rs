@@ -22,6 +22,7 @@ mod options;
 mod parse;
 mod plan;
 mod preview;
+mod process_memory;
 mod progress;
 mod render;
 mod saving;
@@ -52,7 +53,7 @@ pub fn run() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { error::USAGE } else { 0 });
         }
     };
-    if let Some(note) = stats::tight_memory() {
+    if let Some(note) = process_memory::tight_memory() {
         tell(&note);
     }
     let stop = match Stop::watch() {

@@ -2,7 +2,7 @@
 //! the program is at (loading, baking, building trees, rendering, writing), it ends about a tenth of a second
 //! after the signal, and no file is half-written.
 
-use super::{CliError, error, tell};
+use super::{CliError, error, process_memory, tell};
 use crate::frame_file;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
@@ -68,14 +68,23 @@ impl Stop {
 
 /// Has limits of the system end in a message and an exit code, not in a dead process.
 ///
-/// Memory that cannot be had: the standard library says how much, and aborts. A file that may not grow: the
-/// signal's own action ends the process, and without it the write fails.
+/// Memory that cannot be had: the standard library says how much, and aborts. Nothing may run in between, so
+/// that it is told from other aborts by what is so before: memory has a limit, and nothing panicked.
+///
+/// A file that may not grow: the signal's own action ends the process, and without it the write fails.
 #[cfg(unix)]
 fn heed_limits() -> io::Result<()> {
-    let always = Arc::new(AtomicBool::new(true));
-    let code = i32::from(error::INPUT_OUTPUT);
-    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, code, always)?;
-    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+    use signal_hook::consts::{SIGABRT, SIGXFSZ};
+    let is_of_memory = Arc::new(AtomicBool::new(process_memory::is_there_any()));
+    let (panicked, say) = (Arc::clone(&is_of_memory), std::panic::take_hook());
+    std::panic::set_hook(Box::new(move |panic| {
+        panicked.store(false, Ordering::SeqCst);
+        say(panic);
+    }));
+    let (code, always) = (i32::from(error::INPUT_OUTPUT), Arc::new(AtomicBool::new(true)));
+    signal_hook::flag::register_conditional_shutdown(SIGABRT, code, is_of_memory)?;
+    signal_hook::flag::register_conditional_default(SIGABRT, always)?;
+    signal_hook::flag::register(SIGXFSZ, Arc::default())?;
     Ok(())
 }
 

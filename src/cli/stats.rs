@@ -4,7 +4,9 @@
 
 use super::CliError;
 use super::inspect::losses;
+use super::process_memory::peak_memory_bytes;
 use crate::diagnostic::{Diagnostics, shown};
+use crate::frame_file;
 use crate::render::Statistics;
 use crate::sequence::Event;
 use serde_json::{Value, json};
@@ -114,35 +116,13 @@ fn line(event: &Event) -> Option<Value> {
     })
 }
 
-/// The most memory that the process has held so far, where Linux tells (proc(5), `VmHWM`).
-fn peak_memory_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = peak.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024 * kibibytes)
-}
-
-/// Less address space than this is not enough for most scenes.
-const TIGHT_BYTES: u64 = 200_000_000;
-
-/// Says that the process may not have much memory, where Linux tells (proc(5), `limits`): when it cannot have
-/// more, the standard library says how much that was, and nobody may say anything after it.
-pub(super) fn tight_memory() -> Option<String> {
-    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
-    let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
-    let bytes: u64 = limit.split_whitespace().next()?.parse().ok()?;
-    let [limit, least] = [bytes, TIGHT_BYTES].map(|bytes| bytes / 1_000_000);
-    (bytes < TIGHT_BYTES).then(|| {
-        format!(
-            "note: the address space is limited to {limit} MB: where memory cannot be had the command ends with exit \
-             code 4\n  remedy: allow {least} MB and more (ulimit -v)"
-        )
-    })
-}
-
 fn failure(path: &Path, error: &std::io::Error) -> CliError {
     let path = shown(path);
+    let (expected, remedy) = match error.kind() {
+        std::io::ErrorKind::FileTooLarge => (frame_file::WITHIN_LIMIT, frame_file::RAISE_LIMIT),
+        _ => ("a file in a folder that exists", "name another with --stats"),
+    };
     CliError::InputOutput(format!(
-        "{path}: error: statistics cannot be written: {error}\n  expected: a file in a folder that exists\n  remedy: name another with --stats"
+        "{path}: error: statistics cannot be written: {error}\n  expected: {expected}\n  remedy: {remedy}"
     ))
 }

@@ -4,6 +4,14 @@ use crate::diagnostic::{Diagnostic, Place, shown};
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// What is expected of a file that may not grow.
+pub const WITHIN_LIMIT: &str =
+    "a file within the limit of file sizes (`ulimit -f`, and what the file system takes)";
+
+/// What helps then.
+pub const RAISE_LIMIT: &str =
+    "allow larger files (`ulimit -f unlimited`), then run the same command with --skip valid";
+
 /// Why a file could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum FrameFileError {
@@ -105,6 +113,7 @@ impl FrameFileError {
         match self {
             Self::IsFolder { .. } => "the name of a file",
             Self::CreateFolder { .. } => "a folder, or a place where one can be made",
+            Self::Write { source, .. } if source.kind() == io::ErrorKind::FileTooLarge => WITHIN_LIMIT,
             Self::Write { .. } => "a folder that can be written to, with room for the frame",
             Self::Encode { .. } => "a frame that a file of this kind can hold",
             Self::Animation { .. } => "pictures that an animation of this format can hold",
@@ -124,6 +133,7 @@ impl FrameFileError {
                 io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
                     "free some space or choose another place with --out, then run the same command with --skip valid"
                 }
+                io::ErrorKind::FileTooLarge => RAISE_LIMIT,
                 io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
                     "make the folder writable or choose another place with --out"
                 }

@@ -59,7 +59,7 @@ pub use animation::Animation;
 pub use atomic::{abandon_writes, check_folder, folder_of, write_whole};
 pub use compare::{ChannelErrors, CompareError, Comparison, Errors, IdErrors, compare, net_rmse};
 pub use encode::write;
-pub use error::FrameFileError;
+pub use error::{FrameFileError, RAISE_LIMIT, WITHIN_LIMIT};
 pub use folder::frames_in;
 pub use leftovers::{final_name, remove_abandoned};
 pub use limits::{Limit, Measure, exceeded};

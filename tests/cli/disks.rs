@@ -90,6 +90,22 @@ fn answers_and_statistics_that_a_full_disk_does_not_take_are_failures() {
     }
 }
 
+#[test]
+fn a_limit_of_file_sizes_is_called_so() {
+    let studio = Studio::new();
+    for line in [
+        "render tiny.ron --frames 1 --size 64x36 --samples 1 --out a/x.exr",
+        "render tiny.ron --frames 1-9 --size 2x2 --samples 1 --out b/ --stats stats.jsonl",
+        "export tiny.ron own.glb",
+        "preview tiny.ron --frames 1 --size 64x36 --out z.png",
+    ] {
+        let outcome = with_full_disk(&studio, 1, line);
+        assert_says_so(&outcome, line);
+        assert!(outcome.err.contains("ulimit -f"), "{line}: {}", outcome.err);
+        assert!(!outcome.err.contains("disk"), "{line}: {}", outcome.err);
+    }
+}
+
 /// A bake that cannot be kept is done without.
 #[test]
 fn a_cache_that_takes_nothing_stops_no_work() {

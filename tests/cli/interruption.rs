@@ -65,3 +65,13 @@ fn a_killed_run_leaves_whole_frames_and_can_go_on() {
     std::fs::write(studio.path("stopped/.tiny.0006.exr.abc123.sunfleck-part"), "half").unwrap();
     assert_completes(&studio);
 }
+
+/// Memory has no limit here, so that it was not memory.
+#[test]
+#[cfg(target_os = "linux")]
+fn an_aborted_run_ends_by_its_own_signal() {
+    use std::os::unix::process::ExitStatusExt;
+    let studio = Studio::new();
+    assert_eq!(interrupt(&studio, "-ABRT").signal(), Some(6));
+    assert_whole_frames(&studio);
+}
