@@ -162,8 +162,8 @@ pub(super) struct ServeArguments {
 
 #[derive(Args, Debug)]
 pub(super) struct PreviewArguments {
-    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), a mesh (.obj), or a
-    /// folder of EXR frames.
+    /// A sequence (.ron), a scene (.ron), a glTF file (.glb, .gltf), a mesh (.obj), an EXR
+    /// frame, or a folder of them.
     pub(super) input: PathBuf,
     /// Frames, such as 1-48, 1-48x2, 1-48:2, 1..48, 5,9 or all, or those that a file lists,
     /// @FILE [default: all].

@@ -44,7 +44,11 @@ struct Outputs {
 
 pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     let pool = threads::pool(arguments.threads)?;
-    let scene = if arguments.input.is_dir() { None } else { Some(pool.install(|| load(arguments))?) };
+    let scene = if frame_file::is_of_frames(&arguments.input) {
+        None
+    } else {
+        Some(pool.install(|| load(arguments))?)
+    };
     let (source, settings) = match &scene {
         None => Source::files(arguments)?,
         Some(scene) => Source::scene(scene, arguments)?,
@@ -119,7 +123,7 @@ impl<'a> Source<'a> {
         Ok((Self::Scene { input: &arguments.input, plan }, settings))
     }
 
-    /// The EXR files of a folder, by the number that their names end in.
+    /// An EXR file, or those of a folder, by the number that their names end in.
     fn files(arguments: &PreviewArguments) -> Result<(Self, RenderSettings), CliError> {
         let input = arguments.input.as_path();
         let flags = [
@@ -141,8 +145,11 @@ impl<'a> Source<'a> {
             let found = format!("there is no frame in {}", shown(input));
             return Err(usage("INPUT", found, "a folder of files such as name.0001.exr"));
         };
-        let name =
-            input.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
+        let own = |path: PathBuf| {
+            let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
+            Some(name?.to_string_lossy().into_owned())
+        };
+        let name = input.canonicalize().ok().and_then(own);
         let settings = RenderSettings {
             name: name.unwrap_or_else(|| String::from("frames")),
             frames: first..=last,

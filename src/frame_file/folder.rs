@@ -1,21 +1,36 @@
-//! Which frames a folder holds. Invariant: temporary files are none.
+//! Which frames a folder or a file holds. Invariant: temporary files are none.
 
 use super::FrameFileError;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The EXR files of a folder, by the number that their names end in; 0 without one.
+/// Whether `path` is for frames, by its name: a folder or an EXR file.
+pub fn is_of_frames(path: &Path) -> bool {
+    path.is_dir() || is_exr(path)
+}
+
+fn is_exr(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"))
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The EXR files of a folder, by the number that their names end in; 0 without one. A file is its only frame.
 ///
 /// # Errors
 /// If the folder cannot be read.
 pub fn frames_in(folder: &Path) -> Result<BTreeMap<i64, PathBuf>, FrameFileError> {
+    if !folder.is_dir() && is_exr(folder) {
+        return Ok(BTreeMap::from([(number(&stem(folder)), folder.to_owned())]));
+    }
     let failed = |source| FrameFileError::Read { path: folder.to_owned(), source };
     let mut files = BTreeMap::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
-        let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if is_exr && !stem.starts_with('.') {
+        let stem = stem(&path);
+        if is_exr(&path) && !stem.starts_with('.') {
             files.insert(number(&stem), path);
         }
     }

@@ -60,7 +60,7 @@ pub use atomic::{abandon_writes, check_folder, folder_of, write_whole};
 pub use compare::{ChannelErrors, CompareError, Comparison, Errors, IdErrors, compare, net_rmse};
 pub use encode::write;
 pub use error::{FrameFileError, RAISE_LIMIT, WITHIN_LIMIT};
-pub use folder::frames_in;
+pub use folder::{frames_in, is_of_frames};
 pub use leftovers::{final_name, remove_abandoned};
 pub use limits::{Limit, Measure, exceeded};
 pub use preview::{Picture, write_preview};

@@ -67,6 +67,9 @@ fn frames_that_are_there_are_shown_as_they_are() {
     studio.succeed("preview a --frames 2 --out b/x.####.png");
     assert_eq!(studio.names("b"), ["x.0002.png"]);
     assert_eq!(picture(&studio, "b/x.0002.png"), picture(&studio, "a/tiny.0002.png"));
+    studio.succeed("preview a/tiny.0002.exr --out alone.png");
+    assert_eq!(picture(&studio, "alone.png"), picture(&studio, "a/tiny.0002.png"));
+    assert!(studio.fail("preview gone.exr", 4).contains("gone.exr"));
     studio.succeed("preview a --out both.apng --fps 12");
     let refused = studio.fail("preview tiny.ron --frames 1 --size 16385x1 --out wide.webp", 4);
     assert!(refused.contains("16384") && refused.contains("remedy"), "{refused}");

@@ -67,7 +67,10 @@ impl Picture {
         if let Some((_, colors)) = found.into_iter().min_by_key(|(rank, _)| *rank) {
             return Some(Self::Colors(colors));
         }
-        let luminance = place("Y")?;
+        // A file of one colour alone is grey.
+        let own: Vec<usize> = COLORS[0].iter().filter_map(|color| place(color)).collect();
+        let lone = || if let [only] = own[..] { Some(only) } else { None };
+        let luminance = place("Y").or_else(lone)?;
         Some(match (place("RY"), place("BY")) {
             (Some(red), Some(blue)) => Self::Chroma([luminance, red, blue]),
             _ => Self::Luminance(luminance),
@@ -145,6 +148,8 @@ mod tests {
             ),
             (&["BY", "RY", "Y"], Some(Picture::Chroma([2, 1, 0]))),
             (&["A", "Y"], Some(Picture::Luminance(1))),
+            (&["A", "G"], Some(Picture::Luminance(1))),
+            (&["A", "G", "R"], None),
             (&["Z"], None),
         ] {
             assert_eq!(Picture::among(names), expected, "{names:?}");
