@@ -77,7 +77,7 @@ fn rays(medium: &Medium, parts: u32) -> Vec<LitRay> {
 impl LitRay {
     fn found(&self, medium: &Medium) -> f64 {
         let lit = LitSegments::from_shadows(self.shadows.clone(), self.range);
-        medium.scattered(&self.ray, f64::INFINITY, &lit, &LAMP).x
+        medium.passage(&self.ray, f64::INFINITY, &lit, &LAMP).scattered.x
     }
 
     /// 16 nodes on each of 100 pieces of each lit part.

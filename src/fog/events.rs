@@ -12,7 +12,6 @@ use super::foggy_ray::FoggyRay;
 use super::phase::{henyey_greenstein, pick_henyey_greenstein, picked_henyey_greenstein};
 use super::{FogBank, Medium};
 use crate::color::Rgb;
-use crate::math::Ray;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -140,6 +139,7 @@ fn pick(counts: [f64; 3], u: f64) -> usize {
 mod tests {
     use super::*;
     use crate::fog::Falloff;
+    use crate::math::Ray;
     use glam::DAffine3;
 
     /// Coloured fog in a box, within fog that thins out with height.

@@ -40,8 +40,9 @@ fn mean(picture: &[f32]) -> f32 {
 
 /// The largest difference over the mean.
 fn apart(a: &[f32], b: &[f32]) -> f32 {
-    assert!(mean(a) > 1e-4, "{}", mean(a));
-    a.iter().zip(b).map(|(a, b)| (a - b).abs() / mean(a)).fold(0.0, f32::max)
+    let mean = mean(a);
+    assert!(mean > 1e-4, "{mean}");
+    a.iter().zip(b).map(|(a, b)| (a - b).abs() / mean).fold(0.0, f32::max)
 }
 
 /// Writes a scene as glTF into a folder of its own, and reads it from there.

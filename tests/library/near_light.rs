@@ -40,7 +40,7 @@ impl Case {
     /// What the renderer finds with these shadows.
     fn found(&self, shadows: &IntervalSet) -> f64 {
         let lit = LitSegments::from_shadows(shadows.clone(), self.range());
-        self.medium.scattered(&self.ray, f64::INFINITY, &lit, &self.light).x
+        self.medium.passage(&self.ray, f64::INFINITY, &lit, &self.light).scattered.x
     }
 
     /// 16 nodes on each of so many pieces of each lit part, in the distance along the ray.
