@@ -87,6 +87,9 @@ impl Writer<'_> {
             SkyLight::Surfaces => "surfaces",
             SkyLight::SurfacesAndFog => "surfaces_and_fog",
         });
+        if !sky.visible_to_camera {
+            written["visible_to_camera"] = json!(false);
+        }
         Ok(Some(written))
     }
 

@@ -83,7 +83,7 @@ impl<'a> Shader<'a> {
             return Rgb::ZERO;
         }
         let ray = self.ray(at);
-        match self.snapshot.radiance_beyond(ray.direction) {
+        match self.snapshot.seen_beyond(ray.direction) {
             Rgb::ZERO => Rgb::ZERO,
             radiance => {
                 radiance * self.snapshot.medium.transmittance(ray.origin, ray.direction, f64::INFINITY)

@@ -166,17 +166,25 @@ impl<'scene> Snapshot<'scene> {
         self.background + sky + self.suns_along(direction)
     }
 
+    /// The same of a ray from the camera, which may not see the sky.
+    pub fn seen_beyond(&self, direction: DVec3) -> Rgb {
+        if self.sky.is_some_and(|sky| !sky.is_seen()) {
+            return self.background + self.suns_along(direction);
+        }
+        self.radiance_beyond(direction)
+    }
+
     /// The part of it that suns show themselves.
     pub fn suns_along(&self, direction: DVec3) -> Rgb {
         self.lights.iter().map(|light| light.seen_along(direction)).sum()
     }
 
-    /// Whether rays that leave the scene see something, suns aside.
+    /// Whether camera rays that leave the scene see something, suns aside.
     pub fn has_background(&self) -> bool {
-        self.background != Rgb::ZERO || self.sky.is_some()
+        self.background != Rgb::ZERO || self.sky.is_some_and(|sky| sky.is_seen())
     }
 
-    /// Whether no ray that leaves the scene sees anything, not even a sun.
+    /// Whether no camera ray that leaves the scene sees anything, not even a sun.
     pub fn is_dark_beyond(&self) -> bool {
         !self.has_background() && !self.lights.iter().any(Luminaire::is_visible)
     }

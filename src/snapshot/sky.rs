@@ -48,6 +48,11 @@ impl<'scene> FrozenSky<'scene> {
         self.sky.has_sun()
     }
 
+    /// Whether camera rays see it.
+    pub fn is_seen(&self) -> bool {
+        self.sky.visible_to_camera
+    }
+
     /// Whether it lights surfaces.
     pub fn lights_surfaces(&self) -> bool {
         self.sky.lights != SkyLight::Nothing

@@ -85,8 +85,12 @@ impl Illumination<'_> {
     }
 
     /// What lies behind everything.
-    pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3) -> Rgb {
-        if self.self_luminous { snapshot.radiance_beyond(direction) } else { Rgb::ZERO }
+    pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3, from: Start) -> Rgb {
+        match from {
+            _ if !self.self_luminous => Rgb::ZERO,
+            Start::Camera => snapshot.seen_beyond(direction),
+            Start::Surface(_) | Start::Shine(_) => snapshot.radiance_beyond(direction),
+        }
     }
 }
 

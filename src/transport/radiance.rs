@@ -225,7 +225,7 @@ impl Path<'_> {
         let transmittance = fog * seen_through;
         let behind_fog = match &surface {
             None if is_hole || matches!(from, Start::Shine(_)) => Shown::default(),
-            None => Shown::emitted(light.background(snapshot, ray.direction)),
+            None => Shown::emitted(light.background(snapshot, ray.direction, from)),
             Some(point) => self.scattered(point) + self.emitted_and_mirrored(ray, point, mirrors_left),
         };
         shown += behind_fog.weakened(transmittance);

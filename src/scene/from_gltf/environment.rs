@@ -27,6 +27,8 @@ struct Environment {
     rotation: f64,
     #[serde(default)]
     lights: Lights,
+    #[serde(default = "seen")]
+    visible_to_camera: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -36,6 +38,10 @@ enum Lights {
     Nothing,
     Surfaces,
     SurfacesAndFog,
+}
+
+fn seen() -> bool {
+    true
 }
 
 fn one() -> Channels {
@@ -73,13 +79,16 @@ pub(super) fn surroundings(
         Lights::SurfacesAndFog => SkyLight::SurfacesAndFog,
     };
     match picture {
+        _ if lights == SkyLight::Nothing && !found.visible_to_camera => nothing,
         SkyPicture::Even(background) if lights == SkyLight::Nothing => (background, None),
         // A black one is none.
         picture => {
             let is_image = matches!(picture, SkyPicture::Image(_));
             let strength = if is_image { strength } else { Rgb::ONE };
             let sky = Sky::new(picture).filter(|_| strength != Rgb::ZERO);
-            (Rgb::ZERO, sky.map(|sky| sky.with(strength.into(), found.rotation.into(), lights)))
+            let mut sky = sky.map(|sky| sky.with(strength.into(), found.rotation.into(), lights));
+            sky.iter_mut().for_each(|sky| sky.visible_to_camera = found.visible_to_camera);
+            (Rgb::ZERO, sky)
         }
     }
 }

@@ -37,6 +37,8 @@ pub struct Sky {
     pub rotation: Track<f64>,
     /// What it lights.
     pub lights: SkyLight,
+    /// Whether camera rays see it; mirrors do in any case.
+    pub visible_to_camera: bool,
 }
 
 /// What a sky looks like, +Y up, radiance in W m^-2 sr^-1.
@@ -57,7 +59,7 @@ pub enum SkyPicture {
     Image(Texture),
 }
 
-/// What a sky lights. It is seen in any case.
+/// What a sky lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SkyLight {
     /// It is a background.
@@ -94,7 +96,8 @@ impl Sky {
         }
         let (strength, rotation) = (Track::from(Rgb::ONE), Track::from(0.0));
         let (means, has_sun, lights) = (OnceLock::new(), OnceLock::new(), SkyLight::default());
-        Some(Self { picture, suns, table, means, has_sun, strength, rotation, lights })
+        let visible_to_camera = true;
+        Some(Self { picture, suns, table, means, has_sun, strength, rotation, lights, visible_to_camera })
     }
 
     /// The same, with the suns that its picture shows as lights of their own: what they light has sharp

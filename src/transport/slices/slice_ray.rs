@@ -84,7 +84,7 @@ impl SliceRay<'_> {
         let surface = seen.map(|(_, facet)| facet.seen_along(ray, distance));
         let behind_fog = match &surface {
             None if self.meeting.is_some() => Shown::default(),
-            None => Shown::emitted(path.light.background(snapshot, ray.direction)),
+            None => Shown::emitted(path.light.background(snapshot, ray.direction, Start::Camera)),
             Some(point) => {
                 let to_light = fog.transmittance_to_light(&planar, end);
                 self.reflected(&mut path, point, is_lit, to_light)

@@ -46,7 +46,6 @@ def of_scene(scene):
         "border": render.use_border,
         "pixel-aspect": render.pixel_aspect_x != render.pixel_aspect_y,
         "film-exposure-changes": film.changes(scene),
-        "film-transparent": render.film_transparent,
         "frame-step": scene.frame_step != 1,
         "view-layers": sum(layer.use for layer in scene.view_layers) > 1,
         "stereo": render.use_multiview,

@@ -60,7 +60,8 @@ def of_scene(scene, path=None):
         sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
     if sky:
         sky["strength"] *= film.exposure(scene)
-        written["sunfleck_env"] = {**sky, "lights": world.lights(scene)}
+        unseen = {"visible_to_camera": False} if scene.render.film_transparent else {}
+        written["sunfleck_env"] = {**sky, "lights": world.lights(scene), **unseen}
     return written
 
 

@@ -79,6 +79,20 @@ class Engine(unittest.TestCase):
         self.scene.sunfleck_settings.use_world = False
         self.assertEqual(self.still().of("RGB").max(), 0.0)
 
+    def test_a_transparent_film_does_not_see_the_sky(self):
+        world = self.scene.world = bpy.data.worlds.new("grey")
+        world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.25, 0.5, 0.75, 1.0)
+        self.still()
+        seen = self.frame()
+        self.scene.render.film_transparent = True
+        self.still()
+        unseen = self.frame()
+        alpha = unseen.of(("A",))
+        self.assertEqual((alpha.min(), alpha.max(), seen.of(("A",)).min()), (0.0, 1.0, 1.0))
+        before, after = (one.of("RGB").reshape(-1, 3) for one in (seen, unseen))
+        numpy.testing.assert_array_equal(after[alpha == 1.0], before[alpha == 1.0])
+        self.assertEqual(after[alpha == 0.0].max(), 0.0)
+
     def test_an_animation_has_every_frame(self):
         stages.moving(self.scene.objects["quad"])
         self.scene.frame_start, self.scene.frame_end, self.scene.frame_step = 2, 6, 2

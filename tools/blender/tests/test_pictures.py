@@ -104,7 +104,6 @@ class Pictures(Case):
         scene, render_settings, dof = self.scene, self.scene.render, self.scene.camera.data.dof
         switches = {
             "border": lambda: setattr(render_settings, "use_border", True),
-            "film-transparent": lambda: setattr(render_settings, "film_transparent", True),
             "frame-step": lambda: setattr(scene, "frame_step", 2),
             "pixel-aspect": lambda: setattr(render_settings, "pixel_aspect_x", 2.0),
             "stereo": lambda: setattr(render_settings, "use_multiview", True),
