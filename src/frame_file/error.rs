@@ -54,6 +54,16 @@ pub enum FrameFileError {
         /// What does not fit.
         reason: String,
     },
+    /// A folder has two frames of one number.
+    #[error("{} and {} are both frame {number}", shown(path), shown(other))]
+    SameNumber {
+        /// One of them.
+        path: PathBuf,
+        /// And the other.
+        other: PathBuf,
+        /// What their names end in; 0 without a number.
+        number: i64,
+    },
     /// The file could not be read from the disk.
     #[error("cannot read {}: {source}", shown(path))]
     Read {
@@ -101,6 +111,7 @@ impl FrameFileError {
             | Self::Write { path, .. }
             | Self::Encode { path, .. }
             | Self::Animation { path, .. }
+            | Self::SameNumber { path, .. }
             | Self::Read { path, .. }
             | Self::Invalid { path, .. }
             | Self::Unsupported { path, .. }
@@ -117,6 +128,7 @@ impl FrameFileError {
             Self::Write { .. } => "a folder that can be written to, with room for the frame",
             Self::Encode { .. } => "a frame that a file of this kind can hold",
             Self::Animation { .. } => "pictures that an animation of this format can hold",
+            Self::SameNumber { .. } => "a folder of one sequence",
             Self::Read { .. } => "a readable file",
             Self::Invalid { .. } | Self::TooLarge { .. } => "a whole EXR file",
             Self::Unsupported { .. } => {
@@ -146,6 +158,7 @@ impl FrameFileError {
                 _ => "see that the disk is there and writable, then run the same command with --skip valid",
             },
             Self::Encode { .. } => "report this: a frame that was rendered should be one that can be written",
+            Self::SameNumber { .. } => "name one file, or give each sequence a folder of its own",
             Self::Animation { .. } => {
                 "make fewer or smaller pictures, or a picture a frame: --out NAME.####.png"
             }

@@ -20,18 +20,21 @@ fn stem(path: &Path) -> String {
 /// The EXR files of a folder, by the number that their names end in; 0 without one. A file is its only frame.
 ///
 /// # Errors
-/// If the folder cannot be read.
+/// If the folder cannot be read, or if two of its files have the same number.
 pub fn frames_in(folder: &Path) -> Result<BTreeMap<i64, PathBuf>, FrameFileError> {
     if !folder.is_dir() && is_exr(folder) {
         return Ok(BTreeMap::from([(number(&stem(folder)), folder.to_owned())]));
     }
     let failed = |source| FrameFileError::Read { path: folder.to_owned(), source };
+    let entries = std::fs::read_dir(folder).map_err(failed)?;
+    let mut paths: Vec<PathBuf> =
+        entries.map(|entry| Ok(entry.map_err(failed)?.path())).collect::<Result<_, FrameFileError>>()?;
+    paths.sort();
     let mut files = BTreeMap::new();
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        let stem = stem(&path);
-        if is_exr(&path) && !stem.starts_with('.') {
-            files.insert(number(&stem), path);
+    for path in paths.into_iter().filter(|path| is_exr(path) && !stem(path).starts_with('.')) {
+        let number = number(&stem(&path));
+        if let Some(other) = files.insert(number, path.clone()) {
+            return Err(FrameFileError::SameNumber { path: other, other: path, number });
         }
     }
     Ok(files)

@@ -70,6 +70,10 @@ fn frames_that_are_there_are_shown_as_they_are() {
     studio.succeed("preview a/tiny.0002.exr --out alone.png");
     assert_eq!(picture(&studio, "alone.png"), picture(&studio, "a/tiny.0002.png"));
     assert!(studio.fail("preview gone.exr", 4).contains("gone.exr"));
+    studio.succeed("render tiny.ron --frames 1 --size 16x9 --samples 1 --out c/other.####.exr");
+    std::fs::copy(studio.path("a/tiny.0001.exr"), studio.path("c/tiny.0001.exr")).unwrap();
+    let refused = studio.fail("preview c --out c.apng", 4);
+    assert!(refused.contains("other.0001.exr") && refused.contains("are both frame 1"), "{refused}");
     studio.succeed("preview a --out both.apng --fps 12");
     let refused = studio.fail("preview tiny.ron --frames 1 --size 16385x1 --out wide.webp", 4);
     assert!(refused.contains("16384") && refused.contains("remedy"), "{refused}");
