@@ -189,8 +189,9 @@ pub mod transport;
 
 pub use api::{
     Animated, Aperture, Array, Camera, Emitter, Extend, Fall, FallGround, FallMotion, Fog, Frame, Julia, Key,
-    LeafMotion, Leaves, Light, Material, NodePlace, NormalMap, Object, RenderError, Renderer, Replacement,
-    Scene, SceneBuilder, SceneOptions, Setting, Shape, Sky, SkyLight, Species, Sun, Wind,
+    LeafMotion, Leaves, Light, Material, Mist, MistShape, NodePlace, NormalMap, Object, RenderError,
+    Renderer, Replacement, Scene, SceneBuilder, SceneOptions, Setting, Shape, Sky, SkyLight, Species, Sun,
+    Wind,
 };
 pub use description::LoadError;
 pub use description::obj::Triangles;

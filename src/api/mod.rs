@@ -29,5 +29,5 @@ pub use parts::{Aperture, Camera, LeafMotion, Leaves, Material, NormalMap, Objec
 pub(crate) use plan::Plan;
 pub use renderer::Renderer;
 pub use scene::{NodePlace, Scene};
-pub use surroundings::{Fog, Sky, SkyLight};
+pub use surroundings::{Fog, Mist, MistShape, Sky, SkyLight};
 pub(crate) use viewer::{NAME as VIEWER, Viewer};

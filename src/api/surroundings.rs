@@ -29,6 +29,9 @@ pub struct Fog {
     /// The file's grid that does; none is `density`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<String>,
+    /// Billows that it is made of, in its box.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mist: Option<Mist>,
     /// Extinction coefficient sigma_t where the fog is densest; of voxels that of 1 in them.
     pub density_per_m: Animated<[f64; 3]>,
     /// How much of the extinction is scattering, `0..=1`.
@@ -48,11 +51,68 @@ impl Fog {
             base_m: None,
             vdb: None,
             grid: None,
+            mist: None,
             density_per_m: Animated::Still([density_per_m; 3]),
             albedo: Animated::Still([1.0; 3]),
             anisotropy: Animated::Still(0.0),
         }
     }
+}
+
+/// Billows of mist that drift.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Mist {
+    /// How wide the largest are.
+    pub size_m: f64,
+    /// Sizes of billows, 1 to 8: each half of the one before.
+    pub octaves: u32,
+    /// The share of the box that they fill, `0..=1`.
+    pub cover: Animated<f64>,
+    /// What carries them.
+    pub wind_m_per_s: Animated<[f64; 3]>,
+    /// How often they have turned over.
+    pub evolution_turns: Animated<f64>,
+    /// Their form as a whole.
+    pub shape: MistShape,
+    /// Over how far that fades; none is half of `size_m`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_m: Option<f64>,
+    /// Name of an object that heights count from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground: Option<String>,
+    /// Another seed, other billows.
+    pub seed: u32,
+    /// How far apart density is computed; none is as docs/scene-format.md says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voxel_m: Option<f64>,
+}
+
+impl Mist {
+    /// Four sizes of billows in still air, which fill half of a box.
+    pub fn new(size_m: f64) -> Self {
+        Self {
+            size_m,
+            octaves: 4,
+            cover: Animated::Still(0.5),
+            wind_m_per_s: Animated::Still([0.0; 3]),
+            evolution_turns: Animated::Still(0.0),
+            shape: MistShape::default(),
+            edge_m: None,
+            ground: None,
+            seed: 0,
+            voxel_m: None,
+        }
+    }
+}
+
+/// The form of mist in its box.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub enum MistShape {
+    /// All of it, faded at the sides and at the top.
+    #[default]
+    Box,
+    /// What touches all of its sides, faded all around.
+    Ellipsoid,
 }
 
 /// What lies behind the scene and lights it.

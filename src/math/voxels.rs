@@ -11,6 +11,10 @@ const LOG_EDGE: i32 = 3;
 pub(super) const EDGE: i32 = 1 << LOG_EDGE;
 /// Voxels of a brick, z fastest.
 pub const BRICK: usize = 512;
+/// From a voxel to the next within a brick, along each axis.
+const STEPS: [usize; 3] = [64, 8, 1];
+/// The two other axes.
+const OTHERS: [[usize; 2]; 3] = [[1, 2], [0, 2], [0, 1]];
 /// Places in the table at most: 64 MB.
 const MOST_PLACES: u64 = 1 << 24;
 const NOTHING: u32 = u32::MAX;
@@ -223,25 +227,41 @@ impl Voxels {
         cell: IVec3,
         (axis, is_ahead): (usize, bool),
     ) {
-        let mut steps = self.steps(cell);
-        if is_ahead {
-            // Both of them lie on the new side.
-            steps[axis][0] = steps[axis][1];
-        }
-        let [x, y, z] = steps;
         /// Those of the side with the lower coordinate.
         const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
-        for near in LOW[axis] {
+        let new = self.side(brick, cell, axis, is_ahead);
+        for (near, new) in LOW[axis].into_iter().zip(new) {
             let far = near | 1 << axis;
-            let new = self.value(brick, x[near & 1], y[near >> 1 & 1], z[near >> 2]);
             (corners[near], corners[far]) = if is_ahead { (corners[far], new) } else { (new, corners[near]) };
         }
+    }
+
+    /// The corners of a cell on its side ahead along an axis, or on the other.
+    #[inline]
+    fn side(&self, brick: &Neighbours, cell: IVec3, axis: usize, is_ahead: bool) -> [f32; 4] {
+        let steps = self.steps(cell);
+        let along = steps[axis][usize::from(is_ahead)];
+        let across = OTHERS[axis];
+        let is_in_one_brick = across.iter().all(|other| steps[*other][1].0 == 0);
+        if is_in_one_brick {
+            let start = brick[along.0 & 7] as usize + along.1;
+            let start = start + steps[across[0]][0].1 + steps[across[1]][0].1;
+            let [first, second] = across.map(|other| STEPS[other]);
+            let values = &self.values[start..=start + first + second];
+            return [values[0], values[first], values[second], values[first + second]];
+        }
+        std::array::from_fn(|corner| {
+            let mut of_corner = [steps[0][0], steps[1][0], steps[2][0]];
+            of_corner[axis] = along;
+            of_corner[across[0]] = steps[across[0]][corner & 1];
+            of_corner[across[1]] = steps[across[1]][corner >> 1];
+            self.value(brick, of_corner[0], of_corner[1], of_corner[2])
+        })
     }
 
     /// For a cell's corners along each axis: the bit of the neighbour that they are in, and steps within it.
     #[inline]
     fn steps(&self, cell: IVec3) -> [[(usize, usize); 2]; 3] {
-        const STEPS: [usize; 3] = [64, 8, 1];
         let local = (cell - self.first) & (EDGE - 1);
         let along = |axis: usize, ahead: i32| {
             let local = (local.to_array()[axis] + ahead) as usize;

@@ -45,8 +45,8 @@ fn what_no_mist_can_be_is_refused_with_its_place() {
     let studio = Studio::new();
     for (fog, said) in [
         ("mist: (size_m: 1, voxel_m: 0.001)", "fog.banks.mist"),
-        ("mist: (size_m: 0)", "size_m"),
-        ("mist: (size_m: 1, cover: 2)", "cover"),
+        ("mist: (size_m: 0)", "greater than 0"),
+        ("mist: (size_m: 1, cover: 2)", "from 0 to 1"),
         ("mist: (size_m: 1, ground: \"hill\")", "fog.banks.mist.ground"),
         ("mist: (size_m: 1), vdb: \"no.vdb\"", "no.vdb"),
         ("mist: (size: 1)", "size_m"),

@@ -8,8 +8,8 @@ use std::path::Path;
 use std::process::Command;
 use sunfleck::{
     Animated, Aperture, Bounces, Camera, Emitter, Fall, FallGround, FallMotion, Fog, Julia, Key, Light,
-    Material, Method, NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder, Setting, Shape,
-    Sky, SkyLight, Species, Sun, Triangles, Wind, Window,
+    Material, Method, Mist, MistShape, NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder,
+    Setting, Shape, Sky, SkyLight, Species, Sun, Triangles, Wind, Window,
 };
 
 /// A tile before the camera that moves to the right by 0.1 m a frame, a lamp, and some fog.
@@ -489,6 +489,36 @@ fn keyed_wind_and_speed_of_code_are_those_of_files() {
     let frame = |scene: &Scene| small(scene).frame(36).shutter(0.0).render().expect("a frame").beauty();
     assert_eq!(frame(&made), frame(&read));
     assert_ne!(frame(&made), frame(&calm), "the wind changes nothing");
+}
+
+/// Over a ground, in the wind, and as defaults have it.
+#[test]
+fn mist_of_code_is_that_of_files() {
+    let (low, high) = ([-2.0, 0.0, -2.0], [2.0, 2.0, 2.0]);
+    let sun = Sun { to_sun: [0.4, 1.0, 0.6].into(), irradiance_w_per_m2: [3.0; 3].into(), ..Sun::default() };
+    let written = "materials: { \"grey\": (base_color: 0.5) },
+        lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: 3.0) },
+        fog: { \"mist\": (min_m: (-2.0, 0.0, -2.0), max_m: (2.0, 2.0, 2.0), density_per_m: 0.5, mist: ";
+    let drifting = Mist {
+        wind_m_per_s: [0.5, 0.0, 0.0].into(),
+        ground: Some("floor".into()),
+        shape: MistShape::Ellipsoid,
+        octaves: 2,
+        ..Mist::new(1.0)
+    };
+    for (mist, fields) in [
+        (Mist::new(1.0), "(size_m: 1.0)) }"),
+        (
+            drifting,
+            "(size_m: 1.0, wind_m_per_s: (0.5, 0.0, 0.0), ground: \"floor\", shape: Ellipsoid, octaves: 2)) }",
+        ),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let fog = Fog { mist: Some(mist), ..Fog::in_box(low, high, 0.5) };
+        let lit = stage().material("grey", grey()).light("sun", Light::Sun(sun.clone()));
+        let made = lit.fog("mist", fog);
+        assert_same_picture(made, folder.path(), &format!("{written}{fields}"));
+    }
 }
 
 /// Defaults are written down twice, for code and for files.

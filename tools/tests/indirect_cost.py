@@ -36,11 +36,11 @@ SCENES = {
 }
 
 
-def used(file: Path, bounces: str, folder: Path) -> tuple[float, float]:
+def used(file: Path, bounces: str, folder: Path, *, frames: str = "24", samples: int = 1) -> tuple[float, float]:
     """Processor seconds and most megabytes."""
     command = [
-        os.path.abspath(str(PROGRAM)), "render", str(file), "--frames", "24", "--size", "240x135", "--samples", "1",
-        "--bounces", bounces, "--progress", "none", "--out", str(folder / "frame.exr"),
+        os.path.abspath(str(PROGRAM)), "render", str(file), "--frames", frames, "--size", "240x135",
+        "--samples", str(samples), "--bounces", bounces, "--progress", "none", "--out", str(folder / "f.####.exr"),
     ]  # fmt: skip
     process = subprocess.Popen(command)
     _, status, usage = os.wait4(process.pid, 0)

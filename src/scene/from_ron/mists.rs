@@ -3,7 +3,7 @@
 use super::{Resolver, track};
 use crate::description::ron;
 use crate::scene::drift::Drift;
-use crate::scene::mist::usual_voxel_m;
+use crate::scene::mist::{Kept, usual_voxel_m};
 use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist, MistShape};
 use glam::DVec3;
 use std::sync::Arc;
@@ -56,7 +56,7 @@ impl Resolver<'_> {
             ground,
             seed: mist.seed,
             voxel_m,
-            kept: Arc::default(),
+            kept: Kept::default(),
         })
     }
 

@@ -61,7 +61,17 @@ pub struct Mist {
     pub seed: u32,
     /// Between voxels.
     pub voxel_m: f64,
-    pub(super) kept: Arc<Mutex<Vec<(State, MistVoxels)>>>,
+    pub(super) kept: Kept,
+}
+
+/// The last times' voxels; of a copy, which may be changed, there are none.
+#[derive(Debug, Default)]
+pub(super) struct Kept(Mutex<Vec<(State, MistVoxels)>>);
+
+impl Clone for Kept {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 /// Nothing where there is no mist at all.
@@ -97,7 +107,7 @@ impl Mist {
             cover: self.cover.at(time_s),
             scale_height_m: self.scale_height_m.as_ref().map(|track| track.at(time_s)),
         };
-        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = || self.kept.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, voxels)) = kept().iter().find(|(of, _)| *of == state) {
             return voxels.clone();
         }
