@@ -1,5 +1,6 @@
 //! Mist that drifts: a frame is a function of its number, and what cannot be is refused with its place.
 
+use crate::checkout;
 use crate::program::Studio;
 
 /// Exit code of scenes that cannot be used.
@@ -43,12 +44,13 @@ fn exports_leave_it_out_and_say_so() {
 #[test]
 fn what_no_mist_can_be_is_refused_with_its_place() {
     let studio = Studio::new();
+    std::fs::copy(checkout::file("tests/data/vdb/several.vdb"), studio.path("grid.vdb")).unwrap();
     for (fog, said) in [
         ("mist: (size_m: 1, voxel_m: 0.001)", "fog.banks.mist"),
         ("mist: (size_m: 0)", "greater than 0"),
         ("mist: (size_m: 1, cover: 2)", "from 0 to 1"),
         ("mist: (size_m: 1, ground: \"hill\")", "fog.banks.mist.ground"),
-        ("mist: (size_m: 1), vdb: \"no.vdb\"", "no.vdb"),
+        ("mist: (size_m: 1), vdb: \"grid.vdb\"", "`mist` stands beside `vdb`"),
         ("mist: (size: 1)", "size_m"),
     ] {
         std::fs::write(studio.path("mist.ron"), scene(fog)).unwrap();
