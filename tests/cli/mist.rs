@@ -47,6 +47,8 @@ fn what_no_mist_can_be_is_refused_with_its_place() {
     std::fs::copy(checkout::file("tests/data/vdb/several.vdb"), studio.path("grid.vdb")).unwrap();
     for (fog, said) in [
         ("mist: (size_m: 1, voxel_m: 0.001)", "fog.banks.mist"),
+        ("mist: (size_m: 0.001, voxel_m: 0.5)", "billows of 0.001 m"),
+        ("mist: (size_m: 0.00001)", "billows of 0.00001 m"),
         ("mist: (size_m: 0)", "greater than 0"),
         ("mist: (size_m: 1, cover: 2)", "from 0 to 1"),
         ("mist: (size_m: 1, ground: \"hill\")", "fog.banks.mist.ground"),
@@ -57,6 +59,16 @@ fn what_no_mist_can_be_is_refused_with_its_place() {
         let outcome = studio.run("render mist.ron --size 8x4 --out a/");
         assert!(outcome.code == SCENE && outcome.err.contains(said), "{fog}: {}", outcome.err);
         assert!(outcome.err.contains("remedy"), "{fog}: {}", outcome.err);
+    }
+    for (corners, said) in [
+        ("min_m: (1e12, 0, 0), max_m: (1.00000000001e12, 3, 3),", "from its parent's origin"),
+        ("min_m: (-1e6, 0, -1e6), max_m: (1e6, 1e-6, 1e6),", "fog.banks.mist"),
+    ] {
+        let text = scene("mist: (size_m: 1, voxel_m: 0.25)");
+        let text = text.replace("min_m: (-3, 0, -3), max_m: (3, 3, 3),", corners);
+        std::fs::write(studio.path("mist.ron"), text).unwrap();
+        let outcome = studio.run("render mist.ron --size 8x4 --out a/");
+        assert!(outcome.code == SCENE && outcome.err.contains(said), "{corners}: {}", outcome.err);
     }
     let without = scene("mist: (size_m: 1)").replace("min_m: (-3, 0, -3), max_m: (3, 3, 3),", "");
     std::fs::write(studio.path("mist.ron"), without).unwrap();

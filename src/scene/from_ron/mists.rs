@@ -3,13 +3,15 @@
 use super::{Resolver, track};
 use crate::description::ron;
 use crate::scene::drift::Drift;
-use crate::scene::mist::{Kept, usual_voxel_m};
+use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, Kept, usual_voxel_m, voxel_count};
 use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist, MistShape};
 use glam::DVec3;
 use std::sync::Arc;
 
 /// Of the largest billows' width, over which mist fades.
 const USUAL_EDGE: f64 = 0.5;
+/// Whole numbers of 32 bits count them, with room to spare.
+const FARTHEST_VOXELS: f64 = 1e9;
 
 impl Resolver<'_> {
     /// The mist of a bank; `None` where it is refused.
@@ -18,14 +20,7 @@ impl Resolver<'_> {
         let size_m = mist.size_m.si();
         let usual_m = usual_voxel_m(bounds, size_m, mist.octaves.get());
         let voxel_m = mist.voxel_m.map_or(usual_m, ron::Number::si);
-        let count = ((bounds[1] - bounds[0]) / voxel_m).element_product();
-        if count > MOST_MIST_VOXELS {
-            let found = format!("mist with a voxel every {voxel_m} m has {count:.0} of them");
-            let expected = format!("{MOST_MIST_VOXELS:.0} at most");
-            let remedy = "make `voxel_m` larger, or the box smaller";
-            self.problems.error(&format!("{owner}.mist"), &found, &expected, remedy);
-            return None;
-        }
+        self.check_mist_voxels(owner, bounds, (size_m, voxel_m))?;
         let ground = match &mist.ground {
             Some(name) => Some(Arc::new(self.mist_ground(owner, fog, name, (bounds, voxel_m))?)),
             None => None,
@@ -58,6 +53,36 @@ impl Resolver<'_> {
             voxel_m,
             kept: Kept::default(),
         })
+    }
+
+    /// That there are no more voxels than memory is asked for, and no fewer than billows need.
+    fn check_mist_voxels(
+        &mut self,
+        owner: &str,
+        bounds: [DVec3; 2],
+        (size_m, voxel_m): (f64, f64),
+    ) -> Option<()> {
+        let count = voxel_count(bounds, voxel_m);
+        let farthest =
+            bounds.map(|corner| corner.abs().max_element()).into_iter().fold(0.0, f64::max) / voxel_m;
+        let widest_m = size_m / FEWEST_VOXELS_A_BILLOW;
+        let (found, expected, remedy) = if count > MOST_MIST_VOXELS {
+            let found = format!("mist with a voxel every {voxel_m} m has {count:.0} of them");
+            let expected = format!("{MOST_MIST_VOXELS:.0} at most");
+            (found, expected, "make `voxel_m` larger, or the box smaller")
+        } else if voxel_m > widest_m {
+            let found = format!("mist with a voxel every {voxel_m} m has billows of {size_m} m");
+            let expected = format!("a voxel every {widest_m} m at most");
+            (found, expected, "make `size_m` larger, or the box or `voxel_m` smaller")
+        } else if farthest > FARTHEST_VOXELS {
+            let found = format!("mist lies {farthest:.0} voxels from its parent's origin");
+            let expected = format!("{FARTHEST_VOXELS:.0} at most");
+            (found, expected, "give it a `parent` that is nearer to it, or make `voxel_m` larger")
+        } else {
+            return Some(());
+        };
+        self.problems.error(&format!("{owner}.mist"), &found, &expected, remedy);
+        None
     }
 
     fn mist_bounds(&mut self, owner: &str, fog: &ron::Fog) -> Option<[DVec3; 2]> {

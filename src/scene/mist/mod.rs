@@ -87,11 +87,21 @@ pub(super) struct State {
 }
 
 /// The usual distance between voxels for billows in a box.
-pub(super) fn usual_voxel_m([low, high]: [DVec3; 2], size_m: f64, octaves: u32) -> f64 {
-    let smallest_m = size_m * 0.5_f64.powi(octaves as i32 - 1);
-    let fewest_m = ((high - low).element_product() / USUAL_VOXELS).cbrt();
-    (smallest_m / VOXELS_A_BILLOW).max(fewest_m)
+pub(super) fn usual_voxel_m(bounds: [DVec3; 2], size_m: f64, octaves: u32) -> f64 {
+    let mut voxel_m = size_m * 0.5_f64.powi(octaves as i32 - 1) / VOXELS_A_BILLOW;
+    while voxel_count(bounds, voxel_m) > USUAL_VOXELS {
+        voxel_m *= 1.05;
+    }
+    voxel_m
 }
+
+/// Voxels in a box; a thin one has a layer all the same.
+pub(super) fn voxel_count([low, high]: [DVec3; 2], voxel_m: f64) -> f64 {
+    (((high - low) / voxel_m).ceil() + 1.0).element_product()
+}
+
+/// Billows narrower than so many voxels are left out: none of their shape would be left.
+pub(super) const FEWEST_VOXELS_A_BILLOW: f64 = 2.0;
 
 impl Mist {
     /// What changes it, wind aside.
@@ -195,14 +205,17 @@ struct Billows {
 impl Billows {
     fn new(mist: &Mist, state: &State, [low, high]: [DVec3; 2]) -> Self {
         let per_size = mist.size_m.recip();
-        let octaves = (0..mist.octaves).map(|octave| {
+        let least_m = FEWEST_VOXELS_A_BILLOW * mist.voxel_m;
+        let is_wide = |octave: &u32| mist.size_m / f64::from(1 << octave) >= least_m;
+        let count = 1 + (1..mist.octaves).take_while(is_wide).count() as u32;
+        let octaves = (0..count).map(|octave| {
             let factor = f64::from(1 << octave);
             let [low, high] = [low, high].map(|corner| factor * per_size * (corner - state.way));
             // What is half as wide turns over twice as fast, as eddies do.
             let noise = FlowNoise { seed: mist.seed.wrapping_add(octave), turns: factor * state.turns };
             noise.within(low, high)
         });
-        let variance: f64 = (0..mist.octaves).map(|octave| 0.25_f64.powi(octave as i32)).sum();
+        let variance: f64 = (0..count).map(|octave| 0.25_f64.powi(octave as i32)).sum();
         Self {
             octaves: octaves.collect(),
             way: state.way,
