@@ -8,7 +8,7 @@ use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist, MistShape};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Of the largest billows' width, over which mist fades.
+/// Of the largest billows' width, and of the box's shortest side at most, over which mist fades.
 const USUAL_EDGE: f64 = 0.5;
 /// Whole numbers of 32 bits count them, with room to spare.
 const FARTHEST_VOXELS: f64 = 1e9;
@@ -21,6 +21,7 @@ impl Resolver<'_> {
         let usual_m = usual_voxel_m(bounds, size_m, mist.octaves.get());
         let voxel_m = mist.voxel_m.map_or(usual_m, ron::Number::si);
         self.check_mist_voxels(owner, bounds, (size_m, voxel_m))?;
+        let shortest_m = (bounds[1] - bounds[0]).min_element();
         let ground = match &mist.ground {
             Some(name) => Some(Arc::new(self.mist_ground(owner, fog, name, (bounds, voxel_m))?)),
             None => None,
@@ -40,7 +41,7 @@ impl Resolver<'_> {
                 ron::MistShape::Box => MistShape::Box,
                 ron::MistShape::Ellipsoid => MistShape::Ellipsoid,
             },
-            edge_m: mist.edge_m.map_or(USUAL_EDGE * size_m, ron::Number::si),
+            edge_m: mist.edge_m.map_or(USUAL_EDGE * size_m.min(shortest_m), ron::Number::si),
             size_m,
             octaves: mist.octaves.get(),
             cover: cover?,
