@@ -85,6 +85,8 @@ mod accel;
 #[cfg(not(feature = "internals"))]
 mod bench;
 #[cfg(not(feature = "internals"))]
+mod canopy;
+#[cfg(not(feature = "internals"))]
 mod color;
 #[cfg(not(feature = "internals"))]
 mod description;
@@ -129,6 +131,9 @@ pub mod accel;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod bench;
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod canopy;
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod color;

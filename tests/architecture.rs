@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules from the first to the last: each may import only those before it.
-const ORDER: [&str; 23] = [
+const ORDER: [&str; 24] = [
     "color",
     "diagnostic",
     "math",
@@ -16,11 +16,12 @@ const ORDER: [&str; 23] = [
     "scene",
     "export",
     "accel",
+    "ordinates",
     "scattering",
     "light",
     "fog",
     "snapshot",
-    "ordinates",
+    "canopy",
     "indirect",
     "transport",
     "film",

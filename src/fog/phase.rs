@@ -1,6 +1,7 @@
 //! Phase functions: the cosine of a deflection in, a density per steradian out. Invariant: they
 //! integrate to 1 over the sphere.
 
+use crate::math::legendre;
 use std::f64::consts::PI;
 
 /// |g| below which the phase function is taken for even when a cosine is picked.
@@ -35,20 +36,6 @@ pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
         f64::from(2 * degree + 1) / (4.0 * PI) * share * legendre
     });
     factor * henyey_greenstein(cos_deflection, wide) + kept.sum::<f64>()
-}
-
-/// Legendre polynomials of degrees 0 to N - 1, by their recurrence `(l + 1) P_(l+1) = (2 l + 1) x P_l - l
-/// P_(l-1)`.
-pub fn legendre<const N: usize>(x: f64) -> [f64; N] {
-    let mut values = [1.0; N];
-    if N > 1 {
-        values[1] = x;
-    }
-    for degree in 2..N {
-        let l = (degree - 1) as f64;
-        values[degree] = ((2.0 * l + 1.0) * x * values[degree - 1] - l * values[degree - 2]) / (l + 1.0);
-    }
-    values
 }
 
 /// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt

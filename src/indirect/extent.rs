@@ -2,12 +2,12 @@
 //! out come nested grids. Invariant: sides of cells are powers of the root of two, so they change
 //! rarely where bounds move.
 
-use super::core_bounds::{Bounds, Strays, Weighed, core_bounds, union};
-use super::grid::Grid;
+use super::contents::WALL_CELLS;
 use super::layers::Layers;
-use super::level::WALL_CELLS;
-use super::surroundings::Surroundings;
+use crate::canopy::core_bounds::{Bounds, Strays, Weighed, core_bounds, union};
+use crate::canopy::surroundings::Surroundings;
 use crate::math::Ray;
+use crate::ordinates::grid::Grid;
 use crate::snapshot::Snapshot;
 use glam::DVec3;
 

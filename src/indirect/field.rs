@@ -2,16 +2,17 @@
 //! [`Field`]: grids where things are, the finest within the others, and layers about them where fog without
 //! bounds lies over plain ground. Invariant: grids and layers know light of the same orders.
 
+use super::contents::Context;
 use super::gathered::Gathered;
-use super::grid::Grid;
-use super::halo::Around;
-use super::high_degrees::SEEN_DEGREES;
 use super::layers::Layers;
-use super::level::{Context, Level};
+use super::level::Level;
 use super::lobe::Lobe;
-use super::surroundings::Leaf;
 use super::towards::Towards;
+use crate::canopy::surroundings::Leaf;
 use crate::color::Rgb;
+use crate::ordinates::boundary::Surrounding;
+use crate::ordinates::grid::Grid;
+use crate::ordinates::high_degrees::SEEN_DEGREES;
 use glam::DVec3;
 
 /// Grids, the innermost first, and what lies about all of them.
@@ -35,7 +36,7 @@ impl Field {
             let around = match (levels.last_mut(), &layers) {
                 (Some(outer), _) => outer.around(grid),
                 (None, Some(layers)) => layers.around(grid, context.snapshot.sky),
-                (None, None) => Around::default(),
+                (None, None) => Surrounding::default(),
             };
             levels.push(Level::new(*grid, (inner, around), layers.as_ref(), context));
         }

@@ -1,10 +1,10 @@
 //! What comes to a place from all sides. In go harmonics of radiance, out comes what a lobe gathers of them.
 //! Invariant: a lobe never gathers less than nothing.
 
-use super::harmonics::{COUNT, product};
 use super::lobe::Lobe;
-use super::masses::Mass;
+use crate::canopy::clumps::Clump;
 use crate::color::Rgb;
+use crate::ordinates::harmonics::{COUNT, product};
 use glam::DVec3;
 
 /// What comes to one side of a leaf.
@@ -14,12 +14,12 @@ pub(super) struct Gathered {
     pub(super) fourth: [[f32; COUNT]; 3],
     /// Of each sun what goes on nearly straight: its direction of travel, and W/m^2 on a plane that faces it.
     pub(super) glows: Vec<(DVec3, Rgb)>,
-    pub(super) mass: Mass,
+    pub(super) clump: Clump,
 }
 
 impl Gathered {
     pub(super) const NOTHING: Self =
-        Self { moments: [[0.0; COUNT]; 3], fourth: [[0.0; COUNT]; 3], glows: Vec::new(), mass: Mass::NONE };
+        Self { moments: [[0.0; COUNT]; 3], fourth: [[0.0; COUNT]; 3], glows: Vec::new(), clump: Clump::NONE };
 
     /// What a lobe gathers of it; by a cosine that is irradiance, W/m^2.
     pub(super) fn by(&self, lobe: &Lobe) -> Rgb {

@@ -1,9 +1,9 @@
 //! Plain ground: what is flat, wide, and at right angles to where fog is thinner. In go the parts of a
 //! snapshot, out come its height and what it does to light. Invariant: ground in pieces is the same ground.
 
-use super::scatters::Scatters;
-use super::surroundings::Surroundings;
-use super::surroundings::wide::WidePart;
+use crate::canopy::surroundings::Surroundings;
+use crate::canopy::surroundings::wide::WidePart;
+use crate::ordinates::surface_optics::SurfaceOptics;
 use glam::DVec3;
 
 /// Of fog's scale height: rougher ground is no plain.
@@ -19,7 +19,7 @@ const CLOSED: f64 = 0.7;
 pub(super) struct Ground {
     /// Along the way to where fog is thinner, from the world's origin, metres.
     pub(super) height_m: f64,
-    pub(super) scatters: Scatters,
+    pub(super) optics: SurfaceOptics,
 }
 
 /// What lies beneath fog.
@@ -62,7 +62,7 @@ impl Beneath {
             return Self::Nothing;
         }
         let numbers: Vec<usize> = flat.iter().map(|part| part.0).collect();
-        Self::Plain(Ground { height_m, scatters: surroundings.take_plain(&numbers) })
+        Self::Plain(Ground { height_m, optics: surroundings.take_plain(&numbers) })
     }
 }
 

@@ -2,11 +2,12 @@
 //! and the light that falls on it, out comes radiance along ordinates beyond that of a matte wall. Invariant:
 //! along all ordinates together a patch sends out what its coat and what lies beneath make of that light.
 
-use super::ordinates::Ordinates;
-use super::scatters::reflectance;
-use super::walls::Patch;
+use crate::accel::PrimitiveId;
+use crate::canopy::surface_optics::reflectance;
 use crate::color::Rgb;
 use crate::math::Ray;
+use crate::ordinates::quadrature::Quadrature;
+use crate::ordinates::walls::Patch;
 use crate::scattering::Gloss;
 use crate::snapshot::Snapshot;
 use glam::DVec3;
@@ -21,47 +22,18 @@ pub(super) struct Arriving {
     pub(super) irradiance: Rgb,
 }
 
-/// Of all patches that shine.
-#[derive(Default)]
-pub(super) struct Highlights {
-    patches: Vec<u32>,
-    /// By channel, then by ordinate, then by patch, W m^-2 sr^-1.
-    radiances: [Vec<f32>; 3],
-}
-
-impl Highlights {
-    /// Of each patch along each ordinate; nothing of those that do not shine.
-    pub(super) fn new(of_patches: &[Vec<Rgb>]) -> Self {
-        let shining = || of_patches.iter().zip(0..).filter(|(along, _)| !along.is_empty());
-        let ordinates = of_patches.iter().map(Vec::len).max().unwrap_or(0);
-        let of_channel = |channel: usize| {
-            let along = |ordinate: usize| shining().map(move |(along, _)| along[ordinate][channel] as f32);
-            (0..ordinates).flat_map(along).collect()
-        };
-        Self { patches: shining().map(|(_, number)| number).collect(), radiances: [0, 1, 2].map(of_channel) }
-    }
-
-    /// Adds those along one ordinate to what leaves walls of one channel.
-    pub(super) fn add_to(&self, of_walls: &mut [f32], channel: usize, ordinate: usize) {
-        let start = ordinate * self.patches.len();
-        for (&patch, radiance) in self.patches.iter().zip(&self.radiances[channel][start..]) {
-            of_walls[patch as usize] += radiance;
-        }
-    }
-}
-
 /// Of one patch along each ordinate; nothing if it does not shine.
 pub(super) fn of_patch(
     snapshot: &Snapshot,
-    patch: &Patch,
+    (patch, primitive): (&Patch, PrimitiveId),
     lights: &[Arriving],
-    ordinates: &Ordinates,
+    ordinates: &Quadrature,
 ) -> Vec<Rgb> {
     let towards = Ray { origin: patch.position + patch.normal - snapshot.view.eye, direction: -patch.normal };
-    let point = snapshot.facet(patch.primitive).seen_along(&towards, 1.0);
+    let point = snapshot.facet(primitive).seen_along(&towards, 1.0);
     let Some(gloss) = point.gloss.filter(|_| !lights.is_empty()) else { return Vec::new() };
     // A texture's mean over the patch, by what it is at this place.
-    let (here, mean) = (reflectance(&point), patch.scatters.reflectance);
+    let (here, mean) = (reflectance(&point), patch.optics.reflectance);
     let tint = Rgb::select(here.cmpgt(Rgb::ZERO), mean / here, Rgb::ZERO);
     let mut along = vec![Rgb::ZERO; ordinates.as_slice().len()];
     for light in lights {
@@ -80,7 +52,7 @@ fn reflected(
     (gloss, albedo): (&Gloss, Rgb),
     normal: DVec3,
     to_light: DVec3,
-    ordinates: &Ordinates,
+    ordinates: &Quadrature,
 ) -> Vec<Rgb> {
     /// Of narrower highlights ordinates know no more than where they are.
     const LEAST_ALPHA: f64 = 0.35;
@@ -127,7 +99,7 @@ mod tests {
     #[test]
     fn highlights_go_where_the_coat_sends_them() {
         let normal = DVec3::new(0.1, 0.9, -0.2).normalize();
-        for ordinates in [Ordinates::new(), Ordinates::fine()] {
+        for ordinates in [Quadrature::new(), Quadrature::fine()] {
             // A narrow lobe is widened, and so leans towards the normal.
             for (roughness, to_light, degrees) in [
                 (0.2, DVec3::new(1.0, 1.0, 0.3), 15.0),

@@ -5,11 +5,11 @@
 //! Cells of leaves are often higher than a layer of mist is. What a node knows of its light is the mean over
 //! the fog of its cell; how it goes on within, a solution in one dimension tells.
 
-use super::grid::Grid;
-use super::high_degrees::SEEN_DEGREES;
 use super::layers::{FogLight, Layers};
 use super::towards::Towards;
 use crate::color::Rgb;
+use crate::ordinates::grid::Grid;
+use crate::ordinates::high_degrees::SEEN_DEGREES;
 use glam::DVec3;
 
 /// Brighter or darker by no more than this: what shades the one shades the other.

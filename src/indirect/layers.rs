@@ -6,19 +6,20 @@
 //! harmonics discrete ordinate method for three-dimensional atmospheric radiative transfer", section 2c).
 
 use super::gathered::{Gathered, with_glows};
-use super::grid::Grid;
 use super::ground::Ground;
-use super::halo::{Around, Halo, places_about};
-use super::harmonics::{COUNT, basis, fourth_basis, product, third_basis};
-use super::high_degrees::SEEN_DEGREES;
 use super::lobe::Lobe;
-use super::masses::Mass;
-use super::ordinates::Ordinates;
-use super::radiances::Radiances;
-use super::rounds::{has_sky, inflow, is_even};
+use super::sky::{has_sky, sky_of};
 use super::stack::Heights;
 use super::towards::Towards;
+use crate::canopy::clumps::Clump;
 use crate::color::Rgb;
+use crate::ordinates::angular_radiance::AngularRadiance;
+use crate::ordinates::boundary::{IncidentRadiance, Surrounding, rim_places};
+use crate::ordinates::grid::Grid;
+use crate::ordinates::harmonics::{COUNT, basis, fourth_basis, product, third_basis};
+use crate::ordinates::high_degrees::SEEN_DEGREES;
+use crate::ordinates::quadrature::Quadrature;
+use crate::ordinates::sky::is_isotropic;
 use crate::ordinates::{Boundaries, HARMONICS, Harmonics, PlaneParallel, harmonic_basis};
 use crate::scene::Bounces;
 use crate::snapshot::{FrozenSky, Snapshot};
@@ -107,7 +108,7 @@ impl Layers {
             // How often it was scattered there nobody counts.
             Bounces::UpTo(_) => Rgb::ZERO,
         };
-        let matte = ground.map(|ground| ground.scatters);
+        let matte = ground.map(|ground| ground.optics);
         let boundaries = Boundaries {
             sky: &of_sky,
             sky_is_scattered: sky.is_some_and(|sky| sky.lights_fog()),
@@ -115,11 +116,7 @@ impl Layers {
             reflectance: matte.map_or_else(beneath, |matte| matte.reflectance),
             emission: matte.map_or(Rgb::ZERO, |matte| matte.emission),
         };
-        let rounds = match bounces {
-            Bounces::All => None,
-            Bounces::UpTo(count) => Some(count),
-        };
-        let light = PlaneParallel::new(&stack, &boundaries, rounds);
+        let light = PlaneParallel::new(&stack, &boundaries, bounces.orders());
         let has_own_sky = has_sky(snapshot.sky);
         let seen = |level: usize| {
             LevelLight::of(
@@ -139,21 +136,26 @@ impl Layers {
     }
 
     /// What a grid within it gets.
-    pub(super) fn around(&self, grid: &Grid, sky: Option<FrozenSky>) -> Around {
-        let places: Vec<Between> = places_about(grid).into_iter().map(|place| self.between(place)).collect();
-        let ordinates = Ordinates::new();
-        let scattered = Some(self.halo((grid, &places), &Ordinates::fine(), 0));
-        let of_sky = sky.filter(FrozenSky::lights_surfaces).map(|sky| {
-            let is_even = is_even(&inflow(sky, &ordinates));
-            self.halo((grid, &places), &if is_even { ordinates } else { Ordinates::fine() }, 1)
+    pub(super) fn around(&self, grid: &Grid, sky: Option<FrozenSky>) -> Surrounding {
+        let places: Vec<Between> = rim_places(grid).into_iter().map(|place| self.between(place)).collect();
+        let quadrature = Quadrature::new();
+        let scattered = Some(self.incident((grid, &places), &Quadrature::fine(), 0));
+        let of_sky = sky_of(sky).map(|sky| {
+            let is_even = is_isotropic(&sky.incident(&quadrature));
+            self.incident((grid, &places), &if is_even { quadrature } else { Quadrature::fine() }, 1)
         });
-        Around { scattered, of_sky }
+        Surrounding { scattered, of_sky }
     }
 
     /// Of all but the sky, or straight from the sky. Near the horizon layers are bright, in a band narrower
     /// than what an ordinate stands for: each gets the mean of the directions that are nearest to it, on its
     /// side of the horizon, so that what goes up never comes down.
-    fn halo(&self, (grid, places): (&Grid, &[Between]), ordinates: &Ordinates, part: usize) -> Halo {
+    fn incident(
+        &self,
+        (grid, places): (&Grid, &[Between]),
+        ordinates: &Quadrature,
+        part: usize,
+    ) -> IncidentRadiance {
         let up = self.heights.up;
         let directions: Vec<DVec3> = ordinates.iter().map(|ordinate| ordinate.direction).collect();
         let nearest = |travel: DVec3| {
@@ -191,7 +193,7 @@ impl Layers {
             };
             (0..directions.len()).map(along).collect()
         };
-        Halo::new(grid, Radiances([0, 1, 2].map(of_channel)))
+        IncidentRadiance::new(grid, AngularRadiance([0, 1, 2].map(of_channel)))
     }
 
     /// All that comes to a place of world space.
@@ -201,7 +203,7 @@ impl Layers {
             moments: between.mean(|level| self.levels[level].moments),
             fourth: between.mean(|level| self.levels[level].fourth),
             glows: self.glows_at(between).map(|(travel, irradiance, _)| (travel, irradiance)).collect(),
-            mass: Mass::NONE,
+            clump: Clump::NONE,
         }
     }
 

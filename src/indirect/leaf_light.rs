@@ -4,9 +4,9 @@
 
 use super::field::Field;
 use super::gathered::Gathered;
-use super::leaf_index::LeafIndex;
 use super::lobe::Lobe;
 use crate::accel::PrimitiveId;
+use crate::canopy::leaf_index::LeafIndex;
 use crate::color::Rgb;
 use crate::snapshot::Snapshot;
 use glam::DVec3;

@@ -2,55 +2,38 @@
 //! irradiance on surfaces and light that fog scatters. Invariant: what it holds has been scattered at least
 //! once, or comes from the sky; never straight from a lamp or a sun.
 
-use super::cut_patches::cut_patches;
-use super::extinction::Extinction;
-use super::first_light::{FirstLight, Found};
-use super::fluence::Glow;
+use super::contents::{Contents, Context};
 use super::gathered::{Gathered, with_glows};
-use super::grid::{Corners, Grid};
-use super::halo::{Around, Halo, places_about};
-use super::harmonics::{COUNT, DEGREE, product};
-use super::high_degrees::{HighMoments, SEEN_DEGREES};
 use super::layer_detail::LayerDetail;
 use super::layers::Layers;
-use super::leaf_index::LeafIndex;
-use super::leaf_power::LeafPower;
 use super::lobe::Lobe;
-use super::masses::Masses;
-use super::matter::Matter;
-use super::moments::NodeMoments;
-use super::occluders::OFF_WALL;
-use super::ordinates::Ordinates;
-use super::own_light::{Alone, Arriving, OwnLight};
-use super::radiances::Radiances;
-use super::rounds::{Light, Rounds, Scatterers, has_sky};
-use super::surroundings::{Leaf, Surfels, Surroundings, WallTriangle};
-use super::sweep::Sweeper;
-use super::swept_fog::SweptFog;
+use super::sky::sky_of;
 use super::towards::Towards;
-use super::wall_light::WallLight;
-use super::walls::Walls;
+use super::walls::SnapshotWalls;
+use crate::canopy::clumps::Clumps;
+use crate::canopy::delta_scaled_fog::scatters_ahead;
+use crate::canopy::fluence::ForwardPeak;
+use crate::canopy::leaf_power::LeafPower;
+use crate::canopy::self_interaction::{Alone, Arriving, SelfInteraction};
+use crate::canopy::surroundings::Leaf;
 use crate::color::Rgb;
-use crate::scene::Bounces;
-use crate::snapshot::{FrozenSky, Snapshot};
+use crate::ordinates::angular_radiance::AngularRadiance;
+use crate::ordinates::boundary::{IncidentRadiance, Surrounding, rim_places};
+use crate::ordinates::cross_sections::Extinction;
+use crate::ordinates::grid::{Corners, Grid};
+use crate::ordinates::harmonics::{COUNT, DEGREE, product};
+use crate::ordinates::high_degrees::{HighMoments, SEEN_DEGREES};
+use crate::ordinates::moments::NodeMoments;
+use crate::ordinates::occluders::OFF_WALL;
+use crate::ordinates::quadrature::Quadrature;
+use crate::ordinates::source_iteration::{Problem, Solution};
+use crate::ordinates::walls::Walls;
+use crate::snapshot::FrozenSky;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Things at least so many cells wide are walls.
-pub(super) const WALL_CELLS: f64 = 2.0;
-
 /// Away from a surface, in cells, light is gathered.
 const AWAY: f64 = 0.25;
-
-/// What a field is solved for.
-pub(super) struct Context<'a> {
-    pub(super) snapshot: &'a Snapshot<'a>,
-    pub(super) surroundings: &'a Surroundings<'a>,
-    pub(super) leaves: &'a LeafIndex,
-    pub(super) bounces: Bounces,
-    /// Once it says true, what comes is of no use.
-    pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
-}
 
 /// Light of all orders at the nodes of a world grid.
 pub(super) struct Level {
@@ -69,115 +52,86 @@ pub(super) struct Level {
     /// Of each face of a wall the irradiance by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
     /// What a finer grid within it gets, until that is solved; apart from what comes straight from the sky.
-    radiances: Option<Radiances>,
-    sky_radiances: Option<Radiances>,
-    glows: Vec<Glow>,
-    masses: Masses,
+    radiances: Option<AngularRadiance>,
+    sky_radiances: Option<AngularRadiance>,
+    forward_peaks: Vec<ForwardPeak>,
+    clumps: Clumps,
     extinction: Extinction,
-    own_light: OwnLight,
+    self_interaction: SelfInteraction,
     /// What its cells are too large for, where layers lie about it.
     detail: Option<LayerDetail>,
     on_leaves: LeafPower,
     is_endless: bool,
 }
 
-/// Small things that a grid holds.
-fn surfels_of(grid: &Grid, surroundings: &Surroundings) -> Surfels {
-    let mut surfels = surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m);
-    surfels.all.retain(|surfel| grid.holds(surfel.position));
-    surfels
-}
-
-/// Walls, each patch of which knows who sees it.
-fn walls_of((grid, snapshot): (&Grid, &Snapshot), triangles: &[WallTriangle]) -> Walls {
-    let mut walls = Walls::new(grid, snapshot, triangles);
-    cut_patches((grid, snapshot), &mut walls);
-    walls.introduce()
-}
-
 /// Nodes that are seen from each place about a finer grid.
 fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls) -> Vec<Corners> {
     let seen_from = |place: DVec3| walls.occluders.corners(grid, place, place);
-    places_about(inner).into_par_iter().map(seen_from).collect()
-}
-
-/// What leaves and fog make of lamps and suns.
-fn first_light(
-    (grid, walls, triangles): (&Grid, &Walls, &[WallTriangle]),
-    (matter, fog): (&Matter, &SweptFog),
-    &Context { snapshot, leaves, cancelled, .. }: &Context,
-) -> Found {
-    let are_walls = triangles.iter().map(|triangle| triangle.primitive).collect();
-    FirstLight { snapshot, fog, grid, matter, cancelled, walls, leaves, are_walls }.found()
+    rim_places(inner).into_par_iter().map(seen_from).collect()
 }
 
 impl Level {
     /// With what comes in from about it, and the finer grid that lies within.
     pub(super) fn new(
         grid: Grid,
-        (inner, around): (Option<&Grid>, Around),
+        (inner, surrounding): (Option<&Grid>, Surrounding),
         layers: Option<&Layers>,
         context: &Context,
     ) -> Self {
-        let &Context { snapshot, surroundings, leaves, bounces, cancelled } = context;
-        let (sky, eye) = (snapshot.sky, snapshot.view.eye);
-        let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
-        let walls = walls_of((&grid, snapshot), &triangles);
-        let next_to_inner = inner.map(|inner| seen_about(inner, &grid, &walls));
-        let fog = SweptFog::new(&snapshot.medium, bounces);
-        let matter = Matter::new((&grid, &walls), eye, &fog, &surfels_of(&grid, surroundings), bounces);
-        let needs_fine = walls.are_at_angles() || around.is_fine();
-        let (ordinates, fine) = (Ordinates::new(), needs_fine.then(Ordinates::fine));
-        let sweeper = Sweeper::new(&grid, &matter, &walls, &ordinates);
-        let Found { sources, beams, glows, met_again, on_leaves } =
-            first_light((&grid, &walls, &triangles), (&matter, &fog), context);
-        let along = fine.as_ref().unwrap_or(&ordinates);
-        let lit = WallLight { snapshot, grid: &grid, fog: &fog, walls: &walls, ordinates: along }.found();
-        let rounds = Rounds {
-            sweeper,
-            scatterers: Scatterers { matter: &matter, walls: &walls },
-            ordinates: &ordinates,
-            grid: &grid,
-            sky,
-            has_sky: has_sky(sky),
-            beams,
+        let &Context { snapshot, bounces, .. } = context;
+        let contents = Contents::new(&grid, context);
+        let walls = &contents.walls.walls;
+        let next_to_inner = inner.map(|inner| seen_about(inner, &grid, walls));
+        let needs_fine = walls.are_at_angles() || surrounding.is_fine();
+        let (quadrature, fine) = (Quadrature::new(), needs_fine.then(Quadrature::fine));
+        let self_interaction = SelfInteraction::new(&grid, &quadrature, bounces);
+        let along = fine.as_ref().unwrap_or(&quadrature);
+        let first = contents.first_light(context, along, &self_interaction);
+        let (sky, sees_high) = (sky_of(snapshot.sky), scatters_ahead(&snapshot.medium));
+        let problem = Problem {
+            domain: contents.domain(),
+            quadrature: &quadrature,
             fine: fine.as_ref(),
-            highlights: lit.highlights,
+            sky: sky.as_ref(),
+            surrounding: &surrounding,
+            orders: bounces.orders(),
             next_to_inner: next_to_inner.as_deref(),
-            sees_third: snapshot.has_gloss() || HighMoments::matter(&snapshot.medium),
-            sees_high: HighMoments::matter(&snapshot.medium),
-            cancelled,
+            sees_third: snapshot.has_gloss() || sees_high,
+            sees_high,
+            cancelled: context.cancelled,
         };
-        let own_light = OwnLight::new(&grid, &ordinates, bounces);
-        let again = own_light.all_sent_again((&grid, &walls.occluders), &matter, (leaves, &on_leaves));
-        let lit = rounds.run(bounces, (sources, again), &lit.irradiances, &around);
-        let (masses, extinction) = matter.told(&met_again);
-        let (light, fourth) = (NodeMoments::of(&lit.all), NodeMoments::of(&lit.last.fourth));
+        let solution = problem.solved(first.source);
+        let Contents { medium, walls: SnapshotWalls { walls, .. }, .. } = contents;
+        let (clumps, extinction) = medium.told(&first.met_again);
+        let (light, fourth) = (NodeMoments::of(&solution.all), NodeMoments::of(&solution.last.fourth));
         Self {
             on_faces: walls.faces.irradiances(&light),
             walls,
             light,
-            third: lit.last.third.as_ref().map(NodeMoments::of),
+            third: solution.last.third.as_ref().map(NodeMoments::of),
             fourth,
-            light_in_fog: light_in_fog(&lit, sky),
-            high: lit.last.high.as_ref().map(HighMoments::of),
-            radiances: lit.last.radiances,
-            sky_radiances: lit.sky_radiances,
-            glows,
-            masses,
+            light_in_fog: light_in_fog(&solution, snapshot.sky),
+            high: solution.last.high.as_ref().map(HighMoments::of),
+            radiances: solution.last.radiances,
+            sky_radiances: solution.sky_radiances,
+            forward_peaks: first.forward_peaks,
+            clumps,
             extinction,
-            own_light,
+            self_interaction,
             detail: layers.and_then(|layers| LayerDetail::new(&grid, layers)),
-            on_leaves,
+            on_leaves: first.on_leaves,
             grid,
-            is_endless: lit.is_endless,
+            is_endless: solution.is_endless,
         }
     }
 
     /// What a finer grid within it gets from it, once.
-    pub(super) fn around(&mut self, grid: &Grid) -> Around {
-        let halo = |radiances: Option<Radiances>| Some(Halo::new(grid, radiances?));
-        Around { scattered: halo(self.radiances.take()), of_sky: halo(self.sky_radiances.take()) }
+    pub(super) fn around(&mut self, grid: &Grid) -> Surrounding {
+        let incident = |radiances: Option<AngularRadiance>| Some(IncidentRadiance::new(grid, radiances?));
+        Surrounding {
+            scattered: incident(self.radiances.take()),
+            of_sky: incident(self.sky_radiances.take()),
+        }
     }
 
     /// How far a place counts as one of it, where something lies about it.
@@ -189,10 +143,11 @@ impl Level {
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         let corners = self.corners_before(world, lobe.normal());
         let lit = self.walls.faces.of_corners(&corners, lobe.normal());
-        let on_faces = || self.walls.faces.mean(&lit, lobe, &self.on_faces);
+        let is_asked = |normal| lobe.is_cosine_of(normal);
+        let on_faces = || self.walls.faces.mean(&lit, is_asked, &self.on_faces);
         let irradiance = on_faces()
             .unwrap_or_else(|| product(&lobe.of_travel(), &self.light.mean(&lit)) + self.beyond(&lit, lobe));
-        with_glows(irradiance, self.glows.iter().map(|glow| (glow.travel, glow.mean(&corners))), lobe)
+        with_glows(irradiance, self.forward_peaks.iter().map(|glow| (glow.travel, glow.mean(&corners))), lobe)
     }
 
     /// What comes to the two sides of a leaf of all light but its own.
@@ -200,31 +155,31 @@ impl Level {
         let unmet = self.on_leaves.scattered(number, leaf);
         let alone = Alone::new(
             (&self.grid, &self.walls.occluders),
-            (&self.extinction, self.masses.clumping()),
+            (&self.extinction, self.clumps.clumping()),
             (leaf, unmet),
         );
-        let mass = self.masses.at(&self.grid, leaf.position);
+        let clump = self.clumps.at(&self.grid, leaf.position);
         let mut sides = [0, 1].map(|side| {
             let corners = &alone.nodes[side][0];
             Gathered {
                 moments: self.light.mean(corners),
                 fourth: self.fourth.mean(corners),
-                glows: self.glows.iter().map(|glow| (glow.travel, glow.mean(corners))).collect(),
-                mass: self.masses.of_leaf(mass, leaf, unmet[side].all()),
+                glows: self.forward_peaks.iter().map(|glow| (glow.travel, glow.mean(corners))).collect(),
+                clump: self.clumps.of_leaf(clump, leaf, unmet[side].all()),
             }
         });
         if !self.grid.holds(leaf.position) {
             return sides;
         }
         let arriving = sides.each_mut().map(|side| Arriving(&mut side.moments, &mut side.fourth));
-        self.own_light.take(&alone, arriving);
+        self.self_interaction.take(&alone, arriving);
         sides
     }
 
     /// What of it a lobe gathers on a leaf that sends a share of all light on; by a cosine that is
     /// irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
-        self.masses.gathered(gathered.mass, gathered.by(lobe), sent)
+        self.clumps.gathered(gathered.clump, gathered.by(lobe), sent)
     }
 
     /// Nodes about a place a little away from a surface, so that what it sends out itself does not light it.
@@ -250,7 +205,9 @@ impl Level {
     /// a plane that faces it, and how often it was scattered.
     pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (DVec3, Rgb, f64)> {
         let corners = self.corners_seen_from(world);
-        self.glows.iter().map(move |glow| (glow.travel, glow.mean(&corners), glow.mean_times(&corners)))
+        self.forward_peaks
+            .iter()
+            .map(move |glow| (glow.travel, glow.mean(&corners), glow.mean_times(&corners)))
     }
 
     /// What fog at a place of the grid scatters into a direction of travel, for a coefficient
@@ -317,7 +274,7 @@ impl Level {
 }
 
 /// What fog gets where the sky lights surfaces alone: all but what comes straight from there.
-fn light_in_fog(lit: &Light, sky: Option<FrozenSky>) -> Option<NodeMoments> {
+fn light_in_fog(lit: &Solution, sky: Option<FrozenSky>) -> Option<NodeMoments> {
     let of_sky = lit.of_sky.as_ref().filter(|_| sky.is_some_and(|sky| !sky.lights_fog()))?;
     let mut seen = lit.all.clone();
     seen.add(of_sky, [-1.0; 3]);

@@ -1,7 +1,7 @@
 //! From which directions a surface gathers light. In go a cosine or a shine, out come factors of harmonics of
 //! radiance up to degree 4. Invariant: even light gives pi times its radiance, whatever the lobe.
 
-use super::harmonics::{
+use crate::ordinates::harmonics::{
     COSINE_LOBE, COSINE_LOBE_4, COUNT, DEGREE, basis, fourth_basis, irradiance_lobe, third_basis,
 };
 use glam::DVec3;
@@ -33,11 +33,6 @@ impl Lobe {
     pub(super) fn cosine(normal: DVec3) -> Self {
         let [first, second, third] = COSINE_LOBE;
         Self { axis: normal, shares: [first, second, third, 0.0, COSINE_LOBE_4], beneath: None }
-    }
-
-    /// The same of light all of which comes from above the surface: the flux through it.
-    pub(super) fn flux(normal: DVec3) -> Self {
-        Self { axis: normal, shares: [0.0, 4.0 * PI / 3.0, 0.0, 0.0, 0.0], beneath: None }
     }
 
     /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they
@@ -125,8 +120,9 @@ impl Lobe {
 
 #[cfg(test)]
 mod tests {
-    use super::super::harmonics::product;
     use super::*;
+    use crate::ordinates::harmonics::product;
+    use crate::ordinates::quadrature::Quadrature;
 
     /// Light that comes from low above a horizon only: degree 4 takes most of what the others err by.
     #[test]
@@ -188,6 +184,29 @@ mod tests {
                 let [above, beneath] = [true, false].map(|is_from_above| gathered(&lobe, is_from_above));
                 assert!((above / PI - 1.0).abs() < 0.005, "{alpha} {slope}: {above}");
                 assert!((beneath / PI).abs() < 0.005, "{alpha} {slope}: {beneath}");
+            }
+        }
+    }
+
+    /// Light of the ground, say, that goes up, is irradiance on what faces it, and none on what does not.
+    #[test]
+    fn ordinates_share_out_halves_of_the_sphere() {
+        let ordinates = Quadrature::new();
+        for normal in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, -1.0, 1.0)] {
+            let normal = normal.normalize();
+            let (mut moments, mut fourth) = ([0.0; COUNT], [0.0; COUNT]);
+            for ordinate in ordinates.iter().filter(|ordinate| ordinate.direction.dot(normal) > 0.0) {
+                let bases = [basis(ordinate.direction), fourth_basis(ordinate.direction)];
+                for (sums, basis) in [&mut moments, &mut fourth].into_iter().zip(bases) {
+                    sums.iter_mut().zip(basis).for_each(|(sum, basis)| *sum += ordinate.weight * basis);
+                }
+            }
+            for (facing, expected) in [(-normal, PI), (normal, 0.0)] {
+                let lobe = Lobe::cosine(facing);
+                let products = lobe.of_travel().into_iter().zip(moments);
+                let of_fourth = lobe.of_fourth_of_travel().expect("it has").into_iter().zip(fourth);
+                let irradiance: f64 = products.chain(of_fourth).map(|(lobe, moment)| lobe * moment).sum();
+                assert!((irradiance - expected).abs() < 0.003 * PI, "{normal} {facing}: {irradiance}");
             }
         }
     }

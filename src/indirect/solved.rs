@@ -1,15 +1,15 @@
 //! Indirect light that no camera sees yet. In goes a snapshot, out come a field and what leaves get of it.
 //! Invariant: nothing in it depends on where a camera stands.
 
+use super::contents::Context;
 use super::extent::levels;
 use super::field::Field;
 use super::ground::Beneath;
 use super::layers::Layers;
-use super::leaf_index::LeafIndex;
 use super::leaf_light::LeafLight;
-use super::level::Context;
-use super::rounds::has_sky;
-use super::surroundings::Surroundings;
+use super::sky::has_sky;
+use crate::canopy::leaf_index::LeafIndex;
+use crate::canopy::surroundings::Surroundings;
 use crate::scene::Bounces;
 use crate::snapshot::Snapshot;
 use std::sync::Arc;

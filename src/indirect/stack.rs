@@ -155,7 +155,7 @@ impl Heights {
             if to_light.dot(self.up) <= 0.0 {
                 continue;
             }
-            let irradiance = super::power_rays::mean_irradiance(light);
+            let irradiance = crate::canopy::emitter_rays::mean_irradiance(light);
             let arriving = |through: &Medium| -> Vec<Rgb> {
                 let dimmed = |point: &DVec3| {
                     irradiance * exp_minus(through.optical_depth(*point, to_light, f64::INFINITY))
@@ -165,7 +165,13 @@ impl Heights {
             let (all, straight) = (arriving(&of_suns), arriving(&medium));
             let glow = |(all, straight): (&Rgb, &Rgb)| {
                 let glow = *all - *straight;
-                (glow, super::first_light::mean_times(glow.element_sum() as f32, all.element_sum() as f32))
+                (
+                    glow,
+                    crate::canopy::first_collisions::mean_times(
+                        glow.element_sum() as f32,
+                        all.element_sum() as f32,
+                    ),
+                )
             };
             glows.push((
                 -to_light,

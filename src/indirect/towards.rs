@@ -1,9 +1,9 @@
 //! A way that scattered light is asked for along. In goes a direction of travel, out come the basis functions
 //! of all harmonics that fog's last scattering knows. Invariant: none of them depends on the place.
 
-use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
-use super::high_degrees::{HIGH, high_basis};
 use crate::ordinates::Harmonics;
+use crate::ordinates::harmonics::{COUNT, basis, fourth_basis, third_basis};
+use crate::ordinates::high_degrees::{HIGH, high_basis};
 use glam::DVec3;
 
 /// Basis functions of one direction of travel.

@@ -3,11 +3,11 @@
 //! prefix sum of the same steps, so parts of a ray add up to the whole.
 
 use super::Field;
-use super::high_degrees::SEEN_DEGREES;
 use super::layers::Layers;
 use super::towards::Towards;
 use crate::color::Rgb;
 use crate::math::Ray;
+use crate::ordinates::high_degrees::SEEN_DEGREES;
 use crate::snapshot::Snapshot;
 use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;

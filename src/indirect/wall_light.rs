@@ -1,14 +1,16 @@
 //! Light of lamps and suns on walls. In go patches of walls, out come the irradiance on each and what shines
 //! of it. Invariant: where its shadow rays start depends on the wall and the grid alone.
 
-use super::grid::Grid;
-use super::highlights::{self, Arriving, Highlights};
-use super::ordinates::Ordinates;
-use super::swept_fog::SweptFog;
-use super::walls::{Patch, Walls};
+use super::highlights::{self, Arriving};
+use super::walls::SnapshotWalls;
 use crate::accel::PrimitiveId;
+use crate::canopy::delta_scaled_fog::DeltaScaledFog;
 use crate::color::Rgb;
 use crate::math::{Ray, kronecker};
+use crate::ordinates::first_collision_source::GlossySource;
+use crate::ordinates::grid::Grid;
+use crate::ordinates::quadrature::Quadrature;
+use crate::ordinates::walls::Patch;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -19,16 +21,16 @@ const SHADOW_RAYS: usize = 4;
 pub(super) struct WallLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) grid: &'a Grid,
-    pub(super) fog: &'a SweptFog<'a>,
-    pub(super) walls: &'a Walls,
-    pub(super) ordinates: &'a Ordinates,
+    pub(super) fog: &'a DeltaScaledFog<'a>,
+    pub(super) walls: &'a SnapshotWalls,
+    pub(super) quadrature: &'a Quadrature,
 }
 
 /// What falls on walls, and what of it goes its own way.
 pub(super) struct LitWalls {
     /// Of each patch, W/m^2.
     pub(super) irradiances: Vec<Rgb>,
-    pub(super) highlights: Highlights,
+    pub(super) glossy: GlossySource,
 }
 
 /// A part of a wall that is lit as one.
@@ -73,17 +75,19 @@ fn of_triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 impl WallLight<'_> {
     /// Of all lights.
     pub(super) fn found(&self) -> LitWalls {
-        let lit = |patch: &Patch| {
-            let lights = self.snapshot.lights.iter().filter_map(|light| self.arriving(light, patch));
-            let lights: Vec<Arriving> = lights.collect();
-            let highlights = highlights::of_patch(self.snapshot, patch, &lights, self.ordinates);
+        let lit = |(patch, &primitive): (&Patch, &PrimitiveId)| {
+            let arriving = |light| self.arriving(light, (patch, primitive));
+            let lights: Vec<Arriving> = self.snapshot.lights.iter().filter_map(arriving).collect();
+            let highlights =
+                highlights::of_patch(self.snapshot, (patch, primitive), &lights, self.quadrature);
             (lights.iter().map(|light| light.irradiance).sum::<Rgb>(), highlights)
         };
-        let (irradiances, along): (Vec<Rgb>, Vec<_>) = self.walls.patches.par_iter().map(lit).unzip();
-        LitWalls { irradiances, highlights: Highlights::new(&along) }
+        let patches = self.walls.walls.patches.par_iter().zip(&self.walls.primitives);
+        let (irradiances, along): (Vec<Rgb>, Vec<_>) = patches.map(lit).unzip();
+        LitWalls { irradiances, glossy: GlossySource::new(&along) }
     }
 
-    fn arriving(&self, light: &Luminaire, patch: &Patch) -> Option<Arriving> {
+    fn arriving(&self, light: &Luminaire, (patch, primitive): (&Patch, PrimitiveId)) -> Option<Arriving> {
         let (right, up) = patch.normal.any_orthonormal_pair();
         // About the middle of the patch's cell, on its plane: where it is depends on no leaf.
         let middle =
@@ -102,7 +106,7 @@ impl WallLight<'_> {
             let (seen, origin) = (patch.position + off_wall, place + off_wall);
             let way = Ray { origin: seen, direction: (origin - seen).normalize_or_zero() };
             // Beyond a corner the wall goes on in another plane.
-            if self.snapshot.tree.any_hit(&way, (origin - seen).length(), Some(patch.primitive)) {
+            if self.snapshot.tree.any_hit(&way, (origin - seen).length(), Some(primitive)) {
                 continue;
             }
             count += 1.0;
@@ -111,7 +115,7 @@ impl WallLight<'_> {
             if unshadowed != Rgb::ZERO {
                 let (direction, distance, _) = point.arriving_at(origin);
                 let ray = Ray { origin, direction };
-                let irradiance = unshadowed * self.reaching(&point, &ray, distance, patch.primitive);
+                let irradiance = unshadowed * self.reaching(&point, &ray, distance, primitive);
                 sum += irradiance;
                 way_to_light += irradiance.element_sum() * to_light;
             }

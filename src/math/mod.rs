@@ -31,7 +31,7 @@ pub use interval::IntervalSet;
 pub use kronecker::kronecker;
 pub use placed_points::PlacedPoints;
 pub use planar_ray::PlanarRay;
-pub use quadrature::gauss_legendre;
+pub use quadrature::{gauss_legendre, legendre};
 pub use ray::Ray;
 #[cfg(test)]
 pub(crate) use running_product::MULTIPLICATIONS;

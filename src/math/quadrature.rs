@@ -37,6 +37,20 @@ fn legendre_rule(order: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// Legendre polynomials of degrees 0 to N - 1, by their recurrence `(l + 1) P_(l+1) = (2 l + 1) x P_l - l
+/// P_(l-1)`.
+pub fn legendre<const N: usize>(x: f64) -> [f64; N] {
+    let mut values = [1.0; N];
+    if N > 1 {
+        values[1] = x;
+    }
+    for degree in 2..N {
+        let l = (degree - 1) as f64;
+        values[degree] = ((2.0 * l + 1.0) * x * values[degree - 1] - l * values[degree - 2]) / (l + 1.0);
+    }
+    values
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

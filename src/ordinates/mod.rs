@@ -2,11 +2,36 @@
 //! "Computational Methods of Neutron Transport"). In go cross-sections, boundaries and sources, out comes
 //! radiance. Invariant: nothing here knows a leaf, a camera or a scene.
 //!
-//! [`PlaneParallel`] is a stack of layers over ground, which differ with height alone.
+//! [`PlaneParallel`] is a stack of layers over ground, which differ with height alone. On a grid a
+//! [`source_iteration::Problem`] is solved by source iteration: `sweep` carries light along every ordinate,
+//! and `cross_sections` and `walls` make the next order's sources of it.
 
+mod angle_set;
+pub(crate) mod angular_radiance;
+pub(crate) mod boundary;
+pub(crate) mod cross_sections;
+pub(crate) mod domain;
 mod double_gauss;
+mod extrapolation;
+pub(crate) mod faces;
+pub(crate) mod first_collision_source;
+pub(crate) mod grid;
+pub(crate) mod harmonics;
+pub(crate) mod high_degrees;
+pub(crate) mod moments;
+pub(crate) mod near_source;
+pub(crate) mod occluders;
 mod plane_parallel;
+mod planes;
+pub(crate) mod quadrature;
 mod scattering_operator;
+pub(crate) mod sky;
+pub(crate) mod source_iteration;
+pub(crate) mod surface_optics;
+mod sweep;
+mod sweep_kernels;
+pub(crate) mod walls;
+mod wanted;
 
 pub use plane_parallel::{Beam, Boundaries, Level, PlaneParallel, Species, Stack};
 pub use scattering_operator::{DEGREES, HARMONICS, Harmonics, basis as harmonic_basis};

@@ -173,6 +173,14 @@ pub enum Bounces {
 impl Bounces {
     /// Direct light and single scattering alone.
     pub const NONE: Self = Self::UpTo(0);
+
+    /// Orders of scattering; `None` is all of them.
+    pub fn orders(self) -> Option<u32> {
+        match self {
+            Self::UpTo(count) => Some(count),
+            Self::All => None,
+        }
+    }
 }
 
 impl fmt::Display for Bounces {

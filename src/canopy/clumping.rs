@@ -1,0 +1,274 @@
+//! How far leaves stand in masses within cells, where a cell knows no more than how many there are. In go
+//! surfels, out comes a clumping index for each node. Invariant: leaves that stand anywhere, each by itself,
+//! have an index of 1.
+//!
+//! A canopy of the leaf area `L` lets `exp(-G L)` of light through where leaves are spread evenly. Where they
+//! stand in masses it is `exp(-G L omega)` (Nilson 1971, "A theoretical analysis of the frequency of gaps in
+//! plant stands"). The index `omega` is predicted here. Columns of a cell, hardly wider than a leaf, have
+//! their own leaf area. What they let through on the mean (Lang & Xiang 1986, "Estimation of leaf area index
+//! from transmission of direct sunlight in discontinuous canopies") the cell lets through, with those next to
+//! it: leaves are spread over all of them, so that masses as wide as cells are lost too.
+//!
+//! Of light from elsewhere a leaf of a mass gets `omega`. By reciprocity as much of its own leaves the mass,
+//! and the rest meets another leaf of it. This is the recollision probability `1 - omega` (Smolander &
+//! Stenberg 2005, "Simple parameterizations of the radiation budget of uniform broadleaved and coniferous
+//! canopies").
+
+use super::recollision::escaped;
+use super::surroundings::Surfels;
+use crate::color::Rgb;
+use crate::ordinates::grid::{Corners, Grid};
+use crate::scene::Bounces;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Columns are so much wider than a leaf, at least: narrower ones would tell of single leaves.
+const LEAVES_ACROSS: f64 = 1.2;
+/// Along each side of a cell.
+const MOST_COLUMNS: usize = 6;
+/// A cell whose leaves are one on the other would let everything through.
+const LEAST: f64 = 0.2;
+/// Of a geometric series: what comes after is next to nothing.
+const MOST_TERMS: u32 = 32;
+/// Columns of all cells and axes: memory.
+const MOST_IN_ALL: f64 = 16e6;
+
+/// Of leaves, by node.
+pub(crate) struct Clumping {
+    /// None where cells are too small for masses.
+    indices: Vec<f32>,
+    bounces: Bounces,
+}
+
+impl Clumping {
+    pub(crate) fn of(grid: &Grid, surfels: &Surfels, bounces: Bounces) -> Self {
+        let none = Self { indices: Vec::new(), bounces };
+        let leaf_m = surfels.leaf_area_m2.sqrt();
+        if leaf_m <= 0.0 {
+            return none;
+        }
+        let most = MOST_COLUMNS.min((MOST_IN_ALL / (3 * grid.count()) as f64).sqrt() as usize);
+        let across = ((grid.cell_m / (LEAVES_ACROSS * leaf_m)) as usize).min(most);
+        if across < 2 {
+            return none;
+        }
+        let columns = Columns::of(grid, surfels, across);
+        let by_chance = columns.indices_by_chance(surfels);
+        let (stopped, depths): (Vec<_>, Vec<_>) =
+            (0..grid.count()).into_par_iter().map(|node| columns.of_node(grid, node)).unzip();
+        let summed = |node: usize| {
+            let of_axis = |axis: usize| {
+                let [stopped, depth] =
+                    [&stopped, &depths].map(|of: &Vec<[f32; 3]>| grid.mean_across(axis, node, of)[axis]);
+                [-(-stopped).ln_1p(), by_chance[axis] * depth]
+            };
+            (0..3).map(of_axis).fold([0.0; 2], |sums, depths| [sums[0] + depths[0], sums[1] + depths[1]])
+        };
+        let found: Vec<[f32; 2]> = (0..grid.count()).into_par_iter().map(summed).collect();
+        let index = |node: usize| {
+            let [found, anywhere] = grid.mean_about(node, &found);
+            if anywhere > 0.0 { (found / anywhere).clamp(LEAST as f32, 1.0) } else { 1.0 }
+        };
+        Self { indices: (0..grid.count()).map(index).collect(), bounces }
+    }
+
+    /// Whether leaves stand in no masses.
+    pub(crate) fn is_none(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    /// Of a node.
+    pub(crate) fn at(&self, node: usize) -> f64 {
+        self.indices.get(node).map_or(1.0, |index| f64::from(*index))
+    }
+
+    /// About a place: evenly from node to node, so that a leaf that falls does not flicker.
+    pub(crate) fn about(&self, corners: &Corners) -> f64 {
+        if self.is_none() { 1.0 } else { corners.iter().map(|(node, share)| share * self.at(node)).sum() }
+    }
+
+    /// What leaves of an index get of light from elsewhere, over what they would get each by itself, if they
+    /// send an `albedo` of all they get on. Of their own light as much leaves the mass.
+    pub(crate) fn inside(&self, index: f64, albedo: Rgb) -> Rgb {
+        match self.bounces {
+            Bounces::All => escaped(index, albedo),
+            // As many terms of the series.
+            Bounces::UpTo(count) => {
+                let met_again = (1.0 - index) * albedo.min(Rgb::ONE);
+                (0..count.min(MOST_TERMS)).fold(Rgb::ZERO, |sum, _| index + met_again * sum)
+            }
+        }
+    }
+}
+
+/// Columns of all cells along each axis.
+struct Columns {
+    /// Along each side of a cell.
+    across: usize,
+    side_m: f64,
+    /// Of leaf area what is seen along them, m^2, by node, by axis, by column.
+    areas_m2: Vec<f32>,
+}
+
+impl Columns {
+    fn of(grid: &Grid, surfels: &Surfels, across: usize) -> Self {
+        let side_m = grid.cell_m / across as f64;
+        let mut areas_m2 = vec![0.0; grid.count() * 3 * across * across];
+        for surfel in &surfels.all {
+            let (node, [x, y, z]) = grid.piece(surfel.position, across);
+            for (axis, [u, v]) in [[y, z], [z, x], [x, y]].into_iter().enumerate() {
+                let seen = surfel.normal[axis].abs() * surfel.area;
+                areas_m2[((3 * node + axis) * across + u) * across + v] += surfel.exposed * seen as f32;
+            }
+        }
+        Self { across, side_m, areas_m2 }
+    }
+
+    fn of_cell(&self, node: usize, axis: usize) -> &[f32] {
+        let count = self.across * self.across;
+        &self.areas_m2[(3 * node + axis) * count..][..count]
+    }
+
+    /// Which share of light they stop, along each axis, and the mean optical depth of their leaves. A mass
+    /// may be longer than a cell, so columns reach into the next cells. Leaves that lie on the ground are no
+    /// mass: from the side next to nothing of them is seen.
+    fn of_node(&self, grid: &Grid, node: usize) -> ([f32; 3], [f32; 3]) {
+        let (cell, strides) = (grid.cell_of(node), grid.strides());
+        let count = self.across * self.across;
+        let (mut stopped, mut depths) = ([0.0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            let before = (cell[axis] > 0).then(|| node - strides[axis]);
+            let behind = (cell[axis] + 1 < grid.size[axis]).then(|| node + strides[axis]);
+            let cells = [before, Some(node), behind].into_iter().flatten();
+            let cells: Vec<&[f32]> = cells.map(|cell| self.of_cell(cell, axis)).collect();
+            if cells.iter().all(|cell| cell.iter().all(|area_m2| *area_m2 == 0.0)) {
+                continue;
+            }
+            let depth = |column: usize| {
+                let area_m2: f64 = cells.iter().map(|cell| f64::from(cell[column])).sum();
+                area_m2 / self.side_m.powi(2)
+            };
+            let (sum_stopped, sum) = (0..count)
+                .map(depth)
+                .fold((0.0, 0.0), |(stopped, all), depth| (stopped - (-depth).exp_m1(), all + depth));
+            stopped[axis] = (sum_stopped / count as f64) as f32;
+            depths[axis] = (sum / count as f64) as f32;
+        }
+        (stopped, depths)
+    }
+
+    /// What leaves seem to have that stand anywhere, each by itself, along each axis: each is in a column as
+    /// a whole, and their number is Poisson's.
+    fn indices_by_chance(&self, surfels: &Surfels) -> Vec3 {
+        let leaf = surfels.leaf_area_m2 / self.side_m.powi(2);
+        let (mut taken, mut all) = (DVec3::ZERO, DVec3::ZERO);
+        for surfel in &surfels.all {
+            let depth = leaf * surfel.normal.abs();
+            taken += surfel.area * (DVec3::ONE - (-depth).exp());
+            all += surfel.area * depth;
+        }
+        DVec3::select(all.cmpgt(DVec3::ZERO), taken / all, DVec3::ONE).as_vec3()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    const CELL_M: f64 = 2.0;
+    const LEAF_AREA_M2: f64 = 0.04;
+
+    /// The mean index of the cells of a box full of leaves that stand together by so many, in a layer so
+    /// high.
+    fn index(leaves_a_mass: usize, layer: f64) -> f64 {
+        let half_m = 8.0;
+        let grid = Grid::covering(DVec3::splat(-half_m), DVec3::splat(half_m), CELL_M);
+        let masses = 40_000 / leaves_a_mass;
+        let place = |number: usize| {
+            // Splitmix64 (Steele, Lea & Flood 2014).
+            let uniform = |index: usize| {
+                let mut z = (3 * number + index + 1) as u64;
+                z = z.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+                z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+                (z ^ (z >> 31)) as f64 / u64::MAX as f64
+            };
+            half_m
+                * DVec3::new(1.0, layer, 1.0)
+                * (2.0 * DVec3::new(uniform(0), uniform(1), uniform(2)) - 1.0)
+        };
+        let places = (0..masses).flat_map(|number| std::iter::repeat_n(place(number), leaves_a_mass));
+        let clumping = Clumping::of(&grid, &Surfels::of_leaves(places, LEAF_AREA_M2), Bounces::All);
+        let inside: Vec<usize> = (0..grid.count())
+            .filter(|node| grid.position(*node).abs().max_element() < half_m - 2.0 * CELL_M)
+            .collect();
+        inside.iter().map(|node| clumping.at(*node)).sum::<f64>() / inside.len() as f64
+    }
+
+    #[test]
+    fn leaves_that_stand_anywhere_have_an_index_of_one() {
+        let index = index(1, 1.0);
+        assert!((0.97..=1.0).contains(&index), "{index}");
+    }
+
+    /// A mass at a point is a leaf of as much area: their number is Poisson's, and so is what they let
+    /// through known.
+    #[test]
+    fn masses_have_that_of_as_many_large_leaves() {
+        let across = ((CELL_M / (LEAVES_ACROSS * LEAF_AREA_M2.sqrt())) as usize).min(MOST_COLUMNS);
+        let by_chance = |area_m2: f64| {
+            let depth = area_m2 / (CELL_M / across as f64).powi(2);
+            -(-depth).exp_m1() / depth
+        };
+        for leaves in [2, 4, 12] {
+            let expected = by_chance(leaves as f64 * LEAF_AREA_M2) / by_chance(LEAF_AREA_M2);
+            let found = index(leaves, 1.0);
+            assert!((found / expected - 1.0).abs() < 0.06, "{leaves}: {found} {expected}");
+        }
+    }
+
+    /// Pillars of a quarter of the cells, each evenly full of leaves: none is a mass within its cell.
+    #[test]
+    fn masses_as_wide_as_cells_are_masses() {
+        let half_m = 8.0;
+        let grid = Grid::covering(DVec3::splat(-half_m), DVec3::splat(half_m), CELL_M);
+        let is_full = |node: &usize| {
+            let [x, _, z] = grid.cell_of(*node);
+            x % 2 == 0 && z % 2 == 0
+        };
+        let full: Vec<usize> = (0..grid.count()).filter(is_full).collect();
+        let evenly = |leaf: usize| DVec3::new((leaf % 6) as f64 - 2.5, 0.0, (leaf / 6) as f64 - 2.5) / 6.0;
+        let places = full.iter().flat_map(|node| {
+            let middle = grid.position(*node);
+            (0..36).map(move |leaf| middle + CELL_M * evenly(leaf))
+        });
+        let clumping = Clumping::of(&grid, &Surfels::of_leaves(places, LEAF_AREA_M2), Bounces::All);
+        let index = full.iter().map(|node| clumping.at(*node)).sum::<f64>() / full.len() as f64;
+        assert!(index < 0.9, "{index}");
+    }
+
+    /// They hide nothing of each other: all face up.
+    #[test]
+    fn leaves_that_lie_on_the_ground_are_no_mass() {
+        let index = index(1, 1e-3);
+        assert!(index > 0.95, "{index}");
+    }
+
+    /// What gets in and is sent on gets out, and terms of the series are those of its sum.
+    #[test]
+    fn nothing_is_lost_within_a_mass_that_absorbs_nothing() {
+        let clumping = |bounces| Clumping { indices: Vec::new(), bounces };
+        let albedo = Rgb::new(1.0, 0.5, 0.0);
+        let all = clumping(Bounces::All).inside(0.6, albedo);
+        assert!((all - Rgb::new(1.0, 0.75, 0.6)).abs().max_element() < 1e-12, "{all}");
+        let few = [1, 2].map(|count| clumping(Bounces::UpTo(count)).inside(0.6, albedo));
+        assert!((few[0] - 0.6).abs().max_element() < 1e-12, "{few:?}");
+        assert!((few[1] - 0.6 * Rgb::new(1.4, 1.2, 1.0)).abs().max_element() < 1e-12, "{few:?}");
+        // What sends out more than it gets is taken for white.
+        let more = clumping(Bounces::All).inside(0.6, Rgb::splat(3.0));
+        assert!((more - 1.0).abs().max_element() < 1e-12, "{more}");
+        let many = clumping(Bounces::UpTo(u32::MAX)).inside(0.6, albedo);
+        assert!((many - all).abs().max_element() < 1e-9, "{many} {all}");
+    }
+}

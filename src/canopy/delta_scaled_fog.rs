@@ -1,0 +1,86 @@
+//! Fog as ordinates see it. In goes a medium, out come what dims light and what is scattered. Invariant: what
+//! is not scattered is not lost either.
+//!
+//! Harmonics up to l = 2 cannot tell light that is scattered nearly straight ahead from light that is not
+//! scattered. Where all orders are wanted, such light counts as not scattered (delta-M, Wiscombe 1977). A
+//! sun's light has a direction, so that what fog makes of it first is told up to l = 5; the rest still goes
+//! as the sun's own light does. Where orders are counted, every scattering counts.
+
+use crate::color::Rgb;
+use crate::fog::{BEAM_DEGREES, Medium};
+use crate::ordinates::first_collision_source::FIRST_DEGREES;
+use crate::scene::Bounces;
+use glam::DVec3;
+
+/// Degrees that orders of scattering go on with.
+const DEGREES: i32 = 3;
+
+/// Fog at a point, or of a cell on the mean; all 1/m.
+#[derive(Default)]
+pub(crate) struct FogCoefficients {
+    pub(crate) extinction: Rgb,
+    /// What harmonics of each degree get back.
+    pub(crate) scattering: [Rgb; DEGREES as usize],
+    /// The same of a sun's light as it is scattered first, and what of it counts as not scattered.
+    pub(crate) first_scattering: [Rgb; FIRST_DEGREES],
+    pub(crate) first_peak: Rgb,
+}
+
+impl FogCoefficients {
+    /// Adds a share of other fog.
+    pub(crate) fn add(&mut self, other: &Self, share: f64) {
+        self.extinction += share * other.extinction;
+        let sums = self.scattering.iter_mut().chain(&mut self.first_scattering);
+        for (sum, value) in sums.zip(other.scattering.iter().chain(&other.first_scattering)) {
+            *sum += share * *value;
+        }
+        self.first_peak += share * other.first_peak;
+    }
+}
+
+/// Whether fog scatters ahead so much that degrees of light beyond those of the orders matter.
+pub(crate) fn scatters_ahead(medium: &Medium) -> bool {
+    /// The share `g^3` that it sends on of the first of those degrees.
+    const LEAST: f64 = 0.02;
+    medium.banks().iter().any(|bank| bank.g.abs().powi(DEGREES) > LEAST)
+}
+
+pub(crate) struct DeltaScaledFog<'a> {
+    medium: &'a Medium,
+    /// What light loses on its way from order to order.
+    pub(crate) dimming: Medium,
+    /// What a sun's light loses on its way to where it is scattered first.
+    dimming_of_suns: Medium,
+    has_peaks: bool,
+}
+
+impl<'a> DeltaScaledFog<'a> {
+    pub(crate) fn new(medium: &'a Medium, bounces: Bounces) -> Self {
+        let has_peaks = bounces != Bounces::All;
+        let without = |degrees: i32| if has_peaks { medium.clone() } else { medium.without_peaks(degrees) };
+        Self { medium, dimming: without(DEGREES), dimming_of_suns: without(BEAM_DEGREES), has_peaks }
+    }
+
+    /// What light of a sun or of a lamp loses before it is scattered.
+    pub(crate) fn dimming_of(&self, is_of_sun: bool) -> &Medium {
+        if is_of_sun { &self.dimming_of_suns } else { self.medium }
+    }
+
+    /// What it is at a point.
+    pub(crate) fn at(&self, point: DVec3) -> FogCoefficients {
+        let (_, of_degrees) = self.medium.coefficients_at::<FIRST_DEGREES>(point);
+        let peak = |degrees: i32| match self.has_peaks {
+            true => Rgb::ZERO,
+            false => self.medium.peak_at(point, degrees),
+        };
+        let (of_orders, first_peak) = (peak(DEGREES), peak(BEAM_DEGREES));
+        FogCoefficients {
+            extinction: self.dimming.extinction_at(point),
+            scattering: std::array::from_fn(|degree| of_degrees[degree] - of_orders),
+            first_scattering: of_degrees.map(|of_degree| of_degree - first_peak),
+            first_peak,
+        }
+    }
+}
+
+const _: () = assert!(FIRST_DEGREES == BEAM_DEGREES as usize, "both tell as much of a sun's light");

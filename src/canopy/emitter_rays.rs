@@ -1,0 +1,139 @@
+//! Rays that carry the light of lamps and suns. In go lights, out come rays and their powers. Invariant: rays
+//! are tied to the world and to the lights, never to leaves, so what a leaf gets changes evenly as it moves.
+
+use super::delta_scaled_fog::DeltaScaledFog;
+use crate::color::Rgb;
+use crate::light::Emission;
+use crate::math::{Ray, kronecker};
+use crate::ordinates::grid::Grid;
+use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// So many rays of a sun are side by side in their order, and light fog as one where they have not ended.
+pub(crate) const BUNDLE: usize = 4;
+/// Rays of a sun that go through a cell, along each side.
+const RAYS_PER_CELL: f64 = 8.0;
+/// Of a sun.
+const MOST_RAYS: f64 = 100_000.0;
+/// Of a lamp.
+const LAMP_RAYS: usize = 40_000;
+
+/// A ray that carries power.
+pub(crate) struct PowerRay {
+    pub(crate) ray: Ray,
+    /// Before any fog, W.
+    pub(crate) power: Rgb,
+    /// Optical depth before its start, of what dims it and of all fog.
+    pub(crate) depths: [Rgb; 2],
+    /// Or of a lamp: its light has no direction, so no forward peak of it is kept apart.
+    pub(crate) is_of_sun: bool,
+}
+
+impl PowerRay {
+    /// Parallel rays as one in their middle.
+    pub(crate) fn together<'a>(rays: impl Iterator<Item = &'a Self> + Clone) -> Self {
+        let count = rays.clone().count() as f64;
+        let mean = |of: &dyn Fn(&Self) -> DVec3| rays.clone().map(of).sum::<DVec3>() / count;
+        let ray = Ray { origin: mean(&|ray| ray.ray.origin), direction: mean(&|ray| ray.ray.direction) };
+        let depths = [0, 1].map(|which| mean(&|ray| ray.depths[which]));
+        Self { ray, power: count * mean(&|ray| ray.power), depths, is_of_sun: true }
+    }
+}
+
+/// What suns shine on.
+pub(crate) struct Emitters<'a> {
+    pub(crate) snapshot: &'a Snapshot<'a>,
+    pub(crate) grid: &'a Grid,
+    pub(crate) fog: &'a DeltaScaledFog<'a>,
+}
+
+impl Emitters<'_> {
+    /// Evenly spaced across the sun's direction; where they lie depends on nothing but that. [`BUNDLE`] lie
+    /// side by side, then the next.
+    pub(crate) fn of_sun(&self, light: &Luminaire, to_light: DVec3) -> Vec<PowerRay> {
+        let (low, high) = self.grid.volume();
+        let (right, up) = to_light.any_orthonormal_pair();
+        let corners = (0..8).map(|corner| {
+            DVec3::new(
+                if corner & 1 == 0 { low.x } else { high.x },
+                if corner & 2 == 0 { low.y } else { high.y },
+                if corner & 4 == 0 { low.z } else { high.z },
+            )
+        });
+        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for corner in corners {
+            let place = DVec3::new(corner.dot(right), corner.dot(up), corner.dot(to_light));
+            (least, most) = (least.min(place), most.max(place));
+        }
+        let span = most - least;
+        let spacing = (self.grid.cell_m / RAYS_PER_CELL).max((span.x * span.y / MOST_RAYS).sqrt());
+        let irradiance = mean_irradiance(light);
+        let eye = self.snapshot.view.eye;
+        let boxes = [self.snapshot.tree.bounds(), self.snapshot.blended.bounds()].into_iter().flatten();
+        let farthest =
+            boxes.map(|(low, high)| DVec3::select(to_light.cmpgt(DVec3::ZERO), high, low).dot(to_light));
+        let start = farthest.fold(most.z - eye.dot(to_light), f64::max) + self.grid.cell_m;
+        let bundle = BUNDLE as i64;
+        let columns = (least.x / spacing).floor() as i64..=(most.x / spacing).ceil() as i64;
+        let columns = bundle * columns.start().div_euclid(bundle)..bundle * (columns.end() / bundle + 1);
+        let mut rays = Vec::new();
+        for row in (least.y / spacing).floor() as i64..=(most.y / spacing).ceil() as i64 {
+            for column in columns.clone() {
+                let across = (column as f64 + 0.5) * spacing * right + (row as f64 + 0.5) * spacing * up;
+                let across = across - across.dot(to_light) * to_light;
+                let relative = across - (eye - eye.dot(to_light) * to_light);
+                let origin = relative + start * to_light;
+                let depths = [self.fog.dimming_of(true), &self.snapshot.medium]
+                    .map(|medium| medium.optical_depth(origin, to_light, f64::INFINITY));
+                let ray = Ray { origin, direction: -to_light };
+                let power = spacing * spacing * irradiance;
+                rays.push(PowerRay { ray, power, depths, is_of_sun: true });
+            }
+        }
+        rays
+    }
+}
+
+/// Evenly spread over the directions in which the lamp shines.
+pub(crate) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
+    let FrozenLight::Point { emission, .. } = light.centre() else { return Vec::new() };
+    let (axis, least_cos) = match &emission {
+        Emission::Even => (DVec3::Y, -1.0),
+        Emission::Spot(cone) => (cone.axis, cone.cos_outer),
+        Emission::Flat { normal } => (*normal, 0.0),
+    };
+    let (right, up) = axis.any_orthonormal_pair();
+    let solid_angle = TAU * (1.0 - least_cos) / LAMP_RAYS as f64;
+    let ray = |number: usize| {
+        let along = 1.0 - (1.0 - least_cos) * (number as f64 + 0.5) / LAMP_RAYS as f64;
+        let (sin, cos) = (TAU * kronecker(0.0, number)).sin_cos();
+        let across = (1.0 - along * along).max(0.0).sqrt();
+        let direction = along * axis + across * (cos * right + sin * up);
+        let point = light.point([0.37, 0.11, 0.73].map(|phase| kronecker(phase, number * 7)));
+        let FrozenLight::Point { position, intensity, emission } = point else {
+            unreachable!("a lamp is one all over")
+        };
+        let power = solid_angle * intensity * emission.share(direction);
+        PowerRay { ray: Ray { origin: position, direction }, power, depths: [Rgb::ZERO; 2], is_of_sun: false }
+    };
+    (0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO).collect()
+}
+
+/// Of all of a sun's disc, on a plane that faces it.
+pub(crate) fn mean_irradiance(light: &Luminaire) -> Rgb {
+    const POINTS: usize = 64;
+    if light.is_delta() {
+        let FrozenLight::Sun { irradiance, .. } = light.centre() else { return Rgb::ZERO };
+        return irradiance;
+    }
+    let irradiance = |number: usize| match light.point([
+        (number as f64 + 0.5) / POINTS as f64,
+        kronecker(0.0, number),
+        0.5,
+    ]) {
+        FrozenLight::Sun { irradiance, .. } => irradiance,
+        FrozenLight::Point { .. } => Rgb::ZERO,
+    };
+    (0..POINTS).map(irradiance).sum::<Rgb>() / POINTS as f64
+}

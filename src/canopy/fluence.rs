@@ -1,0 +1,99 @@
+//! Light of lamps and suns on its way through the grid. In go rays' places, directions and powers, out
+//! comes what each node has of them. Invariant: what a place has is shared out among the nodes about it,
+//! and none of it is lost.
+
+use crate::color::Rgb;
+use crate::ordinates::grid::Corners;
+use crate::ordinates::harmonics::{COUNT, basis};
+use glam::DVec3;
+
+/// A sun's light that fog has scattered, but nearly straight ahead: it still goes as the sun's own does.
+#[derive(Clone, Debug)]
+pub(crate) struct ForwardPeak {
+    /// Direction of travel.
+    pub(crate) travel: DVec3,
+    /// Irradiance on a plane that faces it, by node, W/m^2.
+    pub(crate) irradiance: Vec<[f32; 3]>,
+    /// How often it was scattered, on the mean, by node.
+    pub(crate) times: Vec<f32>,
+}
+
+impl ForwardPeak {
+    /// How often it was scattered, on the mean of eight nodes; at least once.
+    pub(crate) fn mean_times(&self, corners: &Corners) -> f64 {
+        corners.iter().map(|(node, weight)| weight * f64::from(self.times[node])).sum()
+    }
+
+    /// On the mean of eight nodes.
+    pub(crate) fn mean(&self, corners: &Corners) -> Rgb {
+        let at =
+            |(&node, &weight): (&usize, &f64)| weight * Rgb::from_array(self.irradiance[node].map(f64::from));
+        corners.nodes.iter().zip(&corners.weights).map(at).sum()
+    }
+}
+
+/// Power times way, by node: of one direction alone, or by harmonics of the direction. All numbers of a
+/// node lie side by side.
+pub(crate) struct Fluence {
+    harmonics: usize,
+    values: Vec<f32>,
+}
+
+/// Of one direction: by channel all of it, then that part that fog has scattered nearly straight ahead.
+const OF_BEAM: usize = 6;
+const OF_ALL: usize = 3 * COUNT;
+
+impl Fluence {
+    pub(crate) fn zero(nodes: usize, has_directions: bool) -> Self {
+        let harmonics = if has_directions { COUNT } else { 1 };
+        let per_node = if has_directions { OF_ALL } else { OF_BEAM };
+        Self { harmonics, values: vec![0.0; per_node * nodes] }
+    }
+
+    /// Of one direction that part that goes on nearly straight, by node.
+    pub(crate) fn glow(&self, channel: usize) -> impl Iterator<Item = f32> {
+        self.values.chunks_exact(OF_BEAM).map(move |node| node[3 + channel])
+    }
+
+    /// By node; of one direction alone there is one harmonic.
+    pub(crate) fn of(&self, channel: usize, index: usize) -> impl Iterator<Item = f32> {
+        let (per_node, place) = match self.harmonics {
+            1 => (OF_BEAM, channel),
+            _ => (OF_ALL, channel * COUNT + index),
+        };
+        self.values.chunks_exact(per_node).map(move |node| node[place])
+    }
+
+    pub(crate) fn add(
+        &mut self,
+        shares: impl Iterator<Item = (usize, f64)>,
+        direction: DVec3,
+        amount: Rgb,
+        glow: Rgb,
+    ) {
+        if self.harmonics == 1 {
+            let of_beam: [f64; OF_BEAM] =
+                std::array::from_fn(|place| if place < 3 { amount[place] } else { glow[place - 3] });
+            self.add_to_nodes(shares, &of_beam);
+        } else {
+            let basis = basis(direction);
+            let of_all: [f64; OF_ALL] =
+                std::array::from_fn(|place| amount[place / COUNT] * basis[place % COUNT]);
+            self.add_to_nodes(shares, &of_all);
+        }
+    }
+
+    fn add_to_nodes<const N: usize>(
+        &mut self,
+        shares: impl Iterator<Item = (usize, f64)>,
+        values: &[f64; N],
+    ) {
+        let values = values.map(|value| value as f32);
+        let (nodes, _) = self.values.as_chunks_mut::<N>();
+        for (node, weight) in shares {
+            for (sum, value) in nodes[node].iter_mut().zip(&values) {
+                *sum += weight as f32 * value;
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Light of lamps and suns that meets leaves, leaf by leaf. In go rays that end on them, out come sources on
+//! the grid. Invariant: all that leaves a leaf comes from one place of it, so what it makes of its own light
+//! is known; see `own_light.rs`.
+
+use super::surroundings::Leaf;
+use crate::color::Rgb;
+use crate::ordinates::grid::{Corners, Grid};
+use crate::ordinates::occluders::{OFF_WALL, Occluders};
+use glam::DVec3;
+
+/// From so far before a lit side, in roots of its area, comes what it scatters back: no leaf stands between
+/// it and its light, so what is next to that way gets out. The mean way of a cosine out of a leaf's shadow,
+/// `8 r / 3 pi` across it, is .75 where light comes straight, and .6 on the mean of all slants. In canopies
+/// that is the hot spot (Kuusk 1991, "The hot spot effect in plant canopy reflectance").
+const WAY_OUT: f64 = 0.6;
+
+/// Power that meets a leaf, W.
+pub(crate) struct LeafHit {
+    leaf: u32,
+    side: u8,
+    power: [f32; 3],
+}
+
+impl LeafHit {
+    /// On the side that a leaf's normal shows, 0, or on its other side, 1.
+    pub(crate) fn new(leaf: usize, side: usize, power: Rgb) -> Self {
+        Self { leaf: leaf as u32, side: side as u8, power: power.to_array().map(|value| value as f32) }
+    }
+}
+
+/// What both sides of each leaf get, W.
+pub(crate) struct LeafPower(Vec<[[f32; 3]; 2]>);
+
+impl LeafPower {
+    /// Of so many leaves.
+    pub(crate) fn zero(leaves: usize) -> Self {
+        Self(vec![[[0.0; 3]; 2]; leaves])
+    }
+
+    pub(crate) fn add(&mut self, &LeafHit { leaf, side, power }: &LeafHit) {
+        let sums = self.0[leaf as usize][usize::from(side)].iter_mut().zip(power);
+        sums.for_each(|(sum, value)| *sum += value);
+    }
+
+    /// Of one leaf.
+    pub(crate) fn of(&self, number: usize) -> [Rgb; 2] {
+        self.0[number].map(|power| Rgb::from_array(power.map(f64::from)))
+    }
+
+    /// What leaves each of its sides.
+    pub(crate) fn scattered(&self, number: usize, leaf: &Leaf) -> [Scattered; 2] {
+        let power = self.of(number);
+        [0, 1].map(|side| Scattered {
+            back: leaf.optics.reflectance * power[side],
+            through: leaf.optics.transmittance * power[1 - side],
+        })
+    }
+}
+
+/// Power that leaves a side of a leaf, W, before the leaf itself meets any of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Scattered {
+    pub(crate) back: Rgb,
+    pub(crate) through: Rgb,
+}
+
+impl Scattered {
+    pub(crate) fn all(self) -> Rgb {
+        self.back + self.through
+    }
+}
+
+/// Nodes that stand for a leaf as its side `facing` sees them, and those that stand for what that scatters
+/// back.
+pub(crate) fn nodes_of(
+    (grid, occluders): (&Grid, &Occluders),
+    (leaf, facing): (&Leaf, DVec3),
+) -> [Corners; 2] {
+    let seen_from = leaf.position + OFF_WALL * grid.cell_m * facing;
+    [0.0, WAY_OUT * leaf.area_m2.sqrt()]
+        .map(|away_m| occluders.corners(grid, leaf.position + away_m * facing, seen_from))
+}

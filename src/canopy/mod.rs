@@ -1,0 +1,21 @@
+//! Canopies: leaves and fog as a turbid medium for discrete ordinates. In goes a snapshot, out come
+//! cross-sections and the first-collision source of its lights. Invariant: nothing here sweeps, and nothing
+//! knows a camera.
+//!
+//! Leaf area by cell follows Ross 1981, "The radiation regime and architecture of plant stands".
+
+pub(crate) mod clumping;
+pub(crate) mod clumps;
+pub(crate) mod core_bounds;
+pub(crate) mod delta_scaled_fog;
+pub(crate) mod emitter_rays;
+pub(crate) mod first_collisions;
+pub(crate) mod fluence;
+pub(crate) mod leaf_index;
+pub(crate) mod leaf_power;
+mod node_fog;
+mod recollision;
+pub(crate) mod self_interaction;
+pub(crate) mod surface_optics;
+pub(crate) mod surroundings;
+pub(crate) mod turbid_medium;

@@ -1,0 +1,218 @@
+//! What a leaf itself does to the light that it finds at the nodes about it. In go what it scatters and what
+//! it gathers, out come moments without its own part. Invariant: a leaf that stands alone gets no light.
+//!
+//! On a grid a leaf is spread over cells, so it shines on itself and stands in its own way. A real one does
+//! neither: seen from one of many leaves that stand anywhere, the others are as if it were not there
+//! (Slivnyak's theorem; Chiu, Stoyan, Kendall & Mecke 2013, "Stochastic Geometry and its Applications",
+//! section 4.4). A sweep is linear in what a leaf adds to it, and near its sources it is a few products.
+
+use super::clumping::Clumping;
+use super::leaf_index::LeafIndex;
+use super::leaf_power::{self, LeafPower, Scattered};
+use super::recollision::bent;
+use super::surroundings::Leaf;
+use super::turbid_medium::TurbidMedium;
+use crate::color::Rgb;
+use crate::ordinates::cross_sections::{Extinction, NodeExtinction};
+use crate::ordinates::grid::{Corners, Grid};
+use crate::ordinates::harmonics::{
+    COSINE_LOBE_4, COUNT, cosine_lobe, fourth_basis, irradiance_lobe, product,
+};
+use crate::ordinates::moments::NodeMoments;
+use crate::ordinates::near_source::{Moments, NEAR, Reach, Way, lobe, near};
+use crate::ordinates::occluders::Occluders;
+use crate::ordinates::quadrature::Quadrature;
+use crate::scene::Bounces;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_1_PI, PI};
+
+/// So many leaves are looked at before what they scatter is added up.
+const AT_ONCE: usize = 1 << 14;
+
+/// How light goes from node to node near its source.
+pub(crate) struct SelfInteraction {
+    ways: Vec<Way>,
+    per_volume: f64,
+    /// Whether light that leaves get of it is sent on again.
+    goes_on: bool,
+}
+
+/// A leaf, and what is about it.
+pub(crate) struct Alone<'a> {
+    leaf: &'a Leaf,
+    /// What leaves its sides of first light and glow, W.
+    scattered: [Scattered; 2],
+    /// For each side the nodes that stand for it, and for what it scatters back of first light.
+    pub(crate) nodes: [[Corners; 2]; 2],
+    /// Steps between them; first by the side that sees.
+    near: [[[f32; NEAR]; 3]; 2],
+    /// Of what is about it.
+    extinction: NodeExtinction<'a>,
+    /// Of clumping, and the share that gets out of masses of what it scatters.
+    index: f64,
+    inside: Rgb,
+}
+
+impl<'a> Alone<'a> {
+    /// `unmet` is what its sides scatter of first light, before the leaf or others of its mass meet it again.
+    pub(crate) fn new(
+        (grid, occluders): (&Grid, &Occluders),
+        (extinction, clumping): (&'a Extinction, &Clumping),
+        (leaf, unmet): (&'a Leaf, [Scattered; 2]),
+    ) -> Self {
+        let node = grid.nearest(leaf.position);
+        let index = clumping.about(&grid.corners(leaf.position));
+        let sent = leaf.optics.albedo();
+        let out = clumping.inside(index * leaf.exposed, sent);
+        let nodes =
+            [leaf.normal, -leaf.normal].map(|facing| leaf_power::nodes_of((grid, occluders), (leaf, facing)));
+        let from = [nodes[0][0], nodes[0][1], nodes[1][1]];
+        let near = nodes.map(|[to, _]| from.map(|from| near(grid, &from, &to)));
+        let extinction = extinction.at(node);
+        let inside = clumping.inside(index, sent);
+        let bent = bent(&leaf.optics, leaf.exposed);
+        let glow = PI * leaf.exposed * leaf.area_m2 * inside * bent.emission;
+        let scattered =
+            unmet.map(|side| Scattered { back: out * side.back, through: out * side.through + glow });
+        Self { leaf, scattered, nodes, near, extinction, index, inside }
+    }
+
+    /// What leaves its sides of the light that arrives later, W.
+    fn sent(&self, arriving: [Rgb; 2]) -> [Rgb; 2] {
+        let optics = bent(&self.leaf.optics, self.leaf.exposed);
+        let factor = self.leaf.exposed * self.leaf.area_m2 * self.index * self.inside;
+        [0, 1].map(|side| {
+            let [here, other] = [arriving[side], arriving[1 - side]];
+            factor * (optics.reflectance * here + optics.transmittance * other)
+        })
+    }
+
+    fn has_first(&self) -> bool {
+        self.scattered.iter().any(|side| side.all() != Rgb::ZERO)
+    }
+}
+
+/// What comes to a side: moments up to degree 2, and of degree 4.
+pub(crate) struct Arriving<'a>(pub(crate) &'a mut Moments, pub(crate) &'a mut Moments);
+
+impl SelfInteraction {
+    pub(crate) fn new(grid: &Grid, ordinates: &Quadrature, bounces: Bounces) -> Self {
+        let ways = ordinates.iter().map(|ordinate| Way::of(ordinate, grid.cell_m)).collect();
+        let goes_on = bounces != Bounces::UpTo(1);
+        Self { ways, per_volume: 1.0 / grid.cell_volume(), goes_on }
+    }
+
+    /// What all leaves scatter of their own first light, as sources: a leaf that has none scatters none.
+    pub(crate) fn all_sent_again(
+        &self,
+        (grid, occluders): (&Grid, &Occluders),
+        medium: &TurbidMedium,
+        (leaves, on_leaves): (&LeafIndex, &LeafPower),
+    ) -> NodeMoments {
+        let mut sources = NodeMoments::zero(grid.count());
+        if !self.goes_on {
+            return sources;
+        }
+        let of_leaf = |(leaf, scattered): (&Leaf, [Scattered; 2])| {
+            let told = (&medium.cross_sections.extinction, &medium.clumping);
+            let alone = Alone::new((grid, occluders), told, (leaf, scattered));
+            (leaf.normal, alone.nodes, self.sent_again(&alone))
+        };
+        let factor = FRAC_1_PI * self.per_volume;
+        for (first, leaves) in (0..).step_by(AT_ONCE).zip(leaves.all().chunks(AT_ONCE)) {
+            let lit = leaves.par_iter().enumerate().filter_map(|(number, leaf)| {
+                let scattered = on_leaves.scattered(first + number, leaf);
+                let is_lit = scattered.iter().any(|side| side.all() != Rgb::ZERO);
+                (is_lit || leaf.optics.emission != Rgb::ZERO).then_some((leaf, scattered))
+            });
+            for (normal, nodes, sent) in lit.map(of_leaf).collect::<Vec<_>>() {
+                for ((nodes, sent), facing) in nodes.iter().zip(sent).zip([normal, -normal]) {
+                    sources.add_lobe(&nodes[0], &cosine_lobe(facing), factor * sent);
+                }
+            }
+        }
+        sources
+    }
+
+    /// What a leaf scatters of its own first light when that has come back to it, where nothing else did:
+    /// power that leaves its sides, W. The second round has it, and nobody should.
+    fn sent_again(&self, alone: &Alone) -> [Rgb; 2] {
+        let reach = self.reach(alone);
+        let arriving = [0, 1].map(|side| {
+            let mut without = [[[0.0; COUNT]; 3]; 2];
+            self.take_first(alone, (&reach, side), &mut without);
+            -irradiance(alone.leaf, side, &without)
+        });
+        alone.sent(arriving)
+    }
+
+    /// Takes a leaf's own part out of what comes to its sides.
+    pub(crate) fn take(&self, alone: &Alone, sides: [Arriving; 2]) {
+        let reach = self.reach(alone);
+        let mut left = sides.each_ref().map(|Arriving(moments, fourth)| [**moments, **fourth]);
+        if alone.has_first() {
+            for (side, left) in left.iter_mut().enumerate() {
+                self.take_first(alone, (&reach, side), left);
+            }
+        }
+        let arriving = [0, 1].map(|side| irradiance(alone.leaf, side, &left[side]).max(Rgb::ZERO));
+        let arriving = if self.goes_on { arriving } else { [Rgb::ZERO; 2] };
+        let sent = alone.sent(arriving);
+        for (side, (left, Arriving(moments, fourth))) in left.iter_mut().zip(sides).enumerate() {
+            let light = left[0];
+            self.take_later(alone, (&reach, side), (sent, &light), left);
+            [*moments, *fourth] = *left;
+        }
+    }
+
+    fn reach(&self, alone: &Alone) -> Vec<Reach> {
+        self.ways.iter().map(|way| way.reach(alone.extinction)).collect()
+    }
+
+    /// What it scatters of first light, as a side sees it.
+    fn take_first(&self, alone: &Alone, (reach, side): (&[Reach], usize), from: &mut [Moments; 2]) {
+        let factor = FRAC_1_PI * self.per_volume;
+        let [[back, through], [back_of_other, through_other]] =
+            alone.scattered.map(|side| [side.back, side.through].map(|power| (factor * power).as_vec3()));
+        for (way, reach) in self.ways.iter().zip(reach) {
+            let cos = way.direction.dot(alone.leaf.normal) as f32;
+            let (facing, other) = (lobe(cos), lobe(-cos));
+            let [of_middle, of_back, of_other] =
+                alone.near[side].each_ref().map(|near| way.gain(reach, near));
+            let radiance = of_middle * (facing * through + other * through_other)
+                + of_back * (facing * back)
+                + of_other * (other * back_of_other);
+            way.take(radiance, from);
+        }
+    }
+
+    /// What it makes of all other light, and what it stops of that.
+    fn take_later(
+        &self,
+        alone: &Alone,
+        (reach, side): (&[Reach], usize),
+        (sent, light): ([Rgb; 2], &Moments),
+        from: &mut [Moments; 2],
+    ) {
+        let [sent, sent_by_other] = sent.map(|sent| (FRAC_1_PI * self.per_volume * sent).as_vec3());
+        let stopped = (alone.index * alone.leaf.exposed * alone.leaf.area_m2 * self.per_volume) as f32;
+        for (way, reach) in self.ways.iter().zip(reach) {
+            let cos = way.direction.dot(alone.leaf.normal) as f32;
+            let emitted = lobe(cos) * sent + lobe(-cos) * sent_by_other;
+            let facing = 3.0 / 16.0 + 15.0 / 16.0 * cos * cos;
+            let radiance = light.map(|moments| {
+                moments.iter().zip(&way.basis).map(|(moment, basis)| moment * basis).sum::<f32>().max(0.0)
+            });
+            let source = emitted - stopped * facing * Vec3::from_array(radiance);
+            way.take(source * way.gain(reach, &alone.near[side][0]), from);
+        }
+    }
+}
+
+/// Irradiance on a side.
+fn irradiance(leaf: &Leaf, side: usize, [moments, fourth]: &[Moments; 2]) -> Rgb {
+    let facing = if side == 0 { leaf.normal } else { -leaf.normal };
+    let of_fourth = fourth_basis(-facing).map(|value| COSINE_LOBE_4 * value);
+    product(&irradiance_lobe(facing), moments) + product(&of_fourth, fourth)
+}

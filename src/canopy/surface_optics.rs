@@ -1,0 +1,38 @@
+//! Optical properties of a snapshot's surfaces. In go points of surfaces, out come shares. Invariant: what
+//! shines counts as matte, and no share is above 1.
+
+use crate::accel::PrimitiveId;
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::ordinates::surface_optics::SurfaceOptics;
+use crate::snapshot::{Snapshot, SurfacePoint};
+use glam::DVec3;
+
+/// Optics on the side that `normal` faces, at a place of world space.
+pub(crate) fn optics_at(
+    snapshot: &Snapshot,
+    primitive: PrimitiveId,
+    position: DVec3,
+    normal: DVec3,
+) -> SurfaceOptics {
+    let towards = Ray { origin: position + normal - snapshot.view.eye, direction: -normal };
+    optics_of(&snapshot.facet(primitive).seen_along(&towards, 1.0))
+}
+
+/// Optics of a point.
+pub(crate) fn optics_of(point: &SurfacePoint) -> SurfaceOptics {
+    SurfaceOptics {
+        reflectance: reflectance(point),
+        transmittance: point.transmission,
+        emission: point.emission,
+        cover: 1.0 - (1.0 - point.alpha).clamp(0.0, 1.0),
+    }
+}
+
+/// All that comes back, whatever way: what shines counts as matte.
+pub(crate) fn reflectance(point: &SurfacePoint) -> Rgb {
+    /// About where most light falls and most is seen.
+    const COS: f64 = 0.6;
+    let coat = point.gloss.as_ref().map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));
+    (point.albedo * (Rgb::ONE - coat) + coat + point.mirror).clamp(Rgb::ZERO, Rgb::ONE)
+}

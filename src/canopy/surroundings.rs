@@ -1,0 +1,401 @@
+//! What light meets on its way from order to order, in world space: small things as surfels, large ones as
+//! walls. In goes a snapshot, out come both and the box that they fill. Invariant: each visible triangle is
+//! part of one of them.
+
+pub(crate) mod wide;
+
+use super::recollision::bent;
+use super::surface_optics::optics_at;
+use crate::accel::PrimitiveId;
+use crate::math::kronecker;
+use crate::ordinates::occluders::Triangle;
+use crate::ordinates::surface_optics::{MeanOptics, SurfaceOptics};
+use crate::snapshot::{DrawnMesh, MeshPart, PartPlace, Snapshot};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// A piece of a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surfel {
+    /// In world space.
+    pub(crate) position: DVec3,
+    pub(crate) normal: DVec3,
+    /// m^2.
+    pub(crate) area: f64,
+    /// Which share of it the part itself does not hide: of a ball half, as half of it is turned away.
+    pub(crate) exposed: f32,
+    /// The number of its optics.
+    optics: u32,
+}
+
+/// Small things; memory matters where there are a million of them.
+pub(crate) struct Surfels {
+    pub(crate) all: Vec<Surfel>,
+    /// Of one of them, on the mean, m^2.
+    pub(crate) leaf_area_m2: f64,
+    optics: Vec<SurfaceOptics>,
+}
+
+impl Surfels {
+    /// Leaves at places of world space, each of one surfel.
+    #[cfg(test)]
+    pub(crate) fn of_leaves(places: impl Iterator<Item = DVec3>, area: f64) -> Self {
+        let leaf = |position: DVec3| Surfel { position, normal: DVec3::Y, area, exposed: 1.0, optics: 0 };
+        Self { all: places.map(leaf).collect(), leaf_area_m2: area, optics: vec![SurfaceOptics::default()] }
+    }
+
+    pub(crate) fn optics(&self, surfel: &Surfel) -> &SurfaceOptics {
+        &self.optics[surfel.optics as usize]
+    }
+}
+
+/// A triangle of something that is larger than a cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallTriangle {
+    pub(crate) triangle: Triangle,
+    pub(crate) primitive: PrimitiveId,
+}
+
+/// Parts that look alike wherever they are: mesh and material, whether these are its blended triangles,
+/// and the part's number.
+type Looks = ((usize, Option<usize>), bool, usize);
+
+/// Parts that are longer, in cells, are looked at in all of their places.
+const SMALL_CELLS: f64 = 1.0;
+
+/// A part of a mesh where it is placed.
+struct PlacedPart<'a> {
+    mesh: DrawnMesh<'a>,
+    mesh_number: usize,
+    part: &'a MeshPart,
+    number: usize,
+    /// Of its sides the shortest.
+    thickness_m: f64,
+    /// The second longest: how wide a leaf is, or a trunk, or a wall; metres.
+    width_m: f64,
+    /// The longest.
+    length_m: f64,
+    /// Whether it is a plain under layers of fog, which end in it.
+    is_plain: bool,
+}
+
+impl PlacedPart<'_> {
+    /// Whether it stops light as a wall does: what one sees through is matter however large it is.
+    fn is_wall(&self, width_m: f64) -> bool {
+        self.is_large(width_m) && !self.mesh.is_blended
+    }
+
+    fn is_large(&self, width_m: f64) -> bool {
+        self.width_m >= width_m || self.is_panel(width_m)
+    }
+
+    /// Whether it is a board: above a window walls are narrow too, and close what is beside them.
+    fn is_panel(&self, width_m: f64) -> bool {
+        /// As shares of what is wide enough by itself.
+        const NARROWEST: f64 = 0.25;
+        const SHORTEST: f64 = 2.0;
+        /// As a share of its width.
+        const THICKEST: f64 = 0.25;
+        let is_flat = self.thickness_m <= THICKEST * self.width_m;
+        is_flat && self.width_m >= NARROWEST * width_m && self.length_m >= SHORTEST * width_m
+    }
+
+    /// Which share of light from all sides it does not hide from itself; a body's sides are another matter.
+    fn exposed(&self) -> f64 {
+        if self.part.is_closed { 1.0 } else { self.part.exposed.max(LEAST_EXPOSED) }
+    }
+
+    fn looks(&self) -> Looks {
+        (self.mesh.looks(), self.mesh.is_blended, self.number)
+    }
+}
+
+/// A small part that has two sides.
+pub(crate) struct Leaf {
+    /// The number of the mesh, and of the part among its mesh's.
+    pub(crate) mesh: usize,
+    pub(crate) part: usize,
+    /// In world space, of all of it.
+    pub(crate) position: DVec3,
+    pub(crate) normal: DVec3,
+    /// What covers of one side, m^2.
+    pub(crate) area_m2: f64,
+    /// Which share of light from all sides the leaf itself does not hide.
+    pub(crate) exposed: f64,
+    /// On its mean.
+    pub(crate) optics: SurfaceOptics,
+}
+
+/// Of a leaf's area so much faces one way at least; a body's faces all ways.
+const FLAT: f64 = 0.5;
+/// A leaf that is rolled up hides next to all of itself.
+const LEAST_EXPOSED: f64 = 0.1;
+
+/// Of a part that looks like no other, and of all of them together.
+const POINTS: usize = 64;
+const MOST_POINTS: usize = 400_000;
+const FEWEST_POINTS: usize = 8;
+
+/// The parts that a snapshot shows.
+pub(crate) struct Surroundings<'a> {
+    snapshot: &'a Snapshot<'a>,
+    parts: Vec<PlacedPart<'a>>,
+}
+
+impl<'a> Surroundings<'a> {
+    pub(crate) fn of(snapshot: &'a Snapshot) -> Self {
+        let placed = |mesh_number: usize| {
+            let mesh = snapshot.mesh(mesh_number);
+            let axes = mesh.relative_from_mesh.matrix3;
+            let scale = DVec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
+            mesh.parts().iter().enumerate().map(move |(number, part)| {
+                let mut sides = ((part.high - part.low) * scale).to_array();
+                sides.sort_by(f64::total_cmp);
+                let [thickness_m, width_m, length_m] = sides;
+                PlacedPart {
+                    mesh,
+                    mesh_number,
+                    part,
+                    number,
+                    thickness_m,
+                    width_m,
+                    length_m,
+                    is_plain: false,
+                }
+            })
+        };
+        Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
+    }
+
+    /// How wide leaves are, as the mean by their area over all parts narrower than
+    /// `widest_m`; 0 if there are fewer than `few`.
+    pub(crate) fn leaf_width_m(&self, widest_m: f64, few: usize) -> f64 {
+        let leaves = self.parts.iter().filter(|part| !part.is_large(widest_m));
+        if leaves.clone().count() < few {
+            return 0.0;
+        }
+        let (weighted, all) = leaves.fold((0.0, 0.0), |(weighted, all), leaf| {
+            let area = (leaf.part.high - leaf.part.low).length_squared();
+            (weighted + area * leaf.width_m, all + area)
+        });
+        if all > 0.0 { weighted / all } else { 0.0 }
+    }
+
+    /// Small things: parts narrower than `width_m`.
+    pub(crate) fn surfels(&self, width_m: f64, cell_m: f64) -> Surfels {
+        let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
+        let means = self.means(leaves.iter().copied());
+        // Of parts that look alike those of the mean, then those of each place.
+        let (mut first, mut optics): (HashMap<Looks, u32>, _) = (HashMap::new(), Vec::new());
+        for leaf in &leaves {
+            first.entry(leaf.looks()).or_insert_with(|| {
+                let first = optics.len() as u32;
+                let all = std::iter::once(means[&leaf.looks()]).chain(self.optics_of_places(leaf));
+                optics.extend(all.map(|part| bent(&part, leaf.exposed())));
+                first
+            });
+        }
+        let surfels_of = |leaf: &&PlacedPart| {
+            let mean = first[&leaf.looks()];
+            if leaf.is_large(width_m) {
+                return self.pane(leaf, (mean, &optics), cell_m);
+            }
+            let is_small = leaf.length_m < SMALL_CELLS * cell_m;
+            let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
+            let surfel = |(place, number): (&PartPlace, u32)| {
+                self.surfel(leaf, place, (if is_small { mean } else { mean + 1 + number }, &optics))
+            };
+            let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
+            if is_small {
+                // All where its light is gathered.
+                let middle = middle(surfels.iter().map(|surfel| (surfel.area, surfel.position)));
+                surfels.iter_mut().for_each(|surfel| surfel.position = middle);
+            }
+            surfels
+        };
+        let by_leaf: Vec<Vec<Surfel>> = leaves.par_iter().map(surfels_of).collect();
+        let leaf_area_m2 =
+            by_leaf.iter().flatten().map(|surfel| surfel.area).sum::<f64>() / by_leaf.len().max(1) as f64;
+        Surfels { all: by_leaf.into_iter().flatten().collect(), leaf_area_m2, optics }
+    }
+
+    /// A large part that one sees through: all of its triangles, in pieces no longer than a cell.
+    fn pane(&self, leaf: &PlacedPart, optics: (u32, &[SurfaceOptics]), cell_m: f64) -> Vec<Surfel> {
+        const MOST_PIECES: f64 = 64.0;
+        let mut surfels = Vec::new();
+        for &triangle in &leaf.part.triangles {
+            let place = PartPlace { triangle, share: 1.0, area: 1.0 };
+            let Some((primitive, whole)) =
+                leaf.mesh.primitive(triangle).zip(self.surfel(leaf, &place, optics))
+            else {
+                continue;
+            };
+            let [a, b, c] = self.world_corners(primitive);
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            let count = (longest / cell_m).ceil().clamp(1.0, MOST_PIECES);
+            for (v, w) in middles(count) {
+                let position = a + v * (b - a) + w * (c - a);
+                surfels.push(Surfel { position, area: whole.area / (count * count), ..whole });
+            }
+        }
+        surfels
+    }
+
+    /// Parts no longer than a cell that have two sides, in the order of their meshes.
+    pub(crate) fn leaves(&self, cell_m: f64) -> Vec<Leaf> {
+        let is_small = |part: &&PlacedPart| part.length_m < SMALL_CELLS * cell_m && !part.part.is_closed;
+        let means = self.means(self.parts.iter().filter(is_small));
+        let small = self.parts.par_iter().filter(is_small);
+        small.filter_map(|part| self.leaf(part, means[&part.looks()])).collect()
+    }
+
+    fn leaf(&self, part: &PlacedPart, optics: SurfaceOptics) -> Option<Leaf> {
+        let (mut places, mut facing, mut all) = (Vec::with_capacity(2), DVec3::ZERO, 0.0);
+        for place in &part.part.few_places {
+            let [a, b, c] = self.world_corners(part.mesh.primitive(place.triangle)?);
+            let area_normal = place.share * 0.5 * (b - a).cross(c - a);
+            let area = area_normal.length();
+            places.push((area, (a + b + c) / 3.0));
+            facing += area_normal;
+            all += area;
+        }
+        let is_flat = all > 0.0 && facing.length() > FLAT * all;
+        is_flat.then(|| Leaf {
+            mesh: part.mesh_number,
+            part: part.number,
+            position: middle(places.into_iter()),
+            normal: facing.normalize(),
+            area_m2: all * optics.cover,
+            exposed: part.exposed(),
+            optics,
+        })
+    }
+
+    /// Of parts that look alike their mean, for each looks.
+    fn means<'p>(&self, parts: impl Iterator<Item = &'p PlacedPart<'a>>) -> HashMap<Looks, SurfaceOptics>
+    where
+        'a: 'p,
+    {
+        let mut one_of: HashMap<Looks, &PlacedPart> = HashMap::new();
+        for part in parts {
+            one_of.entry(part.looks()).or_insert(part);
+        }
+        let points = points_of_each(one_of.len());
+        let mean = |(looks, part): (Looks, &PlacedPart)| (looks, self.mean_optics(part, points));
+        one_of.into_par_iter().map(mean).collect()
+    }
+
+    /// At points that are spread evenly over a part: a picture of a leaf differs from place to place.
+    fn mean_optics(&self, leaf: &PlacedPart, points: usize) -> SurfaceOptics {
+        let corners_of = |triangle: u32| Some(self.world_corners(leaf.mesh.primitive(triangle)?));
+        let area_of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+        let triangles = || {
+            leaf.part.triangles.iter().filter_map(|&triangle| {
+                let corners = corners_of(triangle)?;
+                Some((leaf.mesh.primitive(triangle)?, corners, area_of(corners)))
+            })
+        };
+        let step = triangles().map(|(.., area)| area).sum::<f64>() / points as f64;
+        let (mut mean, mut so_far, mut number) = (MeanOptics::default(), 0.0, 0);
+        for (primitive, [a, b, c], area) in triangles() {
+            so_far += area;
+            while number < points && (number as f64 + 0.5) * step < so_far {
+                let (u, v) = (kronecker(0.5, number).sqrt(), kronecker(0.5, 7 * number));
+                let position = (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                mean.add(step, &optics_at(self.snapshot, primitive, position, normal));
+                number += 1;
+            }
+        }
+        mean.mean()
+    }
+
+    /// At each place of a part.
+    fn optics_of_places(&self, leaf: &PlacedPart) -> impl Iterator<Item = SurfaceOptics> {
+        leaf.part.places.iter().map(|place| {
+            let Some(primitive) = leaf.mesh.primitive(place.triangle) else {
+                return SurfaceOptics::default();
+            };
+            let [a, b, c] = self.world_corners(primitive);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            optics_at(self.snapshot, primitive, (a + b + c) / 3.0, normal)
+        })
+    }
+
+    /// All else.
+    pub(crate) fn walls(&self, width_m: f64) -> Vec<WallTriangle> {
+        let walls = self.parts.iter().filter(|part| part.is_wall(width_m));
+        let triangle = |wall: &PlacedPart<'a>, triangle: u32| {
+            let primitive = wall.mesh.primitive(triangle)?;
+            let corners = self.world_corners(primitive);
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+            Some(WallTriangle { triangle: Triangle { corners, normal }, primitive })
+        };
+        walls
+            .flat_map(|wall| wall.part.triangles.iter().filter_map(move |&number| triangle(wall, number)))
+            .collect()
+    }
+
+    fn world_corners(&self, primitive: PrimitiveId) -> [DVec3; 3] {
+        self.snapshot.corners(primitive).map(|corner| self.snapshot.world_from_relative(corner))
+    }
+
+    fn surfel(
+        &self,
+        leaf: &PlacedPart,
+        place: &PartPlace,
+        (number, optics): (u32, &[SurfaceOptics]),
+    ) -> Option<Surfel> {
+        let primitive = leaf.mesh.primitive(place.triangle)?;
+        let [a, b, c] = self.world_corners(primitive);
+        let area_normal = 0.5 * (b - a).cross(c - a);
+        let normal = area_normal.try_normalize()?;
+        let area = place.share * area_normal.length() * optics[number as usize].cover;
+        let (position, exposed) = ((a + b + c) / 3.0, leaf.part.exposed as f32);
+        Some(Surfel { position, normal, area, exposed, optics: number })
+    }
+}
+
+/// How many points of a part are looked at where so many look different. A power of two: colours hardly
+/// ever change with how many there are.
+fn points_of_each(looks: usize) -> usize {
+    let points = (MOST_POINTS / looks.max(1)).clamp(FEWEST_POINTS, POINTS);
+    1 << points.ilog2()
+}
+
+/// The mean of places by their areas.
+fn middle(places: impl Iterator<Item = (f64, DVec3)>) -> DVec3 {
+    let (sum, all) =
+        places.fold((DVec3::ZERO, 0.0), |(sum, all), (area, place)| (sum + area * place, all + area));
+    if all > 0.0 { sum / all } else { sum }
+}
+
+/// The middles of the equal triangles that cutting each side of a triangle in `count` makes, by its second
+/// and third corner's weights.
+fn middles(count: f64) -> impl Iterator<Item = (f64, f64)> {
+    let side = count as usize;
+    let middle =
+        move |i: usize, j: usize, third: f64| ((i as f64 + third) / count, (j as f64 + third) / count);
+    (0..side).flat_map(move |i| {
+        let upright = (0..side - i).map(move |j| middle(i, j, 1.0 / 3.0));
+        let turned = (0..(side - i).saturating_sub(1)).map(move |j| middle(i, j, 2.0 / 3.0));
+        upright.chain(turned)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::middles;
+
+    #[test]
+    fn pieces_share_out_a_triangle() {
+        for count in [1.0, 2.0, 5.0] {
+            let (number, v, w) = middles(count)
+                .fold((0, 0.0, 0.0), |(number, sum_v, sum_w), (v, w)| (number + 1, sum_v + v, sum_w + w));
+            let all = count * count;
+            assert_eq!(f64::from(number), all);
+            assert!((v / all - 1.0 / 3.0).abs() < 1e-12 && (w / all - 1.0 / 3.0).abs() < 1e-12, "{v} {w}");
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Where parts lie, and which may be ground. In go parts, out come boxes and what of them is level.
+//! Invariant: a plain under layers of fog is no reason for cells.
+
+use super::{POINTS, PlacedPart, Surroundings};
+use crate::canopy::core_bounds::{Weighed, union};
+use crate::ordinates::surface_optics::{MeanOptics, SurfaceOptics};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A part that may be ground.
+pub(crate) struct WidePart {
+    pub(crate) number: usize,
+    /// In world space.
+    pub(crate) corners: Vec<DVec3>,
+    pub(crate) width_m: f64,
+    /// Of the box about it what is seen of the widest side.
+    pub(crate) area_m2: f64,
+}
+
+impl Surroundings<'_> {
+    /// Parts at least so wide that are walls, by what of them faces up or down; of bodies what faces up.
+    pub(crate) fn wide_parts(&self, width_m: f64, up: DVec3) -> Vec<WidePart> {
+        let parts = self.parts.iter().enumerate();
+        let wide = parts.filter(|(_, part)| part.width_m >= width_m && !part.mesh.is_blended);
+        let tell = |(number, part): (usize, &PlacedPart)| {
+            let corners = self.level_corners(part, up);
+            let area_m2 = part.width_m * part.length_m;
+            (!corners.is_empty()).then_some(WidePart { number, corners, width_m: part.width_m, area_m2 })
+        };
+        wide.filter_map(tell).collect()
+    }
+
+    /// Corners of a part's triangles that are no steeper than a bank.
+    fn level_corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart, up: DVec3) -> Vec<DVec3> {
+        /// Of the normal along the way up.
+        const STEEPEST: f64 = 0.3;
+        let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
+        let corners = primitives.map(|primitive| self.world_corners(primitive));
+        let is_level = |[a, b, c]: &[DVec3; 3]| {
+            let along = (*b - *a).cross(*c - *a).normalize_or_zero().dot(up);
+            along > STEEPEST || !part.is_closed && along < -STEEPEST
+        };
+        corners.filter(is_level).flatten().collect()
+    }
+
+    /// Marks parts as a plain under layers of fog; what they do to light, on their mean.
+    pub(crate) fn take_plain(&mut self, numbers: &[usize]) -> SurfaceOptics {
+        let mut mean = MeanOptics::default();
+        for &number in numbers {
+            self.parts[number].is_plain = true;
+            let part = &self.parts[number];
+            mean.add(part.width_m * part.length_m, &self.mean_optics(part, POINTS));
+        }
+        mean.mean()
+    }
+
+    /// The boxes about all parts that are narrower, and no plain, in world space.
+    pub(crate) fn boxes(&self, widest_m: f64) -> Vec<Weighed> {
+        let parts = self.parts.par_iter().filter(|part| !part.is_large(widest_m) && !part.is_plain);
+        let weighed = |part: &PlacedPart| {
+            let corners = self.corners(part).into_iter().map(|corner| (corner, corner));
+            let bounds = corners.reduce(union)?;
+            Some(Weighed { bounds, area_m2: part.width_m * part.length_m })
+        };
+        parts.filter_map(weighed).collect()
+    }
+
+    /// Places that a part lies between.
+    fn corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart) -> Vec<DVec3> {
+        if mesh.is_bent {
+            let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
+            return primitives.flat_map(|primitive| self.world_corners(primitive)).collect();
+        }
+        let corner = |number: usize| {
+            let side = |axis: usize| if number >> axis & 1 == 0 { part.low[axis] } else { part.high[axis] };
+            mesh.relative_from_mesh.transform_point3(DVec3::new(side(0), side(1), side(2)))
+        };
+        (0..8).map(|number| self.snapshot.world_from_relative(corner(number))).collect()
+    }
+}

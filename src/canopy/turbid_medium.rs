@@ -1,0 +1,244 @@
+//! Leaves and fog as one turbid medium, node by node. In go fog and surfels, out come cross-sections.
+//! Invariant: a medium that absorbs nothing, in even light from all sides, sends out exactly what it takes.
+//!
+//! Leaves follow Ross 1981, "The radiation regime and architecture of plant stands". Each leaf's own normal
+//! takes the place of a distribution of leaf normals. Of `|cos|` in the G-function the harmonics up to l = 2
+//! are kept: `3/16 + 15/16 cos^2`. So a node's leaves are two sums of outer products.
+
+use super::clumping::Clumping;
+use super::clumps::Clumps;
+use super::delta_scaled_fog::{DeltaScaledFog, FogCoefficients};
+use super::node_fog::fog_of_nodes;
+use super::surroundings::{Surfel, Surfels};
+use crate::color::Rgb;
+use crate::ordinates::cross_sections::{
+    CrossSections, EVEN, Extinction, LobePairs, OrientedExtinction, OrientedScattering,
+};
+use crate::ordinates::first_collision_source::FIRST_DEGREES;
+use crate::ordinates::grid::Grid;
+use crate::ordinates::harmonics::{COUNT, cosine_lobe};
+use crate::ordinates::moments::Moments;
+use crate::ordinates::occluders::{OFF_WALL, Occluders};
+use crate::ordinates::surface_optics::SurfaceOptics;
+use crate::scene::Bounces;
+use glam::DVec3;
+use std::f64::consts::FRAC_1_PI;
+
+/// Leaf area of a node, as a share of the mean, that power is shared out over at the least. Rays meet all of a
+/// leaf, but its area lies at the nodes about its middle.
+const LEAST_SIDES: f32 = 0.02;
+
+/// Leaves and fog that fill the cells of a grid.
+pub(crate) struct TurbidMedium {
+    pub(crate) cross_sections: CrossSections,
+    /// What fog scatters of suns' light first, by degree: 1/m, by channel, degree and node.
+    pub(crate) first_scattering: [[Vec<f32>; FIRST_DEGREES]; 3],
+    /// The forward peak that this leaves out of each degree, as if it were not scattered.
+    pub(crate) first_peak: [Vec<f32>; 3],
+    /// Nodes that have leaves, with those.
+    leaves: Vec<LeafArea>,
+    pub(crate) clumping: Clumping,
+}
+
+/// Leaf area at a node.
+struct LeafArea {
+    node: usize,
+    /// Leaf area by volume, 1/m; of clumps what meets light from elsewhere.
+    density: f32,
+    /// What leaves emit, by channel.
+    emitted: [[f32; COUNT]; 3],
+}
+
+/// Leaf area at a node as it is summed up.
+struct LeafSums {
+    area: LeafArea,
+    /// Leaf area by volume by outer products of normals: xx, yy, zz, xy, yz, zx.
+    density_by_normal: [f32; 6],
+    scattering: OrientedScattering,
+    /// Albedo times density.
+    sent: Rgb,
+}
+
+impl LeafSums {
+    fn at(node: usize) -> Self {
+        Self {
+            area: LeafArea { node, density: 0.0, emitted: [[0.0; COUNT]; 3] },
+            density_by_normal: [0.0; 6],
+            scattering: OrientedScattering::zero(node),
+            sent: Rgb::ZERO,
+        }
+    }
+
+    /// Puts them in clumps of a clumping index. Light that is scattered there several times has forgotten on
+    /// which side of a leaf.
+    fn clump(&mut self, clumping: &Clumping) {
+        let index = clumping.at(self.area.node);
+        if index == 1.0 || self.area.density <= 0.0 {
+            return;
+        }
+        let inside = clumping.inside(index, self.sent / f64::from(self.area.density));
+        for (channel, inside) in inside.to_array().into_iter().enumerate() {
+            let factors = [index * inside, index * index].map(|factor| factor as f32);
+            self.scattering.scale(channel, factors);
+            self.area.emitted[channel].iter_mut().for_each(|value| *value *= inside as f32);
+        }
+        self.area.density *= index as f32;
+        self.density_by_normal.iter_mut().for_each(|density| *density *= index as f32);
+    }
+
+    fn add(&mut self, surfel: &SurfelTerms, density: f32) {
+        self.area.density += density;
+        for (sum, product) in self.density_by_normal.iter_mut().zip(surfel.normals) {
+            *sum += density * product;
+        }
+        self.sent += f64::from(density) * surfel.sent;
+        for channel in 0..3 {
+            let factors = [density * surfel.even[channel], density * surfel.odd[channel]];
+            self.scattering.add(channel, &surfel.pairs, factors);
+            let emitted = density * surfel.emission[channel];
+            if emitted > 0.0 {
+                for index in EVEN {
+                    self.area.emitted[channel][index] += 2.0 * emitted * surfel.lobe[index];
+                }
+            }
+        }
+    }
+
+    /// Extinction by Ross' G-function, of which harmonics up to l = 2 are kept: `3/16 + 15/16 (n.w)^2`.
+    fn extinction(&self) -> OrientedExtinction {
+        let by_normal = self.density_by_normal.map(|density| 15.0 / 16.0 * density);
+        OrientedExtinction::new(3.0 / 16.0 * self.area.density, by_normal)
+    }
+}
+
+/// What a surfel adds to its nodes, per leaf area by volume.
+///
+/// Irradiances are `E+ = e - o`, `E- = e + o` by the even and odd parts of the moments along its normal; what
+/// leaves is `B+ + B- = 2 (rho + tau) e` and `B+ - B- = -2 (rho - tau) o`, sent out over `cos / pi`.
+struct SurfelTerms {
+    normals: [f32; 6],
+    lobe: [f32; COUNT],
+    pairs: LobePairs,
+    even: [f32; 3],
+    odd: [f32; 3],
+    emission: [f32; 3],
+    /// Share of light that it sends on.
+    sent: Rgb,
+}
+
+impl SurfelTerms {
+    fn of(surfel: &Surfel, optics: &SurfaceOptics) -> Self {
+        let DVec3 { x, y, z } = surfel.normal;
+        let lobe = cosine_lobe(surfel.normal).map(|value| value as f32);
+        let (reflectance, transmittance) = (optics.reflectance, optics.transmittance);
+        let channels = |color: Rgb| color.to_array().map(|value| value as f32);
+        Self {
+            normals: [x * x, y * y, z * z, x * y, y * z, z * x].map(|value| value as f32),
+            pairs: LobePairs::of(&lobe),
+            lobe,
+            even: channels(2.0 * FRAC_1_PI * (reflectance + transmittance)),
+            odd: channels(-2.0 * FRAC_1_PI * (reflectance - transmittance)),
+            emission: channels(optics.emission),
+            sent: reflectance + transmittance,
+        }
+    }
+}
+
+impl TurbidMedium {
+    /// Fog, which `eye` is the origin of in world space, and surfels, which stay on their side of walls.
+    pub(crate) fn new(
+        (grid, occluders): (&Grid, &Occluders),
+        (fog, eye): (&DeltaScaledFog, DVec3),
+        surfels: &Surfels,
+        bounces: Bounces,
+    ) -> Self {
+        let count = grid.count();
+        let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
+        let mut medium = Self {
+            cross_sections: CrossSections::zero(count),
+            first_scattering: std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; count])),
+            first_peak: channels(),
+            leaves: Vec::new(),
+            clumping: Clumping::of(grid, surfels, bounces),
+        };
+        if !fog.dimming.is_empty() {
+            medium.add_fog(&fog_of_nodes(grid, occluders, (fog, eye)));
+        }
+        let mut leaves = leaf_sums((grid, occluders), surfels);
+        if !medium.clumping.is_none() {
+            leaves.iter_mut().for_each(|leaves| leaves.clump(&medium.clumping));
+        }
+        medium.leaves.reserve_exact(leaves.len());
+        medium.cross_sections.set_oriented(leaves.into_iter().map(|leaves| {
+            let extinction = leaves.extinction();
+            medium.leaves.push(leaves.area);
+            (extinction, leaves.scattering)
+        }));
+        medium
+    }
+
+    fn add_fog(&mut self, of_nodes: &[FogCoefficients]) {
+        for (node, mean) in of_nodes.iter().enumerate() {
+            for channel in 0..3 {
+                self.cross_sections.extinction.isotropic[channel][node] = mean.extinction[channel] as f32;
+                for degree in 0..3 {
+                    self.cross_sections.scattering[channel][degree][node] =
+                        mean.scattering[degree][channel] as f32;
+                }
+                for (degree, first) in mean.first_scattering.iter().enumerate() {
+                    self.first_scattering[channel][degree][node] = first[channel] as f32;
+                }
+                self.first_peak[channel][node] = mean.first_peak[channel] as f32;
+            }
+        }
+    }
+
+    /// What is known of it by who gathers light: masses of its leaves that get power of each other, W m^-3 by
+    /// node.
+    pub(crate) fn told(self, met_again: &[[f32; 3]]) -> (Clumps, Extinction) {
+        let mut given = vec![[0.0; 3]; met_again.len()];
+        let leaves = if met_again.is_empty() { &[] } else { &self.leaves[..] };
+        // What meets light is less than the area of all leaves, which have two sides each.
+        let sides = |leaves: &LeafArea| 2.0 * leaves.density / self.clumping.at(leaves.node) as f32;
+        let least = LEAST_SIDES * leaves.iter().map(sides).sum::<f32>() / leaves.len().max(1) as f32;
+        for leaves in leaves {
+            let sides = sides(leaves).max(least);
+            if sides > 0.0 {
+                given[leaves.node] = met_again[leaves.node].map(|power| power / sides);
+            }
+        }
+        (Clumps::new(self.clumping, given), self.cross_sections.extinction)
+    }
+
+    /// Adds what leaves emit to sources.
+    pub(crate) fn emit(&self, sources: &mut Moments) {
+        for leaves in &self.leaves {
+            for channel in 0..3 {
+                let sum = sources.at(channel, leaves.node);
+                let emitted = &leaves.emitted[channel];
+                sources.set(channel, leaves.node, &std::array::from_fn(|index| sum[index] + emitted[index]));
+            }
+        }
+    }
+}
+
+/// Leaf area of the nodes about each surfel, on its side of walls.
+fn leaf_sums((grid, occluders): (&Grid, &Occluders), surfels: &Surfels) -> Vec<LeafSums> {
+    const NO_LEAVES: usize = usize::MAX;
+    let (mut sums, mut number_of) = (Vec::new(), vec![NO_LEAVES; grid.count()]);
+    for surfel in &surfels.all {
+        let terms = SurfelTerms::of(surfel, surfels.optics(surfel));
+        let off_wall = surfel.position + OFF_WALL * grid.cell_m * surfel.normal;
+        let corners = occluders.corners(grid, surfel.position, off_wall);
+        for (node, weight) in corners.iter().filter(|(_, weight)| *weight > 0.0) {
+            let number = &mut number_of[node];
+            if *number == NO_LEAVES {
+                *number = sums.len();
+                sums.push(LeafSums::at(node));
+            }
+            let area = f64::from(surfel.exposed) * surfel.area;
+            sums[*number].add(&terms, (weight * area / grid.cell_volume()) as f32);
+        }
+    }
+    sums
+}

@@ -1,0 +1,95 @@
+//! What fills one grid. In goes a snapshot, out come the medium, the walls, and the first-collision source of
+//! its lights. Invariant: each surface is a wall or leaf area, never both.
+
+use super::wall_light::{LitWalls, WallLight};
+use super::walls::SnapshotWalls;
+use crate::accel::PrimitiveId;
+use crate::canopy::delta_scaled_fog::DeltaScaledFog;
+use crate::canopy::first_collisions::{FirstCollisions, Found};
+use crate::canopy::fluence::ForwardPeak;
+use crate::canopy::leaf_index::LeafIndex;
+use crate::canopy::leaf_power::LeafPower;
+use crate::canopy::self_interaction::SelfInteraction;
+use crate::canopy::surroundings::Surroundings;
+use crate::canopy::turbid_medium::TurbidMedium;
+use crate::ordinates::domain::Domain;
+use crate::ordinates::first_collision_source::FirstCollisionSource;
+use crate::ordinates::grid::Grid;
+use crate::ordinates::quadrature::Quadrature;
+use crate::scene::Bounces;
+use crate::snapshot::Snapshot;
+use std::collections::HashSet;
+
+/// Things at least so many cells wide are walls.
+pub(super) const WALL_CELLS: f64 = 2.0;
+
+/// What a field is solved for.
+pub(super) struct Context<'a> {
+    pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) surroundings: &'a Surroundings<'a>,
+    pub(super) leaves: &'a LeafIndex,
+    pub(super) bounces: Bounces,
+    /// Once it says true, what comes is of no use.
+    pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Medium and walls of a grid.
+pub(super) struct Contents<'a> {
+    grid: &'a Grid,
+    fog: DeltaScaledFog<'a>,
+    are_walls: HashSet<PrimitiveId>,
+    pub(super) medium: TurbidMedium,
+    pub(super) walls: SnapshotWalls,
+}
+
+/// Light of lamps and suns where it is scattered first.
+pub(super) struct FirstLight {
+    pub(super) source: FirstCollisionSource,
+    /// Of each sun what fog scatters nearly straight ahead.
+    pub(super) forward_peaks: Vec<ForwardPeak>,
+    /// What leaves scatter that meets leaves of the same clump, W m^-3 by node.
+    pub(super) met_again: Vec<[f32; 3]>,
+    /// Power that meets leaves.
+    pub(super) on_leaves: LeafPower,
+}
+
+impl<'a> Contents<'a> {
+    pub(super) fn new(grid: &'a Grid, context: &Context<'a>) -> Self {
+        let &Context { snapshot, surroundings, bounces, .. } = context;
+        let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
+        let walls = SnapshotWalls::new(grid, snapshot, &triangles);
+        let fog = DeltaScaledFog::new(&snapshot.medium, bounces);
+        let mut surfels = surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m);
+        surfels.all.retain(|surfel| grid.holds(surfel.position));
+        let about = (grid, &walls.walls.occluders);
+        let medium = TurbidMedium::new(about, (&fog, snapshot.view.eye), &surfels, bounces);
+        let are_walls = triangles.iter().map(|triangle| triangle.primitive).collect();
+        Self { grid, fog, are_walls, medium, walls }
+    }
+
+    pub(super) fn domain(&self) -> Domain<'_> {
+        let Self { grid, medium, walls, .. } = self;
+        Domain { grid, cross_sections: &medium.cross_sections, walls: &walls.walls }
+    }
+
+    /// The first-collision source, swept along a quadrature.
+    pub(super) fn first_light(
+        &self,
+        context: &Context,
+        quadrature: &Quadrature,
+        self_interaction: &SelfInteraction,
+    ) -> FirstLight {
+        let &Context { snapshot, leaves, cancelled, .. } = context;
+        let Self { grid, fog, are_walls, medium, walls } = self;
+        let occluders = &walls.walls.occluders;
+        let collisions =
+            FirstCollisions { snapshot, fog, grid, medium, cancelled, occluders, leaves, are_walls };
+        let Found { mut sources, beams, glows, met_again, on_leaves } = collisions.found();
+        medium.emit(&mut sources);
+        let LitWalls { irradiances, glossy } = WallLight { snapshot, grid, fog, walls, quadrature }.found();
+        let not_again = self_interaction.all_sent_again((grid, occluders), medium, (leaves, &on_leaves));
+        let walls = walls.walls.leaving(&irradiances);
+        let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again };
+        FirstLight { source, forward_peaks: glows, met_again, on_leaves }
+    }
+}

@@ -1,0 +1,363 @@
+//! Angle sets: all ordinates that cross the same planes, one way and the other, for one channel. In go
+//! sources, out come moments. Invariant: an ordinate and its opposite share what half a cell does to light.
+
+use super::boundary::{BoundaryCondition, Rim};
+use super::cross_sections::{CrossSections, OrientedExtinction};
+use super::domain::Domain;
+use super::faces::TowardsFaces;
+use super::first_collision_source::{BeamSource, GlossySource};
+use super::grid::{Corners, Grid};
+use super::harmonics::{COUNT, basis, fourth_basis, third_basis};
+use super::high_degrees::{HIGH, HIGH_ODD, high_basis};
+use super::moments::Moments;
+use super::planes::{Layout, Planes};
+use super::quadrature::{Ordinate, Quadrature};
+use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, HalfCells, StepRows};
+use super::walls::{CutNode, Walls, link_of};
+use super::wanted::Wanted;
+use crate::accel::vectorized;
+use glam::DVec3;
+
+/// Sources of a sweep.
+#[derive(Clone, Copy)]
+pub(crate) struct SweepSource<'a> {
+    /// Of the medium, per metre and steradian.
+    pub(crate) volume: &'a Moments,
+    /// What the medium scatters of beams beyond harmonics.
+    pub(crate) beams: &'a [BeamSource],
+    /// Radiance that leaves each wall patch, by channel.
+    pub(crate) walls: &'a [Vec<f32>; 3],
+    /// What they send out beyond that along single ordinates.
+    pub(crate) glossy: Option<&'a GlossySource>,
+    pub(crate) incident: BoundaryCondition<'a>,
+}
+
+/// One of nine: of an axis and a channel.
+pub(crate) struct AngleSet<'a> {
+    pub(crate) axis: usize,
+    pub(crate) channel: usize,
+    /// By harmonic, then by node.
+    pub(crate) moments: Vec<f32>,
+    /// The same of degrees 3 and 4, for the last scattering.
+    pub(crate) third: Vec<f32>,
+    pub(crate) fourth: Vec<f32>,
+    /// And of degrees 5 and 6.
+    pub(crate) high: Vec<f32>,
+    /// What of it travels towards walls.
+    pub(crate) towards_faces: TowardsFaces,
+    /// Each ordinate's number and radiance, where a grid within this one needs it.
+    pub(crate) radiances: Vec<(usize, Vec<f32>)>,
+    cell_m: f64,
+    planes: Planes,
+    cross_sections: &'a CrossSections,
+    /// Nodes with something oriented, in the order of the cross-sections.
+    oriented_nodes: Vec<usize>,
+    isotropic_extinction: Vec<f32>,
+    /// By plane.
+    cut: Vec<Vec<Cut<'a>>>,
+    pairs: Vec<Pair>,
+    /// Of each node for one pair: what half a cell lets through, what it adds, and the
+    /// radiance in the middle.
+    oriented_extinction: Vec<f32>,
+    through: Vec<f32>,
+    added: [Vec<f32>; 2],
+    radiance: [Vec<f32>; 2],
+    /// What leaves the cells of a plane, with a rim of what comes from outside.
+    before: Vec<f32>,
+    behind: Vec<f32>,
+    /// What leaves walls along one ordinate.
+    walls: Vec<f32>,
+}
+
+/// An ordinate that goes forwards along the axis, and its opposite.
+struct Pair {
+    ordinate: Ordinate,
+    /// Their numbers.
+    numbers: [usize; 2],
+}
+
+/// A node some of whose neighbours are behind walls.
+struct Cut<'a> {
+    links: &'a CutNode,
+    /// Among the nodes as they are laid, and in its plane.
+    node: usize,
+    here: usize,
+}
+
+/// The four cells that light comes from: steps along rows and columns, and shares.
+struct UpwindStencil {
+    /// Against the light's way along the planes.
+    backwards: i32,
+    steps: [i32; 2],
+    shares: [f32; 4],
+}
+
+impl UpwindStencil {
+    fn of(direction: DVec3, planes: &Planes) -> Self {
+        let along = direction[planes.axis].abs();
+        let back = [1, 2].map(|which| -direction[planes.axes[which]] / along);
+        let [row, column] = back.map(f64::abs);
+        let shares = [(1.0 - row) * (1.0 - column), (1.0 - row) * column, row * (1.0 - column), row * column];
+        Self {
+            backwards: -direction[planes.axis].signum() as i32,
+            steps: back.map(|back| back.signum() as i32),
+            shares: shares.map(|share| share as f32),
+        }
+    }
+
+    /// The step to one of them, along planes, rows and columns.
+    fn step(&self, tap: usize) -> [i32; 3] {
+        let [row, column] = self.steps;
+        [self.backwards, if tap & 2 != 0 { row } else { 0 }, if tap & 1 != 0 { column } else { 0 }]
+    }
+}
+
+impl<'a> AngleSet<'a> {
+    pub(super) fn new(
+        &Domain { grid, cross_sections, walls }: &Domain<'a>,
+        quadrature: &Quadrature,
+        layout: Layout,
+        [axis, channel]: [usize; 2],
+    ) -> Self {
+        let planes = Planes::new(layout, axis);
+        let count = grid.count();
+        let rim = vec![0.0; (planes.count[1] + 2) * planes.row()];
+        let nodes = || vec![0.0; count];
+        Self {
+            axis,
+            channel,
+            moments: Vec::new(),
+            third: Vec::new(),
+            fourth: Vec::new(),
+            high: Vec::new(),
+            towards_faces: TowardsFaces::new(&walls.faces, |node| layout.node(node)),
+            radiances: Vec::new(),
+            cell_m: grid.cell_m,
+            planes,
+            cross_sections,
+            oriented_nodes: cross_sections.oriented_nodes().map(|node| layout.node(node)).collect(),
+            isotropic_extinction: layout.of_grid(&cross_sections.extinction.isotropic[channel]),
+            cut: cut_by_plane((grid, walls), layout, &planes),
+            pairs: pairs(quadrature, axis),
+            oriented_extinction: nodes(),
+            through: nodes(),
+            added: [nodes(), nodes()],
+            radiance: [nodes(), nodes()],
+            before: rim.clone(),
+            behind: rim,
+            walls: Vec::new(),
+        }
+    }
+
+    /// Along all of its ordinates.
+    pub(crate) fn sweep(
+        &mut self,
+        sources: &SweepSource,
+        wanted: &Wanted,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) {
+        let count = self.through.len();
+        let room = |is_wanted: bool, moments: usize| vec![0.0; if is_wanted { moments * count } else { 0 }];
+        self.moments = room(wanted.moments, COUNT);
+        self.third = room(wanted.third, COUNT);
+        self.fourth = room(wanted.last, COUNT);
+        self.high = room(wanted.high, HIGH);
+        self.towards_faces.clear(wanted);
+        self.radiances.clear();
+        for number in 0..self.pairs.len() {
+            if cancelled() {
+                return;
+            }
+            let ordinate = self.sweep_pair(number, sources);
+            self.add_up(ordinate, wanted);
+            if let Some(places) = wanted.radiances {
+                let found = self.radiance.each_ref().map(|of_nodes| means(of_nodes, places));
+                self.radiances.extend(self.pairs[number].numbers.into_iter().zip(found));
+            }
+        }
+    }
+
+    /// Has no moments any more.
+    pub(crate) fn clear(&mut self) {
+        for moments in [&mut self.moments, &mut self.third, &mut self.fourth, &mut self.high] {
+            *moments = Vec::new();
+        }
+    }
+
+    fn add_up(&mut self, Ordinate { direction, weight }: Ordinate, wanted: &Wanted) {
+        let [along, against] = &self.radiance;
+        for (direction, radiance) in [(direction, along), (-direction, against)] {
+            self.towards_faces.add(Ordinate { direction, weight }, radiance, wanted);
+        }
+        if wanted.moments {
+            let factors = basis(direction).map(|value| (weight * value) as f32);
+            vectorized(Accumulate { along, against, factors, moments: &mut self.moments });
+        }
+        if wanted.last {
+            let factors = &fourth_basis(direction).map(|value| (weight * value) as f32);
+            vectorized(AccumulateDegree { along, against, back: 1.0, factors, moments: &mut self.fourth });
+        }
+        if wanted.third {
+            let factors = &third_basis(direction).map(|value| (weight * value) as f32);
+            vectorized(AccumulateDegree { along, against, back: -1.0, factors, moments: &mut self.third });
+        }
+        if wanted.high {
+            let factors = high_basis(direction).map(|value| (weight * value) as f32);
+            let (odd, even) = factors.split_at(HIGH_ODD);
+            let (moments, of_even) = self.high.split_at_mut(HIGH_ODD * along.len());
+            vectorized(AccumulateDegree { along, against, back: -1.0, factors: odd, moments });
+            vectorized(AccumulateDegree { along, against, back: 1.0, factors: even, moments: of_even });
+        }
+    }
+
+    /// Radiance along an ordinate and against it.
+    fn sweep_pair(&mut self, number: usize, sources: &SweepSource) -> Ordinate {
+        let Pair { ordinate, numbers } = self.pairs[number];
+        self.half_cells(ordinate.direction, sources);
+        for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
+            self.walls.clone_from(&sources.walls[self.channel]);
+            if let Some(glossy) = sources.glossy {
+                glossy.add_to(&mut self.walls, self.channel, numbers[side]);
+            }
+            let stencil = UpwindStencil::of(direction, &self.planes);
+            self.sweep_planes((side, numbers[side]), &stencil, &sources.incident);
+        }
+        ordinate
+    }
+
+    fn half_cells(&mut self, direction: DVec3, sources: &SweepSource) {
+        let products = OrientedExtinction::products(direction);
+        for (oriented, &node) in self.cross_sections.extinction.oriented().iter().zip(&self.oriented_nodes) {
+            self.oriented_extinction[node] = oriented.along(&products);
+        }
+        let [along, against] = &mut self.added;
+        vectorized(HalfCells {
+            sources: std::array::from_fn(|index| sources.volume.channel(self.channel, index)),
+            basis: &basis(direction).map(|value| value as f32),
+            isotropic_extinction: &self.isotropic_extinction,
+            oriented_extinction: &self.oriented_extinction,
+            half_way: (0.5 * self.cell_m / direction[self.axis].abs()) as f32,
+            through: &mut self.through,
+            added: [along, against],
+        });
+        for beam in sources.beams {
+            let [along, against] = &mut self.added;
+            vectorized(AddBeam {
+                sources: beam.channel(self.channel),
+                factors: beam.factors(direction),
+                isotropic_extinction: &self.isotropic_extinction,
+                oriented_extinction: &self.oriented_extinction,
+                half_way: (0.5 * self.cell_m / direction[self.axis].abs()) as f32,
+                added: [along, against],
+            });
+        }
+    }
+
+    /// Sweeps from plane to plane along one ordinate of a pair.
+    fn sweep_planes(
+        &mut self,
+        (side, ordinate): (usize, usize),
+        stencil: &UpwindStencil,
+        incident: &BoundaryCondition,
+    ) {
+        let (planes, channel) = (self.planes, self.channel);
+        let row = planes.row();
+        let rim = |plane: i32| Rim { planes: &planes, plane, channel, ordinate };
+        let before_first = if stencil.backwards < 0 { -1 } else { planes.count[0] as i32 };
+        incident.fill(rim(before_first), &mut self.before);
+        incident.fill(rim(0), &mut self.behind);
+        let here = row + 1;
+        let first = [0, 1, 2, 3].map(|tap| planes.shifted(here, stencil.step(tap)));
+        for number in 0..planes.count[0] {
+            let plane = if stencil.backwards < 0 { number } else { planes.count[0] - 1 - number };
+            let nodes = plane * planes.stride[0]..;
+            if incident.varies() {
+                incident.fill(rim(plane as i32), &mut self.behind);
+            }
+            vectorized(StepRows {
+                shares: stencil.shares,
+                before: &self.before,
+                first,
+                behind: &mut self.behind,
+                here,
+                rows: planes.count[1],
+                row,
+                columns: planes.count[2],
+                through: &self.through[nodes.clone()],
+                added: &self.added[side][nodes.clone()],
+                radiance: &mut self.radiance[side][nodes],
+                stride: planes.stride[1],
+            });
+            self.past_cut_links((side, plane), stencil);
+            std::mem::swap(&mut self.before, &mut self.behind);
+        }
+    }
+
+    /// The same for nodes some of whose neighbours are behind walls: from there comes
+    /// what the walls send out.
+    fn past_cut_links(&mut self, (side, plane): (usize, usize), stencil: &UpwindStencil) {
+        let planes = self.planes;
+        let steps = [0, 1, 2, 3].map(|tap| stencil.step(tap));
+        let links = steps.map(|step| {
+            let mut of_axes = [0; 3];
+            (0..3).for_each(|which| of_axes[planes.axes[which]] = step[which]);
+            link_of(of_axes)
+        });
+        for &Cut { links: seen, node, here } in &self.cut[plane] {
+            let mut entering = 0.0;
+            for tap in 0..4 {
+                // A share of nothing may point beyond the rim.
+                if stencil.shares[tap] > 0.0 {
+                    entering += stencil.shares[tap]
+                        * match seen.wall_at(links[tap]) {
+                            Some(patch) => self.walls[patch],
+                            None => self.before[planes.shifted(here, steps[tap])],
+                        };
+                }
+            }
+            let (through, added) = (self.through[node], self.added[side][node]);
+            let middle = entering * through + added;
+            self.radiance[side][node] = middle;
+            self.behind[here] = middle * through + added;
+        }
+    }
+}
+
+/// At places, of what nodes about them have.
+fn means(of_nodes: &[f32], places: &[Corners]) -> Vec<f32> {
+    let mean = |corners: &Corners| corners.iter().map(|(node, weight)| weight as f32 * of_nodes[node]).sum();
+    places.iter().map(mean).collect()
+}
+
+/// Nodes near walls, by plane.
+fn cut_by_plane<'a>((grid, walls): (&Grid, &'a Walls), layout: Layout, planes: &Planes) -> Vec<Vec<Cut<'a>>> {
+    let mut cut: Vec<Vec<Cut>> = (0..planes.count[0]).map(|_| Vec::new()).collect();
+    for links in walls.nodes() {
+        let place = grid.cell_of(links.node);
+        let [plane, row, column] = planes.axes.map(|axis| place[axis]);
+        let here = (row + 1) * planes.row() + column + 1;
+        cut[plane].push(Cut { links, node: layout.node(links.node), here });
+    }
+    cut
+}
+
+/// The ordinates that go forwards along an axis more than along another.
+fn pairs(quadrature: &Quadrature, axis: usize) -> Vec<Pair> {
+    let forwards =
+        |ordinate: &Ordinate| main_axis(ordinate.direction) == axis && ordinate.direction[axis] > 0.0;
+    let numbered = quadrature.iter().enumerate().filter(|(_, ordinate)| forwards(ordinate));
+    numbered
+        .map(|(number, &ordinate)| Pair {
+            ordinate,
+            numbers: [number, quadrature.nearest(-ordinate.direction)],
+        })
+        .collect()
+}
+
+/// The one along which a direction goes most.
+fn main_axis(direction: DVec3) -> usize {
+    let along = direction.abs();
+    // Equal ones differ by rounding.
+    let most = along.max_element() - 1e-9;
+    (0..3).rev().find(|axis| along[*axis] >= most).expect("one is the largest")
+}

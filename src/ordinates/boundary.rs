@@ -1,0 +1,127 @@
+//! Boundary conditions of a grid: what enters at its rim along each ordinate. In goes the sky, or the solution
+//! of what lies about the grid, out come the rims of planes. Invariant: what comes straight from the sky stays
+//! apart, along ordinates of its own, as things have cut edges into it.
+//!
+//! A condition is a variant of [`BoundaryCondition`], and what that fills a rim with.
+
+use super::angular_radiance::AngularRadiance;
+use super::grid::Grid;
+use super::planes::Planes;
+use super::quadrature::Quadrature;
+use crate::color::Rgb;
+use glam::DVec3;
+
+/// What enters a grid.
+#[derive(Clone, Copy)]
+pub(crate) enum BoundaryCondition<'a> {
+    Vacuum,
+    /// Radiance by ordinate, the same on all sides.
+    Uniform(&'a [Rgb]),
+    /// Radiance by ordinate in each cell about the grid.
+    Incident(&'a IncidentRadiance),
+}
+
+/// A plane with what lies about it, for one channel and ordinate.
+#[derive(Clone, Copy)]
+pub(crate) struct Rim<'a> {
+    pub(crate) planes: &'a Planes,
+    /// Its number; that before the first is -1.
+    pub(crate) plane: i32,
+    pub(crate) channel: usize,
+    pub(crate) ordinate: usize,
+}
+
+impl BoundaryCondition<'_> {
+    /// Whether rims differ from plane to plane.
+    pub(crate) fn varies(&self) -> bool {
+        matches!(self, Self::Incident(_))
+    }
+
+    /// Fills the rim of a plane, and all of one before the first or past the last.
+    pub(crate) fn fill(&self, Rim { planes, plane, channel, ordinate }: Rim, into: &mut [f32]) {
+        let incident = match self {
+            Self::Vacuum => return into.fill(0.0),
+            Self::Uniform(radiances) => return into.fill(radiances[ordinate][channel] as f32),
+            Self::Incident(incident) => incident,
+        };
+        let [count, rows, columns] = planes.count.map(|count| count as i32);
+        let is_outside = plane < 0 || plane == count;
+        for row in -1..=rows {
+            let is_rim = is_outside || row < 0 || row == rows;
+            let step = if is_rim { 1 } else { columns as usize + 1 };
+            for column in (-1..=columns).step_by(step) {
+                let mut place = [0; 3];
+                for (axis, index) in planes.axes.into_iter().zip([plane, row, column]) {
+                    place[axis] = index;
+                }
+                let at = (row + 1) as usize * planes.row() + (column + 1) as usize;
+                into[at] = incident.radiance(place, channel, ordinate);
+            }
+        }
+    }
+}
+
+/// Incident radiance on a grid from what lies about it, if anything does.
+#[derive(Default)]
+pub(crate) struct Surrounding {
+    /// All that anything has scattered or emitted.
+    pub(crate) scattered: Option<IncidentRadiance>,
+    /// What comes straight from the sky.
+    pub(crate) of_sky: Option<IncidentRadiance>,
+}
+
+impl Surrounding {
+    /// Whether what was scattered outside comes along finer ordinates than those of all orders.
+    pub(crate) fn is_fine(&self) -> bool {
+        self.scattered.as_ref().is_some_and(|incident| incident.is_fine)
+    }
+}
+
+/// Radiance in the cells about a grid, by ordinate.
+pub(crate) struct IncidentRadiance {
+    /// Cells along each axis, the grid's among them.
+    size: [usize; 3],
+    /// The number of each cell about the grid among its like.
+    numbers: Vec<u32>,
+    /// By that number.
+    radiances: AngularRadiance,
+    /// Whether it is along [`Quadrature::fine`].
+    pub(crate) is_fine: bool,
+}
+
+impl IncidentRadiance {
+    /// `radiances` are of [`rim_places`] of the grid.
+    pub(crate) fn new(grid: &Grid, radiances: AngularRadiance) -> Self {
+        let mut after = 0;
+        let number = |place: Option<DVec3>| {
+            after += u32::from(place.is_some());
+            after.saturating_sub(1)
+        };
+        let numbers = all_about(grid).map(number).collect();
+        let is_fine = radiances.0[0].len() == Quadrature::FINE;
+        Self { size: grid.size.map(|count| count + 2), numbers, radiances, is_fine }
+    }
+
+    /// Radiance of a channel along an ordinate, in a cell about the grid. The grid's first cell is at 0.
+    fn radiance(&self, place: [i32; 3], channel: usize, ordinate: usize) -> f32 {
+        let [x, y, z] = place.map(|index| (index + 1) as usize);
+        let number = self.numbers[x + self.size[0] * (y + self.size[1] * z)];
+        self.radiances.0[channel][ordinate][number as usize]
+    }
+}
+
+/// Middles of the cells about a grid, in world space.
+pub(crate) fn rim_places(grid: &Grid) -> Vec<DVec3> {
+    all_about(grid).flatten().collect()
+}
+
+/// Of all cells of a grid and about it, the middles of those about it.
+fn all_about(grid: &Grid) -> impl Iterator<Item = Option<DVec3>> {
+    let size = grid.size.map(|count| count + 2);
+    (0..size.iter().product()).map(move |cell: usize| {
+        let place = [cell % size[0], cell / size[0] % size[1], cell / (size[0] * size[1])];
+        let is_about = (0..3).any(|axis| place[axis] == 0 || place[axis] == size[axis] - 1);
+        let steps = DVec3::from_array(place.map(|index| index as f64 - 1.0));
+        is_about.then(|| grid.position(0) + grid.cell_m * steps)
+    })
+}

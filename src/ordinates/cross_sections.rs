@@ -1,0 +1,214 @@
+//! Cross-sections of a turbid medium by node of a grid. In go extinction and scattering, 1/m, out come what
+//! light loses and the source of the next order. Invariant: harmonics up to l = 2 tell both, here as
+//! everywhere else between orders.
+//!
+//! What scatters about its own axis alone, such as droplets, has an extinction by channel and a phase function
+//! by degree. What is oriented, such as leaves, has an extinction that differs by direction and a scattering
+//! matrix, at the nodes that have any.
+
+use super::harmonics::{COUNT, DEGREE};
+use super::moments::Moments;
+use glam::DVec3;
+
+/// Harmonics that are the same for a direction and its opposite, and those that change sign.
+pub(crate) const EVEN: [usize; 6] = [0, 4, 5, 6, 7, 8];
+pub(crate) const ODD: [usize; 3] = [1, 2, 3];
+/// Entries of a symmetric matrix of either.
+const EVEN_PAIRS: usize = 21;
+const ODD_PAIRS: usize = 6;
+
+/// Extinction that differs by direction: `k + w.K w`, 1/m, for a direction of travel w.
+pub(crate) struct OrientedExtinction([f32; 8]);
+
+impl OrientedExtinction {
+    /// Of the constant `k`, and of the symmetric matrix `K`: xx, yy, zz, xy, yz, zx.
+    pub(crate) fn new(constant: f32, [xx, yy, zz, xy, yz, zx]: [f32; 6]) -> Self {
+        Self([constant, xx, yy, zz, 2.0 * xy, 2.0 * yz, 2.0 * zx, 0.0])
+    }
+
+    /// Products of a direction of travel; see [`OrientedExtinction::along`].
+    pub(crate) fn products(DVec3 { x, y, z }: DVec3) -> [f32; 8] {
+        [1.0, x * x, y * y, z * z, x * y, y * z, z * x, 0.0].map(|product| product as f32)
+    }
+
+    /// Extinction, 1/m, by the products of the direction of travel.
+    #[inline]
+    pub(crate) fn along(&self, products: &[f32; 8]) -> f32 {
+        let [a, b, c, d, e, f, g, h]: [f32; 8] = std::array::from_fn(|index| self.0[index] * products[index]);
+        (a + e) + (b + f) + ((c + g) + (d + h))
+    }
+}
+
+/// A node that has nothing oriented.
+const NONE: u32 = u32::MAX;
+
+/// Extinction at all nodes of a grid.
+pub(crate) struct Extinction {
+    /// The same along all directions, 1/m, by channel and node.
+    pub(crate) isotropic: [Vec<f32>; 3],
+    /// Which of `oriented` a node has.
+    oriented_at: Vec<u32>,
+    oriented: Vec<OrientedExtinction>,
+}
+
+/// Extinction at one node: the same along all directions, 1/m by channel, and what differs.
+#[derive(Clone, Copy)]
+pub(crate) struct NodeExtinction<'a> {
+    pub(crate) isotropic: [f32; 3],
+    pub(crate) oriented: Option<&'a OrientedExtinction>,
+}
+
+impl Extinction {
+    fn zero(nodes: usize) -> Self {
+        let isotropic = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; nodes]);
+        Self { isotropic, oriented_at: vec![NONE; nodes], oriented: Vec::new() }
+    }
+
+    /// Extinction at a node.
+    pub(crate) fn at(&self, node: usize) -> NodeExtinction<'_> {
+        let isotropic = [0, 1, 2].map(|channel: usize| self.isotropic[channel][node]);
+        NodeExtinction { isotropic, oriented: self.oriented.get(self.oriented_at[node] as usize) }
+    }
+
+    /// Nodes that have something oriented, in the order of [`CrossSections::oriented`].
+    pub(crate) fn oriented(&self) -> &[OrientedExtinction] {
+        &self.oriented
+    }
+}
+
+/// Scattering matrix of what is oriented at a node, 1/m: source harmonics by moments of radiance. The part
+/// of even degree and that of odd degree do not mix; each entry above the diagonal is kept once.
+#[derive(Clone)]
+pub(crate) struct OrientedScattering {
+    pub(crate) node: usize,
+    /// By channel and pair of harmonics.
+    even: [[f32; EVEN_PAIRS]; 3],
+    odd: [[f32; ODD_PAIRS]; 3],
+}
+
+/// Outer product of a lobe with itself, its even part and its odd part apart.
+pub(crate) struct LobePairs {
+    even: [f32; EVEN_PAIRS],
+    odd: [f32; ODD_PAIRS],
+}
+
+impl LobePairs {
+    /// Of a lobe's harmonics.
+    pub(crate) fn of(lobe: &[f32; COUNT]) -> Self {
+        Self { even: pairs(&EVEN, lobe), odd: pairs(&ODD, lobe) }
+    }
+}
+
+impl OrientedScattering {
+    pub(crate) fn zero(node: usize) -> Self {
+        Self { node, even: [[0.0; EVEN_PAIRS]; 3], odd: [[0.0; ODD_PAIRS]; 3] }
+    }
+
+    /// Adds an outer product to the matrix of a channel, with a factor for its even part and its odd part.
+    pub(crate) fn add(&mut self, channel: usize, pairs: &LobePairs, [even, odd]: [f32; 2]) {
+        for (sum, pair) in self.even[channel].iter_mut().zip(&pairs.even) {
+            *sum += even * pair;
+        }
+        for (sum, pair) in self.odd[channel].iter_mut().zip(&pairs.odd) {
+            *sum += odd * pair;
+        }
+    }
+
+    /// Scales the even part and the odd part of a channel's matrix.
+    pub(crate) fn scale(&mut self, channel: usize, [even, odd]: [f32; 2]) {
+        self.even[channel].iter_mut().for_each(|pair| *pair *= even);
+        self.odd[channel].iter_mut().for_each(|pair| *pair *= odd);
+    }
+
+    /// Adds the source of the moments of radiance in one channel.
+    fn scatter(&self, channel: usize, moments: &[f32; COUNT], source: &mut [f32; COUNT]) {
+        multiply(&EVEN, &self.even[channel], moments, source);
+        multiply(&ODD, &self.odd[channel], moments, source);
+    }
+}
+
+/// `source += M moments` for a symmetric matrix of which each pair is kept once.
+fn multiply<const N: usize>(
+    which: &[usize; N],
+    pairs: &[f32],
+    moments: &[f32; COUNT],
+    source: &mut [f32; COUNT],
+) {
+    let mut pair = 0;
+    for i in 0..N {
+        for j in i..N {
+            source[which[i]] += pairs[pair] * moments[which[j]];
+            if i != j {
+                source[which[j]] += pairs[pair] * moments[which[i]];
+            }
+            pair += 1;
+        }
+    }
+}
+
+fn pairs<const N: usize, const M: usize>(which: &[usize; N], lobe: &[f32; COUNT]) -> [f32; M] {
+    let mut products = [0.0; M];
+    let mut pair = 0;
+    for i in 0..N {
+        for j in i..N {
+            products[pair] = lobe[which[i]] * lobe[which[j]];
+            pair += 1;
+        }
+    }
+    products
+}
+
+/// All that a grid's nodes do to light.
+pub(crate) struct CrossSections {
+    pub(crate) extinction: Extinction,
+    /// What each degree of harmonics gets back: `sigma_s g^l`, 1/m, by channel, degree and node.
+    pub(crate) scattering: [[Vec<f32>; 3]; 3],
+    oriented: Vec<OrientedScattering>,
+}
+
+impl CrossSections {
+    /// Empty space.
+    pub(crate) fn zero(nodes: usize) -> Self {
+        let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; nodes]);
+        let scattering = [channels(), channels(), channels()];
+        Self { extinction: Extinction::zero(nodes), scattering, oriented: Vec::new() }
+    }
+
+    /// Sets what is oriented, each at a node of its own.
+    pub(crate) fn set_oriented(
+        &mut self,
+        of_nodes: impl Iterator<Item = (OrientedExtinction, OrientedScattering)>,
+    ) {
+        for ((extinction, scattering), number) in of_nodes.zip(0..) {
+            self.extinction.oriented_at[scattering.node] = number;
+            self.extinction.oriented.push(extinction);
+            self.oriented.push(scattering);
+        }
+    }
+
+    /// Nodes that have something oriented.
+    pub(crate) fn oriented_nodes(&self) -> impl Iterator<Item = usize> {
+        self.oriented.iter().map(|scattering| scattering.node)
+    }
+
+    /// The scattering operator: sources by moments of radiance, per metre and steradian. Of light that the
+    /// medium `is_lit` by both parts scatter, of other light what is oriented alone.
+    pub(crate) fn scatter(&self, light: &Moments, is_lit: bool) -> Moments {
+        let mut sources = Moments::zero(self.extinction.oriented_at.len());
+        for channel in 0..3 {
+            for (index, degree) in DEGREE.into_iter().enumerate().filter(|_| is_lit) {
+                let share = &self.scattering[channel][degree];
+                let into = sources.channel_mut(channel, index);
+                for ((into, light), share) in into.iter_mut().zip(light.channel(channel, index)).zip(share) {
+                    *into = share * light;
+                }
+            }
+            for oriented in &self.oriented {
+                let mut source = sources.at(channel, oriented.node);
+                oriented.scatter(channel, &light.at(channel, oriented.node), &mut source);
+                sources.set(channel, oriented.node, &source);
+            }
+        }
+        sources
+    }
+}

@@ -1,0 +1,111 @@
+//! First-collision source: light of beams and lamps where it is scattered
+//! for the first time, and what emits. Invariant: what lies beyond harmonics is of degrees that no harmonic of
+//! the field has, so nothing counts twice.
+//!
+//! From order to order harmonics up to l = 2 are enough, with delta-M. Of a beam most is scattered by small
+//! angles, and how far it goes through fog depends on where it goes then. So its first scattering is told up to
+//! l = 5, which 50 ordinates can tell apart.
+
+use super::harmonics::COUNT;
+use super::moments::{Moments, NodeMoments};
+use crate::color::Rgb;
+use crate::math::legendre;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Degrees that the first scattering of a beam is told of.
+pub(crate) const FIRST_DEGREES: usize = 6;
+
+/// Where source iteration begins.
+pub(crate) struct FirstCollisionSource {
+    /// By harmonics, per metre and steradian; with what the medium emits.
+    pub(crate) volume: Moments,
+    /// What the medium scatters of beams beyond harmonics.
+    pub(crate) beams: Vec<BeamSource>,
+    /// Radiance that leaves each patch of wall, as if it were matte; with what it emits.
+    pub(crate) walls: Vec<Rgb>,
+    pub(crate) glossy: GlossySource,
+    /// What the source of the second order is to be without.
+    pub(crate) not_again: NodeMoments,
+}
+
+/// The first degree that no harmonic has, and how many there are.
+const FIRST: usize = 3;
+const BEYOND: usize = FIRST_DEGREES - FIRST;
+
+/// Sources of fog by degree of the cosine to where a sun's light travels.
+pub(crate) struct BeamSource {
+    travel: DVec3,
+    /// By channel, degree and node, per metre.
+    sources: [[Vec<f32>; BEYOND]; 3],
+}
+
+impl BeamSource {
+    /// Of a beam's irradiance by channel and node, W/m^2, and of what is scattered of each degree, 1/m.
+    pub(crate) fn new(
+        travel: DVec3,
+        irradiance: &[Vec<f32>; 3],
+        scattering: &[[Vec<f32>; FIRST_DEGREES]; 3],
+    ) -> Self {
+        let of_degree = |channel: usize, degree: usize| {
+            let shares = &scattering[channel][degree];
+            irradiance[channel].iter().zip(shares).map(|(irradiance, share)| irradiance * share).collect()
+        };
+        let sources =
+            std::array::from_fn(|channel| std::array::from_fn(|place| of_degree(channel, FIRST + place)));
+        Self { travel, sources }
+    }
+
+    /// Nodes in another order.
+    pub(crate) fn map(&self, of_nodes: impl Fn(&[f32]) -> Vec<f32>) -> Self {
+        let sources =
+            self.sources.each_ref().map(|channel| channel.each_ref().map(|degree| of_nodes(degree)));
+        Self { travel: self.travel, sources }
+    }
+
+    /// Of one channel, degree by degree.
+    pub(crate) fn channel(&self, channel: usize) -> [&[f32]; BEYOND] {
+        self.sources[channel].each_ref().map(Vec::as_slice)
+    }
+
+    /// What each degree counts along a direction of travel, 1/sr.
+    pub(crate) fn factors(&self, direction: DVec3) -> [f32; BEYOND] {
+        let polynomials = legendre::<FIRST_DEGREES>(self.travel.dot(direction));
+        std::array::from_fn(|place| {
+            let degree = FIRST + place;
+            ((2 * degree + 1) as f64 / (4.0 * PI) * polynomials[degree]) as f32
+        })
+    }
+}
+
+/// GlossySource of glossy walls: radiance along ordinates beyond that of a matte wall, so that all ordinates
+/// together get what the wall's coat reflects.
+#[derive(Default)]
+pub(crate) struct GlossySource {
+    patches: Vec<u32>,
+    /// By channel, then by ordinate, then by patch, W m^-2 sr^-1.
+    radiances: [Vec<f32>; 3],
+}
+
+impl GlossySource {
+    /// Of each patch along each ordinate; nothing of those that do not shine.
+    pub(crate) fn new(of_patches: &[Vec<Rgb>]) -> Self {
+        let shining = || of_patches.iter().zip(0..).filter(|(along, _)| !along.is_empty());
+        let ordinates = of_patches.iter().map(Vec::len).max().unwrap_or(0);
+        let of_channel = |channel: usize| {
+            let along = |ordinate: usize| shining().map(move |(along, _)| along[ordinate][channel] as f32);
+            (0..ordinates).flat_map(along).collect()
+        };
+        Self { patches: shining().map(|(_, number)| number).collect(), radiances: [0, 1, 2].map(of_channel) }
+    }
+
+    /// Adds those along one ordinate to what leaves walls of one channel.
+    pub(crate) fn add_to(&self, of_walls: &mut [f32], channel: usize, ordinate: usize) {
+        let start = ordinate * self.patches.len();
+        for (&patch, radiance) in self.patches.iter().zip(&self.radiances[channel][start..]) {
+            of_walls[patch as usize] += radiance;
+        }
+    }
+}
+
+const _: () = assert!(FIRST * FIRST == COUNT, "harmonics go up to l = 2");

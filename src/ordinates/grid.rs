@@ -1,0 +1,272 @@
+//! The world grid on which indirect light is solved. In go bounds of the world, out come nodes and their
+//! weights. Invariant: cells lie at whole multiples of their side from one place of the world, whatever moves
+//! and wherever the camera is; so a field never pulses with either.
+
+use crate::math::Ray;
+use glam::{DVec3, I64Vec3};
+
+/// From the world's origin to a corner of a cell, in cells. Walls are built at round places, and one that
+/// lies on nodes, or halfway between them, is on both sides of a link at once.
+const PHASE: DVec3 = DVec3::new(0.137, 0.789, 0.173);
+
+/// Nodes in equal steps along the world's axes. Each is the middle of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Grid {
+    /// The first cell, from the world's origin.
+    first: I64Vec3,
+    /// Nodes along each axis.
+    pub(crate) size: [usize; 3],
+    /// Distance of two nodes, metres.
+    pub(crate) cell_m: f64,
+}
+
+/// Eight nodes about a place, and what each counts: trilinear interpolation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corners {
+    pub(crate) nodes: [usize; 8],
+    pub(crate) weights: [f64; 8],
+}
+
+impl Corners {
+    /// Nodes with their weights.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.nodes.into_iter().zip(self.weights)
+    }
+}
+
+/// The part of a ray that lies in the cell of a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stretch {
+    pub(crate) node: usize,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+}
+
+/// Shares of a node and of those on both sides.
+const EVENLY: [f32; 3] = [0.25, 0.5, 0.25];
+/// Of what trilinear interpolation gives to a node so much lies in its own cell, and in each of those beside
+/// it: the hat function's integrals.
+const BY_HAT: [f32; 3] = [0.125, 0.75, 0.125];
+
+impl Grid {
+    /// That covers a box of world space, with a cell to spare on each side.
+    pub(crate) fn covering(low: DVec3, high: DVec3, cell_m: f64) -> Self {
+        let first = (low / cell_m - PHASE).floor().as_i64vec3() - 1;
+        let end = (high / cell_m - PHASE).ceil().as_i64vec3() + 1;
+        let size = (end - first).to_array().map(|count| count as usize);
+        Self { first, size, cell_m }
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.size.iter().product()
+    }
+
+    /// How far apart two nodes are in memory that are next to one another along each axis.
+    pub(crate) fn strides(&self) -> [usize; 3] {
+        [1, self.size[0], self.size[0] * self.size[1]]
+    }
+
+    /// Volume that a node stands for, m^3.
+    pub(crate) fn cell_volume(&self) -> f64 {
+        self.cell_m.powi(3)
+    }
+
+    /// A node by its number, in cells along each axis.
+    pub(crate) fn cell_of(&self, node: usize) -> [usize; 3] {
+        let [_, row, layer] = self.strides();
+        [node % row, node / row % self.size[1], node / layer]
+    }
+
+    /// Where a node is, in world space.
+    pub(crate) fn position(&self, node: usize) -> DVec3 {
+        let cell = self.cell_of(node).map(|index| index as i64);
+        ((self.first + I64Vec3::from_array(cell)).as_dvec3() + 0.5 + PHASE) * self.cell_m
+    }
+
+    /// The least and the greatest place between nodes, in world space.
+    pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
+        (self.position(0), self.position(self.count() - 1))
+    }
+
+    /// The cells that a node stands for, from half a cell before the first to half a cell past the
+    /// last, in world space.
+    pub(crate) fn volume(&self) -> (DVec3, DVec3) {
+        let (low, high) = self.bounds();
+        (low - 0.5 * self.cell_m, high + 0.5 * self.cell_m)
+    }
+
+    /// Whether a place of world space lies in one of its cells.
+    pub(crate) fn holds(&self, world: DVec3) -> bool {
+        let (low, high) = self.volume();
+        world.cmpge(low).all() && world.cmple(high).all()
+    }
+
+    /// How far a place counts as one of this grid, where there is a larger one: 0 from the outermost nodes
+    /// on, 1 from two cells inside.
+    pub(crate) fn share(&self, world: DVec3) -> f64 {
+        const CELLS: f64 = 2.0;
+        let (low, high) = self.bounds();
+        ((world - low).min(high - world).min_element() / (CELLS * self.cell_m)).clamp(0.0, 1.0)
+    }
+
+    /// The lowest of the eight nodes about a place in cells along each axis, and how far beyond it lies;
+    /// outside, of the nearest place inside.
+    pub(crate) fn place(&self, world: DVec3) -> ([usize; 3], DVec3) {
+        let along = world / self.cell_m - 0.5 - PHASE - self.first.as_dvec3();
+        let mut lowest = [0; 3];
+        let mut beyond = DVec3::ZERO;
+        for axis in 0..3 {
+            let last = self.size[axis] - 1;
+            let inside = along[axis].clamp(0.0, last as f64);
+            lowest[axis] = (inside as usize).min(last - 1);
+            beyond[axis] = inside - lowest[axis] as f64;
+        }
+        (lowest, beyond)
+    }
+
+    /// The node whose cell a place lies in; outside, the nearest.
+    pub(crate) fn nearest(&self, world: DVec3) -> usize {
+        let (lowest, beyond) = self.place(world);
+        let [x, y, z] = [0, 1, 2].map(|axis| lowest[axis] + usize::from(beyond[axis] >= 0.5));
+        let [_, row, layer] = self.strides();
+        x + row * y + layer * z
+    }
+
+    /// The node whose cell a place lies in, and in which of so many pieces along each side.
+    pub(crate) fn piece(&self, world: DVec3, pieces: usize) -> (usize, [usize; 3]) {
+        let node = self.nearest(world);
+        let within = (world - self.position(node)) / self.cell_m + 0.5;
+        let piece = |place: f64| ((place * pieces as f64).max(0.0) as usize).min(pieces - 1);
+        (node, within.to_array().map(piece))
+    }
+
+    /// The mean of what a node has and those next to it, the nearer the more; nothing lies outside.
+    pub(crate) fn mean_about<const N: usize>(&self, node: usize, of: &[[f32; N]]) -> [f32; N] {
+        self.mean_over(node, [EVENLY; 3], of)
+    }
+
+    /// The mean of cells across an axis from which a node has what it has.
+    pub(crate) fn mean_across<const N: usize>(&self, axis: usize, node: usize, of: &[[f32; N]]) -> [f32; N] {
+        let mut shares = [BY_HAT; 3];
+        shares[axis] = [0.0, 1.0, 0.0];
+        self.mean_over(node, shares, of)
+    }
+
+    /// By shares along each axis of what is before a node, of itself, and of what is behind it.
+    fn mean_over<const N: usize>(&self, node: usize, shares: [[f32; 3]; 3], of: &[[f32; N]]) -> [f32; N] {
+        let cell = self.cell_of(node);
+        let range = |axis: usize| {
+            let (low, high) =
+                (usize::from(cell[axis] == 0), 3 - usize::from(cell[axis] + 1 == self.size[axis]));
+            (low..high).filter(move |place| shares[axis][*place] > 0.0)
+        };
+        let [_, row, layer] = self.strides();
+        let mut mean = [0.0; N];
+        for (z, y) in range(2).flat_map(|z| range(1).map(move |y| (z, y))) {
+            for x in range(0) {
+                let share = shares[0][x] * shares[1][y] * shares[2][z];
+                let other = node + x + row * y + layer * z - (1 + row + layer);
+                mean.iter_mut().zip(&of[other]).for_each(|(sum, value)| *sum += share * value);
+            }
+        }
+        mean
+    }
+
+    /// The cells that a part of a ray of world space runs through, one after the other, if all of it lies
+    /// within the grid's (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing").
+    pub(crate) fn stretches(&self, ray: &Ray, start: f64, end: f64) -> impl Iterator<Item = Stretch> {
+        let strides = self.strides();
+        let origin = ray.origin / self.cell_m - PHASE - self.first.as_dvec3();
+        let step_m = self.cell_m / ray.direction.abs();
+        let begin = origin + start / self.cell_m * ray.direction;
+        let mut cell = [0; 3];
+        let mut next = [f64::INFINITY; 3];
+        for axis in 0..3 {
+            cell[axis] = begin[axis].clamp(0.0, self.size[axis] as f64 - 0.5) as usize;
+            if ray.direction[axis] != 0.0 {
+                let border = cell[axis] + usize::from(ray.direction[axis] > 0.0);
+                next[axis] = (border as f64 - origin[axis]) * self.cell_m / ray.direction[axis];
+            }
+        }
+        let (mut from, forwards, size) = (start, ray.direction.cmpgt(DVec3::ZERO), self.size);
+        std::iter::from_fn(move || {
+            if from >= end {
+                return None;
+            }
+            let axis = if next[0] <= next[1].min(next[2]) { 0 } else { 1 + usize::from(next[2] < next[1]) };
+            let node = (0..3).map(|axis| cell[axis] * strides[axis]).sum();
+            let stretch = Stretch { node, from, to: next[axis].clamp(from, end) };
+            from = next[axis].max(from);
+            next[axis] += step_m[axis];
+            match forwards.test(axis) {
+                true if cell[axis] + 1 < size[axis] => cell[axis] += 1,
+                false if cell[axis] > 0 => cell[axis] -= 1,
+                // Rounding: nothing is beyond the last.
+                _ => from = end,
+            }
+            Some(stretch)
+        })
+    }
+
+    /// The nodes about a place of world space; outside, those about the nearest place inside.
+    pub(crate) fn corners(&self, world: DVec3) -> Corners {
+        let (lowest, beyond) = self.place(world);
+        let [_, row, layer] = self.strides();
+        let base = lowest[0] + row * lowest[1] + layer * lowest[2];
+        let mut corners = Corners { nodes: [0; 8], weights: [0.0; 8] };
+        for corner in 0..8 {
+            let is_far = [corner & 1, corner >> 1 & 1, corner >> 2];
+            corners.nodes[corner] = base + is_far[0] + row * is_far[1] + layer * is_far[2];
+            corners.weights[corner] = (0..3)
+                .map(|axis| if is_far[axis] == 1 { beyond[axis] } else { 1.0 - beyond[axis] })
+                .product();
+        }
+        corners
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_keeps_still_while_its_bounds_grow() {
+        let small = Grid::covering(DVec3::splat(-1.0), DVec3::splat(1.0), 0.5);
+        let large = Grid::covering(DVec3::splat(-1.3), DVec3::splat(2.0), 0.5);
+        let place = DVec3::new(0.2, -0.7, 0.93);
+        let about = |grid: &Grid| {
+            let corners = grid.corners(place);
+            (corners.nodes.map(|node| grid.position(node)), corners.weights)
+        };
+        assert_eq!(about(&small), about(&large));
+    }
+
+    #[test]
+    fn a_ray_is_shared_out_among_the_cells_that_it_crosses() {
+        let grid = Grid::covering(DVec3::ZERO, DVec3::new(3.0, 2.0, 1.0), 0.3);
+        for direction in [DVec3::new(0.3, 0.8, -0.5).normalize(), DVec3::X, -DVec3::Z] {
+            let ray = Ray { origin: DVec3::new(0.7, 0.2, 0.9), direction };
+            let stretches: Vec<Stretch> = grid.stretches(&ray, 0.1, 0.8).collect();
+            let mut at = 0.1;
+            for Stretch { node, from, to } in stretches {
+                assert!((from - at).abs() < 1e-12 && to >= from, "{from} {at} {to}");
+                let away = (ray.at(0.5 * (from + to)) - grid.position(node)).abs();
+                assert!(away.max_element() <= 0.15 + 1e-9, "{away}");
+                at = to;
+            }
+            assert!((at - 0.8).abs() < 1e-12, "{at}");
+        }
+    }
+
+    #[test]
+    fn weights_interpolate() {
+        let grid = Grid::covering(DVec3::ZERO, DVec3::new(3.0, 2.0, 1.0), 0.3);
+        for place in [DVec3::new(0.11, 1.7, 0.5), DVec3::new(3.0, 0.0, 1.0)] {
+            let Corners { nodes, weights } = grid.corners(place);
+            let mean: DVec3 = (0..8).map(|corner| weights[corner] * grid.position(nodes[corner])).sum();
+            assert!((mean - place).length() < 1e-12, "{mean} {place}");
+        }
+        let outside = grid.corners(DVec3::splat(-99.0));
+        assert_eq!((outside.nodes[0], outside.weights[0]), (0, 1.0));
+    }
+}

@@ -1,0 +1,107 @@
+//! How light goes near its source in a sweep. In go an ordinate and the nodes of a source, out comes what is
+//! seen of that at nodes beside it. Invariant: it is what `angle_set.rs` does in matter that is even about the
+//! source.
+
+use super::cross_sections::{NodeExtinction, OrientedExtinction};
+use super::grid::{Corners, Grid};
+use super::harmonics::{COUNT, basis, fourth_basis};
+use super::quadrature::Ordinate;
+use glam::{DVec3, Vec3};
+
+/// Steps from a node to it and those next to it.
+pub(crate) const NEAR: usize = 27;
+const HERE: usize = 13;
+
+/// By channel, then by harmonic.
+pub(crate) type Moments = [[f32; COUNT]; 3];
+
+/// Of a source of 1 / m the radiance in its own cell and in the next, by channel.
+pub(crate) type Reach = [[f32; 2]; 3];
+
+/// One ordinate.
+pub(crate) struct Way {
+    pub(crate) direction: DVec3,
+    products: [f32; 8],
+    /// Through half a cell.
+    half_m: f32,
+    /// Steps to the nodes that get its light next, and their shares.
+    taps: [(usize, f32); 4],
+    /// Weight times basis, of degrees up to 2 and of 4.
+    factors: [[f32; COUNT]; 2],
+    pub(crate) basis: [f32; COUNT],
+}
+
+impl Way {
+    pub(crate) fn of(&Ordinate { direction, weight }: &Ordinate, cell_m: f64) -> Self {
+        let main = direction.abs().max_position();
+        let along = direction / direction[main].abs();
+        let step = |axis: usize| direction[axis].signum() as i32 * [1, 3, 9][axis];
+        let [a, b] = [[1, 2], [2, 0], [0, 1]][main];
+        let taps = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(is_a, is_b)| {
+            let share = |axis: usize, is_beside: i32| {
+                if is_beside == 1 { along[axis].abs() } else { 1.0 - along[axis].abs() }
+            };
+            let place = HERE as i32 + step(main) + is_a * step(a) + is_b * step(b);
+            (place as usize, (share(a, is_a) * share(b, is_b)) as f32)
+        });
+        let (basis, fourth) = (basis(direction), fourth_basis(direction));
+        Self {
+            direction,
+            products: OrientedExtinction::products(direction),
+            half_m: (0.5 * cell_m / direction[main].abs()) as f32,
+            taps,
+            factors: [basis, fourth].map(|basis| basis.map(|value| (weight * value) as f32)),
+            basis: basis.map(|value| value as f32),
+        }
+    }
+
+    /// Through fog of an extinction by channel, 1/m, and leaves: in the source's cell half a cell of it, in
+    /// the next what leaves that.
+    pub(crate) fn reach(&self, NodeExtinction { isotropic, oriented }: NodeExtinction) -> Reach {
+        let oriented = oriented.map_or(0.0, |oriented| oriented.along(&self.products));
+        isotropic.map(|isotropic| {
+            let depth = self.half_m * (isotropic + oriented);
+            let through = (-depth).exp();
+            let here = self.half_m * if depth > 1e-4 { (1.0 - through) / depth } else { 1.0 - 0.5 * depth };
+            [here, here * (1.0 + through) * through]
+        })
+    }
+
+    /// The same by where the source is and where it is seen from.
+    pub(crate) fn gain(&self, reach: &Reach, near: &[f32; NEAR]) -> Vec3 {
+        let next: f32 = self.taps.iter().map(|(place, share)| share * near[*place]).sum();
+        Vec3::from_array(reach.map(|[here, there]| here * near[HERE] + there * next))
+    }
+
+    /// Takes radiance along it out of moments up to degree 2, and of degree 4.
+    pub(crate) fn take(&self, radiance: Vec3, from: &mut [Moments; 2]) {
+        for (moments, factors) in from.iter_mut().zip(&self.factors) {
+            for (moments, radiance) in moments.iter_mut().zip(radiance.to_array()) {
+                moments.iter_mut().zip(factors).for_each(|(sum, factor)| *sum -= radiance * factor);
+            }
+        }
+    }
+}
+
+/// A clamped cosine by harmonics up to l = 2.
+pub(crate) fn lobe(cos: f32) -> f32 {
+    0.25 + 0.5 * cos + 5.0 / 16.0 * (1.5 * cos * cos - 0.5)
+}
+
+/// How much of what lies at some nodes is seen at others, by the steps between them. Farther ones count for
+/// nothing.
+pub(crate) fn near(grid: &Grid, from: &Corners, to: &Corners) -> [f32; NEAR] {
+    let [lowest_from, lowest_to] = [from, to].map(|corners| grid.cell_of(corners.nodes[0]));
+    let apart: [i32; 3] = std::array::from_fn(|axis| lowest_to[axis] as i32 - lowest_from[axis] as i32);
+    let mut near = [0.0; NEAR];
+    for (a, of_source) in from.weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
+        for (b, of_seen) in to.weights.iter().enumerate() {
+            let step = |axis: usize| apart[axis] + (b >> axis & 1) as i32 - (a >> axis & 1) as i32;
+            let [x, y, z] = [step(0), step(1), step(2)];
+            if [x, y, z].iter().all(|step| step.abs() <= 1) {
+                near[(HERE as i32 + x + 3 * y + 9 * z) as usize] += (of_source * of_seen) as f32;
+            }
+        }
+    }
+    near
+}

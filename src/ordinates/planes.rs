@@ -1,0 +1,100 @@
+//! Planes of nodes that light crosses one after the other, and how they lie in memory. In goes the size
+//! of a grid, out come numbers of nodes. Invariant: the nodes of a row of a plane are neighbours in
+//! memory, whatever the axis.
+
+use super::grid::Corners;
+
+/// How nodes lie in memory: as in the grid, where neighbours along x are next to one another, or
+/// with x and y changed.
+#[derive(Clone, Copy)]
+pub(crate) struct Layout {
+    /// Nodes along each axis.
+    pub(crate) size: [usize; 3],
+    pub(crate) is_turned: bool,
+}
+
+impl Layout {
+    fn strides(self) -> [usize; 3] {
+        let [x, y, _] = self.size;
+        if self.is_turned { [y, 1, x * y] } else { [1, x, x * y] }
+    }
+
+    /// Where a node of the grid is.
+    pub(crate) fn node(self, node: usize) -> usize {
+        let [x, y, _] = self.size;
+        let place = [node % x, node / x % y, node / (x * y)];
+        (0..3).map(|axis| place[axis] * self.strides()[axis]).sum()
+    }
+
+    /// Where those about a place are.
+    pub(crate) fn corners(self, corners: &Corners) -> Corners {
+        Corners { nodes: corners.nodes.map(|node| self.node(node)), ..*corners }
+    }
+
+    /// From the grid's order.
+    pub(crate) fn of_grid(self, values: &[f32]) -> Vec<f32> {
+        if self.is_turned { turned(values, [self.size[0], self.size[1]]) } else { values.to_vec() }
+    }
+
+    /// Into the grid's order.
+    pub(crate) fn to_grid(self, values: &[f32]) -> Vec<f32> {
+        if self.is_turned { turned(values, [self.size[1], self.size[0]]) } else { values.to_vec() }
+    }
+}
+
+/// With rows as columns, layer by layer.
+fn turned(values: &[f32], [columns, rows]: [usize; 2]) -> Vec<f32> {
+    let mut turned = Vec::with_capacity(values.len());
+    for layer in values.chunks_exact(columns * rows) {
+        for column in 0..columns {
+            turned.extend((0..rows).map(|row| layer[column + columns * row]));
+        }
+    }
+    turned
+}
+
+/// The planes across an axis.
+#[derive(Clone, Copy)]
+pub(crate) struct Planes {
+    pub(crate) axis: usize,
+    /// Across the planes, and along their rows and columns: how many nodes, and how far apart.
+    pub(crate) count: [usize; 3],
+    pub(crate) stride: [usize; 3],
+    /// Which axes those are.
+    pub(crate) axes: [usize; 3],
+}
+
+impl Planes {
+    pub(crate) fn new(layout: Layout, axis: usize) -> Self {
+        let axes = [axis, [2, 2, 1][axis], [1, 0, 0][axis]];
+        let (count, stride) = (axes.map(|axis| layout.size[axis]), axes.map(|axis| layout.strides()[axis]));
+        debug_assert_eq!(stride[2], 1, "rows are neighbours in memory");
+        Self { axis, count, stride, axes }
+    }
+
+    /// Length of a row with its rim.
+    pub(crate) fn row(&self) -> usize {
+        self.count[2] + 2
+    }
+
+    /// A place in a plane with its rim, so many rows and columns on.
+    pub(crate) fn shifted(&self, here: usize, [_, rows, columns]: [i32; 3]) -> usize {
+        (here as i32 + rows * self.row() as i32 + columns) as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_are_where_their_numbers_say() {
+        let layout = Layout { size: [3, 4, 5], is_turned: true };
+        let values: Vec<f32> = (0..60).map(|number| number as f32).collect();
+        let turned = layout.of_grid(&values);
+        for (node, value) in values.iter().enumerate() {
+            assert_eq!(turned[layout.node(node)], *value);
+        }
+        assert_eq!(layout.to_grid(&turned), values);
+    }
+}

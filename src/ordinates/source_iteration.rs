@@ -1,0 +1,266 @@
+//! Source iteration (Lewis & Miller 1984, chapter 3): sweep, scatter, sweep again. In go a first-collision
+//! source and what is incident, out comes the light of all orders that are wanted. Invariant: an iteration
+//! adds one order of scattering, and what is left after the last is a geometric series.
+
+use super::angle_set::SweepSource;
+use super::angular_radiance::AngularRadiance;
+use super::boundary::{BoundaryCondition, IncidentRadiance, Surrounding};
+use super::domain::Domain;
+use super::extrapolation::Series;
+use super::first_collision_source::{BeamSource, FirstCollisionSource, GlossySource};
+use super::grid::Corners;
+use super::harmonics::{by_lobe, irradiance_lobe};
+use super::moments::{Moments, NodeMoments};
+use super::quadrature::Quadrature;
+use super::sky::{Sky, is_isotropic};
+use super::sweep::{Sweeper, Swept};
+use super::wanted::Wanted;
+use crate::color::Rgb;
+
+/// Iterations when all orders are wanted.
+const MOST_ITERATIONS: u32 = 24;
+const FEWEST_ITERATIONS: u32 = 3;
+
+/// A fixed-source problem.
+pub(crate) struct Problem<'a> {
+    pub(crate) domain: Domain<'a>,
+    /// Along which all orders are swept; and the first and what comes from outside where they need finer ones.
+    pub(crate) quadrature: &'a Quadrature,
+    pub(crate) fine: Option<&'a Quadrature>,
+    pub(crate) sky: Option<&'a Sky>,
+    pub(crate) surrounding: &'a Surrounding,
+    /// How many orders are wanted, or all.
+    pub(crate) orders: Option<u32>,
+    /// Nodes about each place next to a finer grid within this one.
+    pub(crate) next_to_inner: Option<&'a [Corners]>,
+    /// Whether what is seen makes something of degree 3: what shines, and fog that scatters ahead; and of
+    /// degrees 5 and 6, which such fog alone does.
+    pub(crate) sees_third: bool,
+    pub(crate) sees_high: bool,
+    /// Whether nobody waits for the light any more.
+    pub(crate) cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Radiance of all orders.
+pub(crate) struct Solution {
+    pub(crate) all: Moments,
+    /// That part of it that comes straight from the sky, if that can be told apart.
+    pub(crate) of_sky: Option<Moments>,
+    /// What surfaces and fog that are seen make of it beyond that.
+    pub(crate) last: Swept,
+    /// Of light that comes straight from the sky what a finer grid within gets; the rest is in `last`.
+    pub(crate) sky_radiances: Option<AngularRadiance>,
+    /// Whether it goes on and on, and is cut short.
+    pub(crate) is_endless: bool,
+}
+
+/// Emission density: what the medium sends out, per metre and steradian, and walls, as radiance.
+struct Source {
+    volume: Moments,
+    walls: Vec<Rgb>,
+    /// Whether the first-collision source is in it.
+    has_first: bool,
+}
+
+impl Source {
+    /// `self += factor * other`, the factor by channel.
+    fn add(&mut self, other: &Self, factor: [f64; 3]) {
+        self.volume.add(&other.volume, factor.map(|factor| factor as f32));
+        self.has_first |= other.has_first;
+        let factor = Rgb::from_array(factor);
+        self.walls.iter_mut().zip(&other.walls).for_each(|(sum, added)| *sum += factor * *added);
+    }
+
+    /// As much room, of nothing.
+    fn emptied(&self) -> Self {
+        let walls = vec![Rgb::ZERO; self.walls.len()];
+        Self { volume: self.volume.emptied(), walls, has_first: false }
+    }
+
+    fn walls_by_channel(&self) -> [Vec<f32>; 3] {
+        [0, 1, 2].map(|channel| self.walls.iter().map(|color| color[channel] as f32).collect())
+    }
+}
+
+impl Problem<'_> {
+    /// Order after order.
+    pub(crate) fn solved(&self, first: FirstCollisionSource) -> Solution {
+        let FirstCollisionSource { volume, beams, walls, glossy, not_again } = first;
+        let sweeper = Sweeper::new(&self.domain, self.quadrature);
+        SourceIteration { problem: self, sweeper, beams, glossy }
+            .run(Source { volume, walls, has_first: true }, &not_again)
+    }
+
+    /// The scattering operator: the source that the medium, or what is oriented of it, and walls make of light.
+    fn scatter(&self, light: &Moments, is_medium_lit: bool) -> Source {
+        let Domain { cross_sections, walls, .. } = self.domain;
+        let irradiances = walls.irradiances(|node, normal| {
+            let face = walls.faces.of(node, normal);
+            by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, face)))
+        });
+        let volume = cross_sections.scatter(light, is_medium_lit);
+        Source { volume, walls: walls.scattered(&irradiances), has_first: false }
+    }
+
+    /// What is seen, of light that the medium scatters or does not.
+    fn last(&self, lights_medium: bool) -> Wanted<'_> {
+        let (third, high) = (self.sees_third, self.sees_high && lights_medium);
+        Wanted { moments: false, last: true, third, high, radiances: self.next_to_inner }
+    }
+}
+
+/// A problem as it is solved.
+struct SourceIteration<'a> {
+    problem: &'a Problem<'a>,
+    sweeper: Sweeper<'a>,
+    beams: Vec<BeamSource>,
+    glossy: GlossySource,
+}
+
+impl<'a> SourceIteration<'a> {
+    fn run(mut self, mut source: Source, not_again: &NodeMoments) -> Solution {
+        let problem = self.problem;
+        let mut light = Moments::zero(problem.domain.walls.faces.count_with_nodes());
+        let (mut of_sky, mut sky_radiances) = (None, None);
+        let nothing = source.emptied();
+        let mut from_outside = None;
+        if let Some(incident) = &problem.surrounding.scattered {
+            let wanted = Wanted { moments: true, ..problem.last(true) };
+            let swept = self.sweep_incident(incident, &nothing, &wanted);
+            // Where orders are counted, nobody knows how many it has behind it.
+            if problem.orders.is_none() {
+                source.add(&problem.scatter(&swept.moments, true), [1.0; 3]);
+            }
+            light.add(&swept.moments, [1.0; 3]);
+            Swept::add_to(&mut from_outside, swept);
+        }
+        if let Some(sky) = problem.sky {
+            let wanted = Wanted { moments: true, ..problem.last(sky.lights_medium) };
+            let mut swept = self.sweep_sky(sky, &nothing, &wanted);
+            sky_radiances = swept.radiances.take();
+            source.add(&problem.scatter(&swept.moments, sky.lights_medium), [1.0; 3]);
+            if sky.is_part {
+                light.add(&swept.moments, [1.0; 3]);
+                of_sky = Some(swept.moments.clone());
+                Swept::add_to(&mut from_outside, swept);
+            }
+        }
+        let wanted = problem.last(true);
+        let first = self.sweep_finely(&source, &Wanted { moments: true, ..wanted });
+        let (sent, is_endless) = self.iterate((source, not_again), first.as_ref(), &mut light);
+        let mut last = self.sweep(&sent, BoundaryCondition::Vacuum, &wanted);
+        from_outside.iter().chain(&first).for_each(|swept| last.add_last(swept));
+        Solution { all: light, of_sky, last, sky_radiances, is_endless }
+    }
+
+    /// Adds order after order; all that was sent out on the way and not swept finely, and whether there is no
+    /// end to it.
+    fn iterate(
+        &mut self,
+        (mut source, not_again): (Source, &NodeMoments),
+        mut first: Option<&Swept>,
+        light: &mut Moments,
+    ) -> (Source, bool) {
+        let problem = self.problem;
+        let iterations = problem.orders.unwrap_or(MOST_ITERATIONS);
+        let mut series = Series::default();
+        let mut sent = source.emptied();
+        for iteration in 1..=iterations {
+            if (problem.cancelled)() {
+                break;
+            }
+            let next = if let Some(first) = first.take() {
+                first.moments.clone()
+            } else {
+                sent.add(&source, [1.0; 3]);
+                self.sweep(&source, BoundaryCondition::Vacuum, &Wanted::ORDERS).moments
+            };
+            light.add(&next, [1.0; 3]);
+            if problem.orders.is_none() {
+                let told = series.go_on(next.total(), light.total());
+                if iteration >= FEWEST_ITERATIONS && told || iteration == iterations {
+                    light.add(&next, series.rest.map(|rest| rest as f32));
+                    sent.add(&source, series.rest);
+                    break;
+                }
+            }
+            source = problem.scatter(&next, true);
+            if iteration == 1 {
+                source.volume.take_nodes(not_again);
+            }
+        }
+        (sent, series.is_endless)
+    }
+
+    /// Light of the first order where walls stand in each other's light: of the ordinates of all orders a
+    /// quarter of the sphere, such as floor and wall share, has too many or too few.
+    fn sweep_finely(&self, source: &Source, wanted: &Wanted) -> Option<Swept> {
+        let fine = self.problem.fine?;
+        let sources = SweepSource {
+            volume: &source.volume,
+            beams: &self.beams,
+            walls: &source.walls_by_channel(),
+            glossy: Some(&self.glossy),
+            incident: BoundaryCondition::Vacuum,
+        };
+        Some(self.to_orders(fine, self.sweep_along(fine, &sources, wanted)))
+    }
+
+    /// What comes in from about the grid.
+    fn sweep_incident(&mut self, incident: &IncidentRadiance, nothing: &Source, wanted: &Wanted) -> Swept {
+        let condition = BoundaryCondition::Incident(incident);
+        if !incident.is_fine {
+            return self.sweep(nothing, condition, wanted);
+        }
+        let fine = Quadrature::fine();
+        let swept = self.sweep_along(&fine, &dark(nothing, &nothing.walls_by_channel(), condition), wanted);
+        self.to_orders(&fine, swept)
+    }
+
+    /// Light of the sky that nothing has scattered, of all of it or what a larger grid lets through: along
+    /// finer ordinates than those of all orders. An uneven sky has edges, the horizon above all, and things
+    /// cut more. An even one stays so to the last digit if one quadrature shares out all light.
+    fn sweep_sky(&mut self, sky: &Sky, nothing: &Source, wanted: &Wanted) -> Swept {
+        let surrounding = self.problem.surrounding.of_sky.as_ref();
+        let of_orders = sky.incident(self.problem.quadrature);
+        if is_isotropic(&of_orders) {
+            let uniform = BoundaryCondition::Uniform(&of_orders);
+            let condition = surrounding.map_or(uniform, BoundaryCondition::Incident);
+            return self.sweep(nothing, condition, wanted);
+        }
+        let fine = Quadrature::fine();
+        let of_fine = sky.incident(&fine);
+        let condition = surrounding.map_or(BoundaryCondition::Uniform(&of_fine), BoundaryCondition::Incident);
+        self.sweep_along(&fine, &dark(nothing, &nothing.walls_by_channel(), condition), wanted)
+    }
+
+    /// Along the ordinates of all orders.
+    fn sweep(&mut self, source: &Source, incident: BoundaryCondition, wanted: &Wanted) -> Swept {
+        let walls = source.walls_by_channel();
+        let beams = if source.has_first { self.beams.as_slice() } else { &[] };
+        let glossy = source.has_first.then_some(&self.glossy);
+        let sources = SweepSource { volume: &source.volume, beams, walls: &walls, glossy, incident };
+        self.sweeper.sweep(&sources, wanted, self.problem.cancelled)
+    }
+
+    /// Along other ordinates than those of all orders.
+    fn sweep_along(&self, fine: &Quadrature, sources: &SweepSource, wanted: &Wanted) -> Swept {
+        Sweeper::new(&self.problem.domain, fine).sweep(sources, wanted, self.problem.cancelled)
+    }
+
+    /// With radiance along the ordinates of all orders; a sweep that was cut short has not all of it.
+    fn to_orders(&self, fine: &Quadrature, mut swept: Swept) -> Swept {
+        let all = swept.radiances.filter(|_| !(self.problem.cancelled)());
+        swept.radiances = all.map(|radiances| radiances.along(fine, self.problem.quadrature));
+        swept
+    }
+}
+
+/// Sources of what comes in alone.
+fn dark<'s>(
+    nothing: &'s Source,
+    walls: &'s [Vec<f32>; 3],
+    incident: BoundaryCondition<'s>,
+) -> SweepSource<'s> {
+    SweepSource { volume: &nothing.volume, beams: &[], walls, glossy: None, incident }
+}

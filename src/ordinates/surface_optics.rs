@@ -1,0 +1,53 @@
+//! Optical properties of surfaces. In go shares of light, out come their means. Invariant: nothing here knows
+//! what a surface is part of.
+
+use crate::color::Rgb;
+
+/// What becomes of light that meets a surface, and what it adds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SurfaceOptics {
+    /// Share that comes back.
+    pub(crate) reflectance: Rgb,
+    /// Share that comes through.
+    pub(crate) transmittance: Rgb,
+    /// Emitted radiance.
+    pub(crate) emission: Rgb,
+    /// Share that does not pass as if there were nothing.
+    pub(crate) cover: f64,
+}
+
+impl SurfaceOptics {
+    /// Share that is not absorbed.
+    pub(crate) fn albedo(&self) -> Rgb {
+        self.reflectance + self.transmittance
+    }
+}
+
+/// Mean over places, each by its area, and of colours as much as it covers.
+#[derive(Default)]
+pub(crate) struct MeanOptics {
+    sum: SurfaceOptics,
+    area: f64,
+}
+
+impl MeanOptics {
+    pub(crate) fn add(&mut self, area: f64, optics: &SurfaceOptics) {
+        let covered = area * optics.cover;
+        self.sum.reflectance += covered * optics.reflectance;
+        self.sum.transmittance += covered * optics.transmittance;
+        self.sum.emission += covered * optics.emission;
+        self.sum.cover += covered;
+        self.area += area;
+    }
+
+    pub(crate) fn mean(&self) -> SurfaceOptics {
+        let [per_cover, per_area] =
+            [self.sum.cover, self.area].map(|sum| if sum > 0.0 { 1.0 / sum } else { 0.0 });
+        SurfaceOptics {
+            reflectance: per_cover * self.sum.reflectance,
+            transmittance: per_cover * self.sum.transmittance,
+            emission: per_cover * self.sum.emission,
+            cover: per_area * self.sum.cover,
+        }
+    }
+}
