@@ -28,7 +28,7 @@ use crate::math::{Ray, Sampler};
 use crate::passes::{Needs, Pass, any_needs};
 use crate::scene::{Bounces, PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
-use crate::transport::{Component, MarchSteps, Transport, VolumeMethod};
+use crate::transport::{Component, MarchSteps, OneLight, Transport, VolumeMethod};
 pub use choice::{Choice, Reason, choose};
 use glam::DVec2;
 use grid_error::GridError;
@@ -248,11 +248,12 @@ pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &
     let indirect = indirect.as_ref();
     let components = components(exposure, indirect);
     if !job.is_judged() {
-        return add_up(exposure, job, indirect, (&Survey::omitted(components), None), watch);
+        let survey = Survey::omitted(components);
+        return add_up(exposure, job, &Light { indirect, survey: &survey, error: None }, watch);
     }
     let survey = Survey::new(middle, job, indirect, components);
     let Some(grid) = indirect else {
-        return add_up(exposure, job, indirect, (&survey, None), watch);
+        return add_up(exposure, job, &Light { indirect, survey: &survey, error: None }, watch);
     };
     let error = GridError::found(middle, job, grid, &survey, watch.cancelled);
     // What is corrected has to be known apart.
@@ -261,17 +262,25 @@ pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &
     let mut passes = [job.passes.as_slice(), &unasked].concat();
     passes.sort_unstable();
     let with_parts = Job { passes, ..job.clone() };
-    let mut rendered = add_up(exposure, &with_parts, indirect, (&survey, Some(&error)), watch);
+    let mut rendered =
+        add_up(exposure, &with_parts, &Light { indirect, survey: &survey, error: Some(&error) }, watch);
     rendered.frame.drop_passes(&unasked);
     rendered
+}
+
+/// What is known of a picture's light before any of it is rendered.
+struct Light<'a> {
+    indirect: Option<&'a Indirect>,
+    survey: &'a Survey,
+    /// Of indirect light, where errors are estimated.
+    error: Option<&'a GridError>,
 }
 
 /// Renders the picture's components, and adds them up.
 fn add_up(
     exposure: &Exposure,
     job: &Job,
-    indirect: Option<&Indirect>,
-    (survey, error): (&Survey, Option<&GridError>),
+    &Light { indirect, survey, error }: &Light,
     watch: &Watch,
 ) -> Rendered {
     let mut sum = Sum::default();
@@ -312,12 +321,11 @@ fn add_up(
 /// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights
 /// anything and indirect light does not have it already.
 fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component> {
-    let lights = (0..exposure.middle().lights.len()).map(Component::Light);
-    lights
-        .chain(
-            (exposure.has_sky_light() && !indirect.is_some_and(Indirect::has_sky)).then_some(Component::Sky),
-        )
-        .collect()
+    // The rest goes with one of the lights: by itself it would be traced once more, to the same surfaces.
+    let lights = (0..exposure.middle().lights.len())
+        .map(|number| Component::Light(OneLight { number, with_rest: number == 0 }));
+    let has_sky = exposure.has_sky_light() && !indirect.is_some_and(Indirect::has_sky);
+    lights.chain(has_sky.then_some(Component::Sky)).collect()
 }
 
 /// The ray of a sample at a place of the picture, in pixels, and the moment that it sees.

@@ -44,7 +44,7 @@ const MOST_LINES_OF_TESTS: usize = 600;
 /// Lines of code a function may have.
 const MOST_LINES_OF_A_FUNCTION: usize = 60;
 
-/// Arguments a function may have beside `self`; beyond that some are one thing.
+/// Arguments a function may have beside `self`, tuples by their members; beyond that some are one thing.
 const MOST_ARGUMENTS: usize = 5;
 
 fn source_files(folder: &Path, out: &mut Vec<PathBuf>) {
@@ -284,7 +284,7 @@ fn every_file_tells_its_invariant_and_holds_one_concept() {
 #[derive(Debug, PartialEq)]
 struct Function {
     name: String,
-    /// Beside `self`.
+    /// Beside `self`; of tuples each member.
     arguments: usize,
     /// Of code; 0 if it is only declared.
     lines: usize,
@@ -318,11 +318,27 @@ fn functions(text: &str) -> Vec<Function> {
             (_, true) => 1,
             _ => rest.split(&end).next().map_or(0, |body| body.lines().count() + 1),
         };
-        let is_self = |argument: &&str| !argument.contains(':');
-        let arguments = listed.iter().filter(|argument| !is_self(argument)).count();
+        let is_self = |argument: &&&str| !argument.contains(':');
+        let arguments =
+            listed.iter().filter(|argument| !is_self(argument)).map(|argument| members(argument)).sum();
         found.push(Function { name: name.to_owned(), arguments, lines });
     }
     found
+}
+
+/// How many things an argument is: of a tuple all of its members, however it is nested.
+fn members(argument: &str) -> usize {
+    let depth =
+        |text: &str| text.matches(['(', '[']).count() as i32 - text.matches([')', ']']).count() as i32;
+    let is_pattern = |at: usize| depth(&argument[..at]) == 0 && !argument[at..].starts_with("::");
+    let pattern = argument.match_indices(':').map(|(at, _)| at);
+    let kind = pattern.filter(|at| !argument[..*at].ends_with(':')).find(|at| is_pattern(*at));
+    let kind = kind.map_or(argument, |at| &argument[at + 1..]).trim_start();
+    let kind = kind.strip_prefix('&').map_or(kind, |kind| kind.trim_start_matches("mut "));
+    if !kind.starts_with('(') {
+        return 1;
+    }
+    split_list(&kind[1..bracketed(kind) - 1]).into_iter().map(members).sum()
 }
 
 /// How far the bracket reaches that a text begins with.
@@ -359,7 +375,7 @@ fn functions_are_short_and_take_five_arguments() {
 fn functions_are_read_in_every_form() {
     let text = "fn none() {}\nimpl A {\n    /// fn no()\n    pub(crate) const fn two<F: Fn(B) -> C>(\n        &self,\n        (a, b): (D, E),\n        call: impl Fn(F, G) -> H,\n    ) -> [I; 2] {\n        // a comment\n        call(a)\n    }\n    fn declared(self, a: [A; 2]) -> B;\n}\n";
     let function = |name: &str, arguments, lines| Function { name: name.to_owned(), arguments, lines };
-    assert_eq!(functions(text), [function("none", 0, 1), function("two", 2, 7), function("declared", 1, 0)]);
+    assert_eq!(functions(text), [function("none", 0, 1), function("two", 3, 7), function("declared", 1, 0)]);
 }
 
 /// What each module that is a file names of others, re-exports followed to where things are written.

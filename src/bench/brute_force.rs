@@ -9,7 +9,7 @@ use crate::math::{IntervalSet, Ray, Sampler};
 use crate::scene::Scene;
 use crate::snapshot::{Luminaire, Snapshot};
 use crate::transport::lit_segments;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// All triangles that the scene shows at `time_s`, relative to `eye`.
@@ -87,7 +87,7 @@ pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: LightPlace, range: (f
     };
     let up = (towards - towards.dot(along) * along).normalize();
     let normal = along.cross(up);
-    let in_plane = |p: DVec3| ((p - ray.origin).dot(along), (p - ray.origin).dot(up));
+    let in_plane = |p: DVec3| DVec2::new((p - ray.origin).dot(along), (p - ray.origin).dot(up));
     let light_in_plane = in_plane(ray.origin + towards);
 
     let mut set = IntervalSet::default();
@@ -114,38 +114,28 @@ pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: LightPlace, range: (f
 }
 
 /// Points above the ray shade it along the direction `(light.0, light.1)`.
-fn shade_from_afar(a: (f64, f64), b: (f64, f64), light: (f64, f64), range: (f64, f64)) -> Option<(f64, f64)> {
-    let shear = light.0 / light.1;
-    shade(a, b, range, |(x, y)| x - y * shear)
+fn shade_from_afar(a: DVec2, b: DVec2, light: DVec2, range: (f64, f64)) -> Option<(f64, f64)> {
+    let shear = light.x / light.y;
+    shade(a, b, range, |DVec2 { x, y }| x - y * shear)
 }
 
 /// Points between the ray and the light shade it; what lies above the light is cut off.
-fn shade_from_near(
-    mut a: (f64, f64),
-    mut b: (f64, f64),
-    light: (f64, f64),
-    range: (f64, f64),
-) -> Option<(f64, f64)> {
-    if a.1 > b.1 {
+fn shade_from_near(mut a: DVec2, mut b: DVec2, light: DVec2, range: (f64, f64)) -> Option<(f64, f64)> {
+    if a.y > b.y {
         (a, b) = (b, a);
     }
-    if a.1 >= light.1 {
+    if a.y >= light.y {
         return None;
     }
-    if b.1 >= light.1 {
-        let fraction = (1.0 - 1e-13) * (light.1 - a.1) / (b.1 - a.1);
-        b = (a.0 + fraction * (b.0 - a.0), a.1 + fraction * (b.1 - a.1));
+    if b.y >= light.y {
+        let fraction = (1.0 - 1e-13) * (light.y - a.y) / (b.y - a.y);
+        b = DVec2::new(a.x + fraction * (b.x - a.x), a.y + fraction * (b.y - a.y));
     }
-    shade(a, b, range, |(x, y)| light.0 + (x - light.0) * light.1 / (light.1 - y))
+    shade(a, b, range, |DVec2 { x, y }| light.x + (x - light.x) * light.y / (light.y - y))
 }
 
 /// The shadow of a cut, clipped to the range; only what lies above the ray in the middle of it counts.
-fn shade(
-    a: (f64, f64),
-    b: (f64, f64),
-    range: (f64, f64),
-    on_ray: impl Fn((f64, f64)) -> f64,
-) -> Option<(f64, f64)> {
+fn shade(a: DVec2, b: DVec2, range: (f64, f64), on_ray: impl Fn(DVec2) -> f64) -> Option<(f64, f64)> {
     let (t_a, t_b) = (on_ray(a), on_ray(b));
     let (start, end) = (t_a.min(t_b).max(range.0), t_a.max(t_b).min(range.1));
     if start >= end {
@@ -154,10 +144,10 @@ fn shade(
     // Bisection finds the point of the cut that shades the middle: no formula to share a mistake with.
     let middle = 0.5 * (start + end);
     let (mut low, mut high) = (0.0, 1.0);
-    let point = |f: f64| (a.0 + f * (b.0 - a.0), a.1 + f * (b.1 - a.1));
+    let point = |f: f64| DVec2::new(a.x + f * (b.x - a.x), a.y + f * (b.y - a.y));
     for _ in 0..60 {
         let half = 0.5 * (low + high);
         if (on_ray(point(half)) < middle) == (t_a < t_b) { low = half } else { high = half }
     }
-    (point(low).1 > 0.0).then_some((start, end))
+    (point(low).y > 0.0).then_some((start, end))
 }

@@ -47,6 +47,8 @@ pub(crate) fn scatters_ahead(medium: &Medium) -> bool {
 
 pub(crate) struct DeltaScaledFog<'a> {
     medium: &'a Medium,
+    /// Its origin, in world space.
+    pub(crate) eye: DVec3,
     /// What light loses on its way from order to order.
     pub(crate) dimming: Medium,
     /// What a sun's light loses on its way to where it is scattered first.
@@ -55,10 +57,10 @@ pub(crate) struct DeltaScaledFog<'a> {
 }
 
 impl<'a> DeltaScaledFog<'a> {
-    pub(crate) fn new(medium: &'a Medium, bounces: Bounces) -> Self {
+    pub(crate) fn new(medium: &'a Medium, eye: DVec3, bounces: Bounces) -> Self {
         let has_peaks = bounces != Bounces::All;
         let without = |degrees: i32| if has_peaks { medium.clone() } else { medium.without_peaks(degrees) };
-        Self { medium, dimming: without(DEGREES), dimming_of_suns: without(BEAM_DEGREES), has_peaks }
+        Self { medium, eye, dimming: without(DEGREES), dimming_of_suns: without(BEAM_DEGREES), has_peaks }
     }
 
     /// What light of a sun or of a lamp loses before it is scattered.

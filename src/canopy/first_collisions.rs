@@ -14,10 +14,10 @@ use crate::color::Rgb;
 use crate::fog::{exp_minus, exp_minus_little};
 use crate::math::Ray;
 use crate::ordinates::first_collision_source::BeamSource;
-use crate::ordinates::grid::{Grid, Stretch};
+use crate::ordinates::grid::Stretch;
 use crate::ordinates::harmonics::{DEGREE, basis, cosine_lobe};
 use crate::ordinates::moments::{Moments, NodeMoments};
-use crate::ordinates::occluders::{OFF_WALL, Occluders};
+use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -60,10 +60,9 @@ pub(crate) struct Found {
 pub(crate) struct FirstCollisions<'a> {
     pub(crate) snapshot: &'a Snapshot<'a>,
     pub(crate) fog: &'a DeltaScaledFog<'a>,
-    pub(crate) grid: &'a Grid,
+    pub(crate) cut: CutGrid<'a>,
     pub(crate) medium: &'a TurbidMedium,
     pub(crate) cancelled: &'a (dyn Fn() -> bool + Sync),
-    pub(crate) occluders: &'a Occluders,
     /// Triangles that are walls: their light is another matter, see `wall_light.rs`.
     pub(crate) are_walls: &'a HashSet<PrimitiveId>,
     pub(crate) leaves: &'a LeafIndex,
@@ -72,11 +71,11 @@ pub(crate) struct FirstCollisions<'a> {
 impl FirstCollisions<'_> {
     /// What all lights make of fog and leaves.
     pub(crate) fn found(&self) -> Found {
-        let nothing = Moments::zero(self.grid.count());
+        let nothing = Moments::zero(self.cut.grid.count());
         let (beams, glows, met_again) = (Vec::new(), Vec::new(), self.nothing_met());
         let on_leaves = LeafPower::zero(self.leaves.all().len());
         let mut found = Found { sources: nothing, beams, glows, met_again, on_leaves };
-        let emitters = Emitters { snapshot: self.snapshot, grid: self.grid, fog: self.fog };
+        let emitters = Emitters { snapshot: self.snapshot, grid: self.cut.grid, fog: self.fog };
         let per_volume = self.per_volume();
         for light in &self.snapshot.lights {
             match light.centre() {
@@ -98,12 +97,12 @@ impl FirstCollisions<'_> {
 
     /// Room for what meets leaves of the same mass, where there are masses.
     fn nothing_met(&self) -> Vec<[f32; 3]> {
-        vec![[0.0; 3]; if self.medium.clumping.is_none() { 0 } else { self.grid.count() }]
+        vec![[0.0; 3]; if self.medium.clumping.is_none() { 0 } else { self.cut.grid.count() }]
     }
 
     /// What groups of rays leave on their way.
     fn followed(&self, rays: &[PowerRay]) -> Vec<Left> {
-        let count = self.grid.count();
+        let count = self.cut.grid.count();
         let chunk = rays.len().div_ceil(CHUNKS).max(1).next_multiple_of(BUNDLE);
         let groups = rays.par_chunks(chunk).map(|rays| {
             let has_directions = !rays[0].is_of_sun;
@@ -141,7 +140,7 @@ impl FirstCollisions<'_> {
     }
 
     fn add_sun(&self, travel: DVec3, groups: &[Left], per_volume: &[f32], found: &mut Found) {
-        let count = self.grid.count();
+        let count = self.cut.grid.count();
         let mut irradiance = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut glow = vec![[0.0; 3]; count];
         for Left { fluence, scattered, .. } in groups {
@@ -180,8 +179,8 @@ impl FirstCollisions<'_> {
     fn per_volume(&self) -> Vec<f32> {
         /// As a share of a cell: of less there is too little light to go by.
         const LEAST: f32 = 0.1;
-        let per_cell = (1.0 / self.grid.cell_volume()) as f32;
-        let shares = self.occluders.shares(self.grid).into_iter();
+        let per_cell = (1.0 / self.cut.grid.cell_volume()) as f32;
+        let shares = self.cut.occluders.shares(self.cut.grid).into_iter();
         shares.map(|share| per_cell / share.max(LEAST)).collect()
     }
 
@@ -242,7 +241,7 @@ impl FirstCollisions<'_> {
     fn land_at(&self, from: &PowerRay, (t, point): (f64, &SurfacePoint), power: Rgb, left: &mut Left) {
         let ray = &from.ray;
         let (enter, leave) = self.inside(ray);
-        let is_inside = (enter - self.grid.cell_m..=leave + self.grid.cell_m).contains(&t);
+        let is_inside = (enter - self.cut.grid.cell_m..=leave + self.cut.grid.cell_m).contains(&t);
         if is_inside && !self.are_walls.contains(&point.primitive) {
             let dimming = self.fog.dimming_of(from.is_of_sun);
             let fog = exp_minus(from.depths[0] + dimming.optical_depth(ray.origin, ray.direction, t));
@@ -252,7 +251,7 @@ impl FirstCollisions<'_> {
 
     /// The part of a ray that lies in the grid's cells.
     fn inside(&self, ray: &Ray) -> (f64, f64) {
-        let (low, high) = self.grid.volume();
+        let (low, high) = self.cut.grid.volume();
         let origin = self.snapshot.world_from_relative(ray.origin);
         let (a, b) = ((low - origin) / ray.direction, (high - origin) / ray.direction);
         // Not a number where the ray runs within a face.
@@ -279,7 +278,7 @@ impl FirstCollisions<'_> {
         });
         let in_world = Ray { origin: self.snapshot.world_from_relative(ray.origin), ..*ray };
         // To the middle of each stretch by the fog at the middles, which is all that the grid tells of it.
-        for Stretch { node, from, to } in self.grid.stretches(&in_world, start, end) {
+        for Stretch { node, from, to } in self.cut.grid.stretches(&in_world, start, end) {
             let (length, middle) = (to - from, 0.5 * (from + to));
             let here = [0, 1].map(|which| {
                 let through = exp_minus_little(0.5 * length * media[which].extinction_at(ray.at(middle)));
@@ -288,9 +287,9 @@ impl FirstCollisions<'_> {
                 here
             });
             let (amount, glow) = (length * here[0], length * (here[0] - here[1]));
-            if self.occluders.are_near(node) {
+            if self.cut.occluders.are_near(node) {
                 let place = in_world.at(middle);
-                let corners = self.occluders.cell_of(self.grid, place);
+                let corners = self.cut.occluders.cell_of(self.cut.grid, place);
                 fluence.add(corners.iter(), ray.direction, amount, glow);
             } else {
                 fluence.add(std::iter::once((node, 1.0)), ray.direction, amount, glow);
@@ -307,11 +306,11 @@ impl FirstCollisions<'_> {
         power: Rgb,
         met_again: &mut [[f32; 3]],
     ) -> Rgb {
-        let corners = self.grid.corners(world);
+        let corners = self.cut.grid.corners(world);
         let index = self.medium.clumping.about(&corners);
         let out = self.medium.clumping.inside(index * exposed, sent);
         if index < 1.0 {
-            let again = (1.0 - index) / index * out * sent * power / self.grid.cell_volume();
+            let again = (1.0 - index) / index * out * sent * power / self.cut.grid.cell_volume();
             for (node, share) in corners.iter() {
                 let sums = met_again[node].iter_mut().zip(again.to_array());
                 sums.for_each(|(sum, value)| *sum += (share * value) as f32);
@@ -322,7 +321,7 @@ impl FirstCollisions<'_> {
 
     /// What leaves make of all power that meets them.
     fn send_from_leaves(&self, found: &mut Found) {
-        let mut sent = NodeMoments::zero(self.grid.count());
+        let mut sent = NodeMoments::zero(self.cut.grid.count());
         for (number, leaf) in self.leaves.all().iter().enumerate() {
             let power = found.on_leaves.of(number);
             if power == [Rgb::ZERO; 2] {
@@ -332,8 +331,8 @@ impl FirstCollisions<'_> {
             let out = self.leaves_mass(leaf.position, share, power[0] + power[1], &mut found.met_again);
             let scattered = found.on_leaves.scattered(number, leaf);
             for (scattered, facing) in scattered.into_iter().zip([leaf.normal, -leaf.normal]) {
-                let nodes = leaf_power::nodes_of((self.grid, self.occluders), (leaf, facing));
-                let factor = FRAC_1_PI / self.grid.cell_volume() * out;
+                let nodes = leaf_power::nodes_of(self.cut, (leaf, facing));
+                let factor = FRAC_1_PI / self.cut.grid.cell_volume() * out;
                 sent.add_lobe(&nodes[0], &cosine_lobe(facing), factor * scattered.through);
                 sent.add_lobe(&nodes[1], &cosine_lobe(facing), factor * scattered.back);
             }
@@ -350,7 +349,7 @@ impl FirstCollisions<'_> {
             return;
         }
         let optics = optics_of(point);
-        let factor = FRAC_1_PI / self.grid.cell_volume();
+        let factor = FRAC_1_PI / self.cut.grid.cell_volume();
         let world = self.snapshot.world_from_relative(point.position);
         let out = self.leaves_mass(world, (1.0, optics.albedo()), power, &mut left.met_again);
         for (side, radiosity) in [(normal, optics.reflectance), (-normal, optics.transmittance)] {
@@ -358,9 +357,9 @@ impl FirstCollisions<'_> {
                 continue;
             }
             let [place, seen_from] = [AWAY, OFF_WALL].map(|cells| {
-                self.snapshot.world_from_relative(point.position + cells * self.grid.cell_m * side)
+                self.snapshot.world_from_relative(point.position + cells * self.cut.grid.cell_m * side)
             });
-            let corners = self.occluders.corners(self.grid, place, seen_from);
+            let corners = self.cut.corners(place, seen_from);
             left.scattered.add_lobe(&corners, &cosine_lobe(side), factor * out * power * radiosity);
         }
     }

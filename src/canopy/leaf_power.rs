@@ -1,11 +1,11 @@
 //! Light of lamps and suns that meets leaves, leaf by leaf. In go rays that end on them, out come sources on
 //! the grid. Invariant: all that leaves a leaf comes from one place of it, so what it makes of its own light
-//! is known; see `own_light.rs`.
+//! is known; see `self_interaction.rs`.
 
 use super::surroundings::Leaf;
 use crate::color::Rgb;
-use crate::ordinates::grid::{Corners, Grid};
-use crate::ordinates::occluders::{OFF_WALL, Occluders};
+use crate::ordinates::grid::Corners;
+use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use glam::DVec3;
 
 /// From so far before a lit side, in roots of its area, comes what it scatters back: no leaf stands between
@@ -72,11 +72,7 @@ impl Scattered {
 
 /// Nodes that stand for a leaf as its side `facing` sees them, and those that stand for what that scatters
 /// back.
-pub(crate) fn nodes_of(
-    (grid, occluders): (&Grid, &Occluders),
-    (leaf, facing): (&Leaf, DVec3),
-) -> [Corners; 2] {
-    let seen_from = leaf.position + OFF_WALL * grid.cell_m * facing;
-    [0.0, WAY_OUT * leaf.area_m2.sqrt()]
-        .map(|away_m| occluders.corners(grid, leaf.position + away_m * facing, seen_from))
+pub(crate) fn nodes_of(cut: CutGrid, (leaf, facing): (&Leaf, DVec3)) -> [Corners; 2] {
+    let seen_from = leaf.position + OFF_WALL * cut.grid.cell_m * facing;
+    [0.0, WAY_OUT * leaf.area_m2.sqrt()].map(|away_m| cut.corners(leaf.position + away_m * facing, seen_from))
 }

@@ -3,7 +3,7 @@
 
 use super::delta_scaled_fog::{DeltaScaledFog, FogCoefficients};
 use crate::ordinates::grid::{Corners, Grid};
-use crate::ordinates::occluders::Occluders;
+use crate::ordinates::occluders::{CutGrid, Occluders};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -14,19 +14,18 @@ const GENERATOR: [usize; 3] = [19, 1, 27];
 /// Near walls what fills a cell is kept place by place: memory.
 const CELLS_AT_ONCE: usize = 512;
 
-/// What each node has, of fog of which `eye` is the origin in world space.
+/// What each node has.
 pub(crate) fn fog_of_nodes(
-    grid: &Grid,
-    occluders: &Occluders,
-    (fog, eye): (&DeltaScaledFog, DVec3),
+    CutGrid { grid, occluders }: CutGrid,
+    fog: &DeltaScaledFog,
 ) -> Vec<FogCoefficients> {
     let alone = |node: usize| {
-        if occluders.are_near(node) { FogCoefficients::default() } else { mean_of((grid, node), (fog, eye)) }
+        if occluders.are_near(node) { FogCoefficients::default() } else { mean_of((grid, node), fog) }
     };
     let mut nodes: Vec<FogCoefficients> = (0..grid.count()).into_par_iter().map(alone).collect();
     let near: Vec<usize> = (0..grid.count()).filter(|node| occluders.are_near(*node)).collect();
     for cells in near.chunks(CELLS_AT_ONCE) {
-        let shared = cells.par_iter().map(|node| shared_out((grid, *node), occluders, (fog, eye)));
+        let shared = cells.par_iter().map(|node| shared_out((grid, *node), occluders, fog));
         for (corners, here) in shared.collect::<Vec<_>>().iter().flatten() {
             for (node, weight) in corners.iter().filter(|(_, weight)| *weight > 0.0) {
                 nodes[node].add(here, weight / PLACES as f64);
@@ -45,18 +44,18 @@ fn place_in((grid, node): (&Grid, usize), number: usize) -> DVec3 {
 fn shared_out(
     cell: (&Grid, usize),
     occluders: &Occluders,
-    (fog, eye): (&DeltaScaledFog, DVec3),
+    fog: &DeltaScaledFog,
 ) -> Vec<(Corners, FogCoefficients)> {
     let of_place = |number: usize| {
         let place = place_in(cell, number);
-        (occluders.cell_of(cell.0, place), fog.at(place - eye))
+        (occluders.cell_of(cell.0, place), fog.at(place - fog.eye))
     };
     (0..PLACES).map(of_place).collect()
 }
 
 /// Exact where fog is even about all of the cell.
-fn mean_of(cell: (&Grid, usize), (fog, eye): (&DeltaScaledFog, DVec3)) -> FogCoefficients {
-    let (middle, cell_m) = (cell.0.position(cell.1) - eye, cell.0.cell_m);
+fn mean_of(cell: (&Grid, usize), fog: &DeltaScaledFog) -> FogCoefficients {
+    let (middle, cell_m) = (cell.0.position(cell.1) - fog.eye, cell.0.cell_m);
     let corner = |number: usize| {
         let sign = |bit: usize| if number >> bit & 1 == 1 { 0.5 } else { -0.5 };
         middle + (1.0 - 1e-9) * cell_m * DVec3::new(sign(0), sign(1), sign(2))
@@ -66,6 +65,6 @@ fn mean_of(cell: (&Grid, usize), (fog, eye): (&DeltaScaledFog, DVec3)) -> FogCoe
         return fog.at(middle);
     }
     let mut mean = FogCoefficients::default();
-    (0..PLACES).for_each(|number| mean.add(&fog.at(place_in(cell, number) - eye), 1.0 / PLACES as f64));
+    (0..PLACES).for_each(|number| mean.add(&fog.at(place_in(cell, number) - fog.eye), 1.0 / PLACES as f64));
     mean
 }

@@ -20,7 +20,7 @@ use crate::ordinates::harmonics::{
 };
 use crate::ordinates::moments::NodeMoments;
 use crate::ordinates::near_source::{Moments, NEAR, Reach, Way, lobe, near};
-use crate::ordinates::occluders::Occluders;
+use crate::ordinates::occluders::CutGrid;
 use crate::ordinates::quadrature::Quadrature;
 use crate::scene::Bounces;
 use glam::Vec3;
@@ -57,16 +57,16 @@ pub(crate) struct Alone<'a> {
 impl<'a> Alone<'a> {
     /// `unmet` is what its sides scatter of first light, before the leaf or others of its mass meet it again.
     pub(crate) fn new(
-        (grid, occluders): (&Grid, &Occluders),
+        cut: CutGrid,
         (extinction, clumping): (&'a Extinction, &Clumping),
         (leaf, unmet): (&'a Leaf, [Scattered; 2]),
     ) -> Self {
+        let grid = cut.grid;
         let node = grid.nearest(leaf.position);
         let index = clumping.about(&grid.corners(leaf.position));
         let sent = leaf.optics.albedo();
         let out = clumping.inside(index * leaf.exposed, sent);
-        let nodes =
-            [leaf.normal, -leaf.normal].map(|facing| leaf_power::nodes_of((grid, occluders), (leaf, facing)));
+        let nodes = [leaf.normal, -leaf.normal].map(|facing| leaf_power::nodes_of(cut, (leaf, facing)));
         let from = [nodes[0][0], nodes[0][1], nodes[1][1]];
         let near = nodes.map(|[to, _]| from.map(|from| near(grid, &from, &to)));
         let extinction = extinction.at(node);
@@ -93,6 +93,12 @@ impl<'a> Alone<'a> {
     }
 }
 
+/// What a side of a leaf is reached by along each ordinate.
+struct Reached<'a> {
+    side: usize,
+    by_ordinate: &'a [Reach],
+}
+
 /// What comes to a side: moments up to degree 2, and of degree 4.
 pub(crate) struct Arriving<'a>(pub(crate) &'a mut Moments, pub(crate) &'a mut Moments);
 
@@ -106,17 +112,17 @@ impl SelfInteraction {
     /// What all leaves scatter of their own first light, as sources: a leaf that has none scatters none.
     pub(crate) fn all_sent_again(
         &self,
-        (grid, occluders): (&Grid, &Occluders),
+        cut: CutGrid,
         medium: &TurbidMedium,
         (leaves, on_leaves): (&LeafIndex, &LeafPower),
     ) -> NodeMoments {
-        let mut sources = NodeMoments::zero(grid.count());
+        let mut sources = NodeMoments::zero(cut.grid.count());
         if !self.goes_on {
             return sources;
         }
         let of_leaf = |(leaf, scattered): (&Leaf, [Scattered; 2])| {
             let told = (&medium.cross_sections.extinction, &medium.clumping);
-            let alone = Alone::new((grid, occluders), told, (leaf, scattered));
+            let alone = Alone::new(cut, told, (leaf, scattered));
             (leaf.normal, alone.nodes, self.sent_again(&alone))
         };
         let factor = FRAC_1_PI * self.per_volume;
@@ -141,7 +147,7 @@ impl SelfInteraction {
         let reach = self.reach(alone);
         let arriving = [0, 1].map(|side| {
             let mut without = [[[0.0; COUNT]; 3]; 2];
-            self.take_first(alone, (&reach, side), &mut without);
+            self.take_first(alone, &Reached { side, by_ordinate: &reach }, &mut without);
             -irradiance(alone.leaf, side, &without)
         });
         alone.sent(arriving)
@@ -153,7 +159,7 @@ impl SelfInteraction {
         let mut left = sides.each_ref().map(|Arriving(moments, fourth)| [**moments, **fourth]);
         if alone.has_first() {
             for (side, left) in left.iter_mut().enumerate() {
-                self.take_first(alone, (&reach, side), left);
+                self.take_first(alone, &Reached { side, by_ordinate: &reach }, left);
             }
         }
         let arriving = [0, 1].map(|side| irradiance(alone.leaf, side, &left[side]).max(Rgb::ZERO));
@@ -161,7 +167,7 @@ impl SelfInteraction {
         let sent = alone.sent(arriving);
         for (side, (left, Arriving(moments, fourth))) in left.iter_mut().zip(sides).enumerate() {
             let light = left[0];
-            self.take_later(alone, (&reach, side), (sent, &light), left);
+            self.take_later(alone, &Reached { side, by_ordinate: &reach }, (sent, &light), left);
             [*moments, *fourth] = *left;
         }
     }
@@ -171,15 +177,15 @@ impl SelfInteraction {
     }
 
     /// What it scatters of first light, as a side sees it.
-    fn take_first(&self, alone: &Alone, (reach, side): (&[Reach], usize), from: &mut [Moments; 2]) {
+    fn take_first(&self, alone: &Alone, reach: &Reached, from: &mut [Moments; 2]) {
         let factor = FRAC_1_PI * self.per_volume;
         let [[back, through], [back_of_other, through_other]] =
             alone.scattered.map(|side| [side.back, side.through].map(|power| (factor * power).as_vec3()));
-        for (way, reach) in self.ways.iter().zip(reach) {
+        for (way, attenuation) in self.ways.iter().zip(reach.by_ordinate) {
             let cos = way.direction.dot(alone.leaf.normal) as f32;
             let (facing, other) = (lobe(cos), lobe(-cos));
             let [of_middle, of_back, of_other] =
-                alone.near[side].each_ref().map(|near| way.gain(reach, near));
+                alone.near[reach.side].each_ref().map(|near| way.gain(attenuation, near));
             let radiance = of_middle * (facing * through + other * through_other)
                 + of_back * (facing * back)
                 + of_other * (other * back_of_other);
@@ -191,13 +197,13 @@ impl SelfInteraction {
     fn take_later(
         &self,
         alone: &Alone,
-        (reach, side): (&[Reach], usize),
+        reach: &Reached,
         (sent, light): ([Rgb; 2], &Moments),
         from: &mut [Moments; 2],
     ) {
         let [sent, sent_by_other] = sent.map(|sent| (FRAC_1_PI * self.per_volume * sent).as_vec3());
         let stopped = (alone.index * alone.leaf.exposed * alone.leaf.area_m2 * self.per_volume) as f32;
-        for (way, reach) in self.ways.iter().zip(reach) {
+        for (way, attenuation) in self.ways.iter().zip(reach.by_ordinate) {
             let cos = way.direction.dot(alone.leaf.normal) as f32;
             let emitted = lobe(cos) * sent + lobe(-cos) * sent_by_other;
             let facing = 3.0 / 16.0 + 15.0 / 16.0 * cos * cos;
@@ -205,7 +211,7 @@ impl SelfInteraction {
                 moments.iter().zip(&way.basis).map(|(moment, basis)| moment * basis).sum::<f32>().max(0.0)
             });
             let source = emitted - stopped * facing * Vec3::from_array(radiance);
-            way.take(source * way.gain(reach, &alone.near[side][0]), from);
+            way.take(source * way.gain(attenuation, &alone.near[reach.side][0]), from);
         }
     }
 }

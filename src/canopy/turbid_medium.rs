@@ -15,17 +15,16 @@ use crate::ordinates::cross_sections::{
     CrossSections, EVEN, Extinction, LobePairs, OrientedExtinction, OrientedScattering,
 };
 use crate::ordinates::first_collision_source::FIRST_DEGREES;
-use crate::ordinates::grid::Grid;
 use crate::ordinates::harmonics::{COUNT, cosine_lobe};
 use crate::ordinates::moments::Moments;
-use crate::ordinates::occluders::{OFF_WALL, Occluders};
+use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use crate::ordinates::surface_optics::SurfaceOptics;
 use crate::scene::Bounces;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// Leaf area of a node, as a share of the mean, that power is shared out over at the least. Rays meet all of a
-/// leaf, but its area lies at the nodes about its middle.
+/// Leaf area of a node, as a share of the mean, that power is shared out over at the least. Rays meet all of
+/// a leaf, but its area lies at the nodes about its middle.
 const LEAST_SIDES: f32 = 0.02;
 
 /// Leaves and fog that fill the cells of a grid.
@@ -145,26 +144,21 @@ impl SurfelTerms {
 }
 
 impl TurbidMedium {
-    /// Fog, which `eye` is the origin of in world space, and surfels, which stay on their side of walls.
-    pub(crate) fn new(
-        (grid, occluders): (&Grid, &Occluders),
-        (fog, eye): (&DeltaScaledFog, DVec3),
-        surfels: &Surfels,
-        bounces: Bounces,
-    ) -> Self {
-        let count = grid.count();
+    /// Fog and surfels, which stay on their side of walls.
+    pub(crate) fn new(cut: CutGrid, fog: &DeltaScaledFog, surfels: &Surfels, bounces: Bounces) -> Self {
+        let count = cut.grid.count();
         let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
         let mut medium = Self {
             cross_sections: CrossSections::zero(count),
             first_scattering: std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; count])),
             first_peak: channels(),
             leaves: Vec::new(),
-            clumping: Clumping::of(grid, surfels, bounces),
+            clumping: Clumping::of(cut.grid, surfels, bounces),
         };
         if !fog.dimming.is_empty() {
-            medium.add_fog(&fog_of_nodes(grid, occluders, (fog, eye)));
+            medium.add_fog(&fog_of_nodes(cut, fog));
         }
-        let mut leaves = leaf_sums((grid, occluders), surfels);
+        let mut leaves = leaf_sums(cut, surfels);
         if !medium.clumping.is_none() {
             leaves.iter_mut().for_each(|leaves| leaves.clump(&medium.clumping));
         }
@@ -223,13 +217,13 @@ impl TurbidMedium {
 }
 
 /// Leaf area of the nodes about each surfel, on its side of walls.
-fn leaf_sums((grid, occluders): (&Grid, &Occluders), surfels: &Surfels) -> Vec<LeafSums> {
+fn leaf_sums(cut: CutGrid, surfels: &Surfels) -> Vec<LeafSums> {
     const NO_LEAVES: usize = usize::MAX;
-    let (mut sums, mut number_of) = (Vec::new(), vec![NO_LEAVES; grid.count()]);
+    let (mut sums, mut number_of) = (Vec::new(), vec![NO_LEAVES; cut.grid.count()]);
     for surfel in &surfels.all {
         let terms = SurfelTerms::of(surfel, surfels.optics(surfel));
-        let off_wall = surfel.position + OFF_WALL * grid.cell_m * surfel.normal;
-        let corners = occluders.corners(grid, surfel.position, off_wall);
+        let off_wall = surfel.position + OFF_WALL * cut.grid.cell_m * surfel.normal;
+        let corners = cut.corners(surfel.position, off_wall);
         for (node, weight) in corners.iter().filter(|(_, weight)| *weight > 0.0) {
             let number = &mut number_of[node];
             if *number == NO_LEAVES {
@@ -237,7 +231,7 @@ fn leaf_sums((grid, occluders): (&Grid, &Occluders), surfels: &Surfels) -> Vec<L
                 sums.push(LeafSums::at(node));
             }
             let area = f64::from(surfel.exposed) * surfel.area;
-            sums[*number].add(&terms, (weight * area / grid.cell_volume()) as f32);
+            sums[*number].add(&terms, (weight * area / cut.grid.cell_volume()) as f32);
         }
     }
     sums

@@ -15,6 +15,7 @@ use crate::canopy::turbid_medium::TurbidMedium;
 use crate::ordinates::domain::Domain;
 use crate::ordinates::first_collision_source::FirstCollisionSource;
 use crate::ordinates::grid::Grid;
+use crate::ordinates::occluders::CutGrid;
 use crate::ordinates::quadrature::Quadrature;
 use crate::scene::Bounces;
 use crate::snapshot::Snapshot;
@@ -58,11 +59,11 @@ impl<'a> Contents<'a> {
         let &Context { snapshot, surroundings, bounces, .. } = context;
         let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
         let walls = SnapshotWalls::new(grid, snapshot, &triangles);
-        let fog = DeltaScaledFog::new(&snapshot.medium, bounces);
+        let fog = DeltaScaledFog::new(&snapshot.medium, snapshot.view.eye, bounces);
         let mut surfels = surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m);
         surfels.all.retain(|surfel| grid.holds(surfel.position));
-        let about = (grid, &walls.walls.occluders);
-        let medium = TurbidMedium::new(about, (&fog, snapshot.view.eye), &surfels, bounces);
+        let medium =
+            TurbidMedium::new(CutGrid { grid, occluders: &walls.walls.occluders }, &fog, &surfels, bounces);
         let are_walls = triangles.iter().map(|triangle| triangle.primitive).collect();
         Self { grid, fog, are_walls, medium, walls }
     }
@@ -81,13 +82,12 @@ impl<'a> Contents<'a> {
     ) -> FirstLight {
         let &Context { snapshot, leaves, cancelled, .. } = context;
         let Self { grid, fog, are_walls, medium, walls } = self;
-        let occluders = &walls.walls.occluders;
-        let collisions =
-            FirstCollisions { snapshot, fog, grid, medium, cancelled, occluders, leaves, are_walls };
+        let cut = CutGrid { grid, occluders: &walls.walls.occluders };
+        let collisions = FirstCollisions { snapshot, fog, cut, medium, cancelled, leaves, are_walls };
         let Found { mut sources, beams, glows, met_again, on_leaves } = collisions.found();
         medium.emit(&mut sources);
         let LitWalls { irradiances, glossy } = WallLight { snapshot, grid, fog, walls, quadrature }.found();
-        let not_again = self_interaction.all_sent_again((grid, occluders), medium, (leaves, &on_leaves));
+        let not_again = self_interaction.all_sent_again(cut, medium, (leaves, &on_leaves));
         let walls = walls.walls.leaving(&irradiances);
         let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again };
         FirstLight { source, forward_peaks: glows, met_again, on_leaves }

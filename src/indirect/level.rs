@@ -24,7 +24,7 @@ use crate::ordinates::grid::{Corners, Grid};
 use crate::ordinates::harmonics::{COUNT, DEGREE, product};
 use crate::ordinates::high_degrees::{HighMoments, SEEN_DEGREES};
 use crate::ordinates::moments::NodeMoments;
-use crate::ordinates::occluders::OFF_WALL;
+use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use crate::ordinates::quadrature::Quadrature;
 use crate::ordinates::source_iteration::{Problem, Solution};
 use crate::ordinates::walls::Walls;
@@ -154,7 +154,7 @@ impl Level {
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         let unmet = self.on_leaves.scattered(number, leaf);
         let alone = Alone::new(
-            (&self.grid, &self.walls.occluders),
+            CutGrid { grid: &self.grid, occluders: &self.walls.occluders },
             (&self.extinction, self.clumps.clumping()),
             (leaf, unmet),
         );

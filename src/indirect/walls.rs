@@ -1,5 +1,5 @@
-//! Walls of a snapshot: ground, trunks, rooms. In go triangles, out come the links from node to node that they
-//! cut, and the patches that are seen instead. Invariant: a crossing is exact, so no wall is too thin.
+//! Walls of a snapshot: ground, trunks, rooms. In go triangles, out come the links from node to node that
+//! they cut, and the patches that are seen instead. Invariant: a crossing is exact, so no wall is too thin.
 
 use super::cut_patches::cut_patches;
 use crate::accel::PrimitiveId;

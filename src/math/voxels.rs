@@ -215,7 +215,7 @@ impl Voxels {
     #[inline]
     pub(super) fn corners(&self, brick: &Neighbours, cell: IVec3) -> [f32; 8] {
         let [x, y, z] = self.steps(cell);
-        std::array::from_fn(|corner| self.value(brick, x[corner & 1], y[corner >> 1 & 1], z[corner >> 2]))
+        std::array::from_fn(|corner| self.value(brick, [x[corner & 1], y[corner >> 1 & 1], z[corner >> 2]]))
     }
 
     /// Makes of the corners of a cell those of the next along an axis, in the same brick: half of them stay.
@@ -255,7 +255,7 @@ impl Voxels {
             of_corner[axis] = along;
             of_corner[across[0]] = steps[across[0]][corner & 1];
             of_corner[across[1]] = steps[across[1]][corner >> 1];
-            self.value(brick, of_corner[0], of_corner[1], of_corner[2])
+            self.value(brick, of_corner)
         })
     }
 
@@ -271,7 +271,7 @@ impl Voxels {
     }
 
     #[inline]
-    fn value(&self, brick: &Neighbours, x: (usize, usize), y: (usize, usize), z: (usize, usize)) -> f32 {
+    fn value(&self, brick: &Neighbours, [x, y, z]: [(usize, usize); 3]) -> f32 {
         let start = brick[(x.0 | y.0 | z.0) & 7];
         self.values[start as usize + x.1 + y.1 + z.1]
     }

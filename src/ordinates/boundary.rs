@@ -1,6 +1,6 @@
-//! Boundary conditions of a grid: what enters at its rim along each ordinate. In goes the sky, or the solution
-//! of what lies about the grid, out come the rims of planes. Invariant: what comes straight from the sky stays
-//! apart, along ordinates of its own, as things have cut edges into it.
+//! Boundary conditions of a grid: what enters at its rim along each ordinate. In goes the sky, or the
+//! solution of what lies about the grid, out come the rims of planes. Invariant: what comes straight from the
+//! sky stays apart, along ordinates of its own, as things have cut edges into it.
 //!
 //! A condition is a variant of [`BoundaryCondition`], and what that fills a rim with.
 

@@ -2,9 +2,9 @@
 //! light loses and the source of the next order. Invariant: harmonics up to l = 2 tell both, here as
 //! everywhere else between orders.
 //!
-//! What scatters about its own axis alone, such as droplets, has an extinction by channel and a phase function
-//! by degree. What is oriented, such as leaves, has an extinction that differs by direction and a scattering
-//! matrix, at the nodes that have any.
+//! What scatters about its own axis alone, such as droplets, has an extinction by channel and a phase
+//! function by degree. What is oriented, such as leaves, has an extinction that differs by direction and a
+//! scattering matrix, at the nodes that have any.
 
 use super::harmonics::{COUNT, DEGREE};
 use super::moments::Moments;

@@ -94,8 +94,8 @@ pub(crate) fn irradiance_lobe(normal: DVec3) -> [f64; COUNT] {
     cosine_lobe(-normal)
 }
 
-/// Flux through a surface that faces `normal`, of moments of radiance by the direction of travel, if all of it
-/// comes from above the surface.
+/// Flux through a surface that faces `normal`, of moments of radiance by the direction of travel, if all of
+/// it comes from above the surface.
 pub(crate) fn flux_lobe(normal: DVec3) -> [f64; COUNT] {
     const SHARES: [f64; 3] = [0.0, 4.0 * PI / 3.0, 0.0];
     let basis = basis(-normal);

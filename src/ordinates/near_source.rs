@@ -1,6 +1,6 @@
 //! How light goes near its source in a sweep. In go an ordinate and the nodes of a source, out comes what is
-//! seen of that at nodes beside it. Invariant: it is what `angle_set.rs` does in matter that is even about the
-//! source.
+//! seen of that at nodes beside it. Invariant: it is what `angle_set.rs` does in matter that is even about
+//! the source.
 
 use super::cross_sections::{NodeExtinction, OrientedExtinction};
 use super::grid::{Corners, Grid};

@@ -43,6 +43,20 @@ pub(crate) struct CellTriangle {
     below: u8,
 }
 
+/// A grid cut by walls.
+#[derive(Clone, Copy)]
+pub(crate) struct CutGrid<'a> {
+    pub(crate) grid: &'a Grid,
+    pub(crate) occluders: &'a Occluders,
+}
+
+impl CutGrid<'_> {
+    /// The nodes about a place without those that walls hide from `seen_from`, which lies among them.
+    pub(crate) fn corners(&self, place: DVec3, seen_from: DVec3) -> Corners {
+        self.occluders.corners(self.grid, place, seen_from)
+    }
+}
+
 /// So far from its plane, in cells, a place is clear of a triangle.
 pub(crate) const CLEAR: f32 = 1e-5;
 /// So far from a wall, in cells, is what lies on it.

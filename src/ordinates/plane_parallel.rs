@@ -148,7 +148,7 @@ impl PlaneParallel {
             let depth = self.depths[from.min(to)] / travel.y.abs().max(1e-9);
             let (sent, arriving) = (source(from), source(to));
             for channel in 0..3 {
-                let (through, near, far) = weights(depth[channel]);
+                let Formal { through, near, far } = formal(depth[channel]);
                 radiance[0][channel] =
                     through * radiance[0][channel] + far * sent[channel] + near * arriving[channel];
                 radiance[1][channel] *= through;
@@ -159,15 +159,23 @@ impl PlaneParallel {
     }
 }
 
-/// What a layer of an optical depth lets through, and how much the sources at its end and at its start count,
+/// Formal solution across a layer: transmittance, and the weights of the sources at its end and at its start,
 /// which are linear in depth.
-fn weights(depth: f64) -> (f64, f64, f64) {
+#[derive(Clone, Copy)]
+struct Formal {
+    through: f64,
+    near: f64,
+    far: f64,
+}
+
+/// Across a layer of an optical depth.
+fn formal(depth: f64) -> Formal {
     const LITTLE: f64 = 1e-3;
     let through = (-depth).exp();
     let lost = -(-depth).exp_m1();
     // The difference of 1 and `lost / depth`, as a series where they are nearly equal.
     let near = if depth < LITTLE { depth * (0.5 - depth / 6.0) } else { 1.0 - lost / depth };
-    (through, near, lost - near)
+    Formal { through, near, far: lost - near }
 }
 
 /// One channel.
@@ -308,31 +316,35 @@ impl Solver<'_> {
         for ring in down.step_by(STEPS) {
             let way = -self.ordinates.directions()[ring].y;
             for level in 1..levels {
-                let weights = weights(self.depths[level - 1] / way);
-                cross(&mut light, &sources, (level - 1, level), (ring..ring + STEPS, weights));
+                let formal = formal(self.depths[level - 1] / way);
+                formal.cross(&mut light, &sources, (level - 1, level), ring..ring + STEPS);
             }
         }
         for ring in up.step_by(STEPS) {
             let way = self.ordinates.directions()[ring].y;
             for level in (1..levels).rev() {
-                let weights = weights(self.depths[level - 1] / way);
-                cross(&mut light, &sources, (level, level - 1), (ring..ring + STEPS, weights));
+                let formal = formal(self.depths[level - 1] / way);
+                formal.cross(&mut light, &sources, (level, level - 1), ring..ring + STEPS);
             }
         }
         light
     }
 }
 
-/// From one level to the next, along some ordinates.
-fn cross(
-    light: &mut [[f64; ORDINATES]],
-    sources: &[[f64; ORDINATES]],
-    (from, to): (usize, usize),
-    (numbers, (through, near, far)): (std::ops::Range<usize>, (f64, f64, f64)),
-) {
-    for number in numbers {
-        light[to][number] =
-            through * light[from][number] + far * sources[from][number] + near * sources[to][number];
+impl Formal {
+    /// From one level to the next, along some ordinates.
+    fn cross(
+        self,
+        light: &mut [[f64; ORDINATES]],
+        sources: &[[f64; ORDINATES]],
+        (from, to): (usize, usize),
+        numbers: std::ops::Range<usize>,
+    ) {
+        let Self { through, near, far } = self;
+        for number in numbers {
+            light[to][number] =
+                through * light[from][number] + far * sources[from][number] + near * sources[to][number];
+        }
     }
 }
 

@@ -24,7 +24,8 @@ const FEWEST_ITERATIONS: u32 = 3;
 /// A fixed-source problem.
 pub(crate) struct Problem<'a> {
     pub(crate) domain: Domain<'a>,
-    /// Along which all orders are swept; and the first and what comes from outside where they need finer ones.
+    /// Along which all orders are swept; and the first and what comes from outside where they need finer
+    /// ones.
     pub(crate) quadrature: &'a Quadrature,
     pub(crate) fine: Option<&'a Quadrature>,
     pub(crate) sky: Option<&'a Sky>,
@@ -91,7 +92,8 @@ impl Problem<'_> {
             .run(Source { volume, walls, has_first: true }, &not_again)
     }
 
-    /// The scattering operator: the source that the medium, or what is oriented of it, and walls make of light.
+    /// The scattering operator: the source that the medium, or what is oriented of it, and walls make of
+    /// light.
     fn scatter(&self, light: &Moments, is_medium_lit: bool) -> Source {
         let Domain { cross_sections, walls, .. } = self.domain;
         let irradiances = walls.irradiances(|node, normal| {

@@ -4,7 +4,7 @@
 //!
 //! Planes of nodes across the ordinate's largest component follow one another. Each node takes what leaves
 //! the four cells upwind of it, half a cell of the medium, its own source, and half a cell again. This is a
-//! step scheme of second order (Lewis & Miller 1984, "Computational Methods of Neutron Transport", chapter 4).
+//! step scheme of second order (Lewis & Miller 1984, chapter 4).
 
 use super::angle_set::{AngleSet, SweepSource};
 use super::angular_radiance::AngularRadiance;

@@ -19,6 +19,7 @@ use super::rounds::{Round, Schedule};
 use crate::film::Mask;
 use crate::scene::Size;
 use crate::transport::slices::{Chord, Crossing, Fan, Ring, Slice};
+use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
 /// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where
@@ -125,7 +126,7 @@ impl Lattice {
             };
             // Rings of one fan share them, so that many slices near the epipole change nothing elsewhere.
             let shifts = if is_drawn && from > 0 { shift() } else { first_shift };
-            let ring = RingLattice::new(&base, ring, deviation_rad, &rows, shifts);
+            let ring = RingLattice::new(&base, ring, deviation_rad, &rows, DVec2::from(shifts));
             let weight_per_area = f64::from(schedule.first) * ring.weight_per_area;
             rings.push(RingLattice { weight_per_area, ..ring });
         }
@@ -163,7 +164,7 @@ struct Rows {
 
 impl RingLattice {
     /// Weights are those of one sample a pixel.
-    fn new(base: &Fan, ring: Ring, deviation_rad: f64, rows: &Rows, (across, along): (f64, f64)) -> Self {
+    fn new(base: &Fan, ring: Ring, deviation_rad: f64, rows: &Rows, shift: DVec2) -> Self {
         let extent = base.extent();
         let (low, high) = (ring.0.max(extent.0), ring.1.min(extent.1));
         let rotation = (deviation_rad.sin() / low.sin().min(high.sin()).max(0.0)).min(1.0).asin();
@@ -185,12 +186,12 @@ impl RingLattice {
             margin_rad,
             // The cell of the slice before the first reaches into the picture, unless
             // that is the last one again.
-            first_rad: base.angles.0 - 0.5 * (width - base.angles.1) + (across - 1.0) * row_rad,
+            first_rad: base.angles.0 - 0.5 * (width - base.angles.1) + (shift.x - 1.0) * row_rad,
             place_rad: row_rad / per_row as f64,
             from,
             to: from + (count + usize::from(width < TAU)) * per_row,
             weight_per_area: row_rad,
-            shift_along: along,
+            shift_along: shift.y,
         }
     }
 

@@ -17,7 +17,7 @@ use crate::math::Sampler;
 use crate::scene::{PixelFilter, Window};
 use crate::snapshot::Exposure;
 use crate::transport::slices::{Fan, Outline, Piece, SliceJob, SliceScratch, count_segments};
-use crate::transport::{Component, Sample, Scratch, Transport};
+use crate::transport::{Component, OneLight, Sample, Scratch, Transport};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -36,8 +36,7 @@ pub(super) struct LightPicture<'a> {
     exposure: &'a Exposure<'a>,
     job: &'a Job,
     transport: Transport<'a>,
-    /// The light, as its index in the snapshot.
-    light: usize,
+    light: OneLight,
     tally: &'a Tally,
     draws: Draws<'a, 'a>,
     /// None if the light is where the camera is: it has no slices.
@@ -77,11 +76,11 @@ impl<'a> LightPicture<'a> {
         exposure: &'a Exposure<'a>,
         job: &'a Job,
         indirect: Option<&'a Indirect>,
-        light: usize,
+        light: OneLight,
         tally: &'a Tally,
     ) -> Self {
-        let draws = Draws::new(exposure, light, job.seed);
-        let lattice = lattice(exposure, job, light, &draws);
+        let draws = Draws::new(exposure, light.number, job.seed);
+        let lattice = lattice(exposure, job, light.number, &draws);
         Self { exposure, job, transport: job.transport(indirect), light, tally, draws, lattice }
     }
 
@@ -102,7 +101,7 @@ impl<'a> LightPicture<'a> {
             transport: &self.transport,
             light: &draw.light,
             hue: draw.hue,
-            self_luminous: light == 0,
+            has_rest: light.with_rest,
             fan,
         };
         let shares = Shares { round, size: job.size, placed: slice };
@@ -152,7 +151,7 @@ fn lattice(exposure: &Exposure, job: &Job, light: usize, draws: &Draws) -> Optio
 
 impl Picture for LightPicture<'_> {
     fn film(&self, job: &Job, window: Window) -> Film {
-        let has_hues = self.exposure.middle().lights[self.light].has_hues();
+        let has_hues = self.exposure.middle().lights[self.light.number].has_hues();
         let new = if has_hues { Film::with_hues } else { Film::new };
         new(job.size, window, &job.passes)
     }

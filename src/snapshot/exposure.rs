@@ -4,7 +4,7 @@
 //! same order.
 
 use super::moment::shining;
-use super::{Contents, Instant, MeshTrees, MotionField, Shutter, Snapshot};
+use super::{Contents, Framing, Instant, MeshTrees, MotionField, Shutter, Snapshot};
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Scene, matte_id};
 use std::sync::Arc;
@@ -38,7 +38,7 @@ impl<'scene> Exposure<'scene> {
         aspect: f64,
         shutter: Shutter,
     ) -> Self {
-        Self::of(scene, trees, (camera, aspect), shutter, |times_s| times_s)
+        Self::of(scene, trees, Framing { camera, aspect }, shutter, |times_s| times_s)
     }
 
     /// Only the moment in the middle, with the lights of all: enough to choose how to render, in a
@@ -50,7 +50,7 @@ impl<'scene> Exposure<'scene> {
         aspect: f64,
         shutter: Shutter,
     ) -> Self {
-        Self::of(scene, trees, (camera, aspect), shutter, |times_s| {
+        Self::of(scene, trees, Framing { camera, aspect }, shutter, |times_s| {
             let middle = times_s.len() / 2;
             &times_s[middle..=middle]
         })
@@ -59,7 +59,7 @@ impl<'scene> Exposure<'scene> {
     fn of(
         scene: &'scene Scene,
         trees: &'scene MeshTrees,
-        (camera, aspect): (usize, f64),
+        framing: Framing,
         shutter: Shutter,
         chosen: impl Fn(&[f64]) -> &[f64],
     ) -> Self {
@@ -74,7 +74,7 @@ impl<'scene> Exposure<'scene> {
         let middle_s = times_s[moments / 2];
         let freeze = |&time_s: &f64| {
             let instant = Instant { time_s, frame_s: middle_s };
-            Snapshot::at(scene, trees, (camera, aspect), instant, &shines)
+            Snapshot::at(scene, trees, framing, instant, &shines)
         };
         let frozen = chosen(&times_s).iter().map(freeze).collect();
         Self { moments: frozen, scene, trees, middle_s, shining: shines }

@@ -119,6 +119,13 @@ struct Instant {
     frame_s: f64,
 }
 
+/// Which camera sees a snapshot, and width / height of its picture.
+#[derive(Clone, Copy)]
+struct Framing {
+    camera: usize,
+    aspect: f64,
+}
+
 impl<'scene> Snapshot<'scene> {
     /// Freezes `scene` as its camera number `camera` sees it in the middle of `shutter`.
     ///
@@ -132,14 +139,14 @@ impl<'scene> Snapshot<'scene> {
     ) -> Self {
         let time_s = shutter.middle_s();
         let instant = Instant { time_s, frame_s: time_s };
-        Self::at(scene, trees, (camera, aspect), instant, &shining(scene, time_s))
+        Self::at(scene, trees, Framing { camera, aspect }, instant, &shining(scene, time_s))
     }
 
     /// Freezes a moment with those of the scene's lights of which `shining` says so.
     fn at(
         scene: &'scene Scene,
         trees: &MeshTrees,
-        (camera, aspect): (usize, f64),
+        Framing { camera, aspect }: Framing,
         Instant { time_s, frame_s }: Instant,
         shining: &[bool],
     ) -> Self {

@@ -10,7 +10,7 @@ use crate::snapshot::SurfacePoint;
 /// Radiance that is scattered of what a point of the glow sends there, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let (snapshot, light) = (path.snapshot, path.light);
-    let Some(glow) = snapshot.glow().filter(|_| light.self_luminous) else { return Rgb::ZERO };
+    let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return Rgb::ZERO };
     let (primitive, position) = glow.pick(snapshot, path.sampler.next_3d());
     let target = Target { primitive, position, per_m2: glow.picked_per_m2(snapshot, primitive) };
     receiver.lit_by(snapshot, &target, |point| light.emitted(point))

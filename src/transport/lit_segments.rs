@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::fog::LitSegments;
 use crate::light::FrozenLight;
 use crate::math::Ray;
-use crate::snapshot::{BlendedHit, Snapshot};
+use crate::snapshot::Snapshot;
 
 /// Into so many equal parts the shadow of a textured triangle is cut; each takes the alpha that the light
 /// to its middle meets.
@@ -30,7 +30,8 @@ pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light
         FrozenLight::Point { position, .. } => LightPlane::towards_point(ray, position, range),
     };
     if snapshot.has_blended() {
-        dim(lit, snapshot, (ray, light), plane.as_ref(), &way.blended);
+        way.blended.iter().for_each(|hit| lit.dim(hit.t, f64::INFINITY, hit.point.see_through));
+        dim(lit, snapshot, (ray, light), plane.as_ref());
     }
     match plane {
         Some(plane) if way.passes_hidden => {
@@ -46,17 +47,13 @@ pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light
     }
 }
 
-/// Dims a ray by all that the camera looks through on it, and by what lies in the light's way.
+/// Dims what is lit of a ray by what lies in the light's way.
 fn dim(
     lit: &mut LitSegments,
     snapshot: &Snapshot,
     (ray, light): (&Ray, &FrozenLight),
     plane: Option<&LightPlane>,
-    blended: &[BlendedHit],
 ) {
-    for hit in blended {
-        lit.dim(hit.t, f64::INFINITY, hit.point.see_through);
-    }
     let Some(plane) = plane else {
         for (shadow, see_through) in shadows_in_line(snapshot, ray, light, lit.range().0) {
             lit.dim(shadow.start, shadow.end, see_through);

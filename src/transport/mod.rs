@@ -25,5 +25,5 @@ mod visibility;
 pub use direct::unshadowed;
 pub use lit_segments::lit_segments;
 pub use path::{MarchSteps, Scratch, Transport, VolumeMethod};
-pub use radiance::{Component, radiance};
+pub use radiance::{Component, OneLight, radiance};
 pub use sample::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures};

@@ -68,8 +68,8 @@ pub struct Scratch {
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub(super) lights: &'a [FrozenLight],
-    /// Whether surfaces that shine by themselves, the background and indirect light belong to it.
-    pub(super) self_luminous: bool,
+    /// Whether the rest belongs to it: emission, the background and indirect light.
+    pub(super) has_rest: bool,
     /// Whether the light of the sky belongs to it.
     pub(super) sky: bool,
     /// Whether it is seen in a surface that shines: shine seen in shine is as blurred as a grid tells it.
@@ -81,13 +81,13 @@ pub(super) struct Illumination<'a> {
 impl Illumination<'_> {
     /// What a surface emits.
     pub(super) fn emitted(&self, point: &SurfacePoint) -> Rgb {
-        if self.self_luminous { point.emission } else { Rgb::ZERO }
+        if self.has_rest { point.emission } else { Rgb::ZERO }
     }
 
     /// What lies behind everything.
     pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3, from: Start) -> Rgb {
         match from {
-            _ if !self.self_luminous => Rgb::ZERO,
+            _ if !self.has_rest => Rgb::ZERO,
             Start::Camera => snapshot.seen_beyond(direction),
             Start::Surface(_) | Start::Shine(_) => snapshot.radiance_beyond(direction),
         }
@@ -137,7 +137,7 @@ pub(super) struct Path<'a> {
 impl<'a> Path<'a> {
     /// Light that was scattered before, if it is wanted here from a grid.
     pub(super) fn indirect(&self) -> Option<&'a Indirect> {
-        self.transport.indirect.filter(|_| self.light.self_luminous)
+        self.transport.indirect.filter(|_| self.light.has_rest)
     }
 
     /// How often it is to be scattered, if it is wanted from random walks.

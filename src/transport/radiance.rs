@@ -11,13 +11,23 @@ use crate::math::{Ray, Sampler};
 use crate::snapshot::{BlendedHit, Snapshot, SurfacePoint};
 use std::ops::{Add, AddAssign, Range};
 
+/// Light of one of the snapshot's lights, and whether the rest goes with it: emission, the background and
+/// indirect light, which are seen along the same rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OneLight {
+    /// Of the snapshot's lights.
+    pub number: usize,
+    /// Whether the rest goes with it.
+    pub with_rest: bool,
+}
+
 /// A component of the light of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Component {
     /// The sum of all others.
     All,
-    /// Light of one of the snapshot's lights, with what shines by itself if it is the first.
-    Light(usize),
+    /// Light of one of the snapshot's lights.
+    Light(OneLight),
     /// Light of the sky that was scattered on the way.
     Sky,
     /// Light that was scattered before, of all lights: a part of the others, much cheaper without the rest.
@@ -111,7 +121,7 @@ impl Transport<'_> {
         sampler: &mut Sampler,
         scratch: &mut Scratch,
     ) -> Sample {
-        let Wanted { lights: range, with_hues, self_luminous, sky } = Wanted::of(component, snapshot);
+        let Wanted { lights: range, with_hues, has_rest, sky } = Wanted::of(component, snapshot);
         let indirect_alone = component == Component::Indirect;
         let mut lights = std::mem::take(&mut scratch.lights);
         lights.clear();
@@ -127,7 +137,7 @@ impl Transport<'_> {
                 point
             });
         }
-        let light = Illumination { lights: &lights, self_luminous, sky, is_in_shine: false, indirect_alone };
+        let light = Illumination { lights: &lights, has_rest, sky, is_in_shine: false, indirect_alone };
         let mut path = Path { snapshot, transport: self, light, sampler, scratch };
         let (leg, surface) = path.follow(ray, Start::Camera, self.mirror_depth);
         let sample = path.sample(&leg, surface.as_ref(), ray, hue);
@@ -142,7 +152,7 @@ struct Wanted {
     lights: Range<usize>,
     /// Whether light has the hues of its points.
     with_hues: bool,
-    self_luminous: bool,
+    has_rest: bool,
     sky: bool,
 }
 
@@ -150,12 +160,12 @@ impl Wanted {
     fn of(component: Component, snapshot: &Snapshot) -> Self {
         match component {
             Component::All | Component::Indirect => {
-                Self { lights: 0..snapshot.lights.len(), with_hues: true, self_luminous: true, sky: true }
+                Self { lights: 0..snapshot.lights.len(), with_hues: true, has_rest: true, sky: true }
             }
-            Component::Light(light) => {
-                Self { lights: light..light + 1, with_hues: false, self_luminous: light == 0, sky: false }
+            Component::Light(OneLight { number, with_rest }) => {
+                Self { lights: number..number + 1, with_hues: false, has_rest: with_rest, sky: false }
             }
-            Component::Sky => Self { lights: 0..0, with_hues: false, self_luminous: false, sky: true },
+            Component::Sky => Self { lights: 0..0, with_hues: false, has_rest: false, sky: true },
         }
     }
 }

@@ -15,7 +15,7 @@ use glam::DVec2;
 /// Radiance of what was scattered before that a surface reflects in its shine, W m^-2 sr^-1.
 pub(super) fn seen(path: &mut Path, indirect: &Indirect, point: &SurfacePoint) -> Rgb {
     let shining = SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, mirror: Rgb::ZERO, ..*point };
-    let of_sky = if indirect.has_sky() && path.light.self_luminous {
+    let of_sky = if indirect.has_sky() && path.light.has_rest {
         sky_light::from_sky(path, &shining)
     } else {
         Rgb::ZERO
@@ -35,7 +35,7 @@ fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rg
     // along it would be dear and no use.
     let volume = VolumeMethod::Equiangular { points: 1 };
     let transport = Transport { indirect: indirect.once_less(), volume, ..*path.transport };
-    let sky = if indirect.has_sky() { path.light.self_luminous } else { path.light.sky };
+    let sky = if indirect.has_sky() { path.light.has_rest } else { path.light.sky };
     let mut seen_from_there = Path {
         snapshot: path.snapshot,
         transport: &transport,

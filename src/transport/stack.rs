@@ -359,7 +359,7 @@ mod tests {
             ];
             for light in lights {
                 let illumination = Illumination {
-                    lights: std::slice::from_ref(&light), self_luminous: true,
+                    lights: std::slice::from_ref(&light), has_rest: true,
                     sky: false, is_in_shine: false, indirect_alone: false,
                 };
                 let mut sampler = Sampler::new(0, 0, 0, 0);

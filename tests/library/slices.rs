@@ -49,7 +49,7 @@ fn compare(scene: &Scene) -> (usize, usize, f64) {
         transport: &EXACT,
         light: &light,
         hue: Rgb::ONE,
-        self_luminous: true,
+        has_rest: true,
         fan: &fan,
     };
     let (mut scratch, mut ray_scratch) = (SliceScratch::default(), Scratch::default());

@@ -115,7 +115,7 @@ fn slices_see_the_same_light_as_rays() {
             transport: &EXACT,
             light: &light,
             hue: Rgb::ONE,
-            self_luminous: true,
+            has_rest: true,
             fan: &fan,
         };
         let (mut rays, mut slices) = (Scratch::default(), SliceScratch::default());

@@ -22,6 +22,13 @@ const COLORS: Wanted = Wanted {
     components: &[Component::F32, Component::U8, Component::U16],
 };
 
+/// Where a primitive stands in its file, and the mesh that people know it by.
+#[derive(Clone, Copy)]
+pub(super) struct At<'a> {
+    pub(super) path: &'a str,
+    pub(super) mesh: &'a str,
+}
+
 /// Reads the attributes of one primitive.
 pub(super) struct Attributes<'a> {
     pub(super) document: &'a Document,

@@ -1,28 +1,25 @@
 //! Materials and the textures they need. Invariant: only images that a mesh shows are opened; every number of
 //! a material is in its range.
 
-use super::buffers::Buffers;
 use super::extensions::material_extension;
 use super::json::{self, Document};
 use super::report::Report;
 use super::texture_maps::{Purpose, Slot, layer, layers, slots};
 use super::textures::Textures;
-use super::{AlphaMode, Clearcoat, Files, Material, Sheen, Texture, TextureMap, named};
+use super::{AlphaMode, Clearcoat, Material, Sheen, Texture, TextureMap, named};
 use crate::diagnostic::Loss;
 use glam::DVec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::path::Path;
 
 /// Of smoother sheens the extension's fitted shadowing gives more than there is (`scattering/sheen.rs`).
 const LEAST_HONOURED_SHEEN: f64 = 0.3;
 
 /// All materials, and the textures of those that a mesh uses which is shown.
 pub(super) fn read(
-    (document, shown): (&Document, &BTreeSet<usize>),
-    buffers: &Buffers<'_>,
-    file: &Path,
-    files: &mut Files,
+    document: &Document,
+    shown: &BTreeSet<usize>,
+    mut textures: Textures,
     report: &mut Report,
 ) -> (Vec<Material>, Vec<Texture>) {
     let mut used = vec![false; document.materials.len()];
@@ -32,7 +29,6 @@ pub(super) fn read(
             *used = true;
         }
     }
-    let mut textures = Textures::new(document, buffers, file, files);
     let mut materials = Vec::with_capacity(document.materials.len());
     for (index, material) in document.materials.iter().enumerate() {
         let mut converted = convert(index, material, report);
@@ -190,35 +186,43 @@ impl Extensions<'_> {
 
     /// A number from 0 to `most`, put into that range; `default` if there is none.
     fn number(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> f64 {
-        self.numbers((extension, field), [default], most, report, |value| Some([value.as_f64()?]))[0]
+        self.numbers(Field { extension, name: field, most }, [default], report, |value| {
+            Some([value.as_f64()?])
+        })[0]
     }
 
     /// Three such numbers.
     fn color(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> DVec3 {
         let default = [default; 3];
         let three = |value: &Value| serde_json::from_value(value.clone()).ok();
-        DVec3::from(self.numbers((extension, field), default, most, report, three))
+        DVec3::from(self.numbers(Field { extension, name: field, most }, default, report, three))
     }
 
     fn numbers<const N: usize>(
         &self,
-        (extension, field): (&str, &str),
+        Field { extension, name, most }: Field,
         default: [f64; N],
-        most: f64,
         report: &mut Report,
         read: impl Fn(&Value) -> Option<[f64; N]>,
     ) -> [f64; N] {
-        let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(field)) else {
+        let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(name)) else {
             return default;
         };
         let numbers = read(value).filter(|numbers| numbers.iter().all(|number| number.is_finite()));
         let within = numbers.map_or(default, |numbers| numbers.map(|number| number.clamp(0.0, most)));
         if numbers != Some(within) {
-            let at = format!("{}.extensions.{extension}.{field}", self.path);
+            let at = format!("{}.extensions.{extension}.{name}", self.path);
             report.put_right(Loss::ValueOutOfRange, &at, value);
         }
         within
     }
+}
+
+/// A field of an extension, with the most that its numbers may be.
+struct Field<'a> {
+    extension: &'a str,
+    name: &'a str,
+    most: f64,
 }
 
 fn report_unused(material: &json::Material, name: &str, report: &mut Report) {

@@ -3,6 +3,7 @@
 //! an attribute alone where the rest makes sense without it, else the primitive.
 
 use super::accessor::{Accessors, Component, Wanted};
+use super::attributes::At;
 use super::attributes::{Attributes, SIGNED_OR_NOT, vectors};
 use super::draco::Damaged;
 use super::json::{self, Document};
@@ -41,7 +42,9 @@ pub(super) fn read(
             }
             let primitive = match damaged.remove(&(index, number)) {
                 Some(damage) => Err(damage),
-                None => read_primitive(document, primitive, (&path, &name), accessors, report),
+                None => {
+                    read_primitive(document, primitive, At { path: &path, mesh: &name }, accessors, report)
+                }
             };
             primitives.extend(report.spare(Loss::PrimitiveDamaged, primitive));
         }
@@ -65,10 +68,11 @@ fn report_unused(primitive: &json::Primitive, mesh: &str, report: &mut Report) {
 fn read_primitive(
     document: &Document,
     primitive: &json::Primitive,
-    (path, mesh): (&str, &str),
+    at: At,
     accessors: &Accessors<'_>,
     report: &mut Report,
 ) -> Result<Primitive, Diagnostic> {
+    let At { path, mesh } = at;
     let Some(&positions) = primitive.attributes.get("POSITION") else {
         let found = "the mesh has no positions";
         return Err(accessors.invalid(format!("{path}.attributes"), found).expected("POSITION"));
@@ -81,8 +85,8 @@ fn read_primitive(
         report.index_exists(&format!("{path}.material"), material, document.materials.len(), "material")
     });
     let slots = material.map(|material| slots(&document.materials[material])).unwrap_or_default();
-    let targets = morphs::targets(primitive, vertices, (path, mesh), accessors, report);
-    let influences = skins::influences(&primitive.attributes, vertices, (path, mesh), accessors, report);
+    let targets = morphs::targets(primitive, vertices, at, accessors, report);
+    let influences = skins::influences(&primitive.attributes, vertices, at, accessors, report);
 
     let mut attributes = Attributes { document, primitive, vertices, path, mesh, accessors, report };
     let normals = attributes.normals();

@@ -33,6 +33,7 @@ mod surfaces;
 mod texture_maps;
 mod textures;
 
+use self::textures::Textures;
 use super::image::DecodedImage;
 use super::{Files, LoadError, vdb};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
@@ -344,7 +345,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     grids::read(&mut scene, files, &mut report)?;
     let shown = scene.shown_meshes();
     (scene.materials, scene.textures) =
-        materials::read((&document, &shown), &buffers, path, files, &mut report);
+        materials::read(&document, &shown, Textures::new(&document, &buffers, path, files), &mut report);
     if scene.meshes.iter().all(|mesh| mesh.primitives.is_empty())
         && !shown.is_empty()
         && let Some(damage) = report.first_damage(Loss::PrimitiveDamaged).cloned()

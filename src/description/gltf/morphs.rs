@@ -2,6 +2,7 @@
 //! primitives of a mesh have as many targets as it has weights, if need be none.
 
 use super::accessor::{Accessors, Component, Wanted};
+use super::attributes::At;
 use super::attributes::vectors;
 use super::json::{self, Document};
 use super::report::Report;
@@ -19,7 +20,7 @@ const DIFFERENCES: Wanted = Wanted {
 pub(super) fn targets(
     primitive: &json::Primitive,
     vertices: usize,
-    (path, mesh): (&str, &str),
+    At { path, mesh }: At,
     accessors: &Accessors<'_>,
     report: &mut Report,
 ) -> Result<Vec<MorphTarget>, Diagnostic> {

@@ -2,6 +2,7 @@
 //! vertex add up to 1; a node has a skin only if all vertices of its mesh hang on that skin's joints.
 
 use super::accessor::{Accessors, Component, Wanted};
+use super::attributes::At;
 use super::json::{self, Document};
 use super::report::Report;
 use super::{GltfScene, Influences, Skin, named};
@@ -79,7 +80,7 @@ fn inverse_bind_matrices(
 pub(super) fn influences(
     attributes: &BTreeMap<String, usize>,
     vertices: usize,
-    (path, mesh): (&str, &str),
+    At { path, mesh }: At,
     accessors: &Accessors<'_>,
     report: &mut Report,
 ) -> Result<Option<Influences>, Diagnostic> {

@@ -45,7 +45,7 @@ pub(super) use manner::Mix;
 pub(super) use obstacles::Obstacles;
 pub(super) use outline::Outline;
 pub(super) use pile::come_to_rest;
-pub(super) use wind::Wind;
+pub(super) use wind::{Eddies, Gusts, Wind};
 
 /// Curves may pass this far from a leaf's poses, over its length; and radians.
 const TOLERANCE: f64 = 0.01;

@@ -17,11 +17,21 @@ fn leaf_shape() -> Outline {
 const TRIANGLES: [[u32; 3]; 4] = [[0, 3, 1], [0, 2, 3], [1, 3, 4], [3, 2, 4]];
 
 pub(super) fn calm() -> Wind {
-    Wind::new(DVec3::ZERO, (DVec3::ZERO, 1.0), (0.0, 1.0), 0)
+    Wind::new(
+        DVec3::ZERO,
+        Gusts { speed_m_per_s: DVec3::ZERO, every_s: 1.0 },
+        Eddies { speed_m_per_s: 0.0, size_m: 1.0 },
+        0,
+    )
 }
 
 pub(super) fn storm() -> Wind {
-    Wind::new(DVec3::new(2.0, 0.0, 1.0), (DVec3::new(3.0, 0.3, 0.0), 3.0), (1.0, 2.0), 5)
+    Wind::new(
+        DVec3::new(2.0, 0.0, 1.0),
+        Gusts { speed_m_per_s: DVec3::new(3.0, 0.3, 0.0), every_s: 3.0 },
+        Eddies { speed_m_per_s: 1.0, size_m: 2.0 },
+        5,
+    )
 }
 
 pub(super) fn every_way() -> Mix {
@@ -128,7 +138,12 @@ fn trunk() -> Obstacles {
 #[test]
 fn no_leaf_goes_into_a_trunk() {
     // Blown against it from all over the box.
-    let wind = Wind::new(DVec3::new(1.5, 0.0, 0.0), (DVec3::new(3.0, 0.0, 0.0), 3.0), (0.5, 2.0), 5);
+    let wind = Wind::new(
+        DVec3::new(1.5, 0.0, 0.0),
+        Gusts { speed_m_per_s: DVec3::new(3.0, 0.0, 0.0), every_s: 3.0 },
+        Eddies { speed_m_per_s: 0.5, size_m: 2.0 },
+        5,
+    );
     let mut stopped = 0;
     let open = fall(every_way(), wind, level());
     let wooded = Fall { obstacles: trunk(), ..open.clone() };
@@ -341,7 +356,12 @@ fn leaves_fly_together_as_they_fly_alone() {
 #[test]
 fn shorter_intervals_end_in_the_same_place() {
     // A second and a half. In eddies flutter is chaotic, so a steady leaf stands for the storm.
-    let gusts = Wind::new(DVec3::X, (DVec3::X * 2.0, 3.0), (0.0, 2.0), 5);
+    let gusts = Wind::new(
+        DVec3::X,
+        Gusts { speed_m_per_s: DVec3::X * 2.0, every_s: 3.0 },
+        Eddies { speed_m_per_s: 0.0, size_m: 2.0 },
+        5,
+    );
     let flights =
         [(0.8, 0.2, calm(), 1e-5, 0.0), (0.8, 0.2, gusts, 1e-2, 8.0), (0.3, 8.0, storm(), 1e-2, 3.0)];
     for (inertia, damping, wind, tolerance_m, gain) in flights {
@@ -364,7 +384,12 @@ fn steady_leaves_sink_a_little_slower_than_drag_on_a_level_plate_allows() {
 
 #[test]
 fn the_wind_carries_leaves_along() {
-    let wind = Wind::new(DVec3::new(1.5, 0.0, -0.5), (DVec3::ZERO, 1.0), (0.0, 1.0), 0);
+    let wind = Wind::new(
+        DVec3::new(1.5, 0.0, -0.5),
+        Gusts { speed_m_per_s: DVec3::ZERO, every_s: 1.0 },
+        Eddies { speed_m_per_s: 0.0, size_m: 1.0 },
+        0,
+    );
     let flight = lone_flight(0.3, 8.0, 1.0 / 60.0, &wind);
     let (first, last) = (flight.poses[60], flight.poses[flight.poses.len() - 1]);
     let drift = (last.middle - first.middle) / (last.time_s - first.time_s);

@@ -41,14 +41,25 @@ struct Wave {
     velocity: DVec3,
 }
 
+/// What the strongest gust adds to the mean wind, one every so many seconds or so.
+pub(crate) struct Gusts<T> {
+    pub(crate) speed_m_per_s: T,
+    pub(crate) every_s: f64,
+}
+
+/// Eddies: the root of the mean square of their velocity, and their size.
+pub(crate) struct Eddies<T> {
+    pub(crate) speed_m_per_s: T,
+    pub(crate) size_m: f64,
+}
+
 impl Wind {
-    /// `gust` is what the strongest gust adds, one every `gust_s` or so; `eddy` the root of the mean square
-    /// of the eddies' velocity, `eddy_m` their size. Gusts come with the mean wind where it is strongest: one
-    /// that changed its speed would bring them all at once.
+    /// Gusts come with the mean wind where it is strongest: one that changed its speed would bring them all
+    /// at once.
     pub(crate) fn new(
         mean: impl Into<Track<DVec3>>,
-        (gust, gust_s): (impl Into<Track<DVec3>>, f64),
-        (eddy, eddy_m): (impl Into<Track<f64>>, f64),
+        Gusts { speed_m_per_s: gust, every_s: gust_s }: Gusts<impl Into<Track<DVec3>>>,
+        Eddies { speed_m_per_s: eddy, size_m: eddy_m }: Eddies<impl Into<Track<f64>>>,
         seed: u32,
     ) -> Self {
         let (mean, eddy) = (mean.into(), eddy.into());
@@ -124,7 +135,12 @@ mod tests {
     use super::*;
 
     fn storm() -> Wind {
-        Wind::new(DVec3::new(3.0, 0.0, 1.0), (DVec3::new(4.0, 0.0, 0.0), 3.0), (1.5, 2.0), 7)
+        Wind::new(
+            DVec3::new(3.0, 0.0, 1.0),
+            Gusts { speed_m_per_s: DVec3::new(4.0, 0.0, 0.0), every_s: 3.0 },
+            Eddies { speed_m_per_s: 1.5, size_m: 2.0 },
+            7,
+        )
     }
 
     fn places() -> impl Iterator<Item = (DVec3, f64)> {
@@ -137,13 +153,23 @@ mod tests {
 
     #[test]
     fn calm_air_does_not_move() {
-        let calm = Wind::new(DVec3::ZERO, (DVec3::ZERO, 1.0), (0.0, 1.0), 3);
+        let calm = Wind::new(
+            DVec3::ZERO,
+            Gusts { speed_m_per_s: DVec3::ZERO, every_s: 1.0 },
+            Eddies { speed_m_per_s: 0.0, size_m: 1.0 },
+            3,
+        );
         assert!(places().all(|(place, time_s)| calm.at(place, time_s) == DVec3::ZERO));
     }
 
     #[test]
     fn eddies_have_no_divergence_and_the_speed_asked_for() {
-        let eddies = Wind::new(DVec3::X, (DVec3::ZERO, 1.0), (1.5, 2.0), 7);
+        let eddies = Wind::new(
+            DVec3::X,
+            Gusts { speed_m_per_s: DVec3::ZERO, every_s: 1.0 },
+            Eddies { speed_m_per_s: 1.5, size_m: 2.0 },
+            7,
+        );
         let (step, mut square, mut count) = (1e-4, 0.0, 0.0);
         for (place, time_s) in places() {
             let difference = |axis: DVec3| {
@@ -161,7 +187,12 @@ mod tests {
 
     #[test]
     fn gusts_add_at_most_what_they_may_and_come_with_the_wind() {
-        let gusts = Wind::new(DVec3::X * 2.0, (DVec3::X * 4.0, 3.0), (0.0, 1.0), 7);
+        let gusts = Wind::new(
+            DVec3::X * 2.0,
+            Gusts { speed_m_per_s: DVec3::X * 4.0, every_s: 3.0 },
+            Eddies { speed_m_per_s: 0.0, size_m: 1.0 },
+            7,
+        );
         let speeds: Vec<f64> =
             (0..3000).map(|step| gusts.at(DVec3::ZERO, 0.01 * f64::from(step)).x).collect();
         let (low, high) = speeds.iter().fold((9.0_f64, 0.0_f64), |(low, high), &x| (low.min(x), high.max(x)));

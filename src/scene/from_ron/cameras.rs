@@ -1,6 +1,7 @@
 //! Cameras of a file in, cameras with their nodes out. Invariant: a camera either looks at something or is
 //! turned, and is either orthographic or has an angle of view.
 
+use super::lights::Named;
 use super::{Resolver, rotation, track};
 use crate::description::ron;
 use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Track};
@@ -99,6 +100,7 @@ impl Resolver<'_> {
             );
         }
         let up = track(&camera.up, &format!("{owner}.up"), &mut self.problems)?;
-        self.aimed(owner, ("position_m", &camera.position_m), ("look_at_m", look_at), up)
+        let from = Named { name: "position_m", point: &camera.position_m };
+        self.aimed(owner, from, Named { name: "look_at_m", point: look_at }, up)
     }
 }

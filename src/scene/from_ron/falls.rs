@@ -7,8 +7,8 @@ use crate::description::ron;
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::math::Chance;
 use crate::scene::fall::{
-    Emitter, Fall, Fallen, Flown, Ground, LONGEST_FLIGHT_S, Mix, Obstacles, Outline, Species, Surface, Wind,
-    come_to_rest,
+    Eddies, Emitter, Fall, Fallen, Flown, Ground, Gusts, LONGEST_FLIGHT_S, Mix, Obstacles, Outline, Species,
+    Surface, Wind, come_to_rest,
 };
 use crate::scene::{
     Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, RayVisibility, Rotation, Segment, Track,
@@ -278,7 +278,12 @@ impl Resolver<'_> {
             self.problems.error(&field, found, "a wind along the ground", remedy);
             return None;
         }
-        Some(Wind::new(mean, (gust, wind.gust_s.si()), (eddy, wind.eddy_m.si()), wind.seed))
+        Some(Wind::new(
+            mean,
+            Gusts { speed_m_per_s: gust, every_s: wind.gust_s.si() },
+            Eddies { speed_m_per_s: eddy, size_m: wind.eddy_m.si() },
+            wind.seed,
+        ))
     }
 
     /// `Some(None)` is a fall without a mix.

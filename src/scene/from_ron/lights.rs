@@ -6,6 +6,13 @@ use crate::description::ron::{self, Keyable, Keyed, Number, Point, Positive};
 use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, Track};
 use glam::{DQuat, DVec3};
 
+/// A point of a file, with the name of its field.
+#[derive(Clone, Copy)]
+pub(super) struct Named<'a> {
+    pub(super) name: &'a str,
+    pub(super) point: &'a Keyed<Point>,
+}
+
 impl Resolver<'_> {
     /// Places all lights.
     pub(super) fn lights(&mut self) {
@@ -74,7 +81,9 @@ impl Resolver<'_> {
         target_m: &Keyed<Point>,
         up: DVec3,
     ) -> Option<Motion> {
-        self.aimed(owner, ("position_m", position_m), ("target_m", target_m), up.into())
+        let [position, target] =
+            [Named { name: "position_m", point: position_m }, Named { name: "target_m", point: target_m }];
+        self.aimed(owner, position, target, up.into())
     }
 
     /// The track of a light's field.
@@ -115,21 +124,15 @@ impl Resolver<'_> {
     }
 
     /// A motion that stands at one field's value and points to another's.
-    pub(super) fn aimed(
-        &mut self,
-        owner: &str,
-        (position_name, position): (&str, &Keyed<Point>),
-        (target_name, target): (&str, &Keyed<Point>),
-        up: Track<DVec3>,
-    ) -> Option<Motion> {
-        let position = track(position, &format!("{owner}.{position_name}"), &mut self.problems);
-        let target = track(target, &format!("{owner}.{target_name}"), &mut self.problems);
+    pub(super) fn aimed(&mut self, owner: &str, from: Named, to: Named, up: Track<DVec3>) -> Option<Motion> {
+        let position = track(from.point, &format!("{owner}.{}", from.name), &mut self.problems);
+        let target = track(to.point, &format!("{owner}.{}", to.name), &mut self.problems);
         let (position, target) = (position?, target?);
         let mut times = position.times_s().iter().chain(target.times_s()).copied();
         if let Some(time_s) = times.find(|&time_s| position.at(time_s) == target.at(time_s)) {
             self.problems.error(
-                &format!("{owner}.{target_name}"),
-                format!("`{position_name}` and `{target_name}` are the same point at {time_s} s"),
+                &format!("{owner}.{}", to.name),
+                format!("`{}` and `{}` are the same point at {time_s} s", from.name, to.name),
                 "two different points",
                 "move one of them",
             );

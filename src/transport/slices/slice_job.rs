@@ -17,8 +17,8 @@ pub struct SliceJob<'a> {
     pub light: &'a FrozenLight,
     /// What its light is to be multiplied by, see [`Sample::hue`](crate::transport::Sample::hue).
     pub hue: Rgb,
-    /// Whether what shines by itself is counted with this light.
-    pub self_luminous: bool,
+    /// Whether emission, the background and indirect light go with this light.
+    pub has_rest: bool,
     /// All slices of the light, from where they are seen.
     pub fan: &'a Fan,
 }

@@ -38,10 +38,9 @@ impl SliceRay<'_> {
 
     /// The path that it begins.
     fn path<'s>(&'s self, sampler: &'s mut Sampler, scratch: &'s mut Scratch) -> Path<'s> {
-        let SliceJob { snapshot, transport, light, self_luminous, .. } = *self.job;
+        let SliceJob { snapshot, transport, light, has_rest, .. } = *self.job;
         let lights = std::slice::from_ref(light);
-        let light =
-            Illumination { lights, self_luminous, sky: false, is_in_shine: false, indirect_alone: false };
+        let light = Illumination { lights, has_rest, sky: false, is_in_shine: false, indirect_alone: false };
         Path { snapshot, transport, light, sampler, scratch }
     }
 

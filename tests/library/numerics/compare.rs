@@ -227,7 +227,7 @@ pub(crate) fn by_slices_through(
         transport: &EXACT,
         light: &light,
         hue: Rgb::ONE,
-        self_luminous: true,
+        has_rest: true,
         fan: &fan,
     };
     let mut scratch = SliceScratch::default();

@@ -103,7 +103,7 @@ fn in_a_slice() {
             transport: &EXACT,
             light: &light,
             hue: Rgb::ONE,
-            self_luminous: true,
+            has_rest: true,
             fan: &fan,
         };
         // In the middle of the picture, or nearly: the plane of the fence.

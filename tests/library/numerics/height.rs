@@ -139,7 +139,7 @@ fn slices() {
                 transport: &EXACT,
                 light: &light,
                 hue: Rgb::ONE,
-                self_luminous: true,
+                has_rest: true,
                 fan: &fan,
             };
             let mut scratch = SliceScratch::default();
