@@ -1,16 +1,16 @@
-//! How far leaves stand in masses within cells, where a cell knows no more than how many there are. In go
+//! How far leaves stand in clumps within cells, where a cell knows no more than how many there are. In go
 //! surfels, out comes a clumping index for each node. Invariant: leaves that stand anywhere, each by itself,
 //! have an index of 1.
 //!
 //! A canopy of the leaf area `L` lets `exp(-G L)` of light through where leaves are spread evenly. Where they
-//! stand in masses it is `exp(-G L omega)` (Nilson 1971, "A theoretical analysis of the frequency of gaps in
+//! stand in clumps it is `exp(-G L omega)` (Nilson 1971, "A theoretical analysis of the frequency of gaps in
 //! plant stands"). The index `omega` is predicted here. Columns of a cell, hardly wider than a leaf, have
 //! their own leaf area. What they let through on the mean (Lang & Xiang 1986, "Estimation of leaf area index
 //! from transmission of direct sunlight in discontinuous canopies") the cell lets through, with those next to
-//! it: leaves are spread over all of them, so that masses as wide as cells are lost too.
+//! it: leaves are spread over all of them, so that clumps as wide as cells are lost too.
 //!
-//! Of light from elsewhere a leaf of a mass gets `omega`. By reciprocity as much of its own leaves the mass,
-//! and the rest meets another leaf of it. This is the recollision probability `1 - omega` (Smolander &
+//! Of light from elsewhere a leaf of a clump gets `omega`. By reciprocity as much of its own leaves the
+//! clump, and the rest meets another leaf of it. This is the recollision probability `1 - omega` (Smolander &
 //! Stenberg 2005, "Simple parameterizations of the radiation budget of uniform broadleaved and coniferous
 //! canopies").
 
@@ -35,7 +35,7 @@ const MOST_IN_ALL: f64 = 16e6;
 
 /// Of leaves, by node.
 pub(crate) struct Clumping {
-    /// None where cells are too small for masses.
+    /// None where cells are too small for clumps.
     indices: Vec<f32>,
     bounces: Bounces,
 }
@@ -72,7 +72,7 @@ impl Clumping {
         Self { indices: (0..grid.count()).map(index).collect(), bounces }
     }
 
-    /// Whether leaves stand in no masses.
+    /// Whether leaves stand in no clumps.
     pub(crate) fn is_none(&self) -> bool {
         self.indices.is_empty()
     }
@@ -88,7 +88,7 @@ impl Clumping {
     }
 
     /// What leaves of an index get of light from elsewhere, over what they would get each by itself, if they
-    /// send an `albedo` of all they get on. Of their own light as much leaves the mass.
+    /// send an `albedo` of all they get on. Of their own light as much leaves the clump.
     pub(crate) fn inside(&self, index: f64, albedo: Rgb) -> Rgb {
         match self.bounces {
             Bounces::All => escaped(index, albedo),
@@ -129,9 +129,9 @@ impl Columns {
         &self.areas_m2[(3 * node + axis) * count..][..count]
     }
 
-    /// Which share of light they stop, along each axis, and the mean optical depth of their leaves. A mass
+    /// Which share of light they stop, along each axis, and the mean optical depth of their leaves. A clump
     /// may be longer than a cell, so columns reach into the next cells. Leaves that lie on the ground are no
-    /// mass: from the side next to nothing of them is seen.
+    /// clump: from the side next to nothing of them is seen.
     fn of_node(&self, grid: &Grid, node: usize) -> ([f32; 3], [f32; 3]) {
         let (cell, strides) = (grid.cell_of(node), grid.strides());
         let count = self.across * self.across;
@@ -181,10 +181,10 @@ mod tests {
 
     /// The mean index of the cells of a box full of leaves that stand together by so many, in a layer so
     /// high.
-    fn index(leaves_a_mass: usize, layer: f64) -> f64 {
+    fn index(leaves_a_clump: usize, layer: f64) -> f64 {
         let half_m = 8.0;
         let grid = Grid::covering(DVec3::splat(-half_m), DVec3::splat(half_m), CELL_M);
-        let masses = 40_000 / leaves_a_mass;
+        let clumps = 40_000 / leaves_a_clump;
         let place = |number: usize| {
             // Splitmix64 (Steele, Lea & Flood 2014).
             let uniform = |index: usize| {
@@ -198,7 +198,7 @@ mod tests {
                 * DVec3::new(1.0, layer, 1.0)
                 * (2.0 * DVec3::new(uniform(0), uniform(1), uniform(2)) - 1.0)
         };
-        let places = (0..masses).flat_map(|number| std::iter::repeat_n(place(number), leaves_a_mass));
+        let places = (0..clumps).flat_map(|number| std::iter::repeat_n(place(number), leaves_a_clump));
         let clumping = Clumping::of(&grid, &Surfels::of_leaves(places, LEAF_AREA_M2), Bounces::All);
         let inside: Vec<usize> = (0..grid.count())
             .filter(|node| grid.position(*node).abs().max_element() < half_m - 2.0 * CELL_M)
@@ -212,10 +212,10 @@ mod tests {
         assert!((0.97..=1.0).contains(&index), "{index}");
     }
 
-    /// A mass at a point is a leaf of as much area: their number is Poisson's, and so is what they let
+    /// A clump at a point is a leaf of as much area: their number is Poisson's, and so is what they let
     /// through known.
     #[test]
-    fn masses_have_that_of_as_many_large_leaves() {
+    fn clumps_have_that_of_as_many_large_leaves() {
         let across = ((CELL_M / (LEAVES_ACROSS * LEAF_AREA_M2.sqrt())) as usize).min(MOST_COLUMNS);
         let by_chance = |area_m2: f64| {
             let depth = area_m2 / (CELL_M / across as f64).powi(2);
@@ -228,9 +228,9 @@ mod tests {
         }
     }
 
-    /// Pillars of a quarter of the cells, each evenly full of leaves: none is a mass within its cell.
+    /// Pillars of a quarter of the cells, each evenly full of leaves: none is a clump within its cell.
     #[test]
-    fn masses_as_wide_as_cells_are_masses() {
+    fn clumps_as_wide_as_cells_are_clumps() {
         let half_m = 8.0;
         let grid = Grid::covering(DVec3::splat(-half_m), DVec3::splat(half_m), CELL_M);
         let is_full = |node: &usize| {
@@ -250,14 +250,14 @@ mod tests {
 
     /// They hide nothing of each other: all face up.
     #[test]
-    fn leaves_that_lie_on_the_ground_are_no_mass() {
+    fn leaves_that_lie_on_the_ground_are_no_clump() {
         let index = index(1, 1e-3);
         assert!(index > 0.95, "{index}");
     }
 
     /// What gets in and is sent on gets out, and terms of the series are those of its sum.
     #[test]
-    fn nothing_is_lost_within_a_mass_that_absorbs_nothing() {
+    fn nothing_is_lost_within_a_clump_that_absorbs_nothing() {
         let clumping = |bounces| Clumping { indices: Vec::new(), bounces };
         let albedo = Rgb::new(1.0, 0.5, 0.0);
         let all = clumping(Bounces::All).inside(0.6, albedo);

@@ -1,6 +1,6 @@
-//! What leaves that stand in a mass are to each other, where light is gathered. In goes a place, out comes
-//! its [`Clump`]. Invariant: where a mass absorbs nothing, in even light, its leaves get what they would each
-//! by itself.
+//! What leaves that stand in a clump are to each other, where light is gathered. In goes a place, out comes
+//! its [`Clump`]. Invariant: where a clump absorbs nothing, in even light, its leaves get what they would
+//! each by itself.
 
 use super::clumping::Clumping;
 use super::surroundings::Leaf;
@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::ordinates::grid::Grid;
 use glam::DVec3;
 
-/// All masses of a grid.
+/// All clumps of a grid.
 pub(crate) struct Clumps {
     clumping: Clumping,
     /// What leaves give each other of the light that they scatter first, W/m^2 by node.
@@ -48,19 +48,19 @@ impl Clumps {
         &self.clumping
     }
 
-    /// A leaf's own place in one: a leaf that is bent is a mass by itself. Of first light its side scatters
+    /// A leaf's own place in one: a leaf that is bent is a clump by itself. Of first light its side scatters
     /// `unmet`, W, of which it meets a share again.
-    pub(crate) fn of_leaf(&self, mass: Clump, leaf: &Leaf, unmet: Rgb) -> Clump {
-        let index = mass.index * leaf.exposed;
+    pub(crate) fn of_leaf(&self, clump: Clump, leaf: &Leaf, unmet: Rgb) -> Clump {
+        let index = clump.index * leaf.exposed;
         let out = self.clumping.inside(index, leaf.optics.albedo());
         let met_again = (1.0 - leaf.exposed) / index * out * unmet / leaf.area_m2.max(f64::MIN_POSITIVE);
-        Clump { index, given: mass.given + met_again }
+        Clump { index, given: clump.given + met_again }
     }
 
-    /// What a leaf of a mass gathers of what it would by itself, if it sends a share of all light on.
-    pub(crate) fn gathered(&self, mass: Clump, by_itself: Rgb, sent: Rgb) -> Rgb {
-        if mass.index < 1.0 {
-            self.clumping.inside(mass.index, sent) * by_itself + mass.given
+    /// What a leaf of a clump gathers of what it would by itself, if it sends a share of all light on.
+    pub(crate) fn gathered(&self, clump: Clump, by_itself: Rgb, sent: Rgb) -> Rgb {
+        if clump.index < 1.0 {
+            self.clumping.inside(clump.index, sent) * by_itself + clump.given
         } else {
             by_itself
         }

@@ -37,7 +37,7 @@ struct Left {
     fluence: Fluence,
     /// What leaves scatter of it, as sources.
     scattered: NodeMoments,
-    /// What of that meets leaves of the same mass, W m^-3 by node.
+    /// What of that meets leaves of the same clump, W m^-3 by node.
     met_again: Vec<[f32; 3]>,
     /// What meets leaves, in the order of the rays.
     on_leaves: Vec<LeafHit>,
@@ -50,8 +50,8 @@ pub(crate) struct Found {
     /// Of suns in fog beyond that.
     pub(crate) beams: Vec<BeamSource>,
     /// Of suns what goes on nearly straight.
-    pub(crate) glows: Vec<ForwardPeak>,
-    /// What leaves scatter that meets leaves of the same mass, W m^-3 by node.
+    pub(crate) forward_peaks: Vec<ForwardPeak>,
+    /// What leaves scatter that meets leaves of the same clump, W m^-3 by node.
     pub(crate) met_again: Vec<[f32; 3]>,
     /// What leaves get.
     pub(crate) on_leaves: LeafPower,
@@ -72,9 +72,9 @@ impl FirstCollisions<'_> {
     /// What all lights make of fog and leaves.
     pub(crate) fn found(&self) -> Found {
         let nothing = Moments::zero(self.cut.grid.count());
-        let (beams, glows, met_again) = (Vec::new(), Vec::new(), self.nothing_met());
+        let (beams, forward_peaks, met_again) = (Vec::new(), Vec::new(), self.nothing_met());
         let on_leaves = LeafPower::zero(self.leaves.all().len());
-        let mut found = Found { sources: nothing, beams, glows, met_again, on_leaves };
+        let mut found = Found { sources: nothing, beams, forward_peaks, met_again, on_leaves };
         let emitters = Emitters { snapshot: self.snapshot, grid: self.cut.grid, fog: self.fog };
         let per_volume = self.per_volume();
         for light in &self.snapshot.lights {
@@ -95,7 +95,7 @@ impl FirstCollisions<'_> {
         found
     }
 
-    /// Room for what meets leaves of the same mass, where there are masses.
+    /// Room for what meets leaves of the same clump, where there are clumps.
     fn nothing_met(&self) -> Vec<[f32; 3]> {
         vec![[0.0; 3]; if self.medium.clumping.is_none() { 0 } else { self.cut.grid.count() }]
     }
@@ -142,14 +142,14 @@ impl FirstCollisions<'_> {
     fn add_sun(&self, travel: DVec3, groups: &[Left], per_volume: &[f32], found: &mut Found) {
         let count = self.cut.grid.count();
         let mut irradiance = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
-        let mut glow = vec![[0.0; 3]; count];
+        let mut peak = vec![[0.0; 3]; count];
         for Left { fluence, scattered, .. } in groups {
             for channel in 0..3 {
                 for (node, value) in fluence.of(channel, 0).enumerate() {
                     irradiance[channel][node] += per_volume[node] * value;
                 }
-                for (node, value) in fluence.glow(channel).enumerate() {
-                    glow[node][channel] += per_volume[node] * value;
+                for (node, value) in fluence.peak(channel).enumerate() {
+                    peak[node][channel] += per_volume[node] * value;
                 }
             }
             found.sources.add_nodes(scattered);
@@ -171,8 +171,8 @@ impl FirstCollisions<'_> {
             found.beams.push(BeamSource::new(travel, &irradiance, &self.medium.first_scattering));
         }
         let all = |node: usize| irradiance.iter().map(|channel| channel[node]).sum();
-        let times = glow.iter().enumerate().map(|(node, glow)| mean_times(glow.iter().sum(), all(node)));
-        found.glows.push(ForwardPeak { travel, times: times.collect(), irradiance: glow });
+        let times = peak.iter().enumerate().map(|(node, peak)| mean_times(peak.iter().sum(), all(node)));
+        found.forward_peaks.push(ForwardPeak { travel, times: times.collect(), irradiance: peak });
     }
 
     /// One over the volume that each node stands for, 1/m^3: walls cut pieces off cells.
@@ -286,20 +286,20 @@ impl FirstCollisions<'_> {
                 left[which] = here * through;
                 here
             });
-            let (amount, glow) = (length * here[0], length * (here[0] - here[1]));
+            let (amount, peak) = (length * here[0], length * (here[0] - here[1]));
             if self.cut.occluders.are_near(node) {
                 let place = in_world.at(middle);
                 let corners = self.cut.occluders.cell_of(self.cut.grid, place);
-                fluence.add(corners.iter(), ray.direction, amount, glow);
+                fluence.add(corners.iter(), ray.direction, amount, peak);
             } else {
-                fluence.add(std::iter::once((node, 1.0)), ray.direction, amount, glow);
+                fluence.add(std::iter::once((node, 1.0)), ray.direction, amount, peak);
             }
         }
     }
 
-    /// The share of what a leaf of an exposed share scatters of power that gets out of it and of its mass;
+    /// The share of what a leaf of an exposed share scatters of power that gets out of it and of its clump;
     /// what meets that again stays there.
-    fn leaves_mass(
+    fn leaves_clump(
         &self,
         world: DVec3,
         (exposed, sent): (f64, Rgb),
@@ -328,7 +328,7 @@ impl FirstCollisions<'_> {
                 continue;
             }
             let share = (leaf.exposed, leaf.optics.albedo());
-            let out = self.leaves_mass(leaf.position, share, power[0] + power[1], &mut found.met_again);
+            let out = self.leaves_clump(leaf.position, share, power[0] + power[1], &mut found.met_again);
             let scattered = found.on_leaves.scattered(number, leaf);
             for (scattered, facing) in scattered.into_iter().zip([leaf.normal, -leaf.normal]) {
                 let nodes = leaf_power::nodes_of(self.cut, (leaf, facing));
@@ -351,7 +351,7 @@ impl FirstCollisions<'_> {
         let optics = optics_of(point);
         let factor = FRAC_1_PI / self.cut.grid.cell_volume();
         let world = self.snapshot.world_from_relative(point.position);
-        let out = self.leaves_mass(world, (1.0, optics.albedo()), power, &mut left.met_again);
+        let out = self.leaves_clump(world, (1.0, optics.albedo()), power, &mut left.met_again);
         for (side, radiosity) in [(normal, optics.reflectance), (-normal, optics.transmittance)] {
             if radiosity == Rgb::ZERO {
                 continue;
@@ -375,8 +375,8 @@ fn add_on_leaves(groups: &[Left], found: &mut Found) {
 
 /// How often light was scattered that was scattered at all, of which there is so much of `all`: a Poisson
 /// process (van de Hulst 1980, "Multiple Light Scattering").
-pub(crate) fn mean_times(glow: f32, all: f32) -> f32 {
-    let share = if all > 0.0 { (glow / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
+pub(crate) fn mean_times(peak: f32, all: f32) -> f32 {
+    let share = if all > 0.0 { (peak / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
     let depth = -(1.0 - share).ln();
     if depth > 1e-3 { depth / share } else { 1.0 }
 }

@@ -7,28 +7,42 @@ use crate::ordinates::grid::Corners;
 use crate::ordinates::harmonics::{COUNT, basis};
 use glam::DVec3;
 
-/// A sun's light that fog has scattered, but nearly straight ahead: it still goes as the sun's own does.
-#[derive(Clone, Debug)]
-pub(crate) struct ForwardPeak {
+/// Forward peak at a place: a sun's light that fog has scattered, but nearly straight ahead. It still goes as
+/// the sun's own does.
+#[derive(Clone, Copy)]
+pub(crate) struct Peak {
     /// Direction of travel.
     pub(crate) travel: DVec3,
-    /// Irradiance on a plane that faces it, by node, W/m^2.
+    /// Irradiance on a plane that faces it, W/m^2.
+    pub(crate) irradiance: Rgb,
+    /// How often it was scattered, on the mean; at least once.
+    pub(crate) times: f64,
+}
+
+impl Peak {
+    /// On the way to another one of the same sun.
+    pub(crate) fn lerp(&self, other: &Self, share: f64) -> Self {
+        let times = self.times + share * (other.times - self.times);
+        Self { irradiance: self.irradiance.lerp(other.irradiance, share), times, ..*self }
+    }
+}
+
+/// Forward peak of a sun at all nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct ForwardPeak {
+    pub(crate) travel: DVec3,
     pub(crate) irradiance: Vec<[f32; 3]>,
-    /// How often it was scattered, on the mean, by node.
     pub(crate) times: Vec<f32>,
 }
 
 impl ForwardPeak {
-    /// How often it was scattered, on the mean of eight nodes; at least once.
-    pub(crate) fn mean_times(&self, corners: &Corners) -> f64 {
-        corners.iter().map(|(node, weight)| weight * f64::from(self.times[node])).sum()
-    }
-
-    /// On the mean of eight nodes.
-    pub(crate) fn mean(&self, corners: &Corners) -> Rgb {
+    /// Mean of eight nodes.
+    pub(crate) fn about(&self, corners: &Corners) -> Peak {
         let at =
             |(&node, &weight): (&usize, &f64)| weight * Rgb::from_array(self.irradiance[node].map(f64::from));
-        corners.nodes.iter().zip(&corners.weights).map(at).sum()
+        let irradiance = corners.nodes.iter().zip(&corners.weights).map(at).sum();
+        let times = corners.iter().map(|(node, weight)| weight * f64::from(self.times[node])).sum();
+        Peak { travel: self.travel, irradiance, times }
     }
 }
 
@@ -51,7 +65,7 @@ impl Fluence {
     }
 
     /// Of one direction that part that goes on nearly straight, by node.
-    pub(crate) fn glow(&self, channel: usize) -> impl Iterator<Item = f32> {
+    pub(crate) fn peak(&self, channel: usize) -> impl Iterator<Item = f32> {
         self.values.chunks_exact(OF_BEAM).map(move |node| node[3 + channel])
     }
 
@@ -69,11 +83,11 @@ impl Fluence {
         shares: impl Iterator<Item = (usize, f64)>,
         direction: DVec3,
         amount: Rgb,
-        glow: Rgb,
+        peak: Rgb,
     ) {
         if self.harmonics == 1 {
             let of_beam: [f64; OF_BEAM] =
-                std::array::from_fn(|place| if place < 3 { amount[place] } else { glow[place - 3] });
+                std::array::from_fn(|place| if place < 3 { amount[place] } else { peak[place - 3] });
             self.add_to_nodes(shares, &of_beam);
         } else {
             let basis = basis(direction);

@@ -1,8 +1,8 @@
 //! What a leaf itself does to the light that it finds at the nodes about it. In go what it scatters and what
 //! it gathers, out come moments without its own part. Invariant: a leaf that stands alone gets no light.
 //!
-//! On a grid a leaf is spread over cells, so it shines on itself and stands in its own way. A real one does
-//! neither: seen from one of many leaves that stand anywhere, the others are as if it were not there
+//! On a grid a leaf is spread over cells, so it shines on itself and stands in its own response. A real one
+//! does neither: seen from one of many leaves that stand anywhere, the others are as if it were not there
 //! (Slivnyak's theorem; Chiu, Stoyan, Kendall & Mecke 2013, "Stochastic Geometry and its Applications",
 //! section 4.4). A sweep is linear in what a leaf adds to it, and near its sources it is a few products.
 
@@ -19,7 +19,7 @@ use crate::ordinates::harmonics::{
     COSINE_LOBE_4, COUNT, cosine_lobe, fourth_basis, irradiance_lobe, product,
 };
 use crate::ordinates::moments::NodeMoments;
-use crate::ordinates::near_source::{Moments, NEAR, Reach, Way, lobe, near};
+use crate::ordinates::near_source::{Attenuation, Moments, NEAR, Response, lobe, near};
 use crate::ordinates::occluders::CutGrid;
 use crate::ordinates::quadrature::Quadrature;
 use crate::scene::Bounces;
@@ -32,7 +32,7 @@ const AT_ONCE: usize = 1 << 14;
 
 /// How light goes from node to node near its source.
 pub(crate) struct SelfInteraction {
-    ways: Vec<Way>,
+    responses: Vec<Response>,
     per_volume: f64,
     /// Whether light that leaves get of it is sent on again.
     goes_on: bool,
@@ -49,13 +49,14 @@ pub(crate) struct Alone<'a> {
     near: [[[f32; NEAR]; 3]; 2],
     /// Of what is about it.
     extinction: NodeExtinction<'a>,
-    /// Of clumping, and the share that gets out of masses of what it scatters.
+    /// Of clumping, and the share that gets out of clumps of what it scatters.
     index: f64,
     inside: Rgb,
 }
 
 impl<'a> Alone<'a> {
-    /// `unmet` is what its sides scatter of first light, before the leaf or others of its mass meet it again.
+    /// `unmet` is what its sides scatter of first light, before the leaf or others of its clump meet it
+    /// again.
     pub(crate) fn new(
         cut: CutGrid,
         (extinction, clumping): (&'a Extinction, &Clumping),
@@ -96,7 +97,7 @@ impl<'a> Alone<'a> {
 /// What a side of a leaf is reached by along each ordinate.
 struct Reached<'a> {
     side: usize,
-    by_ordinate: &'a [Reach],
+    by_ordinate: &'a [Attenuation],
 }
 
 /// What comes to a side: moments up to degree 2, and of degree 4.
@@ -104,9 +105,9 @@ pub(crate) struct Arriving<'a>(pub(crate) &'a mut Moments, pub(crate) &'a mut Mo
 
 impl SelfInteraction {
     pub(crate) fn new(grid: &Grid, ordinates: &Quadrature, bounces: Bounces) -> Self {
-        let ways = ordinates.iter().map(|ordinate| Way::of(ordinate, grid.cell_m)).collect();
+        let responses = ordinates.iter().map(|ordinate| Response::of(ordinate, grid.cell_m)).collect();
         let goes_on = bounces != Bounces::UpTo(1);
-        Self { ways, per_volume: 1.0 / grid.cell_volume(), goes_on }
+        Self { responses, per_volume: 1.0 / grid.cell_volume(), goes_on }
     }
 
     /// What all leaves scatter of their own first light, as sources: a leaf that has none scatters none.
@@ -144,7 +145,7 @@ impl SelfInteraction {
     /// What a leaf scatters of its own first light when that has come back to it, where nothing else did:
     /// power that leaves its sides, W. The second round has it, and nobody should.
     fn sent_again(&self, alone: &Alone) -> [Rgb; 2] {
-        let reach = self.reach(alone);
+        let reach = self.attenuation(alone);
         let arriving = [0, 1].map(|side| {
             let mut without = [[[0.0; COUNT]; 3]; 2];
             self.take_first(alone, &Reached { side, by_ordinate: &reach }, &mut without);
@@ -155,7 +156,7 @@ impl SelfInteraction {
 
     /// Takes a leaf's own part out of what comes to its sides.
     pub(crate) fn take(&self, alone: &Alone, sides: [Arriving; 2]) {
-        let reach = self.reach(alone);
+        let reach = self.attenuation(alone);
         let mut left = sides.each_ref().map(|Arriving(moments, fourth)| [**moments, **fourth]);
         if alone.has_first() {
             for (side, left) in left.iter_mut().enumerate() {
@@ -172,8 +173,8 @@ impl SelfInteraction {
         }
     }
 
-    fn reach(&self, alone: &Alone) -> Vec<Reach> {
-        self.ways.iter().map(|way| way.reach(alone.extinction)).collect()
+    fn attenuation(&self, alone: &Alone) -> Vec<Attenuation> {
+        self.responses.iter().map(|response| response.attenuation(alone.extinction)).collect()
     }
 
     /// What it scatters of first light, as a side sees it.
@@ -181,15 +182,15 @@ impl SelfInteraction {
         let factor = FRAC_1_PI * self.per_volume;
         let [[back, through], [back_of_other, through_other]] =
             alone.scattered.map(|side| [side.back, side.through].map(|power| (factor * power).as_vec3()));
-        for (way, attenuation) in self.ways.iter().zip(reach.by_ordinate) {
-            let cos = way.direction.dot(alone.leaf.normal) as f32;
+        for (response, attenuation) in self.responses.iter().zip(reach.by_ordinate) {
+            let cos = response.direction.dot(alone.leaf.normal) as f32;
             let (facing, other) = (lobe(cos), lobe(-cos));
             let [of_middle, of_back, of_other] =
-                alone.near[reach.side].each_ref().map(|near| way.gain(attenuation, near));
+                alone.near[reach.side].each_ref().map(|near| response.gain(attenuation, near));
             let radiance = of_middle * (facing * through + other * through_other)
                 + of_back * (facing * back)
                 + of_other * (other * back_of_other);
-            way.take(radiance, from);
+            response.take(radiance, from);
         }
     }
 
@@ -203,15 +204,20 @@ impl SelfInteraction {
     ) {
         let [sent, sent_by_other] = sent.map(|sent| (FRAC_1_PI * self.per_volume * sent).as_vec3());
         let stopped = (alone.index * alone.leaf.exposed * alone.leaf.area_m2 * self.per_volume) as f32;
-        for (way, attenuation) in self.ways.iter().zip(reach.by_ordinate) {
-            let cos = way.direction.dot(alone.leaf.normal) as f32;
+        for (response, attenuation) in self.responses.iter().zip(reach.by_ordinate) {
+            let cos = response.direction.dot(alone.leaf.normal) as f32;
             let emitted = lobe(cos) * sent + lobe(-cos) * sent_by_other;
             let facing = 3.0 / 16.0 + 15.0 / 16.0 * cos * cos;
             let radiance = light.map(|moments| {
-                moments.iter().zip(&way.basis).map(|(moment, basis)| moment * basis).sum::<f32>().max(0.0)
+                moments
+                    .iter()
+                    .zip(&response.basis)
+                    .map(|(moment, basis)| moment * basis)
+                    .sum::<f32>()
+                    .max(0.0)
             });
             let source = emitted - stopped * facing * Vec3::from_array(radiance);
-            way.take(source * way.gain(attenuation, &alone.near[reach.side][0]), from);
+            response.take(source * response.gain(attenuation, &alone.near[reach.side][0]), from);
         }
     }
 }

@@ -187,7 +187,7 @@ impl TurbidMedium {
         }
     }
 
-    /// What is known of it by who gathers light: masses of its leaves that get power of each other, W m^-3 by
+    /// What is known of it by who gathers light: clumps of its leaves that get power of each other, W m^-3 by
     /// node.
     pub(crate) fn told(self, met_again: &[[f32; 3]]) -> (Clumps, Extinction) {
         let mut given = vec![[0.0; 3]; met_again.len()];

@@ -84,12 +84,12 @@ impl<'a> Contents<'a> {
         let Self { grid, fog, are_walls, medium, walls } = self;
         let cut = CutGrid { grid, occluders: &walls.walls.occluders };
         let collisions = FirstCollisions { snapshot, fog, cut, medium, cancelled, leaves, are_walls };
-        let Found { mut sources, beams, glows, met_again, on_leaves } = collisions.found();
+        let Found { mut sources, beams, forward_peaks, met_again, on_leaves } = collisions.found();
         medium.emit(&mut sources);
         let LitWalls { irradiances, glossy } = WallLight { snapshot, grid, fog, walls, quadrature }.found();
         let not_again = self_interaction.all_sent_again(cut, medium, (leaves, &on_leaves));
         let walls = walls.walls.leaving(&irradiances);
         let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again };
-        FirstLight { source, forward_peaks: glows, met_again, on_leaves }
+        FirstLight { source, forward_peaks, met_again, on_leaves }
     }
 }

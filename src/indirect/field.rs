@@ -8,6 +8,7 @@ use super::layers::Layers;
 use super::level::Level;
 use super::lobe::Lobe;
 use super::towards::Towards;
+use crate::canopy::fluence::Peak;
 use crate::canopy::surroundings::Leaf;
 use crate::color::Rgb;
 use crate::ordinates::boundary::Surrounding;
@@ -99,13 +100,11 @@ impl Field {
         innermost.map_or_else(|| gathered.by(lobe), |level| level.of_gathered(gathered, lobe, sent))
     }
 
-    /// Tells of each sun what goes on nearly straight at a place of world space: its direction of travel,
-    /// irradiance on a plane that faces it, and how often it was scattered.
-    pub(super) fn for_each_glow(&self, world: DVec3, mut tell: impl FnMut(DVec3, Rgb, f64)) {
-        let mut tell_one = |(travel, irradiance, times)| tell(travel, irradiance, times);
+    /// Forward peak of each sun at a place of world space.
+    pub(super) fn for_each_peak(&self, world: DVec3, mut tell: impl FnMut(Peak)) {
         match self.at(world) {
-            Some(Finest::Grid(level)) => level.glows(world).for_each(&mut tell_one),
-            Some(Finest::Layers(layers)) => layers.glows(world).for_each(&mut tell_one),
+            Some(Finest::Grid(level)) => level.peaks(world).for_each(&mut tell),
+            Some(Finest::Layers(layers)) => layers.peaks(world).for_each(&mut tell),
             None => {}
         }
     }

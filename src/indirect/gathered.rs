@@ -3,23 +3,23 @@
 
 use super::lobe::Lobe;
 use crate::canopy::clumps::Clump;
+use crate::canopy::fluence::Peak;
 use crate::color::Rgb;
 use crate::ordinates::harmonics::{COUNT, product};
-use glam::DVec3;
 
 /// What comes to one side of a leaf.
 pub(super) struct Gathered {
     pub(super) moments: [[f32; COUNT]; 3],
     /// Of degree 4.
     pub(super) fourth: [[f32; COUNT]; 3],
-    /// Of each sun what goes on nearly straight: its direction of travel, and W/m^2 on a plane that faces it.
-    pub(super) glows: Vec<(DVec3, Rgb)>,
+    /// Forward peak of each sun.
+    pub(super) peaks: Vec<Peak>,
     pub(super) clump: Clump,
 }
 
 impl Gathered {
     pub(super) const NOTHING: Self =
-        Self { moments: [[0.0; COUNT]; 3], fourth: [[0.0; COUNT]; 3], glows: Vec::new(), clump: Clump::NONE };
+        Self { moments: [[0.0; COUNT]; 3], fourth: [[0.0; COUNT]; 3], peaks: Vec::new(), clump: Clump::NONE };
 
     /// What a lobe gathers of it; by a cosine that is irradiance, W/m^2.
     pub(super) fn by(&self, lobe: &Lobe) -> Rgb {
@@ -27,13 +27,13 @@ impl Gathered {
         let lobe = &if lobe.has_third() { lobe.up_to_second() } else { *lobe };
         let beyond = lobe.of_fourth_of_travel().map_or(Rgb::ZERO, |of| product(&of, &self.fourth));
         let irradiance = product(&lobe.of_travel(), &self.moments) + beyond;
-        with_glows(irradiance, self.glows.iter().copied(), lobe)
+        with_peaks(irradiance, self.peaks.iter().copied(), lobe)
     }
 }
 
 /// What a lobe gathers by harmonics, and what of suns' light that goes on nearly straight.
-pub(super) fn with_glows(by_harmonics: Rgb, glows: impl Iterator<Item = (DVec3, Rgb)>, lobe: &Lobe) -> Rgb {
-    glows.fold(by_harmonics.max(Rgb::ZERO), |irradiance, (travel, arriving)| {
-        irradiance + lobe.of_glow(travel) * arriving
+pub(super) fn with_peaks(by_harmonics: Rgb, peaks: impl Iterator<Item = Peak>, lobe: &Lobe) -> Rgb {
+    peaks.fold(by_harmonics.max(Rgb::ZERO), |irradiance, peak| {
+        irradiance + lobe.of_peak(peak.travel) * peak.irradiance
     })
 }

@@ -5,13 +5,14 @@
 //! The spherical harmonics discrete ordinate method feeds open boundaries so (Evans 1998, "The spherical
 //! harmonics discrete ordinate method for three-dimensional atmospheric radiative transfer", section 2c).
 
-use super::gathered::{Gathered, with_glows};
+use super::gathered::{Gathered, with_peaks};
 use super::ground::Ground;
 use super::lobe::Lobe;
 use super::sky::{has_sky, sky_of};
-use super::stack::Heights;
+use super::stack::{Filled, Heights};
 use super::towards::Towards;
 use crate::canopy::clumps::Clump;
+use crate::canopy::fluence::Peak;
 use crate::color::Rgb;
 use crate::ordinates::angular_radiance::AngularRadiance;
 use crate::ordinates::boundary::{IncidentRadiance, Surrounding, rim_places};
@@ -30,9 +31,8 @@ pub(super) struct Layers {
     heights: Heights,
     light: PlaneParallel,
     levels: Vec<LevelLight>,
-    /// Of each sun what goes on nearly straight: its direction of travel, and at each level W/m^2 on a plane
-    /// that faces it, and how often it was scattered.
-    glows: Vec<(DVec3, Vec<(Rgb, f64)>)>,
+    /// Forward peak of each sun at each level.
+    peaks: Vec<Vec<Peak>>,
 }
 
 /// Light at one level, by harmonics.
@@ -99,7 +99,7 @@ impl Layers {
     /// `None` where no fog lacks bounds, or where what lies about it is no plain.
     pub(super) fn new(snapshot: &Snapshot, ground: Option<&Ground>, bounces: Bounces) -> Option<Self> {
         let heights = Heights::of(snapshot, ground)?;
-        let (stack, beams, glows) = heights.filled(snapshot, bounces);
+        let Filled { stack, beams, peaks } = heights.filled(snapshot, bounces);
         let sky = snapshot.sky.filter(FrozenSky::lights_surfaces);
         let world_from_layers = heights.layers_from_world.inverse();
         let of_sky = |travel: DVec3| sky.map_or(Rgb::ZERO, |sky| sky.along(world_from_layers * -travel));
@@ -127,7 +127,7 @@ impl Layers {
             )
         };
         let levels = (0..stack.levels.len()).map(seen).collect();
-        Some(Self { heights, light, levels, glows })
+        Some(Self { heights, light, levels, peaks })
     }
 
     fn between(&self, world: DVec3) -> Between {
@@ -202,7 +202,7 @@ impl Layers {
         Gathered {
             moments: between.mean(|level| self.levels[level].moments),
             fourth: between.mean(|level| self.levels[level].fourth),
-            glows: self.glows_at(between).map(|(travel, irradiance, _)| (travel, irradiance)).collect(),
+            peaks: self.peaks_at(between).collect(),
             clump: Clump::NONE,
         }
     }
@@ -210,11 +210,11 @@ impl Layers {
     /// What a surface gathers; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         let between = self.between(world);
-        let glows = self.glows_at(between).map(|(travel, irradiance, _)| (travel, irradiance));
+        let peaks = self.peaks_at(between);
         if lobe.is_cosine_of(self.heights.up) {
             // Plain ground: harmonics cut short would err by a hundredth.
             let [above, below] = [between.above, between.below].map(|level| self.levels[level].downward);
-            return with_glows(above.lerp(below, between.share_below), glows, lobe);
+            return with_peaks(above.lerp(below, between.share_below), peaks, lobe);
         }
         let mut sum = product(&lobe.of_travel(), &between.mean(|level| self.levels[level].moments));
         if let Some(factors) = lobe.of_third_of_travel() {
@@ -223,22 +223,16 @@ impl Layers {
         if let Some(factors) = lobe.of_fourth_of_travel() {
             sum += product(&factors, &between.mean(|level| self.levels[level].fourth));
         }
-        with_glows(sum, glows, lobe)
+        with_peaks(sum, peaks, lobe)
     }
 
-    /// Of each sun what goes on nearly straight: see [`super::Field::for_each_glow`].
-    pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (DVec3, Rgb, f64)> {
-        self.glows_at(self.between(world))
+    /// Forward peaks of suns at a place of world space.
+    pub(super) fn peaks(&self, world: DVec3) -> impl Iterator<Item = Peak> {
+        self.peaks_at(self.between(world))
     }
 
-    fn glows_at(
-        &self,
-        Between { above, below, share_below }: Between,
-    ) -> impl Iterator<Item = (DVec3, Rgb, f64)> {
-        self.glows.iter().map(move |(travel, by_level)| {
-            let ((above, times_above), (below, times_below)) = (by_level[above], by_level[below]);
-            (*travel, above.lerp(below, share_below), times_above + share_below * (times_below - times_above))
-        })
+    fn peaks_at(&self, Between { above, below, share_below }: Between) -> impl Iterator<Item = Peak> {
+        self.peaks.iter().map(move |by_level| by_level[above].lerp(&by_level[below], share_below))
     }
 
     /// What fog scatters into a direction of travel: see [`super::Field::scattered`].

@@ -3,7 +3,7 @@
 //! once, or comes from the sky; never straight from a lamp or a sun.
 
 use super::contents::{Contents, Context};
-use super::gathered::{Gathered, with_glows};
+use super::gathered::{Gathered, with_peaks};
 use super::layer_detail::LayerDetail;
 use super::layers::Layers;
 use super::lobe::Lobe;
@@ -12,7 +12,7 @@ use super::towards::Towards;
 use super::walls::SnapshotWalls;
 use crate::canopy::clumps::Clumps;
 use crate::canopy::delta_scaled_fog::scatters_ahead;
-use crate::canopy::fluence::ForwardPeak;
+use crate::canopy::fluence::{ForwardPeak, Peak};
 use crate::canopy::leaf_power::LeafPower;
 use crate::canopy::self_interaction::{Alone, Arriving, SelfInteraction};
 use crate::canopy::surroundings::Leaf;
@@ -147,7 +147,7 @@ impl Level {
         let on_faces = || self.walls.faces.mean(&lit, is_asked, &self.on_faces);
         let irradiance = on_faces()
             .unwrap_or_else(|| product(&lobe.of_travel(), &self.light.mean(&lit)) + self.beyond(&lit, lobe));
-        with_glows(irradiance, self.forward_peaks.iter().map(|glow| (glow.travel, glow.mean(&corners))), lobe)
+        with_peaks(irradiance, self.forward_peaks.iter().map(|peak| peak.about(&corners)), lobe)
     }
 
     /// What comes to the two sides of a leaf of all light but its own.
@@ -164,7 +164,7 @@ impl Level {
             Gathered {
                 moments: self.light.mean(corners),
                 fourth: self.fourth.mean(corners),
-                glows: self.forward_peaks.iter().map(|glow| (glow.travel, glow.mean(corners))).collect(),
+                peaks: self.forward_peaks.iter().map(|peak| peak.about(corners)).collect(),
                 clump: self.clumps.of_leaf(clump, leaf, unmet[side].all()),
             }
         });
@@ -201,13 +201,10 @@ impl Level {
             + of(lobe.of_fourth_of_travel(), Some(&self.fourth))
     }
 
-    /// What of suns goes on nearly straight at a place of world space: its direction of travel, irradiance on
-    /// a plane that faces it, and how often it was scattered.
-    pub(super) fn glows(&self, world: DVec3) -> impl Iterator<Item = (DVec3, Rgb, f64)> {
+    /// Forward peaks of suns at a place of world space.
+    pub(super) fn peaks(&self, world: DVec3) -> impl Iterator<Item = Peak> {
         let corners = self.corners_seen_from(world);
-        self.forward_peaks
-            .iter()
-            .map(move |glow| (glow.travel, glow.mean(&corners), glow.mean_times(&corners)))
+        self.forward_peaks.iter().map(move |peak| peak.about(&corners))
     }
 
     /// What fog at a place of the grid scatters into a direction of travel, for a coefficient

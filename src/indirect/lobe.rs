@@ -108,7 +108,7 @@ impl Lobe {
 
     /// How much of light that goes straight along `travel` it gathers, as a share of its irradiance on what
     /// faces it.
-    pub(super) fn of_glow(&self, travel: DVec3) -> f64 {
+    pub(super) fn of_peak(&self, travel: DVec3) -> f64 {
         (-travel.dot(self.axis)).max(0.0)
     }
 

@@ -2,6 +2,9 @@
 //! from the top down. Invariant: layers are even in optical depth, so thin fog has thin ones.
 
 use super::ground::Ground;
+use crate::canopy::emitter_rays::mean_irradiance;
+use crate::canopy::first_collisions::mean_times;
+use crate::canopy::fluence::Peak;
 use crate::color::Rgb;
 use crate::fog::{BEAM_DEGREES, Medium, exp_minus};
 use crate::ordinates::{Beam, DEGREES, Level, Species, Stack};
@@ -34,9 +37,13 @@ pub(super) struct Heights {
     pub(super) scale_m: f64,
 }
 
-/// Of each sun its direction of travel, and at each level what goes on nearly straight, W/m^2 on a plane that
-/// faces it, and how often it was scattered.
-pub(super) type Glows = Vec<(DVec3, Vec<(Rgb, f64)>)>;
+/// Layers as the solver asks for them.
+pub(super) struct Filled {
+    pub(super) stack: Stack,
+    pub(super) beams: Vec<Beam>,
+    /// Forward peak of each sun at each level.
+    pub(super) peaks: Vec<Vec<Peak>>,
+}
 
 impl Heights {
     /// `None` unless there is fog without bounds, and it thins out one way.
@@ -130,7 +137,7 @@ impl Heights {
     }
 
     /// With fog, and what suns shine through it.
-    pub(super) fn filled(&self, snapshot: &Snapshot, bounces: Bounces) -> (Stack, Vec<Beam>, Glows) {
+    pub(super) fn filled(&self, snapshot: &Snapshot, bounces: Bounces) -> Filled {
         let medium = snapshot.medium.without_bounds();
         let has_peaks = bounces != Bounces::All;
         let without = |degree: i32| if has_peaks { medium.clone() } else { medium.without_peaks(degree) };
@@ -149,13 +156,13 @@ impl Heights {
         };
         let levels = points.iter().enumerate().map(level).collect();
         let species = medium.banks().iter().map(|bank| species(bank.g, has_peaks)).collect();
-        let (mut beams, mut glows) = (Vec::new(), Vec::new());
+        let (mut beams, mut peaks) = (Vec::new(), Vec::new());
         for light in &snapshot.lights {
             let FrozenLight::Sun { to_light, .. } = light.centre() else { continue };
             if to_light.dot(self.up) <= 0.0 {
                 continue;
             }
-            let irradiance = crate::canopy::emitter_rays::mean_irradiance(light);
+            let irradiance = mean_irradiance(light);
             let arriving = |through: &Medium| -> Vec<Rgb> {
                 let dimmed = |point: &DVec3| {
                     irradiance * exp_minus(through.optical_depth(*point, to_light, f64::INFINITY))
@@ -163,23 +170,15 @@ impl Heights {
                 points.iter().map(dimmed).collect()
             };
             let (all, straight) = (arriving(&of_suns), arriving(&medium));
-            let glow = |(all, straight): (&Rgb, &Rgb)| {
-                let glow = *all - *straight;
-                (
-                    glow,
-                    crate::canopy::first_collisions::mean_times(
-                        glow.element_sum() as f32,
-                        all.element_sum() as f32,
-                    ),
-                )
+            let peak = |(all, straight): (&Rgb, &Rgb)| {
+                let irradiance = *all - *straight;
+                let times = mean_times(irradiance.element_sum() as f32, all.element_sum() as f32);
+                Peak { travel: -to_light, irradiance, times: f64::from(times) }
             };
-            glows.push((
-                -to_light,
-                all.iter().zip(&straight).map(glow).map(|(on, times)| (on, f64::from(times))).collect(),
-            ));
+            peaks.push(all.iter().zip(&straight).map(peak).collect());
             beams.push(Beam { travel: self.layers_from_world * -to_light, irradiances: all });
         }
-        (Stack { species, levels }, beams, glows)
+        Filled { stack: Stack { species, levels }, beams, peaks }
     }
 }
 

@@ -292,9 +292,9 @@ impl<'a> Walk<'a> {
         };
         let shares = scattering.map(per_extinction);
         let mut source = self.field.scattered(world(middle), &self.towards, &shares);
-        self.field.for_each_glow(world(middle), |travel, irradiance, times| {
-            let cos = -travel.dot(self.ray.direction);
-            source += irradiance * per_extinction(medium.scattering_again_at(place, cos, times));
+        self.field.for_each_peak(world(middle), |peak| {
+            let cos = -peak.travel.dot(self.ray.direction);
+            source += peak.irradiance * per_extinction(medium.scattering_again_at(place, cos, peak.times));
         });
         self.source = source.max(Rgb::ZERO);
     }

@@ -16,10 +16,10 @@ const HERE: usize = 13;
 pub(crate) type Moments = [[f32; COUNT]; 3];
 
 /// Of a source of 1 / m the radiance in its own cell and in the next, by channel.
-pub(crate) type Reach = [[f32; 2]; 3];
+pub(crate) type Attenuation = [[f32; 2]; 3];
 
 /// One ordinate.
-pub(crate) struct Way {
+pub(crate) struct Response {
     pub(crate) direction: DVec3,
     products: [f32; 8],
     /// Through half a cell.
@@ -31,7 +31,7 @@ pub(crate) struct Way {
     pub(crate) basis: [f32; COUNT],
 }
 
-impl Way {
+impl Response {
     pub(crate) fn of(&Ordinate { direction, weight }: &Ordinate, cell_m: f64) -> Self {
         let main = direction.abs().max_position();
         let along = direction / direction[main].abs();
@@ -57,7 +57,7 @@ impl Way {
 
     /// Through fog of an extinction by channel, 1/m, and leaves: in the source's cell half a cell of it, in
     /// the next what leaves that.
-    pub(crate) fn reach(&self, NodeExtinction { isotropic, oriented }: NodeExtinction) -> Reach {
+    pub(crate) fn attenuation(&self, NodeExtinction { isotropic, oriented }: NodeExtinction) -> Attenuation {
         let oriented = oriented.map_or(0.0, |oriented| oriented.along(&self.products));
         isotropic.map(|isotropic| {
             let depth = self.half_m * (isotropic + oriented);
@@ -68,7 +68,7 @@ impl Way {
     }
 
     /// The same by where the source is and where it is seen from.
-    pub(crate) fn gain(&self, reach: &Reach, near: &[f32; NEAR]) -> Vec3 {
+    pub(crate) fn gain(&self, reach: &Attenuation, near: &[f32; NEAR]) -> Vec3 {
         let next: f32 = self.taps.iter().map(|(place, share)| share * near[*place]).sum();
         Vec3::from_array(reach.map(|[here, there]| here * near[HERE] + there * next))
     }

@@ -7,7 +7,7 @@
 //! linear transport equation"). It is solved by source iteration: a round is one more scattering.
 
 use super::double_gauss::{DoubleGauss, ORDINATES, STEPS};
-use super::scattering_operator::{DEGREES, HARMONICS, Harmonics, ScatteringOperator, basis, by_degree};
+use super::moment_operators::{DEGREES, HARMONICS, Harmonics, MomentOperators, basis, by_degree};
 use crate::color::Rgb;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -78,7 +78,7 @@ struct Channel {
 /// Radiance of all orders between layers.
 pub struct PlaneParallel {
     ordinates: DoubleGauss,
-    operator: ScatteringOperator,
+    operator: MomentOperators,
     depths: Vec<Rgb>,
     channels: [Channel; 3],
 }
@@ -87,7 +87,7 @@ impl PlaneParallel {
     /// `rounds` is how many orders are wanted, or all.
     pub fn new(stack: &Stack, boundaries: &Boundaries, rounds: Option<u32>) -> Self {
         let ordinates = DoubleGauss::default();
-        let operator = ScatteringOperator::new(&ordinates);
+        let operator = MomentOperators::new(&ordinates);
         let channel = |channel: usize| {
             let depths = stack.levels.iter().map(|level| level.depth_beneath[channel]).collect();
             Solver { stack, boundaries, ordinates: &ordinates, operator: &operator, depths, channel }
@@ -183,7 +183,7 @@ struct Solver<'a> {
     stack: &'a Stack,
     boundaries: &'a Boundaries<'a>,
     ordinates: &'a DoubleGauss,
-    operator: &'a ScatteringOperator,
+    operator: &'a MomentOperators,
     depths: Vec<f64>,
     channel: usize,
 }

@@ -17,7 +17,7 @@ pub const HARMONICS: usize = DEGREES * DEGREES;
 pub type Harmonics = [f64; HARMONICS];
 
 /// By phase functions, whatever they are.
-pub(super) struct ScatteringOperator {
+pub(super) struct MomentOperators {
     /// Of each ring its weight, and normalised associated Legendre functions.
     rings: Vec<(f64, [f64; HARMONICS])>,
     /// Of each wave its value at each step.
@@ -30,7 +30,7 @@ fn place(degree: usize, order: usize, is_sine: bool) -> usize {
     if order == 0 { first } else { first + 2 * order - 1 + usize::from(is_sine) }
 }
 
-impl ScatteringOperator {
+impl MomentOperators {
     pub(super) fn new(ordinates: &DoubleGauss) -> Self {
         let ring = |(height, weight): (f64, f64)| (weight * TAU / STEPS as f64, associated(height));
         let wave = |wave: usize| std::array::from_fn(|step| wave_at(wave, angle(step)));
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn harmonics_are_orthonormal_by_the_ordinates() {
         let ordinates = DoubleGauss::default();
-        let operator = ScatteringOperator::new(&ordinates);
+        let operator = MomentOperators::new(&ordinates);
         for place in 0..HARMONICS {
             let mut one = [0.0; HARMONICS];
             one[place] = 1.0;
