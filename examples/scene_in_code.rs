@@ -39,7 +39,12 @@ fn glade() -> Result<Scene, sunfleck::LoadError> {
         triangles: vec![[0, 3, 2], [3, 1, 2]],
         ..Triangles::default()
     };
-    let leaf = Shape::Leaf { length_m: 0.3, width_m: 0.18, curl_deg: 30.0, fold_deg: 10.0 };
+    let leaf = Shape::Leaf {
+        length_m: 0.3.into(),
+        width_m: 0.18.into(),
+        curl_deg: 30.0.into(),
+        fold_deg: 10.0.into(),
+    };
     let turning = Object {
         mesh: Some("leaf".into()),
         material: Some("gold".into()),
@@ -48,22 +53,22 @@ fn glade() -> Result<Scene, sunfleck::LoadError> {
         ..Object::default()
     };
     let crown = Leaves {
-        count: 120,
+        count: 120.into(),
         seed: 7,
         meshes: vec!["leaf".into()],
         materials: vec!["gold".into()],
-        min_m: Some([-1.5, 1.6, -1.0]),
-        max_m: Some([1.5, 2.4, 1.0]),
+        min_m: Some([-1.5, 1.6, -1.0].into()),
+        max_m: Some([1.5, 2.4, 1.0].into()),
         ..Leaves::default()
     };
     let sun = Light::Sun(Sun {
-        to_sun: [0.3, 1.0, -0.5].into(),
+        to_sun: Some([0.3, 1.0, -0.5].into()),
         irradiance_w_per_m2: [8.0, 7.2, 6.0].into(),
         angular_diameter_deg: 0.5.into(),
         ..Sun::default()
     });
     let camera = Camera {
-        position_m: Some([0.0, 1.2, 4.5].into()),
+        position_m: [0.0, 1.2, 4.5].into(),
         look_at_m: Some([0.0, 1.1, 0.0].into()),
         fov_deg: Some(40.0.into()),
         ..Camera::default()
@@ -71,16 +76,16 @@ fn glade() -> Result<Scene, sunfleck::LoadError> {
     Scene::builder()
         .shape("leaf", leaf)
         .mesh("roof", roof)
-        .shape("ground", Shape::Quad { size_m: 8.0 })
+        .shape("ground", Shape::Quad { size_m: 8.0.into() })
         .material(
             "gold",
             Material {
-                base_color: Some([0.6, 0.4, 0.05]),
-                transmission: [0.3, 0.2, 0.0],
+                base_color: Some([0.6, 0.4, 0.05].into()),
+                transmission: [0.3, 0.2, 0.0].into(),
                 ..Material::default()
             },
         )
-        .material("soil", Material { base_color: Some([0.2; 3]), ..Material::default() })
+        .material("soil", Material { base_color: Some([0.2; 3].into()), ..Material::default() })
         .object("turning", turning)
         .object(
             "roof",

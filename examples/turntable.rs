@@ -47,7 +47,7 @@ fn table() -> Result<Scene, sunfleck::LoadError> {
     };
     let camera = Camera {
         parent: Some("arm".into()),
-        position_m: Some([0.0, 1.2, 3.0].into()),
+        position_m: [0.0, 1.2, 3.0].into(),
         look_at_m: Some([0.0, 0.6, 0.0].into()),
         ..Camera::default()
     };
@@ -58,13 +58,25 @@ fn table() -> Result<Scene, sunfleck::LoadError> {
         radius_m: 0.05.into(),
     };
     Scene::builder()
-        .shape("leaf", Shape::Leaf { length_m: 1.2, width_m: 0.7, curl_deg: 40.0, fold_deg: 15.0 })
-        .shape("table", Shape::Quad { size_m: 4.0 })
+        .shape(
+            "leaf",
+            Shape::Leaf {
+                length_m: 1.2.into(),
+                width_m: 0.7.into(),
+                curl_deg: 40.0.into(),
+                fold_deg: 15.0.into(),
+            },
+        )
+        .shape("table", Shape::Quad { size_m: 4.0.into() })
         .material(
             "gold",
-            Material { base_color: Some([0.8, 0.5, 0.05]), roughness: Some(0.5), ..Material::default() },
+            Material {
+                base_color: Some([0.8, 0.5, 0.05].into()),
+                roughness: Some(0.5.into()),
+                ..Material::default()
+            },
         )
-        .material("wood", Material { base_color: Some([0.3, 0.2, 0.1]), ..Material::default() })
+        .material("wood", Material { base_color: Some([0.3, 0.2, 0.1].into()), ..Material::default() })
         .object("arm", arm)
         .object("leaf", placed("leaf", "gold", 0.7))
         .object("table", placed("table", "wood", 0.0))

@@ -192,17 +192,28 @@ pub mod snapshot;
 #[doc(hidden)]
 pub mod transport;
 
-pub use api::{
-    Animated, Aperture, Array, Camera, Emitter, Extend, Fall, FallGround, FallMotion, Fog, Frame, Julia, Key,
-    LeafMotion, Leaves, Light, Material, Mist, MistShape, NodePlace, NormalMap, Object, RenderError,
-    Renderer, Replacement, Scene, SceneBuilder, SceneOptions, Setting, Shape, Sky, SkyLight, Species, Sun,
-    Wind,
-};
+pub use api::{Array, Frame, NodePlace, RenderError, Renderer, Scene, SceneBuilder, SceneOptions, Setting};
 pub use description::LoadError;
 pub use description::obj::Triangles;
+pub use description::ron::{
+    Animated, Aperture, Camera, Emitter, Extend, Fall, FallGround, FallMotion, Fog, Julia, Key, LeafMotion,
+    Leaves, Light, Material, Mist, MistShape, NormalMap, Object, Replacement, Shape, Sky, SkyLight, Species,
+    Sun, Wind,
+};
 pub use diagnostic::{Diagnostic, Diagnostics, Loss, Place, Severity};
 pub use frame_file::FrameFileError;
 pub use passes::Pass;
 pub use render::{Method, Progress, Statistics};
 pub use scene::{Bounces, FrameRate, LightUnits, PixelFilter, Size, Window};
 pub use transport::MarchSteps;
+
+/// Numbers as the parts of scenes hold them: each type names its range. They are made of plain ones by
+/// `into()`, and checked when the scene is built.
+pub mod numbers {
+    pub use crate::description::ron::{
+        AirSpeed, AirVelocity, Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FStop, FieldOfView,
+        Finite, FocusDistance, GustScale, HalfAngle, Handle, JuliaPart, Keyable, Keys, LeafLength, Named,
+        NonNegative, Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, SpeedGain, Three,
+        ToNext, Triple, UnitInterval, Vector, Whole,
+    };
+}

@@ -1,17 +1,13 @@
-//! A scene made in code. In go named parts, out comes a scene. Invariant: parts go the way of a file, through
-//! the same reader and the same resolution, so nothing can be built that a file could not hold.
+//! A scene made in code. In go named parts, out comes a scene. Invariant: parts are those of files and go
+//! their way, so nothing can be built that a file could not hold.
 
-use super::falls::Fall;
-use super::lights::Light;
-use super::parts::{Camera, Leaves, Material, Object, Shape};
 use super::scene::Scene;
-use super::surroundings::{Fog, Sky};
 use crate::description::obj::Triangles;
-use crate::description::ron::{BuiltScene, Parts};
+use crate::description::ron::{
+    BuiltScene, Camera, Fall, Fog, Leaves, Light, Material, NonNegative, Object, Shape, Sky, Triple,
+};
 use crate::description::{Description, LoadError};
 use crate::scene::{Baking, ResolveOptions};
-use serde::Serialize;
-use serde_json::Value;
 
 /// Collects the parts of a scene; [`Scene::builder`] starts with none. Parts of one kind
 /// have names of their own.
@@ -29,9 +25,9 @@ impl Scene {
 }
 
 impl SceneBuilder {
-    /// Adds a shape.
+    /// Adds a shape. Files lie relative to the folder that the program runs in.
     pub fn shape(mut self, name: &str, shape: Shape) -> Self {
-        add(&mut self.parts.meshes, name, &shape);
+        self.parts.file.meshes.push(name, shape);
         self
     }
 
@@ -43,55 +39,55 @@ impl SceneBuilder {
 
     /// Adds what surfaces are made of.
     pub fn material(mut self, name: &str, material: Material) -> Self {
-        add(&mut self.parts.materials, name, &material);
+        self.parts.file.materials.push(name, material);
         self
     }
 
     /// Places a mesh or a group.
     pub fn object(mut self, name: &str, object: Object) -> Self {
-        add(&mut self.parts.objects, name, &object);
+        self.parts.file.objects.push(name, object);
         self
     }
 
     /// Scatters leaves.
     pub fn leaves(mut self, name: &str, leaves: Leaves) -> Self {
-        add(&mut self.parts.leaves, name, &leaves);
+        self.parts.file.leaves.push(name, leaves);
         self
     }
 
     /// Lets leaves fall.
     pub fn fall(mut self, name: &str, fall: Fall) -> Self {
-        add(&mut self.parts.fall, name, &fall);
+        self.parts.file.fall.push(name, fall);
         self
     }
 
     /// Adds a camera; the first one looks unless somebody wants another.
     pub fn camera(mut self, name: &str, camera: Camera) -> Self {
-        add(&mut self.parts.cameras, name, &camera);
+        self.parts.file.cameras.push(name, camera);
         self
     }
 
     /// Adds a light.
     pub fn light(mut self, name: &str, light: Light) -> Self {
-        add(&mut self.parts.lights, name, &light);
+        self.parts.file.lights.push(name, light);
         self
     }
 
     /// Adds a bank of fog.
     pub fn fog(mut self, name: &str, fog: Fog) -> Self {
-        add(&mut self.parts.fog, name, &fog);
+        self.parts.file.fog.push(name, fog);
         self
     }
 
     /// What lies behind the scene and lights it; not beside a background.
     pub fn sky(mut self, sky: Sky) -> Self {
-        self.parts.sky = Some(value(&sky));
+        self.parts.file.sky = Some(sky);
         self
     }
 
     /// Radiance of whatever lies beyond the scene; it lights nothing.
-    pub fn background(mut self, w_per_m2_sr: [f64; 3]) -> Self {
-        self.parts.background = Some(value(&w_per_m2_sr));
+    pub fn background(mut self, w_per_m2_sr: impl Into<Triple<NonNegative>>) -> Self {
+        self.parts.file.background_w_per_m2_sr = w_per_m2_sr.into();
         self
     }
 
@@ -104,28 +100,3 @@ impl SceneBuilder {
         Ok(Scene::resolve(description, &ResolveOptions::default(), &Baking::ALONE)?)
     }
 }
-
-fn add(parts: &mut Parts, name: &str, part: &impl Serialize) {
-    parts.push((name.to_owned(), value(part)));
-}
-
-/// Parts leave out what they do not say, so that a null is what JSON has no word for: NaN, infinity, a
-/// path that is no text.
-fn value(part: &impl Serialize) -> Value {
-    let mut value = serde_json::to_value(part).unwrap_or_default();
-    refuse_nulls(&mut value);
-    value
-}
-
-/// Puts something in their place that no field takes: a null would count as a field left out.
-fn refuse_nulls(value: &mut Value) {
-    match value {
-        Value::Null => *value = Value::from(UNWRITABLE),
-        Value::Array(values) => values.iter_mut().for_each(refuse_nulls),
-        Value::Object(fields) => fields.values_mut().for_each(refuse_nulls),
-        _ => {}
-    }
-}
-
-/// What the reader says that it found.
-const UNWRITABLE: &str = "something that is neither a finite number nor text";

@@ -7,9 +7,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 use sunfleck::{
-    Animated, Aperture, Bounces, Camera, Emitter, Fall, FallGround, FallMotion, Fog, Julia, Key, Light,
-    Material, Method, Mist, MistShape, NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder,
-    Setting, Shape, Sky, SkyLight, Species, Sun, Triangles, Wind, Window,
+    Animated, Aperture, Bounces, Camera, Emitter, Fall, FallGround, FallMotion, Fog, Julia, Light, Material,
+    Method, Mist, MistShape, NormalMap, Object, Pass, RenderError, Renderer, Scene, SceneBuilder, Setting,
+    Shape, Sky, SkyLight, Species, Sun, Triangles, Wind, Window,
 };
 
 /// A tile before the camera that moves to the right by 0.1 m a frame, a lamp, and some fog.
@@ -28,9 +28,9 @@ fn tile() -> SceneBuilder {
     };
     Scene::builder()
         .mesh("tile", square())
-        .material("grey", Material { base_color: Some([0.5; 3]), ..Material::default() })
+        .material("grey", Material { base_color: Some([0.5; 3].into()), ..Material::default() })
         .object("moving", moving)
-        .camera("main", Camera { position_m: Some([0.0, 0.0, 4.0].into()), ..Camera::default() })
+        .camera("main", Camera { position_m: [0.0, 0.0, 4.0].into(), ..Camera::default() })
         .light("lamp", lamp)
         .fog("haze", Fog::in_box([-3.0; 3], [3.0; 3], 0.1))
 }
@@ -154,15 +154,15 @@ fn wishes_that_cannot_be_met_are_named() {
 fn nothing_invalid_can_be_built() {
     let nan = Fog::in_box([-1.0; 3], [1.0; 3], f64::NAN);
     assert!(refused(tile().fog("bad", nan)).contains("SceneBuilder: fog.bad.density_per_m"));
-    let said =
-        refused(tile().material("bad", Material { base_color: Some([2.0; 3]), ..Material::default() }));
+    let said = refused(
+        tile().material("bad", Material { base_color: Some([2.0; 3].into()), ..Material::default() }),
+    );
     assert!(said.contains("materials.bad.base_color") && said.contains("expected: "), "{said}");
     let twice = refused(tile().camera("main", Camera::default()));
     assert!(twice.contains("cameras.main: error: the name occurs a second time"), "{twice}");
     let stray = Object { mesh: Some("tail".into()), ..Object::default() };
     assert!(refused(tile().object("stray", stray)).contains("there is no mesh named `tail`"));
-    let backwards = vec![Key { at_s: 1.0, value: [0.0; 3] }, Key { at_s: 0.0, value: [1.0; 3] }];
-    let backwards = Animated::Keyed { keys: backwards, extend: Default::default() };
+    let backwards = Animated::keys([(1.0, [0.0; 3]), (0.0, [1.0; 3])]);
     let said = refused(tile().object("late", Object { translation_m: backwards, ..Object::default() }));
     assert!(said.contains("objects.late.translation_m"), "{said}");
     for (field, mesh) in [
@@ -201,18 +201,18 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
     fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let sun = Light::Sun(Sun {
-        to_sun: [0.4, 1.0, 0.6].into(),
+        to_sun: Some([0.4, 1.0, 0.6].into()),
         irradiance_w_per_m2: [3.0; 3].into(),
         ..Sun::default()
     });
     let made = Scene::builder()
-        .shape("ball", Shape::Sphere { radius_m: 0.5 })
-        .material("grey", Material { base_color: Some([0.5; 3]), ..Material::default() })
+        .shape("ball", Shape::Sphere { radius_m: 0.5.into() })
+        .material("grey", Material { base_color: Some([0.5; 3].into()), ..Material::default() })
         .object(
             "ball",
             Object { mesh: Some("ball".into()), material: Some("grey".into()), ..Object::default() },
         )
-        .camera("main", Camera { position_m: Some([0.0, 0.0, 4.0].into()), ..Camera::default() })
+        .camera("main", Camera { position_m: [0.0, 0.0, 4.0].into(), ..Camera::default() })
         .light("sun", sun);
     let picture = |scene: &Scene| small(scene).render().expect("a frame").beauty();
     let beauty = picture(&read);
@@ -226,11 +226,11 @@ fn stage() -> SceneBuilder {
     let object =
         |mesh: &str| Object { mesh: Some(mesh.into()), material: Some("grey".into()), ..Object::default() };
     Scene::builder()
-        .shape("ball", Shape::Sphere { radius_m: 0.5 })
-        .shape("floor", Shape::Quad { size_m: 6.0 })
+        .shape("ball", Shape::Sphere { radius_m: 0.5.into() })
+        .shape("floor", Shape::Quad { size_m: 6.0.into() })
         .object("ball", Object { translation_m: [0.0, 0.6, 0.0].into(), ..object("ball") })
         .object("floor", object("floor"))
-        .camera("main", Camera { position_m: Some([0.0, 1.0, 4.0].into()), ..Camera::default() })
+        .camera("main", Camera { position_m: [0.0, 1.0, 4.0].into(), ..Camera::default() })
 }
 
 const STAGE: &str = "version: 1, meshes: { \"ball\": Sphere(radius_m: 0.5), \"floor\": Quad(size_m: 6.0) },
@@ -238,7 +238,7 @@ const STAGE: &str = "version: 1, meshes: { \"ball\": Sphere(radius_m: 0.5), \"fl
         \"floor\": (mesh: \"floor\", material: \"grey\") }, cameras: { \"main\": (position_m: (0.0, 1.0, 4.0)) }";
 
 fn grey() -> Material {
-    Material { base_color: Some([0.5; 3]), ..Material::default() }
+    Material { base_color: Some([0.5; 3].into()), ..Material::default() }
 }
 
 /// The picture of what a program made, which a file of the same fields has too, and which is not black.
@@ -274,7 +274,7 @@ fn lights_of_code_are_those_of_files() {
         parent: None,
         position_m: [0.5, 2.0, 1.0].into(),
         target_m: [0.0, 0.0, 0.0].into(),
-        up: [1.0, 0.0, 0.0],
+        up: [1.0, 0.0, 0.0].into(),
         width_m: 0.2.into(),
         height_m: 1.5.into(),
         power_w: [9.0; 3].into(),
@@ -284,11 +284,11 @@ fn lights_of_code_are_those_of_files() {
     assert_same_picture(lit(rectangle), folder.path(), &format!("{GREY}, {text}"));
 
     let sun = Sun {
-        to_sun: [0.1, 0.3, -1.0].into(),
+        to_sun: Some([0.1, 0.3, -1.0].into()),
         irradiance_w_per_m2: [5.0; 3].into(),
         angular_diameter_deg: 12.0.into(),
-        limb_darkening: 0.6,
-        fractal: Some(Julia { real: 0.3.into(), imaginary: 0.5.into(), iterations: 40 }),
+        limb_darkening: 0.6.into(),
+        fractal: Some(Julia { real: 0.3.into(), imaginary: 0.5.into(), iterations: 40.into() }),
         picture_rotation_deg: 30.0.into(),
         visible_to_camera: true,
         ..Sun::default()
@@ -311,16 +311,16 @@ fn skies_and_textures_of_code_are_those_of_files() {
 
     let bent = Material {
         texture: Some(path("panes.ppm")),
-        transmission: [0.2; 3],
+        transmission: [0.2; 3].into(),
         transmission_texture: Some(path("panes.ppm")),
-        normal_map: Some(NormalMap { texture: path("panes.ppm"), scale: 0.5 }),
-        base_color: Some([0.7; 3]),
+        normal_map: Some(NormalMap { texture: path("panes.ppm"), scale: 0.5.into() }),
+        base_color: Some([0.7; 3].into()),
         ..Material::default()
     };
     let gradient = Sky::Gradient {
-        zenith_w_per_m2_sr: [0.2, 0.4, 0.8],
-        horizon_w_per_m2_sr: [1.0; 3],
-        ground_w_per_m2_sr: [0.1; 3],
+        zenith_w_per_m2_sr: [0.2, 0.4, 0.8].into(),
+        horizon_w_per_m2_sr: [1.0; 3].into(),
+        ground_w_per_m2_sr: [0.1; 3].into(),
         strength: [2.0; 3].into(),
         lights: SkyLight::Surfaces,
     };
@@ -341,7 +341,7 @@ fn skies_and_textures_of_code_are_those_of_files() {
     assert_same_picture(stage().material("grey", grey()).sky(image), folder.path(), text);
 
     let masked =
-        Material { texture: Some(path("panes.ppm")), alpha_cutoff: Some(0.5), ..Material::default() };
+        Material { texture: Some(path("panes.ppm")), alpha_cutoff: Some(0.5.into()), ..Material::default() };
     let even = Sky::Constant { radiance_w_per_m2_sr: [1.0; 3].into(), lights: SkyLight::Surfaces };
     let text = "materials: { \"grey\": (texture: \"panes.ppm\", alpha_cutoff: 0.5) },
         sky: Constant(radiance_w_per_m2_sr: 1.0, lights: Surfaces)";
@@ -364,17 +364,17 @@ fn cameras_turns_and_obj_files_of_code_are_those_of_files() {
     let file = folder.path().join("scene.ron");
     fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
-    let lens = Aperture { sensor_width_mm: Some(20.0), blades: Some(5), ..Aperture::new(0.1, 2.5) };
+    let lens = Aperture { sensor_width_mm: 20.0.into(), blades: Some(5.into()), ..Aperture::new(0.1, 2.5) };
     let main = Camera {
-        position_m: Some([0.0, 0.5, 4.0].into()),
+        position_m: [0.0, 0.5, 4.0].into(),
         look_at_m: Some([0.0; 3].into()),
-        up: Some([1.0, 1.0, 0.0].into()),
+        up: [1.0, 1.0, 0.0].into(),
         aperture: Some(lens),
-        clip_m: Some([0.1, 4.1]),
+        clip_m: Some((0.1.into(), 4.1.into())),
         ..Camera::default()
     };
     let beside = Camera {
-        position_m: Some([1.0, 0.0, 3.0].into()),
+        position_m: [1.0, 0.0, 3.0].into(),
         rotation_quaternion: Some([0.0, 0.1, 0.0, 1.0].into()),
         ..Camera::default()
     };
@@ -384,7 +384,8 @@ fn cameras_turns_and_obj_files_of_code_are_those_of_files() {
         rotation_quaternion: Some([0.0, 0.3, 0.0, 1.0].into()),
         ..Object::default()
     };
-    let sun = Sun { to_sun: [0.0, 0.2, 1.0].into(), irradiance_w_per_m2: [3.0; 3].into(), ..Sun::default() };
+    let sun =
+        Sun { to_sun: Some([0.0, 0.2, 1.0].into()), irradiance_w_per_m2: [3.0; 3].into(), ..Sun::default() };
     let made = built(
         Scene::builder()
             .shape("tile", Shape::Obj(obj))
@@ -431,11 +432,11 @@ fn leaves_of_code_fall_as_those_of_files() {
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let species = Species {
         materials: vec!["grey".into()],
-        width_m: Some([0.04; 2]),
-        curl_deg: [0.0, 20.0],
+        width_m: Some(0.04.into()),
+        curl_deg: [0.0, 20.0].into(),
         ..Species::new("floor", [0.06, 0.1])
     };
-    let emitter = Emitter::Ellipsoid { center_m: [0.0, 3.0, 0.0], radii_m: [1.0, 0.5, 1.0] };
+    let emitter = Emitter::Ellipsoid { center_m: [0.0, 3.0, 0.0].into(), radii_m: [1.0, 0.5, 1.0].into() };
     let shower = Fall {
         seed: 5,
         wind: Wind {
@@ -444,9 +445,9 @@ fn leaves_of_code_fall_as_those_of_files() {
             seed: 2,
             ..Wind::default()
         },
-        motion: Some(FallMotion { flutter: 3.0, tumble: 1.0, ..FallMotion::default() }),
-        ground: FallGround { height_m: 0.1, object: None },
-        release_s: [-1.0, 1.0],
+        motion: Some(FallMotion { flutter: 3.0.into(), tumble: 1.0.into(), ..FallMotion::default() }),
+        ground: FallGround { height_m: 0.1.into(), object: None },
+        release_s: [-1.0, 1.0].into(),
         attached: false,
         speed: 1.5.into(),
         ..Fall::new(3, species, emitter)
@@ -474,10 +475,10 @@ fn keyed_wind_and_speed_of_code_are_those_of_files() {
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let species = Species {
         materials: vec!["grey".into()],
-        tint: vec![[1.0, 0.5, 0.0], [0.5; 3]],
+        tint: vec![[1.0, 0.5, 0.0].into(), 0.5.into()],
         ..Species::new("floor", [0.1, 0.2])
     };
-    let emitter = Emitter::Box { min_m: [-1.0, 1.0, -1.0], max_m: [1.0, 2.0, 1.0] };
+    let emitter = Emitter::Box { min_m: [-1.0, 1.0, -1.0].into(), max_m: [1.0, 2.0, 1.0].into() };
     let calm = Fall { casts_shadow: false, ..Fall::new(40, species, emitter) };
     let wind = Wind {
         mean_m_per_s: Animated::keys([(0.5, [0.0; 3]), (1.0, [3.0, 0.0, 0.0])]),
@@ -495,7 +496,8 @@ fn keyed_wind_and_speed_of_code_are_those_of_files() {
 #[test]
 fn mist_of_code_is_that_of_files() {
     let (low, high) = ([-2.0, 0.0, -2.0], [2.0, 2.0, 2.0]);
-    let sun = Sun { to_sun: [0.4, 1.0, 0.6].into(), irradiance_w_per_m2: [3.0; 3].into(), ..Sun::default() };
+    let sun =
+        Sun { to_sun: Some([0.4, 1.0, 0.6].into()), irradiance_w_per_m2: [3.0; 3].into(), ..Sun::default() };
     let written = "materials: { \"grey\": (base_color: 0.5) },
         lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: 3.0) },
         fog: { \"mist\": (min_m: (-2.0, 0.0, -2.0), max_m: (2.0, 2.0, 2.0), density_per_m: 0.5, mist: ";
@@ -503,7 +505,7 @@ fn mist_of_code_is_that_of_files() {
         wind_m_per_s: [0.5, 0.0, 0.0].into(),
         ground: Some("floor".into()),
         shape: MistShape::Ellipsoid,
-        octaves: 2,
+        octaves: 2.into(),
         ..Mist::new(1.0)
     };
     for (mist, fields) in [
@@ -521,7 +523,7 @@ fn mist_of_code_is_that_of_files() {
     }
 }
 
-/// Defaults are written down twice, for code and for files.
+/// Where parts need some of their fields, defaults are written down twice.
 #[test]
 fn what_code_leaves_out_is_what_files_leave_out() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -531,7 +533,7 @@ fn what_code_leaves_out_is_what_files_leave_out() {
     let text = format!("Scene({STAGE}, materials: {{ \"grey\": (base_color: 0.5) }}, {fields})");
     fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
-    let emitter = Emitter::Box { min_m: [0.0, 2.0, 0.0], max_m: [1.0, 3.0, 1.0] };
+    let emitter = Emitter::Box { min_m: [0.0, 2.0, 0.0].into(), max_m: [1.0, 3.0, 1.0].into() };
     let wind = Wind { eddy_m_per_s: 0.5.into(), gust_m_per_s: [1.0, 0.0, 0.0].into(), ..Wind::default() };
     let shower = Fall { wind, ..Fall::new(1, Species::new("floor", [0.06, 0.1]), emitter) };
     let made = built(stage().material("grey", grey()).fall("shower", shower));
@@ -557,31 +559,34 @@ fn parts_keep_to_the_limits_of_files() {
         lights: SkyLight::default(),
     };
     let material = |material: Material| stage().material("grey", material);
-    let julia = Julia { real: 0.0.into(), imaginary: 3.0.into(), iterations: 10 };
+    let julia = Julia { real: 0.0.into(), imaginary: 3.0.into(), iterations: 10.into() };
     let missing = Material { texture: Some("missing.png".into()), ..grey() };
     for (builder, path) in [
         (fall(0, leaf()), "fall.bad.count"),
         (fall(50_001, leaf()), "fall.bad.count"),
         (fall(1, Species::new("floor", [0.1, f64::NAN])), "fall.bad.species[0].length_m[1]"),
-        (fall(1, Species { width_m: Some([f64::NAN; 2]), ..leaf() }), "fall.bad.species[0].width_m"),
+        (fall(1, Species { width_m: Some(f64::NAN.into()), ..leaf() }), "fall.bad.species[0].width_m"),
         (
             sun(Sun { angular_diameter_deg: 180.0.into(), ..Sun::default() }),
             "lights.bad.Sun.angular_diameter_deg",
         ),
         (sun(Sun { fractal: Some(julia), ..Sun::default() }), "lights.bad.Sun.fractal.imaginary"),
-        (sun(Sun { limb_darkening: 0.5, ..Sun::default() }), "lights.bad.angular_diameter_deg"),
+        (sun(Sun { limb_darkening: 0.5.into(), ..Sun::default() }), "lights.bad.angular_diameter_deg"),
         (disc(0.0), "lights.bad.Disc.diameter_m"),
         (stage().sky(sky(-1.0)), "sky.Constant.radiance_w_per_m2_sr"),
         (stage().sky(sky(1.0)).background([1.0; 3]), "sky"),
-        (material(Material { opacity: Some(f64::NAN), ..grey() }), "materials.grey.opacity"),
-        (material(Material { base_color: Some([f64::INFINITY; 3]), ..grey() }), "materials.grey.base_color"),
+        (material(Material { opacity: Some(f64::NAN.into()), ..grey() }), "materials.grey.opacity"),
+        (
+            material(Material { base_color: Some([f64::INFINITY; 3].into()), ..grey() }),
+            "materials.grey.base_color",
+        ),
         (material(missing), "materials.grey.texture"),
         (
             stage().camera("bad", Camera { fov_deg: Some(f64::NAN.into()), ..Camera::default() }),
             "cameras.bad.fov_deg",
         ),
         (
-            tile().fog("bad", Fog { base_m: Some(f64::NAN), ..Fog::in_box([-1.0; 3], [1.0; 3], 0.1) }),
+            tile().fog("bad", Fog { base_m: Some(f64::NAN.into()), ..Fog::in_box([-1.0; 3], [1.0; 3], 0.1) }),
             "fog.bad.base_m",
         ),
     ] {

@@ -1,20 +1,19 @@
 //! A block of leaves that fall: who they are, where they hang, and what the air does. Invariant: its
 //! lengths, masses and speeds are those of leaves, so that a fall can be followed in steps.
 
-use super::defaults::{one, yes, zero};
-use super::keyed::Keyed;
+use super::animated::Animated;
+use super::defaults::{one, yes};
 use super::number::{
     AirSpeed, AirVelocity, ArealMass, Degrees, Finite, GustScale, LeafLength, NonNegative, Number, Point,
     Positive, Span, SpeedGain, Triple, UnitInterval, Vector, Whole,
 };
-use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// More leaves than this in all blocks of a scene are refused: each has keys of its own, some 24 kilobytes.
 pub const MOST_FALLING: u32 = 50_000;
 
 /// Leaves that fall as leaves fall.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fall {
     /// How many.
@@ -30,7 +29,7 @@ pub struct Fall {
     #[serde(default)]
     pub wind: Wind,
     /// In which ways they fall; without, as their own size and mass have it.
-    pub motion: Option<Motion>,
+    pub motion: Option<FallMotion>,
     /// What they come to rest on.
     #[serde(default)]
     pub ground: FallGround,
@@ -38,27 +37,27 @@ pub struct Fall {
     #[serde(default)]
     pub obstacles: Vec<String>,
     /// When they are let go.
-    #[serde(default = "zero")]
+    #[serde(default)]
     pub release_s: Span<Finite>,
     /// Whether they hang there before they are let go; else they are not there yet.
     #[serde(default = "yes")]
     pub attached: bool,
     /// Factor on the speed of falling and turning.
-    #[serde(default = "own_speed")]
-    pub speed: Keyed<Number<SpeedGain>>,
-    /// Whether the camera sees them.
+    #[serde(default = "one")]
+    pub speed: Animated<Number<SpeedGain>>,
+    /// Whether the camera sees them; mirrors do in any case.
     #[serde(default = "yes")]
     pub visible_to_camera: bool,
     /// Whether they keep light from what lies behind them.
     #[serde(default = "yes")]
     pub casts_shadow: bool,
-    /// Whether they are holes in the picture.
+    /// Whether they are holes in the picture: black, with alpha 0.
     #[serde(default)]
     pub holdout: bool,
 }
 
 /// One kind of leaf.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Species {
     /// Names of meshes; each leaf is one of them.
@@ -66,7 +65,7 @@ pub struct Species {
     /// Names of materials; each leaf is made of one of them. If empty, of the mesh's own.
     #[serde(default)]
     pub materials: Vec<String>,
-    /// Colours of which each leaf has one in between, as a factor on its material.
+    /// Colours of which each leaf has one in between, as a factor on its material; needs `materials`.
     #[serde(default)]
     pub tint: Vec<Triple<UnitInterval>>,
     /// How many of the leaves are of this kind, in proportion to the others.
@@ -80,12 +79,12 @@ pub struct Species {
     #[serde(default = "of_a_leaf")]
     pub areal_mass_kg_per_m2: Span<ArealMass>,
     /// How far it is arched across, as the air feels it.
-    #[serde(default = "zero")]
+    #[serde(default)]
     pub curl_deg: Span<Degrees>,
 }
 
 /// Where leaves hang.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Emitter {
     /// Anywhere in a box.
@@ -110,17 +109,17 @@ pub enum Emitter {
 }
 
 /// What the air does.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Wind {
     /// Along the ground.
-    pub mean_m_per_s: Keyed<Vector<AirVelocity>>,
+    pub mean_m_per_s: Animated<Vector<AirVelocity>>,
     /// What the strongest gust adds.
-    pub gust_m_per_s: Keyed<Vector<AirVelocity>>,
+    pub gust_m_per_s: Animated<Vector<AirVelocity>>,
     /// From gust to gust.
     pub gust_s: Number<GustScale>,
     /// Speed of the air in eddies.
-    pub eddy_m_per_s: Keyed<Number<AirSpeed>>,
+    pub eddy_m_per_s: Animated<Number<AirSpeed>>,
     /// Their size.
     pub eddy_m: Number<GustScale>,
     /// Another seed, other gusts and eddies.
@@ -128,9 +127,9 @@ pub struct Wind {
 }
 
 /// In which proportion leaves fall in which way.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Motion {
+pub struct FallMotion {
     /// Level, rocking a little.
     pub steady: Number<NonNegative>,
     /// From side to side.
@@ -146,7 +145,7 @@ pub struct Motion {
 }
 
 /// What leaves come to rest on.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FallGround {
     /// Height of level ground.
@@ -155,27 +154,56 @@ pub struct FallGround {
     pub object: Option<String>,
 }
 
-impl Default for Wind {
-    fn default() -> Self {
+impl Fall {
+    /// So many leaves of one kind, let go at once in calm air.
+    pub fn new(count: u32, species: Species, emitter: Emitter) -> Self {
         Self {
-            mean_m_per_s: Keyed::Plain(Vector::new(DVec3::ZERO)),
-            gust_m_per_s: Keyed::Plain(Vector::new(DVec3::ZERO)),
-            gust_s: Number::new(4.0),
-            eddy_m_per_s: Keyed::Plain(Number::new(0.0)),
-            eddy_m: Number::new(2.0),
+            count: Whole(count),
             seed: 0,
+            species: vec![species],
+            emitter,
+            wind: Wind::default(),
+            motion: None,
+            ground: FallGround::default(),
+            obstacles: Vec::new(),
+            release_s: Span::default(),
+            attached: true,
+            speed: one(),
+            visible_to_camera: true,
+            casts_shadow: true,
+            holdout: false,
         }
     }
 }
 
-impl Default for FallGround {
-    fn default() -> Self {
-        Self { height_m: Number::new(0.0), object: None }
+impl Species {
+    /// Half-dry leaves of a broadleaved tree, flat, of one mesh and its own material.
+    pub fn new(mesh: &str, length_m: impl Into<Span<LeafLength>>) -> Self {
+        Self {
+            meshes: vec![mesh.to_owned()],
+            materials: Vec::new(),
+            tint: Vec::new(),
+            share: one(),
+            length_m: length_m.into(),
+            width_m: None,
+            areal_mass_kg_per_m2: of_a_leaf(),
+            curl_deg: Span::default(),
+        }
     }
 }
 
-fn own_speed() -> Keyed<Number<SpeedGain>> {
-    Keyed::Plain(Number::new(1.0))
+impl Default for Wind {
+    /// Calm.
+    fn default() -> Self {
+        Self {
+            mean_m_per_s: Animated::default(),
+            gust_m_per_s: Animated::default(),
+            gust_s: 4.0.into(),
+            eddy_m_per_s: Animated::default(),
+            eddy_m: 2.0.into(),
+            seed: 0,
+        }
+    }
 }
 
 /// Autumn leaves of broadleaved trees, half dry.

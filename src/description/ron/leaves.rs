@@ -1,18 +1,18 @@
 //! A block of leaves: one line for hundreds. Invariant: leaf number `i` depends on the block's
 //! seed and on `i`, not on how many there are.
 
-use super::defaults::{one, yes, zero};
+use super::defaults::{one, yes};
 use super::number::{
     Degrees, Finite, NonNegative, Number, Point, Positive, Span, Triple, UnitInterval, Whole,
 };
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// More leaves than this in one scene are refused: each takes a kilobyte, and a file of one
 /// line may ask for them.
 pub const MAX_LEAVES: u32 = 1_000_000;
 
 /// Seeded copies of meshes, scattered over a box or a surface.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Leaves {
     /// How many.
@@ -25,7 +25,7 @@ pub struct Leaves {
     /// Names of materials; each leaf is made of one of them. If empty, of the mesh's own.
     #[serde(default)]
     pub materials: Vec<String>,
-    /// Colours of which each leaf has one in between, as a factor on its material.
+    /// Colours of which each leaf has one in between, as a factor on its material; needs `materials`.
     #[serde(default)]
     pub tint: Vec<Triple<UnitInterval>>,
     /// Name of the object that the leaves follow.
@@ -46,20 +46,44 @@ pub struct Leaves {
     /// How they move.
     #[serde(default)]
     pub motion: LeafMotion,
-    /// Whether the camera sees them.
+    /// Whether the camera sees them; mirrors do in any case.
     #[serde(default = "yes")]
     pub visible_to_camera: bool,
     /// Whether they keep light from what lies behind them.
     #[serde(default = "yes")]
     pub casts_shadow: bool,
-    /// Whether they are holes in the picture.
+    /// Whether they are holes in the picture: black, with alpha 0.
     #[serde(default)]
     pub holdout: bool,
 }
 
+impl Default for Leaves {
+    /// One leaf that nobody has named a mesh for.
+    fn default() -> Self {
+        Self {
+            count: Whole(1),
+            seed: 0,
+            meshes: Vec::new(),
+            materials: Vec::new(),
+            tint: Vec::new(),
+            parent: None,
+            min_m: None,
+            max_m: None,
+            on: None,
+            droop_deg: None,
+            roll_deg: None,
+            scale: one(),
+            motion: LeafMotion::Still,
+            visible_to_camera: true,
+            casts_shadow: true,
+            holdout: false,
+        }
+    }
+}
+
 /// How the leaves of a block move. To add a model of falling: a variant here, its paths in
 /// `scene::from_ron`.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum LeafMotion {
     /// Not at all.
@@ -70,19 +94,19 @@ pub enum LeafMotion {
         /// Speed of descent.
         speed_m_per_s: Span<Positive>,
         /// Half width of the swing.
-        #[serde(default = "zero")]
+        #[serde(default)]
         swing_m: Span<NonNegative>,
         /// Swings a second.
-        #[serde(default = "zero")]
+        #[serde(default)]
         swing_hz: Span<NonNegative>,
         /// Turn rate about a random axis.
-        #[serde(default = "zero")]
+        #[serde(default)]
         spin_deg_per_s: Span<Degrees>,
         /// Velocity of the air.
-        #[serde(default = "zero")]
+        #[serde(default)]
         wind_m_per_s: Point,
         /// Height at which leaves come to rest.
-        #[serde(default = "zero")]
+        #[serde(default)]
         ground_y_m: Number<Finite>,
     },
 }

@@ -1,15 +1,15 @@
 //! What surfaces of a scene file are made of. Invariant: docs/scene-format.md describes every field.
 
-use super::defaults::{one, zero};
+use super::defaults::one;
 use super::number::{Finite, NonNegative, Number, Triple, UnitInterval};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// What a surface is made of.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Material {
-    /// Lambert reflectance, linear Rec. 709; multiplied by the texture if there is one.
+    /// Lambert reflectance, linear Rec. 709, multiplied by the texture; without it 0.8, or 1 with a texture.
     pub base_color: Option<Triple<UnitInterval>>,
     /// A PNG, JPEG, WebP or PPM image in sRGB, relative to the scene file.
     pub texture: Option<PathBuf>,
@@ -20,7 +20,6 @@ pub struct Material {
     /// How much light goes straight through where alpha is 1.
     pub filter_color: Option<Triple<UnitInterval>>,
     /// Lambert transmittance to the far side; multiplied by its texture, or else by `texture`.
-    #[serde(default = "zero")]
     pub transmission: Triple<UnitInterval>,
     /// An image of the colours in which light comes through, as `texture` is of those it shows.
     pub transmission_texture: Option<PathBuf>,
@@ -31,14 +30,13 @@ pub struct Material {
     /// How much of a metal it is.
     pub metallic: Option<Number<UnitInterval>>,
     /// Perfect mirror reflectance.
-    #[serde(default = "zero")]
     pub mirror: Triple<UnitInterval>,
     /// Radiance emitted to either side.
     pub emission_w_per_m2_sr: Option<Triple<NonNegative>>,
 }
 
 /// An image of directions, as glTF's normal maps are.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct NormalMap {
     /// A PNG, JPEG, WebP or PPM image whose red, green and blue are x, y and z, from -1 to 1.

@@ -1,13 +1,11 @@
 //! Mist that drifts, as a scene file says it. Invariant: what cannot be is refused where it is read.
 
-use super::defaults::zero;
-use super::keyed::Keyed;
+use super::animated::Animated;
 use super::number::{AirVelocity, Finite, NonNegative, Number, Positive, UnitInterval, Vector, Whole};
-use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Billows of mist that drift.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mist {
     /// How wide the largest are.
@@ -17,17 +15,17 @@ pub struct Mist {
     pub octaves: Whole<1, 8>,
     /// The share of the box that they fill.
     #[serde(default = "half")]
-    pub cover: Keyed<Number<UnitInterval>>,
+    pub cover: Animated<Number<UnitInterval>>,
     /// What carries them.
-    #[serde(default = "still_air")]
-    pub wind_m_per_s: Keyed<Vector<AirVelocity>>,
+    #[serde(default)]
+    pub wind_m_per_s: Animated<Vector<AirVelocity>>,
     /// How often they have turned over.
-    #[serde(default = "zero")]
-    pub evolution_turns: Keyed<Number<Finite>>,
+    #[serde(default)]
+    pub evolution_turns: Animated<Number<Finite>>,
     /// Their form as a whole.
     #[serde(default)]
     pub shape: MistShape,
-    /// Over how far that fades.
+    /// Over how far that fades; half of `size_m` without.
     pub edge_m: Option<Number<NonNegative>>,
     /// Name of an object that heights count from.
     pub ground: Option<String>,
@@ -38,8 +36,26 @@ pub struct Mist {
     pub voxel_m: Option<Number<Positive>>,
 }
 
+impl Mist {
+    /// Four sizes of billows in still air, which fill half of a box.
+    pub fn new(size_m: f64) -> Self {
+        Self {
+            size_m: size_m.into(),
+            octaves: four(),
+            cover: half(),
+            wind_m_per_s: Animated::default(),
+            evolution_turns: Animated::default(),
+            shape: MistShape::default(),
+            edge_m: None,
+            ground: None,
+            seed: 0,
+            voxel_m: None,
+        }
+    }
+}
+
 /// The form of mist in its box.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum MistShape {
     /// All of it, faded at the sides and at the top.
     #[default]
@@ -52,10 +68,6 @@ fn four() -> Whole<1, 8> {
     Whole(4)
 }
 
-fn half() -> Keyed<Number<UnitInterval>> {
-    Keyed::Plain(Number::new(0.5))
-}
-
-fn still_air() -> Keyed<Vector<AirVelocity>> {
-    Keyed::Plain(Vector::new(DVec3::ZERO))
+fn half() -> Animated<Number<UnitInterval>> {
+    0.5.into()
 }

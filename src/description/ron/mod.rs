@@ -4,14 +4,17 @@
 //! docs/scene-format.md is the author's view of these types; a field is added here, there and in
 //! `scene::from_ron`.
 
+mod animated;
 mod built;
+mod camera;
 mod defaults;
 mod fall;
-mod keyed;
+mod fog;
+mod given;
 mod leaves;
+mod light;
 mod material;
 mod meant;
-mod mesh;
 mod misplaced;
 mod mist;
 mod named;
@@ -22,6 +25,7 @@ mod references;
 mod replacement;
 mod scene_file;
 mod sequence_file;
+mod shape;
 mod sky;
 pub(crate) mod suggest;
 mod version;
@@ -34,22 +38,25 @@ use parse::Document;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-pub use built::{BUILT, BuiltScene, Parts, load_built};
-pub use fall::{Emitter, Fall, FallGround, MOST_FALLING, Motion, Species, Wind};
-pub use keyed::{Extend, Handle, Key, Keyable, Keyed, Keys, NoRate, ToNext};
+pub use animated::{Animated, Extend, Handle, Key, Keyable, Keys, NoRate, ToNext};
+pub use built::{BUILT, BuiltScene, load_built};
+pub use camera::{Aperture, Camera};
+pub use fall::{Emitter, Fall, FallGround, FallMotion, MOST_FALLING, Species, Wind};
+pub use fog::Fog;
 pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
+pub use light::{Julia, Light, Sun};
 pub use material::{Material, NormalMap};
-pub use mesh::Mesh;
 pub use mist::{Mist, MistShape};
 pub use named::Named;
 pub use number::{
     AirSpeed, AirVelocity, Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FStop, FieldOfView, Finite,
     FocusDistance, GustScale, HalfAngle, JuliaPart, LeafLength, NonNegative, Number, Point, Positive,
-    Quaternion, QuaternionRate, Range, Span, SpeedGain, Stops, Triple, UnitInterval, Vector, Whole,
+    Quaternion, QuaternionRate, Range, Span, SpeedGain, Stops, Three, Triple, UnitInterval, Vector, Whole,
 };
 pub use replacement::Replacement;
-pub use scene_file::{Aperture, Camera, Fog, Julia, Light, Object, SceneFile};
+pub use scene_file::{Object, SceneFile};
 pub use sequence_file::{Bounces, FrameRate, Frames, March, PixelFilter, SequenceFields};
+pub use shape::Shape;
 pub use sky::{Sky, SkyLight};
 pub use version::Version;
 
@@ -139,7 +146,7 @@ pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, Lo
     let name = obj::name(path);
     let mesh_path = PathBuf::from(path.file_name().unwrap_or_default());
     let model = obj::load_alone(path, files)?;
-    let mut file = SceneFile::of_mesh(&name, Mesh::Obj(mesh_path.clone()));
+    let mut file = SceneFile::of_mesh(&name, Shape::Obj(mesh_path.clone()));
     if model.triangles.is_empty() {
         (file.meshes, file.objects) = (Named::default(), Named::default());
     }

@@ -2,7 +2,8 @@
 //! author's order is kept.
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Unexpected, Visitor};
-use std::collections::HashSet;
+use serde::{Serialize, Serializer};
+use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -19,12 +20,12 @@ impl<T> Default for Named<T> {
 impl<T> Named<T> {
     /// A single thing.
     pub(super) fn one(name: &str, thing: T) -> Self {
-        Self::of(vec![(name.to_owned(), thing)])
+        Self(vec![(name.to_owned(), thing)])
     }
 
-    /// Things of different names.
-    pub(super) fn of(things: Vec<(String, T)>) -> Self {
-        Self(things)
+    /// Adds a thing, whatever its name; [`super::load_built`] refuses names that occur twice.
+    pub(crate) fn push(&mut self, name: &str, thing: T) {
+        self.0.push((name.to_owned(), thing));
     }
 
     /// Names and things, in the author's order.
@@ -40,6 +41,18 @@ impl<T> Named<T> {
     /// The thing of that name.
     pub fn get(&self, name: &str) -> Option<&T> {
         self.0.iter().find(|(other, _)| other == name).map(|(_, thing)| thing)
+    }
+}
+
+impl<T> From<BTreeMap<String, T>> for Named<T> {
+    fn from(things: BTreeMap<String, T>) -> Self {
+        Self(things.into_iter().collect())
+    }
+}
+
+impl<T: Serialize> Serialize for Named<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter())
     }
 }
 

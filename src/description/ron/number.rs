@@ -17,21 +17,22 @@ pub struct Number<R> {
     range: PhantomData<R>,
 }
 
-impl<R: Range> Number<R> {
-    /// A default that the program itself writes down.
-    pub(crate) const fn new(value: f64) -> Self {
+impl<R> Number<R> {
+    /// One that is checked when its part is.
+    pub(super) const fn new(value: f64) -> Self {
         Self { value, range: PhantomData }
     }
 
-    /// The number in SI units: radians for angles, else as the author wrote it.
-    pub fn si(self) -> f64 {
-        self.value * R::UNIT
+    /// The number in the author's unit.
+    pub(super) fn value(self) -> f64 {
+        self.value
     }
 }
 
-impl Default for Number<NonNegative> {
-    fn default() -> Self {
-        Self::new(0.0)
+impl<R: Range> Number<R> {
+    /// The number in SI units: radians for angles, else as the author wrote it.
+    pub fn si(self) -> f64 {
+        self.value * R::UNIT
     }
 }
 
@@ -42,12 +43,18 @@ impl<'de, R: Range> Deserialize<'de> for Number<R> {
 }
 
 fn check<R: Range, E: Error>(value: f64) -> Result<f64, E> {
-    if value.is_finite() && value.abs() > MAX_MAGNITUDE && R::contains(value) {
-        Err(E::invalid_value(Unexpected::Float(value), &Finite::EXPECTED))
-    } else if value.is_finite() && R::contains(value) {
-        Ok(value)
+    match unmet::<R>(value) {
+        None => Ok(value),
+        Some(expected) => Err(E::invalid_value(Unexpected::Float(value), &expected)),
+    }
+}
+
+/// What to say to someone who left the range; nothing if `value` lies in it.
+pub(super) fn unmet<R: Range>(value: f64) -> Option<&'static str> {
+    if !value.is_finite() || !R::contains(value) {
+        Some(R::EXPECTED)
     } else {
-        Err(E::invalid_value(Unexpected::Float(value), &R::EXPECTED))
+        (value.abs() > MAX_MAGNITUDE).then_some(Finite::EXPECTED)
     }
 }
 
@@ -67,12 +74,19 @@ pub type Point = Vector<Finite>;
 /// Three numbers, or one.
 pub type Triple<R> = Three<R, true>;
 
-impl<R: Range, const ONE_WILL_DO: bool> Three<R, ONE_WILL_DO> {
-    /// A default that the program itself writes down.
-    pub(crate) const fn new(value: DVec3) -> Self {
+impl<R, const ONE_WILL_DO: bool> Three<R, ONE_WILL_DO> {
+    /// Those that are checked when their part is.
+    pub(super) const fn new(value: DVec3) -> Self {
         Self { value, range: PhantomData }
     }
 
+    /// The numbers in the author's unit.
+    pub(super) fn value(self) -> DVec3 {
+        self.value
+    }
+}
+
+impl<R: Range, const ONE_WILL_DO: bool> Three<R, ONE_WILL_DO> {
     /// The numbers in SI units.
     pub fn si(self) -> DVec3 {
         self.value * R::UNIT
@@ -144,12 +158,19 @@ pub struct Span<R> {
     range: PhantomData<R>,
 }
 
-impl<R: Range> Span<R> {
-    /// A default that the program itself writes down.
-    pub(crate) const fn new(low: f64, high: f64) -> Self {
+impl<R> Span<R> {
+    /// One that is checked when its part is.
+    pub(super) const fn new(low: f64, high: f64) -> Self {
         Self { low, high, range: PhantomData }
     }
 
+    /// Both ends in the author's unit.
+    pub(super) fn ends(self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+}
+
+impl<R: Range> Span<R> {
     /// The value at `fraction`, from 0 for `low` to 1 for `high`, in SI units.
     pub fn at(self, fraction: f64) -> f64 {
         (self.low + (self.high - self.low) * fraction) * R::UNIT

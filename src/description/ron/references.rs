@@ -1,7 +1,7 @@
 //! A parsed scene in, the same with its meshes and textures read out. Invariant: a mesh, material
 //! or texture that nothing in the picture uses is not read.
 
-use super::{Keyed, Light, LoadedScene, Material, NormalMap, Replacement, SceneFile, Sky, beside};
+use super::{Animated, Light, LoadedScene, Material, NormalMap, Replacement, SceneFile, Sky, Sun, beside};
 use crate::description::image::{self, Encoding};
 use crate::description::{Files, LoadError, obj, vdb};
 use crate::diagnostic::{Diagnostics, Place};
@@ -71,7 +71,8 @@ struct Used<'a> {
 impl<'a> Used<'a> {
     fn by(file: &'a SceneFile) -> Self {
         let mut used = Self::default();
-        for (_, object) in file.objects.iter().filter(|(_, object)| object.visible != Keyed::Plain(false)) {
+        for (_, object) in file.objects.iter().filter(|(_, object)| object.visible != Animated::Still(false))
+        {
             used.add(object.mesh.as_slice(), object.material.as_slice());
         }
         for (_, leaves) in file.leaves.iter() {
@@ -129,7 +130,7 @@ impl Loader<'_> {
     fn sun_images(&mut self, file: &SceneFile) -> Result<BTreeMap<PathBuf, image::DecodedImage>, LoadError> {
         let mut images = BTreeMap::new();
         for (name, light) in file.lights.iter() {
-            if let Light::Sun { image: Some(image), .. } = light {
+            if let Light::Sun(Sun { image: Some(image), .. }) = light {
                 self.image(image, Encoding::Srgb, &format!("lights.{name}.image"), &mut images)?;
             }
         }

@@ -2,16 +2,18 @@
 //! Invariant: both forms are read without buffering, so errors keep their line and column.
 
 use super::material::Material;
-use serde::de::value::{MapAccessDeserializer, MapDeserializer};
+use serde::Serialize;
+use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use std::fmt;
 
 /// A material of the scene, or one that only this mesh has.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Replacement {
     /// The name of a material of the scene.
     Named(String),
-    /// A material that stands right here.
+    /// A material that stands right here. What it leaves out is as the file has it.
     Inline(Box<Material>),
 }
 
@@ -59,8 +61,6 @@ impl<'de> Visitor<'de> for ReplacementVisitor {
     }
 
     fn visit_unit<E: Error>(self) -> Result<Self::Value, E> {
-        let no_fields = std::iter::empty::<(&str, &str)>();
-        let material = Material::deserialize(MapDeserializer::new(no_fields))?;
-        Ok(Replacement::Inline(Box::new(material)))
+        Ok(Replacement::Inline(Box::default()))
     }
 }

@@ -1,19 +1,19 @@
 //! What a scene file says of the sky. Invariant: every field's unit is in its name.
 
-use super::defaults::{one, zero};
-use super::keyed::Keyed;
+use super::animated::Animated;
+use super::defaults::one;
 use super::number::{Degrees, NonNegative, Number, Triple};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// What lies behind the scene and lights it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Sky {
     /// The same everywhere.
     Constant {
         /// How bright it is.
-        radiance_w_per_m2_sr: Keyed<Triple<NonNegative>>,
+        radiance_w_per_m2_sr: Animated<Triple<NonNegative>>,
         /// What it lights.
         #[serde(default)]
         lights: SkyLight,
@@ -25,11 +25,11 @@ pub enum Sky {
         /// Just above the horizon.
         horizon_w_per_m2_sr: Triple<NonNegative>,
         /// Below the horizon.
-        #[serde(default = "zero")]
+        #[serde(default)]
         ground_w_per_m2_sr: Triple<NonNegative>,
         /// Multiplies all of it.
         #[serde(default = "one")]
-        strength: Keyed<Triple<NonNegative>>,
+        strength: Animated<Triple<NonNegative>>,
         /// What it lights.
         #[serde(default)]
         lights: SkyLight,
@@ -40,10 +40,10 @@ pub enum Sky {
         image: PathBuf,
         /// Radiance of what is 1 in the image.
         #[serde(default = "one")]
-        strength_w_per_m2_sr: Keyed<Triple<NonNegative>>,
+        strength_w_per_m2_sr: Animated<Triple<NonNegative>>,
         /// Turned about +y, anticlockwise as seen from above.
-        #[serde(default = "zero")]
-        rotation_deg: Keyed<Number<Degrees>>,
+        #[serde(default)]
+        rotation_deg: Animated<Number<Degrees>>,
         /// What it lights.
         #[serde(default)]
         lights: SkyLight,
@@ -51,7 +51,7 @@ pub enum Sky {
 }
 
 /// What a sky lights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum SkyLight {
     /// It is seen, and lights nothing.
     Nothing,

@@ -287,7 +287,7 @@ impl Resolver<'_> {
     }
 
     /// `Some(None)` is a fall without a mix.
-    fn mix(&mut self, owner: &str, motion: Option<&ron::Motion>) -> Option<Option<Mix>> {
+    fn mix(&mut self, owner: &str, motion: Option<&ron::FallMotion>) -> Option<Option<Mix>> {
         let Some(motion) = motion else { return Some(None) };
         let mix = Mix {
             steady: motion.steady.si(),

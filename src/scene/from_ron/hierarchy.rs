@@ -2,7 +2,7 @@
 //! however many others lie between.
 
 use super::{Resolver, rotation, track};
-use crate::description::ron::{Keyed, Object};
+use crate::description::ron::{Animated, Object};
 use crate::scene::{MeshIndex, Motion, Node, NodeIndex, RayVisibility, Rotation, Track};
 use glam::DAffine3;
 use std::collections::BTreeMap;
@@ -76,7 +76,7 @@ impl<'a> Resolver<'a> {
 
     fn seen_mesh(&mut self, owner: &str, object: &Object, mesh: &str) -> Option<MeshIndex> {
         let field = format!("{owner}.mesh");
-        if object.visible == Keyed::Plain(false) {
+        if object.visible == Animated::Still(false) {
             // What is never seen was not even read.
             self.problems.find(&field, "mesh", mesh, &self.mesh_files);
             return None;
@@ -106,7 +106,7 @@ impl<'a> Resolver<'a> {
         Some(Motion::Keyed { translation, rotation, scale })
     }
 
-    fn visibility(&mut self, owner: &str, visible: &Keyed<bool>) -> Track<bool> {
+    fn visibility(&mut self, owner: &str, visible: &Animated<bool>) -> Track<bool> {
         track(visible, &format!("{owner}.visible"), &mut self.problems).unwrap_or_else(|| Track::from(true))
     }
 }

@@ -2,7 +2,7 @@
 //! never where it points.
 
 use super::{Resolver, track};
-use crate::description::ron::{self, Keyable, Keyed, Number, Point, Positive};
+use crate::description::ron::{self, Animated, Keyable, Number, Point, Positive};
 use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, Track};
 use glam::{DQuat, DVec3};
 
@@ -10,7 +10,7 @@ use glam::{DQuat, DVec3};
 #[derive(Clone, Copy)]
 pub(super) struct Named<'a> {
     pub(super) name: &'a str,
-    pub(super) point: &'a Keyed<Point>,
+    pub(super) point: &'a Animated<Point>,
 }
 
 impl Resolver<'_> {
@@ -19,10 +19,10 @@ impl Resolver<'_> {
         for (name, light) in self.file.lights.iter() {
             let owner = format!("lights.{name}");
             let (motion, (field, power), kind) = match light {
-                ron::Light::Sun { direction, to_sun, irradiance_w_per_m2, .. } => (
-                    self.sun_motion(&owner, direction.as_ref(), to_sun.as_ref()),
-                    ("irradiance_w_per_m2", irradiance_w_per_m2),
-                    self.sun(&owner, light),
+                ron::Light::Sun(sun) => (
+                    self.sun_motion(&owner, sun.direction.as_ref(), sun.to_sun.as_ref()),
+                    ("irradiance_w_per_m2", &sun.irradiance_w_per_m2),
+                    self.sun(&owner, sun),
                 ),
                 ron::Light::Point { position_m, intensity_w_per_sr, radius_m, .. } => (
                     self.keyed(&owner, "position_m", position_m).map(unturned),
@@ -66,8 +66,8 @@ impl Resolver<'_> {
     fn rectangle(
         &mut self,
         owner: &str,
-        width_m: &Keyed<Number<Positive>>,
-        height_m: &Keyed<Number<Positive>>,
+        width_m: &Animated<Number<Positive>>,
+        height_m: &Animated<Number<Positive>>,
     ) -> Option<LightKind> {
         let width = self.keyed(owner, "width_m", width_m);
         let height = self.keyed(owner, "height_m", height_m);
@@ -77,8 +77,8 @@ impl Resolver<'_> {
     fn aimed_light(
         &mut self,
         owner: &str,
-        position_m: &Keyed<Point>,
-        target_m: &Keyed<Point>,
+        position_m: &Animated<Point>,
+        target_m: &Animated<Point>,
         up: DVec3,
     ) -> Option<Motion> {
         let [position, target] =
@@ -91,7 +91,7 @@ impl Resolver<'_> {
         &mut self,
         owner: &str,
         name: &str,
-        value: &Keyed<T>,
+        value: &Animated<T>,
     ) -> Option<Track<T::Si>> {
         track(value, &format!("{owner}.{name}"), &mut self.problems)
     }
@@ -100,8 +100,8 @@ impl Resolver<'_> {
     fn sun_motion(
         &mut self,
         owner: &str,
-        direction: Option<&Keyed<ron::Direction>>,
-        to_sun: Option<&Keyed<ron::Direction>>,
+        direction: Option<&Animated<ron::Direction>>,
+        to_sun: Option<&Animated<ron::Direction>>,
     ) -> Option<Motion> {
         let here = || Track::from(DVec3::ZERO);
         let (position, target) = match (direction, to_sun) {
@@ -145,7 +145,7 @@ impl Resolver<'_> {
 /// The name of what a light follows.
 fn parent_of(light: &ron::Light) -> Option<&str> {
     match light {
-        ron::Light::Sun { parent, .. }
+        ron::Light::Sun(ron::Sun { parent, .. })
         | ron::Light::Point { parent, .. }
         | ron::Light::Spot { parent, .. }
         | ron::Light::Rectangle { parent, .. }

@@ -131,7 +131,7 @@ struct Resolver<'a> {
     problems: Problems,
     /// Objects placed so far.
     nodes: BTreeMap<&'a str, NodeIndex>,
-    mesh_files: BTreeMap<&'a str, &'a ron::Mesh>,
+    mesh_files: BTreeMap<&'a str, &'a ron::Shape>,
     meshes: BTreeMap<&'a str, MeshIndex>,
     /// What bends those that have a file a frame.
     moving: BTreeMap<MeshIndex, Arc<Deformation>>,

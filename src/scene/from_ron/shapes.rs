@@ -7,13 +7,13 @@ use glam::{Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
 /// The built-in shape called `name`; `None` for one that lies in a file.
-pub(super) fn built_in(name: &str, shape: &ron::Mesh) -> Option<Mesh> {
+pub(super) fn built_in(name: &str, shape: &ron::Shape) -> Option<Mesh> {
     let mesh = match shape {
-        ron::Mesh::Obj(_) | ron::Mesh::ObjWith { .. } => return None,
-        ron::Mesh::Quad { size_m } => quad(size_m.si() as f32),
-        ron::Mesh::Cube { size_m } => cube(size_m.si() as f32),
-        ron::Mesh::Sphere { radius_m } => sphere(radius_m.si()),
-        ron::Mesh::Leaf { length_m, width_m, curl_deg, fold_deg } => {
+        ron::Shape::Obj(_) | ron::Shape::ObjWith { .. } => return None,
+        ron::Shape::Quad { size_m } => quad(size_m.si() as f32),
+        ron::Shape::Cube { size_m } => cube(size_m.si() as f32),
+        ron::Shape::Sphere { radius_m } => sphere(radius_m.si()),
+        ron::Shape::Leaf { length_m, width_m, curl_deg, fold_deg } => {
             leaf(length_m.si(), width_m.si(), curl_deg.si(), fold_deg.si())
         }
     };

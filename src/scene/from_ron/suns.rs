@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 impl Resolver<'_> {
     /// A sun without its direction and power.
-    pub(super) fn sun(&mut self, owner: &str, light: &ron::Light) -> Option<LightKind> {
-        let ron::Light::Sun {
+    pub(super) fn sun(&mut self, owner: &str, sun: &ron::Sun) -> Option<LightKind> {
+        let ron::Sun {
             angular_diameter_deg,
             limb_darkening,
             image,
@@ -19,10 +19,7 @@ impl Resolver<'_> {
             picture_rotation_deg,
             visible_to_camera,
             ..
-        } = light
-        else {
-            return None;
-        };
+        } = sun;
         let diameter = self.keyed(owner, "angular_diameter_deg", angular_diameter_deg);
         let rotation = self.keyed(owner, "picture_rotation_deg", picture_rotation_deg);
         let darkening = limb_darkening.si();

@@ -2,19 +2,19 @@
 //! between its keys too, because the control points of all its curves do.
 
 use super::problems::Problems;
-use crate::description::ron::{self, Degrees, Keyable, Keyed, Keys, Quaternion, ToNext, Vector};
+use crate::description::ron::{self, Animated, Degrees, Keyable, Keys, Quaternion, ToNext, Vector};
 use crate::scene::{Animate, Extend, Handle, Key, Rotation, Segment, Track};
 use glam::DQuat;
 
 /// The track of `field`.
 pub(super) fn track<T: Keyable<Si: Animate>>(
-    keyed: &Keyed<T>,
+    keyed: &Animated<T>,
     field: &str,
     problems: &mut Problems,
 ) -> Option<Track<T::Si>> {
     let keys = match keyed {
-        Keyed::Plain(value) => return Some(Track::from(value.si())),
-        Keyed::Keys(keys) => keys,
+        Animated::Still(value) => return Some(Track::from(value.si())),
+        Animated::Keyed(keys) => keys,
     };
     check(keys, field, problems)?;
     let extend = match keys.extend {
@@ -26,8 +26,8 @@ pub(super) fn track<T: Keyable<Si: Animate>>(
 
 /// The rotation from the two ways to write one; `None` also if both are written.
 pub(super) fn rotation(
-    degrees: Option<&Keyed<Vector<Degrees>>>,
-    quaternion: Option<&Keyed<Quaternion>>,
+    degrees: Option<&Animated<Vector<Degrees>>>,
+    quaternion: Option<&Animated<Quaternion>>,
     owner: &str,
     problems: &mut Problems,
 ) -> Option<Rotation> {

@@ -6,20 +6,40 @@ use glam::{DQuat, DVec3};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess};
 use serde::de::{Unexpected, Visitor};
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
 
 /// A value that stays, or one that changes over time.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Keyed<T: Keyable> {
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[serde(untagged, bound = "")]
+pub enum Animated<T: Keyable> {
     /// The same at all times.
-    Plain(T),
+    Still(T),
     /// Interpolated between keys.
-    Keys(Keys<T>),
+    Keyed(Keys<T>),
+}
+
+impl<T: Keyable> Animated<T> {
+    /// Straight between pairs of seconds and values; holds the first and the last.
+    pub fn keys<V: Into<T>>(keys: impl IntoIterator<Item = (f64, V)>) -> Self {
+        Self::Keyed(Keys::of(keys, Extend::Hold))
+    }
+
+    /// The same over and over.
+    pub fn cycle<V: Into<T>>(keys: impl IntoIterator<Item = (f64, V)>) -> Self {
+        Self::Keyed(Keys::of(keys, Extend::Cycle))
+    }
+}
+
+impl<T: Keyable + Default> Default for Animated<T> {
+    fn default() -> Self {
+        Self::Still(T::default())
+    }
 }
 
 /// A keyed value as the author wrote it.
-#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
 pub struct Keys<T: Keyable> {
     /// The keys, times strictly increasing.
@@ -29,8 +49,19 @@ pub struct Keys<T: Keyable> {
     pub extend: Extend,
 }
 
+impl<T: Keyable> Keys<T> {
+    fn of<V: Into<T>>(keys: impl IntoIterator<Item = (f64, V)>, extend: Extend) -> Self {
+        let key = |(at_s, value): (f64, V)| Key {
+            at_s: Number::new(at_s),
+            value: value.into(),
+            to_next: ToNext::Linear,
+        };
+        Self { keys: keys.into_iter().map(key).collect(), extend }
+    }
+}
+
 /// A value at a time.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
 pub struct Key<T: Keyable> {
     /// Seconds.
@@ -43,7 +74,7 @@ pub struct Key<T: Keyable> {
 }
 
 /// The way from one key to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
 pub enum ToNext<T: Keyable> {
     /// The value stays, then jumps.
@@ -68,7 +99,7 @@ pub enum ToNext<T: Keyable> {
 }
 
 /// A handle of a Bezier curve.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
 pub struct Handle<T: Keyable> {
     /// Seconds; between the two keys.
@@ -78,7 +109,7 @@ pub struct Handle<T: Keyable> {
 }
 
 /// What a keyed value does outside its keys.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 pub enum Extend {
     /// Keeps the first or last value.
     #[default]
@@ -88,9 +119,9 @@ pub enum Extend {
 }
 
 /// What can be keyed in a file.
-pub trait Keyable: Copy + fmt::Debug + PartialEq + DeserializeOwned {
+pub trait Keyable: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize {
     /// How fast it changes, per second.
-    type Rate: Copy + fmt::Debug + PartialEq + DeserializeOwned;
+    type Rate: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize;
     /// What it means, in SI units.
     type Si: Copy;
     /// What to say when a curve leaves the range.
@@ -201,43 +232,49 @@ impl<'de> Deserialize<'de> for NoRate {
     }
 }
 
-impl<'de, T: Keyable> Deserialize<'de> for Keyed<T> {
+impl Serialize for NoRate {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_unit()
+    }
+}
+
+impl<'de, T: Keyable> Deserialize<'de> for Animated<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(KeyedVisitor(PhantomData))
+        deserializer.deserialize_any(AnimatedVisitor(PhantomData))
     }
 }
 
 /// Numbers, booleans and tuples are plain values; a struct with named fields holds keys.
-struct KeyedVisitor<T>(PhantomData<T>);
+struct AnimatedVisitor<T>(PhantomData<T>);
 
-impl<'de, T: Keyable> Visitor<'de> for KeyedVisitor<T> {
-    type Value = Keyed<T>;
+impl<'de, T: Keyable> Visitor<'de> for AnimatedVisitor<T> {
+    type Value = Animated<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, or Keyed(keys: [(at_s: .., value: ..), ..])", T::EXPECTED)
     }
 
     fn visit_bool<E: Error>(self, value: bool) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(Keyed::Plain)
+        T::deserialize(value.into_deserializer()).map(Animated::Still)
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(Keyed::Plain)
+        T::deserialize(value.into_deserializer()).map(Animated::Still)
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(Keyed::Plain)
+        T::deserialize(value.into_deserializer()).map(Animated::Still)
     }
 
     fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(Keyed::Plain)
+        T::deserialize(value.into_deserializer()).map(Animated::Still)
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Self::Value, A::Error> {
-        T::deserialize(SeqAccessDeserializer::new(sequence)).map(Keyed::Plain)
+        T::deserialize(SeqAccessDeserializer::new(sequence)).map(Animated::Still)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-        Keys::deserialize(MapAccessDeserializer::new(map)).map(Keyed::Keys)
+        Keys::deserialize(MapAccessDeserializer::new(map)).map(Animated::Keyed)
     }
 }

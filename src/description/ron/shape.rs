@@ -1,16 +1,15 @@
 //! Shapes of a scene file.
 
-use super::defaults::zero;
 use super::named::Named;
 use super::number::{Degrees, Number, Positive};
 use super::replacement::Replacement;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// A shape.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub enum Mesh {
+pub enum Shape {
     /// A Wavefront OBJ file, relative to the scene file.
     Obj(PathBuf),
     /// The same, with other materials in place of some of its own.
@@ -42,15 +41,15 @@ pub enum Mesh {
         /// Across, where it is widest.
         width_m: Number<Positive>,
         /// How far it bends down along its length, in all.
-        #[serde(default = "zero")]
+        #[serde(default)]
         curl_deg: Number<Degrees>,
         /// How far each half is lifted about the middle vein.
-        #[serde(default = "zero")]
+        #[serde(default)]
         fold_deg: Number<Degrees>,
     },
 }
 
-impl Mesh {
+impl Shape {
     /// The OBJ file that it shows, and what takes the place of which of the file's materials.
     pub fn obj(&self) -> Option<(&PathBuf, Option<&Named<Replacement>>)> {
         match self {

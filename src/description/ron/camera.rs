@@ -1,0 +1,82 @@
+//! Cameras of a scene. Invariant: docs/scene-format.md describes every field.
+
+use super::animated::Animated;
+use super::number::{
+    Degrees, Direction, FStop, FieldOfView, FocusDistance, NonNegative, Number, Point, Positive, Quaternion,
+    Vector, Whole,
+};
+use serde::{Deserialize, Serialize};
+
+/// A camera.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Camera {
+    /// Name of the object that the camera follows.
+    pub parent: Option<String>,
+    /// Where it is in its parent's space.
+    pub position_m: Animated<Point>,
+    /// What it looks at, in its parent's space.
+    pub look_at_m: Option<Animated<Point>>,
+    /// What is up in the picture when it looks at something.
+    pub up: Animated<Direction>,
+    /// Turned about x, then y, then z, from looking along -z; not beside `look_at_m`.
+    pub rotation_deg: Option<Animated<Vector<Degrees>>>,
+    /// The same as a quaternion `(x, y, z, w)`; one of the two.
+    pub rotation_quaternion: Option<Animated<Quaternion>>,
+    /// Full vertical field of view; 45 degrees without.
+    pub fov_deg: Option<Animated<Number<FieldOfView>>>,
+    /// Of the picture of a camera whose rays are parallel; not beside `fov_deg`.
+    pub orthographic_height_m: Option<Animated<Number<Positive>>>,
+    /// The lens that blurs what is out of focus; a pinhole without.
+    pub aperture: Option<Aperture>,
+    /// Between which distances along the view surfaces are seen: all before the camera without.
+    pub clip_m: Option<(Number<NonNegative>, Number<Positive>)>,
+}
+
+impl Default for Camera {
+    /// At the origin, looking along -z.
+    fn default() -> Self {
+        Self {
+            parent: None,
+            position_m: Animated::default(),
+            look_at_m: None,
+            up: [0.0, 1.0, 0.0].into(),
+            rotation_deg: None,
+            rotation_quaternion: None,
+            fov_deg: None,
+            orthographic_height_m: None,
+            aperture: None,
+            clip_m: None,
+        }
+    }
+}
+
+/// The opening of a lens.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Aperture {
+    /// Focal length over the opening's diameter.
+    pub f_stop: Animated<Number<FStop>>,
+    /// Distance of the plane in focus, along the view.
+    pub focus_distance_m: Animated<Number<FocusDistance>>,
+    /// With the angle of view it gives the focal length.
+    #[serde(default = "full_frame")]
+    pub sensor_width_mm: Number<Positive>,
+    /// Straight blades of the opening; a round one without.
+    pub blades: Option<Whole<3, 32>>,
+}
+
+impl Aperture {
+    /// A round opening before a sensor 36 mm wide.
+    pub fn new(
+        f_stop: impl Into<Animated<Number<FStop>>>,
+        focus_distance_m: impl Into<Animated<Number<FocusDistance>>>,
+    ) -> Self {
+        let (f_stop, focus_distance_m) = (f_stop.into(), focus_distance_m.into());
+        Self { f_stop, focus_distance_m, sensor_width_mm: full_frame(), blades: None }
+    }
+}
+
+fn full_frame() -> Number<Positive> {
+    36.0.into()
+}

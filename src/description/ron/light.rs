@@ -1,0 +1,153 @@
+//! Lights of a scene. Invariant: docs/scene-format.md describes every field.
+
+use super::animated::Animated;
+use super::defaults::one;
+use super::number::{
+    Degrees, Direction, DiscAngle, HalfAngle, JuliaPart, NonNegative, Number, Point, Positive, Triple,
+    UnitInterval, Whole,
+};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A light.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Light {
+    /// Light from infinitely far away.
+    Sun(Sun),
+    /// Light from a point or sphere to all sides.
+    Point {
+        /// Name of the object that the light follows.
+        parent: Option<String>,
+        /// Where it is in its parent's space.
+        position_m: Animated<Point>,
+        /// In every direction, seen from afar.
+        intensity_w_per_sr: Animated<Triple<NonNegative>>,
+        /// Of the sphere that shines; 0 is a point.
+        #[serde(default)]
+        radius_m: Animated<Number<NonNegative>>,
+    },
+    /// Light from a point or sphere into a cone.
+    Spot {
+        /// Name of the object that the light follows.
+        parent: Option<String>,
+        /// Where it is in its parent's space.
+        position_m: Animated<Point>,
+        /// Where it points.
+        target_m: Animated<Point>,
+        /// Between the axis and the edge of the cone.
+        outer_deg: Animated<Number<HalfAngle>>,
+        /// Softness of the edge, as in Blender.
+        #[serde(default = "soft_edge")]
+        blend: Animated<Number<UnitInterval>>,
+        /// On the axis, seen from afar.
+        intensity_w_per_sr: Animated<Triple<NonNegative>>,
+        /// Of the sphere that shines; 0 is a point.
+        #[serde(default)]
+        radius_m: Animated<Number<NonNegative>>,
+    },
+    /// A flat rectangle that shines from one side.
+    Rectangle {
+        /// Name of the object that the light follows.
+        parent: Option<String>,
+        /// Where its middle is in its parent's space.
+        position_m: Animated<Point>,
+        /// Where it faces.
+        target_m: Animated<Point>,
+        /// The way its height goes.
+        #[serde(default = "up")]
+        up: Direction,
+        /// Across.
+        width_m: Animated<Number<Positive>>,
+        /// Along `up`.
+        height_m: Animated<Number<Positive>>,
+        /// All light that it emits.
+        power_w: Animated<Triple<NonNegative>>,
+    },
+    /// A flat disc that shines from one side.
+    Disc {
+        /// Name of the object that the light follows.
+        parent: Option<String>,
+        /// Where its middle is in its parent's space.
+        position_m: Animated<Point>,
+        /// Where it faces.
+        target_m: Animated<Point>,
+        /// Of the disc.
+        diameter_m: Animated<Number<Positive>>,
+        /// All light that it emits.
+        power_w: Animated<Triple<NonNegative>>,
+    },
+}
+
+/// Light from infinitely far away: parallel, or from a disc.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sun {
+    /// Name of the object whose rotation the light follows.
+    pub parent: Option<String>,
+    /// Where the light goes to; not beside `to_sun`.
+    pub direction: Option<Animated<Direction>>,
+    /// Where the light comes from.
+    pub to_sun: Option<Animated<Direction>>,
+    /// On a plane perpendicular to the light.
+    pub irradiance_w_per_m2: Animated<Triple<NonNegative>>,
+    /// The whole angle under which its disc is seen; 0 is parallel light.
+    #[serde(default)]
+    pub angular_diameter_deg: Animated<Number<DiscAngle>>,
+    /// How much darker the disc is towards its edge.
+    #[serde(default)]
+    pub limb_darkening: Number<UnitInterval>,
+    /// A PNG, JPEG, WebP or PPM image on the disc, relative to the scene file.
+    pub image: Option<PathBuf>,
+    /// A fractal on the disc.
+    pub fractal: Option<Julia>,
+    /// How far image or fractal are turned anticlockwise.
+    #[serde(default)]
+    pub picture_rotation_deg: Animated<Number<Degrees>>,
+    /// Whether camera and mirrors see the disc.
+    #[serde(default)]
+    pub visible_to_camera: bool,
+}
+
+impl Default for Sun {
+    /// One watt a square metre from straight above, parallel.
+    fn default() -> Self {
+        Self {
+            parent: None,
+            direction: None,
+            to_sun: Some([0.0, 1.0, 0.0].into()),
+            irradiance_w_per_m2: one(),
+            angular_diameter_deg: Animated::default(),
+            limb_darkening: Number::default(),
+            image: None,
+            fractal: None,
+            picture_rotation_deg: Animated::default(),
+            visible_to_camera: false,
+        }
+    }
+}
+
+/// The Julia set of `z^2 + c`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Julia {
+    /// Real part of `c`.
+    pub real: Animated<Number<JuliaPart>>,
+    /// Imaginary part of `c`.
+    pub imaginary: Animated<Number<JuliaPart>>,
+    /// After so many a point counts as one that never escapes.
+    #[serde(default = "hundred")]
+    pub iterations: Whole<1, 1000>,
+}
+
+fn up() -> Direction {
+    [0.0, 1.0, 0.0].into()
+}
+
+fn hundred() -> Whole<1, 1000> {
+    Whole(100)
+}
+
+fn soft_edge() -> Animated<Number<UnitInterval>> {
+    0.15.into()
+}
