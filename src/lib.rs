@@ -196,9 +196,9 @@ pub use api::{Array, Frame, NodePlace, RenderError, Renderer, Scene, SceneBuilde
 pub use description::LoadError;
 pub use description::obj::Triangles;
 pub use description::ron::{
-    Animated, Aperture, Camera, Emitter, Extend, Fall, FallGround, FallMotion, Fog, Julia, Key, LeafMotion,
-    Leaves, Light, Material, Mist, MistShape, NormalMap, Object, Replacement, Shape, Sky, SkyLight, Species,
-    Sun, Wind,
+    Animated, Aperture, Camera, Emitter, Extend, Fall, FallGround, FallMotion, Fog, Julia, Key, Leaves,
+    Light, Material, Mist, MistShape, NormalMap, Object, Replacement, Shape, Sky, SkyLight, Species, Sun,
+    Wind,
 };
 pub use diagnostic::{Diagnostic, Diagnostics, Loss, Place, Severity};
 pub use frame_file::FrameFileError;

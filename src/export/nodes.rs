@@ -79,7 +79,7 @@ impl Writer<'_> {
                 self.add_channel(node, "rotation", turn);
                 self.add_channel(node, "scale", scale);
             }
-            Motion::Aimed { .. } | Motion::Falling(_) | Motion::Still(_) => {
+            Motion::Aimed { .. } | Motion::Still(_) => {
                 let parts = |time_s: f64| motion.parent_from_node(time_s).to_scale_rotation_translation();
                 let (scale, rotation, translation) = parts(start_s);
                 self.set_parts(node, translation, rotation, scale);

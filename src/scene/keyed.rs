@@ -59,10 +59,10 @@ impl Keyed for Mist {
 }
 
 impl Motion {
-    /// What of it is keyed. A leaf that falls by itself has no keys.
+    /// What of it is keyed.
     pub fn tracks(&self) -> Vec<&dyn Keyed> {
         match self {
-            Self::Still(_) | Self::Falling(_) => vec![],
+            Self::Still(_) => vec![],
             Self::Aimed { position, target, up } => vec![position, target, up],
             Self::Keyed { translation, rotation: Rotation::Quaternion(turn), scale } => {
                 vec![translation, turn, scale]
@@ -75,14 +75,14 @@ impl Motion {
 
     /// True if it is in the same place at all times.
     pub fn is_still(&self) -> bool {
-        !matches!(self, Self::Falling(_)) && self.tracks().iter().all(|track| track.is_constant())
+        self.tracks().iter().all(|track| track.is_constant())
     }
 }
 
 impl Scene {
     /// True if every frame shows the same picture.
     pub fn is_still(&self) -> bool {
-        self.nodes.iter().all(|node| node.motion.is_still()) && self.tracks().all(|track| track.is_constant())
+        self.tracks().all(|track| track.is_constant())
     }
 
     /// Every track, those of nodes among them.

@@ -113,7 +113,6 @@ impl Reach {
                 scale: largest(scale, |scale| scale.abs().max_element()),
             },
             Motion::Aimed { position, .. } => Self { offset_m: largest(position, DVec3::length), scale: 1.0 },
-            Motion::Falling(path) => Self { offset_m: path.start.length(), scale: path.scale },
         }
     }
 }

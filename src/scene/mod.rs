@@ -57,7 +57,7 @@ pub use material::{AlphaMode, Clearcoat, Coat, Material, MaterialNumbers, Painte
 pub use matte::{matte_id, murmur3};
 pub use mesh::{Mesh, Triangle};
 pub use mist::{GroundHeights, MOST_MIST_VOXELS, Mist, MistShape};
-pub use motion::{FallingPath, Motion, Rotation};
+pub use motion::{Motion, Rotation};
 pub use options::{LightUnits, ResolveOptions};
 pub use outline::OUTLINE_TOLERANCE_TEXELS;
 pub use ray_visibility::RayVisibility;

@@ -26,8 +26,6 @@ pub enum Motion {
         /// Of any length; if it is 0, or along the view, any sideways direction will do.
         up: Track<DVec3>,
     },
-    /// A leaf that falls along a parametric path.
-    Falling(FallingPath),
 }
 
 /// A keyed rotation.
@@ -38,33 +36,6 @@ pub enum Rotation {
     /// Angles in radians about x, then y, then z (Blender's XYZ order), so that more than
     /// half a turn can be keyed.
     EulerXyz(Track<DVec3>),
-}
-
-/// A leaf's simple way down: steady descent, a swing from side to side and a turn about an axis.
-///
-/// The leaf rests once it has come down to `ground_y`.
-#[derive(Clone, Debug)]
-pub struct FallingPath {
-    /// Where it is at time 0, were it not for the swing, metres.
-    pub start: DVec3,
-    /// Mean velocity, m/s; `y` is negative.
-    pub velocity: DVec3,
-    /// Half width and direction of the swing, metres, horizontal.
-    pub swing: DVec3,
-    /// Swings a second, Hz.
-    pub swing_hz: f64,
-    /// Phase of swing and turn at time 0, radians.
-    pub phase: f64,
-    /// Attitude at time 0.
-    pub attitude: DQuat,
-    /// Unit axis of the turn, in the parent's space.
-    pub spin_axis: DVec3,
-    /// Turn rate, rad/s.
-    pub spin_rad_per_s: f64,
-    /// Uniform scale, > 0.
-    pub scale: f64,
-    /// Height at which the leaf comes to rest, metres.
-    pub ground_y: f64,
 }
 
 impl Motion {
@@ -83,7 +54,6 @@ impl Motion {
             Self::Aimed { position, target, up } => {
                 aimed(position.at(time_s), target.at(time_s), up.at(time_s))
             }
-            Self::Falling(path) => path.parent_from_leaf(time_s),
         }
     }
 }
@@ -103,22 +73,6 @@ impl Rotation {
     }
 }
 
-impl FallingPath {
-    /// Parent from leaf at `time_s`.
-    pub fn parent_from_leaf(&self, time_s: f64) -> DAffine3 {
-        // Everything follows the time in the air, so a leaf that has landed lies still.
-        let time_in_air_s = if self.velocity.y < 0.0 {
-            time_s.min((self.ground_y - self.start.y) / self.velocity.y)
-        } else {
-            time_s
-        };
-        let swing_angle = std::f64::consts::TAU * self.swing_hz * time_in_air_s + self.phase;
-        let position = self.start + self.velocity * time_in_air_s + self.swing * swing_angle.sin();
-        let turn = DQuat::from_axis_angle(self.spin_axis, self.spin_rad_per_s * time_in_air_s);
-        DAffine3::from_scale_rotation_translation(DVec3::splat(self.scale), turn * self.attitude, position)
-    }
-}
-
 /// The frame at `position` whose -Z points to `target`.
 fn aimed(position: DVec3, target: DVec3, up: DVec3) -> DAffine3 {
     let backward = (position - target).try_normalize().unwrap_or(DVec3::Z);
@@ -131,22 +85,8 @@ fn aimed(position: DVec3, target: DVec3, up: DVec3) -> DAffine3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Extend, Key, Segment};
     use std::f64::consts::{FRAC_PI_2, TAU};
-
-    fn falling() -> FallingPath {
-        FallingPath {
-            start: DVec3::new(0.0, 3.0, 0.0),
-            velocity: DVec3::new(0.1, -1.0, 0.0),
-            swing: DVec3::new(0.0, 0.0, 0.4),
-            swing_hz: 0.5,
-            phase: 0.3,
-            attitude: DQuat::from_rotation_x(0.2),
-            spin_axis: DVec3::Y,
-            spin_rad_per_s: 2.0,
-            scale: 0.05,
-            ground_y: 0.01,
-        }
-    }
 
     #[test]
     fn aimed_motion_looks_at_its_target() {
@@ -159,23 +99,6 @@ mod tests {
             assert!((parent_from_node.matrix3.determinant() - 1.0).abs() < 1e-12);
             assert!(parent_from_node.matrix3.y_axis.y >= -1e-12, "upside down towards {target}");
         }
-    }
-
-    #[test]
-    fn leaf_lands_on_the_ground_and_lies_still() {
-        let path = falling();
-        let landed = path.parent_from_leaf(2.99);
-        assert!((landed.translation.y - path.ground_y).abs() < 1e-12);
-        assert_eq!(landed, path.parent_from_leaf(1000.0));
-        assert!(path.parent_from_leaf(2.9).translation.y > path.ground_y);
-    }
-
-    #[test]
-    fn leaf_falls_with_its_mean_velocity() {
-        let path = falling();
-        let period_s = 1.0 / path.swing_hz;
-        let step = path.parent_from_leaf(0.5 + period_s).translation - path.parent_from_leaf(0.5).translation;
-        assert!((step - path.velocity * period_s).length() < 1e-12);
     }
 
     #[test]
@@ -194,6 +117,9 @@ mod tests {
         };
         assert!(Motion::STILL.is_still());
         assert!(keyed(DVec3::ONE.into()).is_still());
-        assert!(!Motion::Falling(falling()).is_still());
+        let keys =
+            [0.0, 1.0].map(|time_s| Key { time_s, value: DVec3::splat(time_s), to_next: Segment::Linear });
+        let grows = Track::new(keys.to_vec(), Extend::Hold).expect("keys in order");
+        assert!(!keyed(grows).is_still());
     }
 }

@@ -67,9 +67,20 @@ fn every_field_is_described() {
     let page = page();
     let folder = checkout::file("src/description/ron");
     let mut count = 0;
-    for file in
-        ["scene_file.rs", "material.rs", "sky.rs", "leaves.rs", "fall.rs", "sequence_file.rs", "keyed.rs"]
-    {
+    for file in [
+        "scene_file.rs",
+        "shape.rs",
+        "material.rs",
+        "camera.rs",
+        "light.rs",
+        "sky.rs",
+        "fog.rs",
+        "mist.rs",
+        "leaves.rs",
+        "fall.rs",
+        "sequence_file.rs",
+        "animated.rs",
+    ] {
         let source = std::fs::read_to_string(folder.join(file)).unwrap();
         // Fields of structs are public; those of enum variants have no keyword and are indented twice.
         for line in source.lines() {

@@ -22,9 +22,9 @@ SCENE = """Scene(
     meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.07, curl_deg: 30.0), "ground": Quad(size_m: 20.0) },
     materials: { "gold": (base_color: (0.8, 0.5, 0.05)) },
     objects: { "ground": (mesh: "ground") },
-    leaves: { "falling": (
-        count: 2000, seed: 1, meshes: ["leaf"], materials: ["gold"], min_m: (-8.0, 2.0, -8.0), max_m: (8.0, 12.0, 8.0),
-        motion: Falling(speed_m_per_s: (0.6, 1.0), swing_m: (0.05, 0.2), swing_hz: (0.4, 0.8), spin_deg_per_s: (-180.0, 180.0)),
+    fall: { "falling": (
+        count: 2000, seed: 1, species: [(meshes: ["leaf"], materials: ["gold"], length_m: 0.1)],
+        emitter: Box(min_m: (-8.0, 2.0, -8.0), max_m: (8.0, 12.0, 8.0)),
     ) },
     cameras: { "main": (position_m: (0.0, 2.0, 12.0), look_at_m: (0.0, 2.0, 0.0)) },
     lights: { "sun": Sun(to_sun: (0.4, 1.0, -0.6), irradiance_w_per_m2: 8.0) },

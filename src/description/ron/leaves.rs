@@ -2,9 +2,7 @@
 //! seed and on `i`, not on how many there are.
 
 use super::defaults::{one, yes};
-use super::number::{
-    Degrees, Finite, NonNegative, Number, Point, Positive, Span, Triple, UnitInterval, Whole,
-};
+use super::number::{Degrees, Point, Positive, Span, Triple, UnitInterval, Whole};
 use serde::{Deserialize, Serialize};
 
 /// More leaves than this in one scene are refused: each takes a kilobyte, and a file of one
@@ -30,7 +28,7 @@ pub struct Leaves {
     pub tint: Vec<Triple<UnitInterval>>,
     /// Name of the object that the leaves follow.
     pub parent: Option<String>,
-    /// Smallest coordinates of the box in which the leaves are at time 0.
+    /// Smallest coordinates of the box in which the leaves are.
     pub min_m: Option<Point>,
     /// Largest coordinates of that box.
     pub max_m: Option<Point>,
@@ -43,9 +41,6 @@ pub struct Leaves {
     /// Factor on the mesh's size.
     #[serde(default = "one")]
     pub scale: Span<Positive>,
-    /// How they move.
-    #[serde(default)]
-    pub motion: LeafMotion,
     /// Whether the camera sees them; mirrors do in any case.
     #[serde(default = "yes")]
     pub visible_to_camera: bool,
@@ -73,40 +68,9 @@ impl Default for Leaves {
             droop_deg: None,
             roll_deg: None,
             scale: one(),
-            motion: LeafMotion::Still,
             visible_to_camera: true,
             casts_shadow: true,
             holdout: false,
         }
     }
-}
-
-/// How the leaves of a block move. To add a model of falling: a variant here, its paths in
-/// `scene::from_ron`.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub enum LeafMotion {
-    /// Not at all.
-    #[default]
-    Still,
-    /// Down at a steady speed, swinging and turning, until the ground.
-    Falling {
-        /// Speed of descent.
-        speed_m_per_s: Span<Positive>,
-        /// Half width of the swing.
-        #[serde(default)]
-        swing_m: Span<NonNegative>,
-        /// Swings a second.
-        #[serde(default)]
-        swing_hz: Span<NonNegative>,
-        /// Turn rate about a random axis.
-        #[serde(default)]
-        spin_deg_per_s: Span<Degrees>,
-        /// Velocity of the air.
-        #[serde(default)]
-        wind_m_per_s: Point,
-        /// Height at which leaves come to rest.
-        #[serde(default)]
-        ground_y_m: Number<Finite>,
-    },
 }

@@ -1,6 +1,6 @@
-//! Values in a form that their field does not take. In go an error of the parser and the text, out comes what
-//! stands there in an author's words. Invariant: who writes keys where there are none, or in another form, is
-//! told how they are written.
+//! Values in a form that their field does not take, or no longer. In go an error of the parser and the text,
+//! out comes what stands there in an author's words. Invariant: who writes keys where there are none, or in
+//! another form, is told how they are written.
 
 use crate::diagnostic::{Diagnostic, Place};
 use ::ron::error::{Error, SpannedError};
@@ -8,6 +8,16 @@ use ::ron::error::{Error, SpannedError};
 /// `None` of other errors.
 pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnostic> {
     Some(match &error.code {
+        Error::NoSuchStructField { found, outer: Some(outer), .. }
+            if found == "motion" && outer == "Leaves" =>
+        {
+            Diagnostic::error(place.clone(), "the leaves of `leaves` do not move by themselves")
+                .expected("leaves that fall in a block of `fall`, or no `motion`")
+                .remedy(
+                    "write `fall: { \"name\": (count: .., species: [(meshes: [..], length_m: ..)], \
+                     emitter: Box(min_m: .., max_m: ..), release_s: -1.0) }`",
+                )
+        }
         Error::ExpectedFloat | Error::ExpectedInteger => told(place, at(text, error), "a number"),
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
             told(place, at(text, error), "fields in round brackets, `(field: value, ..)`")

@@ -43,7 +43,7 @@ pub use built::{BUILT, BuiltScene, load_built};
 pub use camera::{Aperture, Camera};
 pub use fall::{Emitter, Fall, FallGround, FallMotion, MOST_FALLING, Species, Wind};
 pub use fog::Fog;
-pub use leaves::{LeafMotion, Leaves, MAX_LEAVES};
+pub use leaves::{Leaves, MAX_LEAVES};
 pub use light::{Julia, Light, Sun};
 pub use material::{Material, NormalMap};
 pub use mist::{Mist, MistShape};

@@ -142,7 +142,7 @@ impl Resolver<'_> {
         if self.fall_count > ron::MOST_FALLING {
             let found = format!("with this block {} leaves fall", self.fall_count);
             let expected = format!("at most {} leaves in all `fall` blocks together", ron::MOST_FALLING);
-            let remedy = "use fewer, or a block of `leaves`, whose motion is simpler";
+            let remedy = "use fewer, or meshes that hold several leaves";
             self.problems.error(&format!("{owner}.count"), found, &expected, remedy);
         }
         let all = self.file.fall.iter().map(|(_, block)| u64::from(block.count.0)).sum::<u64>();

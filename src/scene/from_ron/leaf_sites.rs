@@ -1,8 +1,8 @@
-//! Where the leaves of a block may be at time 0: a block in, a map from three random numbers to
+//! Where the leaves of a block may be: a block in, a map from three random numbers to
 //! points out. Invariant: uniform in the volume of the box, or in the area of the surface.
 
 use super::Resolver;
-use crate::description::ron::{LeafMotion, Leaves};
+use crate::description::ron::Leaves;
 use crate::scene::{Mesh, NodeIndex};
 use glam::DVec3;
 
@@ -55,9 +55,14 @@ impl Resolver<'_> {
         match (&block.on, &block.min_m, &block.max_m) {
             (Some(object), None, None) => self.leaf_surface(owner, block, object),
             (None, Some(min), Some(max)) => {
-                let valid = self.leaf_box(owner, block, min.si(), max.si());
+                let (min, max) = (min.si(), max.si());
+                let valid = min.cmple(max).all();
+                if !valid {
+                    let found = "`min_m` has a larger coordinate than `max_m`";
+                    self.problems.error(owner, found, "min_m <= max_m in x, y and z", "exchange the two");
+                }
                 let parent = self.parent(owner, block.parent.as_deref())?;
-                valid.then_some((parent, Site::Box(min.si(), max.si())))
+                valid.then_some((parent, Site::Box(min, max)))
             }
             _ => {
                 let found = "it is not clear where the leaves are";
@@ -75,10 +80,9 @@ impl Resolver<'_> {
         object: &str,
     ) -> Option<(Option<NodeIndex>, Site)> {
         let field = format!("{owner}.on");
-        if block.parent.is_some() || block.motion != LeafMotion::Still {
-            let found = "the leaves sit on an object, and follow another or fall as well";
-            let remedy = "take `on` out, or `parent` and `motion`";
-            self.problems.error(&field, found, "`on` without `parent` and `motion`", remedy);
+        if block.parent.is_some() {
+            let found = "the leaves sit on an object, and follow another as well";
+            self.problems.error(&field, found, "`on` without `parent`", "take one of the two out");
         }
         let node = self.problems.find(&field, "object", object, &self.nodes)?;
         if self.changes_shape(&field, object) {
@@ -92,31 +96,6 @@ impl Resolver<'_> {
             self.problems.error(&field, found, "an object with a mesh", remedy);
         }
         Some((Some(node), site?))
-    }
-
-    fn leaf_box(&mut self, owner: &str, block: &Leaves, min: DVec3, max: DVec3) -> bool {
-        let mut valid = true;
-        if !min.cmple(max).all() {
-            valid = false;
-            let found = "`min_m` has a larger coordinate than `max_m`";
-            self.problems.error(owner, found, "min_m <= max_m in x, y and z", "exchange the two");
-        }
-        if let LeafMotion::Falling { speed_m_per_s, wind_m_per_s, ground_y_m, .. } = &block.motion {
-            if min.y < ground_y_m.si() {
-                valid = false;
-                let found = format!("leaves would start below the ground at {} m", ground_y_m.si());
-                let remedy = "raise `min_m`, or lower `motion.ground_y_m`";
-                self.problems.error(&format!("{owner}.min_m"), found, "a box above the ground", remedy);
-            }
-            if wind_m_per_s.si().y >= speed_m_per_s.at(0.0) {
-                valid = false;
-                let field = format!("{owner}.motion.wind_m_per_s");
-                let found = "the wind would carry leaves up for ever";
-                let expected = "a wind whose y is less than the lowest `speed_m_per_s`";
-                self.problems.error(&field, found, expected, "make the wind weaker, or the leaves faster");
-            }
-        }
-        valid
     }
 }
 

@@ -3,9 +3,9 @@
 
 use super::Resolver;
 use crate::color::Rgb;
-use crate::description::ron::{LeafMotion, Leaves, MAX_LEAVES};
+use crate::description::ron::{Leaves, MAX_LEAVES};
 use crate::math::Chance;
-use crate::scene::{FallingPath, MaterialIndex, MeshIndex, Motion, RayVisibility};
+use crate::scene::{MaterialIndex, MeshIndex, Motion, RayVisibility};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::f64::consts::TAU;
 
@@ -44,8 +44,9 @@ impl Resolver<'_> {
         if let (Some((parent, site)), Some(meshes), Some(materials)) = (site, meshes, materials) {
             for leaf in 0..block.count.0 {
                 let chance = LeafChance(Chance::of(block.seed, leaf));
-                let start = site.at([Draw::X, Draw::Y, Draw::Z].map(|draw| chance.at(draw)));
-                let node = self.node(format!("{name}.{leaf}"), parent, motion_of(block, start, chance));
+                let position = site.at([Draw::X, Draw::Y, Draw::Z].map(|draw| chance.at(draw)));
+                let motion = Motion::Still(place(block, position, chance));
+                let node = self.node(format!("{name}.{leaf}"), parent, motion);
                 let mesh = chance.choose(Draw::Mesh, &meshes).unwrap_or_default();
                 let material = chance.choose(Draw::Material, &materials);
                 let shown = self.tinted(material, &tint, chance.at(Draw::Tint));
@@ -76,8 +77,8 @@ impl Resolver<'_> {
     }
 }
 
-/// The motion of the leaf of `block` that `chance` belongs to, and that is at `start` at time 0.
-fn motion_of(block: &Leaves, start: DVec3, chance: LeafChance) -> Motion {
+/// The place of the leaf of `block` that `chance` belongs to, and that is at `position`.
+fn place(block: &Leaves, position: DVec3, chance: LeafChance) -> DAffine3 {
     let turns = [Draw::Turn1, Draw::Turn2, Draw::Turn3].map(|draw| chance.at(draw));
     let attitude = match block.droop_deg {
         None => uniform_rotation(turns),
@@ -88,37 +89,10 @@ fn motion_of(block: &Leaves, start: DVec3, chance: LeafChance) -> Motion {
         }
     };
     let scale = block.scale.at(chance.at(Draw::Scale));
-    match &block.motion {
-        LeafMotion::Still => {
-            Motion::Still(DAffine3::from_scale_rotation_translation(DVec3::splat(scale), attitude, start))
-        }
-        LeafMotion::Falling {
-            speed_m_per_s,
-            swing_m,
-            swing_hz,
-            spin_deg_per_s,
-            wind_m_per_s,
-            ground_y_m,
-        } => {
-            let (sin, cos) = (TAU * chance.at(Draw::SwingDirection)).sin_cos();
-            let half_width_m = swing_m.at(chance.at(Draw::SwingWidth));
-            Motion::Falling(FallingPath {
-                start,
-                velocity: wind_m_per_s.si() - DVec3::Y * speed_m_per_s.at(chance.at(Draw::Speed)),
-                swing: DVec3::new(cos, 0.0, sin) * half_width_m,
-                swing_hz: swing_hz.at(chance.at(Draw::SwingRate)),
-                phase: TAU * chance.at(Draw::Phase),
-                attitude,
-                spin_axis: uniform_direction([Draw::Axis1, Draw::Axis2].map(|draw| chance.at(draw))),
-                spin_rad_per_s: spin_deg_per_s.at(chance.at(Draw::Spin)),
-                scale,
-                ground_y: ground_y_m.si(),
-            })
-        }
-    }
+    DAffine3::from_scale_rotation_translation(DVec3::splat(scale), attitude, position)
 }
 
-/// What is left to chance. A new entry goes to the end, so that it does not change old scenes.
+/// What is left to chance, by its number. A new entry has a new one, so that it does not change old scenes.
 #[derive(Clone, Copy)]
 enum Draw {
     X,
@@ -130,15 +104,7 @@ enum Draw {
     Scale,
     Mesh,
     Material,
-    Speed,
-    SwingDirection,
-    SwingWidth,
-    SwingRate,
-    Phase,
-    Axis1,
-    Axis2,
-    Spin,
-    Tint,
+    Tint = 17,
 }
 
 /// The chance of one leaf.
@@ -161,14 +127,6 @@ fn uniform_rotation([u1, u2, u3]: [f64; 3]) -> DQuat {
     let ((sin2, cos2), (sin3, cos3)) = ((TAU * u2).sin_cos(), (TAU * u3).sin_cos());
     let (r1, r2) = ((1.0 - u1).sqrt(), u1.sqrt());
     DQuat::from_xyzw(r1 * sin2, r1 * cos2, r2 * sin3, r2 * cos3)
-}
-
-/// A unit vector from two numbers in `[0, 1)`, all directions alike (Archimedes' theorem).
-fn uniform_direction([u1, u2]: [f64; 2]) -> DVec3 {
-    let y = 1.0 - 2.0 * u1;
-    let (sin, cos) = (TAU * u2).sin_cos();
-    let radius = (1.0 - y * y).max(0.0).sqrt();
-    DVec3::new(radius * cos, y, radius * sin)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::problems::Problems;
 use crate::description::ron::{self, Frames, Number, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
-use crate::scene::{Bounces, FrameRate, Keyed, Motion, PixelFilter, RenderSettings, Sampling, Scene, Size};
+use crate::scene::{Bounces, FrameRate, Keyed, PixelFilter, RenderSettings, Sampling, Scene, Size};
 use std::collections::BTreeMap;
 
 /// As many as `--volume-steps` takes.
@@ -106,11 +106,10 @@ fn outside_animation(settings: &RenderSettings, scene: &Scene, problems: &mut Pr
     }
 }
 
-/// From the first key to the last, in seconds; none if nothing is keyed, or if something moves at all times.
+/// From the first key to the last, in seconds; none if nothing is keyed, or if something begins anew.
 fn key_span_s(scene: &Scene) -> Option<(f64, f64)> {
     let changing = || scene.tracks().filter(|track| !track.is_constant());
-    let falls = scene.nodes.iter().any(|node| matches!(node.motion, Motion::Falling(_)));
-    if falls || changing().any(Keyed::is_endless) {
+    if changing().any(Keyed::is_endless) {
         return None;
     }
     changing().filter_map(Keyed::span_s).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))

@@ -16,10 +16,10 @@ fn resolved(fields: &str) -> Scene {
 
 const LEAF: &str = r#"meshes: { "leaf": Leaf(length_m: 0.1, width_m: 0.05) },"#;
 
-fn leaves(count: u32, motion: &str) -> Scene {
+fn leaves(count: u32) -> Scene {
     resolved(&format!(
         r#"{LEAF} leaves: {{ "fall": (count: {count}, seed: 5, meshes: ["leaf"], min_m: (-1.0, 1.0, 2.0),
-        max_m: (1.0, 3.0, 5.0), scale: (0.5, 2.0), motion: {motion}) }}"#
+        max_m: (1.0, 3.0, 5.0), scale: (0.5, 2.0)) }}"#
     ))
 }
 
@@ -64,7 +64,7 @@ fn light_comes_through_in_the_colours_of_its_own_texture_or_of_the_other() {
 
 #[test]
 fn leaves_lie_in_their_box_with_ids_from_one() {
-    let scene = leaves(200, "Still");
+    let scene = leaves(200);
     assert_eq!(scene.instances.iter().map(|leaf| leaf.leaf_id).collect::<Vec<_>>(), Vec::from_iter(1..=200));
     for leaf in &scene.instances {
         let Motion::Still(place) = scene.nodes[leaf.node].motion else { panic!("it moves") };
@@ -96,21 +96,8 @@ fn leaves_on_an_object_touch_it_and_droop() {
 
 #[test]
 fn more_leaves_leave_the_others_where_they_are() {
-    let motion = "Falling(speed_m_per_s: (0.5, 1.0), swing_m: (0.1, 0.2), swing_hz: 0.5, spin_deg_per_s: (-90.0, 90.0))";
-    let (few, many) = (leaves(10, motion), leaves(1000, motion));
+    let (few, many) = (leaves(10), leaves(1000));
     assert_eq!(format!("{:?}", few.nodes[..10].to_vec()), format!("{:?}", many.nodes[..10].to_vec()));
-}
-
-#[test]
-fn falling_leaves_take_their_values_from_the_ranges() {
-    let scene =
-        leaves(100, "Falling(speed_m_per_s: (0.5, 1.0), swing_m: 0.25, wind_m_per_s: (0.3, 0.1, 0.0))");
-    for leaf in &scene.instances {
-        let Motion::Falling(path) = &scene.nodes[leaf.node].motion else { panic!("it does not fall") };
-        assert!((-0.9..=-0.4).contains(&path.velocity.y) && path.velocity.x == 0.3);
-        assert!((path.swing.length() - 0.25).abs() < 1e-12 && path.swing.y == 0.0);
-        assert!(path.spin_axis.is_normalized() && path.attitude.is_normalized());
-    }
 }
 
 #[test]
