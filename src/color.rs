@@ -19,6 +19,9 @@ pub use texels::{CodeCurve, Texels};
 /// Reflectances are in `0..=1`, radiances in W m^-2 sr^-1, irradiances in W m^-2, intensities in W/sr.
 pub type Rgb = DVec3;
 
+/// Lumens a watt, as Blender and glTF's importers count them whatever the colour.
+pub const LUMENS_PER_WATT: f64 = 683.0;
+
 /// How much red, green and blue add to luminance (ITU-R BT.709, item 3.2).
 const LUMINANCES: Rgb = DVec3::new(0.2126, 0.7152, 0.0722);
 

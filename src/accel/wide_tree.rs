@@ -4,6 +4,7 @@
 
 use super::rounding::{UNIT_ROUNDOFF, round_down, round_up};
 use super::simd::{Eight, WIDTH};
+use crate::math::GOLDEN;
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
@@ -156,9 +157,6 @@ const LARGEST_SHIFT: f64 = 1.0 / 4096.0;
 /// pairs would be as good.
 const SMALLEST_BOX: f32 = 1.0 / (1 << 20) as f32;
 
-/// Its multiples modulo 1 are spread evenly, however many there are.
-const GOLDEN_FRACTION: f64 = 0.618_033_988_749_894_8;
-
 /// A binary tree by PLOC with reinsertion (Meister and Bittner 2018, 2022), as obvhs builds it with its
 /// medium settings. Built in one thread: the same tree every time.
 fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
@@ -168,7 +166,8 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
     let scaled = |v: Vec3| Vec3A::from((v.as_dvec3() * scale).as_vec3());
     let moved = |(index, b): (usize, &Bounds)| {
         let (min, max) = (scaled(b.min), scaled(b.max));
-        let fraction = (index as f64 * GOLDEN_FRACTION).fract();
+        // Multiples of the golden ratio are spread evenly, however many there are.
+        let fraction = (index as f64 * GOLDEN).fract();
         if (max - min).max_element() < SMALLEST_BOX {
             let min = min + fraction as f32 * SMALLEST_BOX;
             return Aabb::new(min, min + SMALLEST_BOX);

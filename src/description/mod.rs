@@ -22,6 +22,9 @@ pub use files::Files;
 pub(crate) use files::read_regular;
 pub use peers::{PeerRow, load_peers};
 
+/// Larger magnitudes are refused in every format, so that squares stay finite in the `f32` of the kernels.
+pub const LARGEST_NUMBER: f64 = 1e15;
+
 /// One input as read: a scene, and perhaps the sequence that wraps it.
 #[derive(Debug)]
 pub struct Description {

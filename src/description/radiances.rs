@@ -1,12 +1,10 @@
 //! Images of radiances, OpenEXR and Radiance HDR, to linear Rec. 709. In go bytes, out come texels.
 //! Invariant: each of them is a radiance that there can be.
 
+use super::LARGEST_NUMBER;
 use super::decoded_image::DecodedImage;
 use super::exr::{self, Fault};
 use ::image::DynamicImage;
-
-/// Larger radiances are refused, as larger numbers are everywhere.
-const MOST_RADIANCE: f32 = 1e15;
 
 /// Radiances of an OpenEXR image.
 ///
@@ -30,8 +28,9 @@ pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
 
 /// What is wrong is said of the first texel concerned.
 fn checked(image: DecodedImage) -> Result<DecodedImage, String> {
-    let is_bad =
-        |texel: &[f32; 4]| texel[..3].iter().any(|value| value.is_nan() || value.abs() > MOST_RADIANCE);
+    let is_bad = |texel: &[f32; 4]| {
+        texel[..3].iter().any(|value| value.is_nan() || value.abs() > LARGEST_NUMBER as f32)
+    };
     let bad = image.texels.iter().enumerate().find(|(_, texel)| is_bad(texel));
     match bad {
         Some((bad, texel)) => Err(format!(

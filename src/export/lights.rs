@@ -4,15 +4,13 @@
 
 use super::Writer;
 use super::materials::png;
-use crate::color::Rgb;
+use crate::color::{LUMENS_PER_WATT, Rgb};
 use crate::diagnostic::Diagnostic;
 use crate::scene::{AreaShape, Julia, Light, LightKind, SunDisc, SunPicture, SunShows, Track};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use serde_json::{Map, Value, json};
 use std::f64::consts::PI;
 
-/// Blender's exporter, and so we, count 683 lumens a watt.
-const LUMENS_PER_WATT: f64 = 683.0;
 /// glTF wants the inner angle of a cone smaller than the outer one.
 const NARROWEST_EDGE: f64 = 1e-9;
 

@@ -2,7 +2,7 @@
 //! out comes a point. Invariant: it is in `[0, 1)`.
 
 /// The golden ratio's fractional part.
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
+pub const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// Point `number` of the sequence `frac(shift + number / g)`, with `g` the golden ratio (Roberts 2018, "The
 /// unreasonable effectiveness of quasirandom sequences"); `shift` is in `[0, 1)`.

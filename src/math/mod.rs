@@ -28,7 +28,7 @@ pub use distribution::SquareDistribution;
 pub use exponential::fast_exp;
 pub use flow_noise::{FLOW_NOISE_DEVIATION, FlowNoise, NoiseWithin};
 pub use interval::IntervalSet;
-pub use kronecker::kronecker;
+pub use kronecker::{GOLDEN, kronecker};
 pub use placed_points::PlacedPoints;
 pub use planar_ray::PlanarRay;
 pub use quadrature::{gauss_legendre, legendre};

@@ -3,7 +3,7 @@
 //! scene's own numbers show.
 
 use super::{Instance, Light, LightKind, LightUnits, Scene};
-use crate::color::Rgb;
+use crate::color::{LUMENS_PER_WATT, Rgb};
 use crate::diagnostic::{Diagnostic, Place};
 use glam::{DVec3, Vec3};
 use std::fmt;
@@ -13,9 +13,6 @@ use std::fmt;
 /// they are taken for lux and candela.
 const DIM_SUN: f64 = 0.1;
 const DIM_LAMP: f64 = 0.15;
-
-/// Lux a W/m^2, and candela a W/sr.
-const LUMENS_PER_WATT: f64 = 683.0;
 
 /// Of a picture covered by less than this nothing is seen, by more than that everything is one thing.
 const HARDLY_COVERED: f64 = 1e-3;

@@ -3,6 +3,7 @@
 //! vertex of the mesh; every joint's node exists.
 
 use super::{Mesh, NodeIndex, Placement, Track};
+pub use crate::description::gltf::{Influences, MorphTarget};
 use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -30,17 +31,6 @@ pub struct InnerVertex {
     pub weights: [f64; 3],
 }
 
-/// Differences from the mesh at rest.
-#[derive(Clone, Debug, Default)]
-pub struct MorphTarget {
-    /// One a vertex, or none at all.
-    pub positions: Vec<Vec3>,
-    /// One a vertex, or none at all.
-    pub normals: Vec<Vec3>,
-    /// One a vertex, or none at all.
-    pub tangents: Vec<Vec3>,
-}
-
 /// A skeleton and how the vertices hang on it.
 #[derive(Clone, Debug)]
 pub struct Skin {
@@ -57,17 +47,6 @@ pub struct Joint {
     pub node: NodeIndex,
     /// From the mesh at rest to the joint's space.
     pub joint_from_rest: DAffine3,
-}
-
-/// Shares of joints in vertices.
-#[derive(Clone, Debug, Default)]
-pub struct Influences {
-    /// Joints a vertex.
-    pub per_vertex: usize,
-    /// Indices of joints, `per_vertex` for each vertex.
-    pub joints: Vec<u16>,
-    /// Their shares, which add up to 1.
-    pub weights: Vec<f32>,
 }
 
 /// Everything that the shape of a mesh depends on at one time, and where that shape stands.

@@ -3,6 +3,7 @@
 //! wherever a tree or a triangle forms them.
 
 use super::{Camera, Lens, Light, Motion, Scene, Track};
+use crate::description::ron::{FIELDS_OF_VIEW_DEG, NEAREST_FOCUS_M, SMALLEST_F_STOP};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use glam::{DMat3, DVec3, Vec3};
 use std::ops::RangeInclusive;
@@ -14,12 +15,6 @@ const FARTHEST_VERTEX_M: f32 = 1e15;
 const FARTHEST_M: f64 = 1e18;
 /// What lights give at most, in any of their units: no light that is measured comes near.
 const MOST_POWER: f64 = 1e20;
-/// Whole fields of view that numerics.md vouches for, degrees.
-const FIELDS_OF_VIEW_DEG: RangeInclusive<f64> = 1e-4..=179.9;
-/// Openings beyond this are wider than what they see.
-const SMALLEST_F_STOP: f64 = 1e-3;
-/// Nearer planes lie within the rounding of positions.
-const NEAREST_FOCUS_M: f64 = 1e-6;
 
 /// Refuses what reaches too far, shines too brightly or is seen with no possible lens.
 pub(super) fn check(scene: &Scene, file: &Path) -> Result<(), Diagnostics> {

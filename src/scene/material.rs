@@ -3,6 +3,7 @@
 
 use super::{TextureIndex, Track};
 use crate::color::Rgb;
+pub use crate::description::gltf::{Clearcoat, Sheen, TextureMap};
 
 /// A two-sided surface: Lambert to the near and to the far side, mirror and emission added up, perhaps
 /// under a coat.
@@ -63,15 +64,6 @@ pub enum Painted {
     Emission,
 }
 
-/// An image and the texture coordinates that it is looked up with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TextureMap {
-    /// Which.
-    pub texture: TextureIndex,
-    /// 0 is [`super::Mesh::uvs`], the others are [`super::Mesh::more_uvs`].
-    pub layer: usize,
-}
-
 /// glTF's metallic-roughness model (`scattering::Gloss`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coat {
@@ -87,34 +79,6 @@ pub struct Coat {
     pub f0_texture: Option<TextureMap>,
     /// The same at grazing angles.
     pub f90: f64,
-}
-
-/// glTF's KHR_materials_clearcoat (`scattering::Clearcoat`).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clearcoat {
-    /// How much of the surface it covers, `0..=1`.
-    pub share: f64,
-    /// Image whose red multiplies `share`.
-    pub texture: Option<TextureMap>,
-    /// `0..=1`.
-    pub roughness: f64,
-    /// Image whose green multiplies `roughness`.
-    pub roughness_texture: Option<TextureMap>,
-    /// What bends its normal, which the material's own normal map does not.
-    pub normal_map: Option<(TextureMap, f64)>,
-}
-
-/// glTF's KHR_materials_sheen (`scattering::Sheen`).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sheen {
-    /// `0..=1`.
-    pub color: Rgb,
-    /// Image whose colour multiplies it.
-    pub color_texture: Option<TextureMap>,
-    /// `0..=1`.
-    pub roughness: f64,
-    /// Image whose alpha multiplies `roughness`.
-    pub roughness_texture: Option<TextureMap>,
 }
 
 /// glTF's alpha modes; what a mask hides is cut out of the mesh instead (`scene/outline`).

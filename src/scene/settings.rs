@@ -1,18 +1,10 @@
 //! How a scene wants to be rendered: frames, rate, size, passes, samples. Invariant: frame times
 //! are computed from integers, never accumulated.
 
+pub use crate::description::ron::{Bounces, FrameRate, PixelFilter};
 use crate::passes::Pass;
 use std::fmt;
 use std::ops::RangeInclusive;
-
-/// Frames a second as a fraction, such as 24/1 or 24000/1001.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FrameRate {
-    /// Frames ...
-    pub numerator: u32,
-    /// ... in this many seconds. At least 1.
-    pub denominator: u32,
-}
 
 impl Default for FrameRate {
     fn default() -> Self {
@@ -138,16 +130,6 @@ impl fmt::Display for Sampling {
     }
 }
 
-/// By what weights a pixel is the mean of the picture around it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PixelFilter {
-    /// The pixel itself, everywhere alike.
-    #[default]
-    Box,
-    /// A window of Blackman and Harris, 1.5 pixels wide: Blender's default.
-    BlackmanHarris,
-}
-
 impl PixelFilter {
     /// Every filter there is.
     pub const ALL: [Self; 2] = [Self::Box, Self::BlackmanHarris];
@@ -159,15 +141,6 @@ impl PixelFilter {
             Self::BlackmanHarris => "blackman-harris",
         }
     }
-}
-
-/// How often light may be scattered beyond direct light and single scattering.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bounces {
-    /// So many times.
-    UpTo(u32),
-    /// Until nothing is left of it.
-    All,
 }
 
 impl Bounces {

@@ -1,6 +1,7 @@
 //! Images that materials look up. Invariant: `width * height` texels, all finite, linear light.
 
 use crate::color::{Rgb, Texels};
+pub use crate::description::gltf::Wrap;
 use glam::{DVec2, DVec4, Vec2};
 
 /// An RGBA image in linear Rec. 709, top row first.
@@ -16,18 +17,6 @@ pub struct Texture {
     pub texels: Texels,
     /// What lies beyond the edges, across and down.
     pub wrap: [Wrap; 2],
-}
-
-/// What lies beyond a texture's edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// The image again.
-    #[default]
-    Repeat,
-    /// The edge texel.
-    Clamp,
-    /// The image mirrored.
-    Mirror,
 }
 
 impl Texture {

@@ -3,6 +3,7 @@
 
 use super::super::pass_names;
 use super::Inspected;
+use crate::color::LUMENS_PER_WATT;
 use crate::math::Voxels;
 use crate::scene::{
     Animation, AreaShape, Clip, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Placement, Scene, Sky,
@@ -12,9 +13,6 @@ use glam::{DAffine3, DVec3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::fmt::Write;
-
-/// Blender's exporter, and so we, count 683 lumens a watt.
-const LUMENS_PER_WATT: f64 = 683.0;
 
 pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
     let mut out = String::new();

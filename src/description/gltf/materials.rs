@@ -172,7 +172,7 @@ impl Extensions<'_> {
     fn layers(&self, report: &mut Report) -> (Clearcoat, Sheen) {
         let (clearcoat, sheen) = ("KHR_materials_clearcoat", "KHR_materials_sheen");
         let clearcoat = Clearcoat {
-            factor: self.number(clearcoat, "clearcoatFactor", 0.0, 1.0, report),
+            share: self.number(clearcoat, "clearcoatFactor", 0.0, 1.0, report),
             roughness: self.number(clearcoat, "clearcoatRoughnessFactor", 0.0, 1.0, report),
             ..Clearcoat::default()
         };

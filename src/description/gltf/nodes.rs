@@ -4,6 +4,7 @@
 use super::json::{self, Document};
 use super::report::Report;
 use super::{Camera, GltfScene, Lens, Light, LightKind, Node, Transform, named};
+use crate::description::ron::FIELDS_OF_VIEW_DEG;
 use crate::diagnostic::Loss;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use std::collections::BTreeSet;
@@ -19,7 +20,8 @@ const LEAST_LENGTH: f64 = 1e-6;
 const ROUNDING: f64 = 1e-6;
 
 /// Radians that are from 0.0001 to 179.9 degrees: what lenses can be.
-const FIELDS_OF_VIEW: RangeInclusive<f64> = 1e-4_f64.to_radians()..=179.9_f64.to_radians();
+const FIELDS_OF_VIEW: RangeInclusive<f64> =
+    FIELDS_OF_VIEW_DEG.start().to_radians()..=FIELDS_OF_VIEW_DEG.end().to_radians();
 
 /// All nodes; each stands below the first node that names it.
 pub(super) fn nodes(document: &Document, report: &mut Report) -> Vec<Node> {

@@ -54,23 +54,23 @@ pub struct Material {
     pub extras: Value,
 }
 
-/// A clear coat.
-#[derive(Clone, Copy, Debug, Default)]
+/// A clear coat (`scattering::Clearcoat`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clearcoat {
-    /// How much there is, in `0..=1`.
-    pub factor: f64,
-    /// Its red multiplies `factor`.
+    /// How much of the surface it covers, `0..=1`.
+    pub share: f64,
+    /// Its red multiplies `share`.
     pub texture: Option<TextureMap>,
     /// In `0..=1`.
     pub roughness: f64,
     /// Its green multiplies `roughness`.
     pub roughness_texture: Option<TextureMap>,
-    /// Directions that bend its normal.
+    /// Directions that bend its normal, which the material's own normal map does not.
     pub normal_map: Option<(TextureMap, f64)>,
 }
 
-/// Sheen.
-#[derive(Clone, Copy, Debug, Default)]
+/// What shines like cloth (`scattering::Sheen`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sheen {
     /// Linear, in `0..=1`.
     pub color: DVec3,
@@ -114,9 +114,10 @@ pub struct Texture {
 }
 
 /// How a texture goes on beyond its edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
     /// The image again.
+    #[default]
     Repeat,
     /// The edge texel.
     Clamp,

@@ -8,12 +8,11 @@ use super::tally::Tally;
 use super::text::{number, statements};
 use super::texture::{ObjTexture, Placement};
 use crate::color::Rgb;
+use crate::description::LARGEST_NUMBER;
 use crate::diagnostic::Loss;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Brighter emission is refused, as larger numbers are everywhere.
-const MOST_RADIANCE: f64 = 1e15;
 /// Refractive index of plastics, leaves and most of what is no metal; Blender's default.
 const DIELECTRIC_IOR: f64 = 1.5;
 
@@ -133,7 +132,7 @@ impl Reader<'_> {
         let material = ObjMaterial {
             diffuse,
             diffuse_texture,
-            emission: self.color("ke", MOST_RADIANCE).unwrap_or_default(),
+            emission: self.color("ke", LARGEST_NUMBER).unwrap_or_default(),
             emission_texture: self.texture(&["map_ke"]),
             opacity: self.opacity(),
             opacity_texture: self.texture(&["map_d"]),

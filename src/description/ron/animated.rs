@@ -114,7 +114,8 @@ pub enum Extend {
     /// Keeps the first or last value.
     #[default]
     Hold,
-    /// Starts over.
+    /// Starts over, before the first key too. The last key only closes the period: the value there
+    /// is the first key's again.
     Cycle,
 }
 

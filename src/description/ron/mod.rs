@@ -51,11 +51,13 @@ pub use named::Named;
 pub use number::{
     AirSpeed, AirVelocity, Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FStop, FieldOfView, Finite,
     FocusDistance, GustScale, HalfAngle, JuliaPart, LeafLength, NonNegative, Number, Point, Positive,
-    Quaternion, QuaternionRate, Range, Span, SpeedGain, Stops, Three, Triple, UnitInterval, Vector, Whole,
+    Quaternion, QuaternionRate, Range, RelativeError, Span, SpeedGain, Stops, Three, Triple, UnitInterval,
+    Vector, Whole,
 };
+pub use range::{FIELDS_OF_VIEW_DEG, NEAREST_FOCUS_M, SMALLEST_F_STOP};
 pub use replacement::Replacement;
 pub use scene_file::{Object, SceneFile};
-pub use sequence_file::{Bounces, FrameRate, Frames, March, PixelFilter, SequenceFields};
+pub use sequence_file::{Bounces, FrameRate, Frames, MAX_FRAME, March, PixelFilter, SequenceFields};
 pub use shape::Shape;
 pub use sky::{Sky, SkyLight};
 pub use version::Version;

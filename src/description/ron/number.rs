@@ -2,13 +2,11 @@
 //! in its range. One that does not is an error at its own line and column.
 
 pub use super::range::*;
+use crate::description::LARGEST_NUMBER;
 use glam::{DQuat, DVec3};
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Unexpected, Visitor};
 use std::fmt;
 use std::marker::PhantomData;
-
-/// Larger magnitudes are refused, so that squares stay finite in the `f32` of the kernels.
-const MAX_MAGNITUDE: f64 = 1e15;
 
 /// One number in a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +52,7 @@ pub(super) fn unmet<R: Range>(value: f64) -> Option<&'static str> {
     if !value.is_finite() || !R::contains(value) {
         Some(R::EXPECTED)
     } else {
-        (value.abs() > MAX_MAGNITUDE).then_some(Finite::EXPECTED)
+        (value.abs() > LARGEST_NUMBER).then_some(Finite::EXPECTED)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Which numbers fields admit. In goes a number in the author's unit, out comes whether its range has it.
 //! Invariant: numbers are finite before they are asked about.
 
+use std::ops::RangeInclusive;
+
 /// A set of admissible numbers.
 pub trait Range: Copy {
     /// What to say to someone who left it.
@@ -33,6 +35,13 @@ macro_rules! ranges {
 /// Radians.
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
+/// Whole fields of view that numerics.md vouches for, degrees.
+pub const FIELDS_OF_VIEW_DEG: RangeInclusive<f64> = 1e-4..=179.9;
+/// Openings beyond this are wider than what they see.
+pub const SMALLEST_F_STOP: f64 = 1e-3;
+/// Nearer planes lie within the rounding of positions.
+pub const NEAREST_FOCUS_M: f64 = 1e-6;
+
 ranges! {
     /// Any finite number.
     Finite: "a finite number, at most 1e15 in magnitude", |_| true;
@@ -51,11 +60,11 @@ ranges! {
     /// Any angle, in degrees.
     Degrees: "a finite angle in degrees", |_| true, DEGREE;
     /// A whole field of view in degrees.
-    FieldOfView: "an angle from 0.0001 to 179.9 degrees", |value| (1e-4..=179.9).contains(&value), DEGREE;
+    FieldOfView: "an angle from 0.0001 to 179.9 degrees", |value| FIELDS_OF_VIEW_DEG.contains(&value), DEGREE;
     /// Focal length over the diameter of a lens' opening.
-    FStop: "an f-stop of at least 0.001, such as 2.8", |value| value >= 1e-3;
+    FStop: "an f-stop of at least 0.001, such as 2.8", |value| value >= SMALLEST_F_STOP;
     /// How far away a lens is in focus, metres.
-    FocusDistance: "a distance of at least 0.000001 m", |value| value >= 1e-6;
+    FocusDistance: "a distance of at least 0.000001 m", |value| value >= NEAREST_FOCUS_M;
     /// The whole angle under which a disc is seen, in degrees: 0 or more, less than 180.
     DiscAngle: "an angle of at least 0 and less than 180 degrees", |value| (0.0..180.0).contains(&value), DEGREE;
     /// A part of the constant of a Julia set; beyond it every point escapes.

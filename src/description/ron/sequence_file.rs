@@ -60,8 +60,8 @@ pub struct March {
     pub step_m: Number<Positive>,
 }
 
-/// How often light may be scattered beyond single scattering.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How often light may be scattered beyond direct light and single scattering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bounces {
     /// So many times, `bounces: 3`.
     UpTo(u32),
@@ -94,16 +94,18 @@ impl<'de> Deserialize<'de> for Bounces {
 }
 
 /// By what weights a pixel is the mean of the picture around it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 pub enum PixelFilter {
     /// The pixel itself, everywhere alike.
+    #[default]
     Box,
-    /// A window 1.5 pixels wide.
+    /// A window of Blackman and Harris, 1.5 pixels wide: Blender's default.
     BlackmanHarris,
 }
 
-/// Frame numbers beyond this, either way, are refused.
-const MAX_FRAME: i64 = 1_000_000_000;
+/// Frame numbers beyond this, either way, are refused: they leave no sub-frame digits in the single precision
+/// that files keep times in.
+pub const MAX_FRAME: i64 = 10_000_000;
 
 /// First and last frame, `(1, 48)`; the last is not before the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,13 +123,13 @@ impl<'de> Deserialize<'de> for Frames {
     }
 }
 
-/// Frames a second, as a fraction.
+/// Frames a second as a fraction, such as 24/1 or 24000/1001.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRate {
-    /// So many frames ...
-    pub(crate) numerator: u32,
-    /// ... in so many seconds.
-    pub(crate) denominator: u32,
+    /// Frames ...
+    pub numerator: u32,
+    /// ... in this many seconds. At least 1.
+    pub denominator: u32,
 }
 
 impl<'de> Deserialize<'de> for FrameRate {

@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// Places in a metre, a power of two: a chaotic fall would make last bits visible in seconds.
-const GRID_PER_M: f64 = 1_048_576.0;
+pub(super) const GRID_PER_M: f64 = 1_048_576.0;
 
 /// The crown of a tree.
 #[derive(Clone, Debug)]

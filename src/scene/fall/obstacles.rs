@@ -2,6 +2,7 @@
 //! would go, out comes the one that it can go. Invariant: a ball that was free stays free of every triangle,
 //! or nearly so in a crevice narrower than itself; no way leads through a surface.
 
+use super::emitter::GRID_PER_M;
 use glam::DVec3;
 use std::fmt;
 
@@ -9,8 +10,6 @@ use std::fmt;
 const TRIANGLES_PER_LEAF: usize = 4;
 /// How often a ball is pushed away from the nearest triangle before it counts as stuck.
 const PUSHES: usize = 4;
-/// Places in a metre, a power of two, as of emitters: contact would make last bits of a transform visible.
-const GRID_PER_M: f64 = 1_048_576.0;
 
 type Triangle = [DVec3; 3];
 

@@ -4,11 +4,10 @@
 use super::extras::Sunfleck;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
+use crate::description::ron::MAX_FRAME;
 use crate::diagnostic::Diagnostic;
 use crate::scene::FrameRate;
 
-/// Larger frame numbers leave no sub-frame digits in single precision.
-const MAX_FRAME: f64 = 1e7;
 /// Frames a second of a file that does not say.
 const DEFAULT_FPS: u32 = 24;
 /// Frame rates as near to a fraction as this are that fraction: Blender stores them in single precision.
@@ -57,7 +56,7 @@ impl Clock {
             ));
         }
         let frame_at_zero = sunfleck.frame_at_zero.unwrap_or(0.0);
-        if frame_at_zero.fract() != 0.0 || frame_at_zero.abs() > MAX_FRAME {
+        if frame_at_zero.fract() != 0.0 || frame_at_zero.abs() > MAX_FRAME as f64 {
             let found = format!("{frame_at_zero} is no frame to count from");
             report.error(format!("{extras}.sunfleck.frame_at_zero"), found, "a whole number");
             return none;

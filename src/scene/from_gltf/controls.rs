@@ -6,6 +6,7 @@ use super::Builder;
 use super::extras::{self, Channels};
 use crate::color::Rgb;
 use crate::description::gltf::Property;
+use crate::description::ron::{self, Range as _};
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{
     Animate, Fog, FogShape, Key, Lens, LightKind, Motion, NodeIndex, Segment, SunDisc, SunPicture, SunShows,
@@ -43,21 +44,20 @@ struct Range {
 const NOT_NEGATIVE: Range =
     Range { admits: |value| (0.0..1e15).contains(&value), expected: "numbers of at least 0" };
 const POSITIVE: Range = Range { admits: |value| value > 0.0 && value < 1e15, expected: "numbers above 0" };
-const SHARE: Range = Range { admits: |value| (0.0..=1.0).contains(&value), expected: "numbers from 0 to 1" };
+const SHARE: Range = Range { admits: ron::UnitInterval::contains, expected: "numbers from 0 to 1" };
 const ANISOTROPY: Range =
-    Range { admits: |value| value.abs() <= 0.9999, expected: "numbers from -0.9999 to 0.9999" };
+    Range { admits: ron::Anisotropy::contains, expected: "numbers from -0.9999 to 0.9999" };
 const ANGLE: Range =
     Range { admits: |value| (0.0..PI).contains(&value), expected: "radians, at least 0 and less than pi" };
 const FIELD_OF_VIEW: Range = Range {
-    admits: |value| (1e-4..=179.9).contains(&value.to_degrees()),
+    admits: |value| ron::FieldOfView::contains(value.to_degrees()),
     expected: "radians that are from 0.0001 to 179.9 degrees",
 };
 const CONE: Range = Range {
     admits: |value| value > 0.0 && value <= FRAC_PI_2,
     expected: "radians, above 0 and at most pi / 2",
 };
-const FRACTAL: Range =
-    Range { admits: |value| (-2.0..=2.0).contains(&value), expected: "numbers from -2 to 2" };
+const FRACTAL: Range = Range { admits: ron::JuliaPart::contains, expected: "numbers from -2 to 2" };
 const ANY: Range = Range { admits: f64::is_finite, expected: "numbers" };
 
 impl Builder<'_> {

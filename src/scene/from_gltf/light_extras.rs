@@ -5,6 +5,7 @@
 use super::Builder;
 use super::extras::{self, Channels};
 use crate::color::Rgb;
+use crate::description::LARGEST_NUMBER;
 use crate::description::gltf;
 use crate::diagnostic::Loss;
 use crate::scene::{AreaShape, Light, LightKind, NodeIndex, SunDisc, Track};
@@ -70,9 +71,6 @@ enum Size {
     Each([f64; 2]),
 }
 
-/// Sizes beyond this are refused, as everywhere in our own format.
-const LARGEST_M: f64 = 1e15;
-
 impl Builder<'_> {
     /// Reads `sunfleck_light` of a node.
     pub(super) fn light_extras(&mut self, index: usize, node: &gltf::Node) -> Option<LightExtras> {
@@ -98,9 +96,9 @@ impl Builder<'_> {
         let angle = extras.angle.filter(|angle| {
             self.is_in_range(path, "angle", *angle, 0.0..PI, "radians, at least 0 and less than pi")
         });
-        let radius = extras
-            .radius
-            .filter(|radius| self.is_in_range(path, "radius", *radius, 0.0..LARGEST_M, "metres, at least 0"));
+        let radius = extras.radius.filter(|radius| {
+            self.is_in_range(path, "radius", *radius, 0.0..LARGEST_NUMBER, "metres, at least 0")
+        });
         let is_sun = matches!(kind, LightKind::Sun);
         if if is_sun { radius.is_some() } else { angle.is_some() } {
             self.report.not_honoured(Loss::LightSize, path);
@@ -149,7 +147,7 @@ impl Builder<'_> {
             }
         };
         for size in [width, height] {
-            self.is_in_range(path, "size", size, f64::MIN_POSITIVE..LARGEST_M, "metres, more than 0");
+            self.is_in_range(path, "size", size, f64::MIN_POSITIVE..LARGEST_NUMBER, "metres, more than 0");
         }
         let color = extras.color.map_or(Rgb::ONE, Rgb::from);
         let Some(power_w) = extras.power_w else {

@@ -3,13 +3,11 @@
 
 use super::Builder;
 use super::light_extras::LightExtras;
+use crate::color::LUMENS_PER_WATT;
 use crate::description::gltf;
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::{Light, LightKind, LightUnits, NodeIndex, Track};
 use std::f64::consts::PI;
-
-/// Luminous efficacy of 555 nm light, lm/W, which Blender's exporter applies to all light.
-pub(super) const LUMENS_PER_WATT: f64 = 683.0;
 
 impl Builder<'_> {
     /// Adds a light for every node of the scene that holds one.

@@ -4,7 +4,7 @@
 use super::Builder;
 use super::joined::{Course, joined};
 use super::nodes::track;
-use crate::color::Rgb;
+use crate::color::{LUMENS_PER_WATT, Rgb};
 use crate::description::gltf::{self, Interpolation, Property, PropertyChannel};
 use crate::diagnostic::Loss;
 use crate::scene::{Animate, LightUnits, MaterialNumbers, Track};
@@ -99,7 +99,7 @@ impl<'a> Builder<'a> {
         }
         let forgotten = match (units, light.kind) {
             (LightUnits::Raw, _) | (LightUnits::Compat, gltf::LightKind::Directional) => 1.0,
-            (LightUnits::Spec, gltf::LightKind::Directional) => super::lights::LUMENS_PER_WATT,
+            (LightUnits::Spec, gltf::LightKind::Directional) => LUMENS_PER_WATT,
             (LightUnits::Spec | LightUnits::Compat, _) => (4.0 * PI).recip(),
         };
         let at_frame_0 = self.mapped(channel, |value| value[0]).map_or(0.0, |track| track.at(0.0));

@@ -5,12 +5,10 @@ use super::clock::Clock;
 use super::extras::Sunfleck;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
+use crate::description::ron::{MAX_FRAME, Range, RelativeError, Stops};
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::passes::Pass;
 use crate::scene::{Bounces, PixelFilter, RenderSettings, Sampling, Size};
-
-/// Largest frame number, so that frame times keep sub-frame digits in single precision.
-const MAX_FRAME: f64 = 1e7;
 
 /// What `sunfleck` of the scene's extras says.
 pub(super) fn settings(
@@ -62,8 +60,9 @@ impl Reading<'_> {
     /// Frames, of those that keys lie on.
     fn frames(&mut self, settings: &mut RenderSettings, (first, last): (f64, f64)) {
         let Sunfleck { frame_start, frame_end, .. } = self.sunfleck;
-        let start = self.whole("frame_start", frame_start.unwrap_or(first), -MAX_FRAME, MAX_FRAME);
-        let end = self.whole("frame_end", frame_end.unwrap_or(last.max(start)), -MAX_FRAME, MAX_FRAME);
+        let most = MAX_FRAME as f64;
+        let start = self.whole("frame_start", frame_start.unwrap_or(first), -most, most);
+        let end = self.whole("frame_end", frame_end.unwrap_or(last.max(start)), -most, most);
         if end < start {
             self.error("frame_end", format!("frame {end} comes before frame {start}"), "the last frame");
         }
@@ -108,14 +107,10 @@ impl Reading<'_> {
             let height = self.whole("resolution[1]", height, 1.0, 65536.0) as usize;
             settings.size = Size { width, height };
         }
-        let tolerance = sunfleck.tolerance.filter(|&tolerance| {
-            let expected = "a relative error greater than 0 and at most 1, such as 0.02 for 2 %";
-            self.is_usable("tolerance", tolerance, 0.0 < tolerance && tolerance <= 1.0, expected)
-        });
-        settings.exposure_stops = sunfleck.exposure.filter(|&stops| {
-            let expected = "powers of two from -100 to 100, such as 1 for twice as bright";
-            self.is_usable("exposure", stops, stops.abs() <= 100.0, expected)
-        });
+        let tolerance =
+            sunfleck.tolerance.filter(|&tolerance| self.is_usable::<RelativeError>("tolerance", tolerance));
+        settings.exposure_stops =
+            sunfleck.exposure.filter(|&stops| self.is_usable::<Stops>("exposure", stops));
         settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
         if let Some(name) = &sunfleck.filter {
             match PixelFilter::ALL.into_iter().find(|filter| filter.name() == name) {
@@ -128,10 +123,11 @@ impl Reading<'_> {
         }
     }
 
-    /// Whether a number fits, and if not says what would.
-    fn is_usable(&mut self, name: &str, value: f64, fits: bool, expected: &str) -> bool {
+    /// Whether a number lies in its range, and if not says what would.
+    fn is_usable<R: Range>(&mut self, name: &str, value: f64) -> bool {
+        let fits = R::contains(value);
         if !fits {
-            self.error(name, format!("{value} is not usable"), expected);
+            self.error(name, format!("{value} is not usable"), R::EXPECTED);
         }
         fits
     }

@@ -5,9 +5,7 @@ use super::extras::{self, Leaf};
 use crate::color::Rgb;
 use crate::description::gltf::{self, Property};
 use crate::diagnostic::Loss;
-use crate::scene::{
-    AlphaMode, Clearcoat, Coat, Material, MaterialIndex, Painted, Sheen, Texture, TextureMap, Track, Wrap,
-};
+use crate::scene::{AlphaMode, Coat, Material, MaterialIndex, Painted, Texture, TextureMap, Track};
 
 impl Builder<'_> {
     /// Adds every material, under the file's numbers, and their textures.
@@ -118,10 +116,10 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
         base_color: color,
         base_color_texture: material.base_color_texture,
         emission: material.emission * material.emission_strength,
-        emission_texture: material.emission_texture.map(map),
-        normal_map: material.normal_map.map(|(texture, scale)| (map(texture), scale)),
-        clearcoat: clearcoat(&material.clearcoat),
-        sheen: sheen(&material.sheen),
+        emission_texture: material.emission_texture,
+        normal_map: material.normal_map,
+        clearcoat: Some(material.clearcoat).filter(|coat| coat.share > 0.0),
+        sheen: Some(material.sheen).filter(|sheen| sheen.color != Rgb::ZERO),
         opacity,
         alpha_mode: alpha_mode(material.alpha_mode),
         ..Material::default()
@@ -146,9 +144,9 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
     let coat = is_shiny.then(|| Coat {
         metallic: material.metallic,
         roughness: material.roughness,
-        texture: material.metallic_roughness_texture.map(map),
+        texture: material.metallic_roughness_texture,
         f0: material.f0,
-        f0_texture: material.f0_texture.map(map),
+        f0_texture: material.f0_texture,
         f90: material.specular,
     });
     // What goes through is taken from what is reflected: diffuse on the far side, or straight on.
@@ -158,7 +156,7 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
     Material {
         base_color: (1.0 - straight) * (1.0 - diffuse) * color,
         transmission: (1.0 - straight) * diffuse * diffuse_color,
-        transmission_texture: material.diffuse_transmission_texture.map(map),
+        transmission_texture: material.diffuse_transmission_texture,
         coat,
         alpha_mode: if lets_through { AlphaMode::Blend } else { matte.alpha_mode },
         filter_color: straight * color,
@@ -176,39 +174,12 @@ fn alpha_mode(mode: gltf::AlphaMode) -> AlphaMode {
     }
 }
 
-fn map(map: gltf::TextureMap) -> TextureMap {
-    TextureMap { texture: map.texture, layer: map.layer }
-}
-
-fn clearcoat(clearcoat: &gltf::Clearcoat) -> Option<Clearcoat> {
-    (clearcoat.factor > 0.0).then(|| Clearcoat {
-        share: clearcoat.factor,
-        texture: clearcoat.texture.map(map),
-        roughness: clearcoat.roughness,
-        roughness_texture: clearcoat.roughness_texture.map(map),
-        normal_map: clearcoat.normal_map.map(|(texture, scale)| (map(texture), scale)),
-    })
-}
-
-fn sheen(sheen: &gltf::Sheen) -> Option<Sheen> {
-    (sheen.color != Rgb::ZERO).then(|| Sheen {
-        color: sheen.color,
-        color_texture: sheen.color_texture.map(map),
-        roughness: sheen.roughness,
-        roughness_texture: sheen.roughness_texture.map(map),
-    })
-}
-
 fn texture(texture: gltf::Texture) -> Texture {
     Texture {
         name: texture.name,
         width: texture.image.width,
         height: texture.image.height,
         texels: texture.image.texels,
-        wrap: texture.wrap.map(|wrap| match wrap {
-            gltf::Wrap::Repeat => Wrap::Repeat,
-            gltf::Wrap::Clamp => Wrap::Clamp,
-            gltf::Wrap::Mirror => Wrap::Mirror,
-        }),
+        wrap: texture.wrap,
     }
 }

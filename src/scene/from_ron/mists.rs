@@ -4,7 +4,7 @@ use super::{Resolver, track};
 use crate::description::ron;
 use crate::scene::drift::Drift;
 use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, Kept, usual_voxel_m, voxel_count};
-use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist, MistShape};
+use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -37,10 +37,7 @@ impl Resolver<'_> {
         };
         Some(Mist {
             bounds,
-            shape: match mist.shape {
-                ron::MistShape::Box => MistShape::Box,
-                ron::MistShape::Ellipsoid => MistShape::Ellipsoid,
-            },
+            shape: mist.shape,
             edge_m: mist.edge_m.map_or(USUAL_EDGE * size_m.min(shortest_m), ron::Number::si),
             size_m,
             octaves: mist.octaves.get(),

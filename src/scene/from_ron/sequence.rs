@@ -1,9 +1,9 @@
 //! A sequence in, render settings out. Invariant: what the sequence leaves out stays as it was.
 
 use super::problems::Problems;
-use crate::description::ron::{self, Frames, Number, SequenceFile, Whole};
+use crate::description::ron::{Frames, Number, SequenceFile, Whole};
 use crate::diagnostic::Diagnostics;
-use crate::scene::{Bounces, FrameRate, Keyed, PixelFilter, RenderSettings, Sampling, Scene, Size};
+use crate::scene::{FrameRate, Keyed, RenderSettings, Sampling, Scene, Size};
 use std::collections::BTreeMap;
 
 /// As many as `--volume-steps` takes.
@@ -11,8 +11,7 @@ const MOST_MARCH_STEPS: f64 = 1e6;
 
 /// Its frames a second, if it says so.
 pub(in crate::scene) fn frame_rate(sequence: &SequenceFile) -> Option<FrameRate> {
-    let rate = sequence.fields.frame_rate?;
-    Some(FrameRate { numerator: rate.numerator, denominator: rate.denominator })
+    sequence.fields.frame_rate
 }
 
 /// Applies what the sequence says to the settings of its scene.
@@ -54,23 +53,13 @@ pub(in crate::scene) fn apply_sequence(
     }
     let (samples, tolerance) = (fields.samples.map(Whole::get), fields.tolerance.map(Number::si));
     settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
-    if let Some(filter) = fields.filter {
-        settings.filter = match filter {
-            ron::PixelFilter::Box => PixelFilter::Box,
-            ron::PixelFilter::BlackmanHarris => PixelFilter::BlackmanHarris,
-        };
-    }
+    settings.filter = fields.filter.unwrap_or(settings.filter);
     settings.seed = fields.seed.unwrap_or(settings.seed);
     settings.shutter = fields.shutter_frames.map_or(settings.shutter, |shutter| shutter.si());
     settings.shutter_position = fields.shutter_position.map_or(settings.shutter_position, |at| at.si());
     settings.exposure_stops = fields.exposure.map(|stops| stops.si()).or(settings.exposure_stops);
     settings.mirror_depth = fields.mirror_depth.map_or(settings.mirror_depth, |Whole(depth)| depth);
-    if let Some(bounces) = fields.bounces {
-        settings.bounces = match bounces {
-            ron::Bounces::UpTo(count) => Bounces::UpTo(count),
-            ron::Bounces::All => Bounces::All,
-        };
-    }
+    settings.bounces = fields.bounces.unwrap_or(settings.bounces);
     problems.unless_any(settings)
 }
 

@@ -4,7 +4,7 @@ use super::{Resolver, track};
 use crate::color::Rgb;
 use crate::description::ron;
 use crate::diagnostic::{Diagnostic, Loss};
-use crate::scene::{Sky, SkyLight, SkyPicture};
+use crate::scene::{Sky, SkyPicture};
 use std::path::Path;
 
 impl Resolver<'_> {
@@ -48,12 +48,7 @@ impl Resolver<'_> {
         let (Some(picture), Some(strength), Some(rotation)) = (picture, strength, rotation) else { return };
         match Sky::new(picture) {
             Some(sky) => {
-                let lights = match lights {
-                    ron::SkyLight::Nothing => SkyLight::Nothing,
-                    ron::SkyLight::Surfaces => SkyLight::Surfaces,
-                    ron::SkyLight::SurfacesAndFog => SkyLight::SurfacesAndFog,
-                };
-                self.scene.sky = Some(sky.with(strength, rotation, lights));
+                self.scene.sky = Some(sky.with(strength, rotation, *lights));
             }
             None => self.problems.error(
                 "sky",

@@ -3,7 +3,7 @@
 
 use super::problems::Problems;
 use crate::description::ron::{self, Animated, Degrees, Keyable, Keys, Quaternion, ToNext, Vector};
-use crate::scene::{Animate, Extend, Handle, Key, Rotation, Segment, Track};
+use crate::scene::{Animate, Handle, Key, Rotation, Segment, Track};
 use glam::DQuat;
 
 /// The track of `field`.
@@ -17,11 +17,7 @@ pub(super) fn track<T: Keyable<Si: Animate>>(
         Animated::Keyed(keys) => keys,
     };
     check(keys, field, problems)?;
-    let extend = match keys.extend {
-        ron::Extend::Hold => Extend::Hold,
-        ron::Extend::Cycle => Extend::Cycle,
-    };
-    Track::new(keys.keys.iter().map(resolved).collect(), extend)
+    Track::new(keys.keys.iter().map(resolved).collect(), keys.extend)
 }
 
 /// The rotation from the two ways to write one; `None` also if both are written.

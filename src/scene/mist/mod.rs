@@ -8,6 +8,7 @@ pub use ground::GroundHeights;
 
 use super::Track;
 use super::drift::Drift;
+pub use crate::description::ron::MistShape;
 use crate::math::{BRICK, FLOW_NOISE_DEVIATION, FlowNoise, NoiseWithin, SunlitVoxels, Voxels, VoxelsBuilder};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -22,15 +23,6 @@ pub const MOST_MIST_VOXELS: f64 = (1 << 24) as f64;
 const FROM_NONE_TO_ALL: f64 = 2.0;
 /// Times that are kept: frames side by side ask for one each.
 const KEPT: usize = 2;
-
-/// The form that mist has about the noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MistShape {
-    /// Fades at its sides and its top.
-    Box,
-    /// The ellipsoid in the box; fades all around.
-    Ellipsoid,
-}
 
 /// A bank of mist. Lengths are of the shape's own space.
 #[derive(Clone, Debug)]

@@ -10,6 +10,7 @@ use self::suns::SkySuns;
 use self::table::{CELLS, table_of};
 use super::{Texture, Track, Wrap};
 use crate::color::{Rgb, Texels, luminance};
+pub use crate::description::ron::SkyLight;
 use crate::math::{SquareDistribution, sphere_from_square, square_from_sphere};
 use glam::{DQuat, DVec2, DVec3, Vec2};
 use rayon::prelude::*;
@@ -57,18 +58,6 @@ pub enum SkyPicture {
     },
     /// Longitude across and latitude down, seen from within; -Z in the middle, +X to the right of it.
     Image(Texture),
-}
-
-/// What a sky lights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SkyLight {
-    /// It is a background.
-    Nothing,
-    /// Surfaces.
-    Surfaces,
-    /// Surfaces, and the fog.
-    #[default]
-    SurfacesAndFog,
 }
 
 /// Cells for means: of even height, and of even longitude, so that all are of one size.

@@ -10,6 +10,8 @@ pub use animate::Animate;
 use segment::between;
 pub use segment::{Handle, Segment};
 
+pub use crate::description::ron::Extend;
+
 /// A keyed value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
@@ -33,17 +35,6 @@ enum Ways<T> {
     SmoothSingle(Vec<f32>),
     /// As many as keys.
     Each(Vec<Segment<T>>),
-}
-
-/// What a track does outside its keys.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Extend {
-    /// Keeps the first or last value.
-    #[default]
-    Hold,
-    /// Starts over, before the first key too. The last key only closes the period: the value there
-    /// is the first key's again.
-    Cycle,
 }
 
 /// A value at a time, and the way to the next key.
