@@ -39,7 +39,7 @@ pub struct ScalingPlan<'a> {
 }
 
 /// What grows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Quantity {
     /// Instances of the mesh that is placed most often, their whole area kept.
     Leaves,

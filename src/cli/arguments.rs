@@ -8,10 +8,10 @@ use super::parse::{
 };
 pub(super) use super::shared_arguments::{BakeArguments, DisplayArguments, SceneArguments};
 pub(super) use super::words::{
-    FarmProfile, FilterArgument, MethodArgument, OnlyArgument, PassArgument, PreviewArgument,
-    ProgressArgument, QuantityArgument, SkipArgument, Volume, passes,
+    FarmProfile, MethodArgument, OnlyArgument, PassArgument, PreviewArgument, ProgressArgument, SkipArgument,
+    Volume, passes,
 };
-use crate::scene::Bounces;
+use crate::scene::{Bounces, PixelFilter};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -76,7 +76,7 @@ pub(super) struct RenderArguments {
     pub(super) samples: Option<u32>,
     /// By what weights a pixel is the mean of the picture around it [default: the sequence's, else box].
     #[arg(long, value_enum)]
-    pub(super) filter: Option<FilterArgument>,
+    pub(super) filter: Option<PixelFilter>,
     /// How light in fog is found.
     #[arg(long, value_enum, default_value_t)]
     pub(super) volume: Volume,

@@ -2,7 +2,8 @@
 
 use super::parse::{SizeArgument, parse_noise, parse_seconds, parse_size};
 use super::shared_arguments::SceneArguments;
-use super::words::{MethodArgument, QuantityArgument};
+use super::words::MethodArgument;
+use crate::bench::Quantity;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -58,7 +59,7 @@ pub(super) struct BenchArguments {
         long, value_enum, value_delimiter = ',', value_name = "LIST", num_args = 0.., require_equals = true,
         conflicts_with_all = ["skips", "peers", "reference", "reference_samples"]
     )]
-    pub(super) scaling: Option<Vec<QuantityArgument>>,
+    pub(super) scaling: Option<Vec<Quantity>>,
     /// Instead: what the renderer leaves out where the scene does not need it, with and without.
     #[arg(long, conflicts_with_all = ["peers", "reference", "reference_samples", "longest", "csv", "svg"])]
     pub(super) skips: bool,

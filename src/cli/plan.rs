@@ -67,7 +67,7 @@ fn renderer<'a>(scene: &'a Scene, arguments: &RenderArguments) -> Result<Rendere
     renderer = arguments.samples.into_iter().fold(renderer, Renderer::samples);
     renderer = arguments.tolerance.into_iter().fold(renderer, Renderer::tolerance);
     renderer = arguments.bounces.into_iter().fold(renderer, Renderer::bounces);
-    renderer = arguments.filter.map(Into::into).into_iter().fold(renderer, Renderer::filter);
+    renderer = arguments.filter.into_iter().fold(renderer, Renderer::filter);
     renderer = arguments.camera.iter().fold(renderer, |renderer, name| renderer.camera(name));
     renderer = arguments.seed.into_iter().fold(renderer, Renderer::seed);
     renderer = arguments.shutter.into_iter().fold(renderer, Renderer::shutter);

@@ -3,10 +3,10 @@
 
 use super::CliError;
 use super::parse::{ExposureArgument, parse_bloom, parse_exposure};
-use super::words::{CurveArgument, LightUnitsArgument, SkySunArgument, Switch};
+use super::words::{SkySunArgument, Switch};
 use crate::color::{Curve, Display};
 use crate::diagnostic::Diagnostics;
-use crate::scene::ResolveOptions;
+use crate::scene::{LightUnits, ResolveOptions};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 pub(super) struct SceneArguments {
     /// What the lights of a glTF file are measured in [default: what it says, else spec].
     #[arg(long, value_enum)]
-    pub(super) light_units: Option<LightUnitsArgument>,
+    pub(super) light_units: Option<LightUnits>,
     /// Whether a glTF or OBJ file without light gets a sun and a sky [default: on; of export off].
     #[arg(long, value_enum, value_name = "on|off")]
     pub(super) default_light: Option<Switch>,
@@ -48,7 +48,7 @@ pub(super) struct BakeArguments {
 pub(super) struct DisplayArguments {
     /// How light is brought into the range of a display, for pictures other than EXR.
     #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
-    pub(super) display: CurveArgument,
+    pub(super) display: Curve,
     /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default:
     /// the input's, else auto].
     #[arg(long, value_parser = parse_exposure, value_name = "EV|auto", allow_negative_numbers = true)]
@@ -62,12 +62,7 @@ pub(super) struct DisplayArguments {
 impl DisplayArguments {
     /// With an exposure in powers of two.
     pub(super) fn display(self, exposure_stops: f64) -> Display {
-        let curve = match self.display {
-            CurveArgument::Agx => Curve::Agx,
-            CurveArgument::Srgb => Curve::Srgb,
-            CurveArgument::Raw => Curve::Raw,
-        };
-        Display { curve, exposure_stops, bloom: self.bloom }
+        Display { curve: self.display, exposure_stops, bloom: self.bloom }
     }
 }
 
@@ -75,7 +70,7 @@ impl SceneArguments {
     /// What of it the scene has to know.
     pub(super) fn options(&self) -> ResolveOptions {
         ResolveOptions {
-            light_units: self.light_units.map(Into::into),
+            light_units: self.light_units,
             no_default_light: self.default_light == Some(Switch::Off),
             keep_sky_suns: self.sky_sun == Some(SkySunArgument::Off),
             animation: self.animation.clone(),

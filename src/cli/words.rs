@@ -1,8 +1,7 @@
 //! The words that flags take. In go words, out come the values that they stand for. Invariant: each is an
-//! enum of its own, so that help lists all of them.
+//! enum, here or where its values are used, so that help lists all of them.
 
 use crate::passes::Pass;
-use crate::scene::{LightUnits, PixelFilter};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::sync::LazyLock;
@@ -38,16 +37,6 @@ pub(super) enum MethodArgument {
     SlicesUntil,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum QuantityArgument {
-    Leaves,
-    Pixels,
-    Lights,
-    Accuracy,
-    Fog,
-    Threads,
-}
-
 /// `all`, `none`, or a pass by its name in the table of passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PassArgument {
@@ -72,24 +61,6 @@ impl ValueEnum for PassArgument {
             Self::One(pass) => pass.name(),
         }))
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum FilterArgument {
-    /// The pixel itself, everywhere alike.
-    Box,
-    /// A window 1.5 pixels wide, as Blender has it.
-    BlackmanHarris,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum LightUnitsArgument {
-    /// Lux and candela (Blender's default).
-    Spec,
-    /// Blender's "Unitless".
-    Compat,
-    /// Blender's "Raw".
-    Raw,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -157,36 +128,6 @@ pub(super) enum FarmProfile {
 pub(super) enum PreviewArgument {
     /// PNG.
     Png,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum CurveArgument {
-    /// As Blender's AgX: bright light fades to white.
-    #[default]
-    Agx,
-    /// The sRGB encoding alone; what is brighter than 1 is cut off.
-    Srgb,
-    /// The linear values themselves, cut off at 1.
-    Raw,
-}
-
-impl From<FilterArgument> for PixelFilter {
-    fn from(argument: FilterArgument) -> Self {
-        match argument {
-            FilterArgument::Box => Self::Box,
-            FilterArgument::BlackmanHarris => Self::BlackmanHarris,
-        }
-    }
-}
-
-impl From<LightUnitsArgument> for LightUnits {
-    fn from(argument: LightUnitsArgument) -> Self {
-        match argument {
-            LightUnitsArgument::Spec => Self::Spec,
-            LightUnitsArgument::Compat => Self::Compat,
-            LightUnitsArgument::Raw => Self::Raw,
-        }
-    }
 }
 
 /// The passes that a list of arguments stands for.

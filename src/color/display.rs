@@ -5,7 +5,7 @@
 use super::{Rgb, agx::agx, srgb_from_linear};
 
 /// How scene light is brought into the range of a display.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Curve {
     /// AgX as Blender shows it: bright light fades to white as on film.
     #[default]

@@ -3,7 +3,6 @@
 
 use super::{BenchArguments, CliError, Subject, answer, output, save, tell, write};
 use crate::bench::{Growth, Quantity, ScalingPlan, growth_csv, growth_plot, growth_table, measure_growth};
-use crate::cli::arguments::QuantityArgument;
 use crate::diagnostic::shown;
 use crate::scene::Size;
 
@@ -11,7 +10,7 @@ use crate::scene::Size;
 pub(super) fn run(
     arguments: &BenchArguments,
     subject: &Subject,
-    quantities: &[QuantityArgument],
+    quantities: &[Quantity],
 ) -> Result<(), CliError> {
     let quick = arguments.quick;
     let plan = ScalingPlan {
@@ -30,7 +29,7 @@ pub(super) fn run(
     let csv = output(arguments.csv.as_deref(), subject, "scaling.csv");
     let mut growths: Vec<Growth> = Vec::new();
     for quantity in Quantity::ALL {
-        if !quantities.is_empty() && !quantities.iter().any(|asked| asked.quantity() == quantity) {
+        if !quantities.is_empty() && !quantities.contains(&quantity) {
             continue;
         }
         tell(quantity.name());
@@ -47,17 +46,4 @@ pub(super) fn run(
         save(&csv, &growth_csv(&growths))?;
     }
     answer(&format!("{} was written\n\n{title}\n\n{}", shown(&csv), growth_table(&growths)))
-}
-
-impl QuantityArgument {
-    fn quantity(self) -> Quantity {
-        match self {
-            Self::Leaves => Quantity::Leaves,
-            Self::Pixels => Quantity::Pixels,
-            Self::Lights => Quantity::Lights,
-            Self::Accuracy => Quantity::Accuracy,
-            Self::Fog => Quantity::Fog,
-            Self::Threads => Quantity::Threads,
-        }
-    }
 }
