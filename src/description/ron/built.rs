@@ -1,12 +1,11 @@
 //! A scene that a program made in place of a file. In go the parts that files have, out comes a scene as if
-//! it had been read. Invariant: nothing can be built that a file could not hold, for every part is written as
-//! in a file, to nowhere. What cannot be written, and a name that occurs twice, is refused.
+//! it had been read. Invariant: nothing can be built that a file could not hold: a number out of its range
+//! and a name that occurs twice are refused.
 
-use super::{LoadedScene, Named, SceneFile, Shape, references};
+use super::{LoadedScene, Named, SceneFile, Shape, references, walk};
 use crate::description::obj::{ObjModel, Triangles};
 use crate::description::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
-use ::ron::ser::Serializer;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -73,12 +72,8 @@ impl Check {
     }
 
     fn part(&mut self, path: &str, part: &impl Serialize) {
-        let mut text = String::new();
-        let Ok(mut writer) = Serializer::new(&mut text, None) else { return };
-        let Err(error) = serde_path_to_error::serialize(part, &mut writer) else { return };
-        let field = error.path().to_string();
-        let path = if field == "." { path.to_owned() } else { format!("{path}.{field}") };
-        let said = error.inner().to_string();
+        let Some((field, said)) = walk::fault(part) else { return };
+        let path = if field.is_empty() { path.to_owned() } else { format!("{path}.{field}") };
         let (found, expected) = said.split_once(", expected ").unwrap_or((&said, "what the format allows"));
         self.refuse(&path, found, expected);
     }

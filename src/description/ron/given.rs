@@ -163,5 +163,5 @@ impl Serialize for QuaternionRate {
 
 /// What was found and what was expected, as readers of files say it.
 fn refuse<T, E: Error>(found: impl Display, expected: impl Display) -> Result<T, E> {
-    Err(E::custom(format_args!("{found}, expected {expected}")))
+    Err(E::custom(format_args!("{found} does not belong here, expected {expected}")))
 }
