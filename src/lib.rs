@@ -53,7 +53,7 @@
 //! 9. `frame_file` writes a film as EXR, whole or not at all; `api` is this face, and plans
 //!    what a frame needs.
 //! 10. `export` writes a scene as glTF. `sequence` decides which frames, `bench` measures error against time;
-//!     `cli` is what a user types.
+//!     The program's `cli` is what a user types.
 //!
 //! Imports point only upward in this list; `tests/architecture.rs` holds that.
 //!
@@ -70,147 +70,66 @@
 //! found from the geometry in closed form (docs/decisions/exactness.md).
 
 // What tests alone look at is no face, and stands where it belongs.
-#![cfg_attr(not(feature = "internals"), allow(dead_code, unreachable_pub, unused_imports))]
+#![cfg_attr(not(feature = "program"), allow(dead_code, unreachable_pub, unused_imports))]
 
-mod api;
 #[cfg(test)]
 #[path = "../tests/checkout/mod.rs"]
 mod checkout;
-#[doc(hidden)]
-pub mod cli;
 
-// Tests and benches look inside; nobody else does.
-#[cfg(not(feature = "internals"))]
-mod accel;
-#[cfg(not(feature = "internals"))]
-mod bench;
-#[cfg(not(feature = "internals"))]
-mod canopy;
-#[cfg(not(feature = "internals"))]
-mod color;
-#[cfg(not(feature = "internals"))]
-mod description;
-#[cfg(not(feature = "internals"))]
-mod diagnostic;
-#[cfg(not(feature = "internals"))]
-mod export;
-#[cfg(not(feature = "internals"))]
-mod film;
-#[cfg(not(feature = "internals"))]
-mod fog;
-#[cfg(not(feature = "internals"))]
-mod frame_file;
-#[cfg(not(feature = "internals"))]
-mod indirect;
-#[cfg(not(feature = "internals"))]
-mod light;
-#[cfg(not(feature = "internals"))]
-mod math;
-#[cfg(not(feature = "internals"))]
-mod ordinates;
-#[cfg(not(feature = "internals"))]
-mod passes;
-#[cfg(not(feature = "internals"))]
-mod render;
-#[cfg(not(feature = "internals"))]
-mod scanline;
-#[cfg(not(feature = "internals"))]
-mod scattering;
-#[cfg(not(feature = "internals"))]
-mod scene;
-#[cfg(not(feature = "internals"))]
-mod sequence;
-#[cfg(not(feature = "internals"))]
-mod snapshot;
-#[cfg(not(feature = "internals"))]
-mod transport;
+#[path = ""]
+mod inside {
+    pub mod accel;
+    pub mod api;
+    #[cfg(feature = "program")]
+    pub mod bench;
+    pub mod canopy;
+    pub mod color;
+    pub mod description;
+    pub mod diagnostic;
+    pub mod export;
+    pub mod film;
+    pub mod fog;
+    pub mod frame_file;
+    pub mod indirect;
+    pub mod light;
+    pub mod math;
+    pub mod ordinates;
+    pub mod passes;
+    pub mod render;
+    pub mod scanline;
+    pub mod scattering;
+    pub mod scene;
+    pub mod sequence;
+    pub mod snapshot;
+    pub mod transport;
+}
 
-#[cfg(feature = "internals")]
+// The program and tests look inside; nobody else does.
+#[cfg(not(feature = "program"))]
+use inside::*;
+#[cfg(feature = "program")]
 #[doc(hidden)]
-pub mod accel;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod bench;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod canopy;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod color;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod description;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod diagnostic;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod export;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod film;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod fog;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod frame_file;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod indirect;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod light;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod math;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod ordinates;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod passes;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod render;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod scanline;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod scattering;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod scene;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod sequence;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod snapshot;
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod transport;
+pub use inside::*;
 
-pub use api::{Array, Frame, NodePlace, RenderError, Renderer, Scene, SceneBuilder, SceneOptions, Setting};
-pub use description::LoadError;
-pub use description::obj::Triangles;
-pub use description::ron::{
+pub use inside::api::{Array, Frame, NodePlace, RenderError, Renderer, Scene, SceneBuilder, SceneOptions, Setting};
+pub use inside::description::LoadError;
+pub use inside::description::obj::Triangles;
+pub use inside::description::ron::{
     Animated, Aperture, Camera, Emitter, Extend, Fall, FallGround, FallMotion, Fog, Julia, Key, Leaves,
     Light, Material, Mist, MistShape, NormalMap, Object, Replacement, Shape, Sky, SkyLight, Species, Sun,
     Wind,
 };
-pub use diagnostic::{Diagnostic, Diagnostics, Loss, Place, Severity};
-pub use frame_file::FrameFileError;
-pub use passes::Pass;
-pub use render::{Method, Progress, Statistics};
-pub use scene::{Bounces, FrameRate, LightUnits, PixelFilter, Size, Window};
-pub use transport::MarchSteps;
+pub use inside::diagnostic::{Diagnostic, Diagnostics, Loss, Place, Severity};
+pub use inside::frame_file::FrameFileError;
+pub use inside::passes::Pass;
+pub use inside::render::{Method, Progress, Statistics};
+pub use inside::scene::{Bounces, FrameRate, LightUnits, PixelFilter, Size, Window};
+pub use inside::transport::MarchSteps;
 
 /// Numbers as the parts of scenes hold them: each type names its range. They are made of plain ones by
 /// `into()`, and checked when the scene is built.
 pub mod numbers {
-    pub use crate::description::ron::{
+    pub use crate::inside::description::ron::{
         AirSpeed, AirVelocity, Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FStop, FieldOfView,
         Finite, FocusDistance, GustScale, HalfAngle, Handle, JuliaPart, Keyable, Keys, LeafLength, Named,
         NonNegative, Number, Point, Positive, Quaternion, QuaternionRate, Range, Span, SpeedGain, Three,

@@ -1,7 +1,9 @@
-//! The program `sunfleck`; everything it does is in the library's `cli`.
+//! The program `sunfleck`. Invariant: all that is not about its command line is in the library.
+
+mod cli;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    sunfleck::cli::run()
+    cli::run()
 }

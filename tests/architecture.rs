@@ -112,21 +112,24 @@ fn code(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The paths that a file names: those that begin with `crate` or `super`, made absolute,
+/// The paths that a file names: those that begin with `crate`, `super` or the library's name, made absolute,
 /// as lists of segments.
 fn paths(file: &str, text: &str) -> Vec<Vec<String>> {
     let own = module_of(file);
     let code = code(text);
     let mut found = Vec::new();
-    for (at, _) in code.match_indices("crate::").chain(code.match_indices("super::")) {
+    let begins = ["crate::", "super::", "sunfleck::"].map(|begin| code.match_indices(begin));
+    for (at, begin) in begins.into_iter().flatten() {
         let follows_path =
             code[..at].ends_with("::") || code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
         if follows_path {
             continue;
         }
-        let mut rest = &code[at..];
-        let mut base = if rest.starts_with("crate::") { Vec::new() } else { own.clone() };
-        rest = rest.strip_prefix("crate::").unwrap_or(rest);
+        let is_absolute = begin != "super::";
+        let mut base = if is_absolute { Vec::new() } else { own.clone() };
+        let mut rest = &code[if is_absolute { at + begin.len() } else { at }..];
+        // All modules of the library are in this one, which has no file.
+        rest = rest.strip_prefix("inside::").unwrap_or(rest);
         while let Some(above) = rest.strip_prefix("super::") {
             base.pop();
             rest = above;

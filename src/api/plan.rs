@@ -20,14 +20,17 @@ use std::collections::BTreeMap;
 const MOST_PIXELS: usize = 1 << 27;
 
 /// Everything that frames of a picture have in common.
-pub(crate) struct Plan<'scene> {
-    pub(crate) scene: &'scene Scene,
-    pub(crate) settings: RenderSettings,
+pub struct Plan<'scene> {
+    /// What is rendered.
+    pub scene: &'scene Scene,
+    /// As asked for.
+    pub settings: RenderSettings,
     /// Index into the scene's cameras.
-    pub(crate) camera: usize,
-    pub(crate) job: Job,
+    pub camera: usize,
+    /// What each frame takes.
+    pub job: Job,
     /// What the scene asks for and is not honoured, as far as it is rendered.
-    pub(crate) remarks: Diagnostics,
+    pub remarks: Diagnostics,
 }
 
 impl<'scene> Plan<'scene> {
@@ -61,18 +64,18 @@ impl<'scene> Plan<'scene> {
     }
 
     /// When the shutter is open for a frame.
-    pub(crate) fn shutter(&self, frame: i64) -> Shutter {
+    pub fn shutter(&self, frame: i64) -> Shutter {
         Shutter::of(&self.settings, frame as f64)
     }
 
     /// What the camera sees while a shutter is open, with nothing that passes need.
-    pub(crate) fn exposure_of(&self, shutter: Shutter) -> Exposure<'scene> {
+    pub fn exposure_of(&self, shutter: Shutter) -> Exposure<'scene> {
         let aspect = aspect(self.job.size);
         Exposure::new(&self.scene.resolved, self.scene.trees(), self.camera, aspect, shutter)
     }
 
     /// What the camera sees at a frame, with all that the passes need.
-    pub(crate) fn exposure(&self, frame: i64) -> Exposure<'scene> {
+    pub fn exposure(&self, frame: i64) -> Exposure<'scene> {
         let (scene, size) = (&self.scene.resolved, self.job.size);
         let mut exposure = self.exposure_of(self.shutter(frame));
         if self.needs(Needs::Motion) {
@@ -87,7 +90,7 @@ impl<'scene> Plan<'scene> {
     }
 
     /// Renders an exposure of this plan on the current rayon pool.
-    pub(crate) fn render(&self, exposure: &Exposure, watch: &Watch) -> Rendered {
+    pub fn render(&self, exposure: &Exposure, watch: &Watch) -> Rendered {
         if !self.settings.shafts_alone {
             return render::render_keeping(exposure, &self.job, self.scene.light(), watch);
         }
@@ -103,14 +106,14 @@ impl<'scene> Plan<'scene> {
     }
 
     /// How a frame, or a moment between two, is rendered where nobody says.
-    pub(crate) fn choice(&self, frame: f64) -> Choice {
+    pub fn choice(&self, frame: f64) -> Choice {
         let (scene, shutter) = (&self.scene.resolved, Shutter::of(&self.settings, frame));
         let aspect = aspect(self.job.size);
         render::choose(&Exposure::middle_of(scene, self.scene.trees(), self.camera, aspect, shutter))
     }
 
     /// A look at a frame without rays and shadows, of so many pixels in the shape of the picture.
-    pub(crate) fn draw(&self, frame: i64, size: Size) -> film::Frame {
+    pub fn draw(&self, frame: i64, size: Size) -> film::Frame {
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
         let shutter = self.shutter(frame);
         scanline::draw(&Snapshot::new(scene, self.scene.trees(), self.camera, aspect, shutter), size)
@@ -118,7 +121,7 @@ impl<'scene> Plan<'scene> {
 
     /// By how many powers of two pictures for eyes are brightened where nobody says: as a small picture of a
     /// frame asks for, of `size` pixels and `samples` a pixel.
-    pub(crate) fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32) -> f64 {
+    pub fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32) -> f64 {
         let shutter = Shutter::instant(self.shutter(frame).middle_s());
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
         let exposure = Exposure::middle_of(scene, self.scene.trees(), self.camera, aspect, shutter);
@@ -136,7 +139,7 @@ impl<'scene> Plan<'scene> {
     }
 
     /// Where a frame comes from.
-    pub(crate) fn provenance(&self, frame: i64) -> Provenance {
+    pub fn provenance(&self, frame: i64) -> Provenance {
         let shutter = self.shutter(frame);
         Provenance {
             frame,
@@ -156,7 +159,7 @@ impl<'scene> Plan<'scene> {
 
     /// Refuses a picture for which there is no memory: an allocation that fails in the middle of it
     /// would end the process.
-    pub(crate) fn check_memory(&self) -> Result<(), RenderError> {
+    pub fn check_memory(&self) -> Result<(), RenderError> {
         let bytes = self.job.memory_bytes();
         let mut all: Vec<u8> = Vec::new();
         all.try_reserve_exact(bytes).map_err(|_| {

@@ -170,7 +170,8 @@ impl<'a> Renderer<'a> {
     }
 
     /// The plan of all frames.
-    pub(crate) fn plan(&self) -> Result<Plan<'a>, RenderError> {
+    #[doc(hidden)]
+    pub fn plan(&self) -> Result<Plan<'a>, RenderError> {
         let mut settings = self.settings.clone();
         settings.bounces = self.bounces.unwrap_or(settings.bounces);
         settings.sampling = Sampling::said(self.samples, self.tolerance).unwrap_or(settings.sampling);

@@ -49,19 +49,6 @@ pub struct NodePlace {
 }
 
 impl Scene {
-    pub(crate) fn resolve(
-        description: Description,
-        options: &ResolveOptions,
-        baking: &Baking,
-    ) -> Result<Self, Diagnostics> {
-        let content_hash = description.content_hash.clone();
-        let (resolved, settings) = scene::resolve_telling(description, options, baking)?;
-        let settings = options.overrule(&settings);
-        let (trees, light) = (OnceLock::new(), KeptLight::default());
-        let (options, input_hash) = (options.clone(), content_hash.clone());
-        Ok(Self { resolved, settings, options, content_hash, input_hash, trees, light })
-    }
-
     /// What is asked for and not honoured, or only nearly, and what was put in where the input says nothing.
     pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
         self.resolved.remarks.told()
@@ -104,15 +91,6 @@ impl Scene {
         })
     }
 
-    /// Has a camera that a program brings along, in place of the last such; without one it is as its files
-    /// say.
-    pub(crate) fn look_from(&mut self, viewer: Option<&Viewer>) {
-        let Some(viewer) = viewer else { return self.content_hash.clone_from(&self.input_hash) };
-        viewer.put_into(&mut self.resolved);
-        let said = format!("{} {viewer:?}", self.input_hash);
-        self.content_hash = Sha256::digest(said).iter().map(|byte| format!("{byte:02x}")).collect();
-    }
-
     /// Built when a frame first needs them, kept for all.
     pub(super) fn trees(&self) -> &MeshTrees {
         self.trees.get_or_init(|| MeshTrees::new(&self.resolved))
@@ -140,21 +118,47 @@ impl Scene {
         Ok(exported.remarks.told().cloned().collect())
     }
 
-    /// It as a glTF file for a folder, with its motion over some frames.
-    pub(crate) fn export(&self, frames: RangeInclusive<i64>, folder: &Path) -> Result<Exported, Diagnostic> {
-        export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() }, folder)
-    }
-
     /// SHA-256 over all input files, in hexadecimal digits.
     pub fn content_hash(&self) -> &str {
         &self.content_hash
     }
+}
 
-    pub(crate) fn resolved(&self) -> &scene::Scene {
+// What the program asks of it beside.
+#[doc(hidden)]
+impl Scene {
+    pub fn resolve(
+        description: Description,
+        options: &ResolveOptions,
+        baking: &Baking,
+    ) -> Result<Self, Diagnostics> {
+        let content_hash = description.content_hash.clone();
+        let (resolved, settings) = scene::resolve_telling(description, options, baking)?;
+        let settings = options.overrule(&settings);
+        let (trees, light) = (OnceLock::new(), KeptLight::default());
+        let (options, input_hash) = (options.clone(), content_hash.clone());
+        Ok(Self { resolved, settings, options, content_hash, input_hash, trees, light })
+    }
+
+    /// Has a camera that a program brings along, in place of the last such; without one it is as its files
+    /// say.
+    pub fn look_from(&mut self, viewer: Option<&Viewer>) {
+        let Some(viewer) = viewer else { return self.content_hash.clone_from(&self.input_hash) };
+        viewer.put_into(&mut self.resolved);
+        let said = format!("{} {viewer:?}", self.input_hash);
+        self.content_hash = Sha256::digest(said).iter().map(|byte| format!("{byte:02x}")).collect();
+    }
+
+    /// It as a glTF file for a folder, with its motion over some frames.
+    pub fn export(&self, frames: RangeInclusive<i64>, folder: &Path) -> Result<Exported, Diagnostic> {
+        export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() }, folder)
+    }
+
+    pub fn resolved(&self) -> &scene::Scene {
         &self.resolved
     }
 
-    pub(crate) fn settings(&self) -> &RenderSettings {
+    pub fn settings(&self) -> &RenderSettings {
         &self.settings
     }
 }

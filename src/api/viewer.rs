@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// What is said of it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Viewer {
+pub struct Viewer {
     /// World from camera, metres, column by column as nodes of glTF have it; it looks along -Z, +Y is up.
     matrix: [f64; 16],
     /// Full vertical angle, degrees; of parallel rays the whole picture's height, metres.
@@ -40,11 +40,11 @@ struct Opening {
 }
 
 /// Its camera's name, which no file's has.
-pub(crate) const NAME: &str = "\0viewer";
+pub const NAME: &str = "\0viewer";
 
 impl Viewer {
     /// What of it makes no sense.
-    pub(crate) fn fault(&self) -> Option<&'static str> {
+    pub fn fault(&self) -> Option<&'static str> {
         let is_length = |value: f64| value.is_finite() && value > 0.0;
         let world_from_camera = DMat4::from_cols_array(&self.matrix);
         let has_lens = match (self.fov_deg, self.height_m) {
@@ -71,7 +71,7 @@ impl Viewer {
     }
 
     /// Puts its camera into a scene, in place of the last viewer's.
-    pub(crate) fn put_into(&self, scene: &mut Scene) {
+    pub fn put_into(&self, scene: &mut Scene) {
         let world_from_camera = DAffine3::from_mat4(DMat4::from_cols_array(&self.matrix));
         let motion = Motion::Still(world_from_camera);
         let node = match scene.cameras.iter().find(|camera| camera.name == NAME) {

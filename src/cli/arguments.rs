@@ -11,9 +11,9 @@ pub(super) use super::words::{
     FarmProfile, MethodArgument, OnlyArgument, PassArgument, PreviewArgument, ProgressArgument, SkipArgument,
     Volume, passes,
 };
-use crate::scene::{Bounces, PixelFilter};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use sunfleck::scene::{Bounces, PixelFilter};
 
 /// Falling leaves to EXR sequences, with volumetric shadows integrated exactly along every ray.
 #[derive(Debug, Parser)]
@@ -98,7 +98,7 @@ pub(super) struct RenderArguments {
     pub(super) only: Option<OnlyArgument>,
     /// Frames a second, such as 24 or 24000/1001 [default: the input's].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<crate::scene::FrameRate>,
+    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Which frames that exist already are kept.
     #[arg(long, value_enum, default_value_t)]
     pub(super) skip: SkipArgument,
@@ -152,7 +152,7 @@ pub(super) struct ServeArguments {
     pub(super) camera: Option<String>,
     /// Frames a second, such as 24 or 24000/1001 [default: the input's].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<crate::scene::FrameRate>,
+    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Threads to render with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
@@ -181,7 +181,7 @@ pub(super) struct PreviewArguments {
     pub(super) camera: Option<String>,
     /// Frames a second, such as 24 or 24000/1001 [default: the input's; of EXR frames 24].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<crate::scene::FrameRate>,
+    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Threads to draw with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
@@ -207,7 +207,7 @@ pub(super) struct InspectArguments {
     pub(super) frames: Option<String>,
     /// Frames a second, such as 24 or 24000/1001 [default: the input's].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<crate::scene::FrameRate>,
+    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Picture size: 960x540, or a percentage of the sequence's, 50% [default: the sequence's, else 960x540].
     #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
     pub(super) size: Option<SizeArgument>,
@@ -233,7 +233,7 @@ pub(super) struct ExportArguments {
     pub(super) frames: Option<String>,
     /// Frames a second, such as 24 or 24000/1001 [default: the input's].
     #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<crate::scene::FrameRate>,
+    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     #[command(flatten)]
     pub(super) scene: SceneArguments,
 }

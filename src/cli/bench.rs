@@ -12,16 +12,16 @@ use super::plan::resized;
 use super::saving::clear;
 use super::threads::pool;
 use super::{CliError, answer, loading, tell};
-use crate::api::{self, Plan, Renderer};
-use crate::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};
-use crate::description;
-use crate::diagnostic::{Diagnostic, Place, shown};
-use crate::frame_file;
-use crate::scene::{self, PixelFilter, RenderSettings, Scene, Size};
-use crate::snapshot::Shutter;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use sunfleck::api::{self, Plan, Renderer};
+use sunfleck::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};
+use sunfleck::description;
+use sunfleck::diagnostic::{Diagnostic, Place, shown};
+use sunfleck::frame_file;
+use sunfleck::scene::{self, PixelFilter, RenderSettings, Scene, Size};
+use sunfleck::snapshot::Shutter;
 
 /// Pictures of more pixels are made smaller unless `--size` asks for them: 480 x 270.
 pub(super) const MOST_PIXELS: f64 = 480.0 * 270.0;

@@ -2,11 +2,11 @@
 //! kind is told twice in a run.
 
 use super::tell;
-use crate::diagnostic::{Diagnostic, Loss, Place, shown};
-use crate::frame_file::FrameFile;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
+use sunfleck::diagnostic::{Diagnostic, Loss, Place, shown};
+use sunfleck::frame_file::FrameFile;
 
 /// Which kinds were told.
 #[derive(Default)]

@@ -2,12 +2,12 @@
 //! run, out comes a warning. Invariant: frames are written all the same.
 
 use super::tell;
-use crate::api::Plan;
-use crate::diagnostic::{Diagnostic, Loss, Place};
-use crate::film::Dark;
-use crate::scene::dark_cause;
-use crate::sequence::Event;
 use std::sync::{Mutex, PoisonError};
+use sunfleck::api::Plan;
+use sunfleck::diagnostic::{Diagnostic, Loss, Place};
+use sunfleck::film::Dark;
+use sunfleck::scene::dark_cause;
+use sunfleck::sequence::Event;
 
 /// Counts dark frames.
 #[derive(Default)]

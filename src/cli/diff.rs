@@ -5,8 +5,8 @@ use super::arguments::{DiffArguments, LimitArguments};
 use super::parse::ChannelsLimit;
 use super::saving::failure;
 use super::{CliError, answer, colors};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, shown};
-use crate::frame_file::{self, Limit, Measure, compare, exceeded, net_rmse};
+use sunfleck::diagnostic::{Diagnostic, Diagnostics, Place, shown};
+use sunfleck::frame_file::{self, Limit, Measure, compare, exceeded, net_rmse};
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
     let paths = [arguments.output.as_path(), &arguments.reference];

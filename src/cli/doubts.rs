@@ -3,10 +3,10 @@
 //! held against the tolerance is what the frame's line tells.
 
 use super::tell;
-use crate::diagnostic::{Diagnostic, Loss, Place};
-use crate::render::Statistics;
-use crate::scene::Sampling;
 use std::sync::{Mutex, PoisonError};
+use sunfleck::diagnostic::{Diagnostic, Loss, Place};
+use sunfleck::render::Statistics;
+use sunfleck::scene::Sampling;
 
 /// Of the tolerance: what is above is no longer nearly what was asked for.
 const MOST: f64 = 3.0;
@@ -39,7 +39,7 @@ impl Doubt {
     /// Why it is not written.
     pub(super) fn refusal(&self) -> String {
         let mut error = Diagnostic::warning(Loss::IndirectLight, Place::Nowhere, self.sentence());
-        error.severity = crate::diagnostic::Severity::Error;
+        error.severity = sunfleck::diagnostic::Severity::Error;
         error.remedy(REMEDY).to_string()
     }
 }

@@ -1,9 +1,9 @@
 //! What can go wrong for a user, and the exit code that says so. Invariant: the code tells scripts
 //! the kind, the text tells people the rest.
 
-use crate::api::{RenderError, Setting};
-use crate::description::LoadError;
-use crate::diagnostic::{Diagnostic, Diagnostics, Place};
+use sunfleck::api::{RenderError, Setting};
+use sunfleck::description::LoadError;
+use sunfleck::diagnostic::{Diagnostic, Diagnostics, Place};
 
 /// The command line itself.
 pub(super) const USAGE: u8 = 2;
@@ -13,7 +13,7 @@ const FRAME: u8 = 5;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
-pub enum CliError {
+pub(super) enum CliError {
     /// A value on the command line cannot be used (exit code 2).
     #[error("{0}")]
     Usage(Diagnostic),
@@ -33,7 +33,7 @@ pub enum CliError {
 
 impl CliError {
     /// The process's exit code.
-    pub fn code(&self) -> u8 {
+    pub(super) fn code(&self) -> u8 {
         match self {
             Self::Usage(_) => USAGE,
             Self::Scene(_) => SCENE,
@@ -66,7 +66,7 @@ impl From<RenderError> for CliError {
             RenderError::Defective(_) => Self::Frame(error.to_string()),
             RenderError::Write(error) => Self::InputOutput(error.diagnostic().to_string()),
             RenderError::Export(error) => Self::Scene(Diagnostics(vec![*error])),
-            RenderError::Memory(_) | RenderError::Cancelled => Self::InputOutput(error.to_string()),
+            _ => Self::InputOutput(error.to_string()),
         }
     }
 }
@@ -81,7 +81,7 @@ fn flag(setting: Setting) -> &'static str {
         Setting::Samples => "--samples",
         Setting::Tolerance => "--tolerance",
         Setting::Shutter => "--shutter",
-        Setting::Method => "--volume-steps",
+        _ => "--volume-steps",
     }
 }
 

@@ -5,12 +5,12 @@ use super::arguments::ExportArguments;
 use super::error::usage;
 use super::saving::save;
 use super::{CliError, answer, loading, tell};
-use crate::api::Scene;
-use crate::description;
-use crate::diagnostic::{Diagnostics, shown};
-use crate::sequence::FrameList;
 use std::ops::RangeInclusive;
 use std::path::Path;
+use sunfleck::api::Scene;
+use sunfleck::description;
+use sunfleck::diagnostic::{Diagnostics, shown};
+use sunfleck::sequence::FrameList;
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let output = &arguments.output;

@@ -7,9 +7,9 @@ use super::arguments::DisplayArguments;
 use super::parse::ExposureArgument;
 use super::plan::Plan;
 use super::tell;
-use crate::color::Display;
-use crate::scene::Size;
 use std::ops::RangeInclusive;
+use sunfleck::color::Display;
+use sunfleck::scene::Size;
 
 /// Rows of the picture by which an exposure is chosen, and samples a pixel.
 const ROWS: usize = 36;

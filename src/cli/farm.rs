@@ -18,15 +18,15 @@ use super::parse::ChunkArgument;
 use super::plan::{self, Plan};
 use super::saving::{failure, save};
 use super::{CliError, answer, tell};
-use crate::description;
-use crate::diagnostic::shown;
-use crate::frame_file;
 use chunk::Farm;
 use clap::Parser as _;
 use job::{BAKES, FRAMES, Job, Names, ranges};
 use std::path::Path;
 use std::thread::available_parallelism;
 use std::time::Instant;
+use sunfleck::description;
+use sunfleck::diagnostic::shown;
+use sunfleck::frame_file;
 
 /// What messages call the flags for every task.
 const FLAGS: &str = "the flags after --";

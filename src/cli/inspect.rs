@@ -13,12 +13,12 @@ use super::arguments::InspectArguments;
 use super::parse::parse_frame;
 use super::plan::{self, resized};
 use super::{CliError, answer, loading};
-use crate::api::{Plan, Renderer};
-use crate::description;
-use crate::scene::{RenderSettings, Scene, Size};
-use crate::sequence::FrameList;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use sunfleck::api::{Plan, Renderer};
+use sunfleck::description;
+use sunfleck::scene::{RenderSettings, Scene, Size};
+use sunfleck::sequence::FrameList;
 
 /// An input, and how it would be rendered.
 struct Inspected<'a> {

@@ -5,13 +5,13 @@
 mod packet;
 
 use super::{CliError, tell};
-use crate::diagnostic::{Diagnostic, Place};
-use crate::film::Frame;
 use std::collections::VecDeque;
 use std::io::Write;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
+use sunfleck::diagnostic::{Diagnostic, Place};
+use sunfleck::film::Frame;
 
 /// Where tev listens unless it is told otherwise.
 const PORT: u16 = 14158;

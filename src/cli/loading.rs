@@ -6,11 +6,6 @@ use super::CliError;
 use super::arguments::BakeArguments;
 use super::error::usage;
 use super::saving::clear_folder;
-use crate::api::Scene;
-use crate::description::{Description, read_regular};
-use crate::diagnostic::{readable, shown};
-use crate::frame_file;
-use crate::scene::{Baking, ResolveOptions};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::env;
 use std::fs::{self, DirEntry};
@@ -18,6 +13,11 @@ use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::SystemTime;
+use sunfleck::api::Scene;
+use sunfleck::description::{Description, read_regular};
+use sunfleck::diagnostic::{readable, shown};
+use sunfleck::frame_file;
+use sunfleck::scene::{Baking, ResolveOptions};
 
 /// Bytes that the folder may hold before the oldest files go.
 const MOST_BYTES: u64 = 4 << 30;

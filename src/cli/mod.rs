@@ -34,17 +34,17 @@ mod stats;
 mod threads;
 mod words;
 
-use crate::passes::Pass;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
 use signals::Stop;
 use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
+use sunfleck::passes::Pass;
 
-pub use error::CliError;
+use error::CliError;
 
 /// Runs the program on its command line.
-pub fn run() -> ExitCode {
+pub(crate) fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {

@@ -7,7 +7,7 @@ use super::arguments::{
 };
 use super::parse::SizeArgument;
 use super::words::Switch;
-use crate::scene::{FrameRate, ResolveOptions, Size};
+use sunfleck::scene::{FrameRate, ResolveOptions, Size};
 
 impl RenderArguments {
     /// Of these flags.

@@ -1,8 +1,8 @@
 //! Values of flags from their text. Invariant: whatever is refused is refused with what was
 //! expected, and an example.
 
-use crate::scene::{Bounces, Size};
 use glob::Pattern;
+use sunfleck::scene::{Bounces, Size};
 
 /// The names of channels, or `None` for all, and the most that these may differ by.
 #[derive(Clone, Debug)]
@@ -190,11 +190,11 @@ pub(super) fn parse_shutter_position(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) fn parse_frame_rate(text: &str) -> Result<crate::scene::FrameRate, String> {
+pub(super) fn parse_frame_rate(text: &str) -> Result<sunfleck::scene::FrameRate, String> {
     let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
     match (numerator.trim().parse::<u32>(), denominator.trim().parse::<u32>()) {
         (Ok(numerator), Ok(denominator)) if numerator > 0 && denominator > 0 => {
-            Ok(crate::scene::FrameRate { numerator, denominator })
+            Ok(sunfleck::scene::FrameRate { numerator, denominator })
         }
         _ => Err("expected frames a second such as 24, or a fraction such as 24000/1001".into()),
     }

@@ -5,17 +5,17 @@ use super::arguments::{ProgressArgument, RenderArguments, Volume, passes};
 use super::error::usage;
 use super::parse::{Crop, SizeArgument};
 use super::{CliError, loading};
-use crate::api::{self, Renderer, Scene};
-use crate::description::{self, LoadError};
-use crate::diagnostic::shown;
-use crate::frame_file;
-use crate::render::Method;
-use crate::scene::{RenderSettings, Size, Window};
-use crate::sequence::{FrameList, OutputPattern};
-use crate::transport::MarchSteps;
 use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
+use sunfleck::api::{self, Renderer, Scene};
+use sunfleck::description::{self, LoadError};
+use sunfleck::diagnostic::shown;
+use sunfleck::frame_file;
+use sunfleck::render::Method;
+use sunfleck::scene::{RenderSettings, Size, Window};
+use sunfleck::sequence::{FrameList, OutputPattern};
+use sunfleck::transport::MarchSteps;
 
 /// Everything that a run needs to know.
 pub(super) struct Plan<'scene> {

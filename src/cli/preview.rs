@@ -12,17 +12,17 @@ use super::plan::{find_frames, resized};
 use super::saving::{clear, clear_folder, failure};
 use super::threads;
 use super::{CliError, exposure, loading, tell};
-use crate::api::{Plan, Renderer, Scene};
-use crate::description;
-use crate::diagnostic::shown;
-use crate::film::Frame;
-use crate::frame_file::{self, Animation, FrameFileError, Picture};
-use crate::scene::{FrameRate, RenderSettings, Size};
-use crate::sequence::{FrameList, OutputPattern};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use sunfleck::api::{Plan, Renderer, Scene};
+use sunfleck::description;
+use sunfleck::diagnostic::shown;
+use sunfleck::film::Frame;
+use sunfleck::frame_file::{self, Animation, FrameFileError, Picture};
+use sunfleck::scene::{FrameRate, RenderSettings, Size};
+use sunfleck::sequence::{FrameList, OutputPattern};
 
 /// A contact sheet shows no more frames than this, evenly spread.
 const MOST_ON_SHEET: usize = 64;

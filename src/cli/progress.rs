@@ -1,15 +1,15 @@
 //! Events of a run to lines on a terminal, in a log or for a render farm. Invariant: standard
 //! output carries only what programs read (`jsonl`, `openjd`); what people read goes to standard error.
 
-use crate::diagnostic::shown;
-use crate::render::Statistics;
-use crate::sequence::{Event, Summary};
 use indicatif::{ProgressBar, ProgressStyle as BarStyle};
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
+use sunfleck::diagnostic::shown;
+use sunfleck::render::Statistics;
+use sunfleck::sequence::{Event, Summary};
 
 /// Steps of the bar a frame, so that it moves within one too.
 const STEPS_PER_FRAME: f64 = 1000.0;
@@ -350,9 +350,9 @@ fn duration(seconds: f64) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::render::Progress as RenderProgress;
-    use crate::sequence::SkipReason;
     use std::sync::{Arc, mpsc};
+    use sunfleck::render::Progress as RenderProgress;
+    use sunfleck::sequence::SkipReason;
 
     /// Passes on what is written to it.
     struct Wire(mpsc::Sender<Vec<u8>>);

@@ -11,14 +11,14 @@ use super::signals::Stop;
 use super::stats::Stats;
 use super::threads;
 use super::{CliError, answer, exposure, tell};
-use crate::api::Scene;
-use crate::color::Display;
-use crate::film::Frame;
-use crate::render::{self, Rendered, Watch};
-use crate::sequence::{self, Job, SequenceError, Skip};
 use rayon::ThreadPool;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+use sunfleck::api::Scene;
+use sunfleck::color::Display;
+use sunfleck::film::Frame;
+use sunfleck::render::{self, Rendered, Watch};
+use sunfleck::sequence::{self, Job, SequenceError, Skip};
 
 /// What all frames of a run have in common.
 struct Run<'a> {

@@ -2,9 +2,9 @@
 //! of it is removed, and said with a count.
 
 use super::{CliError, tell};
-use crate::diagnostic::shown;
-use crate::frame_file::{self, FrameFileError, folder_of};
 use std::path::Path;
+use sunfleck::diagnostic::shown;
+use sunfleck::frame_file::{self, FrameFileError, folder_of};
 
 /// Writes a file that is made of parts; its folder is made if need be.
 pub(super) fn save(path: &Path, parts: &[&[u8]]) -> Result<(), CliError> {

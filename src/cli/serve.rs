@@ -8,8 +8,6 @@
 use super::arguments::{Arguments, Command, ProgressArgument, RenderArguments, ServeArguments};
 use super::signals::Stop;
 use super::{CliError, answer, loading, render, threads};
-use crate::api::{Scene, VIEWER, Viewer};
-use crate::description;
 use clap::Parser as _;
 use rayon::ThreadPool;
 use serde::Deserialize;
@@ -19,6 +17,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
+use sunfleck::api::{Scene, VIEWER, Viewer};
+use sunfleck::description;
 
 /// One line of the input stream.
 #[derive(Deserialize)]

@@ -4,11 +4,11 @@
 use super::CliError;
 use super::parse::{ExposureArgument, parse_bloom, parse_exposure};
 use super::words::{SkySunArgument, Switch};
-use crate::color::{Curve, Display};
-use crate::diagnostic::Diagnostics;
-use crate::scene::{LightUnits, ResolveOptions};
 use clap::Args;
 use std::path::PathBuf;
+use sunfleck::color::{Curve, Display};
+use sunfleck::diagnostic::Diagnostics;
+use sunfleck::scene::{LightUnits, ResolveOptions};
 
 /// How an input is read.
 #[derive(Args, Clone, Debug)]

@@ -3,13 +3,13 @@
 //! after the signal, and no file is half-written.
 
 use super::{CliError, error, process_memory, tell};
-use crate::frame_file;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::thread;
 use std::time::Duration;
+use sunfleck::frame_file;
 
 /// How long the work may take to end by itself, so that a frame that is about done is still written. Short,
 /// for the system takes its time too: 40 to 60 ms to have back the 400 MB of a large frame, page by page

@@ -5,16 +5,16 @@
 use super::CliError;
 use super::inspect::losses;
 use super::process_memory::peak_memory_bytes;
-use crate::diagnostic::{Diagnostics, shown};
-use crate::frame_file;
-use crate::render::Statistics;
-use crate::sequence::Event;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use sunfleck::diagnostic::{Diagnostics, shown};
+use sunfleck::frame_file;
+use sunfleck::render::Statistics;
+use sunfleck::sequence::Event;
 
 /// The file of `--stats`, if there is one.
 pub(super) struct Stats {

@@ -1,10 +1,11 @@
 //! The words that flags take. In go words, out come the values that they stand for. Invariant: each is an
 //! enum, here or where its values are used, so that help lists all of them.
 
-use crate::passes::Pass;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::sync::LazyLock;
+use sunfleck::passes::Pass;
+use sunfleck::scene::{LightUnits, PixelFilter};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Volume {

@@ -9,6 +9,7 @@ pub mod image;
 mod ktx2;
 mod numbered;
 pub mod obj;
+#[cfg(feature = "program")]
 mod peers;
 mod radiances;
 pub mod ron;
@@ -18,8 +19,8 @@ pub mod vdb;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable, shown};
 use std::path::{Path, PathBuf};
 
-pub use files::Files;
-pub(crate) use files::read_regular;
+pub use files::{Files, read_regular};
+#[cfg(feature = "program")]
 pub use peers::{PeerRow, load_peers};
 
 /// Larger magnitudes are refused in every format, so that squares stay finite in the `f32` of the kernels.

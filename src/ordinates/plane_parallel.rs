@@ -24,6 +24,7 @@ const MOST_RATIO: f64 = 0.999;
 pub struct Species {
     /// What it keeps of each degree of light that was scattered before, and of beams.
     pub orders: [f64; DEGREES],
+    /// The same of other light, scattered for the first time.
     pub first: [f64; DEGREES],
 }
 
@@ -48,6 +49,7 @@ pub struct Beam {
 /// Cross-sections, from the top down.
 #[derive(Clone, Debug)]
 pub struct Stack {
+    /// What scatters in them.
     pub species: Vec<Species>,
     /// The last lies on the ground.
     pub levels: Vec<Level>,
@@ -59,9 +61,11 @@ pub struct Boundaries<'a> {
     pub sky: &'a (dyn Fn(DVec3) -> Rgb + Sync),
     /// Whether layers scatter it, or it lights the ground alone.
     pub sky_is_scattered: bool,
+    /// Light of suns.
     pub beams: &'a [Beam],
-    /// Of the ground, as if it were matte: the share that it reflects, and radiance that it emits.
+    /// Of the ground, as if it were matte: the share that it reflects.
     pub reflectance: Rgb,
+    /// Radiance that the ground emits.
     pub emission: Rgb,
 }
 

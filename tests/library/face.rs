@@ -12,6 +12,19 @@ use sunfleck::{
     Shape, Sky, SkyLight, Species, Sun, Triangles, Wind, Window,
 };
 
+#[test]
+fn who_uses_the_library_gets_no_command_line() {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(["tree", "--locked", "--no-default-features", "--edges", "normal", "--prefix", "none"]);
+    let said = cargo.current_dir(checkout::file("")).output().unwrap();
+    let tree = String::from_utf8_lossy(&said.stdout);
+    let crates: BTreeSet<&str> = tree.lines().filter_map(|line| line.split(' ').next()).collect();
+    assert!(crates.contains("glam"), "{tree}{}", String::from_utf8_lossy(&said.stderr));
+    for name in ["clap", "clap_complete", "cpu-time", "csv", "indicatif", "signal-hook"] {
+        assert!(!crates.contains(name), "{tree}");
+    }
+}
+
 /// A tile before the camera that moves to the right by 0.1 m a frame, a lamp, and some fog.
 fn tile() -> SceneBuilder {
     let moving = Object {

@@ -2,8 +2,8 @@
 //! file, out comes a table.
 
 use super::{BenchArguments, CliError, Subject, answer, pool, tell};
-use crate::bench::{self, AllLightPlan, Stage};
-use crate::scene::Bounces;
+use sunfleck::bench::{self, AllLightPlan, Stage};
+use sunfleck::scene::Bounces;
 
 pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> {
     let quick = arguments.quick;

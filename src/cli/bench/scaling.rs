@@ -2,9 +2,9 @@
 //! plot for each quantity. Invariant: what was measured before an interruption is in the files.
 
 use super::{BenchArguments, CliError, Subject, answer, output, save, tell, write};
-use crate::bench::{Growth, Quantity, ScalingPlan, growth_csv, growth_plot, growth_table, measure_growth};
-use crate::diagnostic::shown;
-use crate::scene::Size;
+use sunfleck::bench::{Growth, Quantity, ScalingPlan, growth_csv, growth_plot, growth_table, measure_growth};
+use sunfleck::diagnostic::shown;
+use sunfleck::scene::Size;
 
 /// Measures `quantities`, or all of them if there are none.
 pub(super) fn run(

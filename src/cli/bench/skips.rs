@@ -2,9 +2,9 @@
 //! comes a table.
 
 use super::{BenchArguments, CliError, Subject, answer, pool};
-use crate::bench::{SkipsPlan, measure_skips, skips_table};
-use crate::render::{Job, Method};
-use crate::scene::{Bounces, Sampling, Window};
+use sunfleck::bench::{SkipsPlan, measure_skips, skips_table};
+use sunfleck::render::{Job, Method};
+use sunfleck::scene::{Bounces, Sampling, Window};
 
 pub(super) fn run(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> {
     let folder = tempfile::tempdir().map_err(|error| {

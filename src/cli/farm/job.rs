@@ -2,7 +2,7 @@
 //! lines. Invariant: frames that are there and whole are kept, so a step that was stopped anywhere is done
 //! again by its own command.
 
-use crate::scene::Sampling;
+use sunfleck::scene::Sampling;
 
 /// Frames are in this folder of the job's.
 pub(super) const FRAMES: &str = "frames";

@@ -1,8 +1,8 @@
 //! `sunfleck inspect FILE.vdb`: the grids of an OpenVDB file, as text.
 
-use crate::description::LoadError;
-use crate::description::vdb::{self, Grid};
 use std::path::Path;
+use sunfleck::description::LoadError;
+use sunfleck::description::vdb::{self, Grid};
 
 /// Whether a file's name is that of an OpenVDB file.
 pub(super) fn holds(path: &Path) -> bool {

@@ -2,12 +2,12 @@
 //! by row, for column vectors, in glTF's space; numbers are SI.
 
 use super::Inspected;
-use crate::diagnostic::Diagnostics;
-use crate::scene::{
-    Animation, AreaShape, Camera, Lens, Light, LightKind, Placement, RenderSettings, Sampling,
-};
 use glam::{DAffine3, DMat4};
 use serde_json::{Map, Value, json};
+use sunfleck::diagnostic::Diagnostics;
+use sunfleck::scene::{
+    Animation, AreaShape, Camera, Lens, Light, LightKind, Placement, RenderSettings, Sampling,
+};
 
 pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
     let Inspected { input, scene, settings, plan } = inspected;

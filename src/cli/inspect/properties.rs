@@ -1,10 +1,10 @@
 //! The custom properties that a glTF file has for us, as text: what was found, the defaults of what was
 //! not, and what each does. Invariant: names, defaults and meanings are those of docs/extras.schema.json.
 
-use crate::scene::Property;
 use serde_json::Value;
 use std::fmt::Write;
 use std::sync::LazyLock;
+use sunfleck::scene::Property;
 
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     serde_json::from_str(include_str!("../../../docs/extras.schema.json")).unwrap_or_default()

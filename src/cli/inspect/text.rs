@@ -3,16 +3,16 @@
 
 use super::super::pass_names;
 use super::Inspected;
-use crate::color::LUMENS_PER_WATT;
-use crate::math::Voxels;
-use crate::scene::{
-    Animation, AreaShape, Clip, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Placement, Scene, Sky,
-    SkyLight, SkyPicture, SkySun, SunPicture, SunShows,
-};
+use sunfleck::color::LUMENS_PER_WATT;
 use glam::{DAffine3, DVec3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::fmt::Write;
+use sunfleck::math::Voxels;
+use sunfleck::scene::{
+    Animation, AreaShape, Clip, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Placement, Scene, Sky,
+    SkyLight, SkyPicture, SkySun, SunPicture, SunShows,
+};
 
 pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
     let mut out = String::new();

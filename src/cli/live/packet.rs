@@ -5,7 +5,7 @@
 //! with a length in bytes (`u32`, itself included) and a kind (`i8`). Then come fields in order: numbers
 //! little-endian, truths as a byte, texts ended by a zero byte.
 
-use crate::film::{Channel, Frame};
+use sunfleck::film::{Channel, Frame};
 
 /// Makes an image, all black.
 const CREATE_IMAGE: u8 = 4;
@@ -101,10 +101,10 @@ impl Packet {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::film::Precision;
-    use crate::scene::{Size, Window};
     use std::io::Read;
     use std::net::{TcpListener, TcpStream};
+    use sunfleck::film::Precision;
+    use sunfleck::scene::{Size, Window};
     use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
     /// What somebody else's client sends.

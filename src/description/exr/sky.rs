@@ -20,9 +20,9 @@ use std::io::Cursor;
 const MOST_PART_BYTES: u64 = 1 << 30;
 
 /// Why an image is refused, and what helps if the reason is not in the image's format alone.
-pub(in crate::description) struct Fault {
-    pub(in crate::description) found: String,
-    pub(in crate::description) remedy: Option<String>,
+pub(in crate::inside::description) struct Fault {
+    pub(in crate::inside::description) found: String,
+    pub(in crate::inside::description) remedy: Option<String>,
 }
 
 impl From<String> for Fault {
@@ -41,7 +41,7 @@ impl From<Unread> for Fault {
 ///
 /// # Errors
 /// With the reason if the header is damaged, or of a kind that is not read.
-pub(in crate::description) fn size_of_exr(bytes: &[u8]) -> Result<(u32, u32), Fault> {
+pub(in crate::inside::description) fn size_of_exr(bytes: &[u8]) -> Result<(u32, u32), Fault> {
     if let Some(unread) = Unread::of(bytes) {
         return Err(unread.into());
     }
@@ -76,7 +76,7 @@ fn said(error: ::exr::error::Error) -> String {
 ///
 /// # Errors
 /// With the reason if it is damaged, of a kind that is not read, or too large.
-pub(in crate::description) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fault> {
+pub(in crate::inside::description) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fault> {
     let meta = meta_of(bytes)?;
     check(&meta.headers, most_texels)?;
     let parts = super::names_of(&meta.headers);

@@ -94,7 +94,11 @@ impl ObjMaterial {
 }
 
 /// Makes the pictures of the materials that the model's triangles have.
-pub(in crate::description) fn load(model: &mut ObjModel, files: &mut Files, pictures: &mut ObjPictures) {
+pub(in crate::inside::description) fn load(
+    model: &mut ObjModel,
+    files: &mut Files,
+    pictures: &mut ObjPictures,
+) {
     for later in &mut model.later {
         load(later, files, pictures);
         model.remarks.0.append(&mut later.remarks.0);

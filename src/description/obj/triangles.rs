@@ -20,7 +20,7 @@ pub struct Triangles {
 
 impl Triangles {
     /// The model, or what is wrong: its field, what was found and what was expected.
-    pub(in crate::description) fn model(&self) -> Result<ObjModel, [String; 3]> {
+    pub(in crate::inside::description) fn model(&self) -> Result<ObjModel, [String; 3]> {
         let count = self.positions.len();
         let flaw =
             |field: &str, found: String, expected: &str| [field.to_owned(), found, expected.to_owned()];

@@ -16,7 +16,7 @@ pub(super) type Tracks = (Track<DVec3>, Track<DQuat>);
 
 /// What has become of a leaf until it touches the ground, if it does. By default it was never anywhere.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::scene) struct Flown {
+pub(in crate::inside::scene) struct Flown {
     /// Up to the tail; `None` where all is tail.
     pub(super) head: Option<Tracks>,
     /// To where it touches the ground. Of a leaf that never does, empty.

@@ -24,7 +24,7 @@ const FEWEST: u32 = 1000;
 
 impl Fall {
     /// How all leaves fly, in order, out of the store if it is in it.
-    pub(in crate::scene) fn fly_or_recall(&self, baking: &Baking) -> Vec<Flown> {
+    pub(in crate::inside::scene) fn fly_or_recall(&self, baking: &Baking) -> Vec<Flown> {
         let tell = |done| (baking.tell)(done, self.count);
         if self.count < FEWEST {
             return self.fly(&tell);

@@ -15,7 +15,7 @@ type Triangle = [DVec3; 3];
 
 /// Surfaces in a tree of boxes.
 #[derive(Clone, Default)]
-pub(in crate::scene) struct Obstacles {
+pub(in crate::inside::scene) struct Obstacles {
     triangles: Vec<Triangle>,
     /// Parents before their children, the first child right after its parent.
     nodes: Vec<Node>,
@@ -47,7 +47,7 @@ impl fmt::Debug for Obstacles {
 }
 
 impl Obstacles {
-    pub(in crate::scene) fn new(triangles: &[Triangle]) -> Self {
+    pub(in crate::inside::scene) fn new(triangles: &[Triangle]) -> Self {
         let on_grid = |corner: DVec3| (corner * GRID_PER_M).round() / GRID_PER_M;
         let mut triangles: Vec<Triangle> = triangles.iter().map(|corners| corners.map(on_grid)).collect();
         let mut nodes = Vec::new();

@@ -13,7 +13,7 @@ const STEEPEST: f64 = 3.0;
 
 /// Of a mesh that lies flat, its length along z.
 #[derive(Clone, Debug)]
-pub(in crate::scene) struct Outline {
+pub(in crate::inside::scene) struct Outline {
     pub(super) points: Vec<DVec3>,
     pub(super) triangles: Vec<[DVec3; 3]>,
     pub(super) middle: DVec3,
@@ -24,7 +24,7 @@ pub(in crate::scene) struct Outline {
 
 impl Outline {
     /// `None` of a mesh without length or width.
-    pub(in crate::scene) fn new(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Option<Self> {
+    pub(in crate::inside::scene) fn new(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Option<Self> {
         let low = vertices.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = vertices.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let (middle, size) = (0.5 * (low + high), high - low);
@@ -42,7 +42,7 @@ impl Outline {
     }
 
     /// How many times as wide or as thick as long it is.
-    pub(in crate::scene) fn width_to_length(&self) -> f64 {
+    pub(in crate::inside::scene) fn width_to_length(&self) -> f64 {
         self.size.x.max(self.size.y) / self.size.z
     }
 

@@ -27,7 +27,7 @@ struct Landing {
 }
 
 /// All leaves of each fall, in their order. `falls` lie on one ground.
-pub(in crate::scene) fn come_to_rest(falls: &[(&Fall, Vec<Flown>)]) -> Vec<Vec<Fallen>> {
+pub(in crate::inside::scene) fn come_to_rest(falls: &[(&Fall, Vec<Flown>)]) -> Vec<Vec<Fallen>> {
     let mut heap =
         Heap::new(falls.iter().flat_map(|(fall, _)| fall.species.iter().map(|kind| kind.length_m)));
     let sheets: Vec<Vec<Vec<Sheet>>> = (falls.iter())

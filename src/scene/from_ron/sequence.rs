@@ -10,12 +10,12 @@ use std::collections::BTreeMap;
 const MOST_MARCH_STEPS: f64 = 1e6;
 
 /// Its frames a second, if it says so.
-pub(in crate::scene) fn frame_rate(sequence: &SequenceFile) -> Option<FrameRate> {
+pub(in crate::inside::scene) fn frame_rate(sequence: &SequenceFile) -> Option<FrameRate> {
     sequence.fields.frame_rate
 }
 
 /// Applies what the sequence says to the settings of its scene.
-pub(in crate::scene) fn apply_sequence(
+pub(in crate::inside::scene) fn apply_sequence(
     sequence: SequenceFile,
     scene: &Scene,
     settings: RenderSettings,

@@ -16,8 +16,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The smallest billows are this many voxels wide, unless one says otherwise.
 const VOXELS_A_BILLOW: f64 = 4.0;
-/// Voxels at most: unless one says otherwise, and in any case, 64 MB.
+/// Voxels at most, unless one says otherwise.
 const USUAL_VOXELS: f64 = (1 << 22) as f64;
+/// Voxels at most in any case: 64 MB.
 pub const MOST_MIST_VOXELS: f64 = (1 << 24) as f64;
 /// From where noise makes mist to where it is densest, in deviations of the noise.
 const FROM_NONE_TO_ALL: f64 = 2.0;

@@ -119,7 +119,7 @@ impl<T: Animate> Track<T> {
     }
 
     /// Values between which all lie that it ever takes.
-    pub(in crate::scene) fn hull(&self) -> Vec<T> {
+    pub(in crate::inside::scene) fn hull(&self) -> Vec<T> {
         let keys = self.keys();
         let inner = keys.windows(2).flat_map(|pair| pair[0].inner_control_points(&pair[1]));
         keys.iter().map(|key| key.value).chain(inner).collect()

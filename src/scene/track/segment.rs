@@ -38,7 +38,7 @@ pub struct Handle<T> {
 
 impl<T: Animate> Key<T> {
     /// A cubic stays within the hull of its ends and of these.
-    pub(in crate::scene) fn inner_control_points(&self, next: &Self) -> Vec<T> {
+    pub(in crate::inside::scene) fn inner_control_points(&self, next: &Self) -> Vec<T> {
         let third_s = (next.time_s - self.time_s) / 3.0;
         let along =
             |value: T, rate: T, time_s: f64| T::blend([value, rate, value, value], [1.0, time_s, 0.0, 0.0]);

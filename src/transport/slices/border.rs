@@ -130,7 +130,7 @@ mod tests {
 
     impl Border {
         /// Without end.
-        pub(in crate::transport::slices) fn through(point: DVec3, along: DVec3) -> Self {
+        pub(in crate::inside::transport::slices) fn through(point: DVec3, along: DVec3) -> Self {
             let reaches = (f64::NEG_INFINITY, f64::INFINITY);
             Self { point, along, reaches, shaded: None, light_rays: LightRays::Parallel }
         }
