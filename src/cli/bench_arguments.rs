@@ -3,9 +3,9 @@
 use super::parse::{SizeArgument, parse_noise, parse_seconds, parse_size};
 use super::shared_arguments::SceneArguments;
 use super::words::MethodArgument;
-use crate::bench::Quantity;
 use clap::Args;
 use std::path::PathBuf;
+use sunfleck::bench::Quantity;
 
 #[derive(Args, Debug)]
 pub(super) struct BenchArguments {

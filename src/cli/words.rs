@@ -5,7 +5,6 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use std::sync::LazyLock;
 use sunfleck::passes::Pass;
-use sunfleck::scene::{LightUnits, PixelFilter};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Volume {

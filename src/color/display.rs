@@ -5,7 +5,8 @@
 use super::{Rgb, agx::agx, srgb_from_linear};
 
 /// How scene light is brought into the range of a display.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum Curve {
     /// AgX as Blender shows it: bright light fades to white as on film.
     #[default]

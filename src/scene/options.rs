@@ -4,7 +4,8 @@
 use super::{FrameRate, RenderSettings, Size};
 
 /// Which photometric units a glTF file's lights are in; the file does not say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum LightUnits {
     /// Lux and candela (Blender's default export): W = value / 683.
     Spec,

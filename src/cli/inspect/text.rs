@@ -3,11 +3,11 @@
 
 use super::super::pass_names;
 use super::Inspected;
-use sunfleck::color::LUMENS_PER_WATT;
 use glam::{DAffine3, DVec3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::fmt::Write;
+use sunfleck::color::LUMENS_PER_WATT;
 use sunfleck::math::Voxels;
 use sunfleck::scene::{
     Animation, AreaShape, Clip, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Placement, Scene, Sky,

@@ -1,9 +1,9 @@
 //! How bright lights are in everybody's units, as a table. Invariant: a light is given in those units
 //! only that mean something for it.
 
-use sunfleck::color::LUMENS_PER_WATT;
 use std::f64::consts::PI;
 use std::fmt::Write;
+use sunfleck::color::LUMENS_PER_WATT;
 use sunfleck::scene::{Light, LightKind};
 
 /// W as Blender's panel has them, and what they are; of the brightest channel.

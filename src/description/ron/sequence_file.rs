@@ -94,7 +94,8 @@ impl<'de> Deserialize<'de> for Bounces {
 }
 
 /// By what weights a pixel is the mean of the picture around it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum PixelFilter {
     /// The pixel itself, everywhere alike.
     #[default]
