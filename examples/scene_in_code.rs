@@ -34,70 +34,56 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Leaves in the sun over a roof of two triangles, in thin fog; one of them turns.
 fn glade() -> Result<Scene, sunfleck::LoadError> {
-    let roof = Triangles {
-        positions: vec![[-2.0, 0.0, -1.0], [2.0, 0.0, -1.0], [0.0, 0.8, -1.0], [0.0, 0.0, 1.0]],
-        triangles: vec![[0, 3, 2], [3, 1, 2]],
-        ..Triangles::default()
-    };
+    let roof = Triangles::new(
+        vec![[-2.0, 0.0, -1.0], [2.0, 0.0, -1.0], [0.0, 0.8, -1.0], [0.0, 0.0, 1.0]],
+        vec![[0, 3, 2], [3, 1, 2]],
+    );
     let leaf = Shape::Leaf {
         length_m: 0.3.into(),
         width_m: 0.18.into(),
         curl_deg: 30.0.into(),
         fold_deg: 10.0.into(),
     };
-    let turning = Object {
-        mesh: Some("leaf".into()),
-        material: Some("gold".into()),
-        translation_m: [0.3, 1.3, 1.8].into(),
-        rotation_deg: Some(Animated::cycle([(0.0, [20.0, 0.0, 10.0]), (2.0, [20.0, 360.0, 10.0])])),
-        ..Object::default()
-    };
-    let crown = Leaves {
-        count: 120.into(),
-        seed: 7,
-        meshes: vec!["leaf".into()],
-        materials: vec!["gold".into()],
-        min_m: Some([-1.5, 1.6, -1.0].into()),
-        max_m: Some([1.5, 2.4, 1.0].into()),
-        ..Leaves::default()
-    };
-    let sun = Light::Sun(Sun {
-        to_sun: Some([0.3, 1.0, -0.5].into()),
-        irradiance_w_per_m2: [8.0, 7.2, 6.0].into(),
-        angular_diameter_deg: 0.5.into(),
-        ..Sun::default()
+    let turning = Object::of("leaf", "gold").with(|object| {
+        object.translation_m = [0.3, 1.3, 1.8].into();
+        object.rotation_deg = Some(Animated::cycle([(0.0, [20.0, 0.0, 10.0]), (2.0, [20.0, 360.0, 10.0])]));
     });
-    let camera = Camera {
-        position_m: [0.0, 1.2, 4.5].into(),
-        look_at_m: Some([0.0, 1.1, 0.0].into()),
-        fov_deg: Some(40.0.into()),
-        ..Camera::default()
-    };
+    let crown = Leaves::default().with(|leaves| {
+        leaves.count = 120.into();
+        leaves.seed = 7;
+        leaves.meshes = vec!["leaf".into()];
+        leaves.materials = vec!["gold".into()];
+        leaves.min_m = Some([-1.5, 1.6, -1.0].into());
+        leaves.max_m = Some([1.5, 2.4, 1.0].into());
+    });
+    let sun = Light::Sun(Sun::default().with(|sun| {
+        sun.to_sun = Some([0.3, 1.0, -0.5].into());
+        sun.irradiance_w_per_m2 = [8.0, 7.2, 6.0].into();
+        sun.angular_diameter_deg = 0.5.into();
+    }));
+    let camera = Camera::default().with(|camera| {
+        camera.position_m = [0.0, 1.2, 4.5].into();
+        camera.look_at_m = Some([0.0, 1.1, 0.0].into());
+        camera.fov_deg = Some(40.0.into());
+    });
     Scene::builder()
         .shape("leaf", leaf)
         .mesh("roof", roof)
         .shape("ground", Shape::Quad { size_m: 8.0.into() })
         .material(
             "gold",
-            Material {
-                base_color: Some([0.6, 0.4, 0.05].into()),
-                transmission: [0.3, 0.2, 0.0].into(),
-                ..Material::default()
-            },
+            Material::matte([0.6, 0.4, 0.05]).with(|material| material.transmission = [0.3, 0.2, 0.0].into()),
         )
-        .material("soil", Material { base_color: Some([0.2; 3].into()), ..Material::default() })
+        .material("soil", Material::matte([0.2; 3]))
         .object("turning", turning)
-        .object(
-            "roof",
-            Object { mesh: Some("roof".into()), material: Some("soil".into()), ..Object::default() },
-        )
-        .object(
-            "ground",
-            Object { mesh: Some("ground".into()), material: Some("soil".into()), ..Object::default() },
-        )
+        .object("roof", Object::of("roof", "soil"))
+        .object("ground", Object::of("ground", "soil"))
         .leaves("crown", crown)
         .light("sun", sun)
-        .fog("haze", Fog { anisotropy: 0.5.into(), ..Fog::in_box([-4.0, 0.0, -4.0], [4.0, 3.0, 4.0], 0.15) })
+        .fog(
+            "haze",
+            Fog::in_box([-4.0, 0.0, -4.0], [4.0, 3.0, 4.0], 0.15).with(|fog| fog.anisotropy = 0.5.into()),
+        )
         .camera("main", camera)
         .build()
 }

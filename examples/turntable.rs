@@ -35,22 +35,17 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// A leaf on a stand. The camera hangs on an arm that turns once in as many frames as there are, 24 a second.
 fn table() -> Result<Scene, sunfleck::LoadError> {
     let turn_s = FRAMES as f64 / 24.0;
-    let arm = Object {
-        rotation_deg: Some(Animated::cycle([(0.0, [0.0; 3]), (turn_s, [0.0, 360.0, 0.0])])),
-        ..Object::default()
+    let arm = Object::default().with(|object| {
+        object.rotation_deg = Some(Animated::cycle([(0.0, [0.0; 3]), (turn_s, [0.0, 360.0, 0.0])]))
+    });
+    let placed = |mesh: &str, material: &str, height_m: f64| {
+        Object::of(mesh, material).with(|object| object.translation_m = [0.0, height_m, 0.0].into())
     };
-    let placed = |mesh: &str, material: &str, height_m: f64| Object {
-        mesh: Some(mesh.into()),
-        material: Some(material.into()),
-        translation_m: [0.0, height_m, 0.0].into(),
-        ..Object::default()
-    };
-    let camera = Camera {
-        parent: Some("arm".into()),
-        position_m: [0.0, 1.2, 3.0].into(),
-        look_at_m: Some([0.0, 0.6, 0.0].into()),
-        ..Camera::default()
-    };
+    let camera = Camera::default().with(|camera| {
+        camera.parent = Some("arm".into());
+        camera.position_m = [0.0, 1.2, 3.0].into();
+        camera.look_at_m = Some([0.0, 0.6, 0.0].into());
+    });
     let lamp = Light::Point {
         parent: None,
         position_m: [1.0, 2.2, 0.8].into(),
@@ -70,13 +65,9 @@ fn table() -> Result<Scene, sunfleck::LoadError> {
         .shape("table", Shape::Quad { size_m: 4.0.into() })
         .material(
             "gold",
-            Material {
-                base_color: Some([0.8, 0.5, 0.05].into()),
-                roughness: Some(0.5.into()),
-                ..Material::default()
-            },
+            Material::matte([0.8, 0.5, 0.05]).with(|material| material.roughness = Some(0.5.into())),
         )
-        .material("wood", Material { base_color: Some([0.3, 0.2, 0.1].into()), ..Material::default() })
+        .material("wood", Material::matte([0.3, 0.2, 0.1]))
         .object("arm", arm)
         .object("leaf", placed("leaf", "gold", 0.7))
         .object("table", placed("table", "wood", 0.0))

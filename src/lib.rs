@@ -5,8 +5,8 @@
 //!
 //! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds
 //! arrays with names, shapes and units. All three are whole. What a file asks for and is not
-//! honoured is in [`Scene::warnings`]. What cannot be rendered is an error with a remedy. A pass
-//! that was asked for has its values.
+//! honoured is in [`Scene::warnings`]. What cannot be rendered is an error of one line, whose method
+//! says the remedy. A pass that was asked for has its values.
 //!
 //! ```
 //! use sunfleck::{Pass, Renderer, Scene};
@@ -32,9 +32,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Scene::builder`] makes a scene in code. `examples/` has one, a walk through a glTF file's time,
-//! and a turntable. Rendering takes the threads of the rayon pool that it is called on; no picture
-//! depends on their number.
+//! [`Renderer::sequence`] renders frame after frame. [`Scene::builder`] makes a scene in code, of parts
+//! that start as they mostly are and are changed by `with`. `examples/` has one, a walk through a glTF
+//! file's time, and a turntable. Rendering takes the threads of the rayon pool that it is called on; no
+//! picture depends on their number.
 //!
 //! # The story in ten lines
 //!
@@ -111,7 +112,9 @@ use inside::*;
 #[doc(hidden)]
 pub use inside::*;
 
-pub use inside::api::{Array, Frame, NodePlace, RenderError, Renderer, Scene, SceneBuilder, SceneOptions, Setting};
+pub use inside::api::{
+    Array, Frame, NodePlace, RenderError, Renderer, Scene, SceneBuilder, SceneOptions, Sequence, Setting,
+};
 pub use inside::description::LoadError;
 pub use inside::description::obj::Triangles;
 pub use inside::description::ron::{

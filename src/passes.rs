@@ -74,6 +74,7 @@ macro_rules! passes {
     ($($variant:ident $name:literal $shows:literal [$($channel:literal),*] $precision:ident $rule:ident $needs:ident $unit:literal $background:expr;)*) => {
         /// What a frame can hold beside its beauty. In RON a pass is called as its variant here.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
+        #[non_exhaustive]
         pub enum Pass {
             $(#[doc = $shows] $variant,)*
         }

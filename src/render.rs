@@ -61,6 +61,7 @@ pub struct Job {
 
 /// Where the samples of a picture lie, and how the light that fog scatters is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Method {
     /// Slices or segments, whichever is cheaper for the frame.
     Auto,
@@ -140,11 +141,19 @@ impl Watch<'static> {
 
 /// How far a frame is.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Progress {
     /// How much of the work is done, as far as one can tell, `0..=1`.
     pub fraction: f64,
     /// With a tolerance, the largest relative error that some block of pixels is estimated to have.
     pub error: Option<f64>,
+}
+
+impl Progress {
+    /// So far, with such an error.
+    pub fn new(fraction: f64, error: Option<f64>) -> Self {
+        Self { fraction, error }
+    }
 }
 
 /// A frame, and what it took.
@@ -158,6 +167,7 @@ pub struct Rendered {
 
 /// What a frame took, and how good it is. All of it is the same for any number of threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Statistics {
     /// Samples, over all pixels and lights; those of slices count as many as they are worth.
     pub samples: u64,

@@ -2,9 +2,22 @@
 //! channel of each pixel, pixel by pixel, row by row from the top.
 
 use crate::film::Channel;
+use image::{ImageBuffer, Pixel};
 
 /// Channels of a picture: `height` rows of `width` pixels of `channels.len()` values.
+///
+/// Other crates take the values as they lie, without a copy: `ndarray::Array3::from_shape_vec(array.shape(),
+/// array.values)`, or an image of as many channels:
+///
+/// ```
+/// # let scene = sunfleck::Scene::load("scenes/first_leaf/scene.ron")?;
+/// # let frame = sunfleck::Renderer::new(&scene).size(48, 27).samples(1).render()?;
+/// let beauty = image::Rgba32FImage::try_from(frame.beauty()).map_err(|_| "there is no alpha")?;
+/// assert_eq!(beauty.dimensions(), (48, 27));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Array {
     /// Columns.
     pub width: usize,
@@ -31,6 +44,11 @@ impl Array {
         }
     }
 
+    /// Rows, columns, channels.
+    pub fn shape(&self) -> [usize; 3] {
+        [self.height, self.width, self.channels.len()]
+    }
+
     /// The values of a pixel, one for each channel; none beyond the array.
     pub fn at(&self, x: usize, y: usize) -> Option<&[f32]> {
         let is_inside = x < self.width && y < self.height;
@@ -47,5 +65,23 @@ impl Array {
             .map(|channel| -> f64 { sum(channel) })
             .map(|sum| sum / (self.width * self.height) as f64)
             .collect()
+    }
+}
+
+/// Gives the array back if its pixels have another number of values.
+impl<P: Pixel<Subpixel = f32>> TryFrom<Array> for ImageBuffer<P, Vec<f32>> {
+    type Error = Array;
+
+    fn try_from(array: Array) -> Result<Self, Array> {
+        let [height, width, channels] = array.shape();
+        match (u32::try_from(width), u32::try_from(height)) {
+            (Ok(columns), Ok(rows))
+                if channels == usize::from(P::CHANNEL_COUNT)
+                    && array.values.len() == width * height * channels =>
+            {
+                Ok(Self::from_raw(columns, rows, array.values).unwrap_or_default())
+            }
+            _ => Err(array),
+        }
     }
 }

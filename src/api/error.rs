@@ -1,6 +1,6 @@
 //! Why there is no frame. Invariant: every failure says what was found, what was expected and what to do.
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Place};
 use crate::frame_file::FrameFileError;
 use std::fmt;
 
@@ -31,9 +31,7 @@ pub enum Setting {
 #[non_exhaustive]
 pub enum RenderError {
     /// A setting has a value that cannot be rendered of this scene.
-    #[error(
-        "error: {setting}: {found}\n  expected: {expected}\n  remedy: change what is asked for as {setting}"
-    )]
+    #[error("{setting}: {found}")]
     Setting {
         /// Which.
         setting: Setting,
@@ -43,22 +41,19 @@ pub enum RenderError {
         expected: String,
     },
     /// There is not as much memory as the picture takes.
-    #[error("{0}")]
+    #[error("{}", .0.line())]
     Memory(Box<Diagnostic>),
     /// The frame holds values that are no light: NaN or infinity.
-    #[error("{0}")]
+    #[error("{}", .0.line())]
     Defective(Box<Diagnostic>),
     /// Whoever looked on said to stop.
-    #[error("error: the frame was cancelled\n  expected: time to finish it\n  remedy: render it again")]
+    #[error("the frame was cancelled")]
     Cancelled,
     /// The scene holds what no glTF file can.
-    #[error("{0}")]
+    #[error("{}", .0.line())]
     Export(Box<Diagnostic>),
     /// The frame could not be written.
-    #[error(
-        "error: {0}\n  expected: {expected}\n  remedy: choose a folder that can be written to, with room for the file",
-        expected = .0.expected()
-    )]
+    #[error("{0}")]
     Write(#[from] FrameFileError),
 }
 
@@ -66,6 +61,27 @@ impl RenderError {
     /// A setting that cannot be used.
     pub(super) fn setting(setting: Setting, found: String, expected: impl Into<String>) -> Self {
         Self::Setting { setting, found, expected: expected.into() }
+    }
+
+    /// The same, with what was expected and what to do.
+    pub fn diagnostic(&self) -> Diagnostic {
+        let error = |expected: &str| Diagnostic::error(Place::Nowhere, self.to_string()).expected(expected);
+        match self {
+            Self::Setting { setting, expected, .. } => {
+                error(expected).remedy(format!("change what is asked for as {setting}"))
+            }
+            Self::Memory(diagnostic) | Self::Defective(diagnostic) | Self::Export(diagnostic) => {
+                Diagnostic::clone(diagnostic)
+            }
+            Self::Cancelled => error("time to finish it").remedy("render it again"),
+            Self::Write(reason) => error(reason.expected())
+                .remedy("choose a folder that can be written to, with room for the file"),
+        }
+    }
+
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        self.diagnostic().remedy.map(String::from).unwrap_or_default()
     }
 }
 

@@ -4,12 +4,14 @@
 
 mod arrays;
 mod builder;
+mod changed;
 mod error;
 mod frame;
 mod options;
 mod plan;
 mod renderer;
 mod scene;
+mod sequence;
 mod viewer;
 
 pub use arrays::Array;
@@ -20,4 +22,5 @@ pub use options::SceneOptions;
 pub use plan::Plan;
 pub use renderer::Renderer;
 pub use scene::{NodePlace, Scene};
+pub use sequence::Sequence;
 pub use viewer::{NAME as VIEWER, Viewer};

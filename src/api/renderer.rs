@@ -6,7 +6,7 @@ use super::error::RenderError;
 use super::frame::Frame;
 use super::plan::Plan;
 use super::scene::Scene;
-use crate::diagnostic::{Diagnostic, Place};
+use super::sequence::Sequence;
 use crate::passes::Pass;
 use crate::render::{Method, Progress, Watch};
 use crate::scene::{Bounces, PixelFilter, RenderSettings, Sampling, Size, Window};
@@ -151,22 +151,21 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// If a wish cannot be met, there is too little memory, or the frame has pixels that are no light.
     pub fn render(&self) -> Result<Frame, RenderError> {
-        let plan = self.plan()?;
-        plan.check_frame(self.frame)?;
+        let mut sequence = self.sequence([self.frame])?;
+        sequence.next().unwrap_or(Err(RenderError::Cancelled))
+    }
+
+    /// Frames one after the other, whatever [`frame`](Self::frame) says. What they share is made once: the
+    /// plan, trees, and light of more than one scattering while only the camera moves.
+    ///
+    /// # Errors
+    /// If a wish cannot be met, of any frame, or there is too little memory.
+    pub fn sequence(&self, frames: impl IntoIterator<Item = i64>) -> Result<Sequence<'a>, RenderError> {
+        let (plan, frames) = (self.plan()?, Vec::from_iter(frames));
+        frames.iter().try_for_each(|&frame| plan.check_frame(frame))?;
         plan.check_memory()?;
         let watch = Watch { progress: self.progress, cancelled: self.cancelled, look: None };
-        let rendered = plan.render(&plan.exposure(self.frame), &watch);
-        if (self.cancelled)() {
-            return Err(RenderError::Cancelled);
-        }
-        let defects = rendered.frame.check();
-        if defects.are_fatal() {
-            let diagnostic = Diagnostic::error(Place::Nowhere, format!("frame {}: {defects}", self.frame))
-                .expected("finite light everywhere")
-                .remedy("report this scene; a crop around the pixel shows it");
-            return Err(RenderError::Defective(Box::new(diagnostic)));
-        }
-        Ok(Frame::new(&plan, self.frame, rendered))
+        Ok(Sequence { plan, frames: frames.into_iter(), watch })
     }
 
     /// The plan of all frames.

@@ -39,6 +39,7 @@ impl fmt::Debug for Scene {
 
 /// Where a node is at a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NodePlace {
     /// Its origin in the world, metres, Y up.
     pub position_m: [f64; 3],

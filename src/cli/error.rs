@@ -47,8 +47,8 @@ impl CliError {
 impl From<LoadError> for CliError {
     fn from(error: LoadError) -> Self {
         match error {
-            LoadError::Io { .. } => Self::InputOutput(error.to_string()),
             LoadError::Invalid(diagnostics) => Self::Scene(diagnostics.worst()),
+            _ => Self::InputOutput(error.diagnostics().to_string()),
         }
     }
 }
@@ -63,10 +63,10 @@ impl From<RenderError> for CliError {
     fn from(error: RenderError) -> Self {
         match error {
             RenderError::Setting { setting, found, expected } => usage(flag(setting), found, &expected),
-            RenderError::Defective(_) => Self::Frame(error.to_string()),
+            RenderError::Defective(_) => Self::Frame(error.diagnostic().to_string()),
             RenderError::Write(error) => Self::InputOutput(error.diagnostic().to_string()),
             RenderError::Export(error) => Self::Scene(Diagnostics(vec![*error])),
-            _ => Self::InputOutput(error.to_string()),
+            _ => Self::InputOutput(error.diagnostic().to_string()),
         }
     }
 }

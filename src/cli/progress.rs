@@ -371,6 +371,9 @@ mod tests {
     fn lines(style: ProgressStyle) -> Vec<String> {
         let (sender, receiver) = mpsc::channel();
         let progress = Arc::new(Progress::to(style, Box::new(Wire(sender))));
+        let mut statistics = Statistics::default();
+        (statistics.error, statistics.noise) = (Some(0.3), Some(0.018));
+        (statistics.blocks, statistics.unconverged_blocks) = (9, 2);
         let written = |frame| Event::FrameWritten {
             frame,
             path: format!("x.{frame}.exr").into(),
@@ -378,20 +381,14 @@ mod tests {
             write_seconds: 0.1,
             clamped: 0,
             dark: None,
-            statistics: Statistics {
-                error: Some(0.3),
-                noise: Some(0.018),
-                blocks: 9,
-                unconverged_blocks: 2,
-                ..Statistics::default()
-            },
+            statistics,
         };
         for event in [
             Event::Started { frames: 4 },
             Event::FrameSkipped { frame: 1, reason: SkipReason::Valid },
             Event::FrameStarted { frame: 2 },
-            Event::FrameProgress { frame: 2, progress: RenderProgress { fraction: 0.5, error: None } },
-            Event::FrameProgress { frame: 2, progress: RenderProgress { fraction: 0.501, error: Some(0.1) } },
+            Event::FrameProgress { frame: 2, progress: RenderProgress::new(0.5, None) },
+            Event::FrameProgress { frame: 2, progress: RenderProgress::new(0.501, Some(0.1)) },
             Event::FrameStarted { frame: 3 },
             written(2),
             written(3),

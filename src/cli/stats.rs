@@ -96,6 +96,7 @@ fn line(event: &Event) -> Option<Value> {
                 grid_error,
                 endless_light,
                 noise,
+                ..
             } = statistics;
             json!({
                 "frame": frame, "outcome": "written", "render_seconds": seconds, "write_seconds": write_seconds,

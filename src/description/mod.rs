@@ -100,9 +100,10 @@ impl Description {
 
 /// Why an input could not be loaded.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LoadError {
     /// A file is missing or cannot be read.
-    #[error("{}: error: cannot be read: {source}\n  expected: a readable file\n  remedy: check the path{}", shown(&readable(path)), referrer.as_deref().map(|r| format!(" in {r}")).unwrap_or_default())]
+    #[error("{}: cannot be read: {source}", shown(&readable(path)))]
     Io {
         /// The file.
         path: PathBuf,
@@ -112,11 +113,39 @@ pub enum LoadError {
         source: std::io::Error,
     },
     /// The files can be read but not used.
-    #[error("{0}")]
+    #[error("{}", first_of(.0))]
     Invalid(Diagnostics),
 }
 
+/// The first of some findings, and how many more there are.
+fn first_of(Diagnostics(found): &Diagnostics) -> String {
+    let first = found.first().map(Diagnostic::line).unwrap_or_default();
+    match found.len() {
+        0 | 1 => first,
+        count => format!("{first} (and {} more)", count - 1),
+    }
+}
+
 impl LoadError {
+    /// All that is wrong, with what was expected and what to do.
+    pub fn diagnostics(&self) -> Diagnostics {
+        match self {
+            Self::Io { path, referrer, source } => {
+                let place = referrer.as_deref().map(|place| format!(" in {place}")).unwrap_or_default();
+                let found = Diagnostic::error(Place::File(path.clone()), format!("cannot be read: {source}"));
+                let found = found.expected("a readable file").remedy(format!("check the path{place}"));
+                Diagnostics(vec![found])
+            }
+            Self::Invalid(diagnostics) => diagnostics.clone(),
+        }
+    }
+
+    /// What the author can do about the first of it.
+    pub fn remedy(&self) -> String {
+        let Diagnostics(found) = self.diagnostics();
+        found.into_iter().find_map(|found| found.remedy).map(String::from).unwrap_or_default()
+    }
+
     /// Says who asked for a file that cannot be read, unless that is known already.
     fn asked_for_by(mut self, asker: &str) -> Self {
         if let Self::Io { referrer, .. } = &mut self {

@@ -117,7 +117,10 @@ mod tests {
             fs::write(folder.path().join(name), "").unwrap();
         }
         let path = folder.path().join(asked);
-        Numbered::of(&path).unwrap().numbers("scene.ron: meshes.leaf").map_err(|error| error.to_string())
+        Numbered::of(&path)
+            .unwrap()
+            .numbers("scene.ron: meshes.leaf")
+            .map_err(|error| error.diagnostics().to_string())
     }
 
     #[test]

@@ -126,7 +126,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("peers.csv");
         std::fs::write(&path, text).unwrap();
-        load_peers(&path).map_err(|error| error.to_string())
+        load_peers(&path).map_err(|error| error.diagnostics().to_string())
     }
 
     #[test]

@@ -9,6 +9,7 @@ macro_rules! losses {
     ($($variant:ident $id:literal $sentence:literal)*) => {
         /// A kind of loss. To add one, add a row to the table below and to docs/losses.md.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
         pub enum Loss { $(#[doc = $sentence] $variant,)* }
 
         impl Loss {

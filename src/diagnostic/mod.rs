@@ -13,6 +13,7 @@ use std::path::{Component, Path, PathBuf};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Severity {
     /// Something worth knowing that changes nothing; `inspect` says it.
     Note,
@@ -26,6 +27,7 @@ pub enum Severity {
 
 /// Where in the input it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Place {
     /// Nowhere in particular (a command-line value, say).
     Nowhere,
@@ -51,6 +53,7 @@ pub enum Place {
 
 /// One thing to tell the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Diagnostic {
     /// How bad it is.
     pub severity: Severity,
@@ -112,6 +115,16 @@ impl Diagnostic {
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
         self.remedy = Some(remedy.into().into_boxed_str());
         self
+    }
+}
+
+impl Diagnostic {
+    /// Where it is and what was found, in one line.
+    pub fn line(&self) -> String {
+        let mut line = self.place.to_string();
+        // Text takes all that is written to it.
+        let _ = Printable(&mut line).write_str(&self.found.replace('\n', " "));
+        line
     }
 }
 
@@ -216,8 +229,6 @@ impl Diagnostics {
         self
     }
 }
-
-impl std::error::Error for Diagnostics {}
 
 impl fmt::Display for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -5,9 +5,9 @@ use std::fmt::{self, Write};
 use std::path::Path;
 
 /// Writes text on, control characters escaped: names come from files.
-pub(super) struct Printable<'a, 'f>(pub(super) &'a mut fmt::Formatter<'f>);
+pub(super) struct Printable<'a, W>(pub(super) &'a mut W);
 
-impl Write for Printable<'_, '_> {
+impl<W: Write> Write for Printable<'_, W> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for part in text.split_inclusive(is_obeyed) {
             let plain = part.trim_end_matches(is_obeyed);

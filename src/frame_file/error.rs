@@ -14,6 +14,7 @@ pub const RAISE_LIMIT: &str =
 
 /// Why a file could not be written or read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FrameFileError {
     /// The output's name is that of a folder, or no file name at all.
     #[error("{} is a folder, not a file", shown(path))]

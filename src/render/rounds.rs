@@ -141,14 +141,14 @@ impl Watch<'_> {
     ) -> R {
         let tell = |part: Progress| {
             let fraction = start + (end - start) * part.fraction;
-            (self.progress)(Progress { fraction, error: part.error.or(error) });
+            (self.progress)(Progress::new(fraction, part.error.or(error)));
         };
         work(&Watch { progress: &tell, cancelled: self.cancelled, look: self.look })
     }
 
     /// Tells how much is done.
     pub(super) fn tell(&self, fraction: f64) {
-        (self.progress)(Progress { fraction, error: None });
+        (self.progress)(Progress::new(fraction, None));
     }
 }
 

@@ -6,6 +6,7 @@ use super::{FrameRate, RenderSettings, Size};
 /// Which photometric units a glTF file's lights are in; the file does not say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "program", derive(clap::ValueEnum))]
+#[non_exhaustive]
 pub enum LightUnits {
     /// Lux and candela (Blender's default export): W = value / 683.
     Spec,

@@ -13,6 +13,7 @@ use glam::DVec3;
 
 /// Where the shadow rays stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum MarchSteps {
     /// The image plane is moved by `step_m` at a time, to `depth_m`, both along the view axis, metres.
     Planes {

@@ -175,7 +175,7 @@ proptest! {
 }
 
 fn load(path: &Path) -> Scene {
-    let description = description::load(path).map_err(|error| error.to_string()).unwrap();
+    let description = description::load(path).map_err(|error| error.diagnostics().to_string()).unwrap();
     scene::resolve(description, None).map_err(|error| error.to_string()).unwrap().0
 }
 
@@ -237,7 +237,7 @@ fn planes_are_exported() {
     ] {
         let path = folder.path().join("scene.ron");
         std::fs::write(&path, ron(lens)).unwrap();
-        let description = description::load(&path).map_err(|error| error.to_string()).unwrap();
+        let description = description::load(&path).map_err(|error| error.diagnostics().to_string()).unwrap();
         let (scene, settings) = scene::resolve(description, None).map_err(|error| error.to_string()).unwrap();
         let exported = export::glb(&scene, &settings, Path::new("")).unwrap();
         let path = folder.path().join("scene.glb");
@@ -246,7 +246,7 @@ fn planes_are_exported() {
     }
     let path = folder.path().join("scene.ron");
     std::fs::write(&path, ron("clip_m: (40.0, 0.25)")).unwrap();
-    let description = description::load(&path).map_err(|error| error.to_string()).unwrap();
+    let description = description::load(&path).map_err(|error| error.diagnostics().to_string()).unwrap();
     let error = scene::resolve(description, None).map(|_| ()).map_err(|error| error.to_string()).unwrap_err();
     assert!(error.contains("cameras.eye.clip_m") && error.contains("leave nothing between them"), "{error}");
 }

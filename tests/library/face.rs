@@ -27,12 +27,9 @@ fn who_uses_the_library_gets_no_command_line() {
 
 /// A tile before the camera that moves to the right by 0.1 m a frame, a lamp, and some fog.
 fn tile() -> SceneBuilder {
-    let moving = Object {
-        mesh: Some("tile".into()),
-        material: Some("grey".into()),
-        translation_m: Animated::keys([(0.0, [0.0, 0.0, 0.0]), (1.0, [2.4, 0.0, 0.0])]),
-        ..Object::default()
-    };
+    let moving = Object::of("tile", "grey").with(|object| {
+        object.translation_m = Animated::keys([(0.0, [0.0, 0.0, 0.0]), (1.0, [2.4, 0.0, 0.0])])
+    });
     let lamp = Light::Point {
         parent: None,
         position_m: [0.0, 1.0, 3.0].into(),
@@ -41,20 +38,19 @@ fn tile() -> SceneBuilder {
     };
     Scene::builder()
         .mesh("tile", square())
-        .material("grey", Material { base_color: Some([0.5; 3].into()), ..Material::default() })
+        .material("grey", Material::matte([0.5; 3]))
         .object("moving", moving)
-        .camera("main", Camera { position_m: [0.0, 0.0, 4.0].into(), ..Camera::default() })
+        .camera("main", Camera::default().with(|camera| camera.position_m = [0.0, 0.0, 4.0].into()))
         .light("lamp", lamp)
         .fog("haze", Fog::in_box([-3.0; 3], [3.0; 3], 0.1))
 }
 
 /// Two metres wide, in the x-y plane, facing +z.
 fn square() -> Triangles {
-    Triangles {
-        positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Triangles::default()
-    }
+    Triangles::new(
+        vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+        vec![[0, 1, 2], [0, 2, 3]],
+    )
 }
 
 fn built(builder: SceneBuilder) -> Scene {
@@ -63,7 +59,7 @@ fn built(builder: SceneBuilder) -> Scene {
 
 /// What is said of a scene that cannot be built.
 fn refused(builder: SceneBuilder) -> String {
-    builder.build().expect_err("it cannot be built").to_string()
+    builder.build().expect_err("it cannot be built").diagnostics().to_string()
 }
 
 fn small(scene: &Scene) -> Renderer<'_> {
@@ -92,6 +88,35 @@ fn every_pass_that_is_asked_for_has_its_values() {
     let pixels_per_m = 9.0 / (8.0 * 22.5_f64.to_radians().tan());
     assert!((value(Pass::Motion, 0) + 0.1 * pixels_per_m).abs() < 1e-4, "{}", value(Pass::Motion, 0));
     assert_eq!(frame.pass(Pass::Normal).expect("there").channels, ["Normal.X", "Normal.Y", "Normal.Z"]);
+}
+
+#[test]
+fn frames_of_a_sequence_are_those_that_they_are_alone() {
+    let scene = built(tile());
+    let renderer = small(&scene).bounces(Bounces::All);
+    let frames = renderer.sequence([2, 0, 1]).expect("frames");
+    assert_eq!(frames.len(), 3);
+    for (frame, number) in frames.zip([2, 0, 1]) {
+        let (frame, alone) =
+            (frame.expect("a frame"), renderer.clone().frame(number).render().expect("a frame"));
+        assert_eq!((frame.number(), frame.beauty()), (number, alone.beauty()));
+    }
+    let leaf = Scene::load("sequences/first_leaf.ron").unwrap_or_else(|error| panic!("{error}"));
+    let refused = small(&leaf).sequence([1, 1_000_000]).err().expect("no such frame");
+    assert!(matches!(refused, RenderError::Setting { setting: Setting::Frame, .. }), "{refused}");
+    let cancelled = small(&leaf).cancelled(&|| true).sequence([1]).expect("a frame").next();
+    assert!(matches!(cancelled, Some(Err(RenderError::Cancelled))));
+}
+
+#[test]
+fn arrays_become_images_without_a_copy() {
+    let scene = built(tile());
+    let beauty = small(&scene).render().expect("a frame").beauty();
+    assert_eq!(beauty.shape(), [9, 16, 4]);
+    let (place, pixel) = (beauty.values.as_ptr(), beauty.at(8, 4).expect("a pixel").to_vec());
+    let beauty = image::Rgb32FImage::try_from(beauty).expect_err("it has alpha");
+    let image = image::Rgba32FImage::try_from(beauty).expect("as many channels");
+    assert_eq!((image.as_ptr(), image.get_pixel(8, 4).0.to_vec()), (place, pixel));
 }
 
 #[test]
@@ -155,7 +180,9 @@ fn wishes_that_cannot_be_met_are_named() {
         match renderer.render() {
             Err(error @ RenderError::Setting { setting, .. }) => {
                 assert_eq!(setting, expected);
-                assert!(error.to_string().contains("expected: "), "{error}");
+                let said = error.diagnostic();
+                assert!(said.expected.is_some() && said.to_string().contains(&error.to_string()), "{error}");
+                assert!(error.remedy().ends_with(&setting.to_string()), "{}", error.remedy());
             }
             other => panic!("{expected:?}: {:?}", other.map(|frame| frame.number())),
         }
@@ -167,25 +194,24 @@ fn wishes_that_cannot_be_met_are_named() {
 fn nothing_invalid_can_be_built() {
     let nan = Fog::in_box([-1.0; 3], [1.0; 3], f64::NAN);
     assert!(refused(tile().fog("bad", nan)).contains("SceneBuilder: fog.bad.density_per_m"));
-    let said = refused(
-        tile().material("bad", Material { base_color: Some([2.0; 3].into()), ..Material::default() }),
-    );
+    let said = refused(tile().material("bad", Material::matte([2.0; 3])));
     assert!(said.contains("materials.bad.base_color") && said.contains("expected: "), "{said}");
     let twice = refused(tile().camera("main", Camera::default()));
     assert!(twice.contains("cameras.main: error: the name occurs a second time"), "{twice}");
-    let stray = Object { mesh: Some("tail".into()), ..Object::default() };
+    let stray = Object::default().with(|object| object.mesh = Some("tail".into()));
     assert!(refused(tile().object("stray", stray)).contains("there is no mesh named `tail`"));
     let backwards = Animated::keys([(1.0, [0.0; 3]), (0.0, [1.0; 3])]);
-    let said = refused(tile().object("late", Object { translation_m: backwards, ..Object::default() }));
+    let said =
+        refused(tile().object("late", Object::default().with(|object| object.translation_m = backwards)));
     assert!(said.contains("objects.late.translation_m"), "{said}");
     for (field, mesh) in [
-        ("positions", Triangles { positions: vec![[f32::INFINITY; 3]; 4], ..square() }),
-        ("normals", Triangles { normals: vec![[0.0, 0.0, 1.0]], ..square() }),
-        ("normals", Triangles { normals: vec![[0.0; 3]; 4], ..square() }),
-        ("uvs", Triangles { uvs: vec![[0.0; 2]; 3], ..square() }),
-        ("triangles[1]", Triangles { triangles: vec![[0, 1, 2], [0, 1, 4]], ..square() }),
-        ("triangles[0]", Triangles { triangles: vec![[0, 1, 1]], ..square() }),
-        ("triangles", Triangles { triangles: vec![], ..square() }),
+        ("positions", square().with(|triangles| triangles.positions = vec![[f32::INFINITY; 3]; 4])),
+        ("normals", square().with(|triangles| triangles.normals = vec![[0.0, 0.0, 1.0]])),
+        ("normals", square().with(|triangles| triangles.normals = vec![[0.0; 3]; 4])),
+        ("uvs", square().with(|triangles| triangles.uvs = vec![[0.0; 2]; 3])),
+        ("triangles[1]", square().with(|triangles| triangles.triangles = vec![[0, 1, 2], [0, 1, 4]])),
+        ("triangles[0]", square().with(|triangles| triangles.triangles = vec![[0, 1, 1]])),
+        ("triangles", square().with(|triangles| triangles.triangles = vec![])),
     ] {
         let said = refused(tile().mesh("bad", mesh));
         assert!(said.contains(&format!("SceneBuilder: meshes.bad.{field}: error: ")), "{said}");
@@ -194,7 +220,8 @@ fn nothing_invalid_can_be_built() {
 
 #[test]
 fn what_is_on_and_off_jumps() {
-    let blinking = Object { visible: Animated::keys([(0.0, true), (0.5, false)]), ..Object::default() };
+    let blinking =
+        Object::default().with(|object| object.visible = Animated::keys([(0.0, true), (0.5, false)]));
     let scene = built(tile().object("blinking", blinking));
     let seen = [0.0, 11.9, 12.1].map(|frame| scene.place("blinking", frame).expect("a node").visible);
     assert_eq!(seen, [true, true, false]);
@@ -213,19 +240,15 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
         lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: 3.0) })";
     fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
-    let sun = Light::Sun(Sun {
-        to_sun: Some([0.4, 1.0, 0.6].into()),
-        irradiance_w_per_m2: [3.0; 3].into(),
-        ..Sun::default()
-    });
+    let sun = Light::Sun(Sun::default().with(|sun| {
+        sun.to_sun = Some([0.4, 1.0, 0.6].into());
+        sun.irradiance_w_per_m2 = [3.0; 3].into();
+    }));
     let made = Scene::builder()
         .shape("ball", Shape::Sphere { radius_m: 0.5.into() })
-        .material("grey", Material { base_color: Some([0.5; 3].into()), ..Material::default() })
-        .object(
-            "ball",
-            Object { mesh: Some("ball".into()), material: Some("grey".into()), ..Object::default() },
-        )
-        .camera("main", Camera { position_m: [0.0, 0.0, 4.0].into(), ..Camera::default() })
+        .material("grey", Material::matte([0.5; 3]))
+        .object("ball", Object::of("ball", "grey"))
+        .camera("main", Camera::default().with(|camera| camera.position_m = [0.0, 0.0, 4.0].into()))
         .light("sun", sun);
     let picture = |scene: &Scene| small(scene).render().expect("a frame").beauty();
     let beauty = picture(&read);
@@ -236,14 +259,13 @@ fn the_shape_of_a_builder_changes_nothing_that_it_holds() {
 /// A ball on a floor, seen from the front, to which each test adds its own part; and the
 /// same as a file's fields.
 fn stage() -> SceneBuilder {
-    let object =
-        |mesh: &str| Object { mesh: Some(mesh.into()), material: Some("grey".into()), ..Object::default() };
+    let object = |mesh: &str| Object::of(mesh, "grey");
     Scene::builder()
         .shape("ball", Shape::Sphere { radius_m: 0.5.into() })
         .shape("floor", Shape::Quad { size_m: 6.0.into() })
-        .object("ball", Object { translation_m: [0.0, 0.6, 0.0].into(), ..object("ball") })
+        .object("ball", object("ball").with(|object| object.translation_m = [0.0, 0.6, 0.0].into()))
         .object("floor", object("floor"))
-        .camera("main", Camera { position_m: [0.0, 1.0, 4.0].into(), ..Camera::default() })
+        .camera("main", Camera::default().with(|camera| camera.position_m = [0.0, 1.0, 4.0].into()))
 }
 
 const STAGE: &str = "version: 1, meshes: { \"ball\": Sphere(radius_m: 0.5), \"floor\": Quad(size_m: 6.0) },
@@ -251,7 +273,7 @@ const STAGE: &str = "version: 1, meshes: { \"ball\": Sphere(radius_m: 0.5), \"fl
         \"floor\": (mesh: \"floor\", material: \"grey\") }, cameras: { \"main\": (position_m: (0.0, 1.0, 4.0)) }";
 
 fn grey() -> Material {
-    Material { base_color: Some([0.5; 3].into()), ..Material::default() }
+    Material::matte([0.5; 3])
 }
 
 /// The picture of what a program made, which a file of the same fields has too, and which is not black.
@@ -296,16 +318,15 @@ fn lights_of_code_are_those_of_files() {
         width_m: 0.2, height_m: 1.5, power_w: 9.0) }";
     assert_same_picture(lit(rectangle), folder.path(), &format!("{GREY}, {text}"));
 
-    let sun = Sun {
-        to_sun: Some([0.1, 0.3, -1.0].into()),
-        irradiance_w_per_m2: [5.0; 3].into(),
-        angular_diameter_deg: 12.0.into(),
-        limb_darkening: 0.6.into(),
-        fractal: Some(Julia { real: 0.3.into(), imaginary: 0.5.into(), iterations: 40.into() }),
-        picture_rotation_deg: 30.0.into(),
-        visible_to_camera: true,
-        ..Sun::default()
-    };
+    let sun = Sun::default().with(|sun| {
+        sun.to_sun = Some([0.1, 0.3, -1.0].into());
+        sun.irradiance_w_per_m2 = [5.0; 3].into();
+        sun.angular_diameter_deg = 12.0.into();
+        sun.limb_darkening = 0.6.into();
+        sun.fractal = Some(Julia::new(0.3, 0.5).with(|julia| julia.iterations = 40.into()));
+        sun.picture_rotation_deg = 30.0.into();
+        sun.visible_to_camera = true;
+    });
     let text = "lights: { \"lit\": Sun(to_sun: (0.1, 0.3, -1.0), irradiance_w_per_m2: 5.0, angular_diameter_deg: 12.0,
         limb_darkening: 0.6, fractal: (real: 0.3, imaginary: 0.5, iterations: 40), picture_rotation_deg: 30.0,
         visible_to_camera: true) }";
@@ -322,14 +343,13 @@ fn skies_and_textures_of_code_are_those_of_files() {
     let sky = [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n".as_slice(), &texels].concat();
     fs::write(path("sky.hdr"), sky).expect("written");
 
-    let bent = Material {
-        texture: Some(path("panes.ppm")),
-        transmission: [0.2; 3].into(),
-        transmission_texture: Some(path("panes.ppm")),
-        normal_map: Some(NormalMap { texture: path("panes.ppm"), scale: 0.5.into() }),
-        base_color: Some([0.7; 3].into()),
-        ..Material::default()
-    };
+    let bent = Material::default().with(|material| {
+        material.texture = Some(path("panes.ppm"));
+        material.transmission = [0.2; 3].into();
+        material.transmission_texture = Some(path("panes.ppm"));
+        material.normal_map = Some(NormalMap::new(path("panes.ppm")).with(|map| map.scale = 0.5.into()));
+        material.base_color = Some([0.7; 3].into());
+    });
     let gradient = Sky::Gradient {
         zenith_w_per_m2_sr: [0.2, 0.4, 0.8].into(),
         horizon_w_per_m2_sr: [1.0; 3].into(),
@@ -353,8 +373,10 @@ fn skies_and_textures_of_code_are_those_of_files() {
         sky: Image(image: \"sky.hdr\", strength_w_per_m2_sr: 3.0, rotation_deg: 50.0)";
     assert_same_picture(stage().material("grey", grey()).sky(image), folder.path(), text);
 
-    let masked =
-        Material { texture: Some(path("panes.ppm")), alpha_cutoff: Some(0.5.into()), ..Material::default() };
+    let masked = Material::default().with(|material| {
+        material.texture = Some(path("panes.ppm"));
+        material.alpha_cutoff = Some(0.5.into());
+    });
     let even = Sky::Constant { radiance_w_per_m2_sr: [1.0; 3].into(), lights: SkyLight::Surfaces };
     let text = "materials: { \"grey\": (texture: \"panes.ppm\", alpha_cutoff: 0.5) },
         sky: Constant(radiance_w_per_m2_sr: 1.0, lights: Surfaces)";
@@ -377,28 +399,27 @@ fn cameras_turns_and_obj_files_of_code_are_those_of_files() {
     let file = folder.path().join("scene.ron");
     fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
-    let lens = Aperture { sensor_width_mm: 20.0.into(), blades: Some(5.into()), ..Aperture::new(0.1, 2.5) };
-    let main = Camera {
-        position_m: [0.0, 0.5, 4.0].into(),
-        look_at_m: Some([0.0; 3].into()),
-        up: [1.0, 1.0, 0.0].into(),
-        aperture: Some(lens),
-        clip_m: Some((0.1.into(), 4.1.into())),
-        ..Camera::default()
-    };
-    let beside = Camera {
-        position_m: [1.0, 0.0, 3.0].into(),
-        rotation_quaternion: Some([0.0, 0.1, 0.0, 1.0].into()),
-        ..Camera::default()
-    };
-    let tile = Object {
-        mesh: Some("tile".into()),
-        material: Some("grey".into()),
-        rotation_quaternion: Some([0.0, 0.3, 0.0, 1.0].into()),
-        ..Object::default()
-    };
-    let sun =
-        Sun { to_sun: Some([0.0, 0.2, 1.0].into()), irradiance_w_per_m2: [3.0; 3].into(), ..Sun::default() };
+    let lens = Aperture::new(0.1, 2.5).with(|aperture| {
+        aperture.sensor_width_mm = 20.0.into();
+        aperture.blades = Some(5.into());
+    });
+    let main = Camera::default().with(|camera| {
+        camera.position_m = [0.0, 0.5, 4.0].into();
+        camera.look_at_m = Some([0.0; 3].into());
+        camera.up = [1.0, 1.0, 0.0].into();
+        camera.aperture = Some(lens);
+        camera.clip_m = Some((0.1.into(), 4.1.into()));
+    });
+    let beside = Camera::default().with(|camera| {
+        camera.position_m = [1.0, 0.0, 3.0].into();
+        camera.rotation_quaternion = Some([0.0, 0.1, 0.0, 1.0].into());
+    });
+    let tile = Object::of("tile", "grey")
+        .with(|object| object.rotation_quaternion = Some([0.0, 0.3, 0.0, 1.0].into()));
+    let sun = Sun::default().with(|sun| {
+        sun.to_sun = Some([0.0, 0.2, 1.0].into());
+        sun.irradiance_w_per_m2 = [3.0; 3].into();
+    });
     let made = built(
         Scene::builder()
             .shape("tile", Shape::Obj(obj))
@@ -443,28 +464,31 @@ fn leaves_of_code_fall_as_those_of_files() {
         ground: (height_m: 0.1), release_s: (-1.0, 1.0), attached: false, speed: 1.5) }";
     fs::write(&file, format!("Scene({STAGE}, {fields})")).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
-    let species = Species {
-        materials: vec!["grey".into()],
-        width_m: Some(0.04.into()),
-        curl_deg: [0.0, 20.0].into(),
-        ..Species::new("floor", [0.06, 0.1])
-    };
+    let species = Species::new("floor", [0.06, 0.1]).with(|species| {
+        species.materials = vec!["grey".into()];
+        species.width_m = Some([0.04; 2].into());
+        species.curl_deg = [0.0, 20.0].into();
+    });
     let emitter = Emitter::Ellipsoid { center_m: [0.0, 3.0, 0.0].into(), radii_m: [1.0, 0.5, 1.0].into() };
-    let shower = Fall {
-        seed: 5,
-        wind: Wind {
-            mean_m_per_s: [0.8, 0.0, 0.2].into(),
-            eddy_m_per_s: 0.3.into(),
-            seed: 2,
-            ..Wind::default()
-        },
-        motion: Some(FallMotion { flutter: 3.0.into(), tumble: 1.0.into(), ..FallMotion::default() }),
-        ground: FallGround { height_m: 0.1.into(), object: None },
-        release_s: [-1.0, 1.0].into(),
-        attached: false,
-        speed: 1.5.into(),
-        ..Fall::new(3, species, emitter)
-    };
+    let shower = Fall::new(3, species, emitter).with(|fall| {
+        fall.seed = 5;
+        fall.wind = Wind::default().with(|wind| {
+            wind.mean_m_per_s = [0.8, 0.0, 0.2].into();
+            wind.eddy_m_per_s = 0.3.into();
+            wind.seed = 2;
+        });
+        fall.motion = Some(FallMotion::default().with(|motion| {
+            motion.flutter = 3.0.into();
+            motion.tumble = 1.0.into();
+        }));
+        fall.ground = FallGround::default().with(|ground| {
+            ground.height_m = 0.1.into();
+            ground.object = None;
+        });
+        fall.release_s = [-1.0, 1.0].into();
+        fall.attached = false;
+        fall.speed = 1.5.into();
+    });
     let made = built(stage().material("grey", grey()).fall("shower", shower));
     for (leaf, frame) in ["shower.0", "shower.1", "shower.2"].iter().zip([0.0, 20.0, 40.0]) {
         let place = made.place(leaf, frame).expect("a leaf");
@@ -486,19 +510,20 @@ fn keyed_wind_and_speed_of_code_are_those_of_files() {
         speed: Keyed(keys: [(at_s: 0.0, value: 1.0), (at_s: 1.0, value: 0.3)])) }";
     fs::write(&file, format!("Scene({STAGE}, {fields})")).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
-    let species = Species {
-        materials: vec!["grey".into()],
-        tint: vec![[1.0, 0.5, 0.0].into(), 0.5.into()],
-        ..Species::new("floor", [0.1, 0.2])
-    };
+    let species = Species::new("floor", [0.1, 0.2]).with(|species| {
+        species.materials = vec!["grey".into()];
+        species.tint = vec![[1.0, 0.5, 0.0].into(), 0.5.into()];
+    });
     let emitter = Emitter::Box { min_m: [-1.0, 1.0, -1.0].into(), max_m: [1.0, 2.0, 1.0].into() };
-    let calm = Fall { casts_shadow: false, ..Fall::new(40, species, emitter) };
-    let wind = Wind {
-        mean_m_per_s: Animated::keys([(0.5, [0.0; 3]), (1.0, [3.0, 0.0, 0.0])]),
-        eddy_m_per_s: Animated::cycle([(0.0, 0.1), (1.0, 0.6)]),
-        ..Wind::default()
-    };
-    let gust = Fall { wind, speed: Animated::keys([(0.0, 1.0), (1.0, 0.3)]), ..calm.clone() };
+    let calm = Fall::new(40, species, emitter).with(|fall| fall.casts_shadow = false);
+    let wind = Wind::default().with(|wind| {
+        wind.mean_m_per_s = Animated::keys([(0.5, [0.0; 3]), (1.0, [3.0, 0.0, 0.0])]);
+        wind.eddy_m_per_s = Animated::cycle([(0.0, 0.1), (1.0, 0.6)]);
+    });
+    let gust = calm.clone().with(|fall| {
+        fall.wind = wind;
+        fall.speed = Animated::keys([(0.0, 1.0), (1.0, 0.3)]);
+    });
     let [made, calm] = [gust, calm].map(|fall| built(stage().material("grey", grey()).fall("shower", fall)));
     let frame = |scene: &Scene| small(scene).frame(36).shutter(0.0).render().expect("a frame").beauty();
     assert_eq!(frame(&made), frame(&read));
@@ -509,18 +534,19 @@ fn keyed_wind_and_speed_of_code_are_those_of_files() {
 #[test]
 fn mist_of_code_is_that_of_files() {
     let (low, high) = ([-2.0, 0.0, -2.0], [2.0, 2.0, 2.0]);
-    let sun =
-        Sun { to_sun: Some([0.4, 1.0, 0.6].into()), irradiance_w_per_m2: [3.0; 3].into(), ..Sun::default() };
+    let sun = Sun::default().with(|sun| {
+        sun.to_sun = Some([0.4, 1.0, 0.6].into());
+        sun.irradiance_w_per_m2 = [3.0; 3].into();
+    });
     let written = "materials: { \"grey\": (base_color: 0.5) },
         lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: 3.0) },
         fog: { \"mist\": (min_m: (-2.0, 0.0, -2.0), max_m: (2.0, 2.0, 2.0), density_per_m: 0.5, mist: ";
-    let drifting = Mist {
-        wind_m_per_s: [0.5, 0.0, 0.0].into(),
-        ground: Some("floor".into()),
-        shape: MistShape::Ellipsoid,
-        octaves: 2.into(),
-        ..Mist::new(1.0)
-    };
+    let drifting = Mist::new(1.0).with(|mist| {
+        mist.wind_m_per_s = [0.5, 0.0, 0.0].into();
+        mist.ground = Some("floor".into());
+        mist.shape = MistShape::Ellipsoid;
+        mist.octaves = 2.into();
+    });
     for (mist, fields) in [
         (Mist::new(1.0), "(size_m: 1.0)) }"),
         (
@@ -529,7 +555,7 @@ fn mist_of_code_is_that_of_files() {
         ),
     ] {
         let folder = tempfile::tempdir().expect("a folder");
-        let fog = Fog { mist: Some(mist), ..Fog::in_box(low, high, 0.5) };
+        let fog = Fog::in_box(low, high, 0.5).with(|fog| fog.mist = Some(mist));
         let lit = stage().material("grey", grey()).light("sun", Light::Sun(sun.clone()));
         let made = lit.fog("mist", fog);
         assert_same_picture(made, folder.path(), &format!("{written}{fields}"));
@@ -547,8 +573,11 @@ fn what_code_leaves_out_is_what_files_leave_out() {
     fs::write(&file, text).expect("written");
     let read = Scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
     let emitter = Emitter::Box { min_m: [0.0, 2.0, 0.0].into(), max_m: [1.0, 3.0, 1.0].into() };
-    let wind = Wind { eddy_m_per_s: 0.5.into(), gust_m_per_s: [1.0, 0.0, 0.0].into(), ..Wind::default() };
-    let shower = Fall { wind, ..Fall::new(1, Species::new("floor", [0.06, 0.1]), emitter) };
+    let wind = Wind::default().with(|wind| {
+        wind.eddy_m_per_s = 0.5.into();
+        wind.gust_m_per_s = [1.0, 0.0, 0.0].into();
+    });
+    let shower = Fall::new(1, Species::new("floor", [0.06, 0.1]), emitter).with(|fall| fall.wind = wind);
     let made = built(stage().material("grey", grey()).fall("shower", shower));
     assert!(made.place("shower.0", 15.0).is_some());
     assert_eq!(made.place("shower.0", 15.0), read.place("shower.0", 15.0));
@@ -572,34 +601,43 @@ fn parts_keep_to_the_limits_of_files() {
         lights: SkyLight::default(),
     };
     let material = |material: Material| stage().material("grey", material);
-    let julia = Julia { real: 0.0.into(), imaginary: 3.0.into(), iterations: 10.into() };
-    let missing = Material { texture: Some("missing.png".into()), ..grey() };
+    let julia = Julia::new(0.0, 3.0).with(|julia| julia.iterations = 10.into());
+    let missing = grey().with(|material| material.texture = Some("missing.png".into()));
     for (builder, path) in [
         (fall(0, leaf()), "fall.bad.count"),
         (fall(50_001, leaf()), "fall.bad.count"),
         (fall(1, Species::new("floor", [0.1, f64::NAN])), "fall.bad.species[0].length_m[1]"),
-        (fall(1, Species { width_m: Some(f64::NAN.into()), ..leaf() }), "fall.bad.species[0].width_m"),
         (
-            sun(Sun { angular_diameter_deg: 180.0.into(), ..Sun::default() }),
+            fall(1, leaf().with(|species| species.width_m = Some([f64::NAN; 2].into()))),
+            "fall.bad.species[0].width_m",
+        ),
+        (
+            sun(Sun::default().with(|sun| sun.angular_diameter_deg = 180.0.into())),
             "lights.bad.Sun.angular_diameter_deg",
         ),
-        (sun(Sun { fractal: Some(julia), ..Sun::default() }), "lights.bad.Sun.fractal.imaginary"),
-        (sun(Sun { limb_darkening: 0.5.into(), ..Sun::default() }), "lights.bad.angular_diameter_deg"),
+        (sun(Sun::default().with(|sun| sun.fractal = Some(julia))), "lights.bad.Sun.fractal.imaginary"),
+        (sun(Sun::default().with(|sun| sun.limb_darkening = 0.5.into())), "lights.bad.angular_diameter_deg"),
         (disc(0.0), "lights.bad.Disc.diameter_m"),
         (stage().sky(sky(-1.0)), "sky.Constant.radiance_w_per_m2_sr"),
         (stage().sky(sky(1.0)).background([1.0; 3]), "sky"),
-        (material(Material { opacity: Some(f64::NAN.into()), ..grey() }), "materials.grey.opacity"),
         (
-            material(Material { base_color: Some([f64::INFINITY; 3].into()), ..grey() }),
+            material(grey().with(|material| material.opacity = Some(f64::NAN.into()))),
+            "materials.grey.opacity",
+        ),
+        (
+            material(grey().with(|material| material.base_color = Some([f64::INFINITY; 3].into()))),
             "materials.grey.base_color",
         ),
         (material(missing), "materials.grey.texture"),
         (
-            stage().camera("bad", Camera { fov_deg: Some(f64::NAN.into()), ..Camera::default() }),
+            stage().camera("bad", Camera::default().with(|camera| camera.fov_deg = Some(f64::NAN.into()))),
             "cameras.bad.fov_deg",
         ),
         (
-            tile().fog("bad", Fog { base_m: Some(f64::NAN.into()), ..Fog::in_box([-1.0; 3], [1.0; 3], 0.1) }),
+            tile().fog(
+                "bad",
+                Fog::in_box([-1.0; 3], [1.0; 3], 0.1).with(|fog| fog.base_m = Some(f64::NAN.into())),
+            ),
             "fog.bad.base_m",
         ),
     ] {
@@ -610,9 +648,14 @@ fn parts_keep_to_the_limits_of_files() {
 
 #[test]
 fn inputs_that_cannot_be_read_say_why() {
-    let error = |path: &str| Scene::load(path).expect_err("no scene").to_string();
-    assert!(error("nowhere.ron").contains("nowhere.ron: error: cannot be read"));
-    assert!(error("Cargo.toml").contains("expected: a .ron, .glb, .gltf or .obj file"));
+    let error = |path: &str| Scene::load(path).expect_err("no scene");
+    let nowhere = error("nowhere.ron");
+    assert!(nowhere.to_string().starts_with("nowhere.ron: cannot be read: "), "{nowhere}");
+    assert_eq!(nowhere.remedy(), "check the path");
+    assert!(nowhere.diagnostics().to_string().contains("nowhere.ron: error: cannot be read"));
+    let unknown = error("Cargo.toml");
+    assert_eq!(unknown.to_string().lines().count(), 1, "{unknown}");
+    assert!(unknown.diagnostics().to_string().contains("expected: a .ron, .glb, .gltf or .obj file"));
     let leaf = "scenes/first_leaf/scene.ron";
     let no_animation = Scene::options().animation("down").load(leaf).expect_err("no scene").to_string();
     assert!(no_animation.contains("there is no animation `down`"), "{no_animation}");
@@ -642,5 +685,6 @@ fn a_frame_is_written_as_the_command_line_writes_it() {
 
     let error = frame.write_png(by_library.join("inside.png")).expect_err("a file is no folder");
     assert!(matches!(error, RenderError::Write(_)));
-    assert!(error.to_string().contains("remedy: choose a folder"), "{error}");
+    assert!(error.remedy().contains("choose a folder"), "{error}");
+    assert_eq!(error.to_string().lines().count(), 1, "{error}");
 }

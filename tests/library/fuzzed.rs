@@ -58,6 +58,7 @@ fn what_shows_meshes_and_materials_is_a_scene() {
 }
 
 fn resolved(files: &[(&str, &[u8])]) -> Result<Scene, String> {
-    let description = description::load(&readers::written(files)).map_err(|error| error.to_string())?;
+    let description =
+        description::load(&readers::written(files)).map_err(|error| error.diagnostics().to_string())?;
     Ok(scene::resolve(description, None).map_err(|problems| problems.to_string())?.0)
 }

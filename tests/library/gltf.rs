@@ -18,7 +18,7 @@ fn data(name: &str) -> PathBuf {
 
 /// The scene of a file, or everything that is said about why there is none.
 fn load(name: &str) -> Result<(Scene, RenderSettings), String> {
-    let description = description::load(&data(name)).map_err(|error| error.to_string())?;
+    let description = description::load(&data(name)).map_err(|error| error.diagnostics().to_string())?;
     scene::resolve(description, None).map_err(|diagnostics| diagnostics.to_string())
 }
 

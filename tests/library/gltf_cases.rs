@@ -34,7 +34,10 @@ fn resolved(description: Description, animation: Option<&str>) -> Resolved {
 }
 
 fn load(name: &str, animation: Option<&str>) -> Resolved {
-    resolved(description::load(&folder().join(name)).map_err(|error| error.to_string())?, animation)
+    resolved(
+        description::load(&folder().join(name)).map_err(|error| error.diagnostics().to_string())?,
+        animation,
+    )
 }
 
 /// A file whose JSON is at hand.
@@ -42,7 +45,7 @@ fn load_json(document: &Value) -> Resolved {
     let path = folder().join("changed.gltf");
     let mut files = Files::default();
     let bytes = serde_json::to_vec(document).unwrap();
-    let scene = gltf::parse(&bytes, &path, &mut files).map_err(|error| error.to_string())?;
+    let scene = gltf::parse(&bytes, &path, &mut files).map_err(|error| error.diagnostics().to_string())?;
     let scene = SceneSource::Gltf(scene);
     resolved(
         Description { path, scene, sequence: None, content_hash: files.content_hash(), files: Vec::new() },

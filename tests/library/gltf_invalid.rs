@@ -319,7 +319,7 @@ fn data(name: &str) -> PathBuf {
 /// What is said about a file; `None` if it makes a scene.
 fn refusal(path: &Path) -> Option<String> {
     match description::load(path) {
-        Err(error) => Some(error.to_string()),
+        Err(error) => Some(error.diagnostics().to_string()),
         Ok(description) => scene::resolve(description, None).err().map(|diagnostics| diagnostics.to_string()),
     }
 }
@@ -505,7 +505,7 @@ fn white_space_may_follow_the_json_and_nothing_else() {
         [("\n \t\r\n", None), ("x", Some([0, 2])), ("\n{}", Some([1, 1])), ("\n\n  \0", Some([2, 3]))]
     {
         std::fs::write(&path, format!("{leaf}{rest}")).unwrap();
-        let refused = description::load(&path).err().map(|error| error.to_string());
+        let refused = description::load(&path).err().map(|error| error.diagnostics().to_string());
         let expected = place.map(|[lines, column]| {
             format!("leaf.gltf:{}:{column}: error: the JSON is damaged", line + lines)
         });

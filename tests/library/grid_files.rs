@@ -9,7 +9,7 @@ use sunfleck::{description, export};
 
 /// The scene, or why there is none.
 fn loaded(path: &Path) -> Result<(Scene, RenderSettings), String> {
-    let description = description::load(path).map_err(|error| error.to_string())?;
+    let description = description::load(path).map_err(|error| error.diagnostics().to_string())?;
     scene::resolve(description, None).map_err(|problems| problems.to_string())
 }
 

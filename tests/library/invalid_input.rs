@@ -23,7 +23,7 @@ fn files(folder: &str, extensions: &[&str]) -> Vec<PathBuf> {
 
 /// Loads and resolves; the whole message if that fails.
 fn message(path: &Path) -> Result<scene::Scene, String> {
-    let description = description::load(path).map_err(|error| error.to_string())?;
+    let description = description::load(path).map_err(|error| error.diagnostics().to_string())?;
     scene::resolve(description, None).map(|(scene, _)| scene).map_err(|error| error.to_string())
 }
 

@@ -41,7 +41,7 @@ fn card_showing(folder: &Path, alpha: impl Fn(DVec2) -> f64, material: &str) -> 
     );
     let path = folder.join("scene.ron");
     std::fs::write(&path, text).unwrap();
-    let description = description::load(&path).map_err(|error| error.to_string()).unwrap();
+    let description = description::load(&path).map_err(|error| error.diagnostics().to_string()).unwrap();
     scene::resolve(description, None).map_err(|error| error.to_string()).unwrap().0
 }
 

@@ -98,6 +98,6 @@ fn what_cannot_be_is_said() {
     let said = load(&path).0.remarks.to_string();
     assert!(said.contains("meshes.leaf") && said.contains("it has no texture coordinates"), "{said}");
     std::fs::remove_file(folder.path().join("bent.png")).unwrap();
-    let said = description::load(&path).unwrap_err().to_string();
+    let said = description::load(&path).unwrap_err().diagnostics().to_string();
     assert!(said.contains("materials.bent.normal_map.texture"), "{said}");
 }

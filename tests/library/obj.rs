@@ -32,7 +32,7 @@ fn scene_text(obj: &str) -> String {
 }
 
 fn load(path: &Path) -> Result<Scene, String> {
-    let description = description::load(path).map_err(|error| error.to_string())?;
+    let description = description::load(path).map_err(|error| error.diagnostics().to_string())?;
     scene::resolve(description, None).map(|(scene, _)| scene).map_err(|error| error.to_string())
 }
 

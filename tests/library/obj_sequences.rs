@@ -46,7 +46,7 @@ fn scene_text(mesh: &str, object: &str) -> String {
 }
 
 fn load(path: &Path) -> Result<(Scene, RenderSettings), String> {
-    let description = description::load(path).map_err(|error| error.to_string())?;
+    let description = description::load(path).map_err(|error| error.diagnostics().to_string())?;
     scene::resolve(description, None).map_err(|error| error.to_string())
 }
 

@@ -188,7 +188,7 @@ fn files_carry_it() {
     let folder = tempfile::tempdir().unwrap();
     let (ron, glb) = (folder.path().join("scene.ron"), folder.path().join("scene.glb"));
     let load = |path: &Path| {
-        let description = description::load(path).map_err(|error| error.to_string()).unwrap();
+        let description = description::load(path).map_err(|error| error.diagnostics().to_string()).unwrap();
         scene::resolve(description, None).map_err(|error| error.to_string()).unwrap()
     };
     let said = |scene: &Scene| -> Vec<(String, RayVisibility)> {

@@ -35,7 +35,7 @@ fn scene_with(fields: &str) -> String {
 }
 
 fn resolve(path: &Path) -> Result<scene::Scene, String> {
-    let description = description::load(path).map_err(|error| error.to_string())?;
+    let description = description::load(path).map_err(|error| error.diagnostics().to_string())?;
     scene::resolve(description, None).map(|(scene, _)| scene).map_err(|error| error.to_string())
 }
 

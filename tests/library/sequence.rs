@@ -259,7 +259,7 @@ fn events_tell_the_whole_story() {
         job(&list, &output, Skip::Valid),
         provenance,
         |frame, progress| {
-            progress(Progress { fraction: 0.5, error: None });
+            progress(Progress::new(0.5, None));
             Ok::<_, String>(done(picture(frame)))
         },
         &|event| events.lock().unwrap().push(event),
@@ -269,10 +269,7 @@ fn events_tell_the_whole_story() {
     assert_eq!(events[0], Event::Started { frames: 2 });
     assert_eq!(events[1], Event::FrameSkipped { frame: 1, reason: SkipReason::Valid });
     assert_eq!(events[2], Event::FrameStarted { frame: 2 });
-    assert_eq!(
-        events[3],
-        Event::FrameProgress { frame: 2, progress: Progress { fraction: 0.5, error: None } }
-    );
+    assert_eq!(events[3], Event::FrameProgress { frame: 2, progress: Progress::new(0.5, None) });
     assert!(matches!(&events[4], Event::FrameWritten { frame: 2, clamped: 0, .. }));
     assert!(matches!(&events[5], Event::Finished(summary) if summary.written == 1));
     assert_eq!(events.len(), 6);

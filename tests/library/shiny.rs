@@ -272,7 +272,7 @@ fn with_material(material: Value) -> Scene {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("leaf.gltf");
     std::fs::write(&path, serde_json::to_vec(&file).unwrap()).unwrap();
-    let description = description::load(&path).map_err(|error| error.to_string()).unwrap();
+    let description = description::load(&path).map_err(|error| error.diagnostics().to_string()).unwrap();
     scene::resolve(description, None).map_err(|error| error.to_string()).unwrap().0
 }
 

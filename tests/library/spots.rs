@@ -30,7 +30,7 @@ fn read(bytes: &[u8], name: &str) -> Result<Scene, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
-    let description = description::load(Path::new(&path)).map_err(|error| error.to_string())?;
+    let description = description::load(Path::new(&path)).map_err(|error| error.diagnostics().to_string())?;
     scene::resolve(description, None).map(|(scene, _)| scene).map_err(|error| error.to_string())
 }
 
@@ -99,7 +99,7 @@ fn angles_survive_a_journey() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("spot.gltf");
         std::fs::write(&path, serde_json::to_vec(&file(&spot)).unwrap()).unwrap();
-        let description = description::load(&path).map_err(|error| error.to_string()).unwrap();
+        let description = description::load(&path).map_err(|error| error.diagnostics().to_string()).unwrap();
         let (scene, settings) = scene::resolve(description, None).map_err(|error| error.to_string()).unwrap();
         let exported = export::glb(&scene, &settings, Path::new("")).unwrap();
         let back = read(&[exported.head, exported.binary].concat(), "spot.glb").unwrap();

@@ -51,7 +51,7 @@ fn a_billion_voxels_take_no_more_than_their_tiles() {
 fn a_file_that_ends_early_is_refused_with_the_place() {
     let whole = bytes("several.vdb");
     for length in (0..whole.len() - 100).step_by(397) {
-        let error = parsed(&whole[..length]).expect_err("it is cut").to_string();
+        let error = parsed(&whole[..length]).expect_err("it is cut").diagnostics().to_string();
         assert!(error.contains("made.vdb") && error.contains("(byte "), "{length}: {error}");
         assert!(error.contains("remedy"), "{length}: {error}");
     }

@@ -166,7 +166,7 @@ fn refusal(fog: &str) -> String {
     std::fs::write(&path, scene).expect("a file");
     match description::load(&path) {
         Ok(description) => scene::resolve(description, None).expect_err("it is no fog").to_string(),
-        Err(error) => error.to_string(),
+        Err(error) => error.diagnostics().to_string(),
     }
 }
 

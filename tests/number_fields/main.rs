@@ -157,7 +157,7 @@ impl Bench {
 fn is_helpful(error: &Diagnostic, input: &Path) -> bool {
     let is_placed = match &error.place {
         Place::Text { file, .. } | Place::Field { file, .. } => file.file_name() == input.file_name(),
-        Place::Nowhere | Place::File(_) => false,
+        _ => false,
     };
     error.severity != Severity::Error || is_placed && error.expected.is_some() && error.remedy.is_some()
 }

@@ -92,7 +92,7 @@ pub(super) fn unreadable(error: &LoadError, file: &Path, path: &str) -> Diagnost
         LoadError::Io { path, source, .. } => {
             format!("{} cannot be read: {source}", shown(&readable(path)))
         }
-        LoadError::Invalid(_) => error.to_string(),
+        LoadError::Invalid(diagnostics) => diagnostics.to_string(),
     };
     invalid(file, path, found).remedy("put the file where this one names it, or pack it in (as .glb)")
 }

@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 
 /// A mesh as a program has it.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Triangles {
     /// Where the vertices are, metres.
     pub positions: Vec<[f32; 3]>,
@@ -19,6 +20,11 @@ pub struct Triangles {
 }
 
 impl Triangles {
+    /// Flat triangles.
+    pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { positions, triangles, ..Self::default() }
+    }
+
     /// The model, or what is wrong: its field, what was found and what was expected.
     pub(in crate::inside::description) fn model(&self) -> Result<ObjModel, [String; 3]> {
         let count = self.positions.len();

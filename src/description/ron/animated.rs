@@ -13,6 +13,7 @@ use std::marker::PhantomData;
 /// A value that stays, or one that changes over time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[serde(untagged, bound = "")]
+#[non_exhaustive]
 pub enum Animated<T: Keyable> {
     /// The same at all times.
     Still(T),

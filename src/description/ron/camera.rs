@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 /// A camera.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
+#[non_exhaustive]
 pub struct Camera {
     /// Name of the object that the camera follows.
     pub parent: Option<String>,
@@ -54,6 +55,7 @@ impl Default for Camera {
 /// The opening of a lens.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Aperture {
     /// Focal length over the opening's diameter.
     pub f_stop: Animated<Number<FStop>>,

@@ -15,6 +15,7 @@ pub const MOST_FALLING: u32 = 50_000;
 /// Leaves that fall as leaves fall.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Fall {
     /// How many.
     pub count: Whole<1, MOST_FALLING>,
@@ -59,6 +60,7 @@ pub struct Fall {
 /// One kind of leaf.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Species {
     /// Names of meshes; each leaf is one of them.
     pub meshes: Vec<String>,
@@ -86,6 +88,7 @@ pub struct Species {
 /// Where leaves hang.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Emitter {
     /// Anywhere in a box.
     Box {
@@ -111,6 +114,7 @@ pub enum Emitter {
 /// What the air does.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
+#[non_exhaustive]
 pub struct Wind {
     /// Along the ground.
     pub mean_m_per_s: Animated<Vector<AirVelocity>>,
@@ -129,6 +133,7 @@ pub struct Wind {
 /// In which proportion leaves fall in which way.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
+#[non_exhaustive]
 pub struct FallMotion {
     /// Level, rocking a little.
     pub steady: Number<NonNegative>,
@@ -147,6 +152,7 @@ pub struct FallMotion {
 /// What leaves come to rest on.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
+#[non_exhaustive]
 pub struct FallGround {
     /// Height of level ground.
     pub height_m: Number<Finite>,

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 /// A bank of fog: in a box, thinner with height, or both; or as dense as voxels are.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Fog {
     /// Name of the object that the fog follows.
     pub parent: Option<String>,

@@ -12,6 +12,7 @@ pub const MAX_LEAVES: u32 = 1_000_000;
 /// Seeded copies of meshes, scattered over a box or a surface.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Leaves {
     /// How many.
     pub count: Whole<1, MAX_LEAVES>,

@@ -12,6 +12,7 @@ use std::path::PathBuf;
 /// A light.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Light {
     /// Light from infinitely far away.
     Sun(Sun),
@@ -82,6 +83,7 @@ pub enum Light {
 /// Light from infinitely far away: parallel, or from a disc.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Sun {
     /// Name of the object whose rotation the light follows.
     pub parent: Option<String>,
@@ -130,6 +132,7 @@ impl Default for Sun {
 /// The Julia set of `z^2 + c`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Julia {
     /// Real part of `c`.
     pub real: Animated<Number<JuliaPart>>,
@@ -138,6 +141,16 @@ pub struct Julia {
     /// After so many a point counts as one that never escapes.
     #[serde(default = "hundred")]
     pub iterations: Whole<1, 1000>,
+}
+
+impl Julia {
+    /// Of a `c`; what 100 iterations do not take away is inside.
+    pub fn new(
+        real: impl Into<Animated<Number<JuliaPart>>>,
+        imaginary: impl Into<Animated<Number<JuliaPart>>>,
+    ) -> Self {
+        Self { real: real.into(), imaginary: imaginary.into(), iterations: hundred() }
+    }
 }
 
 fn up() -> Direction {

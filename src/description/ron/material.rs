@@ -8,6 +8,7 @@ use std::path::PathBuf;
 /// What a surface is made of.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
+#[non_exhaustive]
 pub struct Material {
     /// Lambert reflectance, linear Rec. 709, multiplied by the texture; without it 0.8, or 1 with a texture.
     pub base_color: Option<Triple<UnitInterval>>,
@@ -35,13 +36,28 @@ pub struct Material {
     pub emission_w_per_m2_sr: Option<Triple<NonNegative>>,
 }
 
+impl Material {
+    /// Lambert reflectance alone, linear Rec. 709.
+    pub fn matte(base_color: impl Into<Triple<UnitInterval>>) -> Self {
+        Self { base_color: Some(base_color.into()), ..Self::default() }
+    }
+}
+
 /// An image of directions, as glTF's normal maps are.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct NormalMap {
     /// A PNG, JPEG, WebP or PPM image whose red, green and blue are x, y and z, from -1 to 1.
     pub texture: PathBuf,
     /// Factor on x and y.
     #[serde(default = "one")]
     pub scale: Number<Finite>,
+}
+
+impl NormalMap {
+    /// As the image has it.
+    pub fn new(texture: impl Into<PathBuf>) -> Self {
+        Self { texture: texture.into(), scale: one() }
+    }
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Billows of mist that drift.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Mist {
     /// How wide the largest are.
     pub size_m: Number<Positive>,

@@ -10,6 +10,7 @@ use std::fmt;
 /// A material of the scene, or one that only this mesh has.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
+#[non_exhaustive]
 pub enum Replacement {
     /// The name of a material of the scene.
     Named(String),

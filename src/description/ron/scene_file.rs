@@ -64,6 +64,7 @@ impl SceneFile {
 /// A mesh in its place, or a group of such.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
+#[non_exhaustive]
 pub struct Object {
     /// Name of a mesh; without one the object only groups.
     pub mesh: Option<String>,
@@ -87,6 +88,13 @@ pub struct Object {
     pub casts_shadow: bool,
     /// Whether its mesh is a hole in the picture: black, with alpha 0.
     pub holdout: bool,
+}
+
+impl Object {
+    /// A mesh of a material, by their names, at the origin.
+    pub fn of(mesh: &str, material: &str) -> Self {
+        Self { mesh: Some(mesh.to_owned()), material: Some(material.to_owned()), ..Self::default() }
+    }
 }
 
 impl Default for Object {

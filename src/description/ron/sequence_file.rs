@@ -62,6 +62,7 @@ pub struct March {
 
 /// How often light may be scattered beyond direct light and single scattering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Bounces {
     /// So many times, `bounces: 3`.
     UpTo(u32),
@@ -96,6 +97,7 @@ impl<'de> Deserialize<'de> for Bounces {
 /// By what weights a pixel is the mean of the picture around it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[cfg_attr(feature = "program", derive(clap::ValueEnum))]
+#[non_exhaustive]
 pub enum PixelFilter {
     /// The pixel itself, everywhere alike.
     #[default]

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 /// A shape.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Shape {
     /// A Wavefront OBJ file, relative to the scene file.
     Obj(PathBuf),

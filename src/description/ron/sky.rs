@@ -9,6 +9,7 @@ use std::path::PathBuf;
 /// What lies behind the scene and lights it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Sky {
     /// The same everywhere.
     Constant {
