@@ -210,6 +210,16 @@ fn imports_point_only_upward() {
 }
 
 #[test]
+fn the_solver_knows_no_leaf_no_camera_and_no_scene() {
+    for (file, _, text) in sources().into_iter().filter(|(_, module, _)| module == "ordinates") {
+        for import in imports(&file, &text) {
+            let known = ["accel", "color", "math", "ordinates"];
+            assert!(known.contains(&import.as_str()), "{file}: the solver imports `{import}`");
+        }
+    }
+}
+
+#[test]
 fn unsafe_lives_in_the_simd_kernels_alone() {
     for (file, module, text) in sources() {
         let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));

@@ -1,6 +1,6 @@
-//! How far leaves stand in clumps within cells, where a cell knows no more than how many there are. In go
-//! surfels, out comes a clumping index for each node. Invariant: leaves that stand anywhere, each by itself,
-//! have an index of 1.
+//! Clumping index of leaves within cells, where a cell knows no more than how many there are. In go surfels,
+//! out comes a clumping index for each node. Invariant: leaves that stand anywhere, each by itself, have an
+//! index of 1.
 //!
 //! A canopy of the leaf area `L` lets `exp(-G L)` of light through where leaves are spread evenly. Where they
 //! stand in clumps it is `exp(-G L omega)` (Nilson 1971, "A theoretical analysis of the frequency of gaps in
@@ -28,12 +28,12 @@ const LEAVES_ACROSS: f64 = 1.2;
 const MOST_COLUMNS: usize = 6;
 /// A cell whose leaves are one on the other would let everything through.
 const LEAST: f64 = 0.2;
-/// Of a geometric series: what comes after is next to nothing.
+/// Terms of a geometric series: what comes after is next to nothing.
 const MOST_TERMS: u32 = 32;
 /// Columns of all cells and axes: memory.
 const MOST_IN_ALL: f64 = 16e6;
 
-/// Of leaves, by node.
+/// Clumping index of leaves, by node.
 pub(crate) struct Clumping {
     /// None where cells are too small for clumps.
     indices: Vec<f32>,
@@ -77,7 +77,7 @@ impl Clumping {
         self.indices.is_empty()
     }
 
-    /// Of a node.
+    /// Index of a node.
     pub(crate) fn at(&self, node: usize) -> f64 {
         self.indices.get(node).map_or(1.0, |index| f64::from(*index))
     }
@@ -87,7 +87,7 @@ impl Clumping {
         if self.is_none() { 1.0 } else { corners.iter().map(|(node, share)| share * self.at(node)).sum() }
     }
 
-    /// What leaves of an index get of light from elsewhere, over what they would get each by itself, if they
+    /// Interception by leaves of an index of light from elsewhere, over that of each by itself, if they
     /// send an `albedo` of all they get on. Of their own light as much leaves the clump.
     pub(crate) fn inside(&self, index: f64, albedo: Rgb) -> Rgb {
         match self.bounces {
@@ -106,7 +106,7 @@ struct Columns {
     /// Along each side of a cell.
     across: usize,
     side_m: f64,
-    /// Of leaf area what is seen along them, m^2, by node, by axis, by column.
+    /// Leaf area that is seen along them, m^2, by node, by axis, by column.
     areas_m2: Vec<f32>,
 }
 
@@ -157,7 +157,7 @@ impl Columns {
         (stopped, depths)
     }
 
-    /// What leaves seem to have that stand anywhere, each by itself, along each axis: each is in a column as
+    /// Indices that leaves seem to have that stand anywhere, along each axis: each is in a column as
     /// a whole, and their number is Poisson's.
     fn indices_by_chance(&self, surfels: &Surfels) -> Vec3 {
         let leaf = surfels.leaf_area_m2 / self.side_m.powi(2);

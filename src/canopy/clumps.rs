@@ -1,6 +1,5 @@
-//! What leaves that stand in a clump are to each other, where light is gathered. In goes a place, out comes
-//! its [`Clump`]. Invariant: where a clump absorbs nothing, in even light, its leaves get what they would
-//! each by itself.
+//! Clumps of leaves, where light is gathered. In goes a place, out comes its [`Clump`]. Invariant: where a
+//! clump absorbs nothing, in even light, its leaves get what they would each by itself.
 
 use super::clumping::Clumping;
 use super::surroundings::Leaf;
@@ -11,16 +10,16 @@ use glam::DVec3;
 /// All clumps of a grid.
 pub(crate) struct Clumps {
     clumping: Clumping,
-    /// What leaves give each other of the light that they scatter first, W/m^2 by node.
+    /// Irradiance that leaves give each other of the light that they scatter first, W/m^2 by node.
     given: Vec<[f32; 3]>,
 }
 
 /// The leaves that a leaf stands among.
 #[derive(Clone, Copy)]
 pub(crate) struct Clump {
-    /// Of clumping.
+    /// Clumping index.
     index: f64,
-    /// What they give each other of the light that they scatter first, W/m^2.
+    /// Irradiance that they give each other of the light that they scatter first, W/m^2.
     given: Rgb,
 }
 
@@ -57,7 +56,7 @@ impl Clumps {
         Clump { index, given: clump.given + met_again }
     }
 
-    /// What a leaf of a clump gathers of what it would by itself, if it sends a share of all light on.
+    /// Irradiance on a leaf of a clump by that on the leaf alone, and by its albedo.
     pub(crate) fn gathered(&self, clump: Clump, by_itself: Rgb, sent: Rgb) -> Rgb {
         if clump.index < 1.0 {
             self.clumping.inside(clump.index, sent) * by_itself + clump.given

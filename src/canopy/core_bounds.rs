@@ -1,4 +1,4 @@
-//! Where most of what there is lies. In go boxes with how much each counts, out comes the box about them
+//! Bounds of most of what there is. In go boxes with how much each counts, out comes the box about them
 //! without strays. Invariant: what is far away and little changes nothing, however far it is.
 
 use glam::DVec3;
@@ -13,21 +13,21 @@ pub(crate) struct Weighed {
     pub(crate) area_m2: f64,
 }
 
-/// What is left out of a box.
+/// Strays that are left out of a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Strays {
     /// Whatever would have all cells larger for the sake of little.
     Sparse,
-    /// What is neither seen by most nor sends them light.
+    /// Things that most neither see nor get light from.
     Lost,
 }
 
 impl Strays {
     /// Whether a group of an area is one of them, which a gap parts from a rest of an area and a size.
     fn are(self, (gap_m, area_m2): (f64, f64), (rest_m, rest_m2): (f64, f64)) -> bool {
-        /// Of the rest's size: the larger the group, the wider the gap must be.
+        /// Gap as a share of the rest's size: the larger the group, the wider.
         const GAP: f64 = 4.0;
-        /// Of the rest, and of the sphere as the rest sees it.
+        /// Share of the rest, and of the sphere as the rest sees it.
         const LITTLE: f64 = 0.02;
         const SOLID_ANGLE: f64 = 1e-2;
         let share = area_m2 / rest_m2.max(f64::MIN_POSITIVE);

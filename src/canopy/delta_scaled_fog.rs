@@ -1,5 +1,5 @@
-//! Fog as ordinates see it. In goes a medium, out come what dims light and what is scattered. Invariant: what
-//! is not scattered is not lost either.
+//! Delta-scaled fog, as ordinates see it. In goes a medium, out come extinction and scattering coefficients.
+//! Invariant: what is not scattered is not lost either.
 //!
 //! Harmonics up to l = 2 cannot tell light that is scattered nearly straight ahead from light that is not
 //! scattered. Where all orders are wanted, such light counts as not scattered (delta-M, Wiscombe 1977). A
@@ -19,9 +19,9 @@ const DEGREES: i32 = 3;
 #[derive(Default)]
 pub(crate) struct FogCoefficients {
     pub(crate) extinction: Rgb,
-    /// What harmonics of each degree get back.
+    /// Scattering coefficient of each degree.
     pub(crate) scattering: [Rgb; DEGREES as usize],
-    /// The same of a sun's light as it is scattered first, and what of it counts as not scattered.
+    /// Scattering coefficients of a sun's light as it is scattered first, and its forward peak.
     pub(crate) first_scattering: [Rgb; FIRST_DEGREES],
     pub(crate) first_peak: Rgb,
 }
@@ -49,9 +49,9 @@ pub(crate) struct DeltaScaledFog<'a> {
     medium: &'a Medium,
     /// Its origin, in world space.
     pub(crate) eye: DVec3,
-    /// What light loses on its way from order to order.
+    /// Extinction of light on its way from order to order.
     pub(crate) dimming: Medium,
-    /// What a sun's light loses on its way to where it is scattered first.
+    /// Extinction of a sun's light on its way to its first collision.
     dimming_of_suns: Medium,
     has_peaks: bool,
 }
@@ -63,12 +63,12 @@ impl<'a> DeltaScaledFog<'a> {
         Self { medium, eye, dimming: without(DEGREES), dimming_of_suns: without(BEAM_DEGREES), has_peaks }
     }
 
-    /// What light of a sun or of a lamp loses before it is scattered.
+    /// Extinction of light of a sun or of a lamp before its first collision.
     pub(crate) fn dimming_of(&self, is_of_sun: bool) -> &Medium {
         if is_of_sun { &self.dimming_of_suns } else { self.medium }
     }
 
-    /// What it is at a point.
+    /// Coefficients at a point.
     pub(crate) fn at(&self, point: DVec3) -> FogCoefficients {
         let (_, of_degrees) = self.medium.coefficients_at::<FIRST_DEGREES>(point);
         let peak = |degrees: i32| match self.has_peaks {

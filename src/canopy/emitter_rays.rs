@@ -14,9 +14,9 @@ use std::f64::consts::TAU;
 pub(crate) const BUNDLE: usize = 4;
 /// Rays of a sun that go through a cell, along each side.
 const RAYS_PER_CELL: f64 = 8.0;
-/// Of a sun.
+/// Rays of a sun.
 const MOST_RAYS: f64 = 100_000.0;
-/// Of a lamp.
+/// Rays of a lamp.
 const LAMP_RAYS: usize = 40_000;
 
 /// A ray that carries power.
@@ -41,7 +41,7 @@ impl PowerRay {
     }
 }
 
-/// What suns shine on.
+/// Rays of emitters on a grid.
 pub(crate) struct Emitters<'a> {
     pub(crate) snapshot: &'a Snapshot<'a>,
     pub(crate) grid: &'a Grid,
@@ -120,7 +120,7 @@ pub(crate) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
     (0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO).collect()
 }
 
-/// Of all of a sun's disc, on a plane that faces it.
+/// Irradiance by all of a sun's disc, on a plane that faces it.
 pub(crate) fn mean_irradiance(light: &Luminaire) -> Rgb {
     const POINTS: usize = 64;
     if light.is_delta() {

@@ -1,6 +1,5 @@
-//! Where light of lamps and suns is scattered first by leaves and fog. In go a snapshot and rays
-//! of its lights, out come sources on the grid. Invariant: power is conserved; what a ray carries
-//! lands where the ray does.
+//! First collisions of lamps' and suns' light with leaves and fog. In go a snapshot and rays of its lights,
+//! out come sources on the grid. Invariant: power is conserved; what a ray carries lands where the ray does.
 
 use super::delta_scaled_fog::{DeltaScaledFog, scatters_ahead};
 use super::emitter_rays::{BUNDLE, Emitters, PowerRay, of_lamp};
@@ -31,29 +30,29 @@ const CHUNKS: usize = 8;
 /// side, and its lit side is not to light the other.
 const AWAY: f64 = 0.8;
 
-/// What a group of rays leaves on its way.
+/// Collisions of a group of rays.
 struct Left {
     /// In fog.
     fluence: Fluence,
-    /// What leaves scatter of it, as sources.
+    /// Sources that leaves make of it.
     scattered: NodeMoments,
-    /// What of that meets leaves of the same clump, W m^-3 by node.
+    /// Power that meets leaves of the same clump again, W m^-3 by node.
     met_again: Vec<[f32; 3]>,
-    /// What meets leaves, in the order of the rays.
+    /// Hits on leaves, in the order of the rays.
     on_leaves: Vec<LeafHit>,
 }
 
-/// What becomes of light where it is scattered first.
+/// Sources of all first collisions.
 pub(crate) struct Found {
     /// By harmonics: of leaves and fog.
     pub(crate) sources: Moments,
-    /// Of suns in fog beyond that.
+    /// Sources of suns in fog beyond that.
     pub(crate) beams: Vec<BeamSource>,
-    /// Of suns what goes on nearly straight.
+    /// Forward peak of each sun.
     pub(crate) forward_peaks: Vec<ForwardPeak>,
-    /// What leaves scatter that meets leaves of the same clump, W m^-3 by node.
+    /// Power that meets leaves of the same clump again, W m^-3 by node.
     pub(crate) met_again: Vec<[f32; 3]>,
-    /// What leaves get.
+    /// Power that meets leaves.
     pub(crate) on_leaves: LeafPower,
 }
 
@@ -69,7 +68,7 @@ pub(crate) struct FirstCollisions<'a> {
 }
 
 impl FirstCollisions<'_> {
-    /// What all lights make of fog and leaves.
+    /// First collisions of all lights.
     pub(crate) fn found(&self) -> Found {
         let nothing = Moments::zero(self.cut.grid.count());
         let (beams, forward_peaks, met_again) = (Vec::new(), Vec::new(), self.nothing_met());
@@ -100,7 +99,7 @@ impl FirstCollisions<'_> {
         vec![[0.0; 3]; if self.medium.clumping.is_none() { 0 } else { self.cut.grid.count() }]
     }
 
-    /// What groups of rays leave on their way.
+    /// Collisions of rays, group by group.
     fn followed(&self, rays: &[PowerRay]) -> Vec<Left> {
         let count = self.cut.grid.count();
         let chunk = rays.len().div_ceil(CHUNKS).max(1).next_multiple_of(BUNDLE);
@@ -210,7 +209,7 @@ impl FirstCollisions<'_> {
         }
     }
 
-    /// What a ray meets until something opaque ends it.
+    /// Surfaces that a ray meets until something opaque ends it.
     fn stops(&self, ray: &Ray) -> Vec<(f64, SurfacePoint)> {
         let snapshot = self.snapshot;
         let opaque = snapshot.tree.nearest_hit(ray, f64::INFINITY, None);
@@ -237,7 +236,7 @@ impl FirstCollisions<'_> {
         }
     }
 
-    /// What a ray meets, if it is in the grid and no wall, gets its light.
+    /// Lands a ray on a surface, if that is in the grid and no wall.
     fn land_at(&self, from: &PowerRay, (t, point): (f64, &SurfacePoint), power: Rgb, left: &mut Left) {
         let ray = &from.ray;
         let (enter, leave) = self.inside(ray);
@@ -319,7 +318,7 @@ impl FirstCollisions<'_> {
         out
     }
 
-    /// What leaves make of all power that meets them.
+    /// Adds the sources that leaves make of all power that meets them.
     fn send_from_leaves(&self, found: &mut Found) {
         let mut sent = NodeMoments::zero(self.cut.grid.count());
         for (number, leaf) in self.leaves.all().iter().enumerate() {
@@ -340,7 +339,7 @@ impl FirstCollisions<'_> {
         found.sources.add_nodes(&sent);
     }
 
-    /// What a leaf makes of power that meets it.
+    /// Lands power on a leaf.
     fn land(&self, point: &SurfacePoint, power: Rgb, left: &mut Left) {
         let normal = point.geometric_normal;
         if let Some(leaf) = self.leaves.number(self.snapshot, point.primitive) {

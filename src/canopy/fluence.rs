@@ -1,6 +1,6 @@
-//! Light of lamps and suns on its way through the grid. In go rays' places, directions and powers, out
-//! comes what each node has of them. Invariant: what a place has is shared out among the nodes about it,
-//! and none of it is lost.
+//! Fluence of lamps and suns on its way through the grid. In go rays' places, directions and powers, out
+//! comes what each node has of them. Invariant: what a place has is shared out among the nodes about it, and
+//! none of it is lost.
 
 use crate::color::Rgb;
 use crate::ordinates::grid::Corners;
@@ -53,7 +53,7 @@ pub(crate) struct Fluence {
     values: Vec<f32>,
 }
 
-/// Of one direction: by channel all of it, then that part that fog has scattered nearly straight ahead.
+/// Numbers of one direction: by channel all of it, then its forward peak.
 const OF_BEAM: usize = 6;
 const OF_ALL: usize = 3 * COUNT;
 
@@ -64,7 +64,7 @@ impl Fluence {
         Self { harmonics, values: vec![0.0; per_node * nodes] }
     }
 
-    /// Of one direction that part that goes on nearly straight, by node.
+    /// Forward peak of one direction, by node.
     pub(crate) fn peak(&self, channel: usize) -> impl Iterator<Item = f32> {
         self.values.chunks_exact(OF_BEAM).map(move |node| node[3 + channel])
     }

@@ -1,5 +1,5 @@
-//! Which leaf a triangle is part of. In go the leaves of a snapshot, out come their numbers. Invariant: a
-//! leaf has the same number on every grid.
+//! Numbers of leaves by their triangles. In go the leaves of a snapshot, out come their numbers. Invariant:
+//! a leaf has the same number on every grid.
 
 use super::surroundings::Leaf;
 use crate::accel::PrimitiveId;

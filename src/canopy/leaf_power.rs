@@ -1,4 +1,4 @@
-//! Light of lamps and suns that meets leaves, leaf by leaf. In go rays that end on them, out come sources on
+//! Power of lamps and suns that meets leaves, leaf by leaf. In go rays that end on them, out come sources on
 //! the grid. Invariant: all that leaves a leaf comes from one place of it, so what it makes of its own light
 //! is known; see `self_interaction.rs`.
 
@@ -28,11 +28,11 @@ impl LeafHit {
     }
 }
 
-/// What both sides of each leaf get, W.
+/// Power on both sides of each leaf, W.
 pub(crate) struct LeafPower(Vec<[[f32; 3]; 2]>);
 
 impl LeafPower {
-    /// Of so many leaves.
+    /// No power on so many leaves.
     pub(crate) fn zero(leaves: usize) -> Self {
         Self(vec![[[0.0; 3]; 2]; leaves])
     }
@@ -42,12 +42,12 @@ impl LeafPower {
         sums.for_each(|(sum, value)| *sum += value);
     }
 
-    /// Of one leaf.
+    /// Power on one leaf.
     pub(crate) fn of(&self, number: usize) -> [Rgb; 2] {
         self.0[number].map(|power| Rgb::from_array(power.map(f64::from)))
     }
 
-    /// What leaves each of its sides.
+    /// Power that leaves each of its sides.
     pub(crate) fn scattered(&self, number: usize, leaf: &Leaf) -> [Scattered; 2] {
         let power = self.of(number);
         [0, 1].map(|side| Scattered {

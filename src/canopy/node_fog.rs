@@ -1,5 +1,5 @@
-//! Fog as the nodes of a grid have it. In go a medium and walls, out come coefficients by node. Invariant: no
-//! fog is lost or counted twice where walls cut cells, so a thin layer over ground has its optical depth.
+//! Fog by node of a grid. In go a medium and walls, out come coefficients by node. Invariant: no fog is lost
+//! or counted twice where walls cut cells, so a thin layer over ground has its optical depth.
 
 use super::delta_scaled_fog::{DeltaScaledFog, FogCoefficients};
 use crate::ordinates::grid::{Corners, Grid};
@@ -14,7 +14,7 @@ const GENERATOR: [usize; 3] = [19, 1, 27];
 /// Near walls what fills a cell is kept place by place: memory.
 const CELLS_AT_ONCE: usize = 512;
 
-/// What each node has.
+/// Coefficients of each node.
 pub(crate) fn fog_of_nodes(
     CutGrid { grid, occluders }: CutGrid,
     fog: &DeltaScaledFog,
@@ -40,7 +40,7 @@ fn place_in((grid, node): (&Grid, usize), number: usize) -> DVec3 {
     grid.position(node) + grid.cell_m * DVec3::new(along(0), along(1), along(2))
 }
 
-/// What fills a cell near walls, with who sees it.
+/// Coefficients in a cell near walls, with the nodes that see them.
 fn shared_out(
     cell: (&Grid, usize),
     occluders: &Occluders,

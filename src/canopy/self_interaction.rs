@@ -1,5 +1,6 @@
-//! What a leaf itself does to the light that it finds at the nodes about it. In go what it scatters and what
-//! it gathers, out come moments without its own part. Invariant: a leaf that stands alone gets no light.
+//! Self-interaction of leaves: what a leaf itself does to light at the nodes about it. In go what it
+//! scatters and what it gathers, out come moments without its own part. Invariant: a leaf that stands alone
+//! gets no light.
 //!
 //! On a grid a leaf is spread over cells, so it shines on itself and stands in its own response. A real one
 //! does neither: seen from one of many leaves that stand anywhere, the others are as if it were not there
@@ -41,15 +42,15 @@ pub(crate) struct SelfInteraction {
 /// A leaf, and what is about it.
 pub(crate) struct Alone<'a> {
     leaf: &'a Leaf,
-    /// What leaves its sides of first light and glow, W.
+    /// Power of first light and emission that leaves its sides, W.
     scattered: [Scattered; 2],
     /// For each side the nodes that stand for it, and for what it scatters back of first light.
     pub(crate) nodes: [[Corners; 2]; 2],
     /// Steps between them; first by the side that sees.
     near: [[[f32; NEAR]; 3]; 2],
-    /// Of what is about it.
+    /// Extinction about it.
     extinction: NodeExtinction<'a>,
-    /// Of clumping, and the share that gets out of clumps of what it scatters.
+    /// Clumping index, and the share of what it scatters that escapes its clump.
     index: f64,
     inside: Rgb,
 }
@@ -79,7 +80,7 @@ impl<'a> Alone<'a> {
         Self { leaf, scattered, nodes, near, extinction, index, inside }
     }
 
-    /// What leaves its sides of the light that arrives later, W.
+    /// Power of later light that leaves its sides, W.
     fn sent(&self, arriving: [Rgb; 2]) -> [Rgb; 2] {
         let optics = bent(&self.leaf.optics, self.leaf.exposed);
         let factor = self.leaf.exposed * self.leaf.area_m2 * self.index * self.inside;
@@ -94,23 +95,23 @@ impl<'a> Alone<'a> {
     }
 }
 
-/// What a side of a leaf is reached by along each ordinate.
+/// Attenuation towards a side of a leaf along each ordinate.
 struct Reached<'a> {
     side: usize,
     by_ordinate: &'a [Attenuation],
 }
 
-/// What comes to a side: moments up to degree 2, and of degree 4.
+/// Moments of radiance at a side: up to degree 2, and of degree 4.
 pub(crate) struct Arriving<'a>(pub(crate) &'a mut Moments, pub(crate) &'a mut Moments);
 
 impl SelfInteraction {
-    pub(crate) fn new(grid: &Grid, ordinates: &Quadrature, bounces: Bounces) -> Self {
-        let responses = ordinates.iter().map(|ordinate| Response::of(ordinate, grid.cell_m)).collect();
+    pub(crate) fn new(grid: &Grid, quadrature: &Quadrature, bounces: Bounces) -> Self {
+        let responses = quadrature.iter().map(|ordinate| Response::of(ordinate, grid.cell_m)).collect();
         let goes_on = bounces != Bounces::UpTo(1);
         Self { responses, per_volume: 1.0 / grid.cell_volume(), goes_on }
     }
 
-    /// What all leaves scatter of their own first light, as sources: a leaf that has none scatters none.
+    /// Sources of all leaves' own first light: a leaf that has none scatters none.
     pub(crate) fn all_sent_again(
         &self,
         cut: CutGrid,
@@ -142,8 +143,8 @@ impl SelfInteraction {
         sources
     }
 
-    /// What a leaf scatters of its own first light when that has come back to it, where nothing else did:
-    /// power that leaves its sides, W. The second round has it, and nobody should.
+    /// Power that a leaf scatters of its own first light when that has come back to it, where nothing else
+    /// did: power that leaves its sides, W. The second order has it, and nobody should.
     fn sent_again(&self, alone: &Alone) -> [Rgb; 2] {
         let reach = self.attenuation(alone);
         let arriving = [0, 1].map(|side| {
@@ -177,7 +178,7 @@ impl SelfInteraction {
         self.responses.iter().map(|response| response.attenuation(alone.extinction)).collect()
     }
 
-    /// What it scatters of first light, as a side sees it.
+    /// Takes out what it scatters of first light, as a side sees it.
     fn take_first(&self, alone: &Alone, reach: &Reached, from: &mut [Moments; 2]) {
         let factor = FRAC_1_PI * self.per_volume;
         let [[back, through], [back_of_other, through_other]] =
@@ -194,7 +195,7 @@ impl SelfInteraction {
         }
     }
 
-    /// What it makes of all other light, and what it stops of that.
+    /// Takes out what it scatters of all other light, and what it stops of that.
     fn take_later(
         &self,
         alone: &Alone,

@@ -1,4 +1,4 @@
-//! What light meets on its way from order to order, in world space: small things as surfels, large ones as
+//! Surroundings that light meets from order to order, in world space: small things as surfels, large ones as
 //! walls. In goes a snapshot, out come both and the box that they fill. Invariant: each visible triangle is
 //! part of one of them.
 
@@ -32,7 +32,7 @@ pub(crate) struct Surfel {
 /// Small things; memory matters where there are a million of them.
 pub(crate) struct Surfels {
     pub(crate) all: Vec<Surfel>,
-    /// Of one of them, on the mean, m^2.
+    /// Mean area of one of them, m^2.
     pub(crate) leaf_area_m2: f64,
     optics: Vec<SurfaceOptics>,
 }
@@ -70,7 +70,7 @@ struct PlacedPart<'a> {
     mesh_number: usize,
     part: &'a MeshPart,
     number: usize,
-    /// Of its sides the shortest.
+    /// The shortest of its sides.
     thickness_m: f64,
     /// The second longest: how wide a leaf is, or a trunk, or a wall; metres.
     width_m: f64,
@@ -119,7 +119,7 @@ pub(crate) struct Leaf {
     /// In world space, of all of it.
     pub(crate) position: DVec3,
     pub(crate) normal: DVec3,
-    /// What covers of one side, m^2.
+    /// Area of one side that covers, m^2.
     pub(crate) area_m2: f64,
     /// Which share of light from all sides the leaf itself does not hide.
     pub(crate) exposed: f64,
@@ -127,12 +127,12 @@ pub(crate) struct Leaf {
     pub(crate) optics: SurfaceOptics,
 }
 
-/// Of a leaf's area so much faces one way at least; a body's faces all ways.
+/// Share of a leaf's area that faces one way, at least; a body's faces all ways.
 const FLAT: f64 = 0.5;
 /// A leaf that is rolled up hides next to all of itself.
 const LEAST_EXPOSED: f64 = 0.1;
 
-/// Of a part that looks like no other, and of all of them together.
+/// Points of a part that looks like no other, and of all of them together.
 const POINTS: usize = 64;
 const MOST_POINTS: usize = 400_000;
 const FEWEST_POINTS: usize = 8;
@@ -272,7 +272,7 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Of parts that look alike their mean, for each looks.
+    /// Mean of parts that look alike, for each looks.
     fn means<'p>(&self, parts: impl Iterator<Item = &'p PlacedPart<'a>>) -> HashMap<Looks, SurfaceOptics>
     where
         'a: 'p,

@@ -30,7 +30,7 @@ const LEAST_SIDES: f32 = 0.02;
 /// Leaves and fog that fill the cells of a grid.
 pub(crate) struct TurbidMedium {
     pub(crate) cross_sections: CrossSections,
-    /// What fog scatters of suns' light first, by degree: 1/m, by channel, degree and node.
+    /// Scattering coefficients of suns' light as fog scatters it first: 1/m, by channel, degree and node.
     pub(crate) first_scattering: [[Vec<f32>; FIRST_DEGREES]; 3],
     /// The forward peak that this leaves out of each degree, as if it were not scattered.
     pub(crate) first_peak: [Vec<f32>; 3],
@@ -44,7 +44,7 @@ struct LeafArea {
     node: usize,
     /// Leaf area by volume, 1/m; of clumps what meets light from elsewhere.
     density: f32,
-    /// What leaves emit, by channel.
+    /// Emission of leaves, by channel.
     emitted: [[f32; COUNT]; 3],
 }
 
@@ -110,7 +110,7 @@ impl LeafSums {
     }
 }
 
-/// What a surfel adds to its nodes, per leaf area by volume.
+/// Terms of a surfel, per leaf area by volume.
 ///
 /// Irradiances are `E+ = e - o`, `E- = e + o` by the even and odd parts of the moments along its normal; what
 /// leaves is `B+ + B- = 2 (rho + tau) e` and `B+ - B- = -2 (rho - tau) o`, sent out over `cos / pi`.
@@ -187,7 +187,7 @@ impl TurbidMedium {
         }
     }
 
-    /// What is known of it by who gathers light: clumps of its leaves that get power of each other, W m^-3 by
+    /// Clumps and extinction, for who gathers light; leaves of clumps get power of each other, W m^-3 by
     /// node.
     pub(crate) fn told(self, met_again: &[[f32; 3]]) -> (Clumps, Extinction) {
         let mut given = vec![[0.0; 3]; met_again.len()];

@@ -1,5 +1,5 @@
-//! What fills one grid. In goes a snapshot, out come the medium, the walls, and the first-collision source of
-//! its lights. Invariant: each surface is a wall or leaf area, never both.
+//! Contents of one grid. In goes a snapshot, out come the medium, the walls, and the first-collision source
+//! of its lights. Invariant: each surface is a wall or leaf area, never both.
 
 use super::wall_light::{LitWalls, WallLight};
 use super::walls::SnapshotWalls;
@@ -24,7 +24,7 @@ use std::collections::HashSet;
 /// Things at least so many cells wide are walls.
 pub(super) const WALL_CELLS: f64 = 2.0;
 
-/// What a field is solved for.
+/// Snapshot, bounces and leaves that a field is solved for.
 pub(super) struct Context<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) surroundings: &'a Surroundings<'a>,
@@ -46,9 +46,9 @@ pub(super) struct Contents<'a> {
 /// Light of lamps and suns where it is scattered first.
 pub(super) struct FirstLight {
     pub(super) source: FirstCollisionSource,
-    /// Of each sun what fog scatters nearly straight ahead.
+    /// Forward peak of each sun.
     pub(super) forward_peaks: Vec<ForwardPeak>,
-    /// What leaves scatter that meets leaves of the same clump, W m^-3 by node.
+    /// Power that meets leaves of the same clump again, W m^-3 by node.
     pub(super) met_again: Vec<[f32; 3]>,
     /// Power that meets leaves.
     pub(super) on_leaves: LeafPower,

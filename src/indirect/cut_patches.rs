@@ -45,7 +45,7 @@ pub(super) fn cut_patches(
     }
 }
 
-/// Of each patch, whether a patch of another mesh is in its cell.
+/// Whether a patch of another mesh is in the cell of each patch.
 fn in_crowded_cells(grid: &Grid, patches: &[Patch], primitives: &[PrimitiveId]) -> Vec<bool> {
     let cell = |patch: &Patch| grid.nearest(patch.position + 0.25 * grid.cell_m * patch.normal);
     let mut only_mesh: HashMap<usize, Option<u32>> = HashMap::new();

@@ -1,6 +1,6 @@
-//! Where grids lie and how fine they are. In go a snapshot and what surrounds the camera in it,
-//! out come nested grids. Invariant: sides of cells are powers of the root of two, so they change
-//! rarely where bounds move.
+//! Extent of grids, and how fine they are. In go a snapshot and what surrounds the camera in it, out come
+//! nested grids. Invariant: sides of cells are powers of the root of two, so they change rarely where bounds
+//! move.
 
 use super::contents::WALL_CELLS;
 use super::layers::Layers;

@@ -22,7 +22,7 @@ pub(super) struct Field {
     layers: Option<Layers>,
 }
 
-/// What tells most about a place.
+/// The finest grid that has a place, or layers.
 enum Finest<'a> {
     Grid(&'a Level),
     Layers(&'a Layers),
@@ -51,7 +51,7 @@ impl Field {
         if is_last { 1.0 } else { self.levels[number].share(world) }
     }
 
-    /// What its parts find at a place, mixed where one goes over into another.
+    /// Mean of what its parts find at a place, where one goes over into another.
     fn mixed(
         &self,
         world: DVec3,
@@ -79,12 +79,12 @@ impl Field {
         level.or(self.layers.as_ref().map(Finest::Layers))
     }
 
-    /// What a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
+    /// Light that a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         self.mixed(world, |level| level.gathered_by(world, lobe), |layers| layers.gathered_by(world, lobe))
     }
 
-    /// What comes to the two sides of a leaf of all light but its own.
+    /// Radiance at the two sides of a leaf, without its own.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         match self.at(leaf.position) {
             Some(Finest::Grid(level)) => level.gather_leaf(number, leaf),
@@ -93,7 +93,7 @@ impl Field {
         }
     }
 
-    /// What of it a lobe gathers on a leaf that sends a share of all light on; by a cosine that is
+    /// Light that a lobe gathers of it on a leaf of an albedo; by a cosine that is
     /// irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
         let innermost = self.levels.first();
@@ -114,7 +114,7 @@ impl Field {
         Towards::new(travel, self.layers.as_ref().map(|layers| layers.harmonics_towards(travel)))
     }
 
-    /// What fog at a place of world space scatters into a direction of travel, for a coefficient
+    /// Radiance that fog at a place of world space scatters into a direction of travel, for a coefficient
     /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
     pub(super) fn scattered(&self, world: DVec3, towards: &Towards, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
         let layers = self.layers.as_ref();

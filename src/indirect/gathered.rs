@@ -1,4 +1,4 @@
-//! What comes to a place from all sides. In go harmonics of radiance, out comes what a lobe gathers of them.
+//! Radiance at a place from all sides. In go harmonics of radiance, out comes what a lobe gathers of them.
 //! Invariant: a lobe never gathers less than nothing.
 
 use super::lobe::Lobe;
@@ -7,10 +7,10 @@ use crate::canopy::fluence::Peak;
 use crate::color::Rgb;
 use crate::ordinates::harmonics::{COUNT, product};
 
-/// What comes to one side of a leaf.
+/// Radiance at one side of a leaf, by moments.
 pub(super) struct Gathered {
     pub(super) moments: [[f32; COUNT]; 3],
-    /// Of degree 4.
+    /// Moments of degree 4.
     pub(super) fourth: [[f32; COUNT]; 3],
     /// Forward peak of each sun.
     pub(super) peaks: Vec<Peak>,
@@ -21,7 +21,7 @@ impl Gathered {
     pub(super) const NOTHING: Self =
         Self { moments: [[0.0; COUNT]; 3], fourth: [[0.0; COUNT]; 3], peaks: Vec::new(), clump: Clump::NONE };
 
-    /// What a lobe gathers of it; by a cosine that is irradiance, W/m^2.
+    /// Light that a lobe gathers; by a cosine that is irradiance, W/m^2.
     pub(super) fn by(&self, lobe: &Lobe) -> Rgb {
         // A leaf's shine sees no more than harmonics up to l = 2.
         let lobe = &if lobe.has_third() { lobe.up_to_second() } else { *lobe };
@@ -31,7 +31,7 @@ impl Gathered {
     }
 }
 
-/// What a lobe gathers by harmonics, and what of suns' light that goes on nearly straight.
+/// Light that a lobe gathers by harmonics, with that of forward peaks.
 pub(super) fn with_peaks(by_harmonics: Rgb, peaks: impl Iterator<Item = Peak>, lobe: &Lobe) -> Rgb {
     peaks.fold(by_harmonics.max(Rgb::ZERO), |irradiance, peak| {
         irradiance + lobe.of_peak(peak.travel) * peak.irradiance

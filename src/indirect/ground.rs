@@ -6,7 +6,7 @@ use crate::canopy::surroundings::wide::WidePart;
 use crate::ordinates::surface_optics::SurfaceOptics;
 use glam::DVec3;
 
-/// Of fog's scale height: rougher ground is no plain.
+/// Roughness in fog's scale heights: rougher ground is no plain.
 const FLAT: f64 = 0.1;
 /// In scale heights: what is narrower is no ground.
 const NARROWEST: f64 = 6.0;
@@ -22,11 +22,11 @@ pub(super) struct Ground {
     pub(super) optics: SurfaceOptics,
 }
 
-/// What lies beneath fog.
+/// Ground beneath fog.
 pub(super) enum Beneath {
     Nothing,
     Plain(Ground),
-    /// What no height tells.
+    /// Ground of no single height.
     Hills,
 }
 

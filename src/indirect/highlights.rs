@@ -22,12 +22,12 @@ pub(super) struct Arriving {
     pub(super) irradiance: Rgb,
 }
 
-/// Of one patch along each ordinate; nothing if it does not shine.
+/// Highlights of one patch along each ordinate; none if it does not shine.
 pub(super) fn of_patch(
     snapshot: &Snapshot,
     (patch, primitive): (&Patch, PrimitiveId),
     lights: &[Arriving],
-    ordinates: &Quadrature,
+    quadrature: &Quadrature,
 ) -> Vec<Rgb> {
     let towards = Ray { origin: patch.position + patch.normal - snapshot.view.eye, direction: -patch.normal };
     let point = snapshot.facet(primitive).seen_along(&towards, 1.0);
@@ -35,10 +35,10 @@ pub(super) fn of_patch(
     // A texture's mean over the patch, by what it is at this place.
     let (here, mean) = (reflectance(&point), patch.optics.reflectance);
     let tint = Rgb::select(here.cmpgt(Rgb::ZERO), mean / here, Rgb::ZERO);
-    let mut along = vec![Rgb::ZERO; ordinates.as_slice().len()];
+    let mut along = vec![Rgb::ZERO; quadrature.as_slice().len()];
     for light in lights {
-        let radiances = reflected((&gloss, point.albedo), patch.normal, light.to_light, ordinates);
-        for ((sum, radiance), ordinate) in along.iter_mut().zip(radiances).zip(ordinates.iter()) {
+        let radiances = reflected((&gloss, point.albedo), patch.normal, light.to_light, quadrature);
+        for ((sum, radiance), ordinate) in along.iter_mut().zip(radiances).zip(quadrature.iter()) {
             if ordinate.direction.dot(patch.normal) > 0.0 {
                 *sum += light.irradiance * (tint * radiance - FRAC_1_PI * mean);
             }
@@ -52,20 +52,20 @@ fn reflected(
     (gloss, albedo): (&Gloss, Rgb),
     normal: DVec3,
     to_light: DVec3,
-    ordinates: &Quadrature,
+    quadrature: &Quadrature,
 ) -> Vec<Rgb> {
-    /// Of narrower highlights ordinates know no more than where they are.
+    /// Width of the narrowest coat that ordinates resolve.
     const LEAST_ALPHA: f64 = 0.35;
     let (wide, cos_light) = (gloss.widened(LEAST_ALPHA), normal.dot(to_light));
     let coat = |direction: DVec3| wide.brdf(normal, direction, to_light);
     let cos = |direction: DVec3| direction.dot(normal).max(0.0);
-    let all: Rgb = ordinates.iter().map(|o| o.weight * cos(o.direction) * coat(o.direction)).sum();
+    let all: Rgb = quadrature.iter().map(|o| o.weight * cos(o.direction) * coat(o.direction)).sum();
     let per_all = Rgb::select(all.cmpgt(Rgb::ZERO), gloss.albedo(cos_light) / all, Rgb::ZERO);
     let along = |direction: DVec3| match cos(direction) {
         0.0 => Rgb::ZERO,
         cos => per_all * coat(direction) + FRAC_1_PI * albedo * gloss.beneath(cos, cos_light),
     };
-    ordinates.iter().map(|ordinate| along(ordinate.direction)).collect()
+    quadrature.iter().map(|ordinate| along(ordinate.direction)).collect()
 }
 
 #[cfg(test)]
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn highlights_go_where_the_coat_sends_them() {
         let normal = DVec3::new(0.1, 0.9, -0.2).normalize();
-        for ordinates in [Quadrature::new(), Quadrature::fine()] {
+        for quadrature in [Quadrature::new(), Quadrature::fine()] {
             // A narrow lobe is widened, and so leans towards the normal.
             for (roughness, to_light, degrees) in [
                 (0.2, DVec3::new(1.0, 1.0, 0.3), 15.0),
@@ -108,8 +108,8 @@ mod tests {
             ] {
                 let to_light = to_light.normalize();
                 let gloss = Gloss::new(Rgb::splat(0.9), Rgb::ONE, roughness);
-                let radiances = reflected((&gloss, Rgb::ZERO), normal, to_light, &ordinates);
-                let leaving = || ordinates.iter().zip(&radiances);
+                let radiances = reflected((&gloss, Rgb::ZERO), normal, to_light, &quadrature);
+                let leaving = || quadrature.iter().zip(&radiances);
                 let weighed = leaving().map(|(o, radiance)| (o.direction, o.weight, radiance.x));
                 let (found, exact) = (flux(weighed, normal), exact(&gloss, normal, to_light));
                 let off = found.normalize().dot(exact.normalize()).acos().to_degrees();

@@ -14,7 +14,7 @@ pub struct KeptLight {
     last: Mutex<Option<(Key, Arc<Solved>)>>,
 }
 
-/// What light depends on.
+/// Key that light depends on.
 #[derive(Clone, Copy, PartialEq)]
 struct Key {
     contents: [u8; 32],

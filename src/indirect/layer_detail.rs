@@ -1,6 +1,6 @@
-//! What a grid's cells are too large for in layers of fog. In go a grid and the layers about it, out comes by
-//! how much fog at a height is brighter than nodes tell. Invariant: where cells are small beside layers it is
-//! 1.
+//! Detail of layers that a grid's cells are too large for. In go a grid and the layers about it, out comes
+//! by how much fog at a height is brighter than nodes tell. Invariant: where cells are small beside layers
+//! it is 1.
 //!
 //! Cells of leaves are often higher than a layer of mist is. What a node knows of its light is the mean over
 //! the fog of its cell; how it goes on within, a solution in one dimension tells.

@@ -1,6 +1,6 @@
-//! What lies about all grids: fog without bounds over plain ground. In go a snapshot and its ground, out
-//! comes light by height alone. Invariant: what is far from all structure costs next to nothing, however thin
-//! its layers are, and a grid gets from it what comes in at its rim.
+//! Layers about all grids: fog without bounds over plain ground. In go a snapshot and its ground, out comes
+//! light by height alone. Invariant: what is far from all structure costs next to nothing, however thin its
+//! layers are, and a grid gets from it what comes in at its rim.
 //!
 //! The spherical harmonics discrete ordinate method feeds open boundaries so (Evans 1998, "The spherical
 //! harmonics discrete ordinate method for three-dimensional atmospheric radiative transfer", section 2c).
@@ -37,16 +37,16 @@ pub(super) struct Layers {
 
 /// Light at one level, by harmonics.
 struct LevelLight {
-    /// What comes down, on a level plane, W/m^2.
+    /// Downward irradiance, W/m^2.
     downward: Rgb,
-    /// What surfaces get, in world space: of degrees up to 2, and of 3 and 4.
+    /// Moments for surfaces, in world space: of degrees up to 2, and of 3 and 4.
     moments: [[f32; COUNT]; 3],
     third: [[f32; COUNT]; 3],
     fourth: [[f32; COUNT]; 3],
     in_fog: FogLight,
 }
 
-/// What fog gets, by harmonics and channel, +Y where fog is thinner.
+/// Radiance for fog, by harmonics and channel, +Y where fog is thinner.
 pub(super) struct FogLight([Harmonics; 3]);
 
 impl FogLight {
@@ -61,7 +61,7 @@ impl FogLight {
         Self(self.0.map(|channel| channel.map(|value| factor * value)))
     }
 
-    /// What is scattered into a direction of which the harmonics are given.
+    /// Radiance that is scattered into a direction of which the harmonics are given.
     pub(super) fn scattered(&self, towards: &Harmonics, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
         let of_channel = |channel: usize| -> f64 {
             let of_degree = |degree: usize| {
@@ -135,7 +135,7 @@ impl Layers {
         Between { above, below, share_below }
     }
 
-    /// What a grid within it gets.
+    /// Incident radiance on a grid within.
     pub(super) fn around(&self, grid: &Grid, sky: Option<FrozenSky>) -> Surrounding {
         let places: Vec<Between> = rim_places(grid).into_iter().map(|place| self.between(place)).collect();
         let quadrature = Quadrature::new();
@@ -147,17 +147,17 @@ impl Layers {
         Surrounding { scattered, of_sky }
     }
 
-    /// Of all but the sky, or straight from the sky. Near the horizon layers are bright, in a band narrower
-    /// than what an ordinate stands for: each gets the mean of the directions that are nearest to it, on its
-    /// side of the horizon, so that what goes up never comes down.
+    /// Incident radiance of all but the sky, or straight from the sky. Near the horizon layers are bright, in
+    /// a band narrower than what an ordinate stands for: each gets the mean of the directions that are
+    /// nearest to it, on its side of the horizon, so that what goes up never comes down.
     fn incident(
         &self,
         (grid, places): (&Grid, &[Between]),
-        ordinates: &Quadrature,
+        quadrature: &Quadrature,
         part: usize,
     ) -> IncidentRadiance {
         let up = self.heights.up;
-        let directions: Vec<DVec3> = ordinates.iter().map(|ordinate| ordinate.direction).collect();
+        let directions: Vec<DVec3> = quadrature.iter().map(|ordinate| ordinate.direction).collect();
         let nearest = |travel: DVec3| {
             let on_this_side = directions.iter().enumerate();
             let on_this_side =
@@ -207,7 +207,7 @@ impl Layers {
         }
     }
 
-    /// What a surface gathers; by a cosine that is irradiance, W/m^2.
+    /// Light that a surface gathers; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         let between = self.between(world);
         let peaks = self.peaks_at(between);
@@ -235,7 +235,7 @@ impl Layers {
         self.peaks.iter().map(move |by_level| by_level[above].lerp(&by_level[below], share_below))
     }
 
-    /// What fog scatters into a direction of travel: see [`super::Field::scattered`].
+    /// Radiance that fog scatters into a direction of travel: see [`super::Field::scattered`].
     pub(super) fn scattered(&self, world: DVec3, towards: &Towards, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
         let Some(towards) = &towards.in_layers else { return Rgb::ZERO };
         let between = self.between(world);
@@ -244,12 +244,12 @@ impl Layers {
         above.lerp(below, between.share_below).max(Rgb::ZERO)
     }
 
-    /// Of a direction of world space.
+    /// Harmonics of a direction of world space.
     pub(super) fn harmonics_towards(&self, travel: DVec3) -> Harmonics {
         harmonic_basis(self.heights.layers_from_world * travel)
     }
 
-    /// What fog gets at a place of world space.
+    /// Radiance for fog at a place of world space.
     pub(super) fn fog_light(&self, world: DVec3) -> FogLight {
         let between = self.between(world);
         let mut light = self.levels[between.above].in_fog.scaled(1.0 - between.share_below);
@@ -262,7 +262,7 @@ impl Layers {
         self.heights.up.dot(DVec3::Y) > 1.0 - 1e-9
     }
 
-    /// Of the ground, if there is any, metres.
+    /// Height of the ground, if there is any, metres.
     pub(super) fn ground_m(&self) -> Option<f64> {
         self.heights.ground_m()
     }

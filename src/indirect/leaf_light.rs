@@ -12,7 +12,7 @@ use crate::snapshot::Snapshot;
 use glam::DVec3;
 use std::sync::OnceLock;
 
-/// What both sides of leaves get.
+/// Light on both sides of leaves.
 pub(super) struct LeafLight {
     index: LeafIndex,
     /// By leaf that was seen: what comes to the side that its normal shows, and to the other.
@@ -46,7 +46,7 @@ pub(super) struct LeafSides<'a> {
 }
 
 impl LeafSides<'_> {
-    /// What a lobe gathers at a place of it that sends a share of all light on; by a cosine that is
+    /// Light that a lobe gathers at a place of it, by the leaf's albedo; by a cosine that is
     /// irradiance, W/m^2.
     pub(super) fn gathered_by(&self, field: &Field, lobe: &Lobe, sent: Rgb) -> Rgb {
         field.of_gathered(&self.sides[usize::from(!lobe.is_of_side(self.normal))], lobe, sent)

@@ -41,24 +41,24 @@ pub(super) struct Level {
     walls: Walls,
     /// All that surfaces get, at nodes and towards walls.
     light: NodeMoments,
-    /// The same of degree 3, where things shine.
+    /// Moments of degree 3, where things shine.
     third: Option<NodeMoments>,
     /// And of degree 4: a cosine gathers a share of it, orders of scattering do without.
     fourth: NodeMoments,
-    /// What fog gets: the same unless the sky lights surfaces alone.
+    /// Moments for fog, where the sky lights surfaces alone.
     light_in_fog: Option<NodeMoments>,
     /// And of degrees 5 and 6, where fog scatters ahead.
     high: Option<HighMoments>,
-    /// Of each face of a wall the irradiance by harmonics, W/m^2.
+    /// Irradiance on each face of a wall by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
-    /// What a finer grid within it gets, until that is solved; apart from what comes straight from the sky.
+    /// Radiance at a finer grid's rim, until that is solved; apart from what comes straight from the sky.
     radiances: Option<AngularRadiance>,
     sky_radiances: Option<AngularRadiance>,
     forward_peaks: Vec<ForwardPeak>,
     clumps: Clumps,
     extinction: Extinction,
     self_interaction: SelfInteraction,
-    /// What its cells are too large for, where layers lie about it.
+    /// Detail that its cells are too large for, where layers lie about it.
     detail: Option<LayerDetail>,
     on_leaves: LeafPower,
     is_endless: bool,
@@ -125,7 +125,7 @@ impl Level {
         }
     }
 
-    /// What a finer grid within it gets from it, once.
+    /// Incident radiance on a finer grid within it, once.
     pub(super) fn around(&mut self, grid: &Grid) -> Surrounding {
         let incident = |radiances: Option<AngularRadiance>| Some(IncidentRadiance::new(grid, radiances?));
         Surrounding {
@@ -139,7 +139,7 @@ impl Level {
         self.grid.share(world)
     }
 
-    /// What a surface gathers at a place of the grid; by a cosine that is irradiance, W/m^2.
+    /// Light that a surface gathers at a place of the grid; by a cosine that is irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         let corners = self.corners_before(world, lobe.normal());
         let lit = self.walls.faces.of_corners(&corners, lobe.normal());
@@ -150,7 +150,7 @@ impl Level {
         with_peaks(irradiance, self.forward_peaks.iter().map(|peak| peak.about(&corners)), lobe)
     }
 
-    /// What comes to the two sides of a leaf of all light but its own.
+    /// Radiance at the two sides of a leaf, without its own.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         let unmet = self.on_leaves.scattered(number, leaf);
         let alone = Alone::new(
@@ -176,7 +176,7 @@ impl Level {
         sides
     }
 
-    /// What of it a lobe gathers on a leaf that sends a share of all light on; by a cosine that is
+    /// Light that a lobe gathers of it on a leaf of an albedo; by a cosine that is
     /// irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
         self.clumps.gathered(gathered.clump, gathered.by(lobe), sent)
@@ -192,7 +192,7 @@ impl Level {
         )
     }
 
-    /// What a lobe gathers by degrees 3 and 4.
+    /// Light that a lobe gathers by degrees 3 and 4.
     fn beyond(&self, lit: &Corners, lobe: &Lobe) -> Rgb {
         let of = |factors: Option<[f64; COUNT]>, moments: Option<&NodeMoments>| {
             factors.zip(moments).map_or(Rgb::ZERO, |(factors, moments)| product(&factors, &moments.mean(lit)))
@@ -207,7 +207,7 @@ impl Level {
         self.forward_peaks.iter().map(move |peak| peak.about(&corners))
     }
 
-    /// What fog at a place of the grid scatters into a direction of travel, for a coefficient
+    /// Radiance that fog at a place of the grid scatters into a direction of travel, for a coefficient
     /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
     pub(super) fn scattered(
         &self,
@@ -270,7 +270,7 @@ impl Level {
     }
 }
 
-/// What fog gets where the sky lights surfaces alone: all but what comes straight from there.
+/// Moments for fog where the sky lights surfaces alone: all but what comes straight from there.
 fn light_in_fog(lit: &Solution, sky: Option<FrozenSky>) -> Option<NodeMoments> {
     let of_sky = lit.of_sky.as_ref().filter(|_| sky.is_some_and(|sky| !sky.lights_fog()))?;
     let mut seen = lit.all.clone();

@@ -1,4 +1,4 @@
-//! From which directions a surface gathers light. In go a cosine or a shine, out come factors of harmonics of
+//! Lobes by which surfaces gather light. In go a cosine or a shine, out come factors of harmonics of
 //! radiance up to degree 4. Invariant: even light gives pi times its radiance, whatever the lobe.
 
 use crate::ordinates::harmonics::{
@@ -12,9 +12,9 @@ use std::f64::consts::PI;
 pub(super) struct Lobe {
     /// The direction about which it does.
     axis: DVec3,
-    /// What it makes of each degree.
+    /// Factor of each degree.
     shares: [f64; 5],
-    /// What is taken away lest it sees what the surface hides.
+    /// Part that is taken away lest it sees what the surface hides.
     beneath: Option<Beneath>,
 }
 
@@ -22,9 +22,9 @@ pub(super) struct Lobe {
 /// from there is known by its irradiance on the surface's back.
 #[derive(Clone, Copy, Debug)]
 struct Beneath {
-    /// Of the surface.
+    /// Normal of the surface.
     normal: DVec3,
-    /// What the lobe makes of even light from there, in units of that irradiance.
+    /// Share of even light from there that the lobe gathers, in units of that irradiance.
     share: f64,
 }
 
@@ -47,7 +47,7 @@ impl Lobe {
         Self { axis: mirrored, shares, beneath: None }.above(normal)
     }
 
-    /// The same by degrees up to 2 alone, where no more is known of light.
+    /// Lobe by degrees up to 2 alone, where no more is known of light.
     pub(super) fn up_to_second(self) -> Self {
         let [first, second, third, ..] = self.shares;
         let cut = Self { shares: [first, second, third, 0.0, 0.0], ..self };
@@ -86,13 +86,13 @@ impl Lobe {
         self.beneath.is_none() && self.axis.dot(normal) > SAME
     }
 
-    /// Of those of degree 3, if they count.
+    /// Factors of degree 3, if they count.
     pub(super) fn of_third_of_travel(&self) -> Option<[f64; COUNT]> {
         let all = || third_basis(-self.axis).map(|value| self.shares[3] * value);
         self.has_third().then(|| self.without_beneath(all(), |_| [0.0; COUNT]))
     }
 
-    /// Of those of degree 4, if they count.
+    /// Factors of degree 4, if they count.
     pub(super) fn of_fourth_of_travel(&self) -> Option<[f64; COUNT]> {
         let of = |axis: DVec3, share: f64| fourth_basis(-axis).map(|value| share * value);
         let all = || of(self.axis, self.shares[4]);

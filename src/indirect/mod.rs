@@ -94,7 +94,7 @@ impl Indirect {
     pub fn share_of_rays(point: &SurfacePoint) -> f64 {
         /// From hardly seen to seen: between the two both ways count.
         const SEEN: Range<f64> = 0.05..0.1;
-        /// Of coats, by glTF's `alpha`: from narrow to as blurred as harmonics are.
+        /// Widths of coats, by glTF's `alpha`: from narrow to as blurred as harmonics are.
         const BLURRED: Range<f64> = 0.1..0.2;
         /// From where shine is the most that is seen it is found by rays however blurred it is.
         const MOST: Range<f64> = 0.3..0.5;
@@ -141,7 +141,7 @@ impl Indirect {
         self.fog.as_ref().map_or(Rgb::ZERO, |fog| fog.before(snapshot, ray, distance, through))
     }
 
-    /// The same of any ray, in steps: `is_exact` wants more of them.
+    /// Radiance that fog scatters into any ray, in steps: `is_exact` wants more of them.
     pub fn in_scattered(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, is_exact: bool) -> Rgb {
         const STEPS: u32 = 24;
         const FEW_STEPS: u32 = 6;

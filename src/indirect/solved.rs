@@ -59,7 +59,7 @@ impl Solved {
     }
 }
 
-/// What lies about all grids, if fog without bounds lies over plain ground, and nothing else shines on it.
+/// Layers about all grids, if fog without bounds lies over plain ground, and nothing else shines on it.
 fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces) -> Option<Layers> {
     let (up, scale_m) = snapshot.medium.banks().iter().find_map(|bank| bank.layer())?;
     let ground = match Beneath::of(surroundings, up, scale_m) {

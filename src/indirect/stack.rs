@@ -29,7 +29,7 @@ pub(super) struct Heights {
     pub(super) layers_from_world: DQuat,
     pub(super) up: DVec3,
     has_ground: bool,
-    /// Of all channels, 1/m, by level.
+    /// Extinction of all channels, 1/m, by level.
     extinctions_per_m: Vec<f64>,
     /// From the top down, along `up` from the world's origin, metres.
     heights_m: Vec<f64>,
@@ -96,12 +96,12 @@ impl Heights {
         above + share_below * (below - above)
     }
 
-    /// Of a place of world space, metres.
+    /// Height of a place of world space, metres.
     pub(super) fn height_m(&self, world: DVec3) -> f64 {
         self.up.dot(world)
     }
 
-    /// Of the ground, if there is any.
+    /// Height of the ground, if there is any.
     pub(super) fn ground_m(&self) -> Option<f64> {
         self.heights_m.last().copied().filter(|_| self.has_ground)
     }
@@ -121,7 +121,7 @@ impl Heights {
         }
     }
 
-    /// What comes back from fog beneath the last level, if no ground ends it: of a medium without an end, by
+    /// Reflectance of fog beneath the last level, if no ground ends it: of a medium without an end, by
     /// its similarity parameter (van de Hulst 1980, "Multiple Light Scattering", chapter 14).
     pub(super) fn reflectance_beneath(&self, snapshot: &Snapshot) -> Rgb {
         let lowest_m = self.heights_m.last().copied().unwrap_or_default();
@@ -189,7 +189,7 @@ fn per(color: Rgb, extinction: Rgb) -> Rgb {
     Rgb::new(share(0), share(1), share(2))
 }
 
-/// Of a phase function of Henyey and Greenstein, with delta-M where all orders are wanted.
+/// Phase function of Henyey and Greenstein, with delta-M where all orders are wanted.
 fn species(g: f64, has_peaks: bool) -> Species {
     let peak = |degrees: usize| if has_peaks { 0.0 } else { g.max(0.0).powi(degrees as i32) };
     let kept = |degree: usize, degrees: usize| {

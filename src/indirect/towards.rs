@@ -1,5 +1,6 @@
-//! A way that scattered light is asked for along. In goes a direction of travel, out come the basis functions
-//! of all harmonics that fog's last scattering knows. Invariant: none of them depends on the place.
+//! Basis functions of a direction that scattered light is asked for along. In goes a direction of travel,
+//! out come those of all harmonics that fog's last scattering knows. Invariant: none of them depends on the
+//! place.
 
 use crate::ordinates::Harmonics;
 use crate::ordinates::harmonics::{COUNT, basis, fourth_basis, third_basis};
@@ -8,7 +9,7 @@ use glam::DVec3;
 
 /// Basis functions of one direction of travel.
 pub(super) struct Towards {
-    /// Of degrees up to 2, of 3, of 4, and of 5 and 6.
+    /// Basis of degrees up to 2, of 3, of 4, and of 5 and 6.
     pub(super) low: [f64; COUNT],
     pub(super) third: [f64; COUNT],
     pub(super) fourth: [f64; COUNT],

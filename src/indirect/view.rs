@@ -33,7 +33,7 @@ pub(super) struct ViewedFog {
     sums: Vec<Seen>,
 }
 
-/// What is seen of fog before a distance: its mean radiance by channel, weighed by what it takes of light
+/// Fog before a distance: its mean radiance by channel, weighed by what it takes of light
 /// behind it, and that weight.
 #[derive(Clone, Copy, Default)]
 struct Seen(Vec4);
@@ -179,7 +179,7 @@ impl Depths {
 
 /// As far as fog without bounds is seen from the eye, whichever way one looks, metres.
 fn farthest_seen_m(snapshot: &Snapshot) -> f64 {
-    /// Of optical depth, or of all that there is.
+    /// Share of optical depth, or of all that there is.
     const DEPTH: f64 = 5.0;
     const SHARE: f64 = 0.99;
     /// Rays across and down.
@@ -300,7 +300,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The same along a ray from anywhere, such as a mirror, in so many steps: the first are the shortest.
+/// Radiance along a ray from anywhere, such as a mirror, in so many steps: the first are the shortest.
 pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, (distance, steps): (f64, u32)) -> Rgb {
     let origin = snapshot.world_from_relative(ray.origin);
     let to_end = |(low, high): (DVec3, DVec3)| farthest_m((low - origin, high - origin));

@@ -26,9 +26,9 @@ pub(super) struct WallLight<'a> {
     pub(super) quadrature: &'a Quadrature,
 }
 
-/// What falls on walls, and what of it goes its own way.
+/// Irradiance on walls, and their highlights.
 pub(super) struct LitWalls {
-    /// Of each patch, W/m^2.
+    /// Irradiance on each patch, W/m^2.
     pub(super) irradiances: Vec<Rgb>,
     pub(super) glossy: GlossySource,
 }
@@ -57,7 +57,7 @@ impl Square {
         (to_light, irradiance)
     }
 
-    /// Of all of it as seen from a point, sr.
+    /// Solid angle of all of it as seen from a point, sr.
     fn solid_angle(&self, from: DVec3) -> f64 {
         let [right, up] = self.half;
         let [a, b, c, d] = [-right - up, right - up, right + up, up - right]
@@ -73,7 +73,7 @@ fn of_triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 }
 
 impl WallLight<'_> {
-    /// Of all lights.
+    /// Light of all lamps and suns.
     pub(super) fn found(&self) -> LitWalls {
         let lit = |(patch, &primitive): (&Patch, &PrimitiveId)| {
             let arriving = |light| self.arriving(light, (patch, primitive));
@@ -124,7 +124,7 @@ impl WallLight<'_> {
         Some(Arriving { to_light, irradiance: sum / f64::max(count, 1.0) })
     }
 
-    /// What is left of a light's that comes along a ray from a distance.
+    /// Share of a light that comes along a ray from a distance.
     fn reaching(&self, light: &FrozenLight, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
         let visible = self.snapshot.visibility(ray, distance, Some(from));
         if visible == Rgb::ZERO {

@@ -61,7 +61,7 @@ struct Building<'a> {
     patches: Vec<Patch>,
     /// A triangle of each of them.
     primitives: Vec<PrimitiveId>,
-    /// What each of them scatters.
+    /// Mean optics of each of them.
     means: Vec<MeanOptics>,
     patch_of: HashMap<PatchKey, u32>,
     /// Cells, by their lowest node, and triangles about them.
@@ -120,7 +120,7 @@ impl<'a> Building<'a> {
         }
     }
 
-    /// Of links that lead from a node to neighbours that come after it.
+    /// Cuts links that lead from a node to neighbours that come after it.
     fn cut_links(&mut self, wall: &WallTriangle, cell: [usize; 3], ends: &Ends) {
         let (grid, triangle) = (self.grid, &wall.triangle);
         let normal = triangle.normal;

@@ -21,13 +21,13 @@ use glam::DVec3;
 /// Sources of a sweep.
 #[derive(Clone, Copy)]
 pub(crate) struct SweepSource<'a> {
-    /// Of the medium, per metre and steradian.
+    /// Emission density of the medium, per metre and steradian.
     pub(crate) volume: &'a Moments,
-    /// What the medium scatters of beams beyond harmonics.
+    /// Scattering of beams beyond harmonics.
     pub(crate) beams: &'a [BeamSource],
     /// Radiance that leaves each wall patch, by channel.
     pub(crate) walls: &'a [Vec<f32>; 3],
-    /// What they send out beyond that along single ordinates.
+    /// Highlights of walls along single ordinates.
     pub(crate) glossy: Option<&'a GlossySource>,
     pub(crate) incident: BoundaryCondition<'a>,
 }
@@ -38,12 +38,12 @@ pub(crate) struct AngleSet<'a> {
     pub(crate) channel: usize,
     /// By harmonic, then by node.
     pub(crate) moments: Vec<f32>,
-    /// The same of degrees 3 and 4, for the last scattering.
+    /// Moments of degrees 3 and 4, for the last scattering.
     pub(crate) third: Vec<f32>,
     pub(crate) fourth: Vec<f32>,
     /// And of degrees 5 and 6.
     pub(crate) high: Vec<f32>,
-    /// What of it travels towards walls.
+    /// Radiance that travels towards walls.
     pub(crate) towards_faces: TowardsFaces,
     /// Each ordinate's number and radiance, where a grid within this one needs it.
     pub(crate) radiances: Vec<(usize, Vec<f32>)>,
@@ -56,16 +56,16 @@ pub(crate) struct AngleSet<'a> {
     /// By plane.
     cut: Vec<Vec<Cut<'a>>>,
     pairs: Vec<Pair>,
-    /// Of each node for one pair: what half a cell lets through, what it adds, and the
+    /// Half cells of each node for one pair: transmittance, radiance that they add, and the
     /// radiance in the middle.
     oriented_extinction: Vec<f32>,
     through: Vec<f32>,
     added: [Vec<f32>; 2],
     radiance: [Vec<f32>; 2],
-    /// What leaves the cells of a plane, with a rim of what comes from outside.
+    /// Radiance that leaves the cells of a plane, with a rim of what is incident.
     before: Vec<f32>,
     behind: Vec<f32>,
-    /// What leaves walls along one ordinate.
+    /// Radiance that leaves walls along one ordinate.
     walls: Vec<f32>,
 }
 
@@ -293,7 +293,7 @@ impl<'a> AngleSet<'a> {
         }
     }
 
-    /// The same for nodes some of whose neighbours are behind walls: from there comes
+    /// Radiance at nodes some of whose neighbours are behind walls: from there comes
     /// what the walls send out.
     fn past_cut_links(&mut self, (side, plane): (usize, usize), stencil: &UpwindStencil) {
         let planes = self.planes;

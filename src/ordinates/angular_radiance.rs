@@ -1,6 +1,6 @@
-//! Radiance along every ordinate at places about a finer grid. In go sweeps, out comes what that grid gets
-//! from outside. Invariant: nothing is smoothed, so what goes up from the ground never comes down. Of
-//! harmonics up to l = 2 a fourteenth does, once what is negative of them is cut off.
+//! Angular radiance at places about a finer grid, in transport the angular flux. In go sweeps, out comes
+//! what that grid gets from outside. Invariant: nothing is smoothed, so what goes up from the ground never
+//! comes down. Of harmonics up to l = 2 a fourteenth does, once what is negative of them is cut off.
 
 use super::quadrature::Quadrature;
 

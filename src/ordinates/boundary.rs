@@ -11,7 +11,7 @@ use super::quadrature::Quadrature;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// What enters a grid.
+/// Condition at a grid's rim.
 #[derive(Clone, Copy)]
 pub(crate) enum BoundaryCondition<'a> {
     Vacuum,
@@ -66,7 +66,7 @@ impl BoundaryCondition<'_> {
 pub(crate) struct Surrounding {
     /// All that anything has scattered or emitted.
     pub(crate) scattered: Option<IncidentRadiance>,
-    /// What comes straight from the sky.
+    /// Radiance straight from the sky.
     pub(crate) of_sky: Option<IncidentRadiance>,
 }
 
@@ -115,7 +115,7 @@ pub(crate) fn rim_places(grid: &Grid) -> Vec<DVec3> {
     all_about(grid).flatten().collect()
 }
 
-/// Of all cells of a grid and about it, the middles of those about it.
+/// Middles of the cells about a grid, among all cells of it and about it.
 fn all_about(grid: &Grid) -> impl Iterator<Item = Option<DVec3>> {
     let size = grid.size.map(|count| count + 2);
     (0..size.iter().product()).map(move |cell: usize| {

@@ -21,7 +21,7 @@ const ODD_PAIRS: usize = 6;
 pub(crate) struct OrientedExtinction([f32; 8]);
 
 impl OrientedExtinction {
-    /// Of the constant `k`, and of the symmetric matrix `K`: xx, yy, zz, xy, yz, zx.
+    /// Extinction of the constant `k` and the symmetric matrix `K`: xx, yy, zz, xy, yz, zx.
     pub(crate) fn new(constant: f32, [xx, yy, zz, xy, yz, zx]: [f32; 6]) -> Self {
         Self([constant, xx, yy, zz, 2.0 * xy, 2.0 * yz, 2.0 * zx, 0.0])
     }
@@ -44,7 +44,7 @@ const NONE: u32 = u32::MAX;
 
 /// Extinction at all nodes of a grid.
 pub(crate) struct Extinction {
-    /// The same along all directions, 1/m, by channel and node.
+    /// Extinction along all directions, 1/m, by channel and node.
     pub(crate) isotropic: [Vec<f32>; 3],
     /// Which of `oriented` a node has.
     oriented_at: Vec<u32>,
@@ -93,7 +93,7 @@ pub(crate) struct LobePairs {
 }
 
 impl LobePairs {
-    /// Of a lobe's harmonics.
+    /// Products of a lobe's harmonics.
     pub(crate) fn of(lobe: &[f32; COUNT]) -> Self {
         Self { even: pairs(&EVEN, lobe), odd: pairs(&ODD, lobe) }
     }
@@ -161,7 +161,7 @@ fn pairs<const N: usize, const M: usize>(which: &[usize; N], lobe: &[f32; COUNT]
 /// All that a grid's nodes do to light.
 pub(crate) struct CrossSections {
     pub(crate) extinction: Extinction,
-    /// What each degree of harmonics gets back: `sigma_s g^l`, 1/m, by channel, degree and node.
+    /// Scattering coefficient of each degree of harmonics: `sigma_s g^l`, 1/m, by channel, degree and node.
     pub(crate) scattering: [[Vec<f32>; 3]; 3],
     oriented: Vec<OrientedScattering>,
 }

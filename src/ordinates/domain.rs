@@ -1,5 +1,5 @@
-//! Where light is transported. In go a grid and what fills it, out comes one thing to sweep over. Invariant:
-//! nothing of it changes from order to order.
+//! Domain that light is transported in. In go a grid and what fills it, out comes one thing to sweep over.
+//! Invariant: nothing of it changes from order to order.
 
 use super::cross_sections::CrossSections;
 use super::grid::Grid;

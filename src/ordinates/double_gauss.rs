@@ -18,7 +18,7 @@ pub(super) const ORDINATES: usize = ALL_RINGS * STEPS;
 
 /// The directions, +Y up.
 pub(super) struct DoubleGauss {
-    /// Of each ring the height of its unit vectors, and the share of the sphere's heights, of `-1..1`.
+    /// Height of each ring's unit vectors, and its share of the sphere's heights, of `-1..1`.
     pub(super) rings: [(f64, f64); ALL_RINGS],
     directions: Vec<DVec3>,
 }

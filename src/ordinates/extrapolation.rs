@@ -1,11 +1,11 @@
 //! Extrapolation of source iteration: orders of scattering end as a geometric series. In go totals of light,
 //! out comes what all further orders add. Invariant: channels are told apart.
 
-/// What is left after the last order, as a share of all light, when a geometric series tells it well; and by
+/// Rest after the last order, as a share of all light, when a geometric series tells it well; and by
 /// how much an order more may change what it tells.
 const REST: f64 = 0.01;
 const SURPRISE: f64 = 2e-4;
-/// Of light that goes on and on: a closed scene that absorbs nothing has no end.
+/// Ratio of orders at most: a closed scene that absorbs nothing has no end.
 const MOST_RATIO: f64 = 0.98;
 
 /// A geometric series, by channel.
@@ -13,7 +13,7 @@ const MOST_RATIO: f64 = 0.98;
 pub(super) struct Series {
     /// The last order's light.
     last: [f64; 3],
-    /// What follows it, in units of it.
+    /// Sum of the orders that follow it, in units of it.
     pub(super) rest: [f64; 3],
     /// All light with that.
     all: [f64; 3],

@@ -1,6 +1,6 @@
-//! Walls as seen from the nodes next to them. In go the patches that nodes see, out come the sides of walls
-//! about each node, and light that travels towards each. Invariant: what a wall sends out itself is never
-//! among the light that it gets, however coarse the ordinates are.
+//! Faces of walls as seen from the nodes next to them. In go the patches that nodes see, out come the sides
+//! of walls about each node, and light that travels towards each. Invariant: what a wall sends out itself is
+//! never among the light that it gets, however coarse the ordinates are.
 //!
 //! Faces are numbered after the nodes of a grid, so that moments of both lie in one list.
 
@@ -14,14 +14,14 @@ use glam::DVec3;
 
 /// Patches whose normals differ by less than this cosine's angle are one face.
 const SAME: f64 = 0.95;
-/// What gathers light about a normal is part of a face within this cosine's angle.
+/// A normal belongs to a face within this cosine's angle.
 const PART: f64 = 0.7;
 
 /// Sides of walls, by node.
 pub(crate) struct Faces {
     nodes: usize,
     all: Vec<Face>,
-    /// Of each node where its faces begin; those of the last end with the list.
+    /// Begin of each node's faces; those of the last end with the list.
     starts: Vec<u32>,
 }
 
@@ -33,8 +33,8 @@ struct Face {
 }
 
 impl Faces {
-    /// Of a grid of so many nodes. `seen` has those next to walls, each with the normals of all patches that
-    /// it sees.
+    /// Faces of a grid of so many nodes. `seen` has those next to walls, each with the normals of all patches
+    /// that it sees.
     pub(crate) fn new(nodes: usize, seen: impl Iterator<Item = (usize, Vec<DVec3>)>) -> Self {
         let mut all: Vec<Face> = Vec::new();
         for (node, normals) in seen {
@@ -63,7 +63,7 @@ impl Faces {
         likest.map_or(node, |(_, number)| self.nodes + number)
     }
 
-    /// What each face gathers, W/m^2.
+    /// Irradiance on each face, W/m^2.
     pub(crate) fn irradiances(&self, light: &NodeMoments) -> Vec<[f32; 3]> {
         let of_face = |(face, number): (&Face, usize)| {
             let irradiance = product(&flux_lobe(face.normal), &light.at(number));
@@ -96,12 +96,12 @@ impl Faces {
     }
 }
 
-/// What travels towards each face, by face.
+/// Moments of radiance that travels towards each face.
 pub(crate) struct TowardsFaces {
     /// As the nodes are laid.
     faces: Vec<Face>,
     pub(crate) moments: Vec<[f32; COUNT]>,
-    /// Of degrees 3 and 4.
+    /// Moments of degrees 3 and 4.
     pub(crate) third: Vec<[f32; COUNT]>,
     pub(crate) fourth: Vec<[f32; COUNT]>,
 }

@@ -20,12 +20,12 @@ pub(crate) const FIRST_DEGREES: usize = 6;
 pub(crate) struct FirstCollisionSource {
     /// By harmonics, per metre and steradian; with what the medium emits.
     pub(crate) volume: Moments,
-    /// What the medium scatters of beams beyond harmonics.
+    /// Scattering of beams beyond harmonics.
     pub(crate) beams: Vec<BeamSource>,
     /// Radiance that leaves each patch of wall, as if it were matte; with what it emits.
     pub(crate) walls: Vec<Rgb>,
     pub(crate) glossy: GlossySource,
-    /// What the source of the second order is to be without.
+    /// Part of the second order's source that is taken out of it.
     pub(crate) not_again: NodeMoments,
 }
 
@@ -41,7 +41,8 @@ pub(crate) struct BeamSource {
 }
 
 impl BeamSource {
-    /// Of a beam's irradiance by channel and node, W/m^2, and of what is scattered of each degree, 1/m.
+    /// Source of a beam's irradiance by channel and node, W/m^2, and of scattering coefficients by degree,
+    /// 1/m.
     pub(crate) fn new(
         travel: DVec3,
         irradiance: &[Vec<f32>; 3],
@@ -63,12 +64,12 @@ impl BeamSource {
         Self { travel: self.travel, sources }
     }
 
-    /// Of one channel, degree by degree.
+    /// Sources of one channel, degree by degree.
     pub(crate) fn channel(&self, channel: usize) -> [&[f32]; BEYOND] {
         self.sources[channel].each_ref().map(Vec::as_slice)
     }
 
-    /// What each degree counts along a direction of travel, 1/sr.
+    /// Weight of each degree along a direction of travel, 1/sr.
     pub(crate) fn factors(&self, direction: DVec3) -> [f32; BEYOND] {
         let polynomials = legendre::<FIRST_DEGREES>(self.travel.dot(direction));
         std::array::from_fn(|place| {
@@ -88,7 +89,7 @@ pub(crate) struct GlossySource {
 }
 
 impl GlossySource {
-    /// Of each patch along each ordinate; nothing of those that do not shine.
+    /// Radiances of each patch along each ordinate; none of those that do not shine.
     pub(crate) fn new(of_patches: &[Vec<Rgb>]) -> Self {
         let shining = || of_patches.iter().zip(0..).filter(|(along, _)| !along.is_empty());
         let ordinates = of_patches.iter().map(Vec::len).max().unwrap_or(0);

@@ -1,6 +1,6 @@
-//! The world grid on which indirect light is solved. In go bounds of the world, out come nodes and their
-//! weights. Invariant: cells lie at whole multiples of their side from one place of the world, whatever moves
-//! and wherever the camera is; so a field never pulses with either.
+//! Grid of world space on which light is solved. In go bounds of the world, out come nodes and their
+//! weights. Invariant: cells lie at whole multiples of their side from one place of the world, whatever
+//! moves and wherever the camera is; so a field never pulses with either.
 
 use crate::math::Ray;
 use glam::{DVec3, I64Vec3};
@@ -44,8 +44,8 @@ pub(crate) struct Stretch {
 
 /// Shares of a node and of those on both sides.
 const EVENLY: [f32; 3] = [0.25, 0.5, 0.25];
-/// Of what trilinear interpolation gives to a node so much lies in its own cell, and in each of those beside
-/// it: the hat function's integrals.
+/// Shares of trilinear interpolation's weight for a node that lie in its own cell, and in each of those
+/// beside it: the hat function's integrals.
 const BY_HAT: [f32; 3] = [0.125, 0.75, 0.125];
 
 impl Grid {

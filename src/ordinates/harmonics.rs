@@ -11,7 +11,7 @@ pub(crate) const COUNT: usize = 9;
 /// The degree of each coefficient.
 pub(crate) const DEGREE: [usize; COUNT] = [0, 1, 1, 1, 2, 2, 2, 2, 2];
 
-/// What a clamped cosine makes of each degree (Ramamoorthi & Hanrahan 2001, "An efficient representation for
+/// Clamped cosine by degree (Ramamoorthi & Hanrahan 2001, "An efficient representation for
 /// irradiance environment maps", eq. 8).
 pub(crate) const COSINE_LOBE: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
 pub(crate) const COSINE_LOBE_4: f64 = -PI / 24.0;
@@ -81,14 +81,14 @@ pub(crate) fn fourth_basis(direction: DVec3) -> [f64; COUNT] {
     ]
 }
 
-/// What a surface that scatters evenly, and faces `normal`, sends out per unit of its
+/// Emission of a matte surface that faces `normal`, per unit of its
 /// radiosity times its area.
 pub(crate) fn cosine_lobe(normal: DVec3) -> [f64; COUNT] {
     let basis = basis(normal);
     std::array::from_fn(|index| COSINE_LOBE[DEGREE[index]] * basis[index])
 }
 
-/// What irradiance on a surface that faces `normal` is of the moments of radiance by the
+/// Irradiance on a surface that faces `normal`, of the moments of radiance by the
 /// direction of *travel*.
 pub(crate) fn irradiance_lobe(normal: DVec3) -> [f64; COUNT] {
     cosine_lobe(-normal)
@@ -102,7 +102,7 @@ pub(crate) fn flux_lobe(normal: DVec3) -> [f64; COUNT] {
     std::array::from_fn(|index| SHARES[DEGREE[index]] * basis[index])
 }
 
-/// What a lobe gathers of moments, by channel; nothing where harmonics cut short would have less.
+/// Product of a lobe and moments, by channel; nothing where harmonics cut short would have less.
 #[inline]
 pub(crate) fn by_lobe(lobe: &[f64; COUNT], moments: &[[f32; COUNT]; 3]) -> Rgb {
     product(lobe, moments).max(Rgb::ZERO)
@@ -124,14 +124,14 @@ mod tests {
 
     #[test]
     fn the_basis_is_orthonormal_by_the_ordinates() {
-        let ordinates = Quadrature::new();
+        let quadrature = Quadrature::new();
         let third = |direction: DVec3| third_basis(direction)[..7].to_vec();
         let all = |direction| {
             [basis(direction).to_vec(), third(direction), fourth_basis(direction).to_vec()].concat()
         };
         for i in 0..25 {
             for j in 0..25 {
-                let product: f64 = ordinates
+                let product: f64 = quadrature
                     .iter()
                     .map(|ordinate| {
                         let all = all(ordinate.direction);

@@ -1,5 +1,5 @@
-//! What fog that scatters ahead knows of light beyond degree 4. In go moments of radiance, out comes what the
-//! last scattering adds. Invariant: they are of degrees that no other harmonic of the field has.
+//! Degrees 5 and 6 of light, for fog that scatters ahead. In go moments of radiance, out comes what the last
+//! scattering adds. Invariant: they are of degrees that no other harmonic of the field has.
 //!
 //! From order to order harmonics up to l = 2 are enough, with delta-M. The last scattering, the one that is
 //! seen, is of light as it comes along each ordinate, by the fog's own phase function: source function
@@ -21,7 +21,7 @@ pub(crate) const HIGH: usize = DEGREES.end * DEGREES.end - DEGREES.start * DEGRE
 /// All degrees that the last scattering in fog knows.
 pub(crate) const SEEN_DEGREES: usize = DEGREES.end;
 
-/// Of nodes, harmonic after harmonic, by channel.
+/// Sums by channel, harmonic and node.
 pub(crate) type HighSums = [[Vec<f32>; HIGH]; 3];
 
 /// The basis functions of a direction.
@@ -40,8 +40,8 @@ impl HighMoments {
         Self((0..of_channels[0].len()).map(node).collect())
     }
 
-    /// What fog adds that scatters so much of each degree, from 0 on, into a direction of which the basis
-    /// functions are given; W m^-3 sr^-1 of 1/m.
+    /// Radiance that fog adds that scatters so much of each degree, from 0 on, into a direction of which the
+    /// basis functions are given; W m^-3 sr^-1 of 1/m.
     pub(crate) fn scattered(
         &self,
         corners: &Corners,

@@ -1,6 +1,6 @@
-//! What scattering makes of light by its directions. In goes radiance along ordinates, out come harmonics,
-//! and of them what is sent along any direction. Invariant: phase functions keep their energy to rounding, as
-//! the ordinates integrate all products of their harmonics exactly.
+//! Discrete-to-moment and moment-to-discrete operators. In goes radiance along ordinates, out come
+//! harmonics, and of them what is sent along any direction. Invariant: phase functions keep their energy to
+//! rounding, as the ordinates integrate all products of their harmonics exactly.
 
 use super::double_gauss::{DoubleGauss, ORDINATES, STEPS, angle};
 use glam::DVec3;
@@ -16,11 +16,11 @@ pub const HARMONICS: usize = DEGREES * DEGREES;
 /// Radiance by real spherical harmonics: by degree, then by order.
 pub type Harmonics = [f64; HARMONICS];
 
-/// By phase functions, whatever they are.
+/// Discrete-to-moment operator and its inverse.
 pub(super) struct MomentOperators {
-    /// Of each ring its weight, and normalised associated Legendre functions.
+    /// Weight of each ring, and normalised associated Legendre functions.
     rings: Vec<(f64, [f64; HARMONICS])>,
-    /// Of each wave its value at each step.
+    /// Value of each wave at each step.
     waves: [[f64; STEPS]; WAVES],
 }
 
@@ -74,7 +74,7 @@ pub fn basis(direction: DVec3) -> Harmonics {
     basis
 }
 
-/// What a phase function makes of each degree.
+/// Product of a phase function with harmonics, by degree.
 pub(super) fn by_degree(harmonics: &Harmonics, kept: impl Fn(usize) -> f64) -> Harmonics {
     let mut scattered = *harmonics;
     for degree in 0..DEGREES {

@@ -1,6 +1,6 @@
-//! Nine numbers a channel and node: radiance by direction of travel, or sources of it. Invariant: laid
-//! out by channel, then by harmonic, then by node, so that what is done to all nodes is done to
-//! neighbours in memory.
+//! Moments of radiance by direction of travel, or of its sources: nine numbers a channel and node. In go sums
+//! over ordinates, out come harmonics. Invariant: laid out by channel, then by harmonic, then by node, so that
+//! what is done to all nodes is done to neighbours in memory.
 
 use super::grid::Corners;
 use super::harmonics::COUNT;
@@ -101,7 +101,7 @@ impl Moments {
     }
 }
 
-/// The same for who asks for one node after another: all numbers of a node lie side by side.
+/// Moments by node. All numbers of a node lie side by side: it is asked for one after another.
 #[derive(Clone, Debug)]
 pub(crate) struct NodeMoments(Vec<[f32; PER_NODE]>);
 
@@ -136,7 +136,7 @@ impl NodeMoments {
         Self(nodes)
     }
 
-    /// Of one node, by channel.
+    /// Moments of one node, by channel.
     pub(crate) fn at(&self, node: usize) -> [[f32; COUNT]; 3] {
         std::array::from_fn(|channel| std::array::from_fn(|index| self.0[node][channel * COUNT + index]))
     }

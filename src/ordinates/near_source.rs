@@ -1,6 +1,6 @@
-//! How light goes near its source in a sweep. In go an ordinate and the nodes of a source, out comes what is
-//! seen of that at nodes beside it. Invariant: it is what `angle_set.rs` does in matter that is even about
-//! the source.
+//! Response of a sweep near a source. In go an ordinate and the nodes of a source, out comes what is seen of
+//! that at nodes beside it. Invariant: it is what `angle_set.rs` does in matter that is even about the
+//! source.
 
 use super::cross_sections::{NodeExtinction, OrientedExtinction};
 use super::grid::{Corners, Grid};
@@ -15,7 +15,7 @@ const HERE: usize = 13;
 /// By channel, then by harmonic.
 pub(crate) type Moments = [[f32; COUNT]; 3];
 
-/// Of a source of 1 / m the radiance in its own cell and in the next, by channel.
+/// Radiance of a source of 1 / m in its own cell and in the next, by channel.
 pub(crate) type Attenuation = [[f32; 2]; 3];
 
 /// One ordinate.
@@ -67,7 +67,7 @@ impl Response {
         })
     }
 
-    /// The same by where the source is and where it is seen from.
+    /// Gain by where the source is and where it is seen from.
     pub(crate) fn gain(&self, reach: &Attenuation, near: &[f32; NEAR]) -> Vec3 {
         let next: f32 = self.taps.iter().map(|(place, share)| share * near[*place]).sum();
         Vec3::from_array(reach.map(|[here, there]| here * near[HERE] + there * next))

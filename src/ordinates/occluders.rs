@@ -1,6 +1,6 @@
-//! Whether walls stand between a place and the nodes about it. In go the triangles of walls, out come nodes
-//! without those that are hidden. Invariant: what lies on one side of a wall neither gets light from nodes on
-//! the other nor gives them any.
+//! Occluders: walls between a place and the nodes about it. In go the triangles of walls, out come nodes
+//! without those that are hidden. Invariant: what lies on one side of a wall neither gets light from nodes
+//! on the other nor gives them any.
 
 use super::grid::{Corners, Grid};
 use glam::{DVec3, Vec3};
@@ -28,7 +28,7 @@ pub(crate) struct Occluders {
     /// those of N + 1 begin.
     about_cell: Vec<CellTriangle>,
     starts: Vec<u32>,
-    /// Of each node, whether a wall is about one of the cells that meet there.
+    /// Whether a wall is about one of the cells that meet at a node.
     are_near: Vec<bool>,
 }
 
@@ -63,7 +63,7 @@ pub(crate) const CLEAR: f32 = 1e-5;
 pub(crate) const OFF_WALL: f64 = 1e-3;
 
 impl Occluders {
-    /// Of triangles with the lowest nodes of the cells that they are about.
+    /// Occluders by triangles with the lowest nodes of the cells that they are about.
     pub(crate) fn new(grid: &Grid, mut about_cell: Vec<(u32, CellTriangle)>) -> Self {
         // Sorted by cell, and within one still by number.
         about_cell.sort_by_key(|(node, _)| *node);
@@ -238,7 +238,7 @@ impl CellTriangle {
         overlaps && triangle.height(middle).abs() <= 0.5 * side * triangle.normal.abs().element_sum() + slack
     }
 
-    /// Of a place, above its plane.
+    /// Height of a place above its plane.
     #[inline]
     fn height(&self, place: Vec3) -> f32 {
         (place - self.corner).dot(self.normal)

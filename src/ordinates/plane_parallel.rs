@@ -1,10 +1,10 @@
-//! Layers over ground, without an end to any side. In go cross-sections by height, the sky and suns, out
-//! comes radiance of all orders. Invariant: light differs with height alone. So it is solved in one
-//! dimension, in milliseconds, however thin layers are.
+//! Plane-parallel layers over ground, without an end to any side. In go cross-sections by height, the sky
+//! and suns, out comes radiance of all orders. Invariant: light differs with height alone. So it is solved
+//! in one dimension, in milliseconds, however thin layers are.
 //!
 //! The equation is that of transfer in plane-parallel media (Chandrasekhar 1950, chapter 1). Sources are
 //! linear in optical depth within a layer (Kylling & Stamnes 1992, "Efficient yet accurate solution of the
-//! linear transport equation"). It is solved by source iteration: a round is one more scattering.
+//! linear transport equation"). It is solved by source iteration: an iteration is one more scattering.
 
 use super::double_gauss::{DoubleGauss, ORDINATES, STEPS};
 use super::moment_operators::{DEGREES, HARMONICS, Harmonics, MomentOperators, basis, by_degree};
@@ -13,25 +13,25 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// Rounds when all orders are wanted, and what is left then, as a share of all light.
-const MOST_ROUNDS: u32 = 400;
+/// Iterations when all orders are wanted, and what is left then, as a share of all light.
+const MOST_ITERATIONS: u32 = 400;
 const REST: f64 = 1e-5;
-/// Of light that next to nothing absorbs.
+/// Ratio of orders at most, where next to nothing absorbs.
 const MOST_RATIO: f64 = 0.999;
 
-/// What scatters, by the degrees of its phase function.
+/// Phase function of a species, by degree.
 #[derive(Clone, Debug)]
 pub struct Species {
-    /// What it keeps of each degree of light that was scattered before, and of beams.
+    /// Share of each degree that it keeps of light that was scattered before, and of beams.
     pub orders: [f64; DEGREES],
-    /// The same of other light, scattered for the first time.
+    /// Share of other light, scattered for the first time.
     pub first: [f64; DEGREES],
 }
 
 /// Where one layer goes over into the next.
 #[derive(Clone, Debug)]
 pub struct Level {
-    /// Of each species, as shares of extinction, `0..=1`.
+    /// Single-scattering albedo of each species, as shares of extinction, `0..=1`.
     pub albedos: Vec<Rgb>,
     /// Optical depth of the layer beneath it, by channel.
     pub depth_beneath: Rgb,
@@ -55,7 +55,7 @@ pub struct Stack {
     pub levels: Vec<Level>,
 }
 
-/// What comes in.
+/// Boundary conditions.
 pub struct Boundaries<'a> {
     /// Radiance of the sky by the direction of travel, W m^-2 sr^-1.
     pub sky: &'a (dyn Fn(DVec3) -> Rgb + Sync),
@@ -63,9 +63,9 @@ pub struct Boundaries<'a> {
     pub sky_is_scattered: bool,
     /// Light of suns.
     pub beams: &'a [Beam],
-    /// Of the ground, as if it were matte: the share that it reflects.
+    /// Reflectance of the ground, as if it were matte.
     pub reflectance: Rgb,
-    /// Radiance that the ground emits.
+    /// Radiance of the ground.
     pub emission: Rgb,
 }
 
@@ -74,7 +74,7 @@ struct Channel {
     /// Along each ordinate: of all but the sky, and straight from the sky.
     scattered: Vec<[f64; ORDINATES]>,
     of_sky: Vec<[f64; ORDINATES]>,
-    /// What leaves each level, as radiance, and what leaves the ground.
+    /// Sources at each level, as radiance, and radiance that leaves the ground.
     sources: Vec<Harmonics>,
     ground: f64,
 }
@@ -88,14 +88,14 @@ pub struct PlaneParallel {
 }
 
 impl PlaneParallel {
-    /// `rounds` is how many orders are wanted, or all.
-    pub fn new(stack: &Stack, boundaries: &Boundaries, rounds: Option<u32>) -> Self {
+    /// `orders` is how many orders are wanted, or all.
+    pub fn new(stack: &Stack, boundaries: &Boundaries, orders: Option<u32>) -> Self {
         let ordinates = DoubleGauss::default();
         let operator = MomentOperators::new(&ordinates);
         let channel = |channel: usize| {
             let depths = stack.levels.iter().map(|level| level.depth_beneath[channel]).collect();
             Solver { stack, boundaries, ordinates: &ordinates, operator: &operator, depths, channel }
-                .solved(rounds)
+                .solved(orders)
         };
         let mut solved: Vec<Channel> = (0..3).into_par_iter().map(channel).collect();
         let channels = std::array::from_fn(|_| solved.remove(0));
@@ -192,13 +192,13 @@ struct Solver<'a> {
     channel: usize,
 }
 
-/// What is on its way to the next order.
-struct Leaving {
+/// Sources of the next order.
+struct LayerSource {
     sources: Vec<Harmonics>,
     ground: f64,
 }
 
-impl Leaving {
+impl LayerSource {
     fn add(&mut self, other: &Self, factor: f64) {
         let sums = self.sources.iter_mut().zip(&other.sources);
         sums.for_each(|(sum, added)| {
@@ -215,38 +215,38 @@ fn add(sums: &mut [[f64; ORDINATES]], values: &[[f64; ORDINATES]], factor: f64) 
 }
 
 impl Solver<'_> {
-    fn solved(&self, rounds: Option<u32>) -> Channel {
+    fn solved(&self, orders: Option<u32>) -> Channel {
         let levels = self.depths.len();
         let of_sky = self.of_sky();
-        let mut leaving = self.first();
+        let mut source = self.first();
         let mut scattered_sky = self.scatter(&of_sky);
         if !self.boundaries.sky_is_scattered {
             scattered_sky.sources.iter_mut().for_each(|source| *source = [0.0; HARMONICS]);
         }
-        leaving.add(&scattered_sky, 1.0);
+        source.add(&scattered_sky, 1.0);
         let mut all = vec![[0.0; ORDINATES]; levels];
-        let mut sent = Leaving { sources: vec![[0.0; HARMONICS]; levels], ground: 0.0 };
+        let mut sent = LayerSource { sources: vec![[0.0; HARMONICS]; levels], ground: 0.0 };
         let mut last = 0.0;
-        for round in 1..=rounds.unwrap_or(MOST_ROUNDS) {
-            let light = self.sweep(&leaving);
+        for iteration in 1..=orders.unwrap_or(MOST_ITERATIONS) {
+            let light = self.sweep(&source);
             add(&mut all, &light, 1.0);
-            sent.add(&leaving, 1.0);
+            sent.add(&source, 1.0);
             let [here, so_far] = [&light, &all].map(|light| light.as_flattened().iter().sum::<f64>());
             let ratio = if last > 0.0 { (here / last).clamp(0.0, MOST_RATIO) } else { 0.0 };
             let rest = ratio / (1.0 - ratio);
             last = here;
-            if rounds.is_none() && round > 2 && rest * here <= REST * so_far {
+            if orders.is_none() && iteration > 2 && rest * here <= REST * so_far {
                 add(&mut all, &light, rest);
-                sent.add(&leaving, rest);
+                sent.add(&source, rest);
                 break;
             }
-            leaving = self.scatter(&light);
+            source = self.scatter(&light);
         }
         Channel { scattered: all, of_sky, sources: sent.sources, ground: sent.ground }
     }
 
-    /// What layers and ground make of beams, and what the ground emits.
-    fn first(&self) -> Leaving {
+    /// First-collision source of beams, and what the ground emits.
+    fn first(&self) -> LayerSource {
         let mut sources = vec![[0.0; HARMONICS]; self.depths.len()];
         let mut on_ground = 0.0;
         for beam in self.boundaries.beams {
@@ -265,7 +265,7 @@ impl Solver<'_> {
         }
         let ground = FRAC_1_PI * self.boundaries.reflectance[self.channel] * on_ground
             + self.boundaries.emission[self.channel];
-        Leaving { sources, ground }
+        LayerSource { sources, ground }
     }
 
     /// Straight from the sky.
@@ -286,8 +286,8 @@ impl Solver<'_> {
         light
     }
 
-    /// What layers and ground make of light.
-    fn scatter(&self, light: &[[f64; ORDINATES]]) -> Leaving {
+    /// The scattering operator of layers and ground.
+    fn scatter(&self, light: &[[f64; ORDINATES]]) -> LayerSource {
         let source = |(level, radiances): (&Level, &[f64; ORDINATES])| {
             let harmonics = self.operator.harmonics(radiances);
             let mut source = [0.0; HARMONICS];
@@ -305,17 +305,17 @@ impl Solver<'_> {
             DoubleGauss::downward().map(flux).sum()
         });
         let ground = FRAC_1_PI * self.boundaries.reflectance[self.channel] * on_ground;
-        Leaving { sources, ground }
+        LayerSource { sources, ground }
     }
 
     /// Radiance of what leaves layers and ground, if it is scattered no more.
-    fn sweep(&self, leaving: &Leaving) -> Vec<[f64; ORDINATES]> {
+    fn sweep(&self, source: &LayerSource) -> Vec<[f64; ORDINATES]> {
         let levels = self.depths.len();
         let sources: Vec<[f64; ORDINATES]> =
-            leaving.sources.iter().map(|source| self.operator.radiances(source)).collect();
+            source.sources.iter().map(|source| self.operator.radiances(source)).collect();
         let mut light = vec![[0.0; ORDINATES]; levels];
         let (up, down) = (0..DoubleGauss::downward().start, DoubleGauss::downward());
-        light[levels - 1][up.clone()].fill(leaving.ground);
+        light[levels - 1][up.clone()].fill(source.ground);
         // Of a ring all have the same way through a layer.
         for ring in down.step_by(STEPS) {
             let way = -self.ordinates.directions()[ring].y;

@@ -1,6 +1,6 @@
-//! The directions along which light is swept. In goes nothing, out come unit vectors and their share of the
-//! sphere. Invariant: with each direction there is its opposite, and polynomials of the direction up to
-//! degree 11 are integrated exactly.
+//! Angular quadrature: the directions along which light is swept. In goes nothing, out come unit vectors and
+//! their share of the sphere. Invariant: with each direction there is its opposite, and polynomials of the
+//! direction up to degree 11 are integrated exactly.
 
 use crate::math::gauss_legendre;
 use glam::{DQuat, DVec3};
@@ -102,16 +102,16 @@ mod tests {
 
     #[test]
     fn they_share_out_the_sphere() {
-        let ordinates = Quadrature::new();
-        assert_eq!(ordinates.as_slice().len(), 50);
-        let all: f64 = ordinates.iter().map(|ordinate| ordinate.weight).sum();
+        let quadrature = Quadrature::new();
+        assert_eq!(quadrature.as_slice().len(), 50);
+        let all: f64 = quadrature.iter().map(|ordinate| ordinate.weight).sum();
         assert!((all - 4.0 * PI).abs() < 1e-12);
         // The mean of x^4 y^4 z^2 over the sphere: 3!! 3!! 1!! / 11!!.
         let mean = |ordinate: &Ordinate| {
             let DVec3 { x, y, z } = ordinate.direction;
             ordinate.weight / (4.0 * PI) * x.powi(4) * y.powi(4) * z.powi(2)
         };
-        let mean: f64 = ordinates.iter().map(mean).sum();
+        let mean: f64 = quadrature.iter().map(mean).sum();
         assert!((mean - 9.0 / 10395.0).abs() < 1e-12, "{mean}");
     }
 }

@@ -8,7 +8,7 @@ use glam::DVec3;
 /// By so little of the mean a sky differs that is isotropic.
 const EVEN: f64 = 1e-6;
 
-/// What shines on a grid from outside all matter.
+/// Radiance from outside all matter.
 pub(crate) struct Sky {
     /// Mean radiances of cells that share out the sphere evenly, with the directions towards their middles.
     pub(crate) cells: Vec<(DVec3, Rgb)>,

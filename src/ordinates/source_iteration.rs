@@ -47,9 +47,9 @@ pub(crate) struct Solution {
     pub(crate) all: Moments,
     /// That part of it that comes straight from the sky, if that can be told apart.
     pub(crate) of_sky: Option<Moments>,
-    /// What surfaces and fog that are seen make of it beyond that.
+    /// Degrees for surfaces and fog that are seen, beyond that.
     pub(crate) last: Swept,
-    /// Of light that comes straight from the sky what a finer grid within gets; the rest is in `last`.
+    /// Radiance straight from the sky that a finer grid within gets; the rest is in `last`.
     pub(crate) sky_radiances: Option<AngularRadiance>,
     /// Whether it goes on and on, and is cut short.
     pub(crate) is_endless: bool,
@@ -104,7 +104,7 @@ impl Problem<'_> {
         Source { volume, walls: walls.scattered(&irradiances), has_first: false }
     }
 
-    /// What is seen, of light that the medium scatters or does not.
+    /// Degrees that are seen, of light that the medium scatters or does not.
     fn last(&self, lights_medium: bool) -> Wanted<'_> {
         let (third, high) = (self.sees_third, self.sees_high && lights_medium);
         Wanted { moments: false, last: true, third, high, radiances: self.next_to_inner }
@@ -208,7 +208,7 @@ impl<'a> SourceIteration<'a> {
         Some(self.to_orders(fine, self.sweep_along(fine, &sources, wanted)))
     }
 
-    /// What comes in from about the grid.
+    /// Light that is incident from about the grid.
     fn sweep_incident(&mut self, incident: &IncidentRadiance, nothing: &Source, wanted: &Wanted) -> Swept {
         let condition = BoundaryCondition::Incident(incident);
         if !incident.is_fine {

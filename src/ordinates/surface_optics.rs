@@ -3,7 +3,7 @@
 
 use crate::color::Rgb;
 
-/// What becomes of light that meets a surface, and what it adds.
+/// Reflectance, transmittance and emission of a surface.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SurfaceOptics {
     /// Share that comes back.

@@ -19,7 +19,7 @@ use super::quadrature::Quadrature;
 use super::wanted::Wanted;
 use rayon::prelude::*;
 
-/// What light is found to be.
+/// Moments and radiances that a sweep finds.
 pub(crate) struct Swept {
     /// By harmonics up to l = 2, of nodes, then of faces of walls; those of degree 3, if wanted, and 4.
     pub(crate) moments: Moments,
@@ -57,7 +57,7 @@ impl Swept {
     }
 }
 
-/// What is swept over, and the room that it takes.
+/// Sweeps over a domain, with the memory that they take.
 pub(crate) struct Sweeper<'a> {
     /// Nodes, and with faces of walls.
     count: usize,
@@ -80,7 +80,7 @@ impl<'a> Sweeper<'a> {
         Self { count: grid.count(), count_with_faces, turned, angle_sets: angle_sets.collect() }
     }
 
-    /// What sources give where they, and nothing else, are scattered no more. Once `cancelled` says true,
+    /// Light of sources before anything scatters it. Once `cancelled` says true,
     /// what comes is of no use.
     pub(crate) fn sweep(
         &mut self,
@@ -114,7 +114,7 @@ impl<'a> Sweeper<'a> {
         sources.beams.iter().map(|beam| beam.map(|values| self.turned.of_grid(values))).collect()
     }
 
-    /// What angle_sets have found, all together.
+    /// Sums over all angle sets.
     fn sums(&self, of: impl for<'c> Fn(&'c AngleSet<'_>) -> (&'c [f32], &'c [[f32; COUNT]])) -> Moments {
         let mut moments = Moments::zero(self.count_with_faces);
         for set in &self.angle_sets {

@@ -1,6 +1,6 @@
-//! What a sweep does to many nodes at once. In go slices that are neighbours in memory, out come the same.
-//! Invariant: no node asks for another of the same plane, so eight are found at once, and each by the same
-//! operations in the same order whatever the width.
+//! Kernels of a sweep, each for many nodes at once. In go slices that are neighbours in memory, out come the
+//! same. Invariant: no node asks for another of the same plane, so eight are found at once, and each by the
+//! same operations in the same order whatever the width.
 
 use super::harmonics::COUNT;
 use crate::accel::Vectorized;
@@ -8,7 +8,7 @@ use crate::accel::Vectorized;
 /// Which harmonics are the same for a direction and its opposite, and which change sign.
 const ODD: std::ops::Range<usize> = 1..4;
 
-/// What half a cell does to light of one channel, along an ordinate and against it.
+/// Half-cell transmittance and source of one channel, along an ordinate and against it.
 pub(crate) struct HalfCells<'a> {
     /// Sources by harmonic, and those of the ordinate.
     pub(crate) sources: [&'a [f32]; COUNT],
@@ -16,9 +16,9 @@ pub(crate) struct HalfCells<'a> {
     pub(crate) isotropic_extinction: &'a [f32],
     pub(crate) oriented_extinction: &'a [f32],
     pub(crate) half_way: f32,
-    /// What half a cell lets through.
+    /// Transmittance of half a cell.
     pub(crate) through: &'a mut [f32],
-    /// What it adds along the ordinate and against it.
+    /// Radiance that it adds along the ordinate and against it.
     pub(crate) added: [&'a mut [f32]; 2],
 }
 
@@ -80,7 +80,7 @@ impl Vectorized for AddBeam<'_> {
 /// Rows of a plane take what leaves the four cells before each of their nodes.
 pub(crate) struct StepRows<'a> {
     pub(crate) shares: [f32; 4],
-    /// Of the plane before, with a rim: where the first node's four cells are.
+    /// The plane before, with a rim, and where the first node's four cells are.
     pub(crate) before: &'a [f32],
     pub(crate) first: [usize; 4],
     pub(crate) behind: &'a mut [f32],
@@ -142,11 +142,11 @@ impl Vectorized for Accumulate<'_> {
     }
 }
 
-/// The same for harmonics of one degree.
+/// Adds radiance to moments of one degree.
 pub(crate) struct AccumulateDegree<'a> {
     pub(crate) along: &'a [f32],
     pub(crate) against: &'a [f32],
-    /// What they are of the opposite direction: the same, 1, or less than nothing, -1.
+    /// Sign that they have for the opposite direction: 1 or -1.
     pub(crate) back: f32,
     pub(crate) factors: &'a [f32],
     pub(crate) moments: &'a mut [f32],

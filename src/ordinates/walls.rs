@@ -27,7 +27,7 @@ pub(crate) fn step_of(link: usize) -> IVec3 {
 /// A node some of whose neighbours are behind walls.
 pub(crate) struct CutNode {
     pub(crate) node: usize,
-    /// What is seen first along each link.
+    /// Patch that is seen first along each link.
     seen: [Seen; LINKS],
 }
 
@@ -72,7 +72,7 @@ impl CutNode {
     }
 }
 
-/// What nodes see of a wall about one cell, on one side.
+/// Part of a wall that nodes about one cell see, on one side.
 pub(crate) struct Patch {
     /// In world space, where it was seen first.
     pub(crate) position: DVec3,
@@ -121,7 +121,7 @@ impl Walls {
 
     /// Whether some stand at an angle to others, and so in each other's light.
     pub(crate) fn are_at_angles(&self) -> bool {
-        /// Of all patches.
+        /// Share of all patches.
         const FEW: f64 = 0.05;
         let mut along = [0; 3];
         for patch in &self.patches {
@@ -132,7 +132,7 @@ impl Walls {
         (self.patches.len() - most) as f64 > FEW * self.patches.len() as f64
     }
 
-    /// What each patch scatters of the irradiance on all of them, as radiance: of its own, and what comes
+    /// Radiance that each patch scatters of the irradiance on all of them: of its own, and what comes
     /// through from behind.
     pub(crate) fn scattered(&self, irradiances: &[Rgb]) -> Vec<Rgb> {
         let of_patch = |(patch, &irradiance): (&Patch, &Rgb)| {

@@ -1,14 +1,14 @@
-//! What a sweep is to find. In go the needs of orders and of what is seen, out come choices. Invariant: what
+//! Requests to a sweep. In go the needs of orders and of what is seen, out come choices. Invariant: what
 //! nobody asks for is not found.
 
 use super::grid::Corners;
 
-/// What is to be known of light.
+/// Moments and radiances that a sweep is to find.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
     /// Harmonics up to l = 2, with which orders of scattering go on.
     pub(crate) moments: bool,
-    /// What the last scattering, the one that is seen, needs beyond that: degree 4, and where things shine
+    /// Degrees for the last scattering, the one that is seen: 4, and where things shine
     /// degree 3.
     pub(crate) last: bool,
     pub(crate) third: bool,
@@ -19,7 +19,7 @@ pub(crate) struct Wanted<'a> {
 }
 
 impl<'a> Wanted<'a> {
-    /// What the next order is made of.
+    /// Moments of the next order alone.
     pub(crate) const ORDERS: Self =
         Self { moments: true, last: false, third: false, high: false, radiances: None };
 }

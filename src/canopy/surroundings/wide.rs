@@ -13,7 +13,7 @@ pub(crate) struct WidePart {
     /// In world space.
     pub(crate) corners: Vec<DVec3>,
     pub(crate) width_m: f64,
-    /// Of the box about it what is seen of the widest side.
+    /// Area of the widest side of the box about it.
     pub(crate) area_m2: f64,
 }
 
@@ -32,7 +32,7 @@ impl Surroundings<'_> {
 
     /// Corners of a part's triangles that are no steeper than a bank.
     fn level_corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart, up: DVec3) -> Vec<DVec3> {
-        /// Of the normal along the way up.
+        /// Part of the normal along the way up.
         const STEEPEST: f64 = 0.3;
         let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
         let corners = primitives.map(|primitive| self.world_corners(primitive));
