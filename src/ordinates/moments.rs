@@ -1,6 +1,6 @@
 //! Moments of radiance by direction of travel, or of its sources: nine numbers a channel and node. In go sums
-//! over ordinates, out come harmonics. Invariant: laid out by channel, then by harmonic, then by node, so that
-//! what is done to all nodes is done to neighbours in memory.
+//! over ordinates, out come harmonics. Invariant: laid out by channel, then by harmonic, then by node, so
+//! that what is done to all nodes is done to neighbours in memory.
 
 use super::grid::Corners;
 use super::harmonics::COUNT;
