@@ -72,6 +72,8 @@
 
 // What tests alone look at is no face, and stands where it belongs.
 #![cfg_attr(not(feature = "program"), allow(dead_code, unreachable_pub, unused_imports))]
+// What is open to the program links to what is private.
+#![cfg_attr(feature = "program", allow(rustdoc::private_intra_doc_links))]
 
 #[cfg(test)]
 #[path = "../tests/checkout/mod.rs"]
