@@ -21,6 +21,7 @@ mod slices;
 mod sum;
 mod survey;
 mod tiles;
+mod watch;
 
 use crate::film::{Film, Frame};
 use crate::indirect::{Indirect, KeptLight};
@@ -35,6 +36,7 @@ use grid_error::GridError;
 use refine::{Budget, Goal, Refined};
 use sum::Sum;
 use survey::Survey;
+pub use watch::{Progress, Watch};
 
 /// What is to be rendered of an exposure.
 #[derive(Clone, Debug)]
@@ -120,39 +122,6 @@ impl Method {
             Self::Slices => choice::obstacle(exposure).is_none(),
             Self::Segments | Self::March(_) | Self::Equiangular { .. } | Self::Paths => false,
         }
-    }
-}
-
-/// Who looks on while a frame is rendered. Neither of the two reaches a finished frame.
-#[derive(Clone, Copy)]
-pub struct Watch<'a> {
-    /// Is told now and then how far the frame is, from any thread.
-    pub progress: &'a (dyn Fn(Progress) + Sync),
-    /// Once it says true the frame comes back unfinished.
-    pub cancelled: &'a (dyn Fn() -> bool + Sync),
-    /// Is shown the picture so far whenever a round is done.
-    pub look: Option<&'a (dyn Fn(&Frame) + Sync)>,
-}
-
-impl Watch<'static> {
-    /// Nobody.
-    pub const NOBODY: Self = Self { progress: &|_| {}, cancelled: &|| false, look: None };
-}
-
-/// How far a frame is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Progress {
-    /// How much of the work is done, as far as one can tell, `0..=1`.
-    pub fraction: f64,
-    /// With a tolerance, the largest relative error that some block of pixels is estimated to have.
-    pub error: Option<f64>,
-}
-
-impl Progress {
-    /// So far, with such an error.
-    pub fn new(fraction: f64, error: Option<f64>) -> Self {
-        Self { fraction, error }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a picture is rendered in. Invariant: a round's samples are a pure function of its place in
 //! the order and of the pixel, so that leaving pixels out changes no other pixel.
 
-use super::{Job, Progress, Watch};
+use super::{Job, Watch};
 use crate::film::{BLOCK_SIDE, Film, Mask};
 use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::transport::slices::FARTHEST_SHIFT_PX;
@@ -129,27 +129,6 @@ pub(super) trait Picture {
 
     /// Gives every pixel that got no sample from the rounds one of its own.
     fn fill_holes(&self, film: &mut Film, watch: &Watch);
-}
-
-impl Watch<'_> {
-    /// Tells of a part of the work: the one from `start` to `end`, in fractions of all of it.
-    pub(super) fn part<R>(
-        &self,
-        (start, end): (f64, f64),
-        error: Option<f64>,
-        work: impl FnOnce(&Watch) -> R,
-    ) -> R {
-        let tell = |part: Progress| {
-            let fraction = start + (end - start) * part.fraction;
-            (self.progress)(Progress::new(fraction, part.error.or(error)));
-        };
-        work(&Watch { progress: &tell, cancelled: self.cancelled, look: self.look })
-    }
-
-    /// Tells how much is done.
-    pub(super) fn tell(&self, fraction: f64) {
-        (self.progress)(Progress::new(fraction, None));
-    }
 }
 
 #[cfg(test)]

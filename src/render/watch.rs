@@ -1,0 +1,58 @@
+//! Who looks on while a picture is rendered. In go shares of the work, out goes how much of all is done.
+//! Invariant: whoever looks on can end a picture early, and change nothing else of it.
+
+use crate::film::Frame;
+
+/// Who looks on while a frame is rendered. Neither of the two reaches a finished frame.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// Is told now and then how far the frame is, from any thread.
+    pub progress: &'a (dyn Fn(Progress) + Sync),
+    /// Once it says true the frame comes back unfinished.
+    pub cancelled: &'a (dyn Fn() -> bool + Sync),
+    /// Is shown the picture so far whenever a round is done.
+    pub look: Option<&'a (dyn Fn(&Frame) + Sync)>,
+}
+
+impl Watch<'static> {
+    /// Nobody.
+    pub const NOBODY: Self = Self { progress: &|_| {}, cancelled: &|| false, look: None };
+}
+
+impl Watch<'_> {
+    /// Tells of a part of the work: the one from `start` to `end`, in fractions of all of it.
+    pub(super) fn part<R>(
+        &self,
+        (start, end): (f64, f64),
+        error: Option<f64>,
+        work: impl FnOnce(&Watch) -> R,
+    ) -> R {
+        let tell = |part: Progress| {
+            let fraction = start + (end - start) * part.fraction;
+            (self.progress)(Progress::new(fraction, part.error.or(error)));
+        };
+        work(&Watch { progress: &tell, cancelled: self.cancelled, look: self.look })
+    }
+
+    /// Tells how much is done.
+    pub(super) fn tell(&self, fraction: f64) {
+        (self.progress)(Progress::new(fraction, None));
+    }
+}
+
+/// How far a frame is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// How much of the work is done, as far as one can tell, `0..=1`.
+    pub fraction: f64,
+    /// With a tolerance, the largest relative error that some block of pixels is estimated to have.
+    pub error: Option<f64>,
+}
+
+impl Progress {
+    /// So far, with such an error.
+    pub fn new(fraction: f64, error: Option<f64>) -> Self {
+        Self { fraction, error }
+    }
+}
