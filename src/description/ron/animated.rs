@@ -77,6 +77,7 @@ pub struct Key<T: Keyable> {
 /// The way from one key to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
+#[non_exhaustive]
 pub enum ToNext<T: Keyable> {
     /// The value stays, then jumps.
     Step,
@@ -111,6 +112,7 @@ pub struct Handle<T: Keyable> {
 
 /// What a keyed value does outside its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[non_exhaustive]
 pub enum Extend {
     /// Keeps the first or last value.
     #[default]

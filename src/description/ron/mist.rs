@@ -57,6 +57,7 @@ impl Mist {
 
 /// The form of mist in its box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[non_exhaustive]
 pub enum MistShape {
     /// All of it, faded at the sides and at the top.
     #[default]
