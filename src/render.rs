@@ -223,6 +223,9 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
 /// The same with light of other pictures of the scene, where it is the same.
 pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
+    if job.method.volume(job.bounces) == VolumeMethod::Segments {
+        exposure.see_fog(job.size);
+    }
     let indirect = job.indirect(exposure, kept, watch);
     let indirect = indirect.as_ref();
     let components = components(exposure, indirect);

@@ -84,8 +84,9 @@ impl Emitters<'_> {
                 let across = across - across.dot(to_light) * to_light;
                 let relative = across - (eye - eye.dot(to_light) * to_light);
                 let origin = relative + start * to_light;
-                let depths = [self.fog.dimming_of(true), &self.snapshot.medium]
-                    .map(|medium| medium.optical_depth(origin, to_light, f64::INFINITY));
+                let depths = [self.fog.dimming_of(true), &self.snapshot.medium].map(|medium| {
+                    medium.rough_optical_depth(&Ray { origin, direction: to_light }, f64::INFINITY)
+                });
                 let ray = Ray { origin, direction: -to_light };
                 let power = spacing * spacing * irradiance;
                 rays.push(PowerRay { ray, power, depths, is_of_sun: true });

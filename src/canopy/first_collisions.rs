@@ -243,7 +243,7 @@ impl FirstCollisions<'_> {
         let is_inside = (enter - self.cut.grid.cell_m..=leave + self.cut.grid.cell_m).contains(&t);
         if is_inside && !self.are_walls.contains(&point.primitive) {
             let dimming = self.fog.dimming_of(from.is_of_sun);
-            let fog = exp_minus(from.depths[0] + dimming.optical_depth(ray.origin, ray.direction, t));
+            let fog = exp_minus(from.depths[0] + dimming.rough_optical_depth(ray, t));
             self.land(point, power * fog * point.alpha, left);
         }
     }
@@ -272,9 +272,8 @@ impl FirstCollisions<'_> {
             return;
         }
         let media = [self.fog.dimming_of(*is_of_sun), &self.snapshot.medium];
-        let mut left = [0, 1].map(|which| {
-            power * exp_minus(depths[which] + media[which].optical_depth(ray.origin, ray.direction, start))
-        });
+        let mut left = [0, 1]
+            .map(|which| power * exp_minus(depths[which] + media[which].rough_optical_depth(ray, start)));
         let in_world = Ray { origin: self.snapshot.world_from_relative(ray.origin), ..*ray };
         // To the middle of each stretch by the fog at the middles, which is all that the grid tells of it.
         for Stretch { node, from, to } in self.cut.grid.stretches(&in_world, start, end) {

@@ -17,6 +17,9 @@ pub(super) const EDGE_SLACK: f64 = 1e-9;
 /// Rays through fog without bounds end here, in metres: as far out as coordinates go.
 const FARTHEST_M: f64 = 1e15;
 
+/// Optical depth, at most, of what may count as one voxel.
+const DEEPEST: f64 = 0.125;
+
 /// How dense fog is, as a share of the densest. A new kind is a variant: see docs/decisions/fog.md.
 #[derive(Clone, Debug)]
 enum Density {
@@ -252,6 +255,44 @@ impl FogBank {
             LightPlace::Towards(to_light) => self.length(point, to_light, f64::INFINITY),
             LightPlace::At(position) => self.length_between(point, position),
         }
+    }
+
+    /// The same as [`FogBank::length`], of voxels by their means over up to `DEEPEST` of optical depth.
+    pub(super) fn rough_length(&self, ray: &Ray, end: f64) -> f64 {
+        let Some(voxels) = self.voxels() else { return self.length(ray.origin, ray.direction, end) };
+        voxels.rough_metres(ray, end, DEEPEST / self.sigma_t.max_element())
+    }
+
+    /// The same up to the sky, as far as it need be known where light comes from everywhere.
+    pub(super) fn length_to_sky(&self, ray: &Ray) -> f64 {
+        let Some(voxels) = self.voxels() else {
+            return self.length(ray.origin, ray.direction, f64::INFINITY);
+        };
+        voxels.metres_to_sky(ray, DEEPEST / self.sigma_t.max_element())
+    }
+
+    /// The same from a point to a sun whose depths its voxels have.
+    pub(super) fn metres_to_sun(&self, point: DVec3, to_light: DVec3) -> Option<f64> {
+        let ray = Ray { origin: point, direction: to_light };
+        self.voxels()?.towards_sun(&ray, to_light).map(|metres| metres.at(0.0))
+    }
+
+    /// Whether it is the same fog by voxels.
+    pub(super) fn is_same_voxels(&self, other: &Self) -> bool {
+        let optics = |fog: &Self| (fog.sigma_t, fog.sigma_s, fog.g);
+        let voxels = self.voxels().zip(other.voxels());
+        optics(self) == optics(other) && voxels.is_some_and(|(own, others)| own.is(others))
+    }
+
+    /// Corners of the box about it.
+    pub fn corners(&self) -> Option<[DVec3; 8]> {
+        self.is_bounded().then(|| {
+            let relative_from_cube = self.cube_from_relative.inverse();
+            std::array::from_fn(|corner| {
+                let side = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                relative_from_cube.transform_point3(DVec3::new(side(0), side(1), side(2)))
+            })
+        })
     }
 
     /// Whether a ray comes into its box, or begins there.

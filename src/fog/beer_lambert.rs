@@ -34,6 +34,15 @@ pub(super) fn mean_transmittance(d: f64) -> f64 {
     -(-d).exp_m1() / d
 }
 
+/// The mean of `exp(-x)` between two depths, per channel.
+pub(super) fn mean_transmittance_between(from: Rgb, to: Rgb) -> Rgb {
+    let mean = |from: f64, to: f64| (-from.min(to)).exp() * mean_transmittance((to - from).abs());
+    if from == Rgb::splat(from.x) && to == Rgb::splat(to.x) {
+        return Rgb::splat(mean(from.x, to.x));
+    }
+    Rgb::new(mean(from.x, to.x), mean(from.y, to.y), mean(from.z, to.z))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

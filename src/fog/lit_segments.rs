@@ -96,7 +96,7 @@ impl LitSegments {
 
     /// Calls `lit(start, end, share)` for the lit parts of a range, in order, with the share of the
     /// light that is left there.
-    pub(super) fn for_each_part(&self, range: &Range<f64>, mut lit: impl FnMut(f64, f64, Rgb)) {
+    pub fn for_each_part(&self, range: &Range<f64>, mut lit: impl FnMut(f64, f64, Rgb)) {
         self.shadows.for_each_gap(range.start, range.end, |start, end| {
             self.for_each_piece(start, end, &mut lit);
         });
@@ -116,7 +116,7 @@ impl LitSegments {
     }
 
     /// What the range has of a part of the ray; the end may come before the start.
-    pub(super) fn within(&self, start: f64, end: f64) -> Range<f64> {
+    pub fn within(&self, start: f64, end: f64) -> Range<f64> {
         start.max(self.range.0)..end.min(self.range.1)
     }
 }

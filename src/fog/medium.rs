@@ -1,5 +1,5 @@
-//! All fog together, by points and rays. In go places, out come optical depths, densities and where fog is at
-//! all. Invariant: where banks overlap their coefficients add up, and so do their optical depths.
+//! All fog together, by points and rays. In go places, out come optical depths, densities and where fog is
+//! at all. Invariant: where banks overlap their coefficients add up, and so do their optical depths.
 
 use super::FogBank;
 use super::beer_lambert::exp_minus;
@@ -39,7 +39,7 @@ impl Medium {
     }
 
     /// Extinction where all fog is densest, of the colour of which it takes most, 1/m.
-    pub(super) fn most_extinction_per_m(&self) -> f64 {
+    pub fn most_extinction_per_m(&self) -> f64 {
         self.banks.iter().map(|fog| fog.sigma_t.max_element()).sum()
     }
 
@@ -54,6 +54,38 @@ impl Medium {
             return Rgb::ONE;
         }
         exp_minus(self.optical_depth(origin, direction, t_max))
+    }
+
+    /// Optical depth of a ray up to a place, of voxels by means: as well as grids of light need it.
+    pub fn rough_optical_depth(&self, ray: &Ray, t_max: f64) -> Rgb {
+        self.banks.iter().map(|fog| fog.sigma_t * fog.rough_length(ray, t_max)).sum()
+    }
+
+    /// The same up to the sky, in one of many directions that are picked at random.
+    pub fn optical_depth_to_sky(&self, ray: &Ray) -> Rgb {
+        self.banks.iter().map(|fog| fog.sigma_t * fog.length_to_sky(ray)).sum()
+    }
+
+    /// The share of a light's that gets through to a point from it, at a distance in a direction: of suns
+    /// by the depths that voxels know already.
+    pub fn transmittance_from(&self, point: DVec3, to_light: DVec3, distance: f64) -> Rgb {
+        let metres = |fog: &FogBank| {
+            let known = if distance == f64::INFINITY { fog.metres_to_sun(point, to_light) } else { None };
+            known.unwrap_or_else(|| fog.length(point, to_light, distance))
+        };
+        exp_minus(self.banks.iter().map(|fog| fog.sigma_t * metres(fog)).sum())
+    }
+
+    /// How many metres of a ray are as long as a voxel, where they are shortest.
+    pub fn voxel_m(&self, ray: &Ray) -> Option<f64> {
+        self.banks.iter().filter_map(|fog| Some(fog.voxels()?.voxel_m(ray))).reduce(f64::min)
+    }
+
+    /// Whether it is the same fog by voxels alone.
+    pub fn is_same_voxels(&self, other: &Self) -> bool {
+        let pairs = self.banks.iter().zip(&other.banks);
+        self.banks.len() == other.banks.len()
+            && pairs.into_iter().all(|(own, others)| own.is_same_voxels(others))
     }
 
     /// Optical depth from a point to the light.

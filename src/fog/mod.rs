@@ -15,6 +15,7 @@ mod lit_segments;
 mod medium;
 mod near_light;
 mod phase;
+mod prefix_sums;
 mod scattered;
 mod slice;
 mod stretch;

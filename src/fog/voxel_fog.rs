@@ -10,6 +10,8 @@ use std::sync::Arc;
 pub(super) struct VoxelFog {
     grid: Arc<SunlitVoxels>,
     voxel_from_relative: DAffine3,
+    /// Along the axis in which they are longest.
+    widest_voxel_m: f64,
     /// Of suns: where they are, and depths in metres by those in voxels.
     suns: Vec<Sun>,
 }
@@ -26,7 +28,11 @@ const NEAR: f64 = 0.999_85;
 
 impl VoxelFog {
     pub(super) fn new(relative_from_voxel: DAffine3, grid: Arc<SunlitVoxels>) -> Self {
-        Self { grid, voxel_from_relative: relative_from_voxel.inverse(), suns: Vec::new() }
+        let axes = relative_from_voxel.matrix3;
+        let widest_voxel_m =
+            [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max);
+        let voxel_from_relative = relative_from_voxel.inverse();
+        Self { grid, voxel_from_relative, widest_voxel_m, suns: Vec::new() }
     }
 
     pub(super) fn lit_by(self, to_lights: &[DVec3]) -> Self {
@@ -49,6 +55,26 @@ impl VoxelFog {
     /// Between two places on a ray, as dense as the densest.
     pub(super) fn metres(&self, ray: &Ray, start: f64, end: f64) -> f64 {
         self.grid.voxels.integral(&self.line(ray), (start, end)) / self.grid.voxels.most()
+    }
+
+    /// The same where voxels may count as wider ones, up to so many metres.
+    pub(super) fn rough_metres(&self, ray: &Ray, end: f64, widest_m: f64) -> f64 {
+        let times = widest_m / self.widest_voxel_m;
+        self.grid.rough_integral(&self.line(ray), (0.0, end), times) / self.grid.voxels.most()
+    }
+
+    /// The same towards a place of the sky or one beside it.
+    pub(super) fn metres_to_sky(&self, ray: &Ray, widest_m: f64) -> f64 {
+        let times = widest_m / self.widest_voxel_m;
+        self.grid.rough_integral_to_sky(&self.line(ray), times) / self.grid.voxels.most()
+    }
+
+    /// Whether it is the same fog, lit by the same suns.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        let suns = |fog: &Self| fog.suns.iter().map(|sun| sun.to_light).collect::<Vec<_>>();
+        Arc::ptr_eq(&self.grid, &other.grid)
+            && self.voxel_from_relative == other.voxel_from_relative
+            && suns(self) == suns(other)
     }
 
     /// As a share of the densest.

@@ -6,6 +6,7 @@ use super::walls::SnapshotWalls;
 use crate::accel::PrimitiveId;
 use crate::canopy::delta_scaled_fog::DeltaScaledFog;
 use crate::color::Rgb;
+use crate::fog::exp_minus;
 use crate::math::{Ray, kronecker};
 use crate::ordinates::first_collision_source::GlossySource;
 use crate::ordinates::grid::Grid;
@@ -131,7 +132,7 @@ impl WallLight<'_> {
             return Rgb::ZERO;
         }
         let dimming = self.fog.dimming_of(matches!(light, FrozenLight::Sun { .. }));
-        visible * dimming.transmittance(ray.origin, ray.direction, distance)
+        visible * exp_minus(dimming.rough_optical_depth(ray, distance))
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod chance;
 mod chebyshev;
+mod coarse_voxels;
 mod cubic;
 mod disc;
 mod distribution;
@@ -16,6 +17,7 @@ mod quadrature;
 mod ray;
 mod running_product;
 mod sampler;
+mod sunlit_voxels;
 mod voxel_depths;
 mod voxel_walk;
 mod voxels;
@@ -37,5 +39,6 @@ pub use ray::Ray;
 pub(crate) use running_product::MULTIPLICATIONS;
 pub use running_product::RunningProduct;
 pub use sampler::Sampler;
-pub use voxel_depths::{SunlitVoxels, VoxelDepths};
+pub use sunlit_voxels::SunlitVoxels;
+pub use voxel_depths::VoxelDepths;
 pub use voxels::{BRICK, Voxels, VoxelsBuilder, VoxelsError};

@@ -5,46 +5,9 @@ use super::{Ray, Voxels};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
 
-/// How far nodes lie apart, in voxels; farther where there would be too many.
-const SPACING: f64 = 0.5;
+/// Nodes lie farther apart where there would be more.
 const MOST_NODES: f64 = (1 << 23) as f64;
-
-/// Suns whose depths are kept.
-const MOST_SUNS: usize = 8;
-
-/// Voxels that suns shine through.
-#[derive(Debug)]
-pub struct SunlitVoxels {
-    /// Them.
-    pub voxels: Voxels,
-    /// The last suns: directions of the voxels' own space.
-    suns: Mutex<Vec<(DVec3, Arc<VoxelDepths>)>>,
-}
-
-impl From<Voxels> for SunlitVoxels {
-    fn from(voxels: Voxels) -> Self {
-        Self { voxels, suns: Mutex::default() }
-    }
-}
-
-impl SunlitVoxels {
-    /// Depths towards a direction of its own space, found once.
-    pub fn depths_towards(&self, to_light: DVec3) -> Arc<VoxelDepths> {
-        let suns = || self.suns.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, depths)) = suns().iter().find(|(direction, _)| *direction == to_light) {
-            return Arc::clone(depths);
-        }
-        let depths = Arc::new(VoxelDepths::new(&self.voxels, to_light));
-        let mut suns = suns();
-        if suns.len() == MOST_SUNS {
-            suns.remove(0);
-        }
-        suns.push((to_light, Arc::clone(&depths)));
-        depths
-    }
-}
 
 /// Depths in voxels of the densest, towards one direction.
 pub struct VoxelDepths {
@@ -66,8 +29,8 @@ impl fmt::Debug for VoxelDepths {
 }
 
 impl VoxelDepths {
-    /// `to_light` is a direction of the voxels' own space.
-    pub(super) fn new(voxels: &Voxels, to_light: DVec3) -> Self {
+    /// `to_light` is a direction of the voxels' own space; nodes lie so far apart, in voxels.
+    pub(super) fn new(voxels: &Voxels, to_light: DVec3, spacing: f64) -> Self {
         let up = to_light.normalize();
         let (right, across) = up.any_orthonormal_pair();
         let axes = [right, across, up];
@@ -79,8 +42,8 @@ impl VoxelDepths {
             let along = DVec3::from_array(axes.map(|axis| axis.dot(corner)));
             (from, to) = (from.min(along), to.max(along));
         }
-        let nodes = (to - from).element_product() / SPACING.powi(3);
-        let spacing = SPACING * (nodes / MOST_NODES).cbrt().max(1.0);
+        let nodes = (to - from).element_product() / spacing.powi(3);
+        let spacing = spacing * (nodes / MOST_NODES).cbrt().max(1.0);
         let size = (to - from).to_array().map(|side| (side / spacing).ceil() as usize + 1);
         let mut depths = vec![0.0; size.iter().product()];
         depths.par_chunks_mut(size[2]).enumerate().for_each(|(number, depths)| {

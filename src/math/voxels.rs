@@ -72,6 +72,12 @@ pub struct VoxelsBuilder {
 }
 
 impl VoxelsBuilder {
+    /// With room for so many bricks: while there is, they are never held twice.
+    pub fn of_up_to(bricks: usize) -> Self {
+        // One more, of nothing.
+        Self { values: Vec::with_capacity((bricks + 1) * BRICK), ..Self::default() }
+    }
+
     /// A brick, z fastest. `first` is a multiple of 8; what is below 0 counts as nothing.
     pub fn add(&mut self, first: IVec3, values: impl IntoIterator<Item = f32>) {
         let number = (self.values.len() / BRICK) as u32;
@@ -184,6 +190,19 @@ impl Voxels {
     /// Its largest number.
     pub fn most(&self) -> f64 {
         f64::from(self.most)
+    }
+
+    /// Calls `each` for every brick that holds something, with its first voxel.
+    pub(super) fn for_each_brick(&self, mut each: impl FnMut(IVec3, &[f32])) {
+        let nothing = (self.values.len() - BRICK) as u32;
+        for (place, &number) in self.table.iter().enumerate().filter(|(_, number)| **number != NOTHING) {
+            let start = self.neighbours[number as usize][0];
+            let (place, [_, rows, row]) = (place as i32, self.bricks.to_array());
+            let brick = IVec3::new(place / (rows * row), place / row % rows, place % row);
+            if start != nothing {
+                each(self.first + (brick << LOG_EDGE), &self.values[start as usize..][..BRICK]);
+            }
+        }
     }
 
     /// Of a brick by its steps from the first.

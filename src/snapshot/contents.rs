@@ -97,6 +97,7 @@ impl<'scene> Contents<'scene> {
             sky: self.sky,
             motion: None,
             mattes: None,
+            seen_fog: OnceLock::new(),
             glow: OnceLock::new(),
         }
     }

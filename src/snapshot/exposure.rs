@@ -4,9 +4,9 @@
 //! same order.
 
 use super::moment::shining;
-use super::{Contents, Framing, Instant, MeshTrees, MotionField, Shutter, Snapshot};
+use super::{Contents, Framing, Instant, MeshTrees, MotionField, SeenFog, Shutter, Snapshot};
 use crate::diagnostic::{Diagnostic, Loss, Place};
-use crate::scene::{Scene, matte_id};
+use crate::scene::{Scene, Size, matte_id};
 use std::sync::Arc;
 
 /// Moments of a shutter that sees something move. A leaf that crosses 30 pixels meanwhile is drawn at
@@ -113,6 +113,21 @@ impl<'scene> Exposure<'scene> {
         let ids: Arc<[u32]> = (0..scene.instances.len()).map(id).collect();
         self.moments.iter_mut().for_each(|moment| moment.mattes = Some(Arc::clone(&ids)));
         self
+    }
+
+    /// Finds fog by voxels as the camera sees it in a picture of that size, if it keeps still for it.
+    pub fn see_fog(&self, size: Size) {
+        let middle = self.middle();
+        let is_still =
+            |moment: &Snapshot| moment.view == middle.view && moment.medium.is_same_voxels(&middle.medium);
+        if !self.moments.iter().all(is_still) {
+            return;
+        }
+        let Some(seen) = SeenFog::new(middle, size).map(Arc::new) else { return };
+        for moment in &self.moments {
+            // Who asks again, asks for the same.
+            let _ = moment.seen_fog.set(Arc::clone(&seen));
+        }
     }
 
     /// The moments, in order of time.

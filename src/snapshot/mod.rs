@@ -7,6 +7,7 @@ mod bent_mesh;
 mod blended;
 mod contents;
 mod exposure;
+mod fog_lattice;
 mod glow;
 mod lens;
 mod luminaire;
@@ -16,6 +17,7 @@ mod moment;
 mod motion_field;
 mod placed_mesh;
 mod ray_visibility;
+mod seen_fog;
 mod self_shading;
 mod sky;
 mod surface;
@@ -41,6 +43,7 @@ pub use mesh_trees::MeshTrees;
 pub use motion_field::MotionField;
 pub use placed_mesh::DrawnMesh;
 pub use ray_visibility::RaysOfInstances;
+pub use seen_fog::{SeenFog, SeenRay};
 pub use sky::FrozenSky;
 pub use surface::{Facet, SurfacePoint};
 
@@ -107,6 +110,8 @@ pub struct Snapshot<'scene> {
     pub motion: Option<Arc<MotionField>>,
     /// What Cryptomatte calls each of the scene's instances, if anybody asks.
     pub mattes: Option<Arc<[u32]>>,
+    /// Fog as the camera sees it, if that is known for all its rays.
+    seen_fog: OnceLock<Arc<SeenFog>>,
     /// What glows, once it has been asked for.
     glow: OnceLock<Option<Glow>>,
 }
@@ -194,6 +199,11 @@ impl<'scene> Snapshot<'scene> {
     /// Whether no camera ray that leaves the scene sees anything, not even a sun.
     pub fn is_dark_beyond(&self) -> bool {
         !self.has_background() && !self.lights.iter().any(Luminaire::is_visible)
+    }
+
+    /// Fog as the camera sees it, once [`Exposure::see_fog`] has found it.
+    pub fn seen_fog(&self) -> Option<&SeenFog> {
+        self.seen_fog.get().map(|seen| &**seen)
     }
 
     /// Where a surface's point that a ray met moves, or what lies infinitely far away in its direction; see

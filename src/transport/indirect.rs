@@ -25,13 +25,14 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
 /// Radiance that fog scatters into the ray on its way, past blended surfaces, W m^-2 sr^-1.
 pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way, from: Start) -> Rgb {
     if let Some(bounces) = path.walks() {
-        let of_sky = if path.walks_have_sky() { sky_light::on_the_way(path, ray, way) } else { Rgb::ZERO };
+        let of_sky =
+            if path.walks_have_sky() { sky_light::on_the_way(path, (ray, from), way) } else { Rgb::ZERO };
         return of_sky + paths::in_scattered(path, bounces, ray, way);
     }
     let Some(indirect) = path.indirect() else { return Rgb::ZERO };
     let before = |distance: f64| match from {
         Start::Camera => {
-            let through = path.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
+            let through = path.through_fog((ray, from), distance);
             indirect.seen_in_fog(path.snapshot, ray, distance, through)
         }
         Start::Surface(_) | Start::Shine(_) => {

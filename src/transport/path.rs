@@ -6,9 +6,9 @@ use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::fog::LitSegments;
 use crate::indirect::Indirect;
-use crate::math::Sampler;
+use crate::math::{Ray, Sampler};
 use crate::scene::Bounces;
-use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
+use crate::snapshot::{FrozenLight, SeenRay, Snapshot, SurfacePoint};
 use glam::DVec3;
 
 /// Where the shadow rays stand.
@@ -136,6 +136,30 @@ pub(super) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
+    /// Fog on a ray from a start, if it is known for all rays from there.
+    pub(super) fn seen_fog<'r>(&self, ray: &'r Ray, from: Start) -> Option<SeenRay<'r>>
+    where
+        'a: 'r,
+    {
+        let is_known = matches!(from, Start::Camera) && self.transport.volume == VolumeMethod::Segments;
+        self.snapshot.seen_fog().filter(|_| is_known).map(|fog| fog.along(ray))
+    }
+
+    /// Optical depth of the fog between where a ray begins and the sky.
+    pub(super) fn depth_to_sky(&self, to_sky: &Ray) -> Rgb {
+        let medium = &self.snapshot.medium;
+        match self.transport.volume {
+            VolumeMethod::Segments => medium.optical_depth_to_sky(to_sky),
+            _ => medium.optical_depth(to_sky.origin, to_sky.direction, f64::INFINITY),
+        }
+    }
+
+    /// What fog lets through of what lies so far away on a ray from a start.
+    pub(super) fn through_fog(&self, (ray, from): (&Ray, Start), distance: f64) -> Rgb {
+        let walked = || self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
+        self.seen_fog(ray, from).map_or_else(walked, |seen| seen.transmittance(distance))
+    }
+
     /// Light that was scattered before, if it is wanted here from a grid.
     pub(super) fn indirect(&self) -> Option<&'a Indirect> {
         self.transport.indirect.filter(|_| self.light.has_rest)

@@ -228,8 +228,8 @@ impl Path<'_> {
             (Rgb::ZERO, Rgb::ZERO, Rgb::ONE)
         } else {
             let indirect = indirect::in_scattered(self, ray, &way, from);
-            let scattered = self.scattered_once(ray, &way) + indirect;
-            (scattered, indirect, snapshot.medium.transmittance(ray.origin, ray.direction, distance))
+            let scattered = self.scattered_once((ray, from), &way) + indirect;
+            (scattered, indirect, self.through_fog((ray, from), distance))
         };
         let (mut shown, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;
@@ -262,11 +262,11 @@ impl Path<'_> {
     }
 
     /// What fog scatters into a ray of light that was not scattered before, if it is wanted.
-    fn scattered_once(&mut self, ray: &Ray, way: &Way) -> Rgb {
+    fn scattered_once(&mut self, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
         if self.light.indirect_alone {
             return Rgb::ZERO;
         }
-        shafts::in_scattered(self, ray, way) + sky_light::in_scattered(self, ray, way)
+        shafts::in_scattered(self, (ray, from), way) + sky_light::in_scattered(self, (ray, from), way)
     }
 
     /// The share of a ray that ends at blended holdouts.
@@ -278,7 +278,7 @@ impl Path<'_> {
         let (mut sum, mut seen_through) = (0.0, Rgb::ONE);
         for BlendedHit { t, point } in blended {
             if from.sees_hole(snapshot, point.primitive) {
-                let fog = snapshot.medium.transmittance(ray.origin, ray.direction, *t);
+                let fog = self.through_fog((ray, from), *t);
                 sum += mean(seen_through * fog) * point.alpha;
             }
             seen_through *= point.see_through;
@@ -316,7 +316,7 @@ impl Path<'_> {
                 shown += self.mirrored(ray, point, mirrors_left).weakened(Rgb::splat(share));
             }
             shown.radiance = scattered + shown.radiance;
-            let through_fog = snapshot.medium.transmittance(ray.origin, ray.direction, hit.t);
+            let through_fog = self.through_fog((ray, from), hit.t);
             sum += shown.weakened(seen_through * through_fog * point.alpha);
             seen_through *= point.see_through;
         }

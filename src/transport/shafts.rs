@@ -2,7 +2,7 @@
 //! all methods estimate the same integral; only `Segments` is exact.
 
 use super::lit_segments::shade;
-use super::path::{Path, VolumeMethod};
+use super::path::{Path, Start, VolumeMethod};
 use super::visibility::Way;
 use super::{equiangular, march};
 use crate::color::Rgb;
@@ -11,7 +11,7 @@ use crate::math::Ray;
 use crate::snapshot::FrozenLight;
 
 /// Radiance of all lights of the path scattered into a ray on its way, W m^-2 sr^-1.
-pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
+pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
     let lights = path.light.lights;
     lights
         .iter()
@@ -19,7 +19,7 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
             VolumeMethod::Segments | VolumeMethod::Paths(_) => {
                 let snapshot = path.snapshot;
                 let shadows = |lit: &mut LitSegments| shade(lit, snapshot, ray, light, way);
-                by_segments(path, ray, way.distance, light, shadows).scattered
+                by_segments(path, (ray, from), way.distance, light, shadows).scattered
             }
             VolumeMethod::March(steps) => march::in_scattered(path, steps, ray, way, light),
             VolumeMethod::Equiangular { points } => equiangular::in_scattered(path, points, ray, way, light),
@@ -30,14 +30,16 @@ pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
 /// The exact method, along a ray that ends at a distance; `shadows` takes them away from what is lit.
 pub(super) fn by_segments(
     path: &mut Path,
-    ray: &Ray,
+    (ray, from): (&Ray, Start),
     distance: f64,
     light: &FrozenLight,
     shadows: impl FnOnce(&mut LitSegments),
 ) -> Passage {
+    let seen = path.seen_fog(ray, from);
     let (medium, lit) = (&path.snapshot.medium, &mut path.scratch.lit);
     let Some(range) = medium.range(ray, distance) else { return Passage::NOTHING };
     lit.start(ray, light, range);
     shadows(lit);
-    medium.passage(ray, distance, lit, light)
+    let known = seen.and_then(|seen| seen.passage(distance, lit, light));
+    known.unwrap_or_else(|| medium.passage(ray, distance, lit, light))
 }

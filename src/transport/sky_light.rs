@@ -7,12 +7,12 @@
 
 use super::direct::scattered_per_radiance;
 use super::lobes::{Lobes, about};
-use super::path::Path;
+use super::path::{Path, Start};
 use super::visibility::Way;
 use crate::color::Rgb;
 use crate::fog::{FoggyRay, exp_minus, pick_henyey_greenstein, picked_henyey_greenstein};
 use crate::math::Ray;
-use crate::snapshot::{FrozenSky, Snapshot, SurfacePoint};
+use crate::snapshot::{FrozenSky, SurfacePoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -47,31 +47,36 @@ pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     if visible == Rgb::ZERO {
         return Rgb::ZERO;
     }
-    let fog = snapshot.medium.transmittance(point.position, to_sky, f64::INFINITY);
+    let fog = exp_minus(path.depth_to_sky(&shadow_ray));
     scattered * visible * fog / density
 }
 
 /// Radiance that fog scatters into the ray on its way, W m^-2 sr^-1, unless indirect light has it.
-pub(super) fn in_scattered(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
-    if path.samples_sky() { on_the_way(path, ray, way) } else { Rgb::ZERO }
+pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
+    if path.samples_sky() { on_the_way(path, (ray, from), way) } else { Rgb::ZERO }
 }
 
 /// The same in any case.
-pub(super) fn on_the_way(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
-    let (snapshot, medium) = (path.snapshot, &path.snapshot.medium);
+pub(super) fn on_the_way(path: &mut Path, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
+    let medium = &path.snapshot.medium;
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
     let Some(range) = medium.range(ray, way.distance) else { return Rgb::ZERO };
     let [along, u, v] = path.sampler.next_3d();
-    let fog = medium.along(ray, range.1);
-    let Some((t, density_per_m)) = place_by_depth(&fog, range, along) else { return Rgb::ZERO };
+    let picked = match path.seen_fog(ray, from) {
+        Some(seen) => seen.place_by_depth(range, along).map(|picked| (picked, seen.optical_depth(picked.0))),
+        None => {
+            let fog = medium.along(ray, range.1);
+            place_by_depth(&fog, range, along).map(|picked| (picked, fog.optical_depth(picked.0)))
+        }
+    };
+    let Some(((t, density_per_m), depth)) = picked else { return Rgb::ZERO };
     let point = ray.at(t);
-    let Some(found) = FromSky::pick(snapshot, sky, point, ray.direction, DVec2::new(u, v)) else {
+    let Some(found) = FromSky::pick(path, sky, point, ray.direction, DVec2::new(u, v)) else {
         return Rgb::ZERO;
     };
     let seen_through = way.blended.iter().filter(|hit| hit.t < t);
     let visible = seen_through.fold(found.visible, |product, hit| product * hit.point.see_through);
-    let tau = found.depth + fog.optical_depth(t);
-    found.scattered * exp_minus(tau) * visible / (found.density * density_per_m)
+    found.scattered * exp_minus(found.depth + depth) * visible / (found.density * density_per_m)
 }
 
 /// Radiance that fog at a point scatters back along a direction of travel from the eye, per
@@ -79,7 +84,7 @@ pub(super) fn on_the_way(path: &mut Path, ray: &Ray, way: &Way) -> Rgb {
 pub(super) fn by_fog(path: &mut Path, point: DVec3, from_eye: DVec3) -> Rgb {
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
     let u = DVec2::from(path.sampler.next_2d());
-    let found = FromSky::pick(path.snapshot, sky, point, from_eye, u);
+    let found = FromSky::pick(path, sky, point, from_eye, u);
     found.map_or(Rgb::ZERO, |found| found.scattered * exp_minus(found.depth) * found.visible / found.density)
 }
 
@@ -101,8 +106,8 @@ struct FromSky {
 
 impl FromSky {
     /// `None` if nothing arrives.
-    fn pick(snapshot: &Snapshot, sky: &FrozenSky, point: DVec3, from_eye: DVec3, u: DVec2) -> Option<Self> {
-        let medium = &snapshot.medium;
+    fn pick(path: &Path, sky: &FrozenSky, point: DVec3, from_eye: DVec3, u: DVec2) -> Option<Self> {
+        let (snapshot, medium) = (path.snapshot, &path.snapshot.medium);
         let g = medium.anisotropy_at(point);
         let (to_sky, density) = picked(
             sky,
@@ -117,8 +122,9 @@ impl FromSky {
         if scattered == Rgb::ZERO {
             return None;
         }
-        let visible = snapshot.visibility(&Ray { origin: point, direction: to_sky }, f64::INFINITY, None);
-        let depth = medium.optical_depth(point, to_sky, f64::INFINITY);
+        let shadow_ray = Ray { origin: point, direction: to_sky };
+        let visible = snapshot.visibility(&shadow_ray, f64::INFINITY, None);
+        let depth = path.depth_to_sky(&shadow_ray);
         (visible != Rgb::ZERO).then_some(Self { scattered, visible, depth, density })
     }
 }

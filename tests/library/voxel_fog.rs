@@ -9,8 +9,8 @@ use sunfleck::color::Rgb;
 use sunfleck::description;
 use sunfleck::fog::{FogBank, Medium};
 use sunfleck::math::{Sampler, SunlitVoxels, Voxels, VoxelsBuilder};
-use sunfleck::scene::{self, Bounces, Fog, FogShape, GridFrame, GridFrames, LightKind, Scene, Track};
-use sunfleck::snapshot::{MeshTrees, Snapshot};
+use sunfleck::scene::{self, Bounces, Fog, FogShape, GridFrame, GridFrames, LightKind, Scene, Size, Track};
+use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{MarchSteps, Sample, Scratch, Transport, VolumeMethod, radiance};
 
 /// A puff of 24 voxels across: soft, uneven, empty in a corner.
@@ -152,6 +152,33 @@ fn walks_find_the_same_light() {
     let error = ((squares - sum * sum) / f64::from(count)).map(|variance| variance.max(0.0).sqrt());
     let off = (found - sum).abs() - 4.0 * error;
     assert!(off.max_element() < 1e-3 * found.max_element(), "{found} {sum} +- {error}");
+}
+
+/// What is found once for all rays of a camera is what each of them finds, within the lattice's tolerance.
+#[test]
+fn fog_that_the_camera_sees_is_that_of_its_rays() {
+    let scene = lit_puff();
+    let trees = MeshTrees::new(&scene);
+    let alone = Snapshot::new(&scene, &trees, 0, 1.0, INSTANT);
+    let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+    exposure.see_fog(Size { width: 160, height: 160 });
+    let known = exposure.middle();
+    assert!(alone.seen_fog().is_none() && known.seen_fog().is_some());
+    let (mut sum, mut difference, mut squares, count) = (Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, 1500);
+    for number in 0..count {
+        let [x, y] = Sampler::new(number, 0, 0, 0).next_2d().into();
+        let ray = alone.view.ray(x, y);
+        let [expected, found] = [&alone, known].map(|snapshot| {
+            radiance(snapshot, &EXACT, &ray, &mut Sampler::new(number, 0, 0, 0), &mut Scratch::default())
+        });
+        assert!((found.transmittance - expected.transmittance).abs().max_element() < 0.02, "{x} {y}");
+        let off = found.radiance - expected.radiance;
+        (sum, difference, squares) = (sum + expected.radiance, difference + off, squares + off * off);
+    }
+    let error = (squares / f64::from(count)).map(f64::sqrt) / (sum / f64::from(count));
+    println!("{difference} of {sum}, root mean square {error}");
+    assert!((difference / sum).abs().max_element() < 2e-3, "{difference} {sum}");
+    assert!(error.max_element() < 0.02, "{error}");
 }
 
 fn refusal(fog: &str) -> String {

@@ -36,7 +36,7 @@ SCENE = """Scene(
 """
 FOGS = {
     "even": "density_per_m: 0.25",
-    "by voxels": "density_per_m: 0.8, mist: (size_m: 1.0, cover: 0.6, edge_m: 0.2, voxel_m: 0.015625)",
+    "by voxels": "density_per_m: 0.8, mist: (size_m: 1.0, cover: 0.6, edge_m: 0.2, voxel_m: 0.0157)",
 }
 
 

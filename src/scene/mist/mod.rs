@@ -125,18 +125,25 @@ impl Mist {
 
     fn made(&self, state: &State) -> Option<Voxels> {
         const EDGE: i32 = 8;
+        /// Bricks that are made at a time, 8 MB: beside them all are held once.
+        const AT_ONCE: usize = 1 << 12;
         let [low, high] = self.bounds.map(|corner| corner / self.voxel_m);
         let first = low.ceil().as_ivec3().div_euclid(IVec3::splat(EDGE));
         let count = high.floor().as_ivec3().div_euclid(IVec3::splat(EDGE)) - first + 1;
-        let places = 0..count.element_product().max(0);
-        let bricks = places.into_par_iter().filter_map(|place| {
+        /// Bricks that room is kept for, 128 MB.
+        const MOST_RESERVED: usize = 1 << 16;
+        let places = count.element_product().max(0);
+        let brick = |place: i32| {
             let along = IVec3::new(place / (count.y * count.z), place / count.z % count.y, place % count.z);
             let first = EDGE * (first + along);
             Some((first, self.brick(first, state)?))
-        });
-        let mut builder = VoxelsBuilder::default();
-        for (first, values) in bricks.collect::<Vec<_>>() {
-            builder.add(first, values);
+        };
+        let mut builder = VoxelsBuilder::of_up_to((places as usize).min(MOST_RESERVED));
+        for start in (0..places).step_by(AT_ONCE) {
+            let bricks = start..places.min(start + AT_ONCE as i32);
+            for (first, values) in bricks.into_par_iter().filter_map(brick).collect::<Vec<_>>() {
+                builder.add(first, values);
+            }
         }
         builder.built().ok()
     }

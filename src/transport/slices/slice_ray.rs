@@ -70,7 +70,7 @@ impl SliceRay<'_> {
                         lit.shadows_mut().insert(distance_of(*start), distance_of(*end));
                     }
                 };
-                by_segments(&mut path, ray, distance, light, shade)
+                by_segments(&mut path, (ray, Start::Camera), distance, light, shade)
             });
         let is_hole = self.meeting.is_some_and(|(meeting, _)| snapshot.is_holdout(meeting.primitive));
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
@@ -119,7 +119,8 @@ impl SliceRay<'_> {
         let unshadowed = if is_lit { Unshadowed::new(light, point) } else { None };
         let of_light = unshadowed.map_or(Rgb::ZERO, |Unshadowed { radiance, to_light: way, distance }| {
             radiance
-                * to_light.unwrap_or_else(|| snapshot.medium.transmittance(point.position, way, distance))
+                * to_light
+                    .unwrap_or_else(|| snapshot.medium.transmittance_from(point.position, way, distance))
         });
         let indirect = indirect::scattered(path, point);
         let scattered = Shown { radiance: of_light + indirect, indirect, ..Shown::default() };

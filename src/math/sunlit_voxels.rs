@@ -1,0 +1,65 @@
+//! Voxels that suns and a sky shine through. In go voxels, out come depths towards lights and rough
+//! integrals. Invariant: what lights know of the voxels is found once.
+
+use super::coarse_voxels::CoarseVoxels;
+use super::{Ray, VoxelDepths, Voxels};
+use glam::DVec3;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// How far nodes of a sun's lattice lie apart, in voxels.
+const SPACING: f64 = 0.5;
+
+/// Suns whose depths are kept.
+const MOST_SUNS: usize = 8;
+
+/// Voxels that suns shine through.
+#[derive(Debug)]
+pub struct SunlitVoxels {
+    /// Them.
+    pub voxels: Voxels,
+    /// The last suns: directions of the voxels' own space.
+    suns: Mutex<Vec<(DVec3, Arc<VoxelDepths>)>>,
+    /// Twice, four and eight times as wide, once they have been asked for.
+    coarse: [OnceLock<Option<CoarseVoxels>>; 3],
+}
+
+impl From<Voxels> for SunlitVoxels {
+    fn from(voxels: Voxels) -> Self {
+        Self { voxels, suns: Mutex::default(), coarse: Default::default() }
+    }
+}
+
+impl SunlitVoxels {
+    /// The integral over a part of a line, in units of `t`, where voxels may count as wider ones: at most
+    /// `times` as wide.
+    pub fn rough_integral(&self, line: &Ray, range: (f64, f64), times: f64) -> f64 {
+        let walked = || self.voxels.integral(line, range);
+        self.coarse(times).map_or_else(walked, |coarse| coarse.integral(line, range))
+    }
+
+    /// The same from where a line begins, where that may have one of some directions about it.
+    pub fn rough_integral_to_sky(&self, line: &Ray, times: f64) -> f64 {
+        let walked = || self.voxels.integral(line, (0.0, f64::INFINITY));
+        self.coarse(times).map_or_else(walked, |coarse| coarse.integral_to_sky(line))
+    }
+
+    fn coarse(&self, times: f64) -> Option<&CoarseVoxels> {
+        let level = (0..self.coarse.len()).rev().find(|level| f64::from(2 << level) <= times)?;
+        self.coarse[level].get_or_init(|| CoarseVoxels::new(&self.voxels, 2 << level)).as_ref()
+    }
+
+    /// Depths towards a direction of its own space, found once.
+    pub fn depths_towards(&self, to_light: DVec3) -> Arc<VoxelDepths> {
+        let suns = || self.suns.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, depths)) = suns().iter().find(|(direction, _)| *direction == to_light) {
+            return Arc::clone(depths);
+        }
+        let depths = Arc::new(VoxelDepths::new(&self.voxels, to_light, SPACING));
+        let mut suns = suns();
+        if suns.len() == MOST_SUNS {
+            suns.remove(0);
+        }
+        suns.push((to_light, Arc::clone(&depths)));
+        depths
+    }
+}

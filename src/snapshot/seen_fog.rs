@@ -1,0 +1,188 @@
+//! Fog by voxels as the camera sees it. In go a snapshot and the size of a picture, out come depths and
+//! light. A lattice of camera rays has optical depths and what suns scatter before each step, of which lit
+//! intervals take differences. Invariant: depths along its rays are exact at steps. Between them all is
+//! linear, and errs by no more than a tolerance.
+
+use super::fog_lattice::{Between, FogLattice};
+use super::{FrozenLight, Snapshot};
+use crate::color::Rgb;
+use crate::fog::{LitSegments, Passage, exp_minus, henyey_greenstein};
+use crate::math::Ray;
+use crate::scene::Size;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// By how much a ray may err between those of the lattice, root mean square: of transmittance, and of
+/// sunlight as a share of its own root mean square.
+const TOLERANCE: f64 = 0.02;
+/// Cosine of how far a point of a sun's disc may lie from the middle that light is for: a degree.
+const NEAR: f64 = 0.999_85;
+
+/// Optical depths and light of suns on a lattice of camera rays.
+pub struct SeenFog {
+    lattice: FogLattice,
+    /// Directions towards suns.
+    suns: Vec<DVec3>,
+    /// Henyey-Greenstein g of all of it.
+    g: f64,
+    /// Channels that differ: 1 or 3.
+    channels: usize,
+    /// By ray, then step, then quantity: optical depth, and for each sun what it scatters, without the phase
+    /// function; then channel.
+    numbers: Vec<f32>,
+}
+
+impl SeenFog {
+    /// `None` where rays are better followed one by one.
+    pub(super) fn new(snapshot: &Snapshot, size: Size) -> Option<Self> {
+        let (view, medium) = (&snapshot.view, &snapshot.medium);
+        let g = medium.anisotropy_of_voxels()?;
+        if view.has_lens() {
+            return None;
+        }
+        let suns: Vec<DVec3> = snapshot
+            .lights
+            .iter()
+            .filter_map(|light| match light.centre() {
+                FrozenLight::Sun { to_light, .. } => Some(to_light),
+                FrozenLight::Point { .. } => None,
+            })
+            .collect();
+        let is_grey = |color: Rgb| color == Rgb::splat(color.x);
+        let are_grey = medium.banks().iter().all(|bank| is_grey(bank.sigma_t) && is_grey(bank.sigma_s));
+        let channels = if are_grey { 1 } else { 3 };
+        let of_step = channels * (1 + suns.len());
+        let lattice = FogLattice::of(snapshot, size, of_step)?;
+        let of_ray = of_step * (lattice.steps + 1);
+        let mut numbers = vec![0.0_f32; lattice.columns * lattice.rows * of_ray];
+        numbers.par_chunks_mut(of_ray).enumerate().for_each(|(number, numbers)| {
+            let ray = lattice.ray(number);
+            let places = lattice.places(&ray);
+            let along = medium.along(&ray, places[lattice.steps]);
+            let mut put = |quantity: usize, values: &[Rgb]| {
+                for (step, value) in numbers.chunks_exact_mut(of_step).zip(values) {
+                    let value = value.to_array().map(|channel| channel as f32);
+                    step[channels * quantity..][..channels].copy_from_slice(&value[..channels]);
+                }
+            };
+            let depths = along.depths_before_each(&places);
+            put(0, &depths);
+            for (sun, to_light) in suns.iter().enumerate() {
+                put(1 + sun, &along.sunlight_before_each(*to_light, &places, &depths));
+            }
+        });
+        let fog = Self { lattice, suns, g, channels, numbers };
+        (fog.error() <= TOLERANCE).then_some(fog)
+    }
+
+    /// By how much a ray errs between those that are known, root mean square. What is smooth errs by a
+    /// third of how far a known ray is from the mean of the four beside it.
+    fn error(&self) -> f64 {
+        let FogLattice { columns, rows, .. } = self.lattice;
+        let at_end = |ray: usize, quantity: usize| {
+            let value = self.number(ray, self.lattice.steps, quantity, 0);
+            f64::from(if quantity == 0 { (-value).exp() } else { value })
+        };
+        let of_quantity = |quantity: usize| {
+            let (mut errors, mut squares, mut count) = (0.0, 0.0, 0.0);
+            for ray in
+                (1..rows - 1).flat_map(|row| (1..columns - 1).map(move |column| row * columns + column))
+            {
+                let beside = [ray - 1, ray + 1, ray - columns, ray + columns];
+                let mean = 0.25 * beside.map(|ray| at_end(ray, quantity)).iter().sum::<f64>();
+                let value = at_end(ray, quantity);
+                errors += (value - mean).powi(2) / 9.0;
+                squares += value * value;
+                count += 1.0;
+            }
+            if errors == 0.0 { 0.0 } else { (errors / if quantity == 0 { count } else { squares }).sqrt() }
+        };
+        (0..=self.suns.len()).map(of_quantity).fold(0.0, f64::max)
+    }
+
+    fn number(&self, ray: usize, step: usize, quantity: usize, channel: usize) -> f32 {
+        let quantities = 1 + self.suns.len();
+        self.numbers
+            [((ray * (self.lattice.steps + 1) + step) * quantities + quantity) * self.channels + channel]
+    }
+
+    /// A ray of the camera through it.
+    pub fn along<'a>(&'a self, ray: &'a Ray) -> SeenRay<'a> {
+        SeenRay { fog: self, ray, between: self.lattice.between(ray) }
+    }
+}
+
+/// A ray between those of the lattice.
+pub struct SeenRay<'a> {
+    fog: &'a SeenFog,
+    ray: &'a Ray,
+    between: Between,
+}
+
+impl SeenRay<'_> {
+    /// Of a quantity before a place, in steps.
+    fn before(&self, step: f64, quantity: usize) -> Rgb {
+        let SeenFog { lattice, channels, .. } = self.fog;
+        let first = (step as usize).min(lattice.steps - 1);
+        let later = (step - first as f64) as f32;
+        let mut sum = [0.0_f32; 3];
+        for (ray, weight) in self.between {
+            for (channel, sum) in sum.iter_mut().enumerate().take(*channels) {
+                let [here, next] = [0, 1].map(|on| self.fog.number(ray, first + on, quantity, channel));
+                *sum += weight * (here + later * (next - here));
+            }
+        }
+        if *channels == 1 { Rgb::splat(sum[0].into()) } else { Rgb::from_array(sum.map(f64::from)) }
+    }
+
+    fn step(&self, t: f64) -> f64 {
+        self.fog.lattice.step(self.ray, t)
+    }
+
+    /// Optical depth before a place.
+    pub fn optical_depth(&self, t: f64) -> Rgb {
+        self.before(self.step(t), 0)
+    }
+
+    /// What gets through of what lies so far away.
+    pub fn transmittance(&self, t: f64) -> Rgb {
+        exp_minus(self.optical_depth(t))
+    }
+
+    /// What fog does up to a distance of which a sun lights parts; `None` for any other light.
+    pub fn passage(&self, distance: f64, lit: &LitSegments, light: &FrozenLight) -> Option<Passage> {
+        let FrozenLight::Sun { to_light, irradiance } = *light else { return None };
+        let sun = self.fog.suns.iter().position(|sun| sun.dot(to_light) > NEAR)?;
+        let before = |t: f64| self.before(self.step(t), 1 + sun);
+        let mut sum = Rgb::ZERO;
+        lit.for_each_part(&lit.within(0.0, distance), |start, end, share| {
+            sum += share * (before(end) - before(start));
+        });
+        let phase = henyey_greenstein(to_light.dot(self.ray.direction), self.fog.g);
+        Some(Passage { scattered: phase * sum * irradiance, transmittance: self.transmittance(distance) })
+    }
+
+    /// The place in a range before which a share of the light lost there is lost, and its density per
+    /// metre: as often as the eye's own light would be scattered there. `None` where nothing is lost.
+    pub fn place_by_depth(&self, (start, end): (f64, f64), u: f64) -> Option<(f64, f64)> {
+        let mean = |step: f64| self.before(step, 0).element_sum() / 3.0;
+        let (first, last) = (self.step(start), self.step(end));
+        let (before, all) = (mean(first), mean(last));
+        let lost = -(before - all).exp_m1();
+        if lost <= 0.0 {
+            return None;
+        }
+        let wanted = before - (-u * lost).ln_1p();
+        // Between steps depth is linear.
+        let (mut low, mut high) = (first.floor(), last.ceil());
+        while high - low > 1.0 {
+            let middle = (0.5 * (low + high)).floor();
+            if mean(middle) > wanted { high = middle } else { low = middle }
+        }
+        let (at_low, growth) = (mean(low), mean(high) - mean(low));
+        let place = |step: f64| self.fog.lattice.place(self.ray, step);
+        let t = place(low + ((wanted - at_low) / growth).clamp(0.0, 1.0));
+        let density_per_m = growth / (place(high) - place(low)) * (before - wanted).exp() / lost;
+        (density_per_m > 0.0).then_some((t, density_per_m))
+    }
+}
