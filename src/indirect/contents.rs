@@ -12,17 +12,22 @@ use crate::canopy::leaf_power::LeafPower;
 use crate::canopy::self_interaction::SelfInteraction;
 use crate::canopy::surroundings::Surroundings;
 use crate::canopy::turbid_medium::TurbidMedium;
+use crate::color::Rgb;
 use crate::ordinates::domain::Domain;
-use crate::ordinates::first_collision_source::FirstCollisionSource;
+use crate::ordinates::first_collision_source::{Emission, FirstCollisionSource};
 use crate::ordinates::grid::Grid;
+use crate::ordinates::moments::Moments;
 use crate::ordinates::occluders::CutGrid;
 use crate::ordinates::quadrature::Quadrature;
 use crate::scene::Bounces;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Luminaire, Snapshot};
 use std::collections::HashSet;
 
 /// Things at least so many cells wide are walls.
 pub(super) const WALL_CELLS: f64 = 2.0;
+
+/// Distance of walls to what glows, in cells, below which they get none of it: it stays between them.
+const NEAREST_GLOW: f64 = 0.5;
 
 /// Snapshot, bounces and leaves that a field is solved for.
 pub(super) struct Context<'a> {
@@ -30,6 +35,8 @@ pub(super) struct Context<'a> {
     pub(super) surroundings: &'a Surroundings<'a>,
     pub(super) leaves: &'a LeafIndex,
     pub(super) bounces: Bounces,
+    /// What glows, as lights, where what surfaces get straight from there is no part of the field.
+    pub(super) glow: Option<Vec<Luminaire>>,
     /// Once it says true, what comes is of no use.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
@@ -84,12 +91,26 @@ impl<'a> Contents<'a> {
         let Self { grid, fog, are_walls, medium, walls } = self;
         let cut = CutGrid { grid, occluders: &walls.walls.occluders };
         let collisions = FirstCollisions { snapshot, fog, cut, medium, cancelled, leaves, are_walls };
-        let Found { mut sources, beams, forward_peaks, met_again, on_leaves } = collisions.found();
-        medium.emit(&mut sources);
-        let LitWalls { irradiances, glossy } = WallLight { snapshot, grid, fog, walls, quadrature }.found();
+        let Found { sources, beams, forward_peaks, met_again, on_leaves } = collisions.found();
+        let by_lights = |lights, nearest_m| {
+            WallLight { snapshot, lights, nearest_m, grid, fog, walls, quadrature }.found()
+        };
+        let LitWalls { irradiances, glossy } = by_lights(snapshot.lights.as_slice(), 0.0);
+        let by_glow = context
+            .glow
+            .as_ref()
+            .map(|lights| walls.walls.scattered(&by_lights(lights, NEAREST_GLOW * grid.cell_m).irradiances));
         let not_again = self_interaction.all_sent_again(cut, medium, (leaves, &on_leaves));
-        let walls = walls.walls.leaving(&irradiances);
-        let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again };
+        let walls = walls.walls.scattered(&irradiances);
+        let emission = snapshot.glow().map(|_| self.emission(by_glow));
+        let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again, emission };
         FirstLight { source, forward_peaks, met_again, on_leaves }
+    }
+
+    fn emission(&self, scattered_by_walls: Option<Vec<Rgb>>) -> Emission {
+        let mut volume = Moments::zero(self.grid.count());
+        self.medium.emit(&mut volume);
+        let walls = self.walls.walls.patches.iter().map(|patch| patch.optics.emission).collect();
+        Emission { volume, walls, is_part: scattered_by_walls.is_none(), scattered_by_walls }
     }
 }

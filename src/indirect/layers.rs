@@ -28,6 +28,8 @@ use glam::{DQuat, DVec3};
 
 /// Light that differs with height alone.
 pub(super) struct Layers {
+    /// Whether their ground does.
+    ground_glows: bool,
     heights: Heights,
     light: PlaneParallel,
     levels: Vec<LevelLight>,
@@ -127,7 +129,13 @@ impl Layers {
             )
         };
         let levels = (0..stack.levels.len()).map(seen).collect();
-        Some(Self { heights, light, levels, peaks })
+        let ground_glows = boundaries.emission != Rgb::ZERO;
+        Some(Self { ground_glows, heights, light, levels, peaks })
+    }
+
+    /// Whether light of what glows is in theirs.
+    pub(super) fn ground_glows(&self) -> bool {
+        self.ground_glows
     }
 
     fn between(&self, world: DVec3) -> Between {
@@ -144,7 +152,7 @@ impl Layers {
             let is_even = is_isotropic(&sky.incident(&quadrature));
             self.incident((grid, &places), &if is_even { quadrature } else { Quadrature::fine() }, 1)
         });
-        Surrounding { scattered, of_sky }
+        Surrounding { scattered, of_sky, emitted: None }
     }
 
     /// Incident radiance of all but the sky, or straight from the sky. Near the horizon layers are bright, in

@@ -27,6 +27,7 @@ use crate::ordinates::moments::NodeMoments;
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use crate::ordinates::quadrature::Quadrature;
 use crate::ordinates::source_iteration::{Problem, Solution};
+use crate::ordinates::sweep::Swept;
 use crate::ordinates::walls::Walls;
 use crate::snapshot::FrozenSky;
 use glam::DVec3;
@@ -49,11 +50,14 @@ pub(super) struct Level {
     light_in_fog: Option<NodeMoments>,
     /// And of degrees 5 and 6, where fog scatters ahead.
     high: Option<HighMoments>,
+    /// Light straight from what glows, which fog gets where surfaces look for it by rays.
+    of_glow: Option<OfGlow>,
     /// Irradiance on each face of a wall by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
     /// Radiance at a finer grid's rim, until that is solved; apart from what comes straight from the sky.
     radiances: Option<AngularRadiance>,
     sky_radiances: Option<AngularRadiance>,
+    glow_radiances: Option<AngularRadiance>,
     forward_peaks: Vec<ForwardPeak>,
     clumps: Clumps,
     extinction: Extinction,
@@ -62,6 +66,23 @@ pub(super) struct Level {
     detail: Option<LayerDetail>,
     on_leaves: LeafPower,
     is_endless: bool,
+}
+
+/// Light straight from what glows, by degrees.
+struct OfGlow {
+    light: NodeMoments,
+    third: Option<NodeMoments>,
+    fourth: NodeMoments,
+}
+
+impl OfGlow {
+    fn of(swept: &Swept) -> Self {
+        Self {
+            light: NodeMoments::of(&swept.moments),
+            third: swept.third.as_ref().map(NodeMoments::of),
+            fourth: NodeMoments::of(&swept.fourth),
+        }
+    }
 }
 
 /// Nodes that are seen from each place about a finer grid.
@@ -100,7 +121,9 @@ impl Level {
             sees_high,
             cancelled: context.cancelled,
         };
-        let solution = problem.solved(first.source);
+        let mut solution = problem.solved(first.source);
+        let mut emitted = solution.emitted.take();
+        emitted.iter().for_each(|emitted| solution.last.add_high(emitted));
         let Contents { medium, walls: SnapshotWalls { walls, .. }, .. } = contents;
         let (clumps, extinction) = medium.told(&first.met_again);
         let (light, fourth) = (NodeMoments::of(&solution.all), NodeMoments::of(&solution.last.fourth));
@@ -112,6 +135,8 @@ impl Level {
             fourth,
             light_in_fog: light_in_fog(&solution, snapshot.sky),
             high: solution.last.high.as_ref().map(HighMoments::of),
+            glow_radiances: emitted.as_mut().and_then(|emitted| emitted.radiances.take()),
+            of_glow: emitted.as_ref().map(OfGlow::of),
             radiances: solution.last.radiances,
             sky_radiances: solution.sky_radiances,
             forward_peaks: first.forward_peaks,
@@ -131,6 +156,7 @@ impl Level {
         Surrounding {
             scattered: incident(self.radiances.take()),
             of_sky: incident(self.sky_radiances.take()),
+            emitted: incident(self.glow_radiances.take()),
         }
     }
 
@@ -216,7 +242,12 @@ impl Level {
         scattering: &[Rgb; SEEN_DEGREES],
     ) -> Rgb {
         let corners = self.corners_seen_from(world);
-        let moments = self.moments_in_fog(&corners);
+        let mut moments = self.moments_in_fog(&corners);
+        if let Some(glow) = &self.of_glow {
+            let added = glow.light.mean(&corners);
+            let sums = moments.as_flattened_mut().iter_mut();
+            sums.zip(added.as_flattened()).for_each(|(sum, value)| *sum += value);
+        }
         let of_channel = |channel: usize| -> f64 {
             let harmonic = |index: usize| {
                 scattering[DEGREE[index]][channel] * towards.low[index] * f64::from(moments[channel][index])
@@ -227,6 +258,12 @@ impl Level {
         if let Some(third) = self.third.as_ref().filter(|_| self.light_in_fog.is_none()) {
             by_harmonics += scattering[3] * product(&towards.third, &third.mean(&corners));
             by_harmonics += scattering[4] * product(&towards.fourth, &self.fourth.mean(&corners));
+        }
+        if let Some(OfGlow { third, fourth, .. }) = &self.of_glow {
+            let third =
+                third.as_ref().map_or(Rgb::ZERO, |third| product(&towards.third, &third.mean(&corners)));
+            by_harmonics += scattering[3] * third;
+            by_harmonics += scattering[4] * product(&towards.fourth, &fourth.mean(&corners));
         }
         let high = self.high.as_ref();
         let high = high.map_or(Rgb::ZERO, |high| high.scattered(&corners, &towards.high, scattering));

@@ -90,6 +90,12 @@ impl Indirect {
         self.solved.has_sky
     }
 
+    /// Whether what surfaces get straight from what glows is part of it, so that nobody need look for it: not
+    /// where that is few enough triangles for rays to pick from.
+    pub fn has_glow(&self) -> bool {
+        self.solved.has_glow
+    }
+
     /// Which share of a surface's shine is to be found by rays: harmonics are too wide for what stands near.
     pub fn share_of_rays(point: &SurfacePoint) -> f64 {
         /// From hardly seen to seen: between the two both ways count.

@@ -10,6 +10,7 @@ use super::leaf_light::LeafLight;
 use super::sky::has_sky;
 use crate::canopy::leaf_index::LeafIndex;
 use crate::canopy::surroundings::Surroundings;
+use crate::color::Rgb;
 use crate::scene::Bounces;
 use crate::snapshot::Snapshot;
 use std::sync::Arc;
@@ -20,6 +21,8 @@ pub(super) struct Solved {
     pub(super) leaves: LeafLight,
     pub(super) bounces: Bounces,
     pub(super) has_sky: bool,
+    /// Whether what surfaces get straight from what glows is in it; else they look for it by rays.
+    pub(super) has_glow: bool,
     /// After one bounce less, where that is asked for.
     pub(super) once_less: Option<Arc<Self>>,
 }
@@ -51,11 +54,20 @@ impl Solved {
         let layers = layers(snapshot, &mut surroundings, bounces);
         let grids = levels(snapshot, &surroundings, layers.as_ref());
         let cell_m = grids.first().map_or(f64::INFINITY, |grid| grid.cell_m);
-        let leaves = LeafIndex::new(snapshot, surroundings.leaves(cell_m));
-        let context = Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, cancelled };
+        let plain_glows = layers.as_ref().is_some_and(Layers::ground_glows);
+        let glow = snapshot.glow().filter(|glow| !plain_glows && glow.is_looked_for());
+        let glow = glow.map(|glow| glow.luminaires(snapshot));
+        let has_glow = glow.is_none();
+        let mut leaves = surroundings.leaves(cell_m);
+        if !has_glow {
+            // None is in what leaves get, so they have none of their own in it.
+            leaves.iter_mut().for_each(|leaf| leaf.optics.emission = Rgb::ZERO);
+        }
+        let (leaves, surroundings) = (LeafIndex::new(snapshot, leaves), &surroundings);
+        let context = Context { snapshot, surroundings, leaves: &leaves, bounces, glow, cancelled };
         let field = Field::on(&grids, layers, &context)?;
         let has_sky = has_sky(snapshot.sky);
-        Some(Self { field, leaves: LeafLight::new(leaves), bounces, has_sky, once_less: None })
+        Some(Self { field, leaves: LeafLight::new(leaves), bounces, has_sky, has_glow, once_less: None })
     }
 }
 

@@ -21,6 +21,9 @@ const SHADOW_RAYS: usize = 4;
 
 pub(super) struct WallLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
+    pub(super) lights: &'a [Luminaire],
+    /// Points of lights that are nearer do not count, metres.
+    pub(super) nearest_m: f64,
     pub(super) grid: &'a Grid,
     pub(super) fog: &'a DeltaScaledFog<'a>,
     pub(super) walls: &'a SnapshotWalls,
@@ -78,7 +81,7 @@ impl WallLight<'_> {
     pub(super) fn found(&self) -> LitWalls {
         let lit = |(patch, &primitive): (&Patch, &PrimitiveId)| {
             let arriving = |light| self.arriving(light, (patch, primitive));
-            let lights: Vec<Arriving> = self.snapshot.lights.iter().filter_map(arriving).collect();
+            let lights: Vec<Arriving> = self.lights.iter().filter_map(arriving).collect();
             let highlights =
                 highlights::of_patch(self.snapshot, (patch, primitive), &lights, self.quadrature);
             (lights.iter().map(|light| light.irradiance).sum::<Rgb>(), highlights)
@@ -115,6 +118,9 @@ impl WallLight<'_> {
             let (to_light, unshadowed) = square.lit(&point, patch.normal);
             if unshadowed != Rgb::ZERO {
                 let (direction, distance, _) = point.arriving_at(origin);
+                if distance < self.nearest_m {
+                    continue;
+                }
                 let ray = Ray { origin, direction };
                 let irradiance = unshadowed * self.reaching(&point, &ray, distance, primitive);
                 sum += irradiance;

@@ -18,15 +18,28 @@ pub(crate) const FIRST_DEGREES: usize = 6;
 
 /// Where source iteration begins.
 pub(crate) struct FirstCollisionSource {
-    /// By harmonics, per metre and steradian; with what the medium emits.
+    /// By harmonics, per metre and steradian.
     pub(crate) volume: Moments,
     /// Scattering of beams beyond harmonics.
     pub(crate) beams: Vec<BeamSource>,
-    /// Radiance that leaves each patch of wall, as if it were matte; with what it emits.
+    /// Radiance that leaves each patch of wall, as if it were matte.
     pub(crate) walls: Vec<Rgb>,
     pub(crate) glossy: GlossySource,
     /// Part of the second order's source that is taken out of it.
     pub(crate) not_again: NodeMoments,
+    pub(crate) emission: Option<Emission>,
+}
+
+/// Emission of the medium and of walls.
+pub(crate) struct Emission {
+    /// By harmonics, per metre and steradian.
+    pub(crate) volume: Moments,
+    /// Radiance of each patch of wall.
+    pub(crate) walls: Vec<Rgb>,
+    /// Radiance that walls scatter of it, where that is known better than sweeps tell.
+    pub(crate) scattered_by_walls: Option<Vec<Rgb>>,
+    /// Whether light straight from it is part of the solution, or only what becomes of that.
+    pub(crate) is_part: bool,
 }
 
 /// The first degree that no harmonic has, and how many there are.

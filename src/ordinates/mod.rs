@@ -28,7 +28,7 @@ pub(crate) mod quadrature;
 pub(crate) mod sky;
 pub(crate) mod source_iteration;
 pub(crate) mod surface_optics;
-mod sweep;
+pub(crate) mod sweep;
 mod sweep_kernels;
 pub(crate) mod walls;
 mod wanted;

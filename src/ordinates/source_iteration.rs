@@ -7,10 +7,10 @@ use super::angular_radiance::AngularRadiance;
 use super::boundary::{BoundaryCondition, IncidentRadiance, Surrounding};
 use super::domain::Domain;
 use super::extrapolation::Series;
-use super::first_collision_source::{BeamSource, FirstCollisionSource, GlossySource};
+use super::first_collision_source::{BeamSource, Emission, FirstCollisionSource, GlossySource};
 use super::grid::Corners;
 use super::harmonics::{by_lobe, irradiance_lobe};
-use super::moments::{Moments, NodeMoments};
+use super::moments::Moments;
 use super::quadrature::Quadrature;
 use super::sky::{Sky, is_isotropic};
 use super::sweep::{Sweeper, Swept};
@@ -51,6 +51,8 @@ pub(crate) struct Solution {
     pub(crate) last: Swept,
     /// Radiance straight from the sky that a finer grid within gets; the rest is in `last`.
     pub(crate) sky_radiances: Option<AngularRadiance>,
+    /// Light straight from what emits, where that is no part of the rest.
+    pub(crate) emitted: Option<Swept>,
     /// Whether it goes on and on, and is cut short.
     pub(crate) is_endless: bool,
 }
@@ -86,10 +88,40 @@ impl Source {
 impl Problem<'_> {
     /// Order after order.
     pub(crate) fn solved(&self, first: FirstCollisionSource) -> Solution {
-        let FirstCollisionSource { volume, beams, walls, glossy, not_again } = first;
+        let FirstCollisionSource { volume, beams, walls, glossy, not_again, emission } = first;
         let sweeper = Sweeper::new(&self.domain, self.quadrature);
-        SourceIteration { problem: self, sweeper, beams, glossy }
-            .run(Source { volume, walls, has_first: true }, &not_again)
+        let mut source = Source { volume, walls, has_first: true };
+        let (mut later, mut emitted) = (source.emptied(), None);
+        if let Some(Emission { volume, walls, scattered_by_walls, is_part }) = emission {
+            let emission = Source { volume, walls, has_first: false };
+            if is_part {
+                source.add(&emission, [1.0; 3]);
+            } else {
+                let swept = self.sweep_emission(&emission);
+                later = self.scatter(&swept.moments, true);
+                later.walls = scattered_by_walls.unwrap_or(later.walls);
+                emitted = Some(swept);
+            }
+        }
+        later.volume.take_nodes(&not_again);
+        let solution = SourceIteration { problem: self, sweeper, beams, glossy }.run(source, &later);
+        Solution { emitted, ..solution }
+    }
+
+    /// Emission, and what of it comes in from about the grid: along finer ordinates than those of all orders,
+    /// as it is small and bright.
+    fn sweep_emission(&self, emission: &Source) -> Swept {
+        let fine = Quadrature::fine();
+        let incident = self.surrounding.emitted.as_ref();
+        let sources = SweepSource {
+            volume: &emission.volume,
+            beams: &[],
+            walls: &emission.walls_by_channel(),
+            glossy: None,
+            incident: incident.map_or(BoundaryCondition::Vacuum, BoundaryCondition::Incident),
+        };
+        let wanted = Wanted { moments: true, ..self.last(true) };
+        Sweeper::new(&self.domain, &fine).sweep(&sources, &wanted, self.cancelled)
     }
 
     /// The scattering operator: the source that the medium, or what is oriented of it, and walls make of
@@ -120,7 +152,8 @@ struct SourceIteration<'a> {
 }
 
 impl<'a> SourceIteration<'a> {
-    fn run(mut self, mut source: Source, not_again: &NodeMoments) -> Solution {
+    /// `later` is added to the source of the second order.
+    fn run(mut self, mut source: Source, later: &Source) -> Solution {
         let problem = self.problem;
         let mut light = Moments::zero(problem.domain.walls.faces.count_with_nodes());
         let (mut of_sky, mut sky_radiances) = (None, None);
@@ -149,17 +182,17 @@ impl<'a> SourceIteration<'a> {
         }
         let wanted = problem.last(true);
         let first = self.sweep_finely(&source, &Wanted { moments: true, ..wanted });
-        let (sent, is_endless) = self.iterate((source, not_again), first.as_ref(), &mut light);
+        let (sent, is_endless) = self.iterate((source, later), first.as_ref(), &mut light);
         let mut last = self.sweep(&sent, BoundaryCondition::Vacuum, &wanted);
         from_outside.iter().chain(&first).for_each(|swept| last.add_last(swept));
-        Solution { all: light, of_sky, last, sky_radiances, is_endless }
+        Solution { all: light, of_sky, last, sky_radiances, emitted: None, is_endless }
     }
 
     /// Adds order after order; all that was sent out on the way and not swept finely, and whether there is no
     /// end to it.
     fn iterate(
         &mut self,
-        (mut source, not_again): (Source, &NodeMoments),
+        (mut source, later): (Source, &Source),
         mut first: Option<&Swept>,
         light: &mut Moments,
     ) -> (Source, bool) {
@@ -188,7 +221,7 @@ impl<'a> SourceIteration<'a> {
             }
             source = problem.scatter(&next, true);
             if iteration == 1 {
-                source.volume.take_nodes(not_again);
+                source.add(later, [1.0; 3]);
             }
         }
         (sent, series.is_endless)

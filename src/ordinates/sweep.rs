@@ -46,13 +46,17 @@ impl Swept {
         if let (Some(sums), Some(values)) = (&mut self.third, &other.third) {
             sums.add(values, [1.0; 3]);
         }
-        if let (Some(sums), Some(values)) = (&mut self.high, &other.high) {
-            for (sums, values) in sums.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
-                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
-            }
-        }
+        self.add_high(other);
         if let (Some(sums), Some(values)) = (&mut self.radiances, &other.radiances) {
             sums.add(values);
+        }
+    }
+
+    /// Adds degrees 5 and 6.
+    pub(crate) fn add_high(&mut self, other: &Self) {
+        let (Some(sums), Some(values)) = (&mut self.high, &other.high) else { return };
+        for (sums, values) in sums.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         }
     }
 }

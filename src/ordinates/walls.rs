@@ -144,16 +144,6 @@ impl Walls {
         self.patches.iter().zip(irradiances).map(of_patch).collect()
     }
 
-    /// Radiance that leaves each patch by the irradiance on all of them, with what it emits.
-    pub(crate) fn leaving(&self, irradiances: &[Rgb]) -> Vec<Rgb> {
-        let scattered = self.scattered(irradiances).into_iter();
-        self.patches
-            .iter()
-            .zip(scattered)
-            .map(|(patch, scattered)| scattered + patch.optics.emission)
-            .collect()
-    }
-
     /// The irradiance on each patch by light at the nodes that see it: `irradiance` answers
     /// for a node and a normal.
     pub(crate) fn irradiances(&self, irradiance: impl Fn(usize, DVec3) -> Rgb) -> Vec<Rgb> {

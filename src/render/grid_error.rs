@@ -103,7 +103,9 @@ impl GridError {
         let added = |pass: usize| {
             Map::from_fn(|cell| correction[pass].of(cell) * light.0[pass].of(cell)).sum() / cells
         };
-        let picture = survey.mean + luminance((0..PASSES).map(added).sum());
+        let added = luminance((0..PASSES).map(added).sum());
+        // The few rays of a survey may miss what is small and bright.
+        let picture = (survey.mean + added).max(0.5 * (luminance(mean_light) + added));
         let told = TOLD * (squares.sum() / cells).sqrt();
         let relative = if told > 0.0 { told / picture.max(f64::MIN_POSITIVE) } else { 0.0 };
         Self { correction: Correction(correction), squares, relative }

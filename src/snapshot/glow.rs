@@ -1,16 +1,47 @@
 //! What glows, as a light to be looked for. In go a snapshot's triangles and what they emit, out come points
 //! of them, as densely as they glow. Invariant: every point that glows may be picked.
 
-use super::Snapshot;
+use super::{Luminaire, Snapshot};
 use crate::accel::PrimitiveId;
 use crate::color::{Rgb, luminance};
+use crate::light::{Emission, FrozenLight};
+use crate::math::{Ray, kronecker};
 use glam::DVec3;
+use std::ops::Range;
+
+/// Of what glows as lights: how many there may be, and by how many points each is told.
+const MOST_LIGHTS: usize = 16;
+const POINTS: usize = 256;
+
+/// So many triangles at most are looked for one by one: beyond that they light things as a whole.
+const MOST_LOOKED_FOR: usize = 4096;
+
+/// So many bodies at most are picked by how near they are.
+const MOST_BODIES: usize = 64;
 
 /// Triangles that glow, to pick points of by their power.
 pub struct Glow {
     triangles: Vec<PrimitiveId>,
     /// Sums of area times luminance, textures aside, up to and with each of them.
     up_to: Vec<f64>,
+    /// What is apart, in the order of its triangles.
+    bodies: Vec<Body>,
+}
+
+/// Triangles of one instance, or all of them.
+struct Body {
+    triangles: Range<usize>,
+    /// Sum of area times luminance.
+    power: f64,
+    middle: DVec3,
+    squared_radius: f64,
+}
+
+impl Body {
+    /// How much it may shine on a place, about.
+    fn weight(&self, place: DVec3) -> f64 {
+        self.power / (place.distance_squared(self.middle) + self.squared_radius)
+    }
 }
 
 impl Glow {
@@ -31,23 +62,117 @@ impl Glow {
                 }
             }
         }
-        (all > 0.0 && all.is_finite()).then_some(Self { triangles, up_to })
+        let mut glow = Self { triangles, up_to, bodies: Vec::new() };
+        glow.bodies = glow.parted(MOST_BODIES).into_iter().map(|range| glow.body(snapshot, range)).collect();
+        (all > 0.0 && all.is_finite()).then_some(glow)
     }
 
-    /// A point that three uniform numbers pick, and its triangle.
-    pub fn pick(&self, snapshot: &Snapshot, [which, u, v]: [f64; 3]) -> (PrimitiveId, DVec3) {
-        let last = self.up_to.len() - 1;
-        let number = self.up_to.partition_point(|&up_to| up_to <= which * self.up_to[last]).min(last);
-        let [a, b, c] = snapshot.corners(self.triangles[number]);
-        // Evenly all over: Pharr, Jakob & Humphreys 2023, "Physically Based Rendering", 6.5.3.
-        let root = u.sqrt();
-        (self.triangles[number], a + root * ((1.0 - v) * (b - a) + v * (c - a)))
+    /// Triangles by instance, or all of them where those are too many.
+    fn parted(&self, most: usize) -> Vec<Range<usize>> {
+        let mut end = 0;
+        let of_instances = self.triangles.chunk_by(|a, b| a.instance == b.instance).map(|triangles| {
+            end += triangles.len();
+            end - triangles.len()..end
+        });
+        let ranges: Vec<Range<usize>> = of_instances.collect();
+        if ranges.len() > most { vec![0..self.triangles.len()] } else { ranges }
     }
 
-    /// How densely [`Glow::pick`] picks points of a triangle, 1/m^2; 0 if it does not glow.
-    pub fn picked_per_m2(&self, snapshot: &Snapshot, primitive: PrimitiveId) -> f64 {
-        self.up_to.last().map_or(0.0, |all| luminance(snapshot.emission(primitive)) / all)
+    fn body(&self, snapshot: &Snapshot, triangles: Range<usize>) -> Body {
+        let corners =
+            || self.triangles[triangles.clone()].iter().flat_map(|&triangle| snapshot.corners(triangle));
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let power = self.before(triangles.end) - self.before(triangles.start);
+        let squared_radius = 0.25 * low.distance_squared(high);
+        Body { triangles, power, middle: low.midpoint(high), squared_radius }
     }
+
+    /// Area times luminance of all triangles before one.
+    fn before(&self, triangle: usize) -> f64 {
+        triangle.checked_sub(1).map_or(0.0, |last| self.up_to[last])
+    }
+
+    /// Whether surfaces look for its light by rays, so that shadows and what is near are sharp.
+    pub fn is_looked_for(&self) -> bool {
+        self.triangles.len() <= MOST_LOOKED_FOR
+    }
+
+    /// The same as lights: one a body, or one for all of them where they are many.
+    pub fn luminaires(&self, snapshot: &Snapshot) -> Vec<Luminaire> {
+        let bodies = self.parted(MOST_LIGHTS).into_iter();
+        bodies.filter_map(|triangles| self.luminaire(snapshot, &triangles)).collect()
+    }
+
+    /// Points of some triangles, which shine to one side or the other.
+    fn luminaire(&self, snapshot: &Snapshot, triangles: &Range<usize>) -> Option<Luminaire> {
+        /// Off the surface, by its size, so that no light begins behind it.
+        const OFF: f64 = 1e-4;
+        let all = self.before(triangles.end) - self.before(triangles.start);
+        let point = |number: usize| {
+            let primitive = self.triangle_at(triangles, (number as f64 + 0.5) / POINTS as f64);
+            let corners = snapshot.corners(primitive);
+            let place = evenly(corners, [0.2, 0.6].map(|phase| kronecker(phase, number)));
+            let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            let up = across.normalize_or_zero();
+            let normal = if kronecker(0.4, number) < 0.5 { up } else { -up };
+            let ray = Ray { origin: place + normal, direction: -normal };
+            let seen = snapshot.facet(primitive).seen_along(&ray, 1.0);
+            let per_m2 = luminance(snapshot.emission(primitive)) / all;
+            FrozenLight::Point {
+                position: place + OFF * across.length().sqrt() * normal,
+                intensity: 2.0 * seen.alpha * seen.emission / per_m2,
+                emission: Emission::Flat { normal },
+            }
+        };
+        Luminaire::of_points((0..POINTS).map(point).collect())
+    }
+
+    /// The one among some that a uniform number picks by its power.
+    fn triangle_at(&self, triangles: &Range<usize>, u: f64) -> PrimitiveId {
+        let (before, end) = (self.before(triangles.start), self.before(triangles.end));
+        let up_to = before + u * (end - before);
+        let among = &self.up_to[triangles.clone()];
+        let number = among.partition_point(|&sum| sum <= up_to).min(among.len() - 1);
+        self.triangles[triangles.start + number]
+    }
+
+    /// A point that three uniform numbers pick for a place to be lit, and its triangle.
+    pub fn pick(&self, snapshot: &Snapshot, place: DVec3, [which, u, v]: [f64; 3]) -> (PrimitiveId, DVec3) {
+        let all = self.weight(place);
+        let (mut left, mut chosen) = (which * all, 0);
+        // What is left of a number that has decided is uniform again.
+        while chosen + 1 < self.bodies.len() && left >= self.bodies[chosen].weight(place) {
+            left -= self.bodies[chosen].weight(place);
+            chosen += 1;
+        }
+        let body = &self.bodies[chosen];
+        let triangle = self.triangle_at(&body.triangles, (left / body.weight(place)).clamp(0.0, 1.0));
+        (triangle, evenly(snapshot.corners(triangle), [u, v]))
+    }
+
+    /// How densely [`Glow::pick`] picks points of a triangle for a place, 1/m^2; 0 if it does not glow.
+    pub fn picked_per_m2(&self, snapshot: &Snapshot, place: DVec3, primitive: PrimitiveId) -> f64 {
+        let brightness = luminance(snapshot.emission(primitive));
+        if brightness <= 0.0 {
+            return 0.0;
+        }
+        let instance = |body: &Body| self.triangles[body.triangles.start].instance;
+        let number = self.bodies.partition_point(|body| instance(body) <= primitive.instance);
+        let body = &self.bodies[number.saturating_sub(1)];
+        brightness / body.power * body.weight(place) / self.weight(place)
+    }
+
+    fn weight(&self, place: DVec3) -> f64 {
+        self.bodies.iter().map(|body| body.weight(place)).sum()
+    }
+}
+
+/// A point of a triangle, evenly all over: Pharr, Jakob & Humphreys 2023, "Physically Based Rendering",
+/// section 6.5.3.
+fn evenly([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
+    let root = u.sqrt();
+    a + root * ((1.0 - v) * (b - a) + v * (c - a))
 }
 
 impl Snapshot<'_> {

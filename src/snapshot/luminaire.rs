@@ -30,6 +30,8 @@ enum Extent {
     Ball { radius: f64 },
     /// Places of a parallelogram or of the ellipse within, from the middle to the middles of two edges.
     Flat { shape: AreaShape, half_axes: [DVec3; 2] },
+    /// Lights that stand for it, each with all of its power.
+    Points(Arc<[FrozenLight]>),
 }
 
 impl Luminaire {
@@ -91,6 +93,13 @@ impl Luminaire {
         Self { centre: FrozenLight::Sun { to_light: to_sun, irradiance }, extent }
     }
 
+    /// What many lights are together, each of which has all of its power.
+    pub(super) fn of_points(points: Arc<[FrozenLight]>) -> Option<Self> {
+        let &FrozenLight::Point { position, intensity, .. } = points.first()? else { return None };
+        let centre = FrozenLight::Point { position, intensity, emission: Emission::Even };
+        Some(Self { centre, extent: Extent::Points(points) })
+    }
+
     /// The same without any power.
     pub fn switched_off(mut self) -> Self {
         match &mut self.centre {
@@ -150,6 +159,7 @@ impl Luminaire {
         let mut hue = Rgb::ONE;
         let offset = match &self.extent {
             Extent::None => return (self.centre, hue),
+            Extent::Points(points) => return (points[(u[0] * points.len() as f64) as usize], hue),
             Extent::Disc { half_axes, picture: None, .. } => span(half_axes, disc_from_square(in_square)),
             Extent::Disc { half_axes, picture: Some(picture), .. } => {
                 let place;

@@ -3,16 +3,77 @@
 //! up the whole (see `connection.rs`).
 
 use super::connection::{Receiver, Target, Turn};
+use super::direct::scattered_per_radiance;
+use super::lobes::Lobes;
 use super::path::Path;
 use crate::color::Rgb;
+use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
+use glam::{DVec2, DVec3};
+
+/// How often a point of the glow is picked, rather than a direction in which the surface scatters.
+const SHARE_OF_POINTS: f64 = 0.75;
+
+/// Radiance that a surface scatters towards the eye of what glows, W m^-2 sr^-1: by one ray, which goes to a
+/// point of the glow or where the surface scatters. Of its shine other rays find a share.
+pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others: f64) -> Rgb {
+    let Some(lobes) = Lobes::of(point) else { return Rgb::ZERO };
+    let shining = SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, ..*point };
+    let of_others = |direction| match share_of_others {
+        0.0 => Rgb::ZERO,
+        share => share * scattered_per_radiance(&shining, direction),
+    };
+    let receiver = Receiver {
+        place: point.position,
+        leaving: Some(point.primitive),
+        scattered: &|to| (scattered_per_radiance(point, to) - of_others(to)).max(Rgb::ZERO),
+        // As densely as both ways together pick it, where points are picked once: one of them is.
+        picked: &|to| (1.0 / SHARE_OF_POINTS - 1.0) * lobes.picked(point, to),
+    };
+    if path.sampler.next_1d() < SHARE_OF_POINTS {
+        return scattered(path, &receiver) / SHARE_OF_POINTS;
+    }
+    let direction = lobes.pick(point, DVec2::from(path.sampler.next_2d()));
+    let per_picked =
+        (receiver.scattered)(direction) / ((1.0 - SHARE_OF_POINTS) * lobes.picked(point, direction));
+    if per_picked.is_finite() { met_along(path, &receiver, (direction, per_picked)) } else { Rgb::ZERO }
+}
+
+/// What a receiver scatters of the glow in a direction that it picked, by the shares by which that counts; a
+/// radiance counts `through`.
+fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3, Rgb)) -> Rgb {
+    if through == Rgb::ZERO {
+        return Rgb::ZERO;
+    }
+    let snapshot = path.snapshot;
+    let ray = Ray { origin: receiver.place, direction };
+    let turn = Some(Turn { place: receiver.place, density: (receiver.picked)(direction) });
+    let opaque = snapshot.tree.nearest_hit(&ray, f64::INFINITY, receiver.leaving);
+    let end = opaque.map_or(f64::INFINITY, |hit| hit.t);
+    let mut sum = Rgb::ZERO;
+    let mut meet = |point: &SurfacePoint, t: f64| {
+        let emitted = met(path, turn, point);
+        if emitted != Rgb::ZERO {
+            sum += through * point.alpha * emitted * snapshot.medium.transmittance(ray.origin, direction, t);
+        }
+        through *= point.see_through;
+    };
+    for hit in snapshot.blended_hits(&ray, &(0.0..end), receiver.leaving) {
+        meet(&hit.point, hit.t);
+    }
+    if let Some(hit) = opaque {
+        meet(&snapshot.surface(&ray, &hit), hit.t);
+    }
+    sum
+}
 
 /// Radiance that is scattered of what a point of the glow sends there, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let (snapshot, light) = (path.snapshot, path.light);
     let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return Rgb::ZERO };
-    let (primitive, position) = glow.pick(snapshot, path.sampler.next_3d());
-    let target = Target { primitive, position, per_m2: glow.picked_per_m2(snapshot, primitive) };
+    let (primitive, position) = glow.pick(snapshot, receiver.place, path.sampler.next_3d());
+    let target =
+        Target { primitive, position, per_m2: glow.picked_per_m2(snapshot, receiver.place, primitive) };
     receiver.lit_by(snapshot, &target, |point| light.emitted(point))
 }
 
@@ -20,5 +81,5 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
 pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
     let emitted = path.light.emitted(point);
     let (Some(turn), Some(glow)) = (turn, path.snapshot.glow()) else { return emitted };
-    emitted * turn.share_of_met(point, glow.picked_per_m2(path.snapshot, point.primitive))
+    emitted * turn.share_of_met(point, glow.picked_per_m2(path.snapshot, turn.place, point.primitive))
 }

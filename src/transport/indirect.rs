@@ -4,7 +4,7 @@
 
 use super::path::{Path, Start};
 use super::visibility::Way;
-use super::{paths, shine, sky_light};
+use super::{glow, paths, shine, sky_light};
 use crate::color::Rgb;
 use crate::indirect::Indirect;
 use crate::math::Ray;
@@ -19,7 +19,11 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let Some(indirect) = path.transport.indirect else { return Rgb::ZERO };
     let by_rays = if path.light.is_in_shine { 0.0 } else { Indirect::share_of_rays(point) };
     let seen = if by_rays > 0.0 { by_rays * shine::seen(path, indirect, point) } else { Rgb::ZERO };
-    if path.light.has_rest { seen + indirect.scattered(path.snapshot, point, 1.0 - by_rays) } else { seen }
+    if !path.light.has_rest {
+        return seen;
+    }
+    let glow = if indirect.has_glow() { Rgb::ZERO } else { glow::by_surface(path, point, by_rays) };
+    seen + glow + indirect.scattered(path.snapshot, point, 1.0 - by_rays)
 }
 
 /// Radiance that fog scatters into the ray on its way, past blended surfaces, W m^-2 sr^-1.

@@ -10,6 +10,13 @@ use crate::fog::{LitSegments, Passage};
 use crate::math::Ray;
 use crate::snapshot::FrozenLight;
 
+/// A ray up to where it ends.
+pub(super) struct Stretch<'a> {
+    pub(super) ray: &'a Ray,
+    pub(super) from: Start,
+    pub(super) distance: f64,
+}
+
 /// Radiance of all lights of the path scattered into a ray on its way, W m^-2 sr^-1.
 pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
     let lights = path.light.lights;
@@ -19,7 +26,8 @@ pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Wa
             VolumeMethod::Segments | VolumeMethod::Paths(_) => {
                 let snapshot = path.snapshot;
                 let shadows = |lit: &mut LitSegments| shade(lit, snapshot, ray, light, way);
-                by_segments(path, (ray, from), way.distance, light, shadows).scattered
+                let stretch = Stretch { ray, from, distance: way.distance };
+                by_segments(path, stretch, light, shadows).scattered
             }
             VolumeMethod::March(steps) => march::in_scattered(path, steps, ray, way, light),
             VolumeMethod::Equiangular { points } => equiangular::in_scattered(path, points, ray, way, light),
@@ -27,11 +35,10 @@ pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Wa
         .sum()
 }
 
-/// The exact method, along a ray that ends at a distance; `shadows` takes them away from what is lit.
+/// The exact method; `shadows` takes them away from what is lit.
 pub(super) fn by_segments(
     path: &mut Path,
-    (ray, from): (&Ray, Start),
-    distance: f64,
+    Stretch { ray, from, distance }: Stretch,
     light: &FrozenLight,
     shadows: impl FnOnce(&mut LitSegments),
 ) -> Passage {

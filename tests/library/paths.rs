@@ -349,6 +349,23 @@ fn boards() -> Scene {
     scene
 }
 
+/// A room with fog that two panels light, which glow to both sides, narrower than cells of the grid.
+fn panels() -> Scene {
+    let mut room = camera_at(DVec3::new(0.0, 0.0, 3.5));
+    add_box(&mut room, DVec3::splat(-4.0), DVec3::splat(4.0), matte(0.5, 0.0));
+    add_fog(&mut room, DVec3::splat(-4.0), DVec3::splat(4.0), Rgb::splat(0.05), Rgb::splat(0.9), 0.3);
+    for (place, radiance) in [(DVec3::new(-1.5, 2.5, -2.0), 8.0), (DVec3::new(2.0, 0.0, -1.0), 20.0)] {
+        room.materials.push(Material { emission: Rgb::splat(radiance), ..matte(0.0, 0.0) });
+        let material = room.materials.len() - 1;
+        let corners = [(-0.4, -0.2), (0.4, -0.2), (0.4, 0.2), (-0.4, 0.2)];
+        let positions = corners.map(|(x, z)| (place + DVec3::new(x, 0.3 * x, z)).as_vec3()).to_vec();
+        let triangles = [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material }).to_vec();
+        room.meshes.push(Mesh { positions, triangles, ..Mesh::default() });
+        add_instance(&mut room);
+    }
+    room
+}
+
 /// A hill in a mist that goes on beneath it, on all sides.
 fn hill_in_mist() -> Scene {
     let mut scene = camera_at(DVec3::new(0.0, 1.5, 7.0));
@@ -424,6 +441,7 @@ fn the_grid_has_the_same_light() {
         ("wall on a floor", wall_on(matte(0.6, 0.0), DVec3::new(-0.3, -1.0, 0.2)), 32, 0.03),
         ("wall on metal", wall_on(metal(), DVec3::new(-0.3, -1.0, -0.3)), 32, 0.03),
         ("boards", boards(), 128, 0.05),
+        ("panels", panels(), 64, 0.03),
         ("hill in mist", hill_in_mist(), 16, 0.05),
         ("mist on a plain", mist_on_a_plain(), 32, 0.03),
         ("morning mist", morning_mist(), 16, 0.02),

@@ -13,7 +13,7 @@ use crate::transport::direct::Unshadowed;
 use crate::transport::indirect;
 use crate::transport::path::{Illumination, Path, Scratch, Start};
 use crate::transport::radiance::{Leg, Shown, mattes, mean};
-use crate::transport::shafts::by_segments;
+use crate::transport::shafts::{Stretch, by_segments};
 
 /// A ray of a slice and what it meets first.
 pub(super) struct SliceRay<'a> {
@@ -70,7 +70,7 @@ impl SliceRay<'_> {
                         lit.shadows_mut().insert(distance_of(*start), distance_of(*end));
                     }
                 };
-                by_segments(&mut path, (ray, Start::Camera), distance, light, shade)
+                by_segments(&mut path, Stretch { ray, from: Start::Camera, distance }, light, shade)
             });
         let is_hole = self.meeting.is_some_and(|(meeting, _)| snapshot.is_holdout(meeting.primitive));
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
