@@ -28,6 +28,8 @@ pub(super) const WALL_CELLS: f64 = 2.0;
 
 /// Distance of walls to what glows, in cells, below which they get none of it: it stays between them.
 const NEAREST_GLOW: f64 = 0.5;
+/// Share of walls that glow, beyond which sweeps tell better than points what they light.
+const MOST_GLOWING: f64 = 0.1;
 
 /// Snapshot, bounces and leaves that a field is solved for.
 pub(super) struct Context<'a> {
@@ -96,21 +98,27 @@ impl<'a> Contents<'a> {
             WallLight { snapshot, lights, nearest_m, grid, fog, walls, quadrature }.found()
         };
         let LitWalls { irradiances, glossy } = by_lights(snapshot.lights.as_slice(), 0.0);
-        let by_glow = context
-            .glow
-            .as_ref()
+        let small_glow = context.glow.as_ref().filter(|_| self.glowing_share() < MOST_GLOWING);
+        let by_glow = small_glow
             .map(|lights| walls.walls.scattered(&by_lights(lights, NEAREST_GLOW * grid.cell_m).irradiances));
         let not_again = self_interaction.all_sent_again(cut, medium, (leaves, &on_leaves));
         let walls = walls.walls.scattered(&irradiances);
-        let emission = snapshot.glow().map(|_| self.emission(by_glow));
+        let emission = snapshot.glow().map(|_| self.emission(context.glow.is_none(), by_glow));
         let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again, emission };
         FirstLight { source, forward_peaks, met_again, on_leaves }
     }
 
-    fn emission(&self, scattered_by_walls: Option<Vec<Rgb>>) -> Emission {
+    /// Share of all patches of wall that emit.
+    fn glowing_share(&self) -> f64 {
+        let patches = &self.walls.walls.patches;
+        let emitting = patches.iter().filter(|patch| patch.optics.emission != Rgb::ZERO).count();
+        emitting as f64 / patches.len().max(1) as f64
+    }
+
+    fn emission(&self, is_part: bool, scattered_by_walls: Option<Vec<Rgb>>) -> Emission {
         let mut volume = Moments::zero(self.grid.count());
         self.medium.emit(&mut volume);
         let walls = self.walls.walls.patches.iter().map(|patch| patch.optics.emission).collect();
-        Emission { volume, walls, is_part: scattered_by_walls.is_none(), scattered_by_walls }
+        Emission { volume, walls, scattered_by_walls, is_part }
     }
 }

@@ -27,6 +27,7 @@ use crate::ordinates::moments::NodeMoments;
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use crate::ordinates::quadrature::Quadrature;
 use crate::ordinates::source_iteration::{Problem, Solution};
+use crate::ordinates::surface_optics::SurfaceOptics;
 use crate::ordinates::sweep::Swept;
 use crate::ordinates::walls::Walls;
 use crate::snapshot::FrozenSky;
@@ -178,6 +179,10 @@ impl Level {
 
     /// Radiance at the two sides of a leaf, without its own.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
+        // What it emits itself is not in the light where that of all that glows is apart.
+        let optics = SurfaceOptics { emission: Rgb::ZERO, ..leaf.optics };
+        let dark = Leaf { optics, ..*leaf };
+        let leaf = if self.of_glow.is_some() { &dark } else { leaf };
         let unmet = self.on_leaves.scattered(number, leaf);
         let alone = Alone::new(
             CutGrid { grid: &self.grid, occluders: &self.walls.occluders },

@@ -10,7 +10,6 @@ use super::leaf_light::LeafLight;
 use super::sky::has_sky;
 use crate::canopy::leaf_index::LeafIndex;
 use crate::canopy::surroundings::Surroundings;
-use crate::color::Rgb;
 use crate::scene::Bounces;
 use crate::snapshot::Snapshot;
 use std::sync::Arc;
@@ -58,13 +57,9 @@ impl Solved {
         let glow = snapshot.glow().filter(|glow| !plain_glows && glow.is_looked_for());
         let glow = glow.map(|glow| glow.luminaires(snapshot));
         let has_glow = glow.is_none();
-        let mut leaves = surroundings.leaves(cell_m);
-        if !has_glow {
-            // None is in what leaves get, so they have none of their own in it.
-            leaves.iter_mut().for_each(|leaf| leaf.optics.emission = Rgb::ZERO);
-        }
-        let (leaves, surroundings) = (LeafIndex::new(snapshot, leaves), &surroundings);
-        let context = Context { snapshot, surroundings, leaves: &leaves, bounces, glow, cancelled };
+        let leaves = LeafIndex::new(snapshot, surroundings.leaves(cell_m));
+        let context =
+            Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, glow, cancelled };
         let field = Field::on(&grids, layers, &context)?;
         let has_sky = has_sky(snapshot.sky);
         Some(Self { field, leaves: LeafLight::new(leaves), bounces, has_sky, has_glow, once_less: None })

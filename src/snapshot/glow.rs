@@ -151,6 +151,15 @@ impl Glow {
         (triangle, evenly(snapshot.corners(triangle), [u, v]))
     }
 
+    /// How much of what is about a place glows, roughly, from 0 to 1: 0 if all is small and far.
+    pub fn nearness(&self, place: DVec3) -> f64 {
+        let of_body = |body: &Body| {
+            let nearness = body.squared_radius / (place.distance_squared(body.middle) + body.squared_radius);
+            body.weight(place) * nearness
+        };
+        self.bodies.iter().map(of_body).sum::<f64>() / self.weight(place)
+    }
+
     /// How densely [`Glow::pick`] picks points of a triangle for a place, 1/m^2; 0 if it does not glow.
     pub fn picked_per_m2(&self, snapshot: &Snapshot, place: DVec3, primitive: PrimitiveId) -> f64 {
         let brightness = luminance(snapshot.emission(primitive));

@@ -11,13 +11,16 @@ use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
 use glam::{DVec2, DVec3};
 
-/// How often a point of the glow is picked, rather than a direction in which the surface scatters.
-const SHARE_OF_POINTS: f64 = 0.75;
+/// How often a point of the glow is picked, rather than a direction in which the surface scatters: where it
+/// is small and far, and where it is all about.
+const SHARES_OF_POINTS: [f64; 2] = [0.9, 0.25];
 
 /// Radiance that a surface scatters towards the eye of what glows, W m^-2 sr^-1: by one ray, which goes to a
 /// point of the glow or where the surface scatters. Of its shine other rays find a share.
 pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others: f64) -> Rgb {
-    let Some(lobes) = Lobes::of(point) else { return Rgb::ZERO };
+    let (Some(lobes), Some(glow)) = (Lobes::of(point), path.snapshot.glow()) else { return Rgb::ZERO };
+    let [far, about] = SHARES_OF_POINTS;
+    let share_of_points = far + (about - far) * glow.nearness(point.position);
     let shining = SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, ..*point };
     let of_others = |direction| match share_of_others {
         0.0 => Rgb::ZERO,
@@ -28,14 +31,14 @@ pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others:
         leaving: Some(point.primitive),
         scattered: &|to| (scattered_per_radiance(point, to) - of_others(to)).max(Rgb::ZERO),
         // As densely as both ways together pick it, where points are picked once: one of them is.
-        picked: &|to| (1.0 / SHARE_OF_POINTS - 1.0) * lobes.picked(point, to),
+        picked: &|to| (1.0 / share_of_points - 1.0) * lobes.picked(point, to),
     };
-    if path.sampler.next_1d() < SHARE_OF_POINTS {
-        return scattered(path, &receiver) / SHARE_OF_POINTS;
+    if path.sampler.next_1d() < share_of_points {
+        return scattered(path, &receiver) / share_of_points;
     }
     let direction = lobes.pick(point, DVec2::from(path.sampler.next_2d()));
     let per_picked =
-        (receiver.scattered)(direction) / ((1.0 - SHARE_OF_POINTS) * lobes.picked(point, direction));
+        (receiver.scattered)(direction) / ((1.0 - share_of_points) * lobes.picked(point, direction));
     if per_picked.is_finite() { met_along(path, &receiver, (direction, per_picked)) } else { Rgb::ZERO }
 }
 

@@ -115,12 +115,16 @@ fn radiances(scene: &Scene, bounces: Bounces) -> Vec<Rgb> {
         let along = |index: usize| ((index % 16) as f64 + 0.5) / 16.0;
         snapshot.view.ray(along(number), along(number / 16))
     };
-    (0..256)
-        .map(|number| {
-            let mut sampler = Sampler::new(0, 0, 0, 0);
-            radiance(snapshot, &transport, &ray(number), &mut sampler, &mut Scratch::default()).radiance
-        })
-        .collect()
+    // What glows is looked for by rays of chance.
+    const SAMPLES: u32 = 16;
+    let of_sample = |number: usize, sample: u32| {
+        let mut sampler = Sampler::new(0, number as u32, 0, sample);
+        radiance(snapshot, &transport, &ray(number), &mut sampler, &mut Scratch::default()).radiance
+    };
+    let mean = |number: usize| {
+        (0..SAMPLES).map(|sample| of_sample(number, sample)).sum::<Rgb>() / f64::from(SAMPLES)
+    };
+    (0..256).map(mean).collect()
 }
 
 fn worst_from(radiances: &[Rgb], expected: f64) -> f64 {

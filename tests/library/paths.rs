@@ -441,7 +441,7 @@ fn the_grid_has_the_same_light() {
         ("wall on a floor", wall_on(matte(0.6, 0.0), DVec3::new(-0.3, -1.0, 0.2)), 32, 0.03),
         ("wall on metal", wall_on(metal(), DVec3::new(-0.3, -1.0, -0.3)), 32, 0.03),
         ("boards", boards(), 128, 0.05),
-        ("panels", panels(), 64, 0.03),
+        ("panels", panels(), 64, 0.05),
         ("hill in mist", hill_in_mist(), 16, 0.05),
         ("mist on a plain", mist_on_a_plain(), 32, 0.03),
         ("morning mist", morning_mist(), 16, 0.02),

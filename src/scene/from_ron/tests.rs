@@ -164,7 +164,7 @@ fn with_tree(scene: &str) -> Result<Scene, String> {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
     let loaded = ron::load_scene(&folder.path().join("scene.ron"), &mut Files::default());
-    resolve(loaded.map_err(|error| error.to_string())?, FrameRate::default(), &Baking::ALONE)
+    resolve(loaded.map_err(|error| error.diagnostics().to_string())?, FrameRate::default(), &Baking::ALONE)
         .map(|(scene, _)| scene)
         .map_err(|problems| problems.to_string())
 }
