@@ -75,7 +75,7 @@ impl Glow {
             end - triangles.len()..end
         });
         let ranges: Vec<Range<usize>> = of_instances.collect();
-        if ranges.len() > most { vec![0..self.triangles.len()] } else { ranges }
+        if ranges.len() > most { Vec::from([Range { start: 0, end }]) } else { ranges }
     }
 
     fn body(&self, snapshot: &Snapshot, triangles: Range<usize>) -> Body {

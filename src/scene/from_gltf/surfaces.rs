@@ -141,7 +141,7 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
     }
     let is_shiny =
         keeps_coat || material.metallic > 0.0 || material.f0 != Rgb::ZERO || material.specular > 0.0;
-    let coat = is_shiny.then(|| Coat {
+    let coat = is_shiny.then_some(Coat {
         metallic: material.metallic,
         roughness: material.roughness,
         texture: material.metallic_roughness_texture,
