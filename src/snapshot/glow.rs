@@ -14,7 +14,7 @@ const MOST_LIGHTS: usize = 16;
 const POINTS: usize = 256;
 
 /// So many triangles at most are looked for one by one: beyond that they light things as a whole.
-const MOST_LOOKED_FOR: usize = 4096;
+const MOST_LOOKED_FOR: usize = 1 << 16;
 
 /// So many bodies at most are picked by how near they are.
 const MOST_BODIES: usize = 64;
