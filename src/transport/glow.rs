@@ -1,6 +1,6 @@
-//! Light of what glows, scattered once. In go a vertex of a random walk and uniform numbers, out comes an
-//! estimate of what it scatters towards the eye. Invariant: what is met and what is picked by its power make
-//! up the whole (see `connection.rs`).
+//! Light of what glows, scattered once. In go a vertex of a random walk, or a surface that is lit by a grid
+//! otherwise, and uniform numbers. Out comes an estimate of what it scatters towards the eye. Invariant: what
+//! is met and what is picked by its power make up the whole (see `connection.rs`).
 
 use super::connection::{Receiver, Target, Turn};
 use super::direct::scattered_per_radiance;
@@ -30,7 +30,7 @@ pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others:
         place: point.position,
         leaving: Some(point.primitive),
         scattered: &|to| (scattered_per_radiance(point, to) - of_others(to)).max(Rgb::ZERO),
-        // As densely as both ways together pick it, where points are picked once: one of them is.
+        // By points picked once: of both ways one is taken.
         picked: &|to| (1.0 / share_of_points - 1.0) * lobes.picked(point, to),
     };
     if path.sampler.next_1d() < share_of_points {
