@@ -7,7 +7,7 @@ use crate::scene::Size;
 use glam::{DVec2, DVec3};
 
 /// Between rays, pixels; farther apart where there would be too many.
-const SPACING_PX: f64 = 1.25;
+const SPACING_PX: f64 = 1.5;
 /// Between planes, voxels and optical depth.
 const STEP_VOXELS: f64 = 2.0;
 const STEP_DEPTH: f64 = 0.2;
