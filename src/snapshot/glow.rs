@@ -95,7 +95,9 @@ impl Glow {
 
     /// Whether surfaces look for its light by rays, so that shadows and what is near are sharp.
     pub fn is_looked_for(&self) -> bool {
-        self.triangles.len() <= MOST_LOOKED_FOR
+        // Of many bodies that are picked by their power alone most are far: noise, where a grid has none.
+        let are_apart = self.bodies.len() > 1 || self.parted(1).len() == self.parted(usize::MAX).len();
+        are_apart && self.triangles.len() <= MOST_LOOKED_FOR
     }
 
     /// The same as lights: one a body, or one for all of them where they are many.
@@ -109,6 +111,9 @@ impl Glow {
         /// Off the surface, by its size, so that no light begins behind it.
         const OFF: f64 = 1e-4;
         let all = self.before(triangles.end) - self.before(triangles.start);
+        if all <= 0.0 {
+            return None;
+        }
         let point = |number: usize| {
             let primitive = self.triangle_at(triangles, (number as f64 + 0.5) / POINTS as f64);
             let corners = snapshot.corners(primitive);
