@@ -96,7 +96,7 @@ impl Glow {
     /// Whether surfaces look for its light by rays, so that shadows and what is near are sharp.
     pub fn is_looked_for(&self) -> bool {
         // Of many bodies that are picked by their power alone most are far: noise, where a grid has none.
-        let are_apart = self.bodies.len() > 1 || self.parted(1).len() == self.parted(usize::MAX).len();
+        let are_apart = self.bodies.len() == self.parted(usize::MAX).len();
         are_apart && self.triangles.len() <= MOST_LOOKED_FOR
     }
 
