@@ -8,20 +8,21 @@ use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// Of lights before the surface by its albedo and of those behind it by its transmission:
-/// `albedo / pi * sum(cos * irradiance * visibility * transmittance)`, W m^-2 sr^-1.
+/// Radiance that a surface scatters towards the eye of all lights, W m^-2 sr^-1: `f / pi * sum(cos *
+/// irradiance * visibility * transmittance)`. `f` is the albedo for lights before the surface, the
+/// transmission for those behind it.
 pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
     lights.iter().map(|light| of_light(snapshot, light, point)).sum()
 }
 
-/// The same of one light.
+/// Radiance that a surface scatters towards the eye of one light, W m^-2 sr^-1.
 pub(super) fn of_light(snapshot: &Snapshot, light: &FrozenLight, point: &SurfacePoint) -> Rgb {
     scattered_if(snapshot, light, point, |shadow_ray, distance| {
         snapshot.visibility(shadow_ray, distance, Some(point.primitive))
     })
 }
 
-/// The same if blended surfaces let a known share through.
+/// Radiance as [`of_light`] has it, where the transmittance of blended surfaces is known.
 pub(super) fn scattered_past_blended(
     snapshot: &Snapshot,
     light: &FrozenLight,
@@ -49,12 +50,12 @@ fn scattered_if(
     radiance * visible * snapshot.medium.transmittance(point.position, to_light, distance)
 }
 
-/// The same if nothing is in the way of any light.
+/// Radiance that a surface scatters of all lights if nothing is in their way, W m^-2 sr^-1.
 pub fn unshadowed(lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
     lights.iter().filter_map(|light| Unshadowed::new(light, point)).map(|light| light.radiance).sum()
 }
 
-/// What a surface scatters towards the eye of one light if nothing is in the way.
+/// Light of one source that a surface scatters towards the eye if nothing is in the way.
 pub(super) struct Unshadowed {
     /// W m^-2 sr^-1.
     pub(super) radiance: Rgb,
@@ -74,8 +75,7 @@ impl Unshadowed {
     }
 }
 
-/// What a surface scatters towards the eye of the radiance from a direction, per steradian: the BSDF
-/// times the cosine, 1/sr.
+/// BSDF times cosine from a direction towards the eye, 1/sr, all layers included.
 #[inline]
 pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let beneath = beneath_layers(point, to_light);
@@ -84,7 +84,7 @@ pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> R
     layers.over(beneath, point.shading_normal, point.to_eye, to_light, is_before)
 }
 
-/// The same without the layers that lie over it.
+/// BSDF times cosine of the base beneath the layers, 1/sr.
 #[inline]
 fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let cos = point.shading_normal.dot(to_light);

@@ -42,8 +42,8 @@ pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others:
     if per_picked.is_finite() { met_along(path, &receiver, (direction, per_picked)) } else { Rgb::ZERO }
 }
 
-/// What a receiver scatters of the glow in a direction that it picked, by the shares by which that counts; a
-/// radiance counts `through`.
+/// Radiance that a receiver scatters of emission met in a direction that it picked, weighted for multiple
+/// importance sampling. `through` is the throughput of that direction.
 fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3, Rgb)) -> Rgb {
     if through == Rgb::ZERO {
         return Rgb::ZERO;
@@ -80,7 +80,8 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     receiver.lit_by(snapshot, &target, |point| light.emitted(point))
 }
 
-/// What a surface emits that a walk meets, by the share by which it counts; all of it in a mirror.
+/// Emission of a surface that a walk meets, weighted for multiple importance sampling; all of it after a
+/// mirror.
 pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
     let emitted = path.light.emitted(point);
     let (Some(turn), Some(glow)) = (turn, path.snapshot.glow()) else { return emitted };

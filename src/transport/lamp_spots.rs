@@ -64,7 +64,8 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     receiver.lit_by(snapshot, &target, |point| direct::of_light(snapshot, lamp.light, point))
 }
 
-/// What a surface that a walk meets scatters of lamps' light, by the share by which it counts.
+/// Radiance that a surface met by a walk scatters of lamps' light, weighted for multiple importance
+/// sampling.
 pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
     let turn = turn.filter(|_| snapshot.ends_light(point.primitive));

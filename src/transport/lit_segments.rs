@@ -106,7 +106,7 @@ pub(super) fn shadows_in_line(
     })
 }
 
-/// What gets through a triangle of the light that goes to a place on the ray.
+/// Transmittance of a triangle for light that goes to the ray's point at `t`.
 pub(super) fn met_at(
     snapshot: &Snapshot,
     ray: &Ray,

@@ -19,7 +19,7 @@ pub(super) struct Lobes {
     coated: f64,
     /// In its gloss.
     shone: f64,
-    /// What all of them scatter, about.
+    /// Albedo of all lobes together, approximate.
     pub(super) all: f64,
 }
 

@@ -1,6 +1,6 @@
-//! What is carried along a path. In go a snapshot, a way to follow rays and the light that is wanted.
-//! Every leg of the path reads them, draws random numbers and uses memory that the thread keeps.
-//! Invariant: a path is one thread's.
+//! State of a path: a snapshot, a way to follow rays and the light that is wanted. Every leg of the path
+//! reads them, draws random numbers and uses memory that the thread keeps. Invariant: a path is one
+//! thread's.
 
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -24,8 +24,8 @@ pub enum MarchSteps {
     },
     /// So many equal steps over the foggy part of the ray, a shadow ray in the middle of each.
     Count(u32),
-    /// The same, all shadow rays moved by one random part of a step: what is banding above is noise here
-    /// (Pauly, Kollig & Keller 2000, "Metropolis Light Transport for Participating Media").
+    /// Ray marching with all shadow rays moved by one random part of a step: what is banding above is
+    /// noise here (Pauly, Kollig & Keller 2000, "Metropolis Light Transport for Participating Media").
     Jittered(u32),
 }
 
@@ -80,12 +80,12 @@ pub(super) struct Illumination<'a> {
 }
 
 impl Illumination<'_> {
-    /// What a surface emits.
+    /// Emission of a surface, as far as it is wanted.
     pub(super) fn emitted(&self, point: &SurfacePoint) -> Rgb {
         if self.has_rest { point.emission } else { Rgb::ZERO }
     }
 
-    /// What lies behind everything.
+    /// Radiance of the background in a direction, as far as it is wanted.
     pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3, from: Start) -> Rgb {
         match from {
             _ if !self.has_rest => Rgb::ZERO,
@@ -154,7 +154,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// What fog lets through of what lies so far away on a ray from a start.
+    /// Transmittance of fog from the start of a ray to a distance in metres.
     pub(super) fn through_fog(&self, (ray, from): (&Ray, Start), distance: f64) -> Rgb {
         let walked = || self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
         self.seen_fog(ray, from).map_or_else(walked, |seen| seen.transmittance(distance))

@@ -27,7 +27,8 @@ use crate::scene::Bounces;
 use crate::snapshot::{FrozenLight, SurfacePoint};
 use glam::DVec3;
 
-/// Of one walk. Where all is closed and nothing absorbs there is no end: what comes later is left out.
+/// Maximum number of vertices of a walk. Where all is closed and nothing absorbs a walk has no end: later
+/// light is left out.
 const MOST_VERTICES: u32 = 1024;
 /// So many vertices are never left to roulette.
 const SURE_VERTICES: u32 = 3;
@@ -35,7 +36,7 @@ const SURE_VERTICES: u32 = 3;
 /// A walk between two vertices.
 struct Leg {
     ray: Ray,
-    /// What radiance that comes along the ray counts at the eye.
+    /// Throughput from the leg to the eye.
     throughput: Rgb,
     leaving: Option<PrimitiveId>,
     /// Where it began; `None` if a mirror sends it, in whose direction no light is looked for.
@@ -70,7 +71,7 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
     Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }).lit_by_scattered(path, bounces, throughput)
 }
 
-/// What comes along a leg, and what is scattered into it from then on.
+/// Radiance that a leg brings, from its next vertex and all later ones.
 fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     let most = match bounces {
         Bounces::UpTo(count) => count.min(MOST_VERTICES),
@@ -126,9 +127,9 @@ impl Leg {
         }
     }
 
-    /// What fog scatters of lamps into it before it has gone so far. At a place that depends on
-    /// the lamp: near one light grows as 1 / r^2, and at places that do not know of it the
-    /// variance would have no bound.
+    /// Radiance of lamps that fog scatters into the leg before `distance`. Points are picked by
+    /// equiangular sampling: near a lamp light grows as 1 / r^2, and other sampling would have unbounded
+    /// variance.
     fn of_lamps(&self, path: &mut Path, distance: f64) -> Rgb {
         let way = Way { distance, ..Way::default() };
         let lamps = path.light.lights.iter().filter(|light| matches!(light, FrozenLight::Point { .. }));
@@ -163,7 +164,7 @@ impl Leg {
         passes
     }
 
-    /// What a mirror sees of the sky: at all other vertices it was looked for.
+    /// Radiance of the sky that a mirror reflects: all other vertices sampled it before.
     fn beyond(&self, path: &Path) -> Rgb {
         if self.turn.is_some() {
             return Rgb::ZERO;

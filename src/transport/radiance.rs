@@ -15,7 +15,7 @@ use std::ops::{Add, AddAssign, Range};
 /// indirect light, which are seen along the same rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OneLight {
-    /// Of the snapshot's lights.
+    /// Index among the snapshot's lights.
     pub number: usize,
     /// Whether the rest goes with it.
     pub with_rest: bool,
@@ -37,12 +37,12 @@ pub enum Component {
 /// One leg of a path, from its origin to the first surface: its light.
 pub(super) struct Leg {
     pub(super) radiance: Rgb,
-    /// Of that what shines by itself.
+    /// Part of `radiance` that is emitted.
     pub(super) emitted: Rgb,
-    /// Of that what surfaces show of indirect light.
+    /// Part of `radiance` that surfaces show of indirect light.
     pub(super) indirect: Rgb,
     pub(super) shafts: Rgb,
-    /// Of the shafts what was scattered before.
+    /// Part of `shafts` that was scattered before.
     pub(super) indirect_shafts: Rgb,
     pub(super) transmittance: Rgb,
     /// Whether an opaque surface ends it.
@@ -52,18 +52,18 @@ pub(super) struct Leg {
     pub(super) mattes: [Matte; MATTES_OF_A_SAMPLE],
 }
 
-/// What a surface shows.
+/// Radiance that leaves a surface towards the eye.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Shown {
     pub(super) radiance: Rgb,
-    /// Of that what it, or what is seen in it, emits.
+    /// Part that the surface, or what is seen in it, emits.
     pub(super) emitted: Rgb,
-    /// Of that what it, or what is seen in it, shows of indirect light.
+    /// Part that is indirect light, of the surface or of what is seen in it.
     pub(super) indirect: Rgb,
 }
 
 impl Shown {
-    /// What shines by itself.
+    /// Emission alone.
     pub(super) fn emitted(emitted: Rgb) -> Self {
         Self { radiance: emitted, emitted, indirect: Rgb::ZERO }
     }
@@ -109,9 +109,9 @@ pub fn radiance(
 }
 
 impl Transport<'_> {
-    /// The same of one component; of a single light without [`Sample::hue`].
+    /// Radiance of one component along a ray; of a single light without [`Sample::hue`].
     ///
-    /// Of each light one point for the whole ray: fog, surface and mirrors then see the same light, and
+    /// Each light has one point for the whole ray: fog, surface and mirrors then see the same light, and
     /// shafts fit the shadows they cast.
     pub fn radiance_of(
         &self,
@@ -171,8 +171,8 @@ impl Wanted {
 }
 
 impl Path<'_> {
-    /// What the film is to know of a leg, by light that has no hue yet; `surface` is what
-    /// the data passes show.
+    /// Sample of a leg for the film, before light is multiplied by its hue. The data passes show
+    /// `surface`.
     pub(super) fn sample(&self, leg: &Leg, surface: Option<&SurfacePoint>, ray: &Ray, hue: Rgb) -> Sample {
         let Self { snapshot, transport, .. } = self;
         let Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, mattes, .. } = *leg;
@@ -261,7 +261,7 @@ impl Path<'_> {
         (leg, solid.or(surface))
     }
 
-    /// What fog scatters into a ray of light that was not scattered before, if it is wanted.
+    /// Single scattering in fog along a ray, if it is wanted: radiance of lights and of the sky.
     fn scattered_once(&mut self, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
         if self.light.indirect_alone {
             return Rgb::ZERO;
@@ -323,7 +323,7 @@ impl Path<'_> {
         (sum, seen_through)
     }
 
-    /// What a surface scatters towards the eye.
+    /// Radiance that a surface scatters towards the eye.
     fn scattered(&mut self, point: &SurfacePoint) -> Shown {
         let indirect = indirect::scattered(self, point);
         if self.light.indirect_alone {
@@ -345,7 +345,7 @@ impl Path<'_> {
         Shown::emitted(self.light.emitted(point)) + self.mirrored(ray, point, mirrors_left)
     }
 
-    /// What is seen in a surface if it is a mirror.
+    /// Radiance that a mirror reflects towards the eye; nothing if the surface is none.
     fn mirrored(&mut self, ray: &Ray, point: &SurfacePoint, mirrors_left: u32) -> Shown {
         if mirrors_left == 0 || point.mirror == Rgb::ZERO {
             return Shown::default();
@@ -364,7 +364,7 @@ impl Path<'_> {
     }
 }
 
-/// Of all channels.
+/// Mean of the colour channels.
 pub(super) fn mean(transmittance: Rgb) -> f64 {
     transmittance.element_sum() / 3.0
 }

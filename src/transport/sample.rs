@@ -1,4 +1,4 @@
-//! What one camera ray found. Invariant: `radiance = surface * transmittance + shafts`, plus what blended
+//! Sample of one camera ray. Invariant: `radiance = surface * transmittance + shafts`, plus what blended
 //! surfaces show before it.
 
 use crate::color::Rgb;
@@ -19,14 +19,14 @@ pub struct Sample {
     pub indirect: Rgb,
     /// The part that was scattered in fog.
     pub shafts: Rgb,
-    /// Of that part what was scattered before.
+    /// Part of `shafts` that was scattered before.
     pub indirect_shafts: Rgb,
-    /// What fog and blended surfaces let through from the first opaque surface, or from the
-    /// background if there is none.
+    /// Transmittance of fog and blended surfaces to the first opaque surface, or to the background if
+    /// there is none.
     pub transmittance: Rgb,
     /// Coverage, `0..=1`, by which the radiance is premultiplied.
     pub alpha: f64,
-    /// What was hit, if anything.
+    /// Features of the surface that was hit, if one was.
     pub surface: Option<SurfaceFeatures>,
     /// Where it moves, in pixels to the right and up: from where it is to where it was a frame before, and to
     /// where it is from where it will be a frame after. 0 unless the snapshot has a motion field.
@@ -48,7 +48,7 @@ pub struct Matte {
     pub share: f32,
 }
 
-/// What the data passes show of the surface that a camera ray hit.
+/// Features for the data passes, of the surface that a camera ray hit.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceFeatures {
     /// Distance along the view axis (planar Z), metres.

@@ -1,6 +1,6 @@
-//! What is seen in a surface that shines, about the mirrored direction. In go a point and uniform numbers,
-//! out comes an estimate of the radiance that it shows of what stands around it. Invariant: lights are not
-//! among what is seen, nor is the sky but by a ray of its own, as direct light has them.
+//! Indirect specular reflection. In go a point and uniform numbers, out comes an estimate of the radiance
+//! that it reflects of its surroundings, about the mirrored direction. Invariant: lights are not among
+//! what is seen, nor is the sky but by a ray of its own, as direct light has them.
 
 use super::direct::scattered_per_radiance;
 use super::lobes::Lobes;
@@ -23,7 +23,7 @@ pub(super) fn seen(path: &mut Path, indirect: &Indirect, point: &SurfacePoint) -
     of_sky + reflected(path, indirect, &shining)
 }
 
-/// Of that what a ray meets, picked as densely as microfacets reflect.
+/// Reflected radiance of what one ray meets; its direction is sampled from the microfacet distribution.
 fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rgb {
     let Some(lobes) = Lobes::of(shining) else { return Rgb::ZERO };
     let direction = lobes.pick(shining, DVec2::from(path.sampler.next_2d()));

@@ -24,12 +24,12 @@ pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
     if path.samples_sky() { by_surface(path, point) } else { Rgb::ZERO }
 }
 
-/// The same in any case.
+/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1, if the sky is wanted.
 pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint) -> Rgb {
     if path.light.sky { from_sky(path, point) } else { Rgb::ZERO }
 }
 
-/// The same, whether or not light of the sky is wanted.
+/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1, wanted or not.
 pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
     let sky = snapshot.sky.as_ref().filter(|sky| sky.lights_surfaces());
@@ -56,7 +56,7 @@ pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Wa
     if path.samples_sky() { on_the_way(path, (ray, from), way) } else { Rgb::ZERO }
 }
 
-/// The same in any case.
+/// Radiance of the sky that fog scatters into the ray on its way, W m^-2 sr^-1, if the sky is wanted.
 pub(super) fn on_the_way(path: &mut Path, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
     let medium = &path.snapshot.medium;
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
@@ -98,7 +98,7 @@ struct FromSky {
     /// Per metre if all of it arrived, W m^-3 sr^-1.
     scattered: Rgb,
     visible: Rgb,
-    /// Of the fog on the way.
+    /// Optical depth of fog towards the sky.
     depth: Rgb,
     /// How densely the direction was picked, 1/sr.
     density: f64,

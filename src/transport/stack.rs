@@ -1,12 +1,12 @@
-//! The many blended surfaces that one ray passes. In go the ray, its surfaces and the lights. Out comes what
-//! each surface scatters towards the ray's start. Invariant: `n` surfaces take `n log n` steps. Shadow rays
-//! of their own, each through as many surfaces, would take `n^2 log n`.
+//! Many blended surfaces on one ray. In go the ray, its surfaces and the lights. Out comes the radiance
+//! that each surface scatters towards the ray's start. Invariant: `n` surfaces take `n log n` steps.
+//! Shadow rays of their own, each through as many surfaces, would take `n^2 log n`.
 //!
-//! What dims a light anywhere on the ray lies in the plane through both. So one walk through the tree finds
-//! it for all surfaces at once, and a sweep along the ray keeps the product of what is in the way. Under a
-//! lamp or sun the values are those of the shadow rays, to rounding. Textured surfaces are asked one by one
-//! where they are in the way, until next to nothing is left. Light of the sky, and mirrors, are left to a few
-//! surfaces that stand for all.
+//! All that dims a light anywhere on the ray lies in the plane through both. So one walk through the tree
+//! finds it for all surfaces at once, and a sweep along the ray keeps the product of transmittances. Under
+//! a lamp or sun the values are those of the shadow rays, to rounding. Textured surfaces are asked one by
+//! one where they are in the way, until next to nothing is left. Light of the sky, and mirrors, are left
+//! to a few surfaces that stand for all.
 
 use super::direct;
 use super::lit_segments::{met_at, shadows_in_line};
@@ -22,11 +22,12 @@ const MANY: usize = 16;
 /// So many surfaces stand for many where each would take a ray of its own.
 const CHOSEN: usize = 8;
 
-/// What is known of many surfaces at once; of few, nothing.
+/// Direct light on the surfaces of a ray, if they are many.
 pub(super) struct Stack {
-    /// What lights make each of them scatter, W m^-2 sr^-1.
+    /// Radiance that each scatters of lights, W m^-2 sr^-1.
     pub(super) scattered: Vec<Rgb>,
-    /// What light of the sky on each of them, and what is seen in it, counts; 0 if another one stands for it.
+    /// Weight of the sky's light on each of them and of what is mirrored in it; 0 if another one stands
+    /// for it.
     pub(super) shares: Vec<f64>,
 }
 
@@ -53,7 +54,7 @@ impl Stack {
     }
 }
 
-/// What blended surfaces let through of a light to each of the ray's surfaces.
+/// Transmittance of blended surfaces from a light to each of the ray's surfaces.
 fn let_through(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, blended: &[BlendedHit]) -> Vec<Rgb> {
     // Twice as far, so that the last one lies within what covers it.
     let range = (0.0, 2.0 * blended.last().map_or(0.0, |hit| hit.t));
@@ -86,7 +87,7 @@ struct Sweep<'a> {
     ends: Vec<usize>,
     /// By triangle.
     of_triangles: Vec<(PrimitiveId, usize)>,
-    /// Of those that are alike everywhere.
+    /// Transmittances of untextured triangles.
     transmittances: Vec<Option<Rgb>>,
     product: RunningProduct,
     /// Those that differ from place to place.
@@ -119,7 +120,7 @@ impl<'a> Sweep<'a> {
         Self { shadows, ends, of_triangles, transmittances, product, textured: Vec::new(), transmittance }
     }
 
-    /// What is let through to each of some surfaces that come in order.
+    /// Transmittances to surfaces given in order along the ray.
     fn along(mut self, blended: &[BlendedHit]) -> Vec<Rgb> {
         let (mut begun, mut ended) = (0, 0);
         let mut through = Vec::with_capacity(blended.len());
@@ -151,7 +152,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// What all but a surface itself let through to it.
+    /// Transmittance to a surface, its own left out.
     fn through_to(&mut self, hit: &BlendedHit) -> Rgb {
         let primitive = hit.point.primitive;
         let own = self.of_triangles.partition_point(|(other, _)| *other < primitive);
@@ -178,9 +179,9 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// Of surfaces chosen in proportion to what the ray's start sees of them: how many each stands for, and 0
-/// for the others. The expected value of each is 1 (systematic sampling: Madow 1949, "On the theory of
-/// systematic sampling, II").
+/// Weights of surfaces chosen in proportion to what the ray's start sees of them, and 0 for the others.
+/// The expected value of each is 1 (systematic sampling: Madow 1949, "On the theory of systematic
+/// sampling, II").
 fn shares(blended: &[BlendedHit], u: f64) -> Vec<f64> {
     let mut seen_through = Rgb::ONE;
     let weights: Vec<f64> = blended

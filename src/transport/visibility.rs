@@ -1,4 +1,4 @@
-//! What a ray of the camera meets. In go a ray and the part of it that shows, out comes where it ends.
+//! Primary visibility. In go a camera ray and the part of it that shows, out comes where it ends.
 //! Invariant: what clipping planes hide, or is invisible to the camera, ends no ray, and is told.
 
 use super::path::Start;
@@ -7,7 +7,7 @@ use crate::math::Ray;
 use crate::snapshot::{BlendedHit, Snapshot};
 use std::ops::Range;
 
-/// What lies on a ray before it ends.
+/// Free way of a ray before it ends.
 #[derive(Default)]
 pub(super) struct Way {
     /// Where it ends, metres; infinite if nothing ends it.
@@ -18,7 +18,7 @@ pub(super) struct Way {
     pub(super) passes_hidden: bool,
 }
 
-/// What ends a ray, and what it passes that does not show.
+/// End of a ray, and whether it passes surfaces that do not show.
 #[derive(Clone, Copy, Default)]
 pub(super) struct RayEnd {
     /// The nearest opaque surface that shows.
@@ -27,7 +27,7 @@ pub(super) struct RayEnd {
     pub(super) passes_hidden: bool,
 }
 
-/// What a ray meets of opaque surfaces, of which those within a part of it show.
+/// End of a ray at opaque surfaces, of which those within `shown` show.
 pub(super) fn ray_end(snapshot: &Snapshot, ray: &Ray, shown: &Range<f64>, from: Start) -> RayEnd {
     let shows = |hit: &Hit| shown.contains(&hit.t) && from.sees(snapshot, hit.primitive);
     let Some(mut hit) = snapshot.tree.nearest_hit(ray, f64::INFINITY, from.leaving()) else {

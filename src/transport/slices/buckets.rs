@@ -58,7 +58,7 @@ impl<T: Copy> Buckets<T> {
     }
 }
 
-/// What [`slice::partition_point`] finds, in few steps where it is near a guess: a galloping search
+/// Partition point, as [`slice::partition_point`] finds it, in few steps near a guess: a galloping search
 /// (Bentley & Yao 1976).
 pub(super) fn partition_point_near(values: &[f64], guess: usize, is_before: impl Fn(f64) -> bool) -> usize {
     let (mut low, mut high) = (0, values.len());

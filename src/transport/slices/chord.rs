@@ -19,7 +19,7 @@ pub struct Chord {
     pub slopes: [f64; 2],
     /// Where in each of the chord's pieces its sample lies, `0..1`.
     pub phase: f64,
-    /// What a sample counts for each unit of area per radian that it stands for.
+    /// Weight of a sample for each unit of area per radian that it stands for.
     pub weight_per_area: f64,
     /// For what is chosen at random beyond its surfaces: a seed, and its slice's number among those of
     /// that seed. Slices side by side follow each other.
@@ -31,7 +31,7 @@ pub struct Chord {
 pub struct Crossing {
     /// Column and row of the full picture.
     pub pixel: (usize, usize),
-    /// Of its length in the image plane at distance 1.
+    /// Lengths along the slice at which it enters and leaves, in the image plane at distance 1.
     pub lengths: [f64; 2],
 }
 

@@ -1,8 +1,8 @@
-//! What cuts a chord in pieces that look alike. In go the segments that its rays may meet, out come the areas
-//! at which its pieces end. A piece ends where another thing becomes visible, or where light begins or ends
-//! on what is. Invariant: the pieces are the whole chord. An edge too many, or one missed where two leaves
-//! lie through each other, does no harm to the mean. Each piece's sample lies anywhere in it alike, so edges
-//! are only a matter of error.
+//! Edges that cut a chord in pieces that look alike. In go the segments that its rays may meet, out come
+//! the areas at which its pieces end. A piece ends where another thing becomes visible, or where light
+//! begins or ends on it. Invariant: the pieces are the whole chord. An edge too many, or one missed where
+//! two leaves lie through each other, does no harm to the mean: each piece is sampled uniformly. Edges
+//! only change the error.
 
 use super::chord::Chord;
 use super::light_rays::LightRays;
@@ -13,8 +13,8 @@ use glam::DVec2;
 use std::ops::Range;
 use std::ptr;
 
-/// Of more segments in a pixel than this edges are not sought, and to more pieces than this a chord is not
-/// cut: their time is better spent on more slices.
+/// Maximum number of segments in a pixel whose edges are sought, and of pieces of a chord. Beyond it time
+/// is better spent on more slices.
 const CROWD: usize = 12;
 const MOST_PIECES: usize = 8;
 
@@ -31,7 +31,7 @@ const SAME_PLACE: f64 = 1e-5;
 /// alike on both sides.
 const LEAST_BEND: f64 = 0.1;
 
-/// What makes an edge: the border of a triangle, or its shadow.
+/// Origin of an edge: the border of a triangle, or its shadow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgeOrigin {
     /// Where the slice cuts the border.
@@ -45,9 +45,9 @@ pub(super) struct EdgeOrigin {
 pub(super) struct PieceEnd {
     /// How much of its area the slice has passed there, per radian.
     pub(super) area: f64,
-    /// Of the ray there.
+    /// Slope of the ray there.
     pub(super) slope: f64,
-    /// What makes the edge there; `None` at the end of the chord, too.
+    /// Origin of the edge; `None` at the end of the chord, too.
     pub(super) origin: Option<EdgeOrigin>,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct PieceEnd {
 #[derive(Default)]
 pub(super) struct Edges {
     ends: Vec<f64>,
-    /// Of rays through edges, and what makes these.
+    /// Slopes of rays through edges, with the edges' origins.
     slopes: Vec<(f64, Option<EdgeOrigin>)>,
     piece_ends: Vec<PieceEnd>,
 }
@@ -146,7 +146,7 @@ impl Edges {
     }
 }
 
-/// What rays of a slope meet first.
+/// Nearest segment on the ray of a slope.
 fn nearest(sweep: &Sweep, slope: f64) -> Option<&Segment> {
     let met = sweep.active().iter().filter(|segment| segment.is_met_at(slope));
     let points = met.map(|segment| (segment, segment.crossing(DVec2::new(1.0, slope))));

@@ -155,8 +155,8 @@ impl Fan {
 
 #[cfg(test)]
 impl Fan {
-    /// Of a light in a direction, unit length, seen by a pinhole that looks along -z, its picture
-    /// so many radians high.
+    /// Fan of a light in a direction, a unit vector, seen by a pinhole that looks along -z with a vertical
+    /// field of view in radians.
     pub(crate) fn of_pinhole(fov_y_rad: f64, size: Size, to_light: DVec3) -> Self {
         use crate::scene::{Camera, Clip, Lens, Track};
         let lens = Lens::Perspective { fov_y: Track::from(fov_y_rad) };

@@ -1,6 +1,6 @@
-//! What lies between slices. In go the pieces of a slice and the borders between them. Out comes which piece
-//! stands for which part of a slice beside it. Invariant: the parts of a slice beside are all of it that lies
-//! near the slice, and none is there twice.
+//! Interpolation between slices. In go the pieces of a slice and the borders between them. Out comes which
+//! piece stands for which part of a slice beside it. Invariant: the parts of a slice beside are all of it
+//! that lies near the slice, and none is there twice.
 //!
 //! Nearly every edge changes from slice to slice. If a piece stood for as much of the slices beside, each
 //! edge would be a step. Most edges are straight, and where a straight one goes on is known (`border.rs`).
@@ -25,7 +25,7 @@ struct Stretch {
     region: (usize, usize),
     /// The first of its runs.
     first_run: usize,
-    /// Of the rays at which its first piece begins and its last one ends.
+    /// Slopes of the rays at which its first piece begins and its last one ends.
     slopes: [f64; 2],
 }
 
@@ -34,9 +34,9 @@ struct Stretch {
 struct Run {
     /// The first of its pieces.
     first: usize,
-    /// Of the ray at its end.
+    /// Slope of the ray at its end.
     slope: f64,
-    /// What makes the edge there, if it is known.
+    /// Border at its end, if it is known.
     border: Option<Border>,
 }
 
@@ -56,7 +56,7 @@ pub struct Strip {
 pub struct Outline {
     /// Regions of the picture are squares of so many pixels.
     region_side: usize,
-    /// Of the rays at which pieces end.
+    /// Slopes of the rays at which pieces end.
     slopes: Vec<f64>,
     stretches: Vec<Stretch>,
     runs: Vec<Run>,
@@ -66,7 +66,7 @@ pub struct Outline {
     ends: Vec<End>,
 }
 
-/// Of a run, on a slice beside.
+/// End of a run, on a slice beside.
 #[derive(Clone, Copy, Debug)]
 struct End {
     /// How much of the slice lies before, in its length, if edges run along the slices.
@@ -76,7 +76,7 @@ struct End {
     shifts: [f64; 2],
     /// How much of that it moves, 0 to 1.
     moved: f64,
-    /// Of what makes the edge, from the eye, metres.
+    /// Distance from the eye to what makes the edge, metres.
     distance: f64,
     /// How much of the slice lies before, in its length.
     length: f64,

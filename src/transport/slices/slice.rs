@@ -28,8 +28,8 @@ pub struct Slice {
     start: DVec2,
     along: DVec2,
     pub(super) length: f64,
-    /// What its rays have of the outward direction and of the axis: at the start, and the
-    /// growth per unit of length.
+    /// Components of its rays along the outward direction and along the axis: at the start, and the growth
+    /// per unit of length.
     reach: (f64, f64),
     height: (f64, f64),
     /// Picture area per radian of rotation and unit of length, pixels^2: at the start, and its
@@ -55,7 +55,7 @@ struct ImageLine {
     foot: DVec2,
     /// Unit direction.
     along: DVec2,
-    /// What its directions have of the outward direction and of the axis: at the foot, and the
+    /// Components of its directions along the outward direction and along the axis: at the foot, and the
     /// growth per unit of length.
     reach: (f64, f64),
     height: (f64, f64),

@@ -1,12 +1,12 @@
-//! What is asked of slices, the same for all of a draw. In goes nothing, nothing comes out. Invariant: the
-//! fan's eye and axis are those of the snapshot's view and of the light.
+//! Request for slices, shared by all of a draw. It is data alone. Invariant: the fan's eye and axis are
+//! those of the snapshot's view and of the light.
 
 use super::fan::Fan;
 use crate::color::Rgb;
 use crate::snapshot::{FrozenLight, Snapshot};
 use crate::transport::path::Transport;
 
-/// What is to be solved.
+/// Slices to solve, with all that they share.
 #[derive(Clone, Copy)]
 pub struct SliceJob<'a> {
     /// The frame.
@@ -15,7 +15,7 @@ pub struct SliceJob<'a> {
     pub transport: &'a Transport<'a>,
     /// The slices' light: a light of the snapshot, or a point of one.
     pub light: &'a FrozenLight,
-    /// What its light is to be multiplied by, see [`Sample::hue`](crate::transport::Sample::hue).
+    /// Factor of its light, see [`Sample::hue`](crate::transport::Sample::hue).
     pub hue: Rgb,
     /// Whether emission, the background and indirect light go with this light.
     pub has_rest: bool,

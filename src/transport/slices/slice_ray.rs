@@ -112,8 +112,8 @@ impl SliceRay<'_> {
         path.sample(&leg, surface.as_ref(), ray, self.job.hue)
     }
 
-    /// What leaves the surface towards the camera; `to_light` is what the fog lets through on the way to the
-    /// light, if that is known.
+    /// Radiance that leaves the surface towards the camera. `to_light` is the transmittance of fog towards
+    /// the light, if that is known.
     fn reflected(&self, path: &mut Path, point: &SurfacePoint, is_lit: bool, to_light: Option<Rgb>) -> Shown {
         let SliceJob { snapshot, transport, light, .. } = *self.job;
         let unshadowed = if is_lit { Unshadowed::new(light, point) } else { None };

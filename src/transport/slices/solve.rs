@@ -47,7 +47,7 @@ pub struct Piece<'a> {
     pub place: Place,
     /// Between which parts of the chord's area it lies, `0..=1`.
     pub range: [f64; 2],
-    /// What it counts, as the area does that it stands for.
+    /// Weight: the area that it stands for.
     pub weight: f64,
     /// How many pieces of the chord come before it.
     number: usize,
@@ -166,12 +166,12 @@ impl<'a> Rays<'a> {
         self.veils.enter(chord.slopes[0]);
     }
 
-    /// What was swept: opaque and blended.
+    /// Sweeps of opaque and of blended surfaces.
     fn sweeps(&self) -> [&Sweep; 2] {
         [self.sweep, &self.veils.sweep]
     }
 
-    /// What the ray of a piece sees.
+    /// Sample of a piece's ray.
     #[inline]
     fn value(&mut self, piece: &Piece) -> Sample {
         let Self { job, light_rays, .. } = *self;

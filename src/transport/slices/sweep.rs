@@ -19,7 +19,7 @@ use glam::{DVec2, DVec3};
 /// The camera's clipping planes, as a half plane cuts them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlanarClip {
-    /// Of a point's reach and height: metres along the view axis.
+    /// Depth of a point from its reach and height: metres along the view axis.
     depth: DVec2,
     clip: Clip,
 }
@@ -135,7 +135,7 @@ pub(super) struct Sweep {
     next: usize,
     /// Segments that rays of the current part may meet, and have not all passed yet.
     active: Vec<Segment>,
-    /// What the segments above the current ray shadow.
+    /// Shadows of the segments above the current ray.
     shadows: IntervalSet,
     /// Names of the light's rays at which parts of that began and ended as they were added, and the
     /// ends of segments there.
@@ -156,7 +156,7 @@ struct Crossing {
     shadow: (f64, f64),
 }
 
-/// What a ray meets first.
+/// First hit of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
     pub(super) primitive: PrimitiveId,
@@ -218,12 +218,12 @@ impl Sweep {
         self.passed_names.iter().position(|passed| *passed == name).map(|index| self.passed_ends[index])
     }
 
-    /// What those that all its rays have passed shadow.
+    /// Shadows of segments that all rays of the part have passed.
     pub(super) fn passed_shadows(&self) -> &IntervalSet {
         &self.shadows
     }
 
-    /// What lies wholly above a slope goes to the shadows.
+    /// Moves segments wholly above a slope to the shadows.
     fn pass(&mut self, slope: f64, mut darken: impl FnMut(f64, f64)) {
         let Self { shadows, passed_names, passed_ends, rays, .. } = self;
         let mut add = |ends: [(f64, CutEnd); 2]| {
