@@ -23,7 +23,7 @@ const DEEPEST: f64 = 0.125;
 /// How dense fog is, as a share of the densest. A new kind is a variant: see docs/decisions/fog.md.
 #[derive(Clone, Debug)]
 enum Density {
-    /// The same everywhere.
+    /// Uniform.
     Even,
     /// Less with height.
     Thinning(Falloff),
@@ -62,7 +62,7 @@ impl FogBank {
         (sigma_t.max_element() > 0.0).then_some(Self { cube_from_relative, density, sigma_t, sigma_s, g })
     }
 
-    /// The same, thinner with height; the falloff's base is a plane `y` of the box's cube.
+    /// Fog that also thins out with height. The falloff's base is a plane `y` of the box's cube.
     pub fn thinning(self, falloff: Falloff) -> Self {
         Self { density: Density::Thinning(falloff), ..self }
     }
@@ -83,7 +83,7 @@ impl FogBank {
         Some(Self { density: Density::Voxels(VoxelFog::new(relative_from_voxel, grid)), ..bank })
     }
 
-    /// The same, ready for suns in these directions.
+    /// Fog with optical depths ready for suns in these directions.
     pub fn lit_by(self, to_lights: &[DVec3]) -> Self {
         match self.density {
             Density::Voxels(voxels) => Self { density: Density::Voxels(voxels.lit_by(to_lights)), ..self },
@@ -105,7 +105,7 @@ impl FogBank {
         self.g.max(0.0).powi(degree)
     }
 
-    /// The same fog where light that is scattered nearly straight ahead counts as not scattered.
+    /// Delta-M scaled fog: light in the forward peak counts as not scattered.
     pub(super) fn without_peak(&self, degree: i32) -> Self {
         Self { sigma_t: self.sigma_t - self.forward_peak(degree) * self.sigma_s, ..self.clone() }
     }
@@ -126,8 +126,8 @@ impl FogBank {
         })
     }
 
-    /// Of fog without bounds the direction in which it thins out, a unit vector, and over how many metres it
-    /// does to a share of 1/e.
+    /// Direction in which unbounded fog thins out, a unit vector, and the metres over which it does to a
+    /// share of 1/e.
     pub fn layer(&self) -> Option<(DVec3, f64)> {
         match &self.density {
             Density::Thinning(falloff) if !self.is_bounded() => Some(falloff.up()),
@@ -222,7 +222,7 @@ impl FogBank {
         self.metres(&ray, enter.max(0.0), leave.min(t_max))
     }
 
-    /// The same from one point to another.
+    /// Metres of densest fog between two points.
     pub(super) fn length_between(&self, from: DVec3, to: DVec3) -> f64 {
         let way = to - from;
         let distance = way.length();
@@ -249,7 +249,7 @@ impl FogBank {
         distance * (leave - enter).max(0.0)
     }
 
-    /// The same from a point to a light.
+    /// Metres of densest fog from a point to a light.
     pub(super) fn metres_to(&self, point: DVec3, light: LightPlace) -> f64 {
         match light {
             LightPlace::Towards(to_light) => self.length(point, to_light, f64::INFINITY),
@@ -257,13 +257,14 @@ impl FogBank {
         }
     }
 
-    /// The same as [`FogBank::length`], of voxels by their means over up to `DEEPEST` of optical depth.
+    /// Metres as [`FogBank::length`] has them, where voxels count by their means over up to `DEEPEST` of
+    /// optical depth.
     pub(super) fn rough_length(&self, ray: &Ray, end: f64) -> f64 {
         let Some(voxels) = self.voxels() else { return self.length(ray.origin, ray.direction, end) };
         voxels.rough_metres(ray, end, DEEPEST / self.sigma_t.max_element())
     }
 
-    /// The same up to the sky, as far as it need be known where light comes from everywhere.
+    /// Metres of densest fog up to the sky, approximate: good enough for light from everywhere.
     pub(super) fn length_to_sky(&self, ray: &Ray) -> f64 {
         let Some(voxels) = self.voxels() else {
             return self.length(ray.origin, ray.direction, f64::INFINITY);
@@ -271,7 +272,7 @@ impl FogBank {
         voxels.metres_to_sky(ray, DEEPEST / self.sigma_t.max_element())
     }
 
-    /// The same from a point to a sun whose depths its voxels have.
+    /// Metres of densest fog from a point to a sun whose depths its voxels have.
     pub(super) fn metres_to_sun(&self, point: DVec3, to_light: DVec3) -> Option<f64> {
         let ray = Ray { origin: point, direction: to_light };
         self.voxels()?.towards_sun(&ray, to_light).map(|metres| metres.at(0.0))

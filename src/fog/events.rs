@@ -20,11 +20,11 @@ const DEPTH_TOLERANCE: f64 = 1e-10;
 /// Bisection alone needs 34 steps for that.
 const MOST_STEPS: usize = 40;
 
-/// What becomes of light on a part of a ray.
+/// Collisions of light on a part of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Losses {
     range: (f64, f64),
-    /// What fog takes of each channel, as that channel counts.
+    /// Weighted share of each channel that fog takes.
     lost: Rgb,
     depth: Rgb,
     /// The share of all that is lost, `0..=1`.
@@ -36,12 +36,12 @@ pub struct Losses {
 pub struct Loss {
     /// Along the ray, metres.
     pub t: f64,
-    /// What gets there, over how densely the place was picked, m.
+    /// Transmittance to the place over the probability density of picking it, m.
     pub through_per_density: Rgb,
 }
 
 impl FoggyRay<'_> {
-    /// What is lost of light that counts `weights` before it gets to the ray's end; `None` if nothing is.
+    /// Losses of light with the weights of its channels, up to the ray's end; `None` if there are none.
     pub fn losses(&self, weights: Rgb) -> Option<Losses> {
         let range = self.medium.range(self.ray, self.t_max)?;
         let depth = self.optical_depth(range.1);
@@ -181,7 +181,7 @@ mod tests {
         }
     }
 
-    /// What is scattered everywhere is what fog scatters, and it goes where both phase functions send it.
+    /// Directions are picked as the sum of both phase functions sends light.
     #[test]
     fn directions_are_picked_as_densely_as_is_said() {
         let medium = two_fogs();

@@ -30,7 +30,7 @@ impl Medium {
 }
 
 impl FoggyRay<'_> {
-    /// Of a bank by its number.
+    /// Cells of a bank by its number.
     pub(super) fn cells(&self, bank: usize) -> Option<&VoxelCells> {
         self.cells.get(bank)?.as_ref()
     }

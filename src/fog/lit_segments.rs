@@ -12,12 +12,12 @@ use std::ops::Range;
 pub struct LitSegments {
     shadows: IntervalSet,
     range: (f64, f64),
-    /// What dims the rest of it.
+    /// Veils on the rest of it.
     veils: Vec<Veil>,
     /// Where each piece between the ends of veils begins, and what gets through there; before
     /// the first, everything.
     pieces: Vec<(f64, Rgb)>,
-    /// Of those that cover a piece.
+    /// Product of the veils that cover a piece.
     product: RunningProduct,
 }
 
@@ -29,7 +29,7 @@ struct Veil {
 }
 
 impl LitSegments {
-    /// What `shadows` leave of `range`.
+    /// Parts of `range` outside `shadows`.
     pub fn from_shadows(shadows: IntervalSet, range: (f64, f64)) -> Self {
         Self { shadows, range, ..Self::default() }
     }
@@ -57,7 +57,7 @@ impl LitSegments {
         self.range
     }
 
-    /// What lies in shadow, to be added to.
+    /// Shadows, to be added to.
     pub fn shadows_mut(&mut self) -> &mut IntervalSet {
         &mut self.shadows
     }
@@ -102,7 +102,7 @@ impl LitSegments {
         });
     }
 
-    /// The same of a part that lies in no shadow.
+    /// Pieces of a part that lies in no shadow.
     fn for_each_piece(&self, start: f64, end: f64, mut piece: impl FnMut(f64, f64, Rgb)) {
         let mut next = self.pieces.partition_point(|(from, _)| *from <= start);
         let mut transmittance = if next == 0 { Rgb::ONE } else { self.pieces[next - 1].1 };
@@ -115,7 +115,7 @@ impl LitSegments {
         piece(from, end, transmittance);
     }
 
-    /// What the range has of a part of the ray; the end may come before the start.
+    /// Intersection of the range with a part of the ray; the end may come before the start.
     pub fn within(&self, start: f64, end: f64) -> Range<f64> {
         start.max(self.range.0)..end.min(self.range.1)
     }

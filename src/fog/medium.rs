@@ -61,7 +61,7 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t * fog.rough_length(ray, t_max)).sum()
     }
 
-    /// The same up to the sky, in one of many directions that are picked at random.
+    /// Optical depth of a ray up to the sky, approximate: for one of many directions picked at random.
     pub fn optical_depth_to_sky(&self, ray: &Ray) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_t * fog.length_to_sky(ray)).sum()
     }
@@ -93,7 +93,7 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t * fog.metres_to(point, light)).sum()
     }
 
-    /// The same fog, ready for suns in these directions.
+    /// Medium with optical depths ready for suns in these directions.
     pub fn lit_by(self, to_lights: &[DVec3]) -> Self {
         Self { banks: self.banks.into_iter().map(|bank| bank.lit_by(to_lights)).collect() }
     }
@@ -116,8 +116,8 @@ impl Medium {
             .sum()
     }
 
-    /// The same for light that the peaks of phase functions have scattered so many times before, see
-    /// [`scattered_before`].
+    /// Scattering as [`Self::scattering_at`] has it, of light that forward peaks have scattered `times`
+    /// before; see [`scattered_before`].
     pub fn scattering_again_at(&self, point: DVec3, cos_deflection: f64, times: f64) -> Rgb {
         self.banks
             .iter()
@@ -149,12 +149,12 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.forward_peak(degree))).sum()
     }
 
-    /// The same fog where light of that peak counts as not scattered.
+    /// Delta-M scaled medium: light of that peak counts as not scattered.
     pub fn without_peaks(&self, degree: i32) -> Self {
         Self { banks: self.banks.iter().map(|bank| bank.without_peak(degree)).collect() }
     }
 
-    /// Of it what has no bounds.
+    /// Unbounded banks alone.
     pub fn without_bounds(&self) -> Self {
         Self { banks: self.banks.iter().filter(|bank| !bank.is_bounded()).cloned().collect() }
     }

@@ -1,14 +1,14 @@
-//! What a near light scatters into a ray. In go a stretch of fog and a light, out comes the integral over any
-//! lit part of it. A few parts of even fog that is not deep are integrated one by one. The order of their
-//! rules follows from where the integrand is not analytic. Otherwise all parts share one antiderivative.
-//! Invariant: it is fitted to a tolerance.
+//! Light that a near lamp scatters into a ray. In go a stretch of fog and a light, out comes the integral
+//! over any lit part of it. A few parts of even fog that is not deep are integrated one by one. The order
+//! of their rules follows from where the integrand is not analytic. Otherwise all parts share one
+//! antiderivative. Invariant: it is fitted to a tolerance.
 //!
-//! The variable is `x = asinh((t - nearest) / gap)`, with
-//! `dt / distance^2 = dtheta / gap = dx / (gap cosh x)`. It is the inverse Gudermannian of the equiangular
-//! angle `theta` (Kulla & Fajardo 2012). In `theta` a phase function is a peak as narrow as `1 - |g|` at the
-//! far end. In `x` the cosine of the deflection is `-tanh x`. Henyey & Greenstein's function becomes
-//! `((1 + e^2x) / ((1 -+ g)^2 + (1 +- g)^2 e^2x))^1.5`: a step as wide as the integrand's other changes. Its
-//! singularities, like those of `cosh x`, lie `pi / 2` from the real axis for every `g`.
+//! The variable is `x = asinh((t - nearest) / gap)`, with `dt / distance^2 = dtheta / gap = dx / (gap cosh
+//! x)`. It is the inverse Gudermannian of the equiangular angle `theta` (Kulla & Fajardo 2012). In `theta`
+//! a phase function is a peak as narrow as `1 - |g|` at the far end. In `x` the cosine of the deflection
+//! is `-tanh x`. Henyey & Greenstein's function becomes `((1 + e^2x) / ((1 -+ g)^2 + (1 +- g)^2
+//! e^2x))^1.5`: a step as wide as the integrand's other changes. Its singularities, like those of `cosh
+//! x`, lie `pi / 2` from the real axis for every `g`.
 
 use super::LitSegments;
 use super::beer_lambert::exp_minus;
@@ -42,7 +42,7 @@ const SMALLEST_RELATIVE_GAP: f64 = 1e-7;
 /// ray passes through it.
 const SMALLEST_SHARE: f64 = 1e-18;
 
-/// What a fit may be wrong by, as a share of the whole that it is fitted to.
+/// Tolerance of a fit, as a share of the whole that it is fitted to.
 const FIT_TOLERANCE: f64 = 1e-8;
 
 /// From about so many parts on a fit costs no more than the parts one by one
@@ -52,7 +52,7 @@ const MANY_PARTS: usize = 20;
 /// How far a rule reaches, see [`NearLight::part`].
 const LONGEST_STEP: f64 = 2.0;
 
-/// Of a distance along the ray to the gap: its square is finite.
+/// Maximum ratio of a distance along the ray to the gap: its square is finite.
 const LARGEST_RATIO: f64 = 1e150;
 
 /// Beyond this optical depth parts are fitted too: most of their steps would add nothing.

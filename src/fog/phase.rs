@@ -20,11 +20,11 @@ pub fn henyey_greenstein(cos_deflection: f64, g: f64) -> f64 {
 /// those from this one on.
 pub const BEAM_DEGREES: i32 = 6;
 
-/// The same of light that was scattered `times` before in the peak that delta-M cuts off, 1/sr.
+/// Phase function of light that was scattered `times` before in the peak that delta-M cuts off, 1/sr.
 ///
 /// Each such scattering leaves harmonics up to that degree, L, as they were and takes `g^(l - L)` of the
-/// others, so of the phase function's `g^l` there is `g^(l + times (l - L))`: a wider lobe, but for
-/// the first harmonics.
+/// others, so of the phase function's `g^l` there is `g^(l + times (l - L))`: a wider lobe, but for the
+/// first harmonics.
 pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
     if g <= EVEN {
         return henyey_greenstein(cos_deflection, g);

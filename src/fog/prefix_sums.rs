@@ -22,8 +22,8 @@ impl FoggyRay<'_> {
         self.before_each(places, |fog| fog.sigma_t)
     }
 
-    /// What a sun scatters before each place, per unit of irradiance and of phase function: between two
-    /// places depths, those to the eye in `depths` and those to the sun, count as linear.
+    /// Single scattering of a sun before each place, per unit of irradiance and of phase function. Between
+    /// two places the optical depths, those to the eye in `depths` and those to the sun, count as linear.
     pub fn sunlight_before_each(&self, to_light: DVec3, places: &[f64], depths: &[Rgb]) -> Vec<Rgb> {
         let scattering = self.before_each(places, |fog| fog.sigma_s);
         let mut all_depths = depths.to_vec();

@@ -10,10 +10,10 @@ use crate::color::Rgb;
 use crate::light::FrozenLight;
 use crate::math::Ray;
 
-/// What fog does along one ray.
+/// Scattering and transmittance of fog along one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage {
-    /// Of what lies behind.
+    /// Transmittance from what lies behind.
     pub transmittance: Rgb,
     /// Radiance scattered on the way, W m^-2 sr^-1.
     pub scattered: Rgb,
@@ -25,7 +25,7 @@ impl Passage {
 }
 
 impl Medium {
-    /// What fog does on a ray that ends at `t_max` and is lit in parts.
+    /// Passage of a ray that ends at `t_max` and is lit in parts.
     pub fn passage(&self, ray: &Ray, t_max: f64, lit: &LitSegments, light: &FrozenLight) -> Passage {
         let mut sum = Rgb::ZERO;
         let along = self.along(ray, t_max);

@@ -120,7 +120,7 @@ impl<'a> Stretch<'a> {
         })
     }
 
-    /// The same where all its fog is as dense as at its base.
+    /// Scattering where all its fog is as dense as at its base.
     pub(super) fn densest_scattering(&self, cos_deflection: f64) -> Rgb {
         self.scattering_at_base(self.inside, cos_deflection)
     }

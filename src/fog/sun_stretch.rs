@@ -10,7 +10,7 @@ use crate::color::Rgb;
 use crate::math::{Antiderivative, Ray};
 use glam::DVec3;
 
-/// What a fit may be wrong by, as a share of what the whole stretch would scatter without any shadow.
+/// Tolerance of a fit, as a share of what the whole stretch would scatter without any shadow.
 const TOLERANCE: f64 = 1e-11;
 
 /// Light scattered on a stretch, per unit of irradiance.

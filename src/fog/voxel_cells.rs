@@ -14,7 +14,7 @@ struct Cell {
     end: f64,
     /// From `start` on.
     density: Cubic,
-    /// Of all cells before, as dense as the densest.
+    /// Metres of densest fog in all cells before.
     metres_before: f64,
 }
 
@@ -40,7 +40,7 @@ impl VoxelCells {
         self.at(self.cursor(t), t).0
     }
 
-    /// The same before each of some places in order.
+    /// Metres of densest fog before each of some places in order.
     pub(super) fn metres_before_each(&self, places: &[f64]) -> impl Iterator<Item = f64> {
         let mut cursor = 0;
         places.iter().map(move |&t| {

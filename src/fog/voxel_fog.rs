@@ -12,7 +12,7 @@ pub(super) struct VoxelFog {
     voxel_from_relative: DAffine3,
     /// Along the axis in which they are longest.
     widest_voxel_m: f64,
-    /// Of suns: where they are, and depths in metres by those in voxels.
+    /// Suns: where they are, and depths in metres by those in voxels.
     suns: Vec<Sun>,
 }
 
@@ -57,13 +57,13 @@ impl VoxelFog {
         self.grid.voxels.integral(&self.line(ray), (start, end)) / self.grid.voxels.most()
     }
 
-    /// The same where voxels may count as wider ones, up to so many metres.
+    /// Metres of densest fog along a ray up to `end`, where voxels may be averaged over `widest_m` metres.
     pub(super) fn rough_metres(&self, ray: &Ray, end: f64, widest_m: f64) -> f64 {
         let times = widest_m / self.widest_voxel_m;
         self.grid.rough_integral(&self.line(ray), (0.0, end), times) / self.grid.voxels.most()
     }
 
-    /// The same towards a place of the sky or one beside it.
+    /// Metres of densest fog along a ray towards a place of the sky or one beside it.
     pub(super) fn metres_to_sky(&self, ray: &Ray, widest_m: f64) -> f64 {
         let times = widest_m / self.widest_voxel_m;
         self.grid.rough_integral_to_sky(&self.line(ray), times) / self.grid.voxels.most()

@@ -16,9 +16,9 @@ use glam::DVec3;
 pub(super) struct VoxelStretch<'a> {
     stretch: &'a Stretch<'a>,
     cos: f64,
-    /// Of voxels that the ray passes through.
+    /// Voxels that the ray passes through.
     inside: Vec<Bank<'a>>,
-    /// Of voxels on the way to the sun.
+    /// Voxels on the way to the sun.
     to_sun: Vec<ToSun<'a>>,
     /// All other banks, by a mask, and whether they scatter here.
     others: u64,
@@ -38,7 +38,7 @@ struct ToSun<'a> {
 struct Bank<'a> {
     cells: &'a VoxelCells,
     sigma_t: Rgb,
-    /// What it scatters towards the eye where it is densest, 1/(m sr).
+    /// Scattering towards the eye where it is densest, 1/(m sr).
     scattering: Rgb,
     metres_at_start: f64,
 }

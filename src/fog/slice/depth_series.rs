@@ -16,7 +16,7 @@ use crate::math::fast_exp;
 pub(super) struct DepthSeries<'a> {
     /// The optical depth, but for what thinning fog adds from the start on and towards the light.
     pub(super) even: DepthLine<3>,
-    /// Of the even fog: light scattered per metre and irradiance, 1/(m sr).
+    /// Scattering of the even fog, per metre and irradiance, 1/(m sr).
     pub(super) scattering: Rgb,
     pub(super) thinning: &'a [ThinningFog],
 }
@@ -51,7 +51,7 @@ impl DepthSeries<'_> {
         Some(sum)
     }
 
-    /// The same of a piece.
+    /// Integral over one piece.
     fn integral(&self, piece: &Piece, moments: &Moments) -> Rgb {
         let DepthLine { start, at_start, per_reach } = self.even;
         let offset = piece.middle - start;

@@ -1,12 +1,12 @@
-//! What reaches the light's rays of a slice, summed up beforehand. In go the shadows as they grow. Out come
-//! the moments of what is lit, for any range of reaches in a few pieces. Invariant: a cell knows its lit part
+//! Moments of the lit part of a slice, summed up beforehand. In go the shadows as they grow. Out come the
+//! moments of what is lit, for any range of reaches in a few pieces. Invariant: a cell knows its lit part
 //! exactly, by its moments. Single shadows are looked at only in the cells where a range begins and ends,
 //! once for all colours.
 //!
-//! Let `x` be the distance from a piece's middle in halves of its width. Let `m_j` be the integral of
-//! `x^j / j!` over what is lit. The integral of any smooth `f` over the same is `sum(f_j m_j)`, where `f_j`
-//! are its derivatives in the middle. This is a multipole expansion (Greengard & Rokhlin 1987, section 2).
-//! The moments depend neither on the camera's ray nor on what is integrated.
+//! Let `x` be the distance from a piece's middle in halves of its width. Let `m_j` be the integral of `x^j
+//! / j!` over what is lit. The integral of any smooth `f` over the same is `sum(f_j m_j)`, where `f_j` are
+//! its derivatives in the middle. This is a multipole expansion (Greengard & Rokhlin 1987, section 2). The
+//! moments depend neither on the camera's ray nor on what is integrated.
 
 use crate::math::IntervalSet;
 use std::ops::Range;
@@ -62,7 +62,7 @@ impl LitCells {
         self.moments.extend(self.edges.windows(2).map(whole));
     }
 
-    /// What lies between two reaches, lit until now, is dark from now on.
+    /// Darkens the range between two reaches, which was lit until now.
     pub(super) fn darken(&mut self, start: f64, end: f64) {
         let first = self.edges.partition_point(|edge| *edge <= start).saturating_sub(1);
         for (edges, moments) in self.edges[first..].windows(2).zip(&mut self.moments[first..]) {
@@ -78,7 +78,7 @@ impl LitCells {
     }
 }
 
-/// What of the light reaches a ray.
+/// Light that reaches a ray: cells, and shadows beside theirs.
 pub(super) struct Lit<'a> {
     pub(super) cells: &'a LitCells,
     /// Those that the cells know of.
@@ -160,14 +160,14 @@ impl Piece {
         Self { middle: 0.5 * (start + end), half_width: 0.5 * (end - start) }
     }
 
-    /// Of what lies between two reaches.
+    /// Moments of the range between two reaches.
     fn moments_between(&self, start: f64, end: f64) -> Moments {
         let mut powers = [0.0; ORDER];
         self.add_powers(start, end, &mut powers);
         self.moments(&powers, 1.0)
     }
 
-    /// Of what lies between two reaches and in no shadow; `sign` is a factor.
+    /// Moments of the range between two reaches outside `shadows`, times `sign`.
     fn lit_moments<const N: usize>(
         &self,
         start: f64,

@@ -30,7 +30,7 @@ use thinning_fog::{Column, ThinningFog};
 /// All fog of a slice.
 #[derive(Debug, Default)]
 pub struct FogSlice {
-    /// Of the light on a plane across its way, W/m^2; `None` if nothing is known of this slice.
+    /// Irradiance of the light on a plane across its way, W/m^2; `None` if nothing is known of this slice.
     irradiance: Option<Rgb>,
     banks: Vec<BankProfile>,
     /// Reaches at which the light's way changes from one border of a bank to another, in order.
@@ -42,9 +42,9 @@ pub struct FogSlice {
     is_grey: bool,
     /// Whether no fog thins out with height.
     is_even: bool,
-    /// Of the current stretch.
+    /// Thinning fog of the current stretch.
     thinning: Vec<ThinningFog>,
-    /// What of the light the scene lets through.
+    /// Lit part of the light's rays.
     cells: LitCells,
 }
 

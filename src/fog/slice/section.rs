@@ -1,11 +1,11 @@
-//! What a slice cuts of one bank of fog. In go the bank and the half plane. Out come where a ray is
+//! Section of one bank of fog by a slice. In go the bank and the half plane. Out come where a ray is
 //! inside, and between which heights the light is. Invariant: everything that does not depend on the ray
 //! is found once a slice.
 //!
 //! A bank is bounded by planes, each of which cuts the half plane in a line. So the section is a convex
 //! polygon, perhaps without end. Its upper edge, where the light enters, is the least of some lines
-//! `height(reach)`; its lower edge is the greatest of others. Both are the same for all rays. Fog that thins
-//! out with height has two sections. Below its base it is as dense everywhere. Above it its density is
+//! `height(reach)`; its lower edge is the greatest of others. Both are the same for all rays. Fog that
+//! thins out with height has two sections. Below its base it is uniform. Above it its density is
 //! `exp(-u)`, with `u` linear in reach and height.
 
 use crate::accel::HalfPlane;

@@ -25,7 +25,7 @@ pub(super) struct BankProfile {
     scattering: Rgb,
 }
 
-/// What of the light's way lies above a ray; `None` if nothing does.
+/// Part of the light's way above a ray; `None` if there is none.
 pub(super) fn above(way: LightWay, ray: &PlanarRay, reach: f64) -> Option<LightWay> {
     let ray = Line { at_axis: 0.0, growth: ray.slope };
     let lower = if way.lower.at(reach) < ray.at(reach) { ray } else { way.lower };
@@ -56,7 +56,7 @@ impl SliceStretch<'_> {
         Some(scattering * line.lit_integral(self.start..self.end, lit)?)
     }
 
-    /// The same where some fog thins out.
+    /// Light scattered on what is lit of it, where some fog thins out.
     pub(super) fn thinning(&self, thinning: &mut Vec<ThinningFog>, lit: &Lit) -> Option<Rgb> {
         let (mut even, mut scattering) = (DepthLine::<3>::new(self.start), Rgb::ZERO);
         thinning.clear();
