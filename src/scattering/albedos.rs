@@ -1,9 +1,9 @@
-//! What coats reflect of all directions together. In go a roughness and a cosine, out come the factors of
-//! `f0` and of `f90` in the albedo. Together they are the albedo of a white coat, for light that is reflected
-//! once. Under Cycles' shadowing more is known, for the refractive indices of [`Fresnel`]. One number each is
-//! what goes from the first factor to the second where Fresnel's equations take the place of Schlick's term.
-//! The other is the mean of those equations over the microfacets that the eye sees and that mirror it
-//! upwards, each counted alike. Invariant: a table is made once, when it is first asked.
+//! Directional albedos of coats. In go a roughness and a cosine, out come the factors of `f0` and of `f90`
+//! in the albedo. Together they are the albedo of a white coat, for light that is reflected once. Under
+//! Cycles' shadowing there is more, for the refractive indices of [`Fresnel`]. One number each goes from
+//! the first factor to the second where Fresnel's equations take the place of Schlick's term. The other is
+//! the mean of those equations over the microfacets that the eye sees and that mirror it upwards, each
+//! counted alike. Invariant: a table is made once, when it is first asked.
 
 use super::fresnel::{Fresnel, INDICES, schlick};
 use super::ggx::{Shadowing, visible_normal};
@@ -60,7 +60,7 @@ impl CoatAlbedos {
         self.between(cos, |entry| entry.once)
     }
 
-    /// What goes from the first factor to the second by Fresnel's equations.
+    /// Share that goes from the first factor to the second by Fresnel's equations.
     pub(super) fn beyond_schlick(self, cos: f64, fresnel: &Fresnel) -> f64 {
         fresnel.mix(self.between(cos, |entry| entry.beyond_schlick))
     }
@@ -109,7 +109,7 @@ struct Albedos {
     means: [[f64; 2]; LAST_ROW + 1],
 }
 
-/// Of light from a direction.
+/// Factors of light from one direction.
 #[derive(Clone, Copy, Default)]
 struct Entry {
     once: [f64; 2],

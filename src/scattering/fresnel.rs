@@ -12,7 +12,7 @@ const PLACES: [f64; 4] = [0.264_135_271_898, 0.408_248_290_464, 0.447_213_595_50
 /// nothing, and of 3.
 const ROOTS: [f64; 2] = [0.05 / 2.05, 0.5];
 
-/// Of a dielectric.
+/// Fresnel reflectance of a dielectric.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fresnel {
     /// Refractive index.
@@ -22,7 +22,7 @@ pub(super) struct Fresnel {
 }
 
 impl Fresnel {
-    /// Of a reflectance along the normal, `0..=1`.
+    /// Dielectric with a reflectance along the normal, `0..=1`.
     pub(super) fn of_reflectance(f0: f64) -> Self {
         let root = f0.max(0.0).sqrt().clamp(ROOTS[0], ROOTS[1]);
         // Lagrange's polynomials in the reflectance's fourth root: shares are within 0.0016 from 1.15 to 2.2.
@@ -50,7 +50,7 @@ impl Fresnel {
         self.shares.iter().zip(each).map(|(share, value)| share * value).sum()
     }
 
-    /// What Schlick's term stands for, by Fresnel's equations, for a refractive index (Pharr, Jakob and
+    /// Fresnel term in place of Schlick's, `(F - f0) / (1 - f0)`, for a refractive index (Pharr, Jakob and
     /// Humphreys 2023, "Physically based rendering", 9.3.5).
     pub(super) fn rise(eta: f64, cos: f64) -> f64 {
         let f0 = ((eta - 1.0) / (eta + 1.0)).powi(2);

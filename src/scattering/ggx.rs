@@ -28,7 +28,7 @@ pub(super) enum Shadowing {
 }
 
 impl Shadowing {
-    /// What takes the place of the light's [`smith`]: `G / (4 n.v n.l)` is one over this and the eye's.
+    /// Factor in place of the light's [`smith`]: `G / (4 n.v n.l)` is one over this and the eye's.
     pub(super) fn smith_of_light(self, alpha2: f64, cos_eye: f64, cos_light: f64) -> f64 {
         let smith_light = smith(alpha2, cos_light);
         match self {

@@ -29,11 +29,11 @@ use std::f64::consts::PI;
 /// A coat.
 #[derive(Clone, Copy, Debug)]
 pub struct Gloss {
-    /// Of all of it.
+    /// Reflectance of metal and coat together.
     all: Reflectance,
-    /// Of what is no metal: only that lies over a matte surface.
+    /// Reflectance of the part that is no metal: it alone lies over a matte surface.
     coat: Reflectance,
-    /// Of light that is reflected more than once, to be scaled by what a white coat lacks, `(1 - E) / E`.
+    /// Reflectance of multiple scattering, to be scaled by `(1 - E) / E` of a white coat's albedo `E`.
     repeated: Option<Reflectance>,
     principled: Option<Principled>,
     /// glTF's alpha, the square of its roughness.
@@ -42,20 +42,20 @@ pub struct Gloss {
     albedos: CoatAlbedos,
 }
 
-/// What a Principled BSDF's coat has beyond glTF's.
+/// Properties of a Principled BSDF's coat beyond glTF's.
 #[derive(Clone, Copy, Debug)]
 struct Principled {
     /// How much of the surface is no metal.
     share: f64,
     fresnel: Fresnel,
-    /// Of what the coat reflects, what is added where light meets several microfacets.
+    /// Share of the coat's reflection that several microfacets in turn add.
     further: Rgb,
 }
 
-/// What microfacets reflect.
+/// Reflectance of microfacets.
 #[derive(Clone, Copy, Debug)]
 struct Reflectance {
-    /// Of light along their normals.
+    /// Reflectance along their normals.
     f0: Rgb,
     /// At grazing angles.
     f90: Rgb,
@@ -67,7 +67,7 @@ impl Reflectance {
         self.f0 + (self.f90 - self.f0) * schlick
     }
 
-    /// Of a rough surface, by its albedo's factors.
+    /// Albedo of a rough surface, by its factors.
     fn albedo(&self, part0: f64, part90: f64) -> Rgb {
         self.f0 * part0 + self.f90 * part90
     }
@@ -96,14 +96,14 @@ impl Gloss {
         self.alpha
     }
 
-    /// The same with a lobe at least as wide as that of an alpha, for its shape alone: it reflects no longer
+    /// Coat with a lobe at least as wide as that of an alpha, for its shape alone: it no longer reflects
     /// as much as [`Gloss::albedo`] says.
     pub fn widened(self, least_alpha: f64) -> Self {
         Self { alpha: self.alpha.max(least_alpha), ..self }
     }
 
-    /// The same as Cycles has it in its Principled BSDF, of the refractive index that the coat's reflectance
-    /// along the normal stands for.
+    /// Coat as Cycles' Principled BSDF has it, of the refractive index that the reflectance along the
+    /// normal stands for.
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;
         let fresnel = Fresnel::of_reflectance(f0.max_element());
@@ -114,8 +114,7 @@ impl Gloss {
         Self { principled: Some(Principled { share: 1.0, fresnel, further }), repeated, ..own }
     }
 
-    /// The same where a share of the surface, `0..=1`, is metal of a colour. What metal
-    /// reflects again is not lost.
+    /// Coat of which a share, `0..=1`, is metal of a colour. Metal keeps its multiple scattering.
     pub fn with_metal(self, share: f64, color: Rgb) -> Self {
         if share <= 0.0 {
             return self;
@@ -134,9 +133,9 @@ impl Gloss {
         Self { all, repeated: Some(repeated), principled, ..self }
     }
 
-    /// What microfacets reflect again, of what they reflect once of light from everywhere: of that, 1 -
-    /// E_mean meets another one, a geometric series (Kulla and Conty 2017, "Revisiting physically based
-    /// shading at Imageworks", appendix; without its first bounce, which is the BRDF).
+    /// Multiple scattering of microfacets over single, both of light from everywhere. A share of 1 -
+    /// E_mean meets another microfacet, a geometric series (Kulla and Conty 2017, "Revisiting physically
+    /// based shading at Imageworks", appendix; without its first bounce, which is the BRDF).
     fn further(&self, one_bounce: Rgb) -> Rgb {
         let [mean0, mean90] = self.albedos.mean();
         let mean = mean0 + mean90;
@@ -187,8 +186,8 @@ impl Gloss {
         0.5 * distribution(alpha2, normal, half) / smith(alpha2, cos_eye)
     }
 
-    /// What the BRDF of the matte surface beneath is to be multiplied with, for the cosines of both
-    /// directions; of what is no metal, for nothing lies beneath metal.
+    /// Factor of the BRDF of the matte surface beneath, for the cosines of both directions. It is of the
+    /// part that is no metal: nothing lies beneath metal.
     pub fn beneath(&self, cos_eye: f64, cos_light: f64) -> Rgb {
         if let Some(own) = self.principled {
             return Rgb::splat(self.let_out(own, cos_eye));
@@ -204,10 +203,10 @@ impl Gloss {
         Rgb::select(left.cmpgt(Rgb::ZERO), share, Rgb::ZERO)
     }
 
-    /// What a Principled BSDF's coat leaves of light towards the eye, in all colours what it leaves of the
-    /// one that it reflects most (Cycles 5.0, `closure_layering_weight`). What it reflects is estimated as
-    /// there: microfacets count alike, however much of their light others hide, and what is hidden is taken
-    /// off all of it (`bsdf_microfacet_estimate_albedo`).
+    /// Share of light towards the eye that a Principled BSDF's coat lets out, for all colours that of the
+    /// one it reflects most (Cycles 5.0, `closure_layering_weight`). Its reflection is estimated as there:
+    /// microfacets count alike, however much of their light others hide, and the hidden part is taken off
+    /// all of it (`bsdf_microfacet_estimate_albedo`).
     fn let_out(&self, own: Principled, cos: f64) -> f64 {
         let [part0, part90] = self.albedos.towards(cos);
         let white = part0 + part90;
@@ -228,7 +227,7 @@ impl Gloss {
     }
 }
 
-/// What a white coat lacks of all that falls on it, over what it reflects, of which these are the parts.
+/// Energy that a white coat lacks over its albedo, `(1 - E) / E`.
 fn lacking([part0, part90]: [f64; 2]) -> f64 {
     (1.0 - part0 - part90) / (part0 + part90)
 }
@@ -263,7 +262,7 @@ mod tests {
         sum
     }
 
-    /// What white Lambert gives back beneath a coat, by the root of the cosine.
+    /// Reflectance of white Lambert beneath a coat, by the root of the cosine.
     fn lambert_beneath(gloss: &Gloss, cos: f64) -> Rgb {
         let count = 2000;
         let roots = (0..count).map(|ring| (f64::from(ring) + 0.5) / f64::from(count));
@@ -303,7 +302,7 @@ mod tests {
         }
     }
 
-    /// What is picked, weighed by what is said of its density, gives the coat's albedo back.
+    /// Samples over their density have the coat's albedo as their mean.
     #[test]
     fn directions_are_picked_as_densely_as_is_said() {
         let normal = DVec3::new(0.3, 0.8, -0.4).normalize();
@@ -335,8 +334,8 @@ mod tests {
         assert!((white(1.0) - exact).abs() < 1e-3, "{} {exact}", white(1.0));
     }
 
-    /// Of every roughness, at every angle: white metal, and half of it beside a white matte surface
-    /// under a leaf's coat.
+    /// White metal, and half of it beside a white matte surface under a leaf's coat, at every roughness
+    /// and angle.
     #[test]
     fn white_metal_gives_back_all() {
         for roughness in [0.0, 0.1, 0.25, 0.4, 0.7, 0.98, 1.0] {
@@ -355,8 +354,8 @@ mod tests {
         }
     }
 
-    /// What a metal reflects in all of Kulla and Conty's series: some of the light once, the rest
-    /// by its colour again.
+    /// Metal's reflection in all of Kulla and Conty's series: some of the light once, the rest by its
+    /// colour again.
     #[test]
     fn coloured_metal_is_tinted_by_what_it_reflects_again() {
         let color = Rgb::new(0.9, 0.5, 0.0);
@@ -378,9 +377,9 @@ mod tests {
         assert!(gain.x > gain.y && gain.y > gain.z && gain.z > 1.0, "{gain}");
     }
 
-    /// Of every roughness, at every angle: white under a Principled BSDF's coat gives back what it gets, but
-    /// for what Cycles' estimate of the coat is off by: 0.2 % from above, at grazing angles 1 %, and twice
-    /// that along a smooth one.
+    /// White under a Principled BSDF's coat gives back what it gets, at every roughness and angle. Cycles'
+    /// estimate of the coat is off by 0.2 % from above, 1 % at grazing angles, and twice that along a
+    /// smooth one.
     #[test]
     fn a_principled_coat_gives_back_about_all() {
         for roughness in [0.0, 0.1, 0.25, 0.5, 0.7, 1.0] {
@@ -396,8 +395,8 @@ mod tests {
         }
     }
 
-    /// Of every roughness, at every angle: a white surface under no coat along the normal, under a leaf's,
-    /// and under one of diamond.
+    /// A white surface, at every roughness and angle: under no coat along the normal, under a leaf's, and
+    /// under one of diamond.
     #[test]
     fn white_furnace() {
         for roughness in [0.0, 0.04, 0.06, 0.1, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0] {

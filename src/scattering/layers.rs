@@ -1,10 +1,10 @@
-//! What lies over a surface: the sheen of cloth, and a clear coat over all. In goes what the surface scatters
-//! without them, out comes what it scatters beneath them and they themselves. Invariant: reciprocal if the
-//! surface is, and no more is given back than is received if the surface keeps to that.
+//! Layers over a surface: the sheen of cloth, and a clear coat over all. In goes the BSDF without them,
+//! out comes the BSDF with them. Invariant: reciprocal if the surface is, and no more is given back than
+//! is received if the surface keeps to that.
 //!
-//! A layer with the albedo `E` takes from what lies beneath it the larger of `E(v)` and `E(l)`,
-//! as KHR_materials_sheen says of sheen ("Albedo scaling"). KHR_materials_clearcoat takes `F(v)`,
-//! which is not reciprocal.
+//! A layer with the albedo `E` takes from what lies beneath it the larger of `E(v)` and `E(l)`, as
+//! KHR_materials_sheen says of sheen ("Albedo scaling"). KHR_materials_clearcoat takes `F(v)`, which is
+//! not reciprocal.
 
 use super::{Gloss, Sheen};
 use crate::color::Rgb;
@@ -13,7 +13,7 @@ use glam::DVec3;
 /// The layers of a point of a surface, from below.
 #[derive(Clone, Copy, Debug)]
 pub struct Layers {
-    /// Of cloth.
+    /// Sheen of cloth.
     pub sheen: Option<Sheen>,
     /// Over all.
     pub clearcoat: Option<Clearcoat>,
@@ -24,7 +24,7 @@ pub struct Layers {
 pub struct Clearcoat {
     /// Its own normal, on the side of the eye.
     pub normal: DVec3,
-    /// What it reflects.
+    /// Reflection of the coat.
     pub gloss: Gloss,
 }
 
@@ -79,7 +79,7 @@ impl Layers {
         self.sheen_albedo(normal, to_eye) + self.clearcoat.as_ref().map_or(0.0, |coat| coat.albedo(to_eye))
     }
 
-    /// The same of cloth alone.
+    /// Albedo of the sheen alone, approximate.
     pub fn sheen_albedo(&self, normal: DVec3, to_eye: DVec3) -> f64 {
         self.sheen.as_ref().map_or(0.0, |sheen| sheen.albedo(normal.dot(to_eye).abs()))
     }
@@ -159,7 +159,7 @@ mod tests {
         }
     }
 
-    /// What a coat takes from what lies beneath is what it reflects, by directions picked where it shines.
+    /// Coats take from beneath as much as they reflect, by directions picked where they shine.
     #[test]
     fn coats_take_what_they_reflect() {
         for roughness in [0.03, 0.045, 0.08, 0.2, 0.5, 1.0] {
