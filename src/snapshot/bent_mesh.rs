@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct BentMesh {
     pub(super) pose: Pose,
     pub(super) shape: Shape,
-    /// Of its opaque and of its blended triangles, where it has such.
+    /// Trees of its opaque and of its blended triangles, where it has such.
     pub(super) trees: [Option<Arc<MeshTree>>; 2],
 }
 

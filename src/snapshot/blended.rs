@@ -1,6 +1,6 @@
-//! What surfaces let through. In go a ray and a distance, out comes a transmittance or the blended surfaces
-//! that it is the product of. Invariant: scenes without blended surfaces ask one question of one tree, as if
-//! there were no such thing.
+//! Transmittance of surfaces. In go a ray and a distance, out comes a transmittance or the blended
+//! surfaces that it is the product of. Invariant: scenes without blended surfaces ask one question of one
+//! tree, as if there were no such thing.
 
 use super::{Snapshot, SurfacePoint};
 use crate::accel::{InstanceTree, PrimitiveId};
@@ -17,7 +17,7 @@ pub const NEGLIGIBLE: f64 = 1e-12;
 pub struct BlendedHit {
     /// Where the ray meets it, metres.
     pub t: f64,
-    /// What is there.
+    /// Surface there.
     pub point: SurfacePoint,
 }
 

@@ -1,5 +1,5 @@
-//! What is there at a moment, before it can be traced. In go a moment and mesh trees, out comes a snapshot,
-//! or a digest by which two moments are told apart. Invariant: moments of one scene that have the same digest
+//! Contents of a moment before it can be traced. In go a moment and mesh trees, out comes a snapshot, or a
+//! digest by which two moments are told apart. Invariant: moments of one scene that have the same digest
 //! give the same light everywhere.
 
 use super::mesh_parts::MeshParts;
@@ -49,7 +49,7 @@ impl<'scene> Contents<'scene> {
         }
     }
 
-    /// The same about an origin that does not know the camera: for light that does not either.
+    /// Contents about an origin that does not depend on the camera, for light that does not either.
     pub(super) fn apart_from_camera(
         scene: &'scene Scene,
         trees: &MeshTrees,

@@ -1,7 +1,6 @@
-//! What a frame's shutter lets in: snapshots of moments between its opening and its closing. In go a
-//! scene and a shutter, out come as many moments as the motion needs. Invariants: a scene that keeps
-//! still, or a shutter that opens for an instant, has one; all moments have the same lights in the
-//! same order.
+//! Exposure of a frame: snapshots of moments between the shutter's opening and closing. In go a scene and
+//! a shutter, out come as many moments as the motion needs. Invariants: a scene that keeps still, or a
+//! shutter that opens for an instant, has one; all moments have the same lights in the same order.
 
 use super::moment::shining;
 use super::{Contents, Framing, Instant, MeshTrees, MotionField, SeenFog, Shutter, Snapshot};
@@ -85,7 +84,7 @@ impl<'scene> Exposure<'scene> {
         Contents::apart_from_camera(self.scene, self.trees, self.middle_s, &self.shining)
     }
 
-    /// What is to be said where a shutter that opens has fewer moments than motion blur needs to look smooth.
+    /// Warning where an open shutter has fewer moments than motion blur needs to look smooth.
     pub fn remark(scene: &Scene, shutter_frames: f64) -> Option<Diagnostic> {
         let (count, instances) = (count(scene, shutter_frames), scene.instances.len());
         (1 < count && count < MOMENTS).then(|| {
@@ -100,14 +99,14 @@ impl<'scene> Exposure<'scene> {
         })
     }
 
-    /// The same with vectors of motion for those who ask.
+    /// Exposure with motion vectors.
     pub fn with_motion(mut self, motion: MotionField) -> Self {
         let motion = Arc::new(motion);
         self.moments.iter_mut().for_each(|moment| moment.motion = Some(Arc::clone(&motion)));
         self
     }
 
-    /// The same with ids of the scene's objects for those who ask.
+    /// Exposure with Cryptomatte ids of the scene's objects.
     pub fn with_mattes(mut self, scene: &Scene) -> Self {
         let id = |instance: usize| matte_id(scene.matte_name(instance));
         let ids: Arc<[u32]> = (0..scene.instances.len()).map(id).collect();

@@ -1,5 +1,5 @@
-//! What glows, as a light to be looked for. In go a snapshot's triangles and what they emit, out come points
-//! of them, as densely as they glow. Invariant: every point that glows may be picked.
+//! Emissive surfaces as a light to sample. In go a snapshot's triangles and what they emit, out come
+//! points of them, with a density by their emission. Invariant: every point that emits may be picked.
 
 use super::{Luminaire, Snapshot};
 use crate::accel::PrimitiveId;
@@ -9,7 +9,7 @@ use crate::math::{Ray, kronecker};
 use glam::DVec3;
 use std::ops::Range;
 
-/// Of what glows as lights: how many there may be, and by how many points each is told.
+/// Maximum number of lights of emissive surfaces, and the number of points of each.
 const MOST_LIGHTS: usize = 16;
 const POINTS: usize = 256;
 
@@ -24,7 +24,7 @@ pub struct Glow {
     triangles: Vec<PrimitiveId>,
     /// Sums of area times luminance, textures aside, up to and with each of them.
     up_to: Vec<f64>,
-    /// What is apart, in the order of its triangles.
+    /// Separate bodies, in the order of their triangles.
     bodies: Vec<Body>,
 }
 
@@ -100,7 +100,7 @@ impl Glow {
         are_apart && self.triangles.len() <= MOST_LOOKED_FOR
     }
 
-    /// The same as lights: one a body, or one for all of them where they are many.
+    /// Luminaires of what glows: one a body, or one for all of them where they are many.
     pub fn luminaires(&self, snapshot: &Snapshot) -> Vec<Luminaire> {
         let bodies = self.parted(MOST_LIGHTS).into_iter();
         bodies.filter_map(|triangles| self.luminaire(snapshot, &triangles)).collect()
@@ -190,7 +190,7 @@ fn evenly([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
 }
 
 impl Snapshot<'_> {
-    /// What glows; `None` if nothing does. Listed when it is first asked for.
+    /// Emissive surfaces, found when they are first asked for; `None` if there are none.
     pub fn glow(&self) -> Option<&Glow> {
         self.glow.get_or_init(|| Glow::of(self)).as_ref()
     }

@@ -83,7 +83,8 @@ impl View {
         }
     }
 
-    /// The same for surfaces in a box of relative space: without planes if none of them may hide anything.
+    /// View of surfaces in a box of relative space: without clipping planes if none of them may hide
+    /// anything.
     pub fn of_surfaces(mut self, bounds: Option<(DVec3, DVec3)>) -> Self {
         let hides = |(low, high): (DVec3, DVec3)| {
             let (near_low, near_high) = self.box_before_clip_start();
@@ -142,7 +143,7 @@ impl View {
         self.ray_from(DVec2::ZERO, film_x, film_y)
     }
 
-    /// The same from a point of the lens, to the right and up from its middle, metres.
+    /// Ray from a point of the lens, to the right and up from its middle, metres.
     pub fn ray_from(&self, lens_point: DVec2, film_x: f64, film_y: f64) -> Ray {
         let place = self.middle + DVec2::new(2.0 * film_x - 1.0, 1.0 - 2.0 * film_y) * self.half;
         let in_plane = |point: DVec2| point.x * self.right + point.y * self.up;
@@ -166,7 +167,8 @@ impl View {
         (depth > 0.0).then(|| self.film_of(across / depth))
     }
 
-    /// The same of what lies infinitely far away; parallel rays see it everywhere, so nowhere in particular.
+    /// Film place of a direction, for what lies infinitely far away. Parallel rays see it everywhere, so
+    /// nowhere in particular.
     pub fn film_place_of_direction(&self, direction: DVec3) -> Option<DVec2> {
         if self.is_orthographic { None } else { self.film_place(direction) }
     }

@@ -93,14 +93,14 @@ impl Luminaire {
         Self { centre: FrozenLight::Sun { to_light: to_sun, irradiance }, extent }
     }
 
-    /// What many lights are together, each of which has all of its power.
+    /// Luminaire of many points, each with all of its power.
     pub(super) fn of_points(points: Arc<[FrozenLight]>) -> Option<Self> {
         let &FrozenLight::Point { position, intensity, .. } = points.first()? else { return None };
         let centre = FrozenLight::Point { position, intensity, emission: Emission::Even };
         Some(Self { centre, extent: Extent::Points(points) })
     }
 
-    /// The same without any power.
+    /// Luminaire without power.
     pub fn switched_off(mut self) -> Self {
         match &mut self.centre {
             FrozenLight::Sun { irradiance: power, .. } | FrozenLight::Point { intensity: power, .. } => {
@@ -110,8 +110,8 @@ impl Luminaire {
         self
     }
 
-    /// The same where fog of that extinction, 1/m, surrounds it. A sphere shines at its surface, but its
-    /// points lie within: it gets back what fog would take on the way out.
+    /// Luminaire in fog of an extinction, 1/m. A sphere shines at its surface, but its points lie within:
+    /// it gets back what fog would take on the way out.
     pub fn in_fog(mut self, extinction_per_m: Rgb) -> Self {
         if let (Extent::Ball { radius }, FrozenLight::Point { intensity, .. }) =
             (&self.extent, &mut self.centre)
@@ -126,7 +126,7 @@ impl Luminaire {
         matches!(self.extent, Extent::None)
     }
 
-    /// Of a sphere, metres; 0 of all others.
+    /// Radius of a sphere, metres; 0 of all others.
     pub fn radius_m(&self) -> f64 {
         if let Extent::Ball { radius } = self.extent { radius } else { 0.0 }
     }
@@ -152,8 +152,7 @@ impl Luminaire {
         point
     }
 
-    /// The same with all the light's colour, and its hue: what it must be multiplied by, each channel 1 on
-    /// average over the light.
+    /// Point with all the light's colour, and its hue: a factor, each channel 1 on average over the light.
     pub fn hued_point(&self, u: [f64; 3]) -> (FrozenLight, Rgb) {
         let in_square = DVec2::new(u[0], u[1]);
         let mut hue = Rgb::ONE;

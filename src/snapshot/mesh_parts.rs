@@ -1,6 +1,6 @@
-//! What a mesh is made of: leaves, bodies, walls. In goes a mesh, out come its connected parts and the places
-//! that stand for them. Invariant: all is chosen in mesh space, so that a part that moves keeps its places;
-//! chosen in world space, rounding would pick others from frame to frame.
+//! Connected parts of a mesh: leaves, bodies, walls. In goes a mesh, out come its parts and the places
+//! that stand for them. Invariant: all is chosen in mesh space, so that a part that moves keeps its
+//! places; chosen in world space, rounding would pick others from frame to frame.
 
 use super::self_shading::exposed;
 use crate::scene::{Mesh, Scene};
@@ -19,12 +19,12 @@ pub struct MeshPart {
     pub high: DVec3,
     /// Whether nothing gets inside.
     pub is_closed: bool,
-    /// Of its area on both sides, by what light it would get, the share that no other of its triangles hides:
-    /// 1 of what is flat, a half of a ball.
+    /// Share of its area on both sides that no other of its triangles hides, weighted by the light it
+    /// would get: 1 if flat, a half for a ball.
     pub exposed: f64,
-    /// What stands for all of it.
+    /// Places that stand for all of it.
     pub places: Vec<PartPlace>,
-    /// The same where it is small beside all that is asked of it.
+    /// Places that stand for it where it is small beside all that is asked of it.
     pub few_places: Vec<PartPlace>,
 }
 
@@ -35,7 +35,7 @@ pub struct PartPlace {
     pub triangle: u32,
     /// How much of the part's area it stands for, by its own area in mesh space.
     pub share: f64,
-    /// The same in mesh space.
+    /// Area of the part that it stands for, in mesh space.
     pub area: f64,
 }
 
@@ -172,7 +172,7 @@ fn is_closed(mesh: &Mesh, names: &[u32], triangles: &[u32]) -> bool {
     triangles.len() > 3 && open.values().all(|ways| *ways == 0)
 }
 
-/// Of each vertex the first that is at the same place.
+/// First vertex at the same position, for each vertex.
 fn welded(positions: &[Vec3]) -> Vec<u32> {
     let mut first = HashMap::with_capacity(positions.len());
     positions

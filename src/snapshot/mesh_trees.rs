@@ -13,11 +13,11 @@ use std::sync::{Arc, OnceLock};
 #[derive(Default)]
 pub struct MeshTrees {
     trees: Vec<PartTrees>,
-    /// Of each material, whether anything shows through it.
+    /// Whether anything shows through, by material.
     pub(super) is_blended: Arc<[bool]>,
     /// Those of meshes that change their shape.
     bent: BentMeshes,
-    /// What the meshes are made of.
+    /// Connected parts of the meshes.
     pub(super) parts: Arc<MeshParts>,
 }
 
@@ -25,7 +25,7 @@ pub struct MeshTrees {
 #[derive(Default)]
 struct PartTrees {
     whole: OnceLock<Arc<MeshTree>>,
-    /// Of meshes whose materials differ: all opaque triangles, and all blended ones.
+    /// Trees of all opaque and of all blended triangles, where the materials of a mesh differ.
     parts: [OnceLock<Arc<MeshTree>>; 2],
 }
 
@@ -72,7 +72,7 @@ impl MeshTrees {
         }
     }
 
-    /// The same with other positions, not kept.
+    /// Trees with other positions, not kept.
     fn of_shape(&self, scene: &Scene, instance: &Instance, positions: &[Vec3]) -> [Option<Arc<MeshTree>>; 2] {
         let mesh = &scene.meshes[instance.mesh];
         match self.classes(scene, instance) {
@@ -103,7 +103,7 @@ impl MeshTrees {
     }
 }
 
-/// Of each material, whether anything shows through it anywhere.
+/// Whether anything shows through anywhere, by material.
 fn blended(scene: &Scene) -> Arc<[bool]> {
     let mut fades = vec![false; scene.materials.len()];
     for instance in &scene.instances {

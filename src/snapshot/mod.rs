@@ -84,17 +84,17 @@ pub struct Snapshot<'scene> {
     pub tree: InstanceTree,
     /// All visible triangles that let something through.
     pub blended: InstanceTree,
-    /// What of the two throws shadows, if that is not all.
+    /// Shadow casters of both trees, if they are not all.
     casting: Option<[InstanceTree; 2]>,
     /// Which rays meet the instances of both, under their numbers; `None` if all do.
     rays: Option<RaysOfInstances>,
     /// The scene's, as they are at this moment.
     materials: Cow<'scene, [Material]>,
-    /// Of each of them, whether anything shows through it.
+    /// Whether anything shows through, by material.
     is_blended: Arc<[bool]>,
-    /// What the scene's meshes are made of.
+    /// Connected parts of the scene's meshes.
     parts: Arc<mesh_parts::MeshParts>,
-    /// What the instances of both trees are, under their numbers.
+    /// Instances of both trees, under their numbers.
     placed: Vec<Placed>,
     /// From here on they are those of `blended`.
     first_blended: usize,
@@ -108,11 +108,11 @@ pub struct Snapshot<'scene> {
     pub sky: Option<FrozenSky<'scene>>,
     /// Where things move, if anybody asks.
     pub motion: Option<Arc<MotionField>>,
-    /// What Cryptomatte calls each of the scene's instances, if anybody asks.
+    /// Cryptomatte ids of the scene's instances, if anybody asks.
     pub mattes: Option<Arc<[u32]>>,
     /// Fog as the camera sees it, if that is known for all its rays.
     seen_fog: OnceLock<Arc<SeenFog>>,
-    /// What glows, once it has been asked for.
+    /// Emissive surfaces, once they have been asked for.
     glow: OnceLock<Option<Glow>>,
 }
 
@@ -178,7 +178,7 @@ impl<'scene> Snapshot<'scene> {
         self.background + sky + self.suns_along(direction)
     }
 
-    /// The same of a ray from the camera, which may not see the sky.
+    /// Radiance beyond the scene on a ray from the camera, which may not see the sky.
     pub fn seen_beyond(&self, direction: DVec3) -> Rgb {
         if self.sky.is_some_and(|sky| !sky.is_seen()) {
             return self.background + self.suns_along(direction);
@@ -216,7 +216,7 @@ impl<'scene> Snapshot<'scene> {
         motion.of_point(self.scene, instance, point.primitive.triangle as usize, weights)
     }
 
-    /// What Cryptomatte calls the object that a triangle belongs to; 0 if nobody asked.
+    /// Cryptomatte id of the object that a triangle belongs to; 0 if nobody asked.
     pub fn matte_id(&self, primitive: PrimitiveId) -> u32 {
         let instance = self.placed[primitive.instance as usize].instance;
         self.mattes.as_ref().map_or(0, |mattes| mattes[instance])

@@ -16,9 +16,9 @@ use std::sync::Arc;
 pub(super) struct Moment<'scene> {
     pub(super) scene: &'scene Scene,
     pub(super) time_s: f64,
-    /// Of the frame: mist is that of the middle of the shutter.
+    /// Time of the frame: mist is that of the middle of the shutter.
     pub(super) frame_s: f64,
-    /// Of its nodes.
+    /// Placements of its nodes.
     pub(super) placements: Vec<Placement>,
     /// The origin of relative space, in the world.
     pub(super) eye: DVec3,

@@ -21,7 +21,7 @@ pub struct MotionField {
 #[derive(Debug)]
 struct Moment {
     view: View,
-    /// Of each of the scene's instances: where its shape is, and its vertices if it bends.
+    /// Transform of each of the scene's instances, and its vertices if it bends.
     shapes: Vec<(DAffine3, Option<Vec<Vec3>>)>,
 }
 

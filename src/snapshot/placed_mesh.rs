@@ -34,7 +34,8 @@ impl Snapshot<'_> {
         2 * self.placed[number].instance + usize::from(number >= self.first_blended)
     }
 
-    /// Of the scene's instances, with their opaque and with their blended triangles.
+    /// Number of lasting numbers: two for each of the scene's instances, its opaque and its blended
+    /// triangles.
     pub fn lasting_count(&self) -> usize {
         2 * self.scene.instances.len()
     }
@@ -66,13 +67,13 @@ impl Snapshot<'_> {
 }
 
 impl<'a> DrawnMesh<'a> {
-    /// What it is made of, by its shape before it is bent.
+    /// Connected parts, by its shape before it is bent.
     pub fn parts(self) -> &'a [MeshPart] {
         self.snapshot.parts.of(self.mesh())
     }
 
-    /// The same for meshes that look the same in one snapshot, wherever they are: the numbers
-    /// of mesh and material.
+    /// Numbers of mesh and material: equal for meshes that look the same in one snapshot, wherever they
+    /// are.
     pub fn looks(self) -> (usize, Option<usize>) {
         let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
         (instance.mesh, instance.material)
@@ -85,7 +86,7 @@ impl<'a> DrawnMesh<'a> {
         (number, &scene.meshes[number])
     }
 
-    /// What the snapshot knows a triangle of the mesh by; `None` if it is not among these.
+    /// Primitive of one of its triangles; `None` if that is not among these.
     pub fn primitive(self, triangle: u32) -> Option<PrimitiveId> {
         let (instance, mesh) =
             (&self.snapshot.scene.instances[self.snapshot.placed[self.number].instance], self.mesh().1);

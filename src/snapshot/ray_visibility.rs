@@ -13,19 +13,19 @@ use std::sync::Arc;
 pub struct RaysOfInstances(Arc<[RayVisibility]>);
 
 impl RaysOfInstances {
-    /// Of the instance that a triangle belongs to.
+    /// Ray visibility of the instance that a triangle belongs to.
     #[inline]
     pub fn of(&self, primitive: PrimitiveId) -> RayVisibility {
         self.0[primitive.instance as usize]
     }
 
-    /// Of an instance.
+    /// Ray visibility of an instance.
     pub fn of_instance(&self, number: usize) -> RayVisibility {
         self.0[number]
     }
 }
 
-/// Of opaque instances, and then of blended ones; `None` if none of them is unusual.
+/// Ray visibility of opaque instances, then of blended ones; `None` if none of them is unusual.
 pub(super) fn rays_of(scene: &Scene, classes: &[PlacedInstances; 2]) -> Option<RaysOfInstances> {
     if scene.ray_visibility.is_empty() {
         return None;
@@ -37,7 +37,7 @@ pub(super) fn rays_of(scene: &Scene, classes: &[PlacedInstances; 2]) -> Option<R
     rays.iter().any(|rays| *rays != RayVisibility::USUAL).then_some(RaysOfInstances(rays))
 }
 
-/// What throws shadows of opaque and of blended instances; `None` if all do.
+/// Shadow casters among opaque and among blended instances; `None` if all are.
 pub(super) fn casting(
     classes: &[PlacedInstances; 2],
     rays: Option<&RaysOfInstances>,

@@ -120,7 +120,7 @@ pub struct SeenRay<'a> {
 }
 
 impl SeenRay<'_> {
-    /// Of a quantity before a place, in steps.
+    /// Quantity before a place, which is given in steps.
     fn before(&self, step: f64, quantity: usize) -> Rgb {
         let SeenFog { lattice, channels, .. } = self.fog;
         let first = (step as usize).min(lattice.steps - 1);
@@ -144,12 +144,12 @@ impl SeenRay<'_> {
         self.before(self.step(t), 0)
     }
 
-    /// What gets through of what lies so far away.
+    /// Transmittance from a distance.
     pub fn transmittance(&self, t: f64) -> Rgb {
         exp_minus(self.optical_depth(t))
     }
 
-    /// What fog does up to a distance of which a sun lights parts; `None` for any other light.
+    /// Passage up to a distance of which a sun lights parts; `None` for any other light.
     pub fn passage(&self, distance: f64, lit: &LitSegments, light: &FrozenLight) -> Option<Passage> {
         let FrozenLight::Sun { to_light, irradiance } = *light else { return None };
         let sun = self.fog.suns.iter().position(|sun| sun.dot(to_light) > NEAR)?;

@@ -10,13 +10,13 @@ use std::f64::consts::TAU;
 /// Places on a part, with two ways to look from each; fewer where there are many triangles.
 const PLACES: usize = 256;
 const FEWEST_PLACES: usize = 16;
-/// Of places times triangles, over all parts of a mesh.
+/// Maximum number of places times triangles, over all parts of a mesh.
 const MOST_TESTS: usize = 20_000_000;
 /// So flat, as a share of the area, nothing hides anything.
 const FLAT: f64 = 1.0 - 1e-6;
 
-/// Of a part's area on both sides, weighed by the cosine of where light comes from, what is not hidden. It is
-/// one of `parts` of its mesh.
+/// Share of a part's area on both sides that is not hidden, weighted by the cosine of where light comes
+/// from. It is one of `parts` of its mesh.
 pub(super) fn exposed(triangles: &[[DVec3; 3]], areas: &[f64], parts: usize) -> f64 {
     let whole: f64 = areas.iter().sum();
     let facing: DVec3 = triangles.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).sum();

@@ -21,7 +21,7 @@ impl<'scene> FrozenSky<'scene> {
         (strength.max_element() > 0.0).then_some(Self { sky, strength, turn })
     }
 
-    /// What of it changes with time: its strength, and by which angle's cosine and sine it is turned.
+    /// Part that changes with time: strength, and cosine and sine of the angle that it is turned by.
     pub(super) fn turned_by(&self) -> (Rgb, DVec2) {
         (self.strength, self.turn)
     }
@@ -31,7 +31,7 @@ impl<'scene> FrozenSky<'scene> {
         self.strength * self.sky.along(self.before_turn(direction))
     }
 
-    /// Of that what lights without being a sun that is a light of its own.
+    /// Radiance in a direction without suns that are lights of their own, W m^-2 sr^-1.
     pub fn along_beside_suns(&self, direction: DVec3) -> Rgb {
         self.strength * self.sky.along_beside_suns(self.before_turn(direction))
     }

@@ -1,5 +1,5 @@
-//! What lies at a hit: the accelerator's answer in, the surface's properties out. Invariant: both
-//! normals have unit length and face the ray's origin.
+//! Surface at a hit: the accelerator's answer in, the surface's properties out. Invariant: both normals
+//! have unit length and face the ray's origin.
 
 mod layers;
 mod texels;
@@ -18,7 +18,7 @@ use texels::FacetTexels;
 pub struct SurfacePoint {
     /// Relative to the camera, metres.
     pub position: DVec3,
-    /// Of the flat triangle.
+    /// Normal of the flat triangle.
     pub geometric_normal: DVec3,
     /// Interpolated where the mesh has normals.
     pub shading_normal: DVec3,
@@ -28,7 +28,7 @@ pub struct SurfacePoint {
     pub transmission: Rgb,
     /// Its coat, if it shines.
     pub gloss: Option<Gloss>,
-    /// What lies over it.
+    /// Layers over it.
     pub layers: Option<Layers>,
     /// Unit vector to where it is seen from.
     pub to_eye: DVec3,
@@ -38,7 +38,7 @@ pub struct SurfacePoint {
     pub emission: Rgb,
     /// How much of it there is, `0..=1`: reflected and emitted light are to be weighted with it.
     pub alpha: f64,
-    /// What it lets through of what lies behind.
+    /// Transmittance for what lies behind.
     pub see_through: Rgb,
     /// Which triangle: rays that leave it must not meet it again.
     pub primitive: PrimitiveId,
@@ -68,7 +68,7 @@ pub struct Facet<'a> {
     corner_normals: Option<[DVec3; 3]>,
 }
 
-/// What a normal map needs of a mesh.
+/// Attributes of a mesh that a normal map needs.
 #[derive(Clone, Copy, Debug)]
 struct Bending<'a> {
     positions: &'a [Vec3],
@@ -169,7 +169,7 @@ impl Facet<'_> {
         *emission != Rgb::ZERO || *mirror != Rgb::ZERO || is_seen_around && coat.is_some()
     }
 
-    /// What a ray that meets it at a distance sees there.
+    /// Point that a ray sees at a distance.
     pub fn seen_along(&self, ray: &Ray, distance: f64) -> SurfacePoint {
         let [_, v, w] = self.weights_at(ray.at(distance));
         self.at(ray, distance, [v, w])

@@ -1,5 +1,5 @@
-//! What a mesh's images and vertices say of a point of a facet. In go barycentric coordinates, out come
-//! colours, alphas and the coat that they make. Invariant: what has neither image nor colours is 1.
+//! Image and vertex values at a point of a facet. In go barycentric coordinates, out come colours, alphas
+//! and the coat that they make. Invariant: what has neither image nor colours is 1.
 
 use super::Facet;
 use crate::color::Rgb;
@@ -93,7 +93,7 @@ impl Facet<'_> {
         Some(self.textures[map.texture].color(self.interpolated(uvs, weights)))
     }
 
-    /// The same of its alpha.
+    /// Alpha of an image; `None` if the mesh has no coordinates for it.
     pub(super) fn texel_alpha(&self, map: TextureMap, weights: [f64; 3]) -> Option<f64> {
         let uvs = layer(self.mesh, map.layer)?;
         Some(self.textures[map.texture].alpha(self.interpolated(uvs, weights)))
