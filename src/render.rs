@@ -38,7 +38,7 @@ use sum::Sum;
 use survey::Survey;
 pub use watch::{Progress, Watch};
 
-/// What is to be rendered of an exposure.
+/// Settings by which an exposure is rendered.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// The whole picture.
@@ -95,7 +95,7 @@ impl Method {
         }
     }
 
-    /// The same with a ray for each sample.
+    /// Method with a ray for each sample.
     pub fn by_rays(self) -> Self {
         match self {
             Self::Auto | Self::Slices => Self::Segments,
@@ -103,7 +103,7 @@ impl Method {
         }
     }
 
-    /// What it is called on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -130,11 +130,11 @@ impl Method {
 pub struct Rendered {
     /// The frame.
     pub frame: Frame,
-    /// What it took.
+    /// Statistics of the rendering.
     pub statistics: Statistics,
 }
 
-/// What a frame took, and how good it is. All of it is the same for any number of threads.
+/// Statistics of a frame: effort and quality. All of it is the same for any number of threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
@@ -220,7 +220,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     render_keeping(exposure, job, &KeptLight::default(), watch)
 }
 
-/// The same with light of other pictures of the scene, where it is the same.
+/// Renders with light kept from other pictures of the scene, where it is the same.
 pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &Watch) -> Rendered {
     let middle = exposure.middle();
     if job.method.volume(job.bounces) == VolumeMethod::Segments {
@@ -250,11 +250,11 @@ pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &
     rendered
 }
 
-/// What is known of a picture's light before any of it is rendered.
+/// Indirect light and estimates of a picture, found before any of it is rendered.
 struct Light<'a> {
     indirect: Option<&'a Indirect>,
     survey: &'a Survey,
-    /// Of indirect light, where errors are estimated.
+    /// Error of indirect light, where errors are estimated.
     error: Option<&'a GridError>,
 }
 
@@ -300,8 +300,8 @@ fn add_up(
     sum.finish(job, survey, error)
 }
 
-/// What a picture from slices is the sum of: the light of each light, and that of the sky if it lights
-/// anything and indirect light does not have it already.
+/// Components whose sum a picture from slices is: the light of each light, and that of the sky if it
+/// lights anything and indirect light does not have it already.
 fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component> {
     // The rest goes with one of the lights: by itself it would be traced once more, to the same surfaces.
     let lights = (0..exposure.middle().lights.len())

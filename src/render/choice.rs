@@ -8,14 +8,14 @@ use crate::scene::Size;
 use crate::snapshot::{Exposure, FrozenLight, Luminaire, Snapshot};
 use std::fmt;
 
-/// What a sample costs, in primary rays: `cargo bench --bench figures -- shafts` and `-- slices` on
-/// leaves500 (2026-11-21, 2 virtual cores of an AMD EPYC). In a denser scene all but the slices cost more.
+/// Cost of a sample, in primary rays: `cargo bench --bench figures -- shafts` and `-- slices` on leaves500
+/// (2026-11-21, 2 virtual cores of an AMD EPYC). In a denser scene all but the slices cost more.
 mod cost {
-    /// Of one light's slices, with fog or without, primary visibility included.
+    /// Slices of one light, with fog or without, primary visibility included.
     pub(super) const SLICES: f64 = 1.3;
-    /// Of one light on the surface that a ray meets.
+    /// Direct light of one light on the surface that a ray meets.
     pub(super) const DIRECT: f64 = 0.8;
-    /// Of one light in the fog along a ray.
+    /// Light of one light scattered in the fog along a ray.
     pub(super) const SHAFTS: f64 = 32.0;
 }
 

@@ -1,11 +1,12 @@
-//! What random walks find missing in the grid's indirect light, smoothed over the picture. In go sums over
-//! probes, out comes by which share of itself each pass's light is to grow where. Invariant: what is no more
-//! than noise changes nothing, and the share has no jumps, neither from place to place nor as noise falls.
+//! Correction of the grid's indirect light by random walks, smoothed over the picture. In go sums over
+//! probes, out comes by which share of itself each pass's light is to grow where. Invariant: what is no
+//! more than noise changes nothing, and the share has no jumps, neither from place to place nor as noise
+//! falls.
 //!
-//! Shares are means of ever smaller surroundings. Each is shrunk towards the next larger by how much of what
-//! they differ by is noise (James & Stein 1961, "Estimation with quadratic loss"). Donoho & Johnstone 1995 do
-//! so level by level ("Adapting to unknown smoothness via wavelet shrinkage"). A share of the light is smooth
-//! across edges, and light itself is not. What is dark gets little.
+//! Shares are means of ever smaller surroundings. Each is shrunk towards the next larger by how much of
+//! their difference is noise (James & Stein 1961, "Estimation with quadratic loss"). Donoho & Johnstone
+//! 1995 do so level by level ("Adapting to unknown smoothness via wavelet shrinkage"). A share of the
+//! light is smooth across edges, and light itself is not. Dark places get little.
 
 use super::map::Map;
 use super::moments::Moments;
@@ -95,7 +96,7 @@ fn mean_of(sum: &Map<Rgb>, light: &Map<Rgb>) -> Map<Rgb> {
     })
 }
 
-/// Of all channels.
+/// Mean of the colour channels.
 pub(super) fn mean(value: Rgb) -> f64 {
     value.element_sum() / 3.0
 }

@@ -1,5 +1,5 @@
-//! What each slice is seen with: a moment of the shutter, a point of the lens and a point of the light. In
-//! goes a slice's place, out comes its draw. Invariants: after each round, draws of neighbouring slices are
+//! Draw of each slice: a moment of the shutter, a point of the lens and a point of the light. In goes a
+//! slice's place, out comes its draw. Invariants: after each round, draws of neighbouring slices are
 //! spread evenly over all that there is. What has no extent is not drawn at all.
 //!
 //! A pixel sees as many slices as it has samples, side by side. So every short run of draws must be spread
@@ -31,7 +31,7 @@ pub(super) struct Draw<'a, 'scene> {
     /// Metres to the right and up from the middle of the lens.
     pub(super) lens_point: DVec2,
     pub(super) light: FrozenLight,
-    /// What its light is to be multiplied by.
+    /// Hue of the light's point, a factor of its light.
     pub(super) hue: Rgb,
 }
 

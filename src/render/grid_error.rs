@@ -34,14 +34,14 @@ const SURROUNDINGS: f64 = 2.0;
 const LOCAL: f64 = 4.0;
 /// Errors in blocks of pixels by those in surroundings, which are larger.
 const FINER: f64 = 1.3;
-/// What is told, in standard errors: of twenty blocks nineteen are within it.
+/// Width of the error that is told, in standard errors: nineteen of twenty blocks are within it.
 const TOLD: f64 = 2.0;
-/// What the error is taken for before anything is known of it, by the indirect light.
+/// Relative error of indirect light that is assumed before any is known.
 const EXPECTED: f64 = 0.03;
 
-/// What is known of indirect light's error.
+/// Estimate of indirect light's error.
 pub(super) struct GridError {
-    /// What the picture is to be corrected by.
+    /// Correction of the picture.
     pub(super) correction: Correction,
     /// Squares of the error that is left.
     squares: Map<f64>,
@@ -145,7 +145,7 @@ impl Light {
         }))
     }
 
-    /// Of all passes.
+    /// Sum over all passes.
     fn at(&self, cell: usize) -> Rgb {
         self.0.iter().map(|light| light.of(cell)).sum()
     }
@@ -155,8 +155,8 @@ impl Light {
     }
 }
 
-/// What each half of the walks still finds where the other half has corrected. Products of two walks' errors
-/// have no noise in the mean: walks know nothing of one another.
+/// Residual that each half of the walks still finds where the other half has corrected. Products of two
+/// walks' errors have no noise in the mean: walks know nothing of one another.
 struct Left {
     /// Sums of such products near each cell, and how many.
     products: Map<f64>,

@@ -26,13 +26,13 @@ use std::f64::consts::{PI, TAU};
 /// all slices see the same it lies as evenly between its neighbours as can be.
 const SAMPLES_PER_SLICE: f64 = 4.0;
 
-/// The same where slices have draws of their own, of which one tells little.
+/// Samples that a slice is worth where slices have draws of their own, of which one tells little.
 const SAMPLES_PER_DRAW: f64 = 2.0;
 
 /// Slices to a pixel's width, at least: their swaths still leave no pixel out.
 const FEWEST_SLICES_PER_PX: f64 = 0.5;
 
-/// The same where slices have draws of their own.
+/// Slices to a pixel's width, at least, where they have draws of their own.
 const FEWEST_DRAWS_PER_PX: f64 = 1.0;
 
 /// A swath counts by its slice and one line on either side of it, or two where it is wider
@@ -80,7 +80,7 @@ struct RingLattice {
     /// The numbers of its first place, and of the one after its last.
     from: usize,
     to: usize,
-    /// What a sample counts for each unit of area per radian.
+    /// Weight of a sample for each unit of area per radian.
     weight_per_area: f64,
     shift_along: f64,
 }
@@ -205,7 +205,7 @@ impl RingLattice {
 pub(super) struct RoundLattice<'a> {
     lattice: &'a Lattice,
     places: Places,
-    /// Of each ring, where its slices may meet pixels that are wanted; none if all do.
+    /// Bearings of each ring at which its slices may meet pixels that are wanted; none if all do.
     bearings: Vec<Bearings>,
 }
 
@@ -268,12 +268,12 @@ impl RoundLattice<'_> {
 /// A slice that is to be solved, and the swath that it stands for.
 pub(super) struct PlacedSlice {
     pub(super) slice: Slice,
-    /// Of the slice in its fan.
+    /// Angle of the slice in its fan.
     angle: f64,
     ring: Ring,
     /// Where in their pieces its samples lie, but for the dither of pixels.
     phase: f64,
-    /// What a sample counts for each unit of area per radian that it stands for.
+    /// Weight of a sample for each unit of area per radian that it stands for.
     pub(super) weight_per_area: f64,
     /// From the middle between it and the slice before, of its round or its draw, to the middle
     /// between it and the next.

@@ -17,7 +17,7 @@ pub(super) enum Layout {
     OwnDraws,
 }
 
-/// What decides about the layout.
+/// Facts that decide about the layout.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facts {
     /// Whether light, lens or shutter have an extent.

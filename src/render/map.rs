@@ -20,7 +20,7 @@ impl<T: Copy> Map<T> {
         Self(vec![value; COLUMNS * ROWS])
     }
 
-    /// Of each cell by its number.
+    /// Map by a function of each cell's number.
     pub(super) fn from_fn(value: impl FnMut(usize) -> T) -> Self {
         Self((0..COLUMNS * ROWS).map(value).collect())
     }

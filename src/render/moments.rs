@@ -1,11 +1,11 @@
-//! What many probes say, cell by cell of the picture. In go probes, out come sums of what they have and of
-//! their products. Invariant: nothing else is kept of a probe, so their number takes no memory.
+//! Moments of many probes, cell by cell of the picture. In go probes, out come sums of their values and of
+//! products of these. Invariant: nothing else is kept of a probe, so their number takes no memory.
 
 use super::map::{Map, cell_at};
 use super::probes::{PASSES, Probe};
 use crate::color::Rgb;
 
-/// Of each pass: walk less grid, and grid.
+/// Values of each pass: walk less grid, and grid.
 const VALUES: usize = 2 * PASSES;
 
 /// Sums over the probes of a cell.
@@ -41,7 +41,7 @@ impl Moments {
         }
     }
 
-    /// Of two sets of probes.
+    /// Moments of two sets of probes together.
     pub(super) fn with(&self, other: &Self) -> Self {
         Self(Map::from_fn(|cell| {
             let (mut sum, other) = (self.0.of(cell), other.0.of(cell));
@@ -60,7 +60,7 @@ impl Moments {
         Map::from_fn(|cell| self.0.of(cell).count)
     }
 
-    /// Of walk less grid.
+    /// Sum of walk less grid.
     pub(super) fn difference(&self, pass: usize) -> Map<Rgb> {
         Map::from_fn(|cell| self.0.of(cell).sums[2 * pass])
     }

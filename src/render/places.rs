@@ -4,7 +4,8 @@
 
 use super::rounds::{Round, Schedule};
 
-/// Of a single round: places and phases are a lattice in two dimensions, and none of few points is more even.
+/// Phase from place to place in a single round. Places and phases are a lattice in two dimensions, and no
+/// other of few points is more even.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// The phase from place to place in rows of [`FINEST`] places. It, its double and so on, which are those of

@@ -15,7 +15,7 @@ use std::ops::Range;
 /// Passes that indirect light is part of: what surfaces show, and what fog scatters.
 pub(super) const PASSES: usize = 2;
 
-/// What one camera ray has of indirect light, by pass, W m^-2 sr^-1.
+/// Indirect light of one camera ray, by pass, W m^-2 sr^-1.
 #[derive(Clone, Copy)]
 pub(super) struct Probe {
     /// In the picture, `0..1` across and down.

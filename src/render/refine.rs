@@ -19,7 +19,7 @@ const NEGLIGIBLE: f64 = 0.25;
 /// How a block's error falls with the number of samples, as a power: by edges faster than the root.
 pub(super) const ORDERED: f64 = 0.75;
 
-/// The same where samples have draws of their own, and know little of one another.
+/// Power where samples have draws of their own, and know little of one another.
 pub(super) const DRAWN: f64 = 0.5;
 
 /// A light's part of a picture, or all of it.
@@ -27,7 +27,7 @@ pub(super) struct Refined {
     pub(super) film: Film,
     /// The blocks that it covers, those around the window included.
     pub(super) blocks: Blocks,
-    /// Of each of them, see [`BlockEstimate::variance`]; none if nobody judges.
+    /// Variance of each of them, see [`BlockEstimate::variance`]; none if nobody judges.
     pub(super) variances: Vec<f64>,
     pub(super) rounds: u32,
 }
@@ -42,7 +42,7 @@ pub(super) struct Goal<'a> {
     pub(super) budget: &'a Budget,
 }
 
-/// What a picture may have of the variance of all that are added up.
+/// Budget of a picture: its part of the variance of all that are added up.
 pub(super) struct Budget {
     /// Its own share.
     pub(super) share: f64,
@@ -53,7 +53,7 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// Of a picture that is all there is.
+    /// Budget of a picture that is all there is.
     pub(super) const WHOLE: Self = Self { share: 1.0, share_so_far: 1.0, before: Vec::new() };
 }
 
@@ -69,7 +69,7 @@ pub(super) fn relative_error(variance: f64, luminance: f64, survey: &Survey) -> 
     }
 }
 
-/// What a luminance counts as when errors are held against it.
+/// Luminance that errors are relative to.
 fn visible(luminance: f64, survey: &Survey) -> f64 {
     luminance.max(DARKEST * survey.mean)
 }
@@ -135,7 +135,7 @@ struct Refinement<'a, P> {
     work: Work,
 }
 
-/// What is known after a round.
+/// Estimates after a round, and what they ask for.
 struct Judgement {
     pixels: Vec<Option<PixelEstimate>>,
     blocks: Vec<BlockEstimate>,
@@ -245,11 +245,11 @@ impl<'a, P: Picture> Refinement<'a, P> {
     }
 }
 
-/// What each pixel's samples say of it.
+/// Estimate of each pixel by its samples.
 ///
-/// Its halves complete one another: slices of the one lie between those of the other. If the error falls as
-/// samples to the power -p, the whole varies by 4^-p of what each half, A or B, does; then (A + B) / 2 varies
-/// by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
+/// Its halves complete one another: slices of the one lie between those of the other. If the error falls
+/// as samples to the power -p, the whole varies by 4^-p of what each half, A or B, does; then (A + B) / 2
+/// varies by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
 fn estimates(film: &Film, convergence: f64) -> Vec<Option<PixelEstimate>> {
     let completion = (4.0_f64.powf(convergence) - 1.0).recip();
     let completed = |PixelEstimate { luminance, variance }| PixelEstimate {
@@ -259,7 +259,7 @@ fn estimates(film: &Film, convergence: f64) -> Vec<Option<PixelEstimate>> {
     film.estimates().into_iter().map(|estimate| estimate.map(completed)).collect()
 }
 
-/// What its pixels say of each block.
+/// Estimate of each block by its pixels.
 fn judge(pixels: &[Option<PixelEstimate>], film: &Film, blocks: &Blocks) -> Vec<BlockEstimate> {
     let known = |(x, y)| film.window().index(x, y).and_then(|pixel| pixels[pixel]);
     (0..blocks.count())

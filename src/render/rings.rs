@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 /// In how many rings the picture may be cut: 16 are hardly better than 8.
 const COUNTS: [u32; 4] = [1, 2, 4, 8];
 
-/// What a sample costs, in segments that a slice gathers, by what rings add to the time of leaves500.
+/// Cost of a sample, in segments that a slice gathers, by what rings add to the time of leaves500.
 const SEGMENTS_PER_SAMPLE: f64 = 5.0;
 
 /// By how many places slices are off where nothing of their order is left to lose. In `title` at its full
@@ -34,7 +34,7 @@ const NEAR_EPIPOLE: f64 = 0.1;
 /// so a quarter are left.
 const CLOSER_AT_RIM: f64 = 2.5;
 
-/// What decides about rings, beside the fan.
+/// Facts that decide about rings, beside the fan.
 pub(super) struct RingFacts<'a> {
     /// Whether slices have draws of their own.
     pub(super) is_drawn: bool,
@@ -99,7 +99,7 @@ impl RingFacts<'_> {
         self.slices_per_px * px
     }
 
-    /// What a ring costs for an error, in segments: what its slices gather, and samples.
+    /// Cost of a ring for an error, in segments: those that its slices gather, and samples.
     fn cost(&self, base: &Fan, ring: Ring) -> f64 {
         let separation = base.separation(ring);
         let angle = |probe: u32| base.angles.0 + base.angles.1 * (f64::from(probe) + 0.5) / f64::from(PROBES);

@@ -1,4 +1,4 @@
-//! What a picture is rendered in. Invariant: a round's samples are a pure function of its place in
+//! Rounds that a picture is rendered in. Invariant: a round's samples are a pure function of its place in
 //! the order and of the pixel, so that leaving pixels out changes no other pixel.
 
 use super::{Job, Watch};
@@ -14,7 +14,8 @@ const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
 /// ended before (docs/decisions/tolerance.md).
 const FIRST_SAMPLES: u32 = 8;
 
-/// The same with a tolerance of at least [`LOOSE`], for which 8 are mostly more than enough.
+/// Samples of the first round with a tolerance of at least [`LOOSE`], for which 8 are mostly more than
+/// enough.
 const FIRST_SAMPLES_LOOSE: u32 = 3;
 
 /// See [`FIRST_SAMPLES_LOOSE`].
@@ -87,9 +88,9 @@ impl Round<'_> {
         self.number == 0
     }
 
-    /// What is seen in one pixel may count in another beside it if both lie in one square of so many
-    /// pixels, and where edges go on is known as far: after the first round a block, so that none depends
-    /// on how far others go on.
+    /// Side in pixels of the squares within which a sample of one pixel may count in another, and within
+    /// which edges go on. After the first round they are blocks, so that none depends on how far others go
+    /// on.
     pub(super) fn region_side(&self) -> usize {
         if self.is_first() { usize::MAX } else { BLOCK_SIDE }
     }

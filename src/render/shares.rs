@@ -16,7 +16,7 @@ fn points_of(length_px: f64) -> usize {
     1 + ((length_px - 0.1) / 0.34).ceil().clamp(0.0, 4.0) as usize
 }
 
-/// What the pieces of a slice have in common.
+/// Facts that the pieces of a slice share.
 pub(super) struct Shares<'a> {
     pub(super) round: &'a Round<'a>,
     pub(super) size: Size,
@@ -98,7 +98,7 @@ impl Shares<'_> {
 pub(super) struct PlacedPiece {
     /// The sample's number.
     sample: u32,
-    /// What it counts by its chord.
+    /// Weight of its chord.
     weight: f64,
     pixel: (usize, usize),
     film_px: DVec2,
@@ -128,7 +128,7 @@ impl PlacedPiece {
     }
 }
 
-/// What a sample at a place of the film counts in a pixel.
+/// Splat of a sample at a place of the film, for one pixel.
 fn splat(film_px: DVec2, (x, y): (usize, usize), weight: f64) -> Splat {
     let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
     Splat { pixel: (x, y), weight, from_centre_px: film_px.distance(centre) }

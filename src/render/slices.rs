@@ -43,7 +43,7 @@ pub(super) struct LightPicture<'a> {
     lattice: Option<Lattice>,
 }
 
-/// What the slices of a picture took, whichever thread solved them.
+/// Tally of a picture's slices, whichever thread solved them.
 #[derive(Default)]
 pub(super) struct Tally {
     slices: AtomicU64,
@@ -62,7 +62,7 @@ impl Tally {
     }
 }
 
-/// What a thread keeps from slice to slice.
+/// Memory that a thread keeps from slice to slice.
 #[derive(Default)]
 struct SlicesScratch {
     slices: SliceScratch,

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Rays across and down the picture, for each component: a hundredth and less of what the picture takes.
 const RAYS: (usize, usize) = (16, 9);
 
-/// What a coarse grid of rays finds.
+/// Brightness of a picture, by a coarse grid of rays.
 pub(super) struct Survey {
     /// Mean luminance of the picture.
     pub(super) mean: f64,
@@ -23,7 +23,8 @@ pub(super) struct Survey {
     pub(super) shares: Vec<f64>,
 }
 
-/// What of the variance all components share evenly, however dark: a few rays may miss what a lamp lights.
+/// Part of the variance that all components share evenly, however dark: a few rays may miss what a lamp
+/// lights.
 const EVEN_SHARE: f64 = 0.1;
 
 impl Survey {
@@ -47,7 +48,7 @@ impl Survey {
         Self { mean, components, shares }
     }
 
-    /// Of a picture that nobody judges.
+    /// Survey of a picture that nobody judges.
     pub(super) fn omitted(components: Vec<Component>) -> Self {
         let count = components.len();
         Self { mean: 0.0, components, shares: vec![1.0 / count as f64; count] }
