@@ -67,7 +67,7 @@ impl Frame {
         (brightest > 0 && sum < DARK * brightest as f64).then_some(Dark { covered })
     }
 
-    /// Of every pixel; none if the frame has no colour. What is no number is dark.
+    /// Luminance of every pixel; none if the frame has no colour. NaN is dark.
     fn luminances(&self) -> Vec<f64> {
         let [Some(red), Some(green), Some(blue)] = ["R", "G", "B"].map(|name| self.channel(name)) else {
             return Vec::new();

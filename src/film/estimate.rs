@@ -5,7 +5,7 @@
 use super::Film;
 use crate::color::{Rgb, luminance};
 
-/// What a pixel's samples say of it.
+/// Estimate of a pixel by its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelEstimate {
     /// Its luminance.
@@ -16,7 +16,7 @@ pub struct PixelEstimate {
     pub variance: Option<f64>,
 }
 
-/// What a block's samples say of it.
+/// Estimate of a block by its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockEstimate {
     /// Mean luminance of its pixels.
@@ -27,10 +27,10 @@ pub struct BlockEstimate {
 }
 
 impl Film {
-    /// What the samples of each pixel say of it, row by row; `None` where there are none.
+    /// Estimate of each pixel, row by row; `None` where there are no samples.
     ///
-    /// If a pixel's known and fresh samples have means A and B and their weights add up to a and b, then the
-    /// pixel's value, (a A + b B) / (a + b), has the variance (A - B)^2 a b / (a + b)^2: exactly so if
+    /// If a pixel's known and fresh samples have means A and B and their weights add up to a and b, then
+    /// the pixel's value, (a A + b B) / (a + b), has the variance (A - B)^2 a b / (a + b)^2: exactly so if
     /// samples are independent, for then A - B varies by s^2 (1/a + 1/b) and the value by s^2 / (a + b).
     /// Halves that complete one another err in opposite directions, and the value is better than that.
     pub fn estimates(&self) -> Vec<Option<PixelEstimate>> {
@@ -53,8 +53,8 @@ impl Film {
 }
 
 impl BlockEstimate {
-    /// Of those of its pixels that are known. Where there is but one half, half as many
-    /// samples vary twice as much.
+    /// Estimate over those of its pixels that are known. Where there is but one half, half as many samples
+    /// vary twice as much.
     pub fn of(pixels: impl Iterator<Item = PixelEstimate>) -> Self {
         let (mut luminances, mut count) = (0.0, 0.0_f64);
         let (mut variances, mut judged) = (0.0, 0.0);

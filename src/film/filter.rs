@@ -17,7 +17,7 @@ const TERMS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 /// ends, where hardly any sample lies.
 const ENTRIES: usize = 1024;
 
-/// What a place counts for a pixel for whose centre it lies so far to one side; 0 beyond 0.75 pixels.
+/// Weight of a sample at a distance from the pixel's centre along one axis; 0 beyond 0.75 pixels.
 pub fn weight(distance_px: f64) -> f64 {
     // One more entry, so that there is one beyond every place.
     static TABLE: LazyLock<[f64; ENTRIES + 2]> =
@@ -34,7 +34,7 @@ pub fn offset_px(number: f64) -> f64 {
     between(TABLE.as_slice(), number * ENTRIES as f64)
 }
 
-/// What a table says of a place between two of its entries.
+/// Linear interpolation between entries of a table.
 fn between(table: &[f64], at: f64) -> f64 {
     let entry = at as usize;
     table[entry] + (at - entry as f64) * (table[entry + 1] - table[entry])

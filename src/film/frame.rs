@@ -39,7 +39,7 @@ impl Channel {
     }
 }
 
-/// What is wrong with a frame's values.
+/// Defects of a frame's values.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameDefects {
     /// Values that are not a number.

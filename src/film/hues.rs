@@ -17,10 +17,10 @@ pub(super) const PACKED: usize = 9;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HueSums {
     hue: Rgb,
-    /// What comes from the light, without hues, and with them.
+    /// Radiance of the light, without hues, and with them.
     plain: Rgb,
     hued: Rgb,
-    /// The same of the part that was scattered in fog.
+    /// Part that was scattered in fog, likewise.
     plain_shafts: Rgb,
     hued_shafts: Rgb,
 }
@@ -53,24 +53,24 @@ impl HueSums {
         }
     }
 
-    /// What is to be added to the radiance of samples that weigh so much, whose light has no hue yet.
+    /// Difference to add to the radiance of samples of a total weight, whose light has no hue yet.
     pub(super) fn missing(&self, weight: f64) -> Rgb {
         by_all_hues(self.plain, self.hued, self.hue / weight) - self.plain
     }
 
-    /// The same for the part that was scattered in fog.
+    /// Difference to add to the part that was scattered in fog.
     fn missing_shafts(&self, weight: f64) -> Rgb {
         by_all_hues(self.plain_shafts, self.hued_shafts, self.hue / weight) - self.plain_shafts
     }
 }
 
-/// What all of a light gives, by what points of it do whose mean hue is `hue`.
+/// Estimate of a whole light by points of it whose mean hue is `hue`.
 ///
 /// Where these are brighter in a channel than all points together they are divided by that (the ratio
-/// estimate: Cochran 1977, "Sampling Techniques", 6.2); where they are darker, and perhaps without any light,
-/// what is missing is what would come without hues (the difference estimate, 7.1). Neither is below 0, both
-/// are right at once if all points are seen alike, and else err by what visibility and hue have in common,
-/// which falls as samples grow in number.
+/// estimate: Cochran 1977, "Sampling Techniques", 6.2). Where they are darker, and perhaps without any
+/// light, the rest is added as it would come without hues (the difference estimate, 7.1). Neither is below
+/// 0, and both are right at once if all points are seen alike. Else they err by what visibility and hue
+/// have in common, which falls as samples grow in number.
 fn by_all_hues(plain: Rgb, hued: Rgb, hue: Rgb) -> Rgb {
     let channel =
         |i: usize| if hue[i] > 1.0 { hued[i] / hue[i] } else { hued[i] + plain[i] * (1.0 - hue[i]) };
@@ -123,7 +123,7 @@ mod tests {
         Film::with_hues(Size { width: 1, height: 1 }, ONE_PIXEL, &[Pass::Shafts])
     }
 
-    /// What fog and a surface give by light of a hue, before what shines by itself.
+    /// Sample of fog and a surface by light of a hue, before emission.
     fn sample(shafts: Rgb, lit: Rgb, emitted: Rgb, hue: Rgb) -> Sample {
         Sample { radiance: shafts + lit + emitted, shafts, emitted, hue, ..Sample::default() }
     }

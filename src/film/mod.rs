@@ -44,14 +44,13 @@ pub struct Film {
     weights: Vec<f64>,
     /// A pixel's weighted sums: red, green, blue, alpha, then three for each pass that is averaged.
     sums: Vec<f64>,
-    /// Of these, what the fresh half of a pixel's samples gave: weight, and weighted red, green and blue.
+    /// Sums of the fresh half of a pixel's samples: weight, and weighted red, green and blue.
     fresh: Vec<[f64; 4]>,
     /// How far from the pixel's centre its nearest sample lies.
     nearest_distances_px: Vec<f32>,
-    /// What that sample showed: the channels of the other passes, pixel by pixel.
+    /// Values of that sample: the channels of the other passes, pixel by pixel.
     nearest_values: Vec<f32>,
-    /// What each pixel's samples know of the light's hues, all of them and the fresh half;
-    /// empty if it has none.
+    /// Sums of hues of each pixel's samples, all of them and the fresh half; empty if the light has none.
     hues: Vec<[HueSums; 2]>,
     /// Which objects cover each pixel; empty unless somebody asks.
     mattes: Vec<MatteList>,
@@ -69,8 +68,8 @@ impl Film {
         Self::of(full, window, KeptPasses::new(passes, false))
     }
 
-    /// The same of a picture of one light whose points have hues: to its samples
-    /// [`Sample::hue`] is still to come.
+    /// Film of a picture of one light whose points have hues: [`Sample::hue`] is still to be multiplied
+    /// in.
     pub fn with_hues(full: Size, window: Window, passes: &[Pass]) -> Self {
         Self::of(full, window, KeptPasses::new(passes, true))
     }
@@ -116,8 +115,7 @@ impl Film {
         self.add_to_half(false, splat, sample);
     }
 
-    /// The same with a sample of the fresh half, by which [`Film::estimates`] judges what
-    /// was known without it.
+    /// Adds a sample of the fresh half, by which [`Film::estimates`] judges what was known without it.
     pub fn add_fresh(&mut self, splat: &Splat, sample: &Sample) {
         self.add_to_half(true, splat, sample);
     }

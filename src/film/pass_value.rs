@@ -1,11 +1,11 @@
-//! What a sample shows in each pass. In go a sample and a pass, out come the numbers of its channels
+//! Values of a sample in each pass. In go a sample and a pass, out come the numbers of its channels
 //! (`passes.rs` says which). Invariant: where no surface is seen they are the pass's background.
 
 use crate::passes::Pass;
 use crate::transport::Sample;
 use glam::DVec3;
 
-/// What a sample shows in a pass; passes with fewer channels use the first ones.
+/// Value of a sample in a pass; passes with fewer channels use the first ones.
 pub(super) fn value(pass: Pass, sample: &Sample) -> [f64; 4] {
     let three = |value: DVec3| value.extend(0.0).to_array();
     match (pass, &sample.surface) {

@@ -101,7 +101,7 @@ pub(super) struct SplatPlace {
     pub(super) sample: u32,
 }
 
-/// What a sample counts in one pixel of the full picture.
+/// Weight of a sample in one pixel of the full picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Splat {
     /// Column and row, y downwards.

@@ -1,4 +1,4 @@
-//! Of films as a whole.
+//! Tests of films as a whole.
 #![allow(clippy::unwrap_used)]
 
 use super::*;
