@@ -11,13 +11,13 @@ use crate::scene::{FrameRate, Size};
 use image::ExtendedColorType;
 use image::codecs::webp::WebPEncoder;
 
-/// Of a side, in pixels: a lossless picture has 14 bits for it (RFC 9649, section 3.4).
+/// Maximum side in pixels: a lossless picture has 14 bits for it (RFC 9649, section 3.4).
 const LONGEST_SIDE: usize = 1 << 14;
 
-/// Of a file, in bytes: what RIFF counts in 32 bits, less the 8 that it does not count.
+/// Maximum size of a file in bytes: what RIFF counts in 32 bits, less the 8 that it does not count.
 const LARGEST_FILE: usize = u32::MAX as usize - 8;
 
-/// What stands in a still file before its chunk of pixels: `RIFF`, the size of what follows, `WEBP`.
+/// Length of a still file's head before its chunk of pixels: `RIFF`, the size of what follows, `WEBP`.
 const FILE_HEADER: usize = 12;
 
 /// `VP8X`: the file holds an animation, and nothing of what other flags stand for.

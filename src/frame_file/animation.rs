@@ -15,7 +15,7 @@ pub struct Animation {
     bytes: Bytes,
 }
 
-/// What the file will hold.
+/// Contents of the file.
 enum Bytes {
     Png(AnimatedPng),
     WebP(AnimatedWebP),

@@ -90,7 +90,7 @@ mod tests {
         plane
     }
 
-    /// Of a row through the middle, so many pixels beside it.
+    /// Value in the middle row, some pixels beside the middle.
     fn beside(plane: &[f32], distance_px: usize) -> f64 {
         f64::from(plane[HEIGHT / 2 * WIDTH + WIDTH / 2 + distance_px])
     }

@@ -1,5 +1,5 @@
-//! What a frame's Cryptomatte channels need to be read: names for their ids. In go a frame and names, out
-//! come EXR attributes. Invariant: the manifest names the ids that the frame's channels hold, and no others.
+//! Cryptomatte metadata: names for the ids in a frame's channels. In go a frame and names, out come EXR
+//! attributes. Invariant: the manifest names the ids that the frame's channels hold, and no others.
 
 use crate::film::{Frame, MATTE_LAYER};
 use crate::scene::murmur3;

@@ -1,14 +1,14 @@
-//! What can go wrong with a frame's file, and what to do about it. Invariant: every error names the path.
+//! Errors of a frame's file, with their remedies. Invariant: every error names the path.
 
 use crate::diagnostic::{Diagnostic, Place, shown};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What is expected of a file that may not grow.
+/// Expectation of a file that may not grow.
 pub const WITHIN_LIMIT: &str =
     "a file within the limit of file sizes (`ulimit -f`, and what the file system takes)";
 
-/// What helps then.
+/// Remedy for a file that may not grow.
 pub const RAISE_LIMIT: &str =
     "allow larger files (`ulimit -f unlimited`), then run the same command with --skip valid";
 
@@ -52,7 +52,7 @@ pub enum FrameFileError {
     Animation {
         /// The file.
         path: PathBuf,
-        /// What does not fit.
+        /// Reason that it does not fit.
         reason: String,
     },
     /// A folder has two frames of one number.
@@ -62,7 +62,7 @@ pub enum FrameFileError {
         path: PathBuf,
         /// And the other.
         other: PathBuf,
-        /// What their names end in; 0 without a number.
+        /// Number that their names end in; 0 without one.
         number: i64,
     },
     /// The file could not be read from the disk.
@@ -88,7 +88,7 @@ pub enum FrameFileError {
         path: PathBuf,
         /// The feature.
         what: String,
-        /// What makes a file of it that is read.
+        /// Way to make a file of it that is read.
         remedy: String,
     },
     /// The header asks for more memory than the file can account for.
@@ -120,7 +120,7 @@ impl FrameFileError {
         }
     }
 
-    /// What was expected instead.
+    /// Expectation that was not met.
     pub fn expected(&self) -> &'static str {
         match self {
             Self::IsFolder { .. } => "the name of a file",
@@ -138,7 +138,7 @@ impl FrameFileError {
         }
     }
 
-    /// What the user can do.
+    /// Remedy for the user.
     pub fn remedy(&self) -> &str {
         match self {
             Self::IsFolder { .. } => "end --out with / to write into the folder, or give a file name",
@@ -174,7 +174,7 @@ impl FrameFileError {
         }
     }
 
-    /// The same for the user's eyes.
+    /// Diagnostic of the error, for the user.
     pub fn diagnostic(&self) -> Diagnostic {
         Diagnostic::error(Place::Nowhere, self.to_string()).expected(self.expected()).remedy(self.remedy())
     }

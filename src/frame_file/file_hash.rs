@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// The attribute's name.
 pub(super) const NAME: &str = "sunfleck:fileHash";
-/// What stands for the digits while the hash is taken.
+/// Placeholder of the digits while the hash is taken.
 pub(super) const PLACEHOLDER: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 /// Name, 0, type, 0, size as i32: what stands before an attribute's value.
 const HEAD: &[u8] = b"sunfleck:fileHash\0string\0\x40\0\0\0";

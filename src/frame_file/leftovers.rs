@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::NamedTempFile;
 
-/// What our temporary files end with; they begin with a dot, the final file's name, and a dot.
+/// Suffix of our temporary files; they begin with a dot, the final file's name, and a dot.
 const SUFFIX: &str = ".sunfleck-part";
 /// Letters between the two that make the name its own.
 const RANDOM_LETTERS: usize = 6;

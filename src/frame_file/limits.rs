@@ -1,12 +1,12 @@
-//! What makes two frames too different: limits of the picture and of every channel, as
-//! `sunfleck-tools compare` has them. In goes a comparison, out come sentences. Invariants: each channel
-//! keeps one limit of each measure: that of the last pattern that names it, else the one for all. A pattern
-//! that names no channel is not kept.
+//! Limits on how much two frames differ, of the picture and of every channel, as `sunfleck-tools compare`
+//! has them. In goes a comparison, out come sentences. Invariants: each channel keeps one limit of each
+//! measure: that of the last pattern that names it, else the one for all. A pattern that names no channel
+//! is not kept.
 
 use super::{Comparison, Errors};
 use glob::Pattern;
 
-/// What of two frames is limited.
+/// Measure of two frames' difference that a limit is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// [`Errors::rmse`].

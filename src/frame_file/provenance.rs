@@ -48,7 +48,7 @@ pub struct Provenance {
     pub owner: Option<String>,
     /// Anything else worth reading.
     pub comments: Option<String>,
-    /// What the ids of Cryptomatte's channels are called, for frames that have any.
+    /// Names of the ids of Cryptomatte's channels, for frames that have any.
     pub object_names: BTreeMap<u32, String>,
 }
 
@@ -135,7 +135,7 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.329),
 };
 
-/// The same by the name that the ASWF's Color Interop Forum gives it.
+/// Colour space of the primaries, by the name that the ASWF's Color Interop Forum gives it.
 pub(super) const COLOR_ID: &str = "lin_rec709_scene";
 
 /// UTF-8 as it stands; the crate's own conversion knows Latin-1 only.

@@ -23,7 +23,7 @@ const LARGEST_COMPRESSION: u64 = 4096;
 /// Bytes of pixels that are read at all: an 8K picture with thirty float channels.
 const LARGEST_PICTURE: u64 = 4 << 30;
 
-/// What a file holds.
+/// Contents of a file.
 #[derive(Clone, Debug)]
 pub struct FrameFile {
     /// The pixels. Integer channels become float ones, exact up to 2^24.
@@ -32,7 +32,7 @@ pub struct FrameFile {
     pub attributes: Attributes,
     /// The pixels' hash, computed anew.
     pub pixel_hash: String,
-    /// What the picture's colours stand for.
+    /// Meaning of the picture's colours.
     pub colors: ImageColors,
 }
 

@@ -31,7 +31,7 @@ impl Region {
         Self { left: x.into(), top: y.into(), size: Size { width, height } }
     }
 
-    /// What holds both.
+    /// Smallest region around both.
     pub(super) fn joined(self, other: Self) -> Self {
         let right = |region: Self| region.left + region.size.width as i64;
         let bottom = |region: Self| region.top + region.size.height as i64;
@@ -41,7 +41,7 @@ impl Region {
         Self { left, top, size: Size { width: width as usize, height: height as usize } }
     }
 
-    /// What of a part lies in it, counted from its corner; without pixels if nothing does.
+    /// Window of a part that lies in it, counted from its corner; without pixels if none does.
     pub(super) fn seen(self, header: &Header) -> Window {
         let part = Self::stored(header);
         let side = |start: i64, length: usize, full: usize| {
