@@ -23,7 +23,7 @@ impl<'a> Bytes<'a> {
         Self { all, at: 0 }
     }
 
-    /// The same bytes, read on from another place; one behind the end is a fault of whatever is read there.
+    /// Reader of the same bytes from another place; a place beyond the end is a fault of the next read.
     pub(super) fn from(&self, at: i64) -> Read<Self> {
         let at = usize::try_from(at).map_err(|_| self.fault("a place before the file's start is named"))?;
         Ok(Self { all: self.all, at })

@@ -7,7 +7,7 @@ use crate::description::{Files, LoadError};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What a path stands for.
+/// Grid files that a path stands for.
 #[derive(Clone, Debug)]
 pub struct GridFiles {
     /// The path, with its signs.

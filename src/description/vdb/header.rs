@@ -1,5 +1,5 @@
-//! What stands before the trees of a file: its version, and each grid's name, type and place.
-//! Source: `openvdb/io/Archive.cc` and `GridDescriptor.cc`.
+//! Header of a file, before the trees: its version, and each grid's name, type and place. Source:
+//! `openvdb/io/Archive.cc` and `GridDescriptor.cc`.
 
 use super::bytes::{Bytes, Read};
 

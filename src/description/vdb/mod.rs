@@ -40,7 +40,7 @@ pub struct Floats {
     pub tree: Tree,
 }
 
-/// What is active in a grid.
+/// Extent of a grid's active values.
 #[derive(Debug)]
 pub struct Extent {
     /// How many voxels.
@@ -114,7 +114,7 @@ impl Leaf {
 }
 
 impl Floats {
-    /// What is active in it; `None` if nothing is.
+    /// Extent of its active values; `None` if there are none.
     pub fn extent(&self) -> Option<Extent> {
         let tiles = self.tree.tiles.iter().map(|tile| (tile.origin, tile.edge, tile.value));
         let leaves = self.tree.leaves.iter().flat_map(Leaf::voxels);

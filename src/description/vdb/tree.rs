@@ -35,7 +35,7 @@ pub struct Tile {
     pub value: f32,
 }
 
-/// What a tree holds that is active.
+/// Active values of a tree.
 #[derive(Debug, Default)]
 pub struct Tree {
     /// Value of all else.
