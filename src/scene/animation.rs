@@ -10,7 +10,7 @@ pub struct Animation {
     pub name: String,
     /// When its first and its last key are, seconds; `None` if it has no keys.
     pub keys_s: Option<(f64, f64)>,
-    /// What it moves, each thing once: the names of nodes, lights, cameras and materials.
+    /// Names of the nodes, lights, cameras and materials that it moves, each once.
     pub moves: Vec<String>,
     /// Whether it takes part in the picture.
     pub is_played: bool,

@@ -1,5 +1,5 @@
-//! What a scene's falls may ask of the world while they are baked: an ear for progress, and a place where
-//! bakes are kept. Invariant: neither changes what is baked; what comes back from there is not trusted.
+//! Baking of a scene's falls: an ear for progress, and a place where bakes are kept. Invariant: neither
+//! changes the bakes, and kept ones are not trusted.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ type Ear<'a> = &'a (dyn Fn(u32, u32) + Sync);
 pub struct Baking<'a> {
     /// Hears of progress.
     pub tell: Ear<'a>,
-    /// What was kept under a name, if it is still there.
+    /// Bytes kept under a name, if they are still there.
     pub recall: &'a dyn Fn(&str) -> Option<Vec<u8>>,
     /// Keeps bytes under a name, or does not.
     pub keep: &'a dyn Fn(&str, &[u8]),

@@ -11,7 +11,7 @@ pub struct Camera {
     pub name: String,
     /// Where it is.
     pub node: NodeIndex,
-    /// What it sees.
+    /// Projection.
     pub lens: Lens,
     /// How far the picture's middle lies from the view axis, to the right and up, in lengths of the
     /// picture's longer side: Blender's shift.
@@ -28,7 +28,7 @@ pub struct Camera {
 pub struct Clip {
     /// Distance of the nearer plane along the view axis, metres, at least 0.
     pub start_m: f64,
-    /// Of the farther one, more than `start_m`; infinite if there is none.
+    /// Distance of the farther one, more than `start_m`; infinite if there is none.
     pub end_m: f64,
 }
 
@@ -66,13 +66,13 @@ pub enum Lens {
     },
     /// Parallel rays along the view axis, from the plane of the camera on.
     Orthographic {
-        /// Of the whole picture, metres, above 0.
+        /// Height of the whole picture, metres, above 0.
         height_m: Track<f64>,
     },
 }
 
 impl Lens {
-    /// What of it may be keyed: the angle of view, or the height.
+    /// Number of it that may be keyed: the angle of view, or the height.
     pub fn number(&self) -> &Track<f64> {
         match self {
             Self::Perspective { fov_y } => fov_y,

@@ -14,7 +14,7 @@ use std::fmt;
 const DIM_SUN: f64 = 0.1;
 const DIM_LAMP: f64 = 0.15;
 
-/// Of a picture covered by less than this nothing is seen, by more than that everything is one thing.
+/// Coverage of a picture below which nothing is seen, and above which one thing fills it.
 const HARDLY_COVERED: f64 = 1e-3;
 const NEARLY_ALL: f64 = 0.999;
 
@@ -31,7 +31,7 @@ pub enum DarkCause {
     LightsOff,
     /// The brightest light of a file in lux and candela has so little of them.
     DimLights {
-        /// Of the brightest light.
+        /// Power of the brightest light.
         lux_or_candela: f64,
     },
     /// The camera is within the bounds of an object that fills the picture.
@@ -69,7 +69,7 @@ pub fn dark_cause(scene: &Scene, camera: usize, time_s: f64, covered: f64) -> Da
     }
 }
 
-/// What whoever looks into a file should know before its frames turn out dark.
+/// Warning for whoever looks into a file whose frames turn out dark.
 pub(super) fn remark(scene: &Scene, time_s: f64, place: Place) -> Option<Diagnostic> {
     let lux_or_candela = dim_lights(scene, time_s)?;
     let cause = DarkCause::DimLights { lux_or_candela };
@@ -103,7 +103,7 @@ fn is_within_bounds(point: DVec3, positions: &[Vec3]) -> bool {
 }
 
 impl DarkCause {
-    /// What to do about it.
+    /// Remedy.
     pub fn remedy(&self) -> &'static str {
         match self {
             Self::NoLight => {

@@ -10,7 +10,7 @@ use crate::color::Rgb;
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::PI;
 
-/// What the sun and its node are called.
+/// Name of the sun and of its node.
 const NAME: &str = "default key";
 
 /// Where the sun stands, in camera space: to the left, above and behind.
@@ -98,7 +98,7 @@ mod tests {
         assert!(to_key(&lit(nothing), DAffine3::IDENTITY).is_finite());
     }
 
-    /// What a display shows of a matte surface that faces the camera: of middle grey, and of white.
+    /// Display values of a matte surface that faces the camera: of middle grey, and of white.
     #[test]
     fn middle_grey_is_shown_as_such_and_white_is_not_cut_off() {
         let radiance = |albedo: f64| albedo * (KEY_IRRADIANCE * TO_KEY.normalize().z / PI + SKY_RADIANCE);

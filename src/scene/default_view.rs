@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
-/// What the camera and its node are called.
+/// Name of the camera and of its node.
 const NAME: &str = "camera";
 
 /// Vertical field of view, radians.
@@ -70,7 +70,7 @@ fn moments(scene: &Scene, frames: &RangeInclusive<i64>) -> impl Iterator<Item = 
     (0..=steps).map(move |step| first as f64 + part(step) * (last - first) as f64)
 }
 
-/// What a camera sees, less the margin: its axes in world space, and the tangents of half its angles.
+/// Frustum of a camera, less the margin: its axes in world space, and the tangents of half its angles.
 struct Frustum {
     right: DVec3,
     up: DVec3,
@@ -79,7 +79,7 @@ struct Frustum {
 }
 
 impl Frustum {
-    /// Of a picture whose width is `aspect` times its height.
+    /// Frustum of a picture whose width is `aspect` times its height.
     fn three_quarters(aspect: f64) -> Self {
         let (sin_azimuth, cos_azimuth) = AZIMUTH_DEG.to_radians().sin_cos();
         let (sin_elevation, cos_elevation) = ELEVATION_DEG.to_radians().sin_cos();
@@ -144,7 +144,7 @@ impl Seen {
     }
 }
 
-/// What of a scene is visible at a time.
+/// Visible part of a scene at a time.
 fn seen_at(scene: &Scene, time_s: f64, frustum: &Frustum) -> Seen {
     let placements = scene.placements(time_s);
     let seen = |instance: &Instance| {

@@ -7,7 +7,7 @@ pub use crate::description::gltf::{Influences, MorphTarget};
 use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 use std::sync::Arc;
 
-/// What bends the mesh of one instance.
+/// Deformation of one instance's mesh.
 #[derive(Clone, Debug)]
 pub struct Deformation {
     /// The shapes that are mixed in; shared by all instances of the mesh.
@@ -52,9 +52,9 @@ pub struct Joint {
 /// Everything that the shape of a mesh depends on at one time, and where that shape stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
-    /// Of the morph targets.
+    /// Weights of the morph targets.
     pub weights: Vec<f64>,
-    /// Of the joints, to the space of the shape.
+    /// Transforms of the joints, to the space of the shape.
     pub shape_from_rest: Vec<DAffine3>,
 }
 

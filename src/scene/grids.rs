@@ -8,15 +8,15 @@ use glam::{DAffine3, IVec3};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What a grid of density is called unless one says otherwise.
+/// Default name of a grid of density.
 const USUAL_GRID: &str = "density";
 
 /// A grid of a file, or of a file a frame.
 #[derive(Clone, Debug)]
 pub struct GridFrames {
-    /// Of the file; of a sequence with signs in the number's place.
+    /// Path of the file; of a sequence with signs in the number's place.
     pub path: PathBuf,
-    /// What the grid is called.
+    /// Name of the grid.
     pub name: String,
     /// At least one, by time.
     pub frames: Vec<GridFrame>,
@@ -34,7 +34,7 @@ pub struct GridFrame {
 }
 
 impl GridFrames {
-    /// What is there at a time.
+    /// Grid at a time.
     pub fn at(&self, time_s: f64) -> &GridFrame {
         let begun = |pair: &&[GridFrame]| 0.5 * (pair[0].time_s + pair[1].time_s) <= time_s;
         &self.frames[self.frames.windows(2).take_while(begun).count()]

@@ -1,6 +1,6 @@
-//! What of a scene changes in time. In goes a scene, out come its tracks, whatever their values are.
-//! Invariant: a value that can be keyed is in this list, so whether a scene is still and how long it
-//! moves are told alike.
+//! Keyed values of a scene. In goes a scene, out come its tracks, whatever their values are. Invariant: a
+//! value that can be keyed is in this list, so whether a scene is still and how long it moves are told
+//! alike.
 
 use super::{Animate, Extend, FogShape, GridFrames, Mist, Motion, Node, Rotation, Scene, Track};
 
@@ -59,7 +59,7 @@ impl Keyed for Mist {
 }
 
 impl Motion {
-    /// What of it is keyed.
+    /// Tracks of the scene.
     pub fn tracks(&self) -> Vec<&dyn Keyed> {
         match self {
             Self::Still(_) => vec![],
@@ -111,7 +111,7 @@ impl Scene {
         lights.chain(self.sky.iter().flat_map(|sky| [&sky.strength as &dyn Keyed, &sky.rotation]))
     }
 
-    /// Of fog, surfaces and shapes.
+    /// Tracks of fog, surfaces and shapes.
     fn matter_tracks(&self) -> impl Iterator<Item = &dyn Keyed> {
         let fogs = self.fogs.iter().flat_map(|fog| {
             let mut tracks: Vec<&dyn Keyed> = vec![&fog.density_per_m, &fog.albedo, &fog.anisotropy];

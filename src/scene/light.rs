@@ -17,7 +17,7 @@ pub struct Light {
     /// Suns: irradiance on a perpendicular plane, W/m^2. Point, sphere and spot: intensity, W/sr, seen
     /// from afar. Area: radiant power, W.
     pub power: Track<Rgb>,
-    /// What shape it has.
+    /// Kind, and its shape.
     pub kind: LightKind,
 }
 
@@ -28,7 +28,7 @@ pub enum LightKind {
     Sun,
     /// A disc infinitely far away.
     SunDisc(SunDisc),
-    /// The same intensity in all directions from one point.
+    /// A point with the same intensity in all directions.
     Point,
     /// A sphere, as bright in all places and directions.
     Sphere {
@@ -41,7 +41,7 @@ pub enum LightKind {
         outer_angle: Track<f64>,
         /// Blender's edge softness, `0..=1`: 1 - inner/outer angle.
         blend: Track<f64>,
-        /// Of the sphere, metres; 0 is a point.
+        /// Radius of the sphere, metres; 0 is a point.
         radius: Track<f64>,
     },
     /// A flat light, as bright in all places and directions, from one side.
@@ -69,7 +69,7 @@ pub enum AreaShape {
 pub struct SunDisc {
     /// The whole angle under which it is seen, radians, in `[0, pi)`.
     pub angular_diameter: Track<f64>,
-    /// What is on it; without one its radiance is the same everywhere.
+    /// Picture on it; without one its radiance is uniform.
     pub picture: Option<SunPicture>,
     /// How far the picture is turned anticlockwise, radians.
     pub picture_rotation: Track<f64>,

@@ -13,7 +13,7 @@ use std::path::Path;
 const FARTHEST_VERTEX_M: f32 = 1e15;
 /// As far from the world's origin as anything may be: room for sums and scales of such lengths.
 const FARTHEST_M: f64 = 1e18;
-/// What lights give at most, in any of their units: no light that is measured comes near.
+/// Maximum power of lights, in any of their units: no light that is measured comes near.
 const MOST_POWER: f64 = 1e20;
 
 /// Refuses what reaches too far, shines too brightly or is seen with no possible lens.
@@ -27,7 +27,7 @@ pub(super) fn check(scene: &Scene, file: &Path) -> Result<(), Diagnostics> {
     if errors.is_empty() { Ok(()) } else { Err(Diagnostics(errors)) }
 }
 
-/// What goes beyond a limit.
+/// Value beyond a limit.
 struct Excess {
     path: String,
     found: String,

@@ -1,5 +1,5 @@
-//! What surfaces are made of. Invariant: `base_color + transmission + mirror + filter_color <= 1` per
-//! channel, so no surface gives more than it receives.
+//! Materials of surfaces. Invariant: `base_color + transmission + mirror + filter_color <= 1` per channel,
+//! so no surface gives more than it receives.
 
 use super::{TextureIndex, Track};
 use crate::color::Rgb;
@@ -15,7 +15,7 @@ pub struct Material {
     pub base_color: Rgb,
     /// Image whose colour multiplies what is `painted`; looked up with the first texture coordinates.
     pub base_color_texture: Option<TextureIndex>,
-    /// What that image and the colours of vertices multiply.
+    /// Property that that image and the colours of vertices multiply.
     pub painted: Painted,
     /// Lambert transmittance, `0..=1`: what comes out, diffuse, on the side that the light does not
     /// fall on.
@@ -28,23 +28,23 @@ pub struct Material {
     pub emission: Rgb,
     /// Image whose colour multiplies `emission`.
     pub emission_texture: Option<TextureMap>,
-    /// What makes it shine, or a metal; without one it is matte.
+    /// Glossy coat, or metal; without one it is matte.
     pub coat: Option<Coat>,
     /// Whether its coat is that of Blender's Principled BSDF, as Cycles has it.
     pub is_principled: bool,
     /// A clear coat over all.
     pub clearcoat: Option<Clearcoat>,
-    /// What makes it shine like cloth, beneath the clear coat.
+    /// Sheen of cloth, beneath the clear coat.
     pub sheen: Option<Sheen>,
     /// Image of directions that bend the normal, and how much of their bending counts.
     pub normal_map: Option<(TextureMap, f64)>,
-    /// What alpha, `opacity` times that of the texture, does.
+    /// Effect of alpha, which is `opacity` times that of the texture.
     pub alpha_mode: AlphaMode,
     /// Alpha, `0..=1`; multiplied by the texture's if there is one.
     pub opacity: f64,
     /// Share of light that goes straight through where alpha is 1, `0..=1`.
     pub filter_color: Rgb,
-    /// What its numbers are at any time, if they change.
+    /// Track of its numbers, if they change.
     pub changes: Option<Track<MaterialNumbers>>,
 }
 
@@ -52,7 +52,7 @@ pub struct Material {
 pub type MaterialNumbers = [f64; NUMBERS];
 const NUMBERS: usize = 23;
 
-/// What a picture on a surface is a picture of.
+/// Property that a picture on a surface multiplies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Painted {
     /// [`Material::base_color`].
@@ -77,7 +77,7 @@ pub struct Coat {
     pub f0: Rgb,
     /// Image whose colour multiplies `f0`.
     pub f0_texture: Option<TextureMap>,
-    /// The same at grazing angles.
+    /// Reflectance at grazing angles of what is no metal.
     pub f90: f64,
 }
 
@@ -92,7 +92,7 @@ pub enum AlphaMode {
 }
 
 impl Material {
-    /// The same in a colour, which multiplies what pictures are of, and light that comes through.
+    /// Material in a tint, which multiplies the painted property and transmitted light.
     pub fn tinted(&self, color: Rgb) -> Self {
         let mut tinted = self.clone();
         tinted.base_color *= color;
@@ -120,7 +120,7 @@ impl Material {
         numbers
     }
 
-    /// The same at a time.
+    /// Material at a time.
     pub fn at(&self, time_s: f64) -> Self {
         let mut now = self.clone();
         let Some(changes) = &self.changes else { return now };

@@ -15,7 +15,7 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// One texture coordinate a vertex; empty means none. `v` points down, as in glTF.
     pub uvs: Vec<Vec2>,
-    /// The same for textures that are looked up with others: layers 1, 2 and so on; one a vertex each.
+    /// Texture coordinates of further textures: layers 1, 2 and so on; one a vertex each.
     pub more_uvs: Vec<Vec<Vec2>>,
     /// One linear colour a vertex, which multiplies the base colour; empty means white.
     pub colors: Vec<Vec3>,

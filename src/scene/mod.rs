@@ -1,6 +1,6 @@
-//! What the author's description means: resolved, in SI units, keyframed. In goes a
-//! [`crate::description`], out comes a [`Scene`]. Invariant: a `Scene` that exists is valid;
-//! every index points somewhere, every number is finite and in range, parents come before children.
+//! The scene that the author's description means: resolved, in SI units, keyframed. In goes a
+//! [`crate::description`], out comes a [`Scene`]. Invariant: a `Scene` that exists is valid; every index
+//! points somewhere, every number is finite and in range, parents come before children.
 
 mod animation;
 mod baking;
@@ -75,29 +75,30 @@ pub struct Scene {
     pub nodes: Vec<Node>,
     /// Triangle meshes, each shared by any number of instances.
     pub meshes: Vec<Mesh>,
-    /// What surfaces are made of.
+    /// Materials of surfaces.
     pub materials: Vec<Material>,
     /// Images that materials refer to.
     pub textures: Vec<Texture>,
     /// Meshes placed at nodes.
     pub instances: Vec<Instance>,
-    /// Of nodes whose meshes not all rays meet.
+    /// Ray visibility of nodes whose meshes not all rays meet.
     pub ray_visibility: BTreeMap<NodeIndex, RayVisibility>,
     /// Cameras; [`RenderSettings::camera`] picks one by name, else the first.
     pub cameras: Vec<Camera>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// What the lights of a glTF file were taken to be measured in, as neither it nor anyone else says.
+    /// Units that the lights of a glTF file were taken to be measured in, as neither it nor anyone else
+    /// says.
     pub guessed_light_units: Option<LightUnits>,
     /// Banks of fog.
     pub fogs: Vec<Fog>,
     /// Radiance of rays that leave the scene, W m^-2 sr^-1; it lights nothing.
     pub background: Rgb,
-    /// What lies behind the scene, added to the background, and lights it.
+    /// Sky behind the scene, added to the background; it lights the scene.
     pub sky: Option<Sky>,
     /// The animations of a glTF file, played or not.
     pub animations: Vec<Animation>,
-    /// What custom properties of a glTF file said to us, as they stand there.
+    /// Custom properties of a glTF file meant for us, as they stand there.
     pub properties: Vec<Property>,
     /// Everything that the description asks for and that is not honoured, or only nearly.
     pub remarks: Diagnostics,
@@ -132,7 +133,7 @@ pub struct Property {
     pub owner: String,
     /// Its name, `sunfleck...`.
     pub name: String,
-    /// What it holds.
+    /// JSON value.
     pub value: serde_json::Value,
 }
 
@@ -141,11 +142,11 @@ pub struct Property {
 pub struct Instance {
     /// Where.
     pub node: NodeIndex,
-    /// What.
+    /// Mesh.
     pub mesh: MeshIndex,
     /// Replaces the materials of all the mesh's triangles.
     pub material: Option<MaterialIndex>,
-    /// What the `leaf_id` pass shows; 0 is the background, so ids start at 1.
+    /// Id in the `leaf_id` pass; 0 is the background, so ids start at 1.
     pub leaf_id: u32,
     /// How it changes the mesh's shape, if it does.
     pub deformation: Option<Arc<Deformation>>,

@@ -23,7 +23,7 @@ pub enum Motion {
         position: Track<DVec3>,
         /// The point looked at, in the same space as `position`.
         target: Track<DVec3>,
-        /// Of any length; if it is 0, or along the view, any sideways direction will do.
+        /// Up vector of any length; if it is 0, or along the view, any sideways direction will do.
         up: Track<DVec3>,
     },
 }

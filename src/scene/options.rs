@@ -1,5 +1,5 @@
-//! What whoever loads a scene may ask for. In go choices, out come the settings that a made-up camera and
-//! light depend on. Invariant: a choice that is not made leaves what the input says.
+//! Options of whoever loads a scene. In go choices, out come the settings that a made-up camera and light
+//! depend on. Invariant: a choice that is not made leaves what the input says.
 
 use super::{FrameRate, RenderSettings, Size};
 
@@ -16,10 +16,10 @@ pub enum LightUnits {
     Raw,
 }
 
-/// What whoever renders wants of an input, beside what it says itself.
+/// Options of whoever renders, beside what the input says itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ResolveOptions {
-    /// What the lights of a glTF file are measured in, whatever it says.
+    /// Units of the lights of a glTF file, whatever it says.
     pub light_units: Option<LightUnits>,
     /// Which animations of a glTF file play, whatever its sequence says: a name, a number from 0, or `all`.
     pub animation: Option<String>,
@@ -27,7 +27,7 @@ pub struct ResolveOptions {
     pub no_default_light: bool,
     /// Leaves suns in the picture of the sky that shows them.
     pub keep_sky_suns: bool,
-    /// What is rendered instead of what the input says; a camera and light that are made up depend on it.
+    /// Size of the picture in place of the input's; a camera and light that are made up depend on it.
     pub size: Option<Size>,
     /// See `size`.
     pub frame_rate: Option<FrameRate>,

@@ -3,7 +3,7 @@
 
 use super::{NodeIndex, Scene};
 
-/// Of the meshes at a node, not of those below it.
+/// Ray visibility of the meshes at a node, not of those below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayVisibility {
     /// Whether the camera sees them; mirrors do in any case.

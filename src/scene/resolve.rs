@@ -20,10 +20,10 @@ pub fn resolve(
     resolve_telling(description, &options, &Baking::ALONE)
 }
 
-/// The same, on the threads that it is called on; falls that take their time are told of and kept.
+/// Resolves a description on the threads that it is called on; falls that take their time are told of and
+/// kept.
 ///
-/// # Errors
-/// Every problem that was found, if any of them is an error.
+/// # Errors Every problem that was found, if any of them is an error.
 pub fn resolve_telling(
     description: Description,
     options: &ResolveOptions,

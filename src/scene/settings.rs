@@ -108,8 +108,8 @@ impl Sampling {
     /// power -3/4 of the number: so many take an error of 4 %, at eight samples, below 0.1 %.
     pub const MOST: u32 = 1024;
 
-    /// What somebody asks for who may name a number of samples, a tolerance, both or neither: who names
-    /// one of the two has said all, for a number that was meant to be exact is no limit of a tolerance.
+    /// Sampling by a number of samples, a tolerance, both or neither. Whoever names one of the two has
+    /// said all: a number that was meant to be exact is no limit of a tolerance.
     pub fn said(samples: Option<u32>, tolerance: Option<f64>) -> Option<Self> {
         match (samples, tolerance) {
             (None, None) => None,
@@ -134,7 +134,7 @@ impl PixelFilter {
     /// Every filter there is.
     pub const ALL: [Self; 2] = [Self::Box, Self::BlackmanHarris];
 
-    /// What it is called where a person names it.
+    /// Name that a person gives it by.
     pub fn name(self) -> &'static str {
         match self {
             Self::Box => "box",
@@ -165,7 +165,7 @@ impl fmt::Display for Bounces {
     }
 }
 
-/// What the input asks for; the command line overrides it.
+/// Settings that the input asks for; the command line overrides them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// Name of the sequence: the file's stem unless it says otherwise. Names the output too.

@@ -1,4 +1,4 @@
-//! What a sun's disc shows: an image, a fractal, a limb darker than the middle. Invariant: a picture is
+//! Picture on a sun's disc: an image, a fractal, a limb darker than the middle. Invariant: a picture is
 //! bright somewhere; one that stays the same is made once.
 
 use super::{DISC_CELLS, DiscPicture, Julia, Texture, Wrap, limb_darkening};
@@ -13,7 +13,7 @@ pub const MOST_SUN_PICTURES: usize = 16;
 /// Texels beyond this many a cell, either way, are passed between.
 const MOST_PER_CELL: usize = 8;
 
-/// What is on a sun's disc.
+/// Picture on a sun's disc.
 #[derive(Clone, Debug)]
 pub struct SunPicture {
     shows: SunShows,
@@ -22,10 +22,10 @@ pub struct SunPicture {
     still: Option<Arc<DiscPicture>>,
 }
 
-/// What a sun's disc shows before its limb is darkened.
+/// Content of a sun's disc before its limb is darkened.
 #[derive(Clone, Debug)]
 pub enum SunShows {
-    /// The same everywhere.
+    /// Uniform.
     Even,
     /// The largest circle in the middle of an image.
     Image(Arc<Texture>),
@@ -34,7 +34,7 @@ pub enum SunShows {
 }
 
 impl SunPicture {
-    /// What is shown, with a coefficient of [`limb_darkening`]; `None` if that is black all over.
+    /// Picture with a coefficient of [`limb_darkening`]; `None` if it is black all over.
     pub fn new(shows: SunShows, limb_darkening: f64) -> Option<Self> {
         let limb = |p: DVec2| limb(limb_darkening, p);
         let still = match &shows {
@@ -53,7 +53,7 @@ impl SunPicture {
         Some(Self { shows, limb_darkening, still: still.map(Arc::new) })
     }
 
-    /// What it shows, the limb as bright as the middle.
+    /// Content, the limb as bright as the middle.
     pub fn shows(&self) -> &SunShows {
         &self.shows
     }

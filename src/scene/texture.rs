@@ -15,7 +15,7 @@ pub struct Texture {
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
     pub texels: Texels,
-    /// What lies beyond the edges, across and down.
+    /// Wrap beyond the edges, across and down.
     pub wrap: [Wrap; 2],
 }
 

@@ -28,7 +28,7 @@ const TAKING_UP_S: f64 = 0.5;
 /// How fast a leaf backs off that hangs nearer to an obstacle than it reaches.
 const BACKING_OFF_M_PER_S: f64 = 0.3;
 
-/// What a plate does next: so many steps of `time` each under one weight.
+/// Steps of a plate: so many of `time` each under one weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg {
     pub(super) plate: Plate,
@@ -63,7 +63,7 @@ impl Journey {
         Ok(Self { leaf, interval_s, flier, poses })
     }
 
-    /// What the plate does until the next pose.
+    /// Steps of the plate until the next pose.
     pub(super) fn depart(&mut self, around: Surroundings<'_>) -> Leg {
         let (leaf, interval_s) = (&mut self.leaf, self.interval_s);
         leaf.speed_gain = around.speed_gain.at(leaf.release_s + self.flier.time_s + 0.5 * interval_s);
@@ -105,10 +105,10 @@ struct Flier {
     /// The air's velocity around it, and the way that it went in the last interval.
     air: DVec3,
     moved: DVec3,
-    /// Of the interval that it is in: the air at its end, and how fast the plane turns.
+    /// Air at the end of the current interval, and how fast the plane turns.
     next_air: DVec3,
     yaw_rad_per_s: f64,
-    /// Of the ball about its middle that is kept free of obstacles.
+    /// Radius of the ball about its middle that is kept free of obstacles.
     free_m: f64,
 }
 

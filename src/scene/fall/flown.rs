@@ -14,7 +14,7 @@ const CONTEXT: usize = 2;
 /// Place and turn of a node.
 pub(super) type Tracks = (Track<DVec3>, Track<DQuat>);
 
-/// What has become of a leaf until it touches the ground, if it does. By default it was never anywhere.
+/// Flight of a leaf until it touches the ground, if it does. By default it was never anywhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::inside::scene) struct Flown {
     /// Up to the tail; `None` where all is tail.
@@ -44,7 +44,7 @@ impl Flown {
         Some(Self { head, tail: poses.split_off(from - CONTEXT), velocity })
     }
 
-    /// The same, if it holds together, whoever made it.
+    /// Flight that holds together, whoever made it; `None` if this one does not.
     pub(super) fn checked(self) -> Option<Self> {
         let whole = self.head.is_some() && self.tail.is_empty() || self.tail.len() > self.first();
         whole.then_some(self)

@@ -1,4 +1,4 @@
-//! What leaves come to rest on: a level, and the upper side of a mesh. Invariant: every place has one
+//! Ground where leaves come to rest: a level, and the upper side of a mesh. Invariant: every place has one
 //! height.
 
 use glam::{DVec2, DVec3};
@@ -14,7 +14,7 @@ pub(crate) struct Ground {
     level_m: f64,
     highest_m: f64,
     own: Meshes,
-    /// Of others, where there is none of its own.
+    /// Meshes of others, where there is none of its own.
     others: Meshes,
 }
 
@@ -44,7 +44,7 @@ impl Ground {
         self.highest_m
     }
 
-    /// Of the meshes where there is one, their upper side; else of the level.
+    /// Height of the meshes where there is one, on their upper side; else of the level.
     pub(crate) fn height_m(&self, x: f64, z: f64) -> f64 {
         let place = DVec2::new(x, z);
         self.own.height_m(place).or_else(|| self.others.height_m(place)).unwrap_or(self.level_m)

@@ -1,6 +1,6 @@
-//! What lies on the ground already: how high, over squares of a fine grid. In go leaves at rest, out
-//! come heights. Invariant: no leaf that lies here is higher than its squares say, but for what its
-//! mesh bends within one of them.
+//! Height field of leaves that lie on the ground already, over squares of a fine grid. In go leaves at
+//! rest, out come heights. Invariant: no leaf that lies here is higher than its squares say, but for the
+//! bend of its mesh within one of them.
 
 use super::ground::Ground;
 use super::outline::Outline;
@@ -50,7 +50,7 @@ impl Heap {
         Self { square_m, tiles: HashMap::new() }
     }
 
-    /// Of a mesh that is scaled by so much at most.
+    /// Sheet of a mesh that is scaled by `scale` at most.
     pub(super) fn sheet(&self, outline: &Outline, scale: f64) -> Sheet {
         Sheet { points: outline.sampled(self.square_m / scale) }
     }
@@ -65,7 +65,7 @@ impl Heap {
         tiles.any(|tile| self.tiles.get(&tile).is_some_and(|tile| f64::from(tile.highest_m) >= height_m))
     }
 
-    /// What lies under each of the sheet's points, in their order; `None` where the ground is bare.
+    /// Height under each of the sheet's points, in their order; `None` where the ground is bare.
     fn under<'a>(&'a self, points: &'a [DVec3]) -> impl Iterator<Item = Option<f64>> + 'a {
         // Neighbours are mostly on the same tile.
         let mut last: Option<([i32; 2], Option<&Tile>)> = None;
@@ -125,7 +125,7 @@ impl Heap {
 }
 
 impl Sheet {
-    /// Of a leaf whose mesh is scaled by so much.
+    /// Sheet of a leaf whose mesh is scaled.
     pub(super) fn scaled(&self, scale: f64) -> Self {
         Self { points: self.points.iter().map(|&point| point * scale).collect() }
     }

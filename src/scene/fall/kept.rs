@@ -39,7 +39,7 @@ impl Fall {
         flown
     }
 
-    /// Of all that flights depend on.
+    /// Name by all that flights depend on.
     pub(super) fn name(&self) -> String {
         let mut hash = Hashed(Sha256::new());
         // Shortest decimals give numbers back to the last bit, so that they tell all numbers apart.

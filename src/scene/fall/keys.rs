@@ -80,7 +80,7 @@ pub(crate) fn joined<T: Animate>(first: &Track<T>, second: &Track<T>) -> Option<
     Track::new(keys, Extend::Hold)
 }
 
-/// Of the two forms of each rotation takes the one on the side of the one before.
+/// Picks of the two quaternions of each rotation the one on the side of the one before.
 pub(crate) fn to_one_side(poses: &mut [Pose], mut previous: DQuat) {
     for pose in poses {
         pose.turn = if pose.turn.dot(previous) < 0.0 { -pose.turn } else { pose.turn };

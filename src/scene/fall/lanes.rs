@@ -9,7 +9,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// more idle where leaves run out.
 pub(super) const LANES: usize = 4;
 
-/// What the equations of a plate are written in.
+/// Number that the equations of a plate are written in.
 pub(super) trait Number:
     Copy
     + Add<Output = Self>
@@ -18,7 +18,7 @@ pub(super) trait Number:
     + Mul<f64, Output = Self>
     + Neg<Output = Self>
 {
-    /// The same function of each lane.
+    /// Applies a function to each lane.
     fn map(self, of: impl Fn(f64) -> f64) -> Self;
 }
 

@@ -36,11 +36,11 @@ pub(crate) struct Leaf {
     /// Cosine and sine: of the plane's turn about the vertical, and of the chord's slope in it.
     pub(crate) heading: [f64; 2],
     pub(crate) slope: [f64; 2],
-    /// Of the leaf about its normal.
+    /// Turn of the leaf about its normal.
     pub(crate) twist: DQuat,
     /// Points of its outline relative to its middle, metres.
     pub(crate) outline: Vec<DVec3>,
-    /// What points up when it lies, on the one side and on the other.
+    /// Upward directions when it lies on the one side and on the other.
     pub(crate) rests: [DVec3; 2],
     /// How far the outline reaches.
     pub(crate) reach_m: f64,
@@ -48,7 +48,7 @@ pub(crate) struct Leaf {
     pub(crate) clearance_m: f64,
 }
 
-/// What turns a fall in a plane into one in space. Dressing.
+/// Motion that turns a fall in a plane into one in space. Dressing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Manner {
     /// How fast the plane turns.
@@ -71,7 +71,7 @@ pub(crate) struct Pose {
     pub(crate) turn: DQuat,
 }
 
-/// What becomes of a leaf in the air.
+/// Flight of a leaf through the air.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Flight {
     /// From the release on; the last touches the ground, unless the leaf never does.

@@ -1,5 +1,5 @@
-//! What a stiff leaf leans on. In go heights that its points must not be below, out comes the plane that
-//! rests on them: three contacts with its weight between them. Invariant: sums, products and quotients alone.
+//! Lean of a stiff leaf. In go heights that its points must not be below, out comes the plane that rests
+//! on them: three contacts with its weight between them. Invariant: sums, products and quotients alone.
 
 use glam::{DVec2, DVec3};
 

@@ -112,7 +112,7 @@ pub(super) struct Fallen {
     pub(super) landed: bool,
 }
 
-/// What is left to chance. A new entry goes to the end, so that it does not change old scenes.
+/// Random draws of a leaf. A new entry goes to the end, so that it does not change old scenes.
 #[derive(Clone, Copy)]
 enum Draw {
     Place,
@@ -164,7 +164,7 @@ impl Fall {
         Surroundings { wind, ground, obstacles, speed_gain }
     }
 
-    /// What chance makes of a leaf's looks.
+    /// Looks of a leaf, drawn at random.
     fn look(&self, number: u32) -> Look<'_> {
         let chance = Chance::of(self.seed, number);
         let draw = |draw: Draw| chance.at(draw as u64);
@@ -216,7 +216,7 @@ impl Fall {
     }
 }
 
-/// What a leaf looks like, and what it draws its chances from.
+/// Looks of a leaf, and the source of its random draws.
 struct Look<'a> {
     chance: Chance,
     species: usize,

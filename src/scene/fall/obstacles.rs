@@ -1,6 +1,6 @@
-//! What falling leaves slide off: trunks, and whatever else the author names. In goes the way that a ball
-//! would go, out comes the one that it can go. Invariant: a ball that was free stays free of every triangle,
-//! or nearly so in a crevice narrower than itself; no way leads through a surface.
+//! Obstacles that falling leaves slide off: trunks, and whatever else the author names. In goes the way
+//! that a ball would go, out comes the one that it can go. Invariant: a ball that was free stays free of
+//! every triangle, or nearly so in a crevice narrower than itself; no way leads through a surface.
 
 use super::emitter::GRID_PER_M;
 use glam::DVec3;
@@ -25,7 +25,7 @@ pub(in crate::inside::scene) struct Obstacles {
 struct Node {
     low: DVec3,
     high: DVec3,
-    /// Of a leaf: its triangles; of others none.
+    /// First triangle, and their number, of a leaf of the tree; 0 of others.
     first: usize,
     count: usize,
     /// The node that comes after all that is within this one.
@@ -39,7 +39,7 @@ pub(super) struct Contact {
     pub(super) normal: DVec3,
 }
 
-/// What they are made from: bakes are named after it.
+/// Triangles that they are made from: bakes are named after these.
 impl fmt::Debug for Obstacles {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Obstacles").field(&self.triangles).finish()

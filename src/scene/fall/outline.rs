@@ -1,6 +1,6 @@
-//! What falling needs to know of a leaf's mesh. In go vertices and triangles, out come points that may
-//! touch the ground, the two ways in which they lie on it, and the blade. Invariant: relative to the
-//! middle of their box.
+//! Outline of a leaf's mesh for falling. In go vertices and triangles, out come points that may touch the
+//! ground, the two ways in which they lie on it, and the blade. Invariant: relative to the middle of their
+//! box.
 
 use super::ground::height_in;
 use glam::{DVec2, DVec3};
@@ -11,14 +11,14 @@ const MOST_POINTS: usize = 400;
 /// No leaf lies steeper on its own points than this slope.
 const STEEPEST: f64 = 3.0;
 
-/// Of a mesh that lies flat, its length along z.
+/// Outline of a mesh that lies flat, its length along z.
 #[derive(Clone, Debug)]
 pub(in crate::inside::scene) struct Outline {
     pub(super) points: Vec<DVec3>,
     pub(super) triangles: Vec<[DVec3; 3]>,
     pub(super) middle: DVec3,
     pub(super) size: DVec3,
-    /// What points up when it lies with its upper side up, and with it down.
+    /// Upward directions when it lies with its upper side up, and with it down.
     pub(super) rests: [DVec3; 2],
 }
 

@@ -160,7 +160,7 @@ mod tests {
         falls.iter().map(|fall| (fall, fall.fly(&|_| {}))).collect()
     }
 
-    /// The same leaves, of which all never land but some.
+    /// Leaves of which only some ever land.
     fn up_in_the_air(flown: &[Flown], lands: impl Fn(usize) -> bool) -> Vec<Flown> {
         let head = flown.iter().find_map(|leaf| leaf.head.clone());
         let gone = Flown { head, tail: Vec::new(), velocity: DVec3::ZERO };

@@ -25,7 +25,7 @@ pub(super) const AIR_DENSITY: f64 = 1.225;
 /// Standard gravity, m/s^2.
 pub(super) const GRAVITY: f64 = 9.806_65;
 
-/// What kind of plate it is, free of dimensions; or several side by side.
+/// Dimensionless numbers of a plate, or of several side by side.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Plate<N = f64> {
     /// I*, mass over that of the air that the plate pushes along: decides between flutter and tumble.
@@ -39,7 +39,7 @@ pub(super) struct Plate<N = f64> {
 /// mu_1 of the paper's section 6.
 pub(super) const PAPER_DAMPING: f64 = 0.2;
 
-/// What one half chord and one unit of velocity are.
+/// Units of length and velocity.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
     /// Half the chord, metres.
@@ -49,7 +49,7 @@ pub(super) struct Scales {
 }
 
 impl Scales {
-    /// Of a plate in air.
+    /// Units of a plate in air.
     pub(super) fn new(chord_m: f64, areal_mass_kg_per_m2: f64) -> Self {
         let speed_squared = 2.0 * areal_mass_kg_per_m2 * GRAVITY / (PI * AIR_DENSITY);
         Self { length_m: 0.5 * chord_m, speed_m_per_s: speed_squared.sqrt() }
@@ -88,7 +88,7 @@ impl State {
         Self { u: 0.0, v: 0.0, w: 0.0, cos, sin, x: 0.0, y: 0.0 }
     }
 
-    /// The same with another velocity, given along the horizontal and upwards.
+    /// State with another velocity, given along the horizontal and upwards.
     pub(super) fn with_velocity(self, horizontal: f64, upward: f64) -> Self {
         let u = horizontal * self.cos + upward * self.sin;
         Self { u, v: upward * self.cos - horizontal * self.sin, ..self }

@@ -24,7 +24,7 @@ pub(crate) struct Wind {
     gust: Track<DVec3>,
     gust_s: f64,
     seed: u32,
-    /// Of the eddies when they are strongest.
+    /// Waves of the eddies when they are strongest.
     waves: Vec<Wave>,
     /// Their strength over that.
     eddy: Track<f64>,
@@ -41,7 +41,7 @@ struct Wave {
     velocity: DVec3,
 }
 
-/// What the strongest gust adds to the mean wind, one every so many seconds or so.
+/// Gusts on top of the mean wind: the strongest one's speed, and the seconds between two, about.
 pub(crate) struct Gusts<T> {
     pub(crate) speed_m_per_s: T,
     pub(crate) every_s: f64,

@@ -12,7 +12,8 @@ use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::Animation;
 use std::collections::BTreeSet;
 
-/// What two animations cannot both move: a path of a node, or a property of something, with its number.
+/// Target of a channel, which two animations cannot both move: a path of a node, or a property of
+/// something, with its number.
 type Target = (Thing, usize);
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -76,7 +77,7 @@ fn side_by_side(source: &GltfScene, targets: &[BTreeSet<Target>], report: &mut R
     targets.iter().zip(&source.animations).map(&mut is_free).collect()
 }
 
-/// What each animation moves.
+/// Targets of each animation.
 fn targets(source: &GltfScene) -> Vec<BTreeSet<Target>> {
     let mut targets = vec![BTreeSet::new(); source.animations.len()];
     for channel in &source.channels {

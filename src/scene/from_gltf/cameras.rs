@@ -66,7 +66,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What `sunfleck_camera` says of a camera's lens.
+    /// Thin lens by a camera's `sunfleck_camera`.
     fn camera_extras(&mut self, camera: &gltf::Camera) -> Option<ThinLens> {
         let path = format!("camera `{}`", camera.name);
         let lens: ThinLens = extras::read(&camera.extras, "sunfleck_camera", &path, &mut self.report)?;

@@ -29,7 +29,7 @@ struct Control {
     unknown: BTreeMap<String, Value>,
 }
 
-/// What a node carries.
+/// Track that a node carries.
 enum Carried {
     Number(Track<f64>),
     Color(Track<Rgb>),
@@ -235,7 +235,7 @@ impl Builder<'_> {
         Some(())
     }
 
-    /// What a light's one number is multiplied with.
+    /// Colour that a light's one number is multiplied with.
     fn light_color(&self, light: usize) -> Rgb {
         let node = self.node_numbers.iter().position(|number| *number == Some(self.scene.lights[light].node));
         let Some(node) = node.map(|node| &self.source.nodes[node]) else { return Rgb::ONE };

@@ -33,7 +33,7 @@ pub(super) struct Part<'a> {
 pub(super) type Baked = BTreeMap<(MeshIndex, Vec<u64>), MeshIndex>;
 
 impl Converted {
-    /// Of mesh number `mesh`, which has so many vertices.
+    /// Deformation of mesh number `mesh`, from its parts.
     pub(super) fn new(mesh: MeshIndex, vertices: usize, parts: &[Part<'_>]) -> Self {
         let influences = influences(parts, vertices).map(Arc::new);
         let targets = targets(parts, vertices);
@@ -150,7 +150,7 @@ impl Builder<'_> {
         still.into_iter().enumerate().map(keyed).collect()
     }
 
-    /// What a node's mesh hangs on.
+    /// Skin of a node's mesh.
     fn skin(&mut self, part: &Converted, node: usize) -> Option<Skin> {
         let index = self.source.nodes[node].skin?;
         let influences = Arc::clone(part.influences.as_ref()?);

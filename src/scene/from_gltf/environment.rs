@@ -22,7 +22,7 @@ struct Environment {
     image: Option<String>,
     #[serde(default = "one")]
     strength: Channels,
-    /// Of an image, about +y, anticlockwise as seen from above, radians.
+    /// Rotation of an image about +y, anticlockwise as seen from above, radians.
     #[serde(default)]
     rotation: f64,
     #[serde(default)]
@@ -48,9 +48,9 @@ fn one() -> Channels {
     Channels::Same(1.0)
 }
 
-/// What lies behind the scene, from its extras.
+/// Background and sky, from the scene's extras.
 ///
-/// Its image, if it has one, has been read already; if that failed, that has been said.
+/// An image has been read already; if that failed, that has been reported.
 pub(super) fn surroundings(
     source: &GltfScene,
     image: Option<DecodedImage>,
@@ -93,7 +93,7 @@ pub(super) fn surroundings(
     }
 }
 
-/// What the sky looks like, its strength counted unless it is an image.
+/// Picture of the sky, its strength counted unless it is an image.
 fn picture(
     found: &Environment,
     image: Option<DecodedImage>,

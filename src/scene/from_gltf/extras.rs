@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// What the scene's extras say.
+/// Properties in the scene's extras.
 pub(super) struct SceneExtras {
     pub(super) sunfleck: Sunfleck,
     pub(super) fog: Option<Fog>,

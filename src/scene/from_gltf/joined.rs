@@ -47,7 +47,7 @@ impl Course {
     }
 }
 
-/// What `value` makes of the tracks that take these courses; `None` if there are none.
+/// Track of `value` over the tracks that take these courses; `None` if there are none.
 pub(super) fn joined<T: Animate>(courses: &[Course], value: impl Fn(f64) -> T) -> Option<Track<T>> {
     let mut times_s: Vec<f64> =
         courses.iter().flat_map(|course| course.0.iter().map(|(time_s, _)| *time_s)).collect();

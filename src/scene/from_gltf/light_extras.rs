@@ -1,6 +1,6 @@
-//! What `sunfleck_light` says of a light: its size, and all of an area light, neither of which glTF
+//! Properties of a light in `sunfleck_light`: its size, and all of an area light, neither of which glTF
 //! knows. In go the custom property and the light that glTF has, out comes the light it really is.
-//! Invariant: sizes are finite and in range; what is not is an error at its own JSON path.
+//! Invariant: sizes are finite and in range; any other is an error at its own JSON path.
 
 use super::Builder;
 use super::extras::{self, Channels};
@@ -33,31 +33,31 @@ fn iterations() -> f64 {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct LightExtras {
-    /// Of a sun: the whole angle of its disc.
+    /// Whole angle of a sun's disc.
     angle: Option<f64>,
-    /// Of a point or spot, metres.
+    /// Radius of a point or spot, metres.
     radius: Option<f64>,
     /// `area` makes a light of a node that has none.
     #[serde(rename = "type")]
     kind: Option<String>,
     shape: Option<String>,
-    /// Of an area light, metres before the node's scale.
+    /// Size of an area light, metres before the node's scale.
     size: Option<Size>,
-    /// Of an area light, all light that it emits, W, which are Blender's watts; those of other lights stand
-    /// in the light itself.
+    /// Radiant power of an area light, W, which are Blender's watts; those of other lights stand in the
+    /// light itself.
     power_w: Option<f64>,
     color: Option<Channels>,
-    /// Of an area light's beam.
+    /// Spread of an area light's beam.
     spread: Option<f64>,
     casts_shafts: Option<bool>,
     /// Whether camera and mirrors see the disc of a sun.
     visible_to_camera: bool,
-    /// What that disc shows: a file beside this one or a data URI, or a Julia set, and how
-    /// much darker its edge is.
+    /// Picture on that disc: a file beside this one or a data URI, or a Julia set, and how much darker its
+    /// edge is.
     pub(super) image: Option<String>,
     pub(super) fractal: Option<Fractal>,
     pub(super) limb_darkening: Option<f64>,
-    /// Of the picture, anticlockwise.
+    /// Rotation of the picture, anticlockwise.
     pub(super) picture_rotation: Option<f64>,
     #[serde(flatten)]
     unknown: BTreeMap<String, Value>,

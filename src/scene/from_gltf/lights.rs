@@ -84,9 +84,9 @@ impl Builder<'_> {
     }
 }
 
-/// What one unit of a light's intensity is in W/m^2 (sun) or W/sr (point, spot). Blender's exporter
-/// writes, for a sun of S W/m^2 and a lamp of P W: spec 683 S and 683 P / 4 pi, compat S and P / 4 pi,
-/// raw S and P.
+/// Factor from one unit of a light's intensity to W/m^2 (sun) or W/sr (point, spot). Blender's exporter
+/// writes, for a sun of S W/m^2 and a lamp of P W: spec 683 S and 683 P / 4 pi, compat S and P / 4 pi, raw
+/// S and P.
 fn watts_per_unit(units: LightUnits, kind: gltf::LightKind) -> f64 {
     match (units, kind) {
         (LightUnits::Spec, _) => LUMENS_PER_WATT.recip(),

@@ -39,9 +39,9 @@ struct Builder<'a> {
     report: Report,
     /// Our number of each of the file's nodes; `None` for those outside the scene.
     node_numbers: Vec<Option<usize>>,
-    /// What morph weights each node's mesh has at what time, if they are animated.
+    /// Morph weights of each node's mesh, if they are animated.
     weight_channels: Vec<Option<&'a Channel>>,
-    /// What is animated beside nodes.
+    /// Animated properties beside nodes.
     properties: BTreeMap<(Property, usize), &'a PropertyChannel>,
     /// Images on suns, by the names that the file has for them.
     sun_images: BTreeMap<String, Arc<Texture>>,

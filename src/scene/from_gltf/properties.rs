@@ -88,11 +88,11 @@ impl<'a> Builder<'a> {
         power.unwrap_or(Track::from(color * (intensity * watts)))
     }
 
-    /// What to multiply animated intensities with to have them in the unit of the still one.
+    /// Factor from animated intensities to the unit of the still one.
     ///
     /// Blender 5.0's exporter converts animated intensities otherwise than still ones (io_scene_gltf2,
-    /// `keyframes.py` and `lights.py`): of lamps it forgets to divide by 4 pi, of suns to multiply by 683, of
-    /// all of them the exposure. The last is found from the still intensity, which is that of frame 0.
+    /// `keyframes.py` and `lights.py`): of lamps it forgets to divide by 4 pi, of suns to multiply by 683,
+    /// of all of them the exposure. The last is found from the still intensity, which is that of frame 0.
     fn intensity_factor(&mut self, light: &gltf::Light, channel: &PropertyChannel, units: LightUnits) -> f64 {
         if !self.source.generator.contains("Blender") {
             return 1.0;

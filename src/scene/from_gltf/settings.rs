@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, Loss};
 use crate::passes::Pass;
 use crate::scene::{Bounces, PixelFilter, RenderSettings, Sampling, Size};
 
-/// What `sunfleck` of the scene's extras says.
+/// Render settings in `sunfleck` of the scene's extras.
 pub(super) fn settings(
     source: &GltfScene,
     sunfleck: &Sunfleck,

@@ -1,6 +1,6 @@
-//! What `sunfleck_light` says of a picture on a sun's disc. In go its fields, out comes a [`SunPicture`].
-//! Invariant: as in our own format a picture has a disc to be on, and is bright somewhere; what is not is an
-//! error at its own JSON path.
+//! Picture on a sun's disc, from `sunfleck_light`. In go its fields, out comes a [`SunPicture`].
+//! Invariant: as in our own format a picture has a disc to be on, and is bright somewhere; else there is
+//! an error at its own JSON path.
 
 use super::Builder;
 use super::light_extras::{Fractal, LightExtras};
@@ -21,7 +21,7 @@ pub(super) fn images(decoded: BTreeMap<String, DecodedImage>) -> BTreeMap<String
 }
 
 impl Builder<'_> {
-    /// What a sun's disc shows, if anything; of other lights it is reported.
+    /// Picture on a sun's disc, if there is one; on other lights it is reported.
     pub(super) fn sun_picture(
         &mut self,
         is_sun: bool,

@@ -37,7 +37,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What a material's custom property says of the light that it lets through.
+    /// Transmission in a material's custom property.
     fn leaf(&mut self, index: usize, material: &gltf::Material) -> Option<Leaf> {
         let path = format!("materials[{index}]");
         let leaf: Leaf = extras::read(&material.extras, "sunfleck_leaf", &path, &mut self.report)?;

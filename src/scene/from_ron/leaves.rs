@@ -92,7 +92,7 @@ fn place(block: &Leaves, position: DVec3, chance: LeafChance) -> DAffine3 {
     DAffine3::from_scale_rotation_translation(DVec3::splat(scale), attitude, position)
 }
 
-/// What is left to chance, by its number. A new entry has a new one, so that it does not change old scenes.
+/// Random draws, by their numbers. A new entry has a new one, so that it does not change old scenes.
 #[derive(Clone, Copy)]
 enum Draw {
     X,

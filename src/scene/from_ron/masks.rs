@@ -6,7 +6,7 @@ use crate::diagnostic::Diagnostic;
 use crate::scene::outline::{self, Mask};
 
 impl Resolver<'_> {
-    /// What is left of a mesh in that material; `None` if nothing is.
+    /// Mesh without the parts that the material's mask hides; `None` if nothing is left.
     pub(super) fn cut_out(&mut self, mesh: MeshIndex, material: Option<MaterialIndex>) -> Option<MeshIndex> {
         let masked = material.and_then(|material| Some((material, *self.cutoffs.get(&material)?)));
         let Some((material, cutoff)) = masked else { return Some(mesh) };

@@ -8,7 +8,8 @@ use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Of the largest billows' width, and of the box's shortest side at most, over which mist fades.
+/// Width over which mist fades, as a share of the largest billows' width, and of the box's shortest side
+/// at most.
 const USUAL_EDGE: f64 = 0.5;
 /// Whole numbers of 32 bits count them, with room to spare.
 const FARTHEST_VOXELS: f64 = 1e9;

@@ -133,12 +133,12 @@ struct Resolver<'a> {
     nodes: BTreeMap<&'a str, NodeIndex>,
     mesh_files: BTreeMap<&'a str, &'a ron::Shape>,
     meshes: BTreeMap<&'a str, MeshIndex>,
-    /// What bends those that have a file a frame.
+    /// Deformations of meshes that have a file a frame.
     moving: BTreeMap<MeshIndex, Arc<Deformation>>,
     /// Meshes that take turns, by the first of them.
     turns: BTreeMap<MeshIndex, Arc<[moving::Turn]>>,
     materials: BTreeMap<&'a str, MaterialIndex>,
-    /// What stands in the place of OBJ files' materials and nowhere else, by mesh and name.
+    /// Materials of the scene file that only stand in for those of OBJ files, by mesh and name.
     inline_materials: BTreeMap<(&'a str, &'a str), MaterialIndex>,
     /// Where the materials of an OBJ file start, and of which of the models that it stands for.
     model_materials: BTreeMap<(&'a Path, usize), MaterialIndex>,
@@ -147,16 +147,16 @@ struct Resolver<'a> {
     obj_pictures: BTreeMap<ObjPicture, TextureIndex>,
     leaf_count: u32,
     fall_count: u32,
-    /// Of masked materials.
+    /// Alpha cutoffs of masked materials.
     cutoffs: BTreeMap<MaterialIndex, f64>,
-    /// What masks have left of meshes.
+    /// Meshes that masks have cut.
     cut_meshes: BTreeMap<(MeshIndex, MaterialIndex), Option<MeshIndex>>,
     /// Materials in a tint, by their own number and the tint.
     tinted: BTreeMap<(MaterialIndex, tints::Level), MaterialIndex>,
     outlines: Tally,
     /// Images that suns show, by their paths.
     sun_images: BTreeMap<PathBuf, Arc<Texture>>,
-    /// Of OpenVDB files, by their paths.
+    /// OpenVDB files, by their paths.
     grids: BTreeMap<PathBuf, vdb::GridFiles>,
     /// Until the sky takes it.
     sky_image: Option<DecodedImage>,

@@ -19,7 +19,7 @@ pub(super) struct Turn {
     mesh: Option<MeshIndex>,
 }
 
-/// What bends the mesh of a model; nothing if it keeps its shape.
+/// Deformation of a model's mesh; `None` if it keeps its shape.
 fn deformation(model: &ObjModel, rate: FrameRate) -> Option<Deformation> {
     let shapes = &model.shapes;
     let last = shapes.after.len();

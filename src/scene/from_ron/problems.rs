@@ -1,4 +1,4 @@
-//! What is wrong with a file, all of it. Invariant: every problem names the field by its path.
+//! Problems of a file, all of them. Invariant: every problem names the field by its path.
 
 use crate::description::ron::suggest;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};

@@ -1,5 +1,5 @@
-//! What is on a sun's disc: limb darkening, an image or a fractal. In go the fields of a RON sun, out comes a
-//! [`SunPicture`]. Invariant: a picture has a disc to be on, and is not black.
+//! Picture on a sun's disc: limb darkening, an image or a fractal. In go the fields of a RON sun, out
+//! comes a [`SunPicture`]. Invariant: a picture has a disc to be on, and is not black.
 
 use super::Resolver;
 use super::lights::is_always_zero;

@@ -32,7 +32,7 @@ impl Resolver<'_> {
         self.tinted_instance(node, mesh, (material, material));
     }
 
-    /// Of a mesh that has the shape that one material gives it, and is shown in another.
+    /// Places a mesh cut in the shape of one material and shown in another.
     pub(super) fn tinted_instance(
         &mut self,
         node: NodeIndex,
@@ -46,7 +46,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Of meshes that take turns under one id.
+    /// Places one of the meshes that take turns under one id.
     fn one_of(
         &mut self,
         leaf_id: u32,

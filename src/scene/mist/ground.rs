@@ -13,7 +13,7 @@ pub struct GroundHeights {
 }
 
 impl GroundHeights {
-    /// Of triangles in a box.
+    /// Heights of triangles in a box.
     pub(crate) fn new([low, high]: [DVec3; 2], spacing_m: f64, triangles: &[[DVec3; 3]]) -> Self {
         let flat = |point: DVec3| DVec2::new(point.x, point.z);
         let (low, size) = (flat(low), (flat(high) - flat(low)) / spacing_m);

@@ -40,7 +40,7 @@ pub struct Mist {
     pub octaves: u32,
     /// The share of the shape that it fills, `0..=1`.
     pub cover: Track<f64>,
-    /// What carries the billows.
+    /// Wind that carries the billows.
     pub(crate) wind: Drift,
     /// How often they have turned over.
     pub evolution_turns: Track<f64>,
@@ -97,7 +97,7 @@ pub(super) fn voxel_count([low, high]: [DVec3; 2], voxel_m: f64) -> f64 {
 pub(super) const FEWEST_VOXELS_A_BILLOW: f64 = 2.0;
 
 impl Mist {
-    /// What changes it, wind aside.
+    /// Tracks that change it, wind aside.
     pub(super) fn tracks(&self) -> impl Iterator<Item = &Track<f64>> {
         [&self.cover, &self.evolution_turns].into_iter().chain(&self.scale_height_m)
     }
@@ -236,7 +236,8 @@ impl Billows {
     }
 }
 
-/// Of the normal distribution, within 0.01 from 0.02 to 0.98: Tukey's lambda distribution of shape 0.14.
+/// Quantile of the normal distribution, within 0.01 from 0.02 to 0.98: Tukey's lambda distribution of
+/// shape 0.14.
 fn normal_quantile(share: f64) -> f64 {
     4.91 * (share.powf(0.14) - (1.0 - share).powf(0.14))
 }

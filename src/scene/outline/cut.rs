@@ -12,12 +12,12 @@ use i_triangle::int::triangulatable::IntTriangulatable;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Of the grid on which everything is cut. Within `FARTHEST_TEXEL` coordinates keep to 28 bits.
+/// Resolution of the grid on which everything is cut. Within `FARTHEST_TEXEL` coordinates keep to 28 bits.
 const STEPS_PER_TEXEL: f64 = 1024.0;
 
 type Point = IntPoint<i32>;
 
-/// What is left of a triangle, in the order of its corners' grid points.
+/// Rest of a triangle after the cut, in the order of its corners' grid points.
 #[derive(Debug)]
 enum Rest {
     All,
@@ -124,7 +124,7 @@ impl Cutter {
         Err(self.added.len() as u32 - 1)
     }
 
-    /// What is left of all, of a mesh that had so many vertices.
+    /// Rests of all triangles, of a mesh that had `vertices` vertices.
     pub(super) fn finish(self, vertices: usize) -> Outlined {
         let number = |corner: Result<u32, u32>| corner.unwrap_or_else(|added| vertices as u32 + added);
         let triangles = self.triangles.iter().map(|corners| corners.map(number)).collect();

@@ -5,7 +5,7 @@
 use super::{Between, Outlined};
 use std::collections::BTreeMap;
 
-/// What is left of triangles.
+/// Rests of triangles after the cut.
 pub(super) fn outlined(alphas: &[f32], threshold: f64, triangles: &[[u32; 3]]) -> Outlined {
     let mut edges = Edges { alphas, threshold, numbers: BTreeMap::new(), added: Vec::new() };
     let mut kept = Vec::with_capacity(triangles.len());

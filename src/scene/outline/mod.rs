@@ -23,7 +23,7 @@ const MOST_TEXELS: i64 = 1 << 27;
 /// And so far from 0, in texels.
 const FARTHEST_TEXEL: f64 = (1 << 18) as f64;
 
-/// What hides parts of a surface.
+/// Mask that hides parts of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mask<'a> {
     /// Its alpha counts.
@@ -79,7 +79,7 @@ impl Tally {
     }
 }
 
-/// What is left of a mesh.
+/// Rest of a mesh after the cut.
 #[derive(Debug, Default)]
 struct Outlined {
     /// Vertices that follow those that there were.
@@ -88,15 +88,15 @@ struct Outlined {
     triangles: Vec<[u32; 3]>,
 }
 
-/// What is left of a mesh whose triangles all have one material, none of them if the mask hides all, and the
-/// vertices that follow the mesh's own.
+/// Mesh without the parts that a mask hides, and the vertices that follow its own. All its triangles have
+/// one material; there are none if the mask hides all.
 pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Between>), Loss> {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
     Ok(rebuilt(mesh, outlined(mask, &mesh.uvs, &triangles)?))
 }
 
-/// What is left of a mesh where the alpha of its vertices is below `threshold`, and the vertices
-/// that follow its own.
+/// Mesh without the parts where the alpha of its vertices is below `threshold`, and the vertices that
+/// follow its own.
 pub(super) fn faded_cut_out(mesh: &Mesh, threshold: f64) -> (Mesh, Vec<Between>) {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
     let (mut cut, added) = rebuilt(mesh, fading::outlined(&mesh.alphas, threshold, &triangles));

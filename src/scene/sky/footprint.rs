@@ -1,28 +1,28 @@
-//! What each texel of an image of longitudes and latitudes stands for. In go numbers of texels, out come
-//! integrals over the sphere of how much of a bilinear look-up is theirs. Invariant: solid angles add up to
-//! 4 pi, and what is said of a texel is exact to the rule of quadrature.
+//! Footprints of the texels of an equirectangular image. In go numbers of texels, out come integrals over
+//! the sphere of each one's part in a bilinear look-up. Invariant: solid angles add up to 4 pi, and values
+//! of a texel are exact to the rule of quadrature.
 
 use crate::math::gauss_legendre;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Of all texels of an image that goes on across its seam and ends at its poles.
+/// Footprints of all texels of an image that goes on across its seam and ends at its poles.
 pub(super) struct Footprints {
     width: usize,
     rows: Vec<Row>,
 }
 
-/// Of a row of texels, over longitudes as well.
+/// Integrals of a row of texels, over longitudes as well.
 struct Row {
     /// Steradians of one texel.
     solid_angle: f64,
-    /// Of directions integrated over a texel's footprint: away from the axis and along it.
+    /// Components of directions integrated over a texel's footprint: away from the axis and along it.
     across: f64,
     up: f64,
 }
 
 impl Footprints {
-    /// Of an image of that size.
+    /// Footprints of an image of that size.
     pub(super) fn new(width: usize, height: usize) -> Self {
         let step = TAU / width as f64;
         // Of a hat about 0 that reaches as far as the next texels, times a cosine: step sinc^2(step / 2).

@@ -22,9 +22,9 @@ pub use self::suns::SkySun;
 /// The sky, at every time.
 #[derive(Clone, Debug)]
 pub struct Sky {
-    /// What it looks like.
+    /// Picture.
     picture: SkyPicture,
-    /// What of the picture lights as suns.
+    /// Suns of the picture that are lights of their own.
     suns: SkySuns,
     /// Where the rest is bright; `None` if it is the same everywhere.
     table: Option<SquareDistribution>,
@@ -36,16 +36,16 @@ pub struct Sky {
     pub strength: Track<Rgb>,
     /// How far it is turned about +Y, anticlockwise as seen from above, radians.
     pub rotation: Track<f64>,
-    /// What it lights.
+    /// Things that it lights.
     pub lights: SkyLight,
     /// Whether camera rays see it; mirrors do in any case.
     pub visible_to_camera: bool,
 }
 
-/// What a sky looks like, +Y up, radiance in W m^-2 sr^-1.
+/// Picture of a sky, +Y up, radiance in W m^-2 sr^-1.
 #[derive(Clone, Debug)]
 pub enum SkyPicture {
-    /// The same everywhere.
+    /// Uniform.
     Even(Rgb),
     /// From `horizon` to `zenith` in proportion to the sine of the elevation, and `ground` below.
     Gradient {
@@ -89,8 +89,8 @@ impl Sky {
         Some(Self { picture, suns, table, means, has_sun, strength, rotation, lights, visible_to_camera })
     }
 
-    /// The same, with the suns that its picture shows as lights of their own: what they light has sharp
-    /// shadows and no noise. It is seen as before. A sky that leaves fog dark keeps them, for suns do not.
+    /// Sky with the suns of its picture as lights of their own: their light has sharp shadows and no
+    /// noise. It is seen as before. A sky that leaves fog dark keeps them, for suns do not.
     #[must_use]
     pub fn with_suns_apart(self) -> Self {
         let suns = match &self.picture {
@@ -104,12 +104,12 @@ impl Sky {
         Self { suns, table, means: OnceLock::new(), has_sun: OnceLock::new(), ..self }
     }
 
-    /// The same with other strength, rotation and light.
+    /// Sky with other strength, rotation and light.
     pub fn with(self, strength: Track<Rgb>, rotation: Track<f64>, lights: SkyLight) -> Self {
         Self { strength, rotation, lights, ..self }
     }
 
-    /// What it looks like.
+    /// Picture of the sky.
     pub fn picture(&self) -> &SkyPicture {
         &self.picture
     }
@@ -134,7 +134,7 @@ impl Sky {
         self.picture.along(direction)
     }
 
-    /// Of that what lights without being a sun of [`Sky::suns_at`].
+    /// Radiance in a direction without the suns of [`Sky::suns_at`], before the picture is turned.
     pub fn along_beside_suns(&self, direction: DVec3) -> Rgb {
         match &self.picture {
             SkyPicture::Image(image) => self.suns.beside(image, direction, place_of(direction)),

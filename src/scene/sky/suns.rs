@@ -98,7 +98,7 @@ struct Spot {
     texels: Vec<usize>,
     /// Those, and those next to them.
     known: HashSet<usize>,
-    /// Of those the ones that are too dark so far.
+    /// Known texels that are too dark so far.
     waiting: Vec<usize>,
     /// Luminance integrated over the sphere.
     light: f64,
@@ -432,7 +432,7 @@ mod tests {
         assert_eq!(suns(rectangle(2.0, 2.0, 1000.0)).len(), 1, "a lamp");
     }
 
-    /// Of a texel that is brighter than both and gives nothing, too.
+    /// Two suns stay two, even where a texel is brighter than both and gives nothing.
     #[test]
     fn two_suns_are_two() {
         let (first, second) = (DVec3::new(0.5, 0.4, 0.3).normalize(), DVec3::new(-0.5, 0.2, 0.1).normalize());
@@ -455,7 +455,7 @@ mod tests {
         assert!(found.len() == 2 && far_deg.iter().all(|far| *far < 0.2), "{far_deg:?} {found:?}");
     }
 
-    /// What glows around a sun is a part of it while it is bright, and its disc is as wide as the core.
+    /// A glow around a sun is a part of it while it is bright, and its disc is as wide as the core.
     #[test]
     fn a_glow_does_not_make_a_sun_wide() {
         let to_sun = DVec3::new(0.1, 0.5, -0.6).normalize();

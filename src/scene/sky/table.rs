@@ -10,8 +10,8 @@ use std::f64::consts::{PI, TAU};
 pub(super) const CELLS: usize = 256;
 /// An image is looked up at so many places across, or at each of its texels if those are more.
 const LOOKED_UP: usize = 1024;
-/// The same where it is bright: a cell is 18 of these steps wide, so that what a texel's footprint has in a
-/// cell next to the texel's own is seen.
+/// Number of places across where it is bright: a cell is 18 of these steps wide, so that a texel's
+/// footprint is seen in a cell next to the texel's own.
 const LOOKED_UP_CLOSELY: usize = 8192;
 /// So many times as bright as the mean: at most an eighth of the image.
 const BRIGHT: f64 = 8.0;

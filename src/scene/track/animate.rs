@@ -1,9 +1,9 @@
-//! What can be keyed: numbers, vectors, turns, switches. In go values, out come values between them.
-//! Invariant: what lies between two values is such a value too.
+//! Values that can be keyed: numbers, vectors, turns, switches. In go values, out come values between
+//! them. Invariant: a value between two is valid if they are.
 
 use glam::{DQuat, DVec3};
 
-/// What can be keyed.
+/// Value that can be keyed.
 pub trait Animate: Copy + PartialEq {
     /// The derivative of a value that does not change.
     const ZERO: Self;

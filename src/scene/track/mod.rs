@@ -30,8 +30,8 @@ enum Ways<T> {
     Alike(Segment<T>),
     /// Splines with one slope at each key, on both its sides.
     Smooth(Vec<T>),
-    /// The same where single precision holds all values and slopes as they are: of each key its value,
-    /// then its slope.
+    /// Splines where single precision holds all values and slopes as they are: of each key its value, then
+    /// its slope.
     SmoothSingle(Vec<f32>),
     /// As many as keys.
     Each(Vec<Segment<T>>),
@@ -56,7 +56,7 @@ impl<T: Copy> From<T> for Track<T> {
 }
 
 impl<T: Animate> Track<T> {
-    /// The same with a linear function of every value: keys and derivatives alike.
+    /// Track of a linear function of every value: keys and derivatives alike.
     pub fn map_linear<U>(&self, map: impl Fn(T) -> U) -> Track<U> {
         let handle = |handle: Handle<T>| Handle { time_s: handle.time_s, value: map(handle.value) };
         let segment = |segment: &Segment<T>| match *segment {
@@ -90,7 +90,7 @@ impl<T> Track<T> {
         &self.times_s
     }
 
-    /// What it does outside its keys.
+    /// Extension outside its keys.
     pub fn extend(&self) -> Extend {
         self.extend
     }
