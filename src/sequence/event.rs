@@ -1,5 +1,5 @@
-//! What happens during a run, for those who watch. Invariant: every frame of the list ends in
-//! exactly one of skipped, written, given up or none of them, and the summary counts them.
+//! Events of a run, for those who watch. Invariant: every frame of the list ends in exactly one of
+//! skipped, written, given up or none of them, and the summary counts them.
 
 use crate::diagnostic::shown;
 use crate::film::Dark;
@@ -31,7 +31,7 @@ pub enum Event {
     PreviewOmitted {
         /// The frame.
         frame: i64,
-        /// What is the matter with its file, or with the disk.
+        /// Fault of its file, or of the disk.
         reason: String,
     },
     /// A frame is being rendered.
@@ -67,7 +67,7 @@ pub enum Event {
         clamped: usize,
         /// Whether next to nothing is seen on it.
         dark: Option<Dark>,
-        /// What it took, and how good it is.
+        /// Statistics of its rendering.
         statistics: Statistics,
     },
     /// The run is over, be it complete or stopped; a run that fails ends without.
@@ -83,7 +83,7 @@ pub enum SkipReason {
     Exists,
 }
 
-/// What a run did.
+/// Summary of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Frames written.
@@ -105,7 +105,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Of a run that has not begun, into a folder.
+    /// Summary of a run into a folder that has not begun.
     pub(super) fn of_nothing(folder: &Path) -> Self {
         Self {
             written: 0,

@@ -41,10 +41,9 @@ impl OutputPattern {
         Self::parse_as(text, sequence_name, "exr")
     }
 
-    /// The same for files that end in another extension.
+    /// Parses a pattern for files that end in another extension.
     ///
-    /// # Errors
-    /// As [`OutputPattern::parse`].
+    /// # Errors As [`OutputPattern::parse`].
     pub fn parse_as(
         text: impl AsRef<OsStr>,
         sequence_name: &str,
@@ -186,7 +185,7 @@ fn placeholders(bytes: &[u8]) -> Vec<Placeholder> {
     found
 }
 
-/// What other programs put something in place of and we do not: `%s`, `${SHOT}`, `<UDIM>`, `$SHOT`.
+/// Placeholder that other programs replace and we do not: `%s`, `${SHOT}`, `<UDIM>`, `$SHOT`.
 fn unknown_placeholder(name: &str) -> Option<&str> {
     let places = placeholders(name.as_bytes());
     let between = std::iter::once(0).chain(places.iter().map(|place| place.end));

@@ -24,7 +24,7 @@ pub enum Skip {
     None,
 }
 
-/// What to do.
+/// Task of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Job<'a> {
     /// Which frames.
