@@ -19,19 +19,20 @@ pub(super) const NOTHING: u32 = u32::MAX;
 /// Boxes are so much wider, in pixels: rounding moves their sides by much less.
 const SLACK: f64 = 0.01;
 
-/// Of so many places in a row each is asked; of more, those between the triangle's edges.
+/// Maximum number of places in a row that are asked one by one; of more, those between the triangle's
+/// edges.
 const FEW: usize = 6;
 
 /// All triangles that may be seen.
 pub(super) struct Bands {
     pub(super) size: Size,
-    /// Of each sample of a pixel, where it lies in all of them.
+    /// Place of each sample within a pixel.
     pub(super) lattices: Vec<Lattice>,
     projection: Projection,
     clip: Clip,
     meshes: Vec<SeenMesh>,
     pub(super) triangles: Vec<Member>,
-    /// Of each band, the triangles that reach into it.
+    /// Triangles that reach into each band.
     members: Vec<Vec<u32>>,
 }
 
@@ -59,7 +60,7 @@ pub(super) struct Member {
     rows: [u32; 2],
 }
 
-/// What a band's samples show: pixel by pixel, all samples of a pixel together.
+/// Visibility of a band's samples: pixel by pixel, all samples of a pixel together.
 #[derive(Default)]
 pub(super) struct Visible {
     /// Rows of pixels.

@@ -104,7 +104,7 @@ impl Projection {
         self.bounds_about_the_eye(triangle)
     }
 
-    /// The same of a triangle that is partly behind the eye.
+    /// Bounds of a triangle that is partly behind the eye.
     #[cold]
     fn bounds_about_the_eye(&self, triangle: [&Vertex; 3]) -> Option<(DVec2, DVec2)> {
         // Its part between the picture's sides (Sutherland and Hodgman 1974) has a box. The four sides meet

@@ -1,5 +1,5 @@
-//! What samples show becomes colours. In goes what is visible, out come a band's pixels. Invariant: a pixel
-//! is shaded once for each triangle that it shows, however many of its samples show it.
+//! Shading of samples. In goes what is visible, out come a band's pixels. Invariant: a pixel is shaded
+//! once for each triangle that it shows, however many of its samples show it.
 
 use super::bands::{Bands, NOTHING, Visible};
 use crate::color::Rgb;
@@ -17,11 +17,11 @@ pub(super) struct Shader<'a> {
     is_dark_beyond: bool,
     /// The last triangle: neighbours often show the same.
     facet: Option<(u32, Facet<'a>)>,
-    /// What the pixel at work shows of its triangles.
+    /// Shaded triangles of the pixel at work.
     shaded: Vec<(u32, Shaded)>,
 }
 
-/// What is seen of a triangle.
+/// Radiance and transmittance of a triangle.
 #[derive(Clone, Copy)]
 struct Shaded {
     radiance: Rgb,
@@ -106,7 +106,7 @@ impl<'a> Shader<'a> {
         1.0 - through.element_sum() / 3.0
     }
 
-    /// Of a depth along the view axis.
+    /// Distance along the ray of a depth along the view axis.
     fn distance(&self, at: DVec2, depth: f64) -> f64 {
         depth / self.ray(at).direction.dot(self.snapshot.view.axes().2)
     }
@@ -116,7 +116,7 @@ impl<'a> Shader<'a> {
         self.snapshot.is_holdout(self.bands.triangles[triangle as usize].primitive)
     }
 
-    /// What a triangle shows in the pixel at work, judged where it is first met.
+    /// Shades a triangle for the pixel at work, at the place where it is first met.
     fn shaded(&mut self, triangle: u32, at: DVec2, depth: f64) -> Shaded {
         if let Some((_, shaded)) = self.shaded.iter().find(|(known, _)| *known == triangle) {
             return *shaded;

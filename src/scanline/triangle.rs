@@ -13,10 +13,10 @@ pub(super) struct EdgeForms {
     depths: [f64; 3],
 }
 
-/// The same on a line of places.
+/// Edge forms on a line of places.
 pub(super) struct Line<'a> {
     forms: &'a EdgeForms,
-    /// What does not change along it of the three weights.
+    /// Parts of the three weights that do not change along it.
     rests: [f64; 3],
 }
 
