@@ -13,7 +13,7 @@ pub struct DecodedImage {
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
     pub texels: Texels,
-    /// What of its colours is not honoured, and why.
+    /// Loss of its colours, and why.
     pub doubt: Option<(Loss, String)>,
 }
 

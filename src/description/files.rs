@@ -43,10 +43,9 @@ impl Files {
         Ok(bytes)
     }
 
-    /// The same of a file of which only what it means is hashed.
+    /// Reads a file of which only the meaning is hashed.
     ///
-    /// # Errors
-    /// [`LoadError::Io`] if it cannot be read.
+    /// # Errors [`LoadError::Io`] if it cannot be read.
     pub(super) fn read_text(
         &mut self,
         path: &Path,

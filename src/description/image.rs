@@ -17,7 +17,7 @@ const MAX_TEXELS: u64 = 1 << 26;
 /// Most memory the decoder may take beside the result, in bytes.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
 
-/// What the numbers of an image stand for; alpha is always itself.
+/// Encoding of an image's numbers; alpha is always itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Encoding {
     /// Colours in sRGB.
@@ -92,7 +92,7 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     }
 }
 
-/// What is expected of an image, and the remedy for another.
+/// Expected kind of image, and the remedy for another.
 fn wanted(encoding: Encoding) -> (&'static str, &'static str) {
     match encoding {
         Encoding::Srgb | Encoding::Linear => (

@@ -1,5 +1,5 @@
-//! What the author wrote: files in, typed descriptions out. Invariant: the only input files ever
-//! opened are opened here, through [`Files`], so the content hash covers all of them.
+//! The author's input: files in, typed descriptions out. Invariant: the only input files ever opened are
+//! opened here, through [`Files`], so the content hash covers all of them.
 
 mod decoded_image;
 pub mod exr;
@@ -31,7 +31,7 @@ pub const LARGEST_NUMBER: f64 = 1e15;
 pub struct Description {
     /// The file named on the command line.
     pub path: PathBuf,
-    /// What is to be seen.
+    /// Scene to render.
     pub scene: SceneSource,
     /// How it is to be rendered, if the input is a sequence.
     pub sequence: Option<ron::SequenceFile>,
@@ -109,7 +109,7 @@ pub enum LoadError {
         path: PathBuf,
         /// Which file and field asked for it.
         referrer: Option<String>,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The files can be read but not used.
@@ -140,7 +140,7 @@ impl LoadError {
         }
     }
 
-    /// What the author can do about the first of it.
+    /// Remedy of the first of them.
     pub fn remedy(&self) -> String {
         let Diagnostics(found) = self.diagnostics();
         found.into_iter().find_map(|found| found.remedy).map(String::from).unwrap_or_default()

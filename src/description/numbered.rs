@@ -30,7 +30,7 @@ impl<'a> Numbered<'a> {
         (!path.is_file()).then_some(Self { path, before, digits, after })
     }
 
-    /// What all of them are called, without number and ending.
+    /// Common name of all of them, without number and ending.
     pub(super) fn name(&self) -> &'a str {
         self.before.trim_end_matches(['.', '_', '-', ' '])
     }

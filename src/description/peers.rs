@@ -101,7 +101,7 @@ impl Table<'_> {
         })
     }
 
-    /// What stands below a heading; nothing if there is none.
+    /// Value below a heading; empty if there is none.
     fn value<'r>(&self, record: &'r csv::StringRecord, heading: &str) -> &'r str {
         let column = self.headings.iter().position(|name| name == heading);
         column.and_then(|column| record.get(column)).unwrap_or("")

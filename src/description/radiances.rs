@@ -15,10 +15,9 @@ pub(super) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fau
     Ok(checked(exr::of_exr(bytes, most_texels)?)?)
 }
 
-/// The same of a Radiance HDR image.
+/// Radiances of an HDR image in Radiance's format.
 ///
-/// # Errors
-/// With the first texel whose radiance is none.
+/// # Errors With the first texel whose radiance is none.
 pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
     let rgb = decoded.into_rgb32f();
     let (width, height) = (rgb.width() as usize, rgb.height() as usize);
@@ -26,7 +25,7 @@ pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
     checked(DecodedImage::new(width, height, rgb.pixels().map(texel).collect()))
 }
 
-/// What is wrong is said of the first texel concerned.
+/// Image, or the first texel at fault.
 fn checked(image: DecodedImage) -> Result<DecodedImage, String> {
     let is_bad = |texel: &[f32; 4]| {
         texel[..3].iter().any(|value| value.is_nan() || value.abs() > LARGEST_NUMBER as f32)

@@ -24,7 +24,7 @@ pub(crate) struct Vertices<'a> {
 pub(crate) struct Tangents {
     /// One a vertex, of the old ones and then of the copies.
     pub(crate) tangents: Vec<Vec4>,
-    /// Of which vertices there are copies after the others.
+    /// Vertices that have copies after the others.
     pub(crate) originals: Vec<u32>,
 }
 

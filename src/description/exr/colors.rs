@@ -6,27 +6,26 @@ use crate::color::{ColorSpace, NamedSpace, Primaries};
 use crate::diagnostic::Loss;
 use glam::DVec2;
 
-/// What the numbers of a file's colours stand for.
+/// Colour space of a file's colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageColors {
     /// How they become linear Rec. 709.
     pub space: ColorSpace,
-    /// What the file calls it.
+    /// Name in the file.
     pub name: String,
-    /// What of it is not honoured, and why.
+    /// Part of it that is not honoured, and why.
     pub doubt: Option<(Loss, String)>,
 }
 
 impl ImageColors {
-    /// Of files that say nothing (OpenEXR, "Standard attributes").
+    /// Colours of files that say nothing (OpenEXR, "Standard attributes").
     pub(super) fn unsaid() -> Self {
         Self { space: ColorSpace::OURS, name: String::from("linear Rec. 709"), doubt: None }
     }
 
-    /// What a part says.
+    /// Colours of a part.
     ///
-    /// # Errors
-    /// If its chromaticities span no colours, and nothing else says which.
+    /// # Errors If its chromaticities span no colours, and nothing else says which.
     pub(super) fn of(part: &RawPart) -> Result<Self, String> {
         let by_primaries = match part.chromaticities() {
             None => None,

@@ -17,7 +17,7 @@ pub use unread::Unread;
 
 use ::exr::meta::header::Header;
 
-/// What the colours of a part stand for; of a file whose header says nothing, or nothing usable, our own.
+/// Colours of a part; our own if the header says nothing, or nothing usable.
 pub(crate) fn colors_of(bytes: &[u8], part: usize) -> ImageColors {
     let said = raw::parts(bytes).and_then(|(parts, _)| ImageColors::of(raw_part(&parts, part)?).ok());
     said.unwrap_or_else(ImageColors::unsaid)

@@ -1,4 +1,4 @@
-//! What is the picture among a file's parts and channels, by their names. In go names, out come places.
+//! Choice of the picture among a file's parts and channels, by their names. In go names, out come places.
 //! Invariant: the order of parts and channels decides only between equals.
 
 /// The channels of a picture, by their places in the list of names.
@@ -18,7 +18,7 @@ const COLORS: [[&str; 3]; 3] = [["R", "G", "B"], ["r", "g", "b"], ["red", "green
 const PICTURES: [&str; 11] =
     ["", "rgba", "rgb", "beauty", "combined", "composite", "color", "colour", "ci", "c", "main"];
 
-/// What is called so, or ends so, is no light.
+/// Names, and endings of names, of channels that are no light.
 const NO_LIGHT: [&str; 24] = [
     "n",
     "nn",

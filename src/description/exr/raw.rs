@@ -7,7 +7,7 @@ const PREAMBLE: usize = 8;
 const MULTIPART: u8 = 0x10;
 const DEEP: u8 = 0x08;
 
-/// What the header of a part says.
+/// Header of a part.
 pub(super) struct RawPart<'a> {
     /// Name, type and value.
     attributes: Vec<(&'a [u8], &'a [u8], &'a [u8])>,

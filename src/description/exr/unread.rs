@@ -6,9 +6,9 @@ use super::raw;
 /// Why a file is not read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unread {
-    /// What of it is not read, as the subject of a sentence.
+    /// Feature that is not read, as the subject of a sentence.
     pub what: String,
-    /// What makes a file of it that is read.
+    /// Way to make a file of it that is read.
     pub remedy: String,
 }
 
@@ -23,7 +23,7 @@ const COMPRESSIONS: [(u8, &str); 4] = [
 const LAST_KNOWN: u8 = 9;
 
 impl Unread {
-    /// What is not read of a file; `None` if nothing stands in the way, or it is damaged.
+    /// Feature of a file that is not read; `None` if nothing stands in the way, or it is damaged.
     pub fn of(bytes: &[u8]) -> Option<Self> {
         let (parts, _) = raw::parts(bytes)?;
         if parts.iter().any(raw::RawPart::is_deep) {

@@ -10,22 +10,22 @@ use std::collections::BTreeMap;
 
 /// How many times over the same bytes may be read: meshes share accessors, within reason.
 const READS_OF_EACH_BYTE: usize = 64;
-/// What a file of any size may take, bytes.
+/// Size that a file may take in any case, bytes.
 const SMALL_BYTES: usize = 64 << 20;
 
 /// Reads the accessors of a document.
 pub(super) struct Accessors<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
-    /// What stands in place of accessors that compressed meshes fill.
+    /// Replacements of accessors that compressed meshes fill.
     unpacked: BTreeMap<usize, Unpacked>,
     bytes_left: Cell<usize>,
 }
 
-/// What an accessor must hold to serve its purpose.
+/// Requirements on an accessor that serves a purpose.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted {
-    /// What for, as it reads in a message.
+    /// Purpose, as it reads in a message.
     pub(super) purpose: &'static str,
     /// Numbers an element.
     pub(super) width: usize,

@@ -23,7 +23,7 @@ const ROTATIONS: Wanted = Wanted {
     components: &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16],
 };
 
-/// What a channel turns out to be.
+/// Meaning of a channel.
 enum Read {
     Moves(Channel),
     Changes(PropertyChannel),
@@ -233,7 +233,7 @@ impl ChannelReader<'_> {
     }
 }
 
-/// What a sampler holds.
+/// Contents of a sampler.
 struct Sampled {
     times_s: Vec<f32>,
     interpolation: Interpolation,

@@ -1,6 +1,6 @@
-//! What the vertices of a primitive have beside their positions. In go accessors, out come numbers, one
-//! set a vertex. Invariant: what cannot be read, or is not as many as the positions, is left out and
-//! told, never half read.
+//! Vertex attributes of a primitive beside positions. In go accessors, out come numbers, one set a vertex.
+//! Invariant: an attribute that cannot be read, or is not as many as the positions, is left out and told,
+//! never half read.
 
 use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};

@@ -19,7 +19,7 @@ pub(super) struct Buffers<'a> {
     document: &'a Document,
     /// `None` where the buffer could not be had; that is reported already.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
-    /// What compressed views hold, by the view's index, or what is wrong with that.
+    /// Contents of compressed views by index, or their damage.
     unpacked: BTreeMap<usize, Result<Vec<u8>, Diagnostic>>,
     /// Why the first file could not be read, if there is one.
     missing: Option<LoadError>,
@@ -122,7 +122,7 @@ pub(super) fn file_beside(uri: &str, file: &Path) -> Result<PathBuf, String> {
     Ok(file.parent().unwrap_or(Path::new("")).join(name))
 }
 
-/// What follows `data:`, decoded (RFC 2397, base64 only, as the glTF specification asks for).
+/// Bytes after `data:`, decoded (RFC 2397, base64 only, as the glTF specification asks for).
 fn data_uri(data: &str) -> Result<Vec<u8>, String> {
     let Some((_, encoded)) = data.split_once(";base64,") else {
         return Err(String::from("the data URI is not base64"));

@@ -15,7 +15,7 @@ const CHUNK_HEADER_BYTES: usize = 8;
 /// Types of the two chunks that glTF knows.
 const JSON_CHUNK: &[u8] = b"JSON";
 const BINARY_CHUNK: &[u8] = b"BIN\0";
-/// What some editors put before UTF-8; readers may pass over it (RFC 8259, section 8.1).
+/// Mark that some editors put before UTF-8; readers may pass over it (RFC 8259, section 8.1).
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Integers up to here are exact in double precision.
 const MOST_EXACT: f64 = (1_u64 << 53) as f64;
@@ -45,7 +45,7 @@ fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"))
 }
 
-/// What a GLB file holds.
+/// Chunks of a GLB file.
 struct Chunks<'a> {
     json: &'a [u8],
     binary: Option<&'a [u8]>,

@@ -13,12 +13,12 @@ use std::path::Path;
 const EXTENSION: &str = "KHR_draco_mesh_compression";
 /// How many bytes one compressed byte can stand for at most: regular meshes take about a bit a triangle.
 const MOST_EXPANSION: u64 = 4096;
-/// What even the smallest stream may unpack to, bytes.
+/// Size that even the smallest stream may unpack to, bytes.
 const SMALL_BYTES: u64 = 1 << 20;
 /// Mode of triangle lists, the one that Draco's streams hold.
 const TRIANGLES: u32 = 4;
 
-/// What stands in place of an accessor that has no buffer view.
+/// Replacement of an accessor that has no buffer view.
 pub(super) struct Unpacked {
     /// Elements; may be more than the accessor says, where Draco split vertices at seams.
     pub(super) count: usize,
@@ -103,8 +103,8 @@ fn of_primitive(
     Ok(unpacked)
 }
 
-/// What the mesh must be like: as its accessors say, and not much larger than it is
-/// compressed. Else why it cannot.
+/// Contract that the decoded mesh must keep: as its accessors say, and not much larger than it is
+/// compressed. Else the reason why there is none.
 fn contract(
     primitive: &Primitive,
     document: &Document,
@@ -130,7 +130,7 @@ fn contract(
     Ok(contract)
 }
 
-/// What the decoder says, without what our messages begin with.
+/// Message of the decoder, without the prefix of ours.
 fn plain(error: &impl std::fmt::Display) -> String {
     error.to_string().replace("error:", "error,")
 }

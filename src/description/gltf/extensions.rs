@@ -5,7 +5,7 @@ use super::json::Document;
 use super::report::Report;
 use crate::diagnostic::{Diagnostic, Loss};
 
-/// What becomes of an extension.
+/// Support of an extension.
 enum Support {
     /// Done as it says.
     Honoured,
@@ -17,7 +17,7 @@ enum Support {
     Refused(&'static str),
 }
 
-/// What files may use.
+/// Extensions that files may use.
 const HONOURED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -179,7 +179,7 @@ pub(super) fn check(document: &Document, report: &mut Report) {
     }
 }
 
-/// What a material's extension asks for that is not honoured, and what is done instead.
+/// Loss where a material's extension is not honoured, which says what is done instead.
 pub(super) fn material_extension(extension: &str) -> Option<Loss> {
     Some(match extension {
         "KHR_materials_clearcoat"

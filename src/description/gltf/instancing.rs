@@ -49,7 +49,7 @@ pub(super) fn read(document: &Document, nodes: &mut [Node], accessors: &Accessor
     }
 }
 
-/// Of so many instances of a node; without alpha.
+/// Colours of the instances of a node; without alpha.
 fn colors(
     document: &Document,
     instancing: &json::Instancing,

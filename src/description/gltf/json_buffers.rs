@@ -1,4 +1,4 @@
-//! Of the JSON of a glTF file: accessors, buffers and their views, word for word. Invariant: nothing here has
+//! JSON of a glTF file's accessors, buffers and their views, word for word. Invariant: nothing here has
 //! been checked.
 
 use serde::Deserialize;

@@ -1,5 +1,5 @@
-//! Of the JSON of a glTF file: materials, textures and images, word for word. Invariant: nothing here has
-//! been checked.
+//! JSON of a glTF file's materials, textures and images, word for word. Invariant: nothing here has been
+//! checked.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -84,7 +84,7 @@ pub(super) struct TextureInfo {
     pub(super) index: usize,
     #[serde(default)]
     pub(super) tex_coord: usize,
-    /// Of normal maps alone.
+    /// Scale of normal maps.
     #[serde(default = "one")]
     pub(super) scale: f64,
     #[serde(default)]
@@ -125,7 +125,7 @@ pub(super) struct TextureExtensions {
     pub(super) webp: Option<ImageReference>,
     #[serde(rename = "KHR_texture_basisu")]
     pub(super) basisu: Option<ImageReference>,
-    /// Of formats that are not read, by their names.
+    /// Extensions for formats that are not read, by name.
     #[serde(flatten)]
     pub(super) others: BTreeMap<String, IgnoredAny>,
 }

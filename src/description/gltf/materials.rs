@@ -12,7 +12,8 @@ use glam::DVec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Of smoother sheens the extension's fitted shadowing gives more than there is (`scattering/sheen.rs`).
+/// Minimum roughness of a sheen: of smoother ones the extension's fitted shadowing gives more than there
+/// is (`scattering/sheen.rs`).
 const LEAST_HONOURED_SHEEN: f64 = 0.3;
 
 /// All materials, and the textures of those that a mesh uses which is shown.
@@ -168,7 +169,7 @@ struct Extensions<'a> {
 }
 
 impl Extensions<'_> {
-    /// What lies over the surface.
+    /// Layers over the surface.
     fn layers(&self, report: &mut Report) -> (Clearcoat, Sheen) {
         let (clearcoat, sheen) = ("KHR_materials_clearcoat", "KHR_materials_sheen");
         let clearcoat = Clearcoat {

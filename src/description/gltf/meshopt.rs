@@ -7,10 +7,10 @@ use draco_gltf::meshopt::{MeshoptFilter, MeshoptMode, decode_buffer_view};
 /// How many bytes one compressed byte can stand for at most: 256 equal vertices of 256 bytes take two
 /// bits for each byte of a vertex (meshoptimizer's vertex codec).
 const MOST_EXPANSION: usize = 1024;
-/// What even the smallest stream may unpack to, bytes.
+/// Size that even the smallest stream may unpack to, bytes.
 const SMALL_BYTES: usize = 1 << 16;
 
-/// What `source`, the compressed bytes, holds, or what is wrong with it.
+/// Unpacks `source`, the compressed bytes, or says what is wrong with it.
 pub(super) fn unpack(view: &MeshoptView, source: &[u8]) -> Result<Vec<u8>, String> {
     let most = source.len().saturating_mul(MOST_EXPANSION).saturating_add(SMALL_BYTES);
     let length = view.count.checked_mul(view.byte_stride).filter(|length| *length <= most);

@@ -73,11 +73,11 @@ pub struct GltfScene {
     pub cameras: Vec<Camera>,
     /// All lights (KHR_lights_punctual).
     pub lights: Vec<Light>,
-    /// What the sky of the scene's extras shows, if that is an image.
+    /// Image of the sky in the scene's extras, if it has one.
     pub sky_image: Option<DecodedImage>,
     /// Images that the extras of suns name, by those names.
     pub sun_images: BTreeMap<String, DecodedImage>,
-    /// Of the files that the extras of fog name, by those names.
+    /// OpenVDB files that the extras of fog name, by those names.
     pub grids: BTreeMap<String, vdb::GridFiles>,
     /// Names of all animations: the author's, else `animation N`.
     pub animations: Vec<String>,
@@ -85,7 +85,7 @@ pub struct GltfScene {
     pub channels: Vec<Channel>,
     /// All others (KHR_animation_pointer), in the file's order.
     pub properties: Vec<PropertyChannel>,
-    /// What the file asks for that is not in here, or only nearly.
+    /// Requests of the file that are not met, or only nearly.
     pub remarks: Diagnostics,
 }
 
@@ -102,7 +102,7 @@ pub struct Node {
     pub mesh: Option<usize>,
     /// Index into [`GltfScene::skins`]: what its mesh follows instead of the node.
     pub skin: Option<usize>,
-    /// Of its mesh's morph targets, instead of the mesh's own.
+    /// Weights of its mesh's morph targets, instead of the mesh's own.
     pub weights: Option<Vec<f64>>,
     /// Where its mesh is drawn instead, from the node's space (EXT_mesh_gpu_instancing).
     pub instances: Option<Vec<DAffine3>>,
@@ -141,7 +141,7 @@ pub struct Mesh {
     pub name: String,
     /// Parts; none if nothing in the mesh is a triangle.
     pub primitives: Vec<Primitive>,
-    /// Of the morph targets, one each.
+    /// Weights of the morph targets, one each.
     pub weights: Vec<f64>,
 }
 
@@ -185,10 +185,10 @@ pub struct Primitive {
     pub positions: Vec<Vec3>,
     /// Unit length, one a position, or none at all.
     pub normals: Vec<Vec3>,
-    /// Of the base colour texture or else of the first there is, its KHR_texture_transform applied; one a
-    /// position, or none at all.
+    /// Texture coordinates of the base colour texture or else of the first there is, its
+    /// KHR_texture_transform applied; one a position, or none at all.
     pub uvs: Vec<Vec2>,
-    /// The same for textures with others: layers 1, 2 and so on.
+    /// Texture coordinates of textures with others: layers 1, 2 and so on.
     pub more_uvs: Vec<Vec<Vec2>>,
     /// Linear, in `0..=1`, one a position, or none at all; they multiply the base colour.
     pub colors: Vec<Vec3>,
@@ -203,7 +203,7 @@ pub struct Primitive {
     pub material: Option<usize>,
     /// Shapes that may be mixed in.
     pub targets: Vec<MorphTarget>,
-    /// What moves its vertices, if anything does.
+    /// Skin and morph targets that move its vertices, if any do.
     pub influences: Option<Influences>,
 }
 
@@ -231,7 +231,7 @@ pub struct PropertyChannel {
     pub place: String,
     /// Index into [`GltfScene::animations`].
     pub animation: usize,
-    /// What it animates.
+    /// Property that it animates.
     pub property: Property,
     /// Whose: an index into lights, cameras, materials or nodes.
     pub index: usize,
@@ -263,7 +263,8 @@ pub enum Values {
     Rotation(Vec<DQuat>),
     /// Factors.
     Scale(Vec<DVec3>),
-    /// Of the morph targets of the node's mesh: one for each of them at a time, cubic three times as many.
+    /// Weights of the morph targets of the node's mesh: one for each of them at a time, cubic three times
+    /// as many.
     Weights(Vec<f64>),
 }
 
@@ -287,7 +288,7 @@ impl GltfScene {
         if called.is_empty() { number.into_iter().collect() } else { called }
     }
 
-    /// What there is to ask for, for a message.
+    /// Names of all animations, for a message.
     pub fn animation_names(&self) -> String {
         let names: Vec<String> = self.animations.iter().map(|name| format!("`{name}`")).collect();
         match names.len() {
@@ -306,10 +307,9 @@ pub fn load(path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
     parse(&bytes, path, files)
 }
 
-/// The same for a file whose bytes are at hand; what it refers to is read through `files`.
+/// Parses a file whose bytes are at hand; other files that it refers to are read through `files`.
 ///
-/// # Errors
-/// As [`load`].
+/// # Errors As [`load`].
 pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
     let mut report = Report::new(path);
     let (mut document, binary) = container::open(bytes, path, &mut report)?;

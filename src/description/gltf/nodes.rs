@@ -181,7 +181,7 @@ pub(super) fn cameras(document: &Document, nodes: &mut [Node], report: &mut Repo
     document.cameras.iter().enumerate().map(&mut convert).collect()
 }
 
-/// What a camera sees; nothing if it has no usable lens.
+/// Lens of a camera; `None` if it has no usable one.
 fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Option<Lens> {
     let mut unusable = |path: &str, found: String| report.put_right(Loss::CameraUnusable, path, found);
     match (&camera.perspective, &camera.orthographic) {

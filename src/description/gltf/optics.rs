@@ -9,7 +9,7 @@ use serde_json::Value;
 pub struct Camera {
     /// The author's name, else `camera N`.
     pub name: String,
-    /// What it sees.
+    /// Projection.
     pub lens: Lens,
     /// Distances along the view axis, metres, between which surfaces show: the nearer 0 or more, the farther
     /// beyond it or infinite.
@@ -58,7 +58,7 @@ pub struct Light {
     pub intensity: f64,
     /// Distance beyond which the author wants no light, metres.
     pub range_m: Option<f64>,
-    /// What shape it has.
+    /// Kind, and its shape.
     pub kind: LightKind,
 }
 

@@ -9,31 +9,31 @@ use std::ops::RangeInclusive;
 /// A value that may be animated and belongs to no node's transform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Property {
-    /// Of a light.
+    /// Light: colour.
     LightColor,
-    /// Of a light, in the file's units.
+    /// Light: intensity, in the file's units.
     LightIntensity,
-    /// Of a spot: half angle of full light, radians.
+    /// Spot: half angle of full light, radians.
     SpotInnerAngle,
-    /// Of a spot: half angle of the dark, radians.
+    /// Spot: half angle of the dark, radians.
     SpotOuterAngle,
-    /// Of a perspective camera: vertical field of view, radians.
+    /// Perspective camera: vertical field of view, radians.
     CameraFovY,
-    /// Of an orthographic camera: half the picture's height, metres.
+    /// Orthographic camera: half the picture's height, metres.
     CameraHalfHeight,
-    /// Of a node and what is below it.
+    /// Node: visibility, of what is below it too.
     NodeVisible,
-    /// Of a material, with its alpha.
+    /// Material: colour, with its alpha.
     BaseColor,
-    /// Of a material.
+    /// Material: metallic factor.
     Metallic,
-    /// Of a material.
+    /// Material: roughness factor.
     Roughness,
-    /// Of a material: `emissiveFactor`.
+    /// Material: `emissiveFactor`.
     Emission,
-    /// Of a material: what multiplies it.
+    /// Material: factor of its emission.
     EmissionStrength,
-    /// Of a material: how much its normal map bends.
+    /// Material: how much its normal map bends.
     NormalScale,
 }
 
@@ -49,7 +49,7 @@ impl Property {
     ];
 }
 
-/// What a pointer points at.
+/// Target of a pointer.
 pub(super) enum Target {
     /// A property of thing number so much.
     Property(Property, usize),
@@ -114,7 +114,7 @@ impl Property {
         Wanted { purpose: "animated values", width, components: NUMBERS }
     }
 
-    /// What its values have to lie in.
+    /// Range that its values have to lie in.
     pub(super) fn range(self) -> RangeInclusive<f64> {
         const LEAST: f64 = 1e-15;
         match self {

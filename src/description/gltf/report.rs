@@ -22,7 +22,7 @@ struct Kind {
     loss: Loss,
     first_names: Vec<String>,
     more: usize,
-    /// What was wrong with the first, where there is more to say than its name.
+    /// Diagnostic of the first, where there is more to say than its name.
     first: Option<Diagnostic>,
 }
 
@@ -55,7 +55,7 @@ impl Report {
         self.add(loss, format!("{path}: {found}"), None);
     }
 
-    /// What was wrong with the first thing of a kind, if there is any.
+    /// Diagnostic of the first thing of a kind, if there is any.
     pub(super) fn first_damage(&self, loss: Loss) -> Option<&Diagnostic> {
         self.kinds.iter().find(|kind| kind.loss == loss)?.first.as_ref()
     }

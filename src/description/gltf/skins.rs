@@ -76,7 +76,7 @@ fn inverse_bind_matrices(
     numbers.chunks_exact(16).take(joints).enumerate().map(affine).collect()
 }
 
-/// What moves the vertices of a primitive; `None` if nothing does.
+/// Influences on the vertices of a primitive; `None` if there are none.
 pub(super) fn influences(
     attributes: &BTreeMap<String, usize>,
     vertices: usize,

@@ -46,7 +46,7 @@ pub struct Material {
     pub diffuse_transmission_texture: Option<TextureMap>,
     /// Share of the matte light that goes straight through (KHR_materials_transmission).
     pub transmission: f64,
-    /// What alpha means.
+    /// Meaning of alpha.
     pub alpha_mode: AlphaMode,
     /// Whether it shows from behind.
     pub double_sided: bool,
@@ -69,7 +69,7 @@ pub struct Clearcoat {
     pub normal_map: Option<(TextureMap, f64)>,
 }
 
-/// What shines like cloth (`scattering::Sheen`).
+/// Sheen of cloth (`scattering::Sheen`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sheen {
     /// Linear, in `0..=1`.
@@ -91,7 +91,7 @@ pub struct TextureMap {
     pub layer: usize,
 }
 
-/// What alpha means.
+/// Meaning of alpha.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlphaMode {
     /// Nothing.

@@ -17,7 +17,7 @@ pub(super) struct Slot {
     pub(super) path: &'static str,
 }
 
-/// What a texture tells.
+/// Purpose of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     BaseColor,

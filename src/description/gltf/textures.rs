@@ -15,7 +15,7 @@ use std::path::Path;
 /// Most texels that the textures of one file may have together; 1 GiB of 8-bit codes.
 pub(super) const MAX_TEXELS: usize = 1 << 28;
 
-/// What is looked for in an image.
+/// Values that are read from an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Look {
     /// Its numbers.

@@ -33,7 +33,7 @@ pub struct ObjMaterial {
     pub opacity: f64,
     /// `map_d`.
     pub opacity_texture: Option<ObjTexture>,
-    /// What makes it shine.
+    /// Glossy coat.
     pub coat: Option<ObjCoat>,
     /// `Pc` and `Pcr`: how much of it a clear coat covers and how rough that is, `0..=1`.
     pub clearcoat: Option<(f64, f64)>,
@@ -43,7 +43,7 @@ pub struct ObjMaterial {
     pub normal_map_is_sure: bool,
 }
 
-/// What `illum`, `Ks` and `Ns`, or `Pr` and `Pm`, say of reflections.
+/// Coat by `illum`, `Ks` and `Ns`, or `Pr` and `Pm`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjCoat {
     /// `0..=1`.
@@ -105,7 +105,7 @@ pub(super) fn read(text: &str, path: &Path, tally: &mut Tally) -> Vec<ObjMateria
     readers.into_iter().map(read).collect()
 }
 
-/// What follows a keyword.
+/// Words after a keyword.
 struct Value {
     line: usize,
     keyword: String,
@@ -280,7 +280,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What nobody knows, but for what changes nothing: the light of all around, and shares of nothing.
+    /// Reports unknown statements, unless they change nothing: ambient light, and shares of nothing.
     fn say_the_rest(&mut self, material: &ObjMaterial) {
         for (key, value) in std::mem::take(&mut self.values) {
             let numbers: Vec<Option<f32>> = value.words.iter().map(|word| number(word)).collect();

@@ -1,7 +1,7 @@
-//! Wavefront OBJ and MTL files in, indexed triangles out. Invariant: every index is in range,
-//! every number finite, and no triangle without area.
+//! Wavefront OBJ and MTL files in, indexed triangles out. Invariant: every index is in range, every number
+//! finite, and no triangle without area.
 //!
-//! What an exporter got wrong is left out and said, so that the rest is seen. tobj gets the text without it.
+//! Faults of an exporter are left out and said, so that the rest is seen. tobj gets the text without them.
 
 mod library;
 mod material;
@@ -48,11 +48,11 @@ pub struct ObjModel {
     pub triangles: Vec<ObjTriangle>,
     /// Materials of the MTL files.
     pub materials: Vec<ObjMaterial>,
-    /// Of a sequence of files: the shapes after this one.
+    /// Shapes after this one, of a sequence of files.
     pub shapes: Shapes,
-    /// Of a sequence whose faces change: the models that take turns with this one, in order.
+    /// Models that take turns with this one, in order, of a sequence whose faces change.
     pub later: Vec<ObjModel>,
-    /// What the files ask for and is not honoured.
+    /// Requests of the files that are not honoured.
     pub remarks: Diagnostics,
 }
 
@@ -78,10 +78,9 @@ pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, 
     if model.triangles.is_empty() { Err(nothing_left(path, &model.remarks).into()) } else { Ok(model) }
 }
 
-/// The same of a file that is an input by itself. It may hold no triangle: points and lines are a file too.
+/// Loads a file that is an input by itself. It may hold no triangle: points and lines are a file too.
 ///
-/// # Errors
-/// [`LoadError`] if the file cannot be read.
+/// # Errors [`LoadError`] if the file cannot be read.
 pub fn load_alone(path: &Path, files: &mut Files) -> Result<ObjModel, LoadError> {
     match Numbered::of(path) {
         Some(numbered) => sequence::read(&numbered, "the command line", files),
@@ -89,7 +88,7 @@ pub fn load_alone(path: &Path, files: &mut Files) -> Result<ObjModel, LoadError>
     }
 }
 
-/// What a mesh of this path is called: like its file, or like all files of its sequence.
+/// Name of a mesh of this path: its file's, or that of all files of its sequence.
 pub fn name(path: &Path) -> String {
     match Numbered::of(path) {
         Some(numbered) if !numbered.name().is_empty() => numbered.name().to_owned(),
@@ -113,7 +112,7 @@ struct Opened {
     parts: Vec<Part>,
 }
 
-/// What the files of a sequence have in common: names of materials, and faces.
+/// Common part of a sequence's files: names of materials, and faces.
 struct Common {
     library: Library,
     groups: Groups,

@@ -61,7 +61,7 @@ impl Vertices {
     }
 }
 
-/// What the faces of a group have in common.
+/// Key of a group: the properties that its faces share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Group {
     /// Index into the materials; `usize::MAX` is none of them.
@@ -133,7 +133,7 @@ fn smoothing_group(word: &str) -> u32 {
 struct Face {
     corners: Vec<[usize; 3]>,
     has: [bool; 3],
-    /// What it lacks.
+    /// Loss of the face.
     loss: Option<Loss>,
 }
 

@@ -12,7 +12,7 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// What a colour texture that is not there looks like: the default material.
+/// Colour in place of a texture that is not there: the default material's.
 const STAND_IN: f32 = 0.8;
 
 /// A picture, by what it is made of.

@@ -1,5 +1,5 @@
-//! What OBJ and MTL files lose, kind by kind. Invariant: a kind is said once, with its first line
-//! and how often it is.
+//! Tally of the losses of OBJ and MTL files, kind by kind. Invariant: a kind is said once, with its first
+//! line and how often it is.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,7 +42,7 @@ impl Tally {
         }
     }
 
-    /// The same at a line of a file.
+    /// Adds a loss at a line of a file.
     pub(super) fn add_at(&mut self, loss: Loss, name: &str, (path, line): (&Path, usize)) {
         self.add(loss, name, Place::Text { file: path.to_owned(), line, column: 1 });
     }

@@ -1,5 +1,5 @@
-//! What stands after `map_Kd` and its like in, a path and how the image lies out. Invariant: an option is
-//! read or named as one that is not.
+//! Texture statements, `map_Kd` and its like: the text after the keyword in, a path and how the image lies
+//! out. Invariant: an option is read or named as one that is not.
 
 use glam::Vec2;
 use std::path::{Path, PathBuf};

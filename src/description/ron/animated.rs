@@ -15,7 +15,7 @@ use std::marker::PhantomData;
 #[serde(untagged, bound = "")]
 #[non_exhaustive]
 pub enum Animated<T: Keyable> {
-    /// The same at all times.
+    /// Constant.
     Still(T),
     /// Interpolated between keys.
     Keyed(Keys<T>),
@@ -27,7 +27,7 @@ impl<T: Keyable> Animated<T> {
         Self::Keyed(Keys::of(keys, Extend::Hold))
     }
 
-    /// The same over and over.
+    /// Straight between pairs of seconds and values, over and over.
     pub fn cycle<V: Into<T>>(keys: impl IntoIterator<Item = (f64, V)>) -> Self {
         Self::Keyed(Keys::of(keys, Extend::Cycle))
     }
@@ -45,7 +45,7 @@ impl<T: Keyable + Default> Default for Animated<T> {
 pub struct Keys<T: Keyable> {
     /// The keys, times strictly increasing.
     pub keys: Vec<Key<T>>,
-    /// What happens outside the keys.
+    /// Value outside the keys.
     #[serde(default)]
     pub extend: Extend,
 }
@@ -110,7 +110,7 @@ pub struct Handle<T: Keyable> {
     pub value: T,
 }
 
-/// What a keyed value does outside its keys.
+/// Extension of a keyed value outside its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub enum Extend {
@@ -122,13 +122,13 @@ pub enum Extend {
     Cycle,
 }
 
-/// What can be keyed in a file.
+/// Value that can be keyed in a file.
 pub trait Keyable: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize {
     /// How fast it changes, per second.
     type Rate: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize;
-    /// What it means, in SI units.
+    /// Its meaning in SI units.
     type Si: Copy;
-    /// What to say when a curve leaves the range.
+    /// Message when a curve leaves the range.
     const EXPECTED: &'static str;
 
     /// The value in SI units.

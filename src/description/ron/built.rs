@@ -13,13 +13,13 @@ use std::path::{Path, PathBuf};
 /// Everything that a program wants of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct BuiltScene {
-    /// What a file could hold.
+    /// File that would say the same.
     pub file: SceneFile,
     /// Shapes by their triangles.
     pub triangles: Vec<(String, Triangles)>,
 }
 
-/// What errors name in place of a file; images lie relative to the folder that the program runs in.
+/// Name in errors in place of a file's; images lie relative to the folder that the program runs in.
 pub const BUILT: &str = "SceneBuilder";
 
 /// Checks it, and reads what it refers to.

@@ -16,17 +16,17 @@ pub struct Camera {
     pub parent: Option<String>,
     /// Where it is in its parent's space.
     pub position_m: Animated<Point>,
-    /// What it looks at, in its parent's space.
+    /// Target that it looks at, in its parent's space.
     pub look_at_m: Option<Animated<Point>>,
-    /// What is up in the picture when it looks at something.
+    /// Up direction in the picture when it looks at something.
     pub up: Animated<Direction>,
     /// Turned about x, then y, then z, from looking along -z; not beside `look_at_m`.
     pub rotation_deg: Option<Animated<Vector<Degrees>>>,
-    /// The same as a quaternion `(x, y, z, w)`; one of the two.
+    /// Rotation as a quaternion `(x, y, z, w)`; one of the two.
     pub rotation_quaternion: Option<Animated<Quaternion>>,
     /// Full vertical field of view; 45 degrees without.
     pub fov_deg: Option<Animated<Number<FieldOfView>>>,
-    /// Of the picture of a camera whose rays are parallel; not beside `fov_deg`.
+    /// Height of the picture of an orthographic camera; not beside `fov_deg`.
     pub orthographic_height_m: Option<Animated<Number<Positive>>>,
     /// The lens that blurs what is out of focus; a pinhole without.
     pub aperture: Option<Aperture>,

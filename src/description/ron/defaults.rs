@@ -1,4 +1,4 @@
-//! What fields hold that a file leaves out, where that is not their type's own default. Invariant: the value
+//! Defaults of fields that a file leaves out, where they are not their type's own. Invariant: the value
 //! lies in the field's range.
 
 /// 1 throughout.
@@ -6,7 +6,7 @@ pub(super) fn one<T: From<f64>>() -> T {
     T::from(1.0)
 }
 
-/// What is or is not, and by default is.
+/// Default of switches that are on.
 pub(super) fn yes() -> bool {
     true
 }

@@ -26,12 +26,12 @@ pub struct Fall {
     pub species: Vec<Species>,
     /// Where they hang before.
     pub emitter: Emitter,
-    /// What the air does.
+    /// Wind.
     #[serde(default)]
     pub wind: Wind,
     /// In which ways they fall; without, as their own size and mass have it.
     pub motion: Option<FallMotion>,
-    /// What they come to rest on.
+    /// Ground that they come to rest on.
     #[serde(default)]
     pub ground: FallGround,
     /// Names of objects that stop them.
@@ -111,14 +111,14 @@ pub enum Emitter {
     },
 }
 
-/// What the air does.
+/// Motion of the air.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
 pub struct Wind {
     /// Along the ground.
     pub mean_m_per_s: Animated<Vector<AirVelocity>>,
-    /// What the strongest gust adds.
+    /// Velocity that the strongest gust adds.
     pub gust_m_per_s: Animated<Vector<AirVelocity>>,
     /// From gust to gust.
     pub gust_s: Number<GustScale>,
@@ -149,7 +149,7 @@ pub struct FallMotion {
     pub spiral: Number<NonNegative>,
 }
 
-/// What leaves come to rest on.
+/// Ground that leaves come to rest on.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]

@@ -161,7 +161,7 @@ impl Serialize for QuaternionRate {
     }
 }
 
-/// What was found and what was expected, as readers of files say it.
+/// Error of what was found and expected, as readers of files say it.
 fn refuse<T, E: Error>(found: impl Display, expected: impl Display) -> Result<T, E> {
     Err(E::custom(format_args!("{found} does not belong here, expected {expected}")))
 }

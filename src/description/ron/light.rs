@@ -24,7 +24,7 @@ pub enum Light {
         position_m: Animated<Point>,
         /// In every direction, seen from afar.
         intensity_w_per_sr: Animated<Triple<NonNegative>>,
-        /// Of the sphere that shines; 0 is a point.
+        /// Radius of the sphere that shines; 0 is a point.
         #[serde(default)]
         radius_m: Animated<Number<NonNegative>>,
     },
@@ -43,7 +43,7 @@ pub enum Light {
         blend: Animated<Number<UnitInterval>>,
         /// On the axis, seen from afar.
         intensity_w_per_sr: Animated<Triple<NonNegative>>,
-        /// Of the sphere that shines; 0 is a point.
+        /// Radius of the sphere that shines; 0 is a point.
         #[serde(default)]
         radius_m: Animated<Number<NonNegative>>,
     },
@@ -73,7 +73,7 @@ pub enum Light {
         position_m: Animated<Point>,
         /// Where it faces.
         target_m: Animated<Point>,
-        /// Of the disc.
+        /// Diameter of the disc.
         diameter_m: Animated<Number<Positive>>,
         /// All light that it emits.
         power_w: Animated<Triple<NonNegative>>,
@@ -144,7 +144,7 @@ pub struct Julia {
 }
 
 impl Julia {
-    /// Of a `c`; what 100 iterations do not take away is inside.
+    /// Set of a `c`; points that do not escape in 100 iterations are inside.
     pub fn new(
         real: impl Into<Animated<Number<JuliaPart>>>,
         imaginary: impl Into<Animated<Number<JuliaPart>>>,

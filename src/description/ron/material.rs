@@ -1,11 +1,11 @@
-//! What surfaces of a scene file are made of. Invariant: docs/scene-format.md describes every field.
+//! Materials of a scene file. Invariant: docs/scene-format.md describes every field.
 
 use super::defaults::one;
 use super::number::{Finite, NonNegative, Number, Triple, UnitInterval};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// What a surface is made of.
+/// Material of a surface.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]

@@ -1,5 +1,5 @@
-//! What RON text means. In go a file's bytes, out come those without comments, and without blanks that
-//! stand outside of texts. Invariant: files that read alike are alike then, and others are not.
+//! Meaning of RON text. In go a file's bytes, out come those without comments, and without blanks outside
+//! of texts. Invariant: files that read alike are alike then, and others are not.
 
 /// Its bytes, of which frames know their scene: a comment more makes none of them stale.
 pub(super) fn meant(text: &[u8]) -> Vec<u8> {
@@ -162,7 +162,7 @@ mod tests {
     }
 
     proptest! {
-        /// What is left is what RON reads of the whole, and nothing of the gaps.
+        /// RON reads the same from the rest as from the whole.
         #[test]
         fn what_is_read_stays(seed in any::<u32>()) {
             let (chance, mut draw) = (crate::math::Chance::of(seed, 0), 0);

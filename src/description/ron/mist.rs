@@ -17,7 +17,7 @@ pub struct Mist {
     /// The share of the box that they fill.
     #[serde(default = "half")]
     pub cover: Animated<Number<UnitInterval>>,
-    /// What carries them.
+    /// Wind that carries them.
     #[serde(default)]
     pub wind_m_per_s: Animated<Vector<AirVelocity>>,
     /// How often they have turned over.
@@ -62,7 +62,7 @@ pub enum MistShape {
     /// All of it, faded at the sides and at the top.
     #[default]
     Box,
-    /// What touches all of its sides, faded all around.
+    /// An ellipsoid that touches all of its sides, faded all around.
     Ellipsoid,
 }
 

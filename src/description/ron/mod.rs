@@ -70,7 +70,7 @@ pub struct SequenceFile {
     pub path: PathBuf,
     /// The scene to render.
     pub scene_path: PathBuf,
-    /// What the file says.
+    /// Fields of the file.
     pub fields: SequenceFields,
 }
 
@@ -79,7 +79,7 @@ pub struct SequenceFile {
 pub struct LoadedScene {
     /// The file itself.
     pub path: PathBuf,
-    /// What the file says.
+    /// Contents of the file.
     pub file: SceneFile,
     /// OBJ files by their path as the scene writes it.
     pub models: BTreeMap<PathBuf, ObjModel>,
@@ -99,7 +99,7 @@ pub struct LoadedScene {
     pub is_mesh_alone: bool,
 }
 
-/// What a RON file turned out to be.
+/// Kind of a RON file, with its contents.
 #[derive(Debug)]
 pub enum RonFile {
     /// `Scene(..)`.

@@ -47,7 +47,7 @@ fn check<R: Range, E: Error>(value: f64) -> Result<f64, E> {
     }
 }
 
-/// What to say to someone who left the range; nothing if `value` lies in it.
+/// Message for someone who left the range; `None` if `value` lies in it.
 pub(super) fn unmet<R: Range>(value: f64) -> Option<&'static str> {
     if !value.is_finite() || !R::contains(value) {
         Some(R::EXPECTED)
@@ -214,7 +214,7 @@ impl<'de, const LOW: u32, const HIGH: u32> Deserialize<'de> for Whole<LOW, HIGH>
     }
 }
 
-/// What [`OneOrTuple`] found.
+/// Result of [`OneOrTuple`].
 enum NumberOrTuple<const N: usize> {
     Number(f64),
     Tuple([f64; N]),

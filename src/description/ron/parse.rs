@@ -13,7 +13,7 @@ use std::path::Path;
 /// The two kinds of file.
 #[derive(Debug, Deserialize)]
 pub(super) enum Document {
-    /// What is to be seen.
+    /// Scene file.
     Scene(SceneFile),
     /// How to render it.
     Sequence(SequenceFields),

@@ -5,9 +5,9 @@ use std::ops::RangeInclusive;
 
 /// A set of admissible numbers.
 pub trait Range: Copy {
-    /// What to say to someone who left it.
+    /// Message for someone who left it.
     const EXPECTED: &'static str;
-    /// What a number is multiplied by to get SI units.
+    /// Factor to SI units.
     const UNIT: f64 = 1.0;
     /// Whether `value`, finite and in the author's unit, lies in the range.
     fn contains(value: f64) -> bool;
@@ -77,7 +77,7 @@ ranges! {
     ArealMass: "from 0.01 to 2 kg/m2; paper and leaves have about 0.08", |value| (0.01..=2.0).contains(&value);
     /// Speed of the air along an axis, m/s: no storm is faster.
     AirVelocity: "from -200 to 200 m/s along each axis; a hurricane has 70", |value| value.abs() <= 200.0;
-    /// The same whatever its direction.
+    /// Speed of air in any direction.
     AirSpeed: "from 0 to 200 m/s; a hurricane has 70", |value| (0.0..=200.0).contains(&value);
     /// From gust to gust in seconds, or across an eddy in metres.
     GustScale: "a number of at least 0.01", |value| value >= 0.01;

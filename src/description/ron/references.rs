@@ -89,7 +89,7 @@ impl<'a> Used<'a> {
         used
     }
 
-    /// What takes the place of materials of OBJ files: the mesh, the material's name there, and what.
+    /// Replacements of OBJ files' materials: the mesh, the material's name there, and its replacement.
     fn replacements(&self, file: &'a SceneFile) -> impl Iterator<Item = (&'a str, &'a str, &'a Replacement)> {
         let dressed = file.meshes.iter().filter(|(name, _)| self.own_materials.contains(name));
         dressed.filter_map(|(mesh, shape)| Some((mesh, shape.obj()?.1?))).flat_map(|(mesh, replacements)| {

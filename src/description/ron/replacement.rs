@@ -1,5 +1,5 @@
-//! What takes the place of an OBJ file's material: `"bark"`, or `(transmission: (0.1, 0.3, 0.05))`.
-//! Invariant: both forms are read without buffering, so errors keep their line and column.
+//! Replacement of an OBJ file's material: `"bark"`, or `(transmission: (0.1, 0.3, 0.05))`. Invariant: both
+//! forms are read without buffering, so errors keep their line and column.
 
 use super::material::Material;
 use serde::Serialize;

@@ -1,5 +1,5 @@
-//! What a scene file holds, field by field. Invariant: every field's unit is in its name, and
-//! docs/scene-format.md describes every field.
+//! Fields of a scene file. Invariant: every field's unit is in its name, and docs/scene-format.md
+//! describes every field.
 
 use super::animated::Animated;
 use super::camera::Camera;
@@ -25,7 +25,7 @@ pub struct SceneFile {
     /// Shapes.
     #[serde(default)]
     pub meshes: Named<Shape>,
-    /// What surfaces are made of.
+    /// Materials of surfaces.
     #[serde(default)]
     pub materials: Named<Material>,
     /// Meshes and groups, placed one by one.
@@ -46,7 +46,7 @@ pub struct SceneFile {
     /// Banks of fog.
     #[serde(default)]
     pub fog: Named<Fog>,
-    /// What lies behind the scene and lights it.
+    /// Sky behind the scene, which lights it.
     pub sky: Option<Sky>,
     /// Radiance of whatever lies beyond the scene.
     #[serde(default)]

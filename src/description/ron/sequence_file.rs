@@ -1,5 +1,5 @@
-//! What a sequence file holds: how to render a scene, never what is in it. Invariant: every field
-//! but the version and the scene may be left out; what is left out is the scene's business.
+//! Fields of a sequence file: how to render a scene, never what is in it. Invariant: every field but the
+//! version and the scene may be left out; what is left out is the scene's business.
 
 use super::number::{Finite, NonNegative, Number, Positive, RelativeError, Stops, Whole};
 use super::version::Version;

@@ -13,11 +13,11 @@ use std::path::PathBuf;
 pub enum Shape {
     /// A Wavefront OBJ file, relative to the scene file.
     Obj(PathBuf),
-    /// The same, with other materials in place of some of its own.
+    /// OBJ file with other materials in place of some of its own.
     ObjWith {
         /// Relative to the scene file.
         file: PathBuf,
-        /// What takes their place, by names of the file's.
+        /// Replacements, by names of the file's materials.
         materials: Named<Replacement>,
     },
     /// A square in the x-z plane, centred, facing +y.

@@ -1,4 +1,4 @@
-//! What a scene file says of the sky. Invariant: every field's unit is in its name.
+//! Sky of a scene file. Invariant: every field's unit is in its name.
 
 use super::animated::Animated;
 use super::defaults::one;
@@ -6,16 +6,16 @@ use super::number::{Degrees, NonNegative, Number, Triple};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// What lies behind the scene and lights it.
+/// Sky behind the scene, which lights it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Sky {
-    /// The same everywhere.
+    /// Uniform.
     Constant {
         /// How bright it is.
         radiance_w_per_m2_sr: Animated<Triple<NonNegative>>,
-        /// What it lights.
+        /// Things that it lights.
         #[serde(default)]
         lights: SkyLight,
     },
@@ -31,7 +31,7 @@ pub enum Sky {
         /// Multiplies all of it.
         #[serde(default = "one")]
         strength: Animated<Triple<NonNegative>>,
-        /// What it lights.
+        /// Things that it lights.
         #[serde(default)]
         lights: SkyLight,
     },
@@ -45,13 +45,13 @@ pub enum Sky {
         /// Turned about +y, anticlockwise as seen from above.
         #[serde(default)]
         rotation_deg: Animated<Number<Degrees>>,
-        /// What it lights.
+        /// Things that it lights.
         #[serde(default)]
         lights: SkyLight,
     },
 }
 
-/// What a sky lights.
+/// Things that a sky lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum SkyLight {
     /// It is seen, and lights nothing.

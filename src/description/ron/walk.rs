@@ -12,7 +12,7 @@ pub(super) fn fault(part: &impl Serialize) -> Option<(String, String)> {
     Some((path.trim_start_matches('.').to_owned(), said))
 }
 
-/// What a field says.
+/// Refusal in a field's words.
 #[derive(Debug)]
 struct Refusal(String);
 
@@ -35,7 +35,7 @@ struct Walk<'a> {
     path: &'a mut String,
 }
 
-/// What holds others, some of which have been walked through.
+/// Container of fields, some of which have been walked through.
 struct Within<'a> {
     path: &'a mut String,
     /// How long the path is outside.
@@ -68,7 +68,7 @@ impl Within<'_> {
     }
 }
 
-/// What holds no others is as good as written.
+/// Values without fields are as good as written.
 macro_rules! plain {
     ($($name:ident: $type:ty),*) => {$(
         fn $name(self, _: $type) -> Result<(), Refusal> {
