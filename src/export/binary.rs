@@ -11,7 +11,7 @@ pub(super) struct Binary {
     pub(super) accessors: Vec<Value>,
 }
 
-/// What graphics programs do with a view.
+/// Use of a view by graphics programs.
 #[derive(Clone, Copy)]
 pub(super) enum Target {
     Vertices = 34962,

@@ -142,7 +142,7 @@ impl Writer<'_> {
     }
 }
 
-/// What tells skins apart: nodes, and the bits of their matrices.
+/// Key that tells skins apart: nodes, and the bits of their matrices.
 pub(super) type JointKey = Vec<(NodeIndex, [u64; 12])>;
 
 fn joint_key(joint: &Joint) -> (NodeIndex, [u64; 12]) {

@@ -21,7 +21,7 @@ pub(super) struct Moments {
     rate: FrameRate,
     /// Increasing, none negative.
     times_s: Vec<f64>,
-    /// The same as stored.
+    /// Times as stored.
     stored_s: Vec<f32>,
     /// Where the times lie in the file, once they do; and accessors of parts of them.
     view: Option<usize>,
@@ -43,11 +43,11 @@ enum Times {
     Own(Vec<f32>),
 }
 
-/// What glTF stores of a value.
+/// Value that glTF stores.
 pub(super) trait Stored: Animate + Add<Output = Self> + Mul<f64, Output = Self> {
     type Numbers: Copy + PartialEq;
     fn stored(self) -> Self::Numbers;
-    /// The same value on the side of `previous`: quaternions have two forms.
+    /// Representation on the side of `previous`: a rotation has two quaternions.
     fn near(self, _previous: Self) -> Self {
         self
     }
@@ -180,9 +180,9 @@ fn sampled<T: Stored>(times_s: &[f64], value: impl Fn(f64) -> T) -> Option<(usiz
     Some((first, values[first..=last].to_vec()))
 }
 
-/// The same times, and more between them until a cubic spline through values and slopes is what the track is.
+/// Times, and more between them until a cubic spline through values and slopes is what the track is.
 fn refined<T: Stored>(rate: FrameRate, track: &Track<T>, times_s: &[f64]) -> Vec<f64> {
-    /// Of metres, and of the components of a turn.
+    /// Tolerance of metres, and of the components of a turn.
     const TOLERANCE: f64 = 1e-6;
     let shortest_s = rate.seconds(4.0 * key_times::APART_FRAMES);
     let mut refined_s = Vec::from_iter(times_s.first().copied());

@@ -80,7 +80,7 @@ impl Writer<'_> {
 }
 
 impl Writer<'_> {
-    /// What of it changes.
+    /// Writes what changes of a light.
     fn carry_light(&mut self, light: &Light) {
         let owner = format!("{}.sunfleck_light", self.scene.nodes[light.node].name);
         let mut number =
@@ -132,7 +132,7 @@ fn sun_disc(disc: &SunDisc, time_s: f64) -> Result<Vec<(&'static str, Value)>, D
     Ok(said)
 }
 
-/// What a sun shows, as fields of `sunfleck_light`.
+/// Picture of a sun, as fields of `sunfleck_light`.
 fn sun_picture(picture: &SunPicture, time_s: f64) -> Result<Vec<(&'static str, Value)>, Diagnostic> {
     let mut fields = Vec::new();
     match picture.shows() {

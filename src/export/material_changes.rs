@@ -17,7 +17,8 @@ const METALLIC: usize = 19;
 const ROUGHNESS: usize = 20;
 const NORMAL_SCALE: usize = 22;
 
-/// What of a material was written as glTF's base colour and how its emission was divided.
+/// Form in which a material was written: what became of glTF's base colour, and how its emission was
+/// divided.
 pub(super) struct Written {
     pub(super) is_metal: bool,
     pub(super) is_unlit: bool,

@@ -91,7 +91,7 @@ impl Writer<'_> {
         written
     }
 
-    /// What glTF has no word for.
+    /// Properties that glTF has no word for.
     fn properties(&mut self, material: &Material, is_metal: bool) -> Value {
         let mut ours = json!({});
         if material.mirror != Rgb::ZERO && !is_metal {
@@ -153,8 +153,9 @@ fn is_unlit(material: &Material) -> bool {
         && material.emission.max_element() <= 1.0
 }
 
-/// What is no metal reflects 0.04 along the normal, times a colour that may be above 1, times the
-/// factor, which alone counts at grazing angles (KHR_materials_specular, "Implementation").
+/// Specular extension: the part that is no metal reflects 0.04 along the normal, times a colour that may
+/// be above 1, times the factor, which alone counts at grazing angles (KHR_materials_specular,
+/// "Implementation").
 fn specular(coat: Coat) -> Value {
     let color = if coat.f90 > 0.0 { coat.f0 / (0.04 * coat.f90) } else { Rgb::ONE };
     let mut written = json!({ "specularFactor": coat.f90, "specularColorFactor": color.to_array() });

@@ -32,9 +32,9 @@ pub struct Exported {
     pub binary: Vec<u8>,
     /// How many keyed values there are.
     pub channels: usize,
-    /// What files it names instead of holding them.
+    /// Files that it names instead of holding them.
     pub files: BTreeSet<String>,
-    /// What the file cannot carry.
+    /// Losses: what the file cannot carry.
     pub remarks: Diagnostics,
 }
 

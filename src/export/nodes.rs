@@ -202,7 +202,7 @@ impl Writer<'_> {
     }
 }
 
-/// What of it is unusual.
+/// Unusual fields of a ray visibility.
 fn said(rays: RayVisibility) -> Value {
     let RayVisibility { visible_to_camera, casts_shadow, holdout } = rays;
     let fields = [

@@ -1,5 +1,5 @@
-//! What glTF has no word for: fog, background, and how the scene is to be rendered. Invariant: the
-//! names are those that `scene/from_gltf/extras.rs` reads.
+//! Extras of the scene: fog, background, and how the scene is to be rendered, which glTF has no word for.
+//! Invariant: the names are those that `scene/from_gltf/extras.rs` reads.
 
 use super::{Writer, beside};
 use crate::color::Rgb;
