@@ -1,6 +1,6 @@
-//! What an input asks for and does not get, by kinds with ids that stay: `inspect --json` and
-//! `--stats` list them, `--strict` refuses them. Invariant: a kind's id is never given to another;
-//! docs/losses.md lists all of them.
+//! Losses: kinds of requests that an input makes and that are not honoured, with ids that stay. `inspect
+//! --json` and `--stats` list them, `--strict` refuses them. Invariant: a kind's id is never given to
+//! another; docs/losses.md lists all of them.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ macro_rules! losses {
                 match self { $(Self::$variant => $id,)* }
             }
 
-            /// What is lost and what is done instead, as a sentence without a full stop.
+            /// Sentence without a full stop: the loss, and what is done instead.
             pub fn sentence(self) -> &'static str {
                 match self { $(Self::$variant => $sentence,)* }
             }

@@ -1,6 +1,6 @@
-//! What went wrong or was not honoured, where, and what to do about it. Invariant: a diagnostic always
-//! says what was found. A warning is a [`Loss`], with an id that stays. Errors also say what was expected
-//! and how to get there.
+//! Diagnostics: the fault or loss, its place, and its remedy. Invariant: a diagnostic always says what was
+//! found. A warning is a [`Loss`], with an id that stays. Errors also say what was expected and how to get
+//! there.
 
 mod loss;
 mod printable;
@@ -17,7 +17,7 @@ use std::path::{Component, Path, PathBuf};
 pub enum Severity {
     /// Something worth knowing that changes nothing; `inspect` says it.
     Note,
-    /// What the program put in where the input says nothing; rendering says it too.
+    /// Choice of the program where the input says nothing; rendering says it too.
     Choice,
     /// The file asks for something that is not honoured, or only nearly.
     Warning,
@@ -63,11 +63,11 @@ pub struct Diagnostic {
     pub count: usize,
     /// Where it is.
     pub place: Place,
-    /// What was found, as a sentence without a full stop.
+    /// Finding, as a sentence without a full stop.
     pub found: String,
-    /// What was expected instead.
+    /// Expectation that was not met.
     pub expected: Option<Box<str>>,
-    /// What the author can do.
+    /// Remedy for the author.
     pub remedy: Option<Box<str>>,
 }
 
@@ -82,7 +82,7 @@ impl Diagnostic {
         Self { loss: Some(loss), ..Self::new(Severity::Warning, place, found) }
     }
 
-    /// What was put in where the input says nothing.
+    /// Diagnostic of a choice where the input says nothing.
     pub fn choice(place: Place, found: impl Into<String>) -> Self {
         Self::new(Severity::Choice, place, found)
     }
@@ -199,12 +199,12 @@ impl Diagnostics {
 }
 
 impl Diagnostics {
-    /// What whoever renders should hear of, worst last: what was put in and what is lost.
+    /// Diagnostics for whoever renders, worst last: choices and losses.
     pub fn told(&self) -> impl Iterator<Item = &Diagnostic> {
         self.0.iter().filter(|diagnostic| matches!(diagnostic.severity, Severity::Choice | Severity::Warning))
     }
 
-    /// What is lost, each a diagnostic with its kind.
+    /// Losses, each a diagnostic with its kind.
     pub fn losses(&self) -> impl Iterator<Item = (Loss, &Diagnostic)> {
         self.0.iter().filter_map(|diagnostic| Some((diagnostic.loss?, diagnostic)))
     }
