@@ -265,7 +265,7 @@ pub(super) struct FarmArguments {
     /// Frames that a task renders, 1 to 150, or as many as give most frames an hour, auto.
     #[arg(long, value_name = "N|auto", default_value = "8", value_parser = parse_chunk, allow_negative_numbers = true)]
     pub(super) chunk: ChunkArgument,
-    /// What a frame takes on a machine, for --chunk auto and the limits of time of --profile slurm [default:
+    /// Time of a frame on a machine, for --chunk auto and the limits of time of --profile slurm [default:
     /// estimated].
     #[arg(long, value_name = "S", value_parser = parse_seconds, allow_negative_numbers = true)]
     pub(super) frame_seconds: Option<f64>,

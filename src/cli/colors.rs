@@ -1,5 +1,5 @@
-//! What of files' colours is not honoured, said once a kind. In go files, out come warnings. Invariant: no
-//! kind is told twice in a run.
+//! Warnings about files' colours that are not honoured, once a kind. In go files, out come warnings.
+//! Invariant: no kind is told twice in a run.
 
 use super::tell;
 use std::collections::BTreeSet;

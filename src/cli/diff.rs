@@ -42,7 +42,7 @@ fn check(arguments: &DiffArguments, too_much: &[String]) -> Result<(), CliError>
 }
 
 impl LimitArguments {
-    /// Of every measure, in the order of the command line.
+    /// Limits of every measure, in the order of the command line.
     fn all(&self) -> Vec<Limit> {
         let given = [
             (Measure::Rmse, &self.max_rmse),

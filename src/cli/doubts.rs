@@ -8,7 +8,7 @@ use sunfleck::diagnostic::{Diagnostic, Loss, Place};
 use sunfleck::render::Statistics;
 use sunfleck::scene::Sampling;
 
-/// Of the tolerance: what is above is no longer nearly what was asked for.
+/// Factor of the tolerance above which a frame is no longer nearly what was asked for.
 const MOST: f64 = 3.0;
 
 const REMEDY: &str = "a larger --tolerance, or --volume paths, whose light is unbiased and noisy";

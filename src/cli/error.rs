@@ -1,5 +1,5 @@
-//! What can go wrong for a user, and the exit code that says so. Invariant: the code tells scripts
-//! the kind, the text tells people the rest.
+//! Errors for a user, with their exit codes. Invariant: the code tells scripts the kind, the text tells
+//! people the rest.
 
 use sunfleck::api::{RenderError, Setting};
 use sunfleck::description::LoadError;
@@ -71,7 +71,7 @@ impl From<RenderError> for CliError {
     }
 }
 
-/// What says a setting on the command line.
+/// Flag of a setting.
 fn flag(setting: Setting) -> &'static str {
     match setting {
         Setting::Camera => "--camera",
@@ -85,7 +85,7 @@ fn flag(setting: Setting) -> &'static str {
     }
 }
 
-/// What is wrong with the value of a flag.
+/// Error in the value of a flag.
 pub(super) fn usage(flag: &str, found: String, expected: &str) -> CliError {
     CliError::Usage(
         Diagnostic::error(Place::Nowhere, format!("{flag}: {found}"))

@@ -28,7 +28,7 @@ use sunfleck::description;
 use sunfleck::diagnostic::shown;
 use sunfleck::frame_file;
 
-/// What messages call the flags for every task.
+/// Name in messages of the flags for every task.
 const FLAGS: &str = "the flags after --";
 
 /// A file of the job: its name in the job's folder, and what is in it.

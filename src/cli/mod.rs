@@ -1,5 +1,5 @@
-//! What a user types: arguments in, exit code out. Invariant: every failure names its cause and a
-//! remedy on the error stream, and has the exit code of its kind.
+//! The command line: arguments in, exit code out. Invariant: every failure names its cause and a remedy on
+//! the error stream, and has the exit code of its kind.
 
 // Its comments are the help, whose brackets are no links.
 #[allow(rustdoc::broken_intra_doc_links)]

@@ -1,5 +1,5 @@
-//! What of a command's flags the scene has to know when it is resolved. In go arguments, out come options.
-//! Invariant: flags that change what a camera or light that is made up has to serve are among them.
+//! Options of a scene by a command's flags. In go arguments, out come options. Invariant: flags that
+//! change what a camera or light that is made up has to serve are among them.
 
 use super::arguments::{
     BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SceneArguments,
@@ -10,43 +10,38 @@ use super::words::Switch;
 use sunfleck::scene::{FrameRate, ResolveOptions, Size};
 
 impl RenderArguments {
-    /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
         seen(&self.scene, self.size, self.fps, self.camera.as_ref())
     }
 }
 
 impl ServeArguments {
-    /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
         seen(&self.scene, self.size, self.fps, self.camera.as_ref())
     }
 }
 
 impl PreviewArguments {
-    /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
         seen(&self.scene, self.size, self.fps, self.camera.as_ref())
     }
 }
 
 impl InspectArguments {
-    /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
         seen(&self.scene, self.size, self.fps, self.camera.as_ref())
     }
 }
 
 impl BenchArguments {
-    /// Of these flags.
     pub(super) fn options(&self) -> ResolveOptions {
         seen(&self.scene, self.size, None, self.camera.as_ref())
     }
 }
 
 impl ExportArguments {
-    /// Of these flags. Whoever reads the file lights it if it has no light, so it gets none
-    /// unless it is to have it.
+    /// Options by these flags. Whoever reads the file lights it if it has no light, so it gets none unless
+    /// it is to have it.
     pub(super) fn options(&self) -> ResolveOptions {
         let no_default_light = self.scene.default_light != Some(Switch::On);
         ResolveOptions { frame_rate: self.fps, no_default_light, ..self.scene.options() }

@@ -1,5 +1,5 @@
-//! What is to be rendered, once and for all: input and flags in, a plan out. Invariant: flags win
-//! over the file, the file over the defaults; a plan that exists can be carried out.
+//! Plan of a rendering, once and for all: input and flags in, a plan out. Invariant: flags win over the
+//! file, the file over the defaults; a plan that exists can be carried out.
 
 use super::arguments::{ProgressArgument, RenderArguments, Volume, passes};
 use super::error::usage;
@@ -19,7 +19,7 @@ use sunfleck::transport::MarchSteps;
 
 /// Everything that a run needs to know.
 pub(super) struct Plan<'scene> {
-    /// What all frames have in common.
+    /// Plan of all frames.
     pub(super) picture: api::Plan<'scene>,
     pub(super) frames: FrameList,
     pub(super) output: OutputPattern,
@@ -50,7 +50,7 @@ impl<'scene> Plan<'scene> {
     }
 }
 
-/// What the flags want of a scene.
+/// Renderer of a scene by the flags.
 fn renderer<'a>(scene: &'a Scene, arguments: &RenderArguments) -> Result<Renderer<'a>, CliError> {
     let mut renderer = Renderer::new(scene).method(method(arguments, scene.settings())?);
     if let Some(size) = arguments.size {

@@ -35,7 +35,7 @@ enum Source<'a> {
     Files { files: BTreeMap<i64, PathBuf>, doubts: ColorDoubts },
 }
 
-/// What becomes of the pictures.
+/// Files that the pictures go to.
 struct Outputs {
     pictures: Option<OutputPattern>,
     sheet: Option<PathBuf>,
@@ -160,7 +160,7 @@ impl<'a> Source<'a> {
         Ok((Self::Files { files, doubts: ColorDoubts::default() }, settings))
     }
 
-    /// Of frames that were asked for those that there are.
+    /// Frames that exist, among those that were asked for.
     fn existing(&self, frames: &FrameList) -> Vec<i64> {
         let exists = |frame: &i64| match self {
             Self::Scene { .. } => true,
@@ -169,7 +169,7 @@ impl<'a> Source<'a> {
         frames.as_slice().iter().copied().filter(exists).collect()
     }
 
-    /// What a frame comes from.
+    /// Input of a frame.
     fn path(&self, frame: i64) -> PathBuf {
         match self {
             Self::Scene { input, .. } => input.to_path_buf(),

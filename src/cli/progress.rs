@@ -13,7 +13,8 @@ use sunfleck::sequence::{Event, Summary};
 
 /// Steps of the bar a frame, so that it moves within one too.
 const STEPS_PER_FRAME: f64 = 1000.0;
-/// Of a frame: less says nothing of the rest, as indirect light is solved before its first sample.
+/// Share of a frame before which the rest is not predicted: indirect light is solved before its first
+/// sample.
 const LEAST_BASIS: f64 = 0.05;
 
 /// How progress is told.
@@ -25,7 +26,7 @@ pub(super) enum ProgressStyle {
     Plain,
     /// One JSON object a line on standard output: `event`, and what belongs to it.
     JsonLines,
-    /// What Open Job Description reads on standard output: `openjd_progress: 12`, `openjd_status: ...`.
+    /// Lines of Open Job Description on standard output: `openjd_progress: 12`, `openjd_status: ...`.
     OpenJd,
     /// Nothing at all.
     None,
@@ -53,7 +54,7 @@ struct State {
     begun: usize,
     /// Frames on the disk; one fewer than those rendered while the last is being written.
     written: usize,
-    /// Of the noisiest frame.
+    /// Noise of the noisiest frame.
     most_noise: Option<f64>,
     fraction: f64,
     first_begun: Option<Instant>,

@@ -20,7 +20,7 @@ use sunfleck::film::Frame;
 use sunfleck::render::{self, Rendered, Watch};
 use sunfleck::sequence::{self, Job, SequenceError, Skip};
 
-/// What all frames of a run have in common.
+/// Common part of all frames of a run.
 struct Run<'a> {
     arguments: &'a RenderArguments,
     stop: &'a Stop,
@@ -44,7 +44,7 @@ fn render(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
     of_scene(arguments, &scene, &pool, stop)
 }
 
-/// The same of a scene that is loaded, on threads that there are.
+/// Renders a scene that is loaded, on threads that there are.
 pub(super) fn of_scene(
     arguments: &RenderArguments,
     scene: &Scene,

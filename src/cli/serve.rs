@@ -1,9 +1,8 @@
-//! `sunfleck serve`: a scene stays loaded, and pictures of it are asked for by lines. In go requests on the
-//! input stream, out come events, as of `render --progress jsonl`, and an answer to each request. Invariant:
-//! every request is answered once and in order; a newer one ends the one under way.
+//! `sunfleck serve`: a scene stays loaded, and pictures of it are asked for by lines. In go requests on
+//! the input stream, out come events, as of `render --progress jsonl`, and an answer to each request.
+//! Invariant: every request is answered once and in order; a newer one ends the one under way.
 //!
-//! What a scene was loaded for stays: trees, textures, and indirect light until something but the camera
-//! changes it.
+//! Trees, textures and indirect light stay until something but the camera changes them.
 
 use super::arguments::{Arguments, Command, ProgressArgument, RenderArguments, ServeArguments};
 use super::signals::Stop;
@@ -35,7 +34,7 @@ struct Request {
     camera: Option<Viewer>,
 }
 
-/// What the thread that reads shares with the one that renders.
+/// State that the reading thread shares with the rendering one.
 #[derive(Default)]
 struct Desk {
     /// Requests that are not answered yet.

@@ -13,7 +13,7 @@ use sunfleck::scene::{LightUnits, ResolveOptions};
 /// How an input is read.
 #[derive(Args, Clone, Debug)]
 pub(super) struct SceneArguments {
-    /// What the lights of a glTF file are measured in [default: what it says, else spec].
+    /// Units of the lights of a glTF file [default: what it says, else spec].
     #[arg(long, value_enum)]
     pub(super) light_units: Option<LightUnits>,
     /// Whether a glTF or OBJ file without light gets a sun and a sky [default: on; of export off].
@@ -34,7 +34,7 @@ pub(super) struct SceneArguments {
     pub(super) bakes: BakeArguments,
 }
 
-/// What becomes of falls of many leaves, which take seconds to bake.
+/// Bakes of falls of many leaves, which take seconds.
 #[derive(Args, Clone, Debug)]
 pub(super) struct BakeArguments {
     /// Where baked falls are kept for the next time, or `off` [default: `sunfleck` in the
@@ -67,7 +67,7 @@ impl DisplayArguments {
 }
 
 impl SceneArguments {
-    /// What of it the scene has to know.
+    /// Options that the scene has to know.
     pub(super) fn options(&self) -> ResolveOptions {
         ResolveOptions {
             light_units: self.light_units,

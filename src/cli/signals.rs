@@ -93,7 +93,7 @@ fn heed_limits() -> io::Result<()> {
     Ok(())
 }
 
-/// What stops the program.
+/// Signals that stop the program.
 const STOPPING: [i32; 2] = [SIGINT, SIGTERM];
 
 /// Catches signals from now on; what comes back waits for the first.
@@ -103,7 +103,7 @@ fn caught() -> io::Result<impl FnOnce() -> Option<i32>> {
     Ok(move || signals.forever().next())
 }
 
-/// The same where nothing can be waited for but a flag.
+/// Catches signals where nothing can be waited for but a flag.
 #[cfg(not(unix))]
 fn caught() -> io::Result<impl FnOnce() -> Option<i32>> {
     use std::sync::atomic::AtomicUsize;

@@ -1,4 +1,4 @@
-//! What each frame took, for those who plan render farms. In go the events of a run, out come lines of
+//! Statistics of each frame, for those who plan render farms. In go the events of a run, out come lines of
 //! JSON: first one of the input's losses, then one a frame. Invariant: a frame's line is in the file once
 //! the frame is on the disk.
 

@@ -4,7 +4,7 @@ use super::error::CliError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::thread::available_parallelism;
 
-/// Of more than this, and than the machine has processors, each only takes memory.
+/// Maximum number of threads, unless the machine has more processors: further ones only take memory.
 const MOST: usize = 64;
 
 /// As many as were asked for, or as the machine has processors.

@@ -5,19 +5,20 @@ use super::super::parse::LARGEST_CHUNK;
 
 /// Standard deviation of a frame's time by its mean, as frames of a sequence have about.
 const SPREAD: f64 = 0.25;
-/// Of a machine, an hour: each is lost once in four days, as those are that others may take away.
+/// Failures of a machine, an hour: each is lost once in four days, as those are that others may take away.
 const FAILURES_PER_H: f64 = 0.01;
 
 /// From a manager's word until the program runs; managers look for tasks every second or so.
 pub(super) const MANAGER_S: f64 = 2.0;
-/// The same where a script starts it.
+/// Time from the program's start until the program runs, where a script starts it.
 pub(super) const PROGRAM_S: f64 = 0.1;
-/// Of a manager for a task: Slurm starts 500 a second (its High Throughput Computing Administration Guide).
+/// Time of a manager for a task: Slurm starts 500 a second (its High Throughput Computing Administration
+/// Guide).
 const DISPATCH_S: f64 = 0.002;
-/// Of a disk that all machines share.
+/// Rate of a disk that all machines share.
 const DISK_BYTES_PER_S: f64 = 5e9;
 
-/// What a task keeps from all other machines, whose scene is read from so many bytes.
+/// Serial time of a task, in which no other machine gets its own, by the bytes of the scene that it reads.
 pub(super) fn serial_seconds(scene_bytes: u64) -> f64 {
     DISPATCH_S + scene_bytes as f64 / DISK_BYTES_PER_S
 }
@@ -25,11 +26,11 @@ pub(super) fn serial_seconds(scene_bytes: u64) -> f64 {
 /// Machines, and what rendering on them takes.
 pub(super) struct Farm {
     pub(super) machines: u32,
-    /// Of a task until its first frame begins, where machines do not wait for one another.
+    /// Time of a task until its first frame begins, where machines do not wait for one another.
     pub(super) start_s: f64,
-    /// Of a task, one after the other for all machines: the manager, and a disk that all share.
+    /// Time of a task, one after the other for all machines: the manager, and a disk that all share.
     pub(super) serial_s: f64,
-    /// Of a frame.
+    /// Time of a frame.
     pub(super) frame_s: f64,
 }
 

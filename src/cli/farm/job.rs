@@ -1,6 +1,6 @@
-//! What a job is, whoever manages it. In goes what the manager calls its parts, out come the steps as command
-//! lines. Invariant: frames that are there and whole are kept, so a step that was stopped anywhere is done
-//! again by its own command.
+//! Job of a farm, whoever manages it. In go the manager's names for its parts, out come the steps as
+//! command lines. Invariant: frames that are there and whole are kept, so a step that was stopped anywhere
+//! is done again by its own command.
 
 use sunfleck::scene::Sampling;
 
@@ -15,11 +15,11 @@ const MIB_BESIDE: u64 = 512;
 /// A mesh or a texture in memory, by its bytes in a file, which may be compressed.
 const MEMORY_BY_FILE: u64 = 8;
 
-/// Of a thread, with all light, in most scenes.
+/// Time of a sample on one thread, with all light, in most scenes.
 const SECONDS_A_SAMPLE: f64 = 1e-4 / 3.0;
 /// A task may take so many times what its frames are thought to take.
 const PATIENCE: f64 = 3.0;
-/// Of a picture that is rendered until it is good enough.
+/// Samples that are assumed of a picture that is rendered until it is good enough.
 const MOST_USUAL_SAMPLES: u32 = 64;
 const FEWEST_MINUTES: u64 = 15;
 const MOST_MINUTES: u64 = 24 * 60;
@@ -38,7 +38,7 @@ pub(super) struct Job {
     pub(super) chunk: u32,
     /// Why so many, if nobody said.
     pub(super) why: Option<String>,
-    /// Of `sunfleck render`, for every task.
+    /// Flags of `sunfleck render`, for every task.
     pub(super) flags: Vec<String>,
     /// Nothing moves, so that frames may look like the ones before.
     pub(super) is_still: bool,
@@ -52,7 +52,7 @@ pub(super) struct Job {
     pub(super) machines: Option<u32>,
 }
 
-/// What a manager calls the parts of a command line.
+/// Names that a manager has for the parts of a command line.
 pub(super) struct Names<'a> {
     pub(super) input: &'a str,
     /// All frames of the job.
@@ -115,7 +115,7 @@ pub(super) fn memory_mib(picture_bytes: u64, file_bytes: u64) -> u64 {
     MIB_BESIDE + (picture_bytes + MEMORY_BY_FILE * file_bytes).div_ceil(1 << 20)
 }
 
-/// What a frame of so many pixels is thought to take on so many threads.
+/// Estimated time of a frame.
 pub(super) fn frame_seconds(pixels: usize, sampling: Sampling, threads: u32) -> f64 {
     let samples = match sampling {
         Sampling::Exactly(count) => count,

@@ -1,6 +1,6 @@
 //! Words for a shell. Invariant: a POSIX shell reads a quoted text as the text itself, as one word.
 
-/// What needs no quotes anywhere in a word.
+/// Characters that need no quotes anywhere in a word.
 const PLAIN: &str = "_@%+=:,./-";
 
 /// A text as a shell reads it back; as it is if nothing in it means anything to a shell.

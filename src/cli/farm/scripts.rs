@@ -1,5 +1,5 @@
-//! What scripts of jobs have in common. In goes a job, out come its chunks and its steps as command lines of
-//! a shell, which run in the job's folder. Invariant: no path or name is read by a shell as anything else.
+//! Common part of scripts of jobs. In goes a job, out come its chunks and its steps as command lines of a
+//! shell, which run in the job's folder. Invariant: no path or name is read by a shell as anything else.
 
 use super::super::CliError;
 use super::super::error::usage;
@@ -9,7 +9,7 @@ use super::quoting::command_line;
 
 /// In the words of a step it stands for the frames of a task.
 const MARK: char = '\u{1}';
-/// Of each chunk a line.
+/// File with a line for each chunk.
 pub(super) const CHUNKS: &str = "chunks.txt";
 
 /// The four steps. That which renders a chunk takes its frames from the variable `frames`.

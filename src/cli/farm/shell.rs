@@ -8,7 +8,7 @@ use super::job::{FRAMES, Job, ranges};
 use super::quoting::quoted;
 use super::scripts::{CHUNKS, chunks, lines};
 
-/// Of a job that names none.
+/// Number of machines of a job that names none.
 pub(super) const MACHINES: u32 = 2;
 /// As there is a script for each.
 pub(super) const MOST_MACHINES: u32 = 1000;

@@ -48,7 +48,7 @@ fn describe_animation(animation: &Animation, settings: &RenderSettings) -> Value
     })
 }
 
-/// What the input asks for and does not get: one object a kind and place.
+/// Losses of the input: one object a kind and place.
 pub(in crate::cli) fn losses(remarks: &Diagnostics) -> Value {
     let losses = remarks.losses().map(|(loss, diagnostic)| {
         json!({

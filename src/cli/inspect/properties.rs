@@ -9,7 +9,7 @@ use sunfleck::scene::Property;
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     serde_json::from_str(include_str!("../../../docs/extras.schema.json")).unwrap_or_default()
 });
-/// Of properties that many things have, so many are shown.
+/// Maximum number of things shown that have one property.
 const SHOWN: usize = 4;
 
 pub(super) fn write(out: &mut String, properties: &[Property]) -> std::fmt::Result {

@@ -272,7 +272,7 @@ fn color(color: DVec3) -> String {
     }
 }
 
-/// What rendering leaves out because this scene does not need it.
+/// Work that rendering leaves out because this scene does not need it.
 fn write_skips(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
     let Inspected { scene, settings, .. } = inspected;
     let used: HashSet<_> = scene.instances.iter().map(|instance| instance.mesh).collect();

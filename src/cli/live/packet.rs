@@ -107,7 +107,7 @@ mod tests {
     use sunfleck::scene::{Size, Window};
     use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
-    /// What somebody else's client sends.
+    /// Bytes that somebody else's client sends.
     fn sent(send: impl FnOnce(&mut TevClient)) -> Vec<u8> {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mut client = TevClient::wrap(TcpStream::connect(listener.local_addr().unwrap()).unwrap());
