@@ -6,7 +6,7 @@
 pub struct Chance(u64);
 
 impl Chance {
-    /// Of item number `item` under `seed`.
+    /// Chance of item number `item` under `seed`.
     pub fn of(seed: u32, item: u32) -> Self {
         Self(mix((u64::from(seed) << 32) | u64::from(item)))
     }

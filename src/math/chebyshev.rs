@@ -34,7 +34,7 @@ struct Piece {
     coefficients: [DVec3; POINTS],
     /// The antiderivative at the end.
     whole: DVec3,
-    /// What the whole may be wrong by.
+    /// Bound on the error of `whole`.
     error: DVec3,
     /// The sum of all pieces before.
     before: DVec3,

@@ -23,8 +23,8 @@ pub(super) struct CoarseVoxels {
 }
 
 impl CoarseVoxels {
-    /// Of cubes of `times` voxels along each edge, a power of two up to 8; `None` where means are next to
-    /// nothing.
+    /// Means of cubes of `times` voxels along each edge, a power of two up to 8; `None` where means are
+    /// next to nothing.
     pub(super) fn new(fine: &Voxels, times: i32) -> Option<Self> {
         let mut bricks: HashMap<IVec3, [f32; BRICK]> = HashMap::new();
         let per_voxel = (times as f32).powi(-3);

@@ -11,7 +11,7 @@ pub struct SquareDistribution {
     side: usize,
     /// Sums of the rows' densities: 0, the first row's, the first two rows', ... all.
     rows: Vec<f64>,
-    /// The same within each row, row by row.
+    /// Sums within each row, row by row.
     columns: Vec<f64>,
 }
 

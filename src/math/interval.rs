@@ -30,7 +30,8 @@ impl IntervalSet {
         self.insert_and_tell(start, end, |_, _| {});
     }
 
-    /// The same; calls `gap(start, end)` for each part that no interval covered before, in order.
+    /// Adds `[start, end]` and calls `gap(start, end)` for each part that no interval covered before, in
+    /// order.
     pub fn insert_and_tell(&mut self, start: f64, end: f64, mut gap: impl FnMut(f64, f64)) {
         // Anything but Less: a NaN is dropped too.
         if start.partial_cmp(&end) != Some(Ordering::Less) {

@@ -37,7 +37,7 @@ impl RunningProduct {
         }
     }
 
-    /// Of all factors.
+    /// Product of all factors.
     pub fn get(&self) -> Rgb {
         self.nodes[1]
     }

@@ -37,7 +37,7 @@ impl SunlitVoxels {
         self.coarse(times).map_or_else(walked, |coarse| coarse.integral(line, range))
     }
 
-    /// The same from where a line begins, where that may have one of some directions about it.
+    /// Integral from where a line begins, where the line may have one of some directions about its own.
     pub fn rough_integral_to_sky(&self, line: &Ray, times: f64) -> f64 {
         let walked = || self.voxels.integral(line, (0.0, f64::INFINITY));
         self.coarse(times).map_or_else(walked, |coarse| coarse.integral_to_sky(line))

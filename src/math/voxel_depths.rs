@@ -65,7 +65,7 @@ impl VoxelDepths {
         Ray { origin: along(line.origin) - self.low / self.spacing, direction: along(line.direction) }
     }
 
-    /// Of a place of the lattice's space.
+    /// Depth at a place of the lattice's space.
     pub fn of(&self, at: DVec3) -> f64 {
         let last = DVec3::from_array(self.size.map(|count| (count - 1) as f64));
         if at.cmplt(DVec3::ZERO).any() || at.cmpgt(last).any() {

@@ -5,7 +5,7 @@ use super::voxels::{Neighbours, Voxels};
 use super::{Cubic, Ray};
 use glam::{DVec3, IVec3};
 
-/// What a cell holds along the part of a line that passes through it.
+/// Values of a cell along the part of a line that passes through it.
 pub struct Passed {
     /// Where the line comes in and leaves.
     pub start: f64,
@@ -15,7 +15,7 @@ pub struct Passed {
 }
 
 impl Passed {
-    /// Of its part of the line.
+    /// Integral over its part of the line.
     pub fn integral(&self) -> f64 {
         self.values.integral(self.end - self.start)
     }
@@ -124,7 +124,7 @@ impl Way {
         Self { origin, direction, products, per_voxel: direction.recip(), step }
     }
 
-    /// What is trilinear between corners, x fastest, along it, from a place within the cell.
+    /// Trilinear interpolation between corners, x fastest, along the line, from a place within the cell.
     #[inline]
     fn cubic(&self, corners: &[f32; 8], at: DVec3) -> Cubic {
         let along = self.direction;

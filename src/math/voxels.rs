@@ -182,7 +182,7 @@ impl Voxels {
         ((self.low - 1).as_dvec3(), (self.high + 1).as_dvec3())
     }
 
-    /// What it takes, in bytes.
+    /// Memory, in bytes.
     pub fn memory(&self) -> usize {
         size_of_val(&*self.values) + size_of_val(&*self.neighbours) + size_of_val(&*self.table)
     }
@@ -205,7 +205,7 @@ impl Voxels {
         }
     }
 
-    /// Of a brick by its steps from the first.
+    /// Index of a brick by its steps from the first.
     fn place(&self, brick: IVec3) -> Option<usize> {
         let is_in = brick.cmpge(IVec3::ZERO).all() && brick.cmplt(self.bricks).all();
         is_in.then(|| ((brick.x * self.bricks.y + brick.y) * self.bricks.z + brick.z) as usize)
