@@ -107,7 +107,7 @@ impl<L: Lanes> BoxRay<L> {
     }
 }
 
-/// What happens at the leaves of a tree.
+/// Visitor of a tree's leaves.
 pub(super) trait LeafVisitor<S: Simd> {
     /// Visits a leaf, may shorten `t_far`, and says whether the query is over.
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;

@@ -107,7 +107,7 @@ impl<L: Lanes, const N: usize> BoxRegion<L, N> {
     }
 }
 
-/// What happens at the leaves of a tree.
+/// Visitor of a tree's leaves.
 pub(super) trait LeafVisitor<S: Simd> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack);
 

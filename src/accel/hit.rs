@@ -1,5 +1,4 @@
-//! What rays meet. In goes nothing; these are the names that all answers use. Invariant: a hit's weights
-//! lie in the triangle.
+//! Hits of rays: names that all answers use. Invariant: a hit's weights lie in the triangle.
 
 /// A triangle of a placed mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -15,7 +14,7 @@ pub struct PrimitiveId {
 pub struct Hit {
     /// Distance along the ray, in metres.
     pub t: f64,
-    /// What it met.
+    /// Primitive that it met.
     pub primitive: PrimitiveId,
     /// Weights of the triangle's vertices 1 and 2; both and their sum lie in `[0, 1]`.
     pub barycentrics: [f64; 2],

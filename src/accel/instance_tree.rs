@@ -32,7 +32,7 @@ impl InstanceTree {
         Self::numbered((0..).zip(placed))
     }
 
-    /// The same with a number for each instance.
+    /// Tree with a number for each instance.
     pub fn numbered(placed: impl Iterator<Item = (u32, PlacedMesh)>) -> Self {
         Self::with_level(placed, Level::detect())
     }
@@ -127,7 +127,7 @@ mod tests {
         DVec3::new(x, y, z) * 2.0 - 1.0
     }
 
-    /// The same hits and the same shadows, to the last bit.
+    /// Hits and shadows are the same to the last bit, whichever instructions find them.
     #[test]
     fn instructions_do_not_show() {
         let mut sampler = Sampler::new(1, 0, 0, 0);

@@ -44,7 +44,7 @@ impl Functional {
         }
     }
 
-    /// The same function of positions in the space that `to_here` maps from: no inverse is needed.
+    /// Function of positions in the space that `to_here` maps from: no inverse is needed.
     pub(super) fn pulled_back(&self, to_here: &DAffine3) -> Self {
         Self {
             gradient: to_here.matrix3.transpose() * self.gradient,
@@ -71,13 +71,13 @@ pub(super) struct PlaneFunctions {
 }
 
 impl PlaneFunctions {
-    /// The same functions of positions in the space that `to_here` maps from.
+    /// Functions of positions in the space that `to_here` maps from.
     #[inline(always)]
     pub(super) fn pulled_back(&self, to_here: &DAffine3) -> Self {
         self.pulled_back_with(self.out_of_plane.pulled_back(to_here), to_here)
     }
 
-    /// The same where `out_of_plane` is known already.
+    /// Functions of positions in that space, where `out_of_plane` is known already.
     #[inline(always)]
     pub(super) fn pulled_back_with(&self, out_of_plane: Functional, to_here: &DAffine3) -> Self {
         Self {

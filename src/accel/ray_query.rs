@@ -111,14 +111,15 @@ struct MeshQuery<'a, 'b, L> {
     /// The ray in the mesh's space; its direction is not normalised, so that `t` stays comparable.
     origin: DVec3,
     direction: DVec3,
-    /// What the ray's ends are computed from, in the mesh's space: their rounding is a fraction of it.
+    /// Magnitude of the numbers that the ray's ends are computed from, in the mesh's space: their rounding
+    /// is a fraction of it.
     magnitude: f64,
     /// Where the ray ends, if at a certain place.
     t_end: f64,
     t_centre: f64,
     shear: Shear<L>,
     t_min: L,
-    /// What single precision may get wrong about a distance.
+    /// Error bound of a distance in single precision.
     slack: f64,
     skip: u32,
     query: &'b mut RayQuery<'a>,

@@ -13,8 +13,8 @@ use super::{
 use crate::math::IntervalSet;
 use glam::DVec3;
 
-/// What shadows the asked part of a ray lies in the plane, between the light's rays to the part's
-/// ends and on the light's side.
+/// Region that shadows the asked part of a ray: in the plane, between the light's rays to the part's ends
+/// and on the light's side.
 #[inline(always)]
 pub(super) fn shadowing<S: Simd>(
     simd: S,
@@ -185,7 +185,7 @@ impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
     }
 }
 
-/// The same in double precision, a triangle at a time.
+/// Query in double precision, a triangle at a time.
 struct DoubleQuery<'a> {
     blocks: &'a [Block],
     cut: PlaneFunctions,

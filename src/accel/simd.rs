@@ -54,7 +54,7 @@ pub(super) trait Mask:
 pub(super) trait Simd: Copy {
     /// The vector of [`WIDTH`] singles.
     type Lanes: Lanes;
-    /// The same number in each lane.
+    /// One number in all lanes.
     fn splat(self, value: f32) -> Self::Lanes;
     /// From memory.
     fn load(self, values: &Eight) -> Self::Lanes;

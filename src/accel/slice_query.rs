@@ -72,7 +72,7 @@ impl Kernel for AddCuts<'_> {
     }
 }
 
-/// What belongs to the half plane has `out_of_plane = 0`, and `reach` and `above` not negative.
+/// Half plane: there `out_of_plane = 0`, and `reach` and `above` are not negative.
 #[derive(Clone, Copy)]
 struct Region {
     out_of_plane: Functional,
@@ -186,7 +186,7 @@ impl<S: Simd> LeafVisitor<S> for BlockQuery<'_, S::Lanes> {
     }
 }
 
-/// The same in double precision, a triangle at a time.
+/// Query in double precision, a triangle at a time.
 struct DoubleQuery<'a> {
     blocks: &'a [Block],
     region: Region,

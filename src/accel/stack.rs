@@ -1,5 +1,5 @@
-//! What a traversal has still to visit. Invariant: it never overflows, and allocates only for trees
-//! deeper than any sane one.
+//! Stack of a traversal. Invariant: it never overflows, and allocates only for trees deeper than any sane
+//! one.
 
 /// Entries kept without allocating: seven for each of eighteen levels of eight-wide nodes.
 const INLINE: usize = 128;
@@ -7,7 +7,7 @@ const INLINE: usize = 128;
 /// A child to visit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Entry {
-    /// What to visit, as a [`super::wide_tree`] child.
+    /// Child, as in [`super::wide_tree`].
     pub(super) child: u32,
     /// Where the ray enters it.
     pub(super) t_near: f32,

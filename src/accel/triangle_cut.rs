@@ -15,7 +15,7 @@ pub(super) struct Shadow<L: Lanes> {
     pub(super) end: L,
 }
 
-/// Of both ends of a cut: a numerator and a denominator of its shadow's distance along the ray, and its
+/// Ends of a cut: a numerator and a denominator of each one's shadow's distance along the ray, and its
 /// height above that.
 pub(super) struct FanEnds<L> {
     n: [L; 2],
@@ -83,7 +83,7 @@ impl<L: Lanes> Crossing<L> {
         Shadow { exists: self.exists & start.lt(end) & zero.lt(height), start, end }
     }
 
-    /// What tells of the two ends where their shadows fall under a point light.
+    /// Ends of the cut, with the numbers that tell where their shadows fall under a point light.
     #[inline(always)]
     pub(super) fn fan_ends(
         &self,

@@ -99,7 +99,7 @@ impl Bounds {
 #[derive(Debug)]
 pub(super) struct WideTree {
     pub(super) nodes: Vec<Node>,
-    /// What to visit first; none when there is no primitive.
+    /// Child to visit first; none when there is no primitive.
     pub(super) root: Option<u32>,
     /// Around everything.
     pub(super) bounds: Bounds,
