@@ -68,7 +68,7 @@ pub(crate) struct Surrounding {
     pub(crate) scattered: Option<IncidentRadiance>,
     /// Radiance straight from the sky.
     pub(crate) of_sky: Option<IncidentRadiance>,
-    /// What comes straight from what emits, where that is no part of `scattered`.
+    /// Radiance straight from emitters, where that is no part of `scattered`.
     pub(crate) emitted: Option<IncidentRadiance>,
 }
 

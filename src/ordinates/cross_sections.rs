@@ -1,10 +1,10 @@
-//! Cross-sections of a turbid medium by node of a grid. In go extinction and scattering, 1/m, out come what
-//! light loses and the source of the next order. Invariant: harmonics up to l = 2 tell both, here as
+//! Cross-sections of a turbid medium by node of a grid. In go extinction and scattering, 1/m, out come the
+//! losses of light and the source of the next order. Invariant: harmonics up to l = 2 tell both, here as
 //! everywhere else between orders.
 //!
-//! What scatters about its own axis alone, such as droplets, has an extinction by channel and a phase
-//! function by degree. What is oriented, such as leaves, has an extinction that differs by direction and a
-//! scattering matrix, at the nodes that have any.
+//! Isotropic scatterers, such as droplets, have an extinction by channel and a phase function by degree.
+//! Oriented ones, such as leaves, have an extinction that differs by direction and a scattering matrix, at
+//! the nodes that have any.
 
 use super::harmonics::{COUNT, DEGREE};
 use super::moments::Moments;

@@ -49,7 +49,7 @@ pub struct Beam {
 /// Cross-sections, from the top down.
 #[derive(Clone, Debug)]
 pub struct Stack {
-    /// What scatters in them.
+    /// Scatterers in them.
     pub species: Vec<Species>,
     /// The last lies on the ground.
     pub levels: Vec<Level>,
