@@ -5,14 +5,14 @@
 //! A canopy of the leaf area `L` lets `exp(-G L)` of light through where leaves are spread evenly. Where they
 //! stand in clumps it is `exp(-G L omega)` (Nilson 1971, "A theoretical analysis of the frequency of gaps in
 //! plant stands"). The index `omega` is predicted here. Columns of a cell, hardly wider than a leaf, have
-//! their own leaf area. What they let through on the mean (Lang & Xiang 1986, "Estimation of leaf area index
-//! from transmission of direct sunlight in discontinuous canopies") the cell lets through, with those next to
-//! it: leaves are spread over all of them, so that clumps as wide as cells are lost too.
+//! their own leaf area. A cell with its neighbours has the mean of their transmittances (Lang & Xiang 1986,
+//! "Estimation of leaf area index from transmission of direct sunlight in discontinuous canopies"). The
+//! neighbours count because leaves are spread over all of them: clumps as wide as cells would be lost too.
 //!
-//! Of light from elsewhere a leaf of a clump gets `omega`. By reciprocity as much of its own leaves the
-//! clump, and the rest meets another leaf of it. This is the recollision probability `1 - omega` (Smolander &
-//! Stenberg 2005, "Simple parameterizations of the radiation budget of uniform broadleaved and coniferous
-//! canopies").
+//! A leaf of a clump gets the share `omega` of light from elsewhere. By reciprocity the same share of its own
+//! light leaves the clump, and the rest meets another leaf of it. This is the recollision probability
+//! `1 - omega` (Smolander & Stenberg 2005, "Simple parameterizations of the radiation budget of uniform
+//! broadleaved and coniferous canopies").
 
 use super::recollision::escaped;
 use super::surroundings::Surfels;
@@ -255,7 +255,7 @@ mod tests {
         assert!(index > 0.95, "{index}");
     }
 
-    /// What gets in and is sent on gets out, and terms of the series are those of its sum.
+    /// Light that enters and is scattered leaves again, and terms of the series add up to its sum.
     #[test]
     fn nothing_is_lost_within_a_clump_that_absorbs_nothing() {
         let clumping = |bounces| Clumping { indices: Vec::new(), bounces };
