@@ -37,7 +37,7 @@ pub(super) struct Context<'a> {
     pub(super) surroundings: &'a Surroundings<'a>,
     pub(super) leaves: &'a LeafIndex,
     pub(super) bounces: Bounces,
-    /// What glows, as lights, where what surfaces get straight from there is no part of the field.
+    /// Emissive surfaces as lights, where their direct light on surfaces is no part of the field.
     pub(super) glow: Option<Vec<Luminaire>>,
     /// Once it says true, what comes is of no use.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),

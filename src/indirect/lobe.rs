@@ -152,7 +152,7 @@ mod tests {
         }
     }
 
-    /// What each degree of light that goes the same way along half of all directions is: by the middles of
+    /// Harmonics of radiance that is uniform over half of all directions, by degree: by the middles of
     /// small pieces.
     #[test]
     fn shine_sees_what_is_above_its_surface_alone() {

@@ -22,8 +22,8 @@ const FIRST_CELLS: f64 = 0.5;
 
 /// Prefix sums along a coarse grid of camera rays.
 ///
-/// What is looked up is the mean radiance of all fog before a distance, by how much of it is seen; how much
-/// fog a ray really goes through it tells itself. So the borders of fog are as sharp as they are, and fog in
+/// A look-up gives the mean radiance of all fog before a distance, by how much of it is seen. How much fog
+/// a ray really goes through it tells itself. So the borders of fog are as sharp as they are, and fog in
 /// even light is as bright as that everywhere.
 pub(super) struct ViewedFog {
     columns: usize,
