@@ -25,14 +25,14 @@ pub struct Array {
     pub height: usize,
     /// Names as in a file, such as `R` or `Normal.X`.
     pub channels: Vec<String>,
-    /// What values are measured in, `1` if in nothing; for ids `id`.
+    /// Unit of the values, `1` if they have none; for ids `id`.
     pub unit: &'static str,
     /// Pixel by pixel, row by row from the top: `[height][width][channel]`.
     pub values: Vec<f32>,
 }
 
 impl Array {
-    /// Of channels of equal size, at least one.
+    /// Array of channels of equal size, at least one.
     pub(super) fn of(channels: &[&Channel], width: usize, height: usize, unit: &'static str) -> Self {
         let pixel = |index: usize| channels.iter().map(move |channel| channel.pixels[index]);
         Self {

@@ -79,7 +79,7 @@ impl SceneBuilder {
         self
     }
 
-    /// What lies behind the scene and lights it; not beside a background.
+    /// Sky behind the scene, which lights it; not beside a background.
     pub fn sky(mut self, sky: Sky) -> Self {
         self.parts.file.sky = Some(sky);
         self

@@ -10,7 +10,7 @@ use crate::description::ron::{
 macro_rules! changed {
     ($($part:ty)*) => {
         $(impl $part {
-            /// The same with other fields: `part.with(|part| part.field = value)`.
+            /// Part with other fields: `part.with(|part| part.field = value)`.
             #[must_use]
             pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
                 change(&mut self);

@@ -35,9 +35,9 @@ pub enum RenderError {
     Setting {
         /// Which.
         setting: Setting,
-        /// What was found.
+        /// Finding.
         found: String,
-        /// What was expected instead.
+        /// Expectation that was not met.
         expected: String,
     },
     /// There is not as much memory as the picture takes.
@@ -63,7 +63,7 @@ impl RenderError {
         Self::Setting { setting, found, expected: expected.into() }
     }
 
-    /// The same, with what was expected and what to do.
+    /// Diagnostic, with what was expected and what to do.
     pub fn diagnostic(&self) -> Diagnostic {
         let error = |expected: &str| Diagnostic::error(Place::Nowhere, self.to_string()).expected(expected);
         match self {
@@ -79,7 +79,7 @@ impl RenderError {
         }
     }
 
-    /// What to do about it.
+    /// Remedy.
     pub fn remedy(&self) -> String {
         self.diagnostic().remedy.map(String::from).unwrap_or_default()
     }

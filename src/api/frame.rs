@@ -13,7 +13,7 @@ use crate::render::{Rendered, Statistics};
 use crate::scene::{Size, Window};
 use std::path::Path;
 
-/// What beauty is measured in.
+/// Unit of beauty.
 const RADIANCE: &str = "W m^-2 sr^-1";
 
 /// A rendered frame: the beauty and the passes that were asked for.
@@ -23,7 +23,7 @@ pub struct Frame {
     picture: film::Frame,
     statistics: Statistics,
     provenance: Provenance,
-    /// What the scene says.
+    /// Exposure of the scene, if it has one.
     exposure_stops: Option<f64>,
     remarks: Diagnostics,
 }
@@ -84,12 +84,12 @@ impl Frame {
         if channels.is_empty() { None } else { Some(self.array(&channels, pass.row().unit)) }
     }
 
-    /// What it took, and how good it is.
+    /// Statistics of its rendering.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
     }
 
-    /// What the scene asks for and is not honoured in this frame.
+    /// Requests of the scene that are not honoured in this frame.
     pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
         self.remarks.told()
     }
@@ -115,8 +115,8 @@ impl Frame {
         self.write_png_at(path, self.exposure_stops.unwrap_or_else(|| self.auto_exposure_stops()))
     }
 
-    /// The same, brightened by so many powers of two, finite: one number for a sequence, so that
-    /// it does not flicker.
+    /// Writes the frame as a PNG, brightened by a number of powers of two, finite: one for a sequence, so
+    /// that it does not flicker.
     ///
     /// # Errors
     /// If the picture is too large for a PNG or the disk says no.

@@ -1,5 +1,5 @@
-//! What whoever loads a scene may ask for. In go choices, out comes the scene. Invariant: a choice that is
-//! not made leaves what the input says.
+//! Options of whoever loads a scene. In go choices, out comes the scene. Invariant: a choice that is not
+//! made leaves what the input says.
 
 use super::scene::Scene;
 use crate::description::{self, LoadError};
@@ -37,7 +37,7 @@ impl SceneOptions {
         self
     }
 
-    /// What the lights of a glTF file are measured in.
+    /// Units of the lights of a glTF file.
     #[must_use]
     pub fn light_units(mut self, units: LightUnits) -> Self {
         self.wanted.light_units = Some(units);

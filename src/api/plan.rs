@@ -21,20 +21,20 @@ const MOST_PIXELS: usize = 1 << 27;
 
 /// Everything that frames of a picture have in common.
 pub struct Plan<'scene> {
-    /// What is rendered.
+    /// Scene to render.
     pub scene: &'scene Scene,
     /// As asked for.
     pub settings: RenderSettings,
     /// Index into the scene's cameras.
     pub camera: usize,
-    /// What each frame takes.
+    /// Settings of each frame.
     pub job: Job,
-    /// What the scene asks for and is not honoured, as far as it is rendered.
+    /// Requests of the scene that are not honoured, as far as it is rendered.
     pub remarks: Diagnostics,
 }
 
 impl<'scene> Plan<'scene> {
-    /// Of `settings`, the part inside `crop`.
+    /// Plan by `settings`, of the part inside `crop`.
     pub(super) fn new(
         scene: &'scene Scene,
         settings: RenderSettings,
@@ -68,13 +68,13 @@ impl<'scene> Plan<'scene> {
         Shutter::of(&self.settings, frame as f64)
     }
 
-    /// What the camera sees while a shutter is open, with nothing that passes need.
+    /// Exposure while a shutter is open, without what passes need.
     pub fn exposure_of(&self, shutter: Shutter) -> Exposure<'scene> {
         let aspect = aspect(self.job.size);
         Exposure::new(&self.scene.resolved, self.scene.trees(), self.camera, aspect, shutter)
     }
 
-    /// What the camera sees at a frame, with all that the passes need.
+    /// Exposure of a frame, with all that the passes need.
     pub fn exposure(&self, frame: i64) -> Exposure<'scene> {
         let (scene, size) = (&self.scene.resolved, self.job.size);
         let mut exposure = self.exposure_of(self.shutter(frame));
@@ -196,7 +196,7 @@ impl<'scene> Plan<'scene> {
         View::new(camera, world_from_camera, aspect(self.job.size), time_s)
     }
 
-    /// What mattes are called, if the frames have any.
+    /// Names of mattes, if the frames have any.
     fn object_names(&self) -> BTreeMap<u32, String> {
         let scene = &self.scene.resolved;
         let instances = 0..if self.needs(Needs::Names) { scene.instances.len() } else { 0 };

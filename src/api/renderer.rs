@@ -1,6 +1,6 @@
-//! What is to be rendered of a scene, said step by step. In go a scene and wishes, out comes a frame.
-//! Invariant: a wish that is not said leaves what the scene says; wishes are checked together, when
-//! the frame is rendered.
+//! Renderer of a scene, set up step by step. In go a scene and wishes, out comes a frame. Invariant: a
+//! wish that is not said leaves what the scene says; wishes are checked together, when the frame is
+//! rendered.
 
 use super::error::RenderError;
 use super::frame::Frame;

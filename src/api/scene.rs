@@ -20,7 +20,7 @@ use std::sync::OnceLock;
 pub struct Scene {
     pub(super) resolved: scene::Scene,
     pub(super) settings: RenderSettings,
-    /// What it was asked to be.
+    /// Options that it was resolved with.
     pub(super) options: ResolveOptions,
     /// SHA-256 over all input files; and over the camera that was brought along, if any.
     pub(super) content_hash: String,
@@ -50,7 +50,7 @@ pub struct NodePlace {
 }
 
 impl Scene {
-    /// What is asked for and not honoured, or only nearly, and what was put in where the input says nothing.
+    /// Warnings: requests that are not honoured, or only nearly, and choices where the input says nothing.
     pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
         self.resolved.remarks.told()
     }

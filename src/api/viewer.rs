@@ -6,7 +6,7 @@ use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Node, Scene, Track};
 use glam::{DAffine3, DMat4, DVec2};
 use serde::{Deserialize, Serialize};
 
-/// What is said of it.
+/// Camera of a viewer.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Viewer {
@@ -27,7 +27,7 @@ pub struct Viewer {
     aperture: Option<Opening>,
 }
 
-/// Of a lens.
+/// Aperture of a lens.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Opening {
@@ -43,7 +43,7 @@ struct Opening {
 pub const NAME: &str = "\0viewer";
 
 impl Viewer {
-    /// What of it makes no sense.
+    /// Fault of it, if there is one.
     pub fn fault(&self) -> Option<&'static str> {
         let is_length = |value: f64| value.is_finite() && value > 0.0;
         let world_from_camera = DMat4::from_cols_array(&self.matrix);
