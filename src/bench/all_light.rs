@@ -17,7 +17,7 @@ const HALVES: [u32; 2] = [0x5eed_0d44, 0x5eed_0e55];
 /// Pixels along each side of a block.
 const BLOCK: usize = 10;
 
-/// What is to be measured.
+/// Plan of the measurement.
 pub struct AllLightPlan<'a> {
     /// The picture.
     pub stage: Stage<'a>,
@@ -48,7 +48,7 @@ pub struct AllLightRow {
     pub errors: [f64; 2],
 }
 
-/// What was measured.
+/// Results of the measurement.
 pub struct AllLight {
     /// The grid's rows, then those of random walks.
     pub rows: Vec<AllLightRow>,

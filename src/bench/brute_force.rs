@@ -75,10 +75,10 @@ pub fn deviation(
     Deviation { rays: pairs.len(), relative_rmse: square.sqrt() / mean, largest: largest / mean }
 }
 
-/// What the triangles shade of the ray within `range`.
+/// Shadows of the triangles on the ray within `range`.
 ///
-/// Each triangle is cut by the plane through ray and light; the cut's ends are projected from the
-/// light onto the ray by solving the 2 x 2 system in an orthonormal basis of that plane.
+/// Each triangle is cut by the plane through ray and light; the cut's ends are projected from the light
+/// onto the ray by solving the 2 x 2 system in an orthonormal basis of that plane.
 pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: LightPlace, range: (f64, f64)) -> IntervalSet {
     let along = ray.direction;
     let towards = match light {

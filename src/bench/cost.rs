@@ -1,8 +1,8 @@
-//! What an error costs, and how a cost grows. In go measured points, out come times at error levels
-//! and exponents. Invariant: everything is a straight line in logarithms between measured points;
-//! beyond them an answer says so.
+//! Cost of an error, and growth of a cost. In go measured points, out come times at error levels and
+//! exponents. Invariant: everything is a straight line in logarithms between measured points; beyond them
+//! an answer says so.
 
-/// What it takes to reach an error, seconds.
+/// Time to reach an error, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cost {
     /// Between two measured points.

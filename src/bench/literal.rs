@@ -14,7 +14,7 @@ use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use crate::transport::{MarchSteps, Scratch, Transport, VolumeMethod, radiance};
 use glam::DVec3;
 
-/// What a part of the picture took.
+/// Measurement of a part of the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Literal {
     /// Pixels rendered, spread evenly over the picture.

@@ -15,7 +15,7 @@ pub enum Method {
     Literal,
     /// Shadow rays at equal steps, through a tree.
     March,
-    /// The same, moved by a random part of a step.
+    /// Shadow rays at equal steps, moved by a random part of a step.
     JitteredMarch,
     /// Shadow rays at points spread evenly over the angle seen from the light.
     Equiangular,
@@ -23,7 +23,7 @@ pub enum Method {
     Segments,
     /// Exact, on epipolar slices.
     Slices,
-    /// The same, to a tolerance: samples where they are needed.
+    /// Exact, on epipolar slices, to a tolerance: samples where they are needed.
     SlicesUntil,
 }
 
@@ -56,7 +56,7 @@ impl Effort {
     }
 }
 
-/// What all pictures have in common.
+/// Common part of all pictures.
 #[derive(Clone, Copy)]
 pub struct Stage<'a> {
     /// The scene while the shutter is open.
@@ -165,7 +165,7 @@ impl Method {
     }
 }
 
-/// What `work` gives, and the processor time that the whole process spent meanwhile, seconds.
+/// Result of `work`, and the processor time that the whole process spent meanwhile, seconds.
 pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let started = ProcessTime::now();
     let result = work();

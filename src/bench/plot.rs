@@ -30,7 +30,7 @@ const COLORS: [&str; 8] =
 pub enum Style {
     /// Markers joined by a line; the number picks colour and marker.
     Line(usize),
-    /// The same, thin and dashed: not measured here.
+    /// A line with markers, thin and dashed: not measured here.
     Dashed(usize),
     /// Markers alone, hollow: an estimate.
     Hollow(usize),
@@ -58,9 +58,9 @@ pub struct Plot {
     pub title: String,
     /// Smaller, below.
     pub subtitle: String,
-    /// What is on the horizontal axis, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x_label: String,
-    /// What is on the vertical axis, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y_label: String,
     /// The points.
     pub series: Vec<Series>,
@@ -85,7 +85,7 @@ impl Axis {
         Self { low: low - spare, high: high + spare, from_px, to_px }
     }
 
-    /// The same scale, going on to another pixel.
+    /// Scale that goes on to another pixel.
     fn reaching(self, to_px: f64) -> Self {
         let per_px = (self.high - self.low) / (self.to_px - self.from_px);
         Self { high: self.high + per_px * (to_px - self.to_px), to_px, ..self }

@@ -53,7 +53,7 @@ fn told_samples(effort: &Effort) -> String {
         .map_or_else(|| effort.samples.to_string(), |tolerance| format!("{:.2} %", 100.0 * tolerance))
 }
 
-/// What a point's numbers are to be taken with.
+/// Caveat of a point's numbers.
 fn note(point: &Point) -> String {
     match point.literal {
         Some(literal) => {

@@ -18,7 +18,7 @@ const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// How many times the longest picture a point may take with all that comes before it.
 const PATIENCE: f64 = 20.0;
 
-/// What is measured, and how long it may take.
+/// Plan of the measurement, and how long it may take.
 pub struct ScalingPlan<'a> {
     /// The scene to start from.
     pub scene: &'a Scene,
@@ -38,7 +38,7 @@ pub struct ScalingPlan<'a> {
     pub longest_s: f64,
 }
 
-/// What grows.
+/// Quantity that grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Quantity {
     /// Instances of the mesh that is placed most often, their whole area kept.
@@ -58,7 +58,7 @@ pub enum Quantity {
 /// Times over a quantity.
 #[derive(Clone, Debug)]
 pub struct Growth {
-    /// What grew.
+    /// Quantity that grew.
     pub quantity: Quantity,
     /// Its values and seconds, in order.
     pub points: Vec<(f64, f64)>,
@@ -83,7 +83,7 @@ impl Quantity {
         }
     }
 
-    /// What stands at the axis.
+    /// Label of the axis.
     pub fn label(self) -> &'static str {
         match self {
             Self::Leaves => "instances of the leaf, their whole area kept",

@@ -1,7 +1,7 @@
-//! What the renderer leaves out where a scene does not need it, each time with and without. In go a scene and
-//! a moment, out comes a row for each such skip. Invariant: the skipped work is brought back through the
-//! public interface alone. A scene or a job that needs the work, but shows the same picture, does that. So no
-//! inner loop has a switch for it.
+//! Work that the renderer leaves out where a scene does not need it, each time with and without. In go a
+//! scene and a moment, out comes a row for each such skip. Invariant: the skipped work is brought back
+//! through the public interface alone. A scene or a job that needs the work, but shows the same picture,
+//! does that. So no inner loop has a switch for it.
 
 mod on_disk;
 
@@ -24,7 +24,7 @@ use std::path::Path;
 /// A number that changes no picture: far below what single precision can tell from nothing.
 const NEXT_TO_NOTHING: f64 = 1e-300;
 
-/// What shines so little that nobody sees it.
+/// Coat that shines so little that nobody sees it.
 const THIN_COAT: Coat = Coat {
     metallic: 0.0,
     roughness: 0.5,
@@ -47,10 +47,10 @@ const THIN_SHEEN: Sheen = Sheen {
     roughness_texture: None,
 };
 
-/// What could be left out, and is not: docs/decisions/measuring.md has the figures.
+/// Work that could be left out, and is not: docs/decisions/measuring.md has the figures.
 const NOT_SKIPPED: &str = "not skipped: geometry that can neither be seen nor cast a shadow into view; building all of it takes 1 % of a frame\n";
 
-/// What is to be measured, and on what.
+/// Plan of the measurement.
 pub struct SkipsPlan<'a> {
     /// The scene.
     pub scene: &'a Scene,
@@ -69,7 +69,7 @@ pub struct SkipsPlan<'a> {
 /// One thing that is skipped.
 #[derive(Clone, Debug)]
 pub struct Skip {
-    /// What.
+    /// Name.
     pub name: &'static str,
     /// How the work was brought back.
     pub without: &'static str,
@@ -240,7 +240,7 @@ fn changed(plan: &SkipsPlan, change: &dyn Fn(&mut Scene)) -> Scene {
     scene
 }
 
-/// The same light with a size that is next to nothing, where it has none.
+/// Light with a size that is next to nothing, where it has none.
 fn with_extent(kind: &LightKind) -> LightKind {
     const SIZE: f64 = 1e-12;
     match kind {
@@ -279,7 +279,7 @@ fn picture(plan: &SkipsPlan, scene: &Scene, passes: &[Pass]) -> (Frame, f64) {
     timed(|| rendered(plan, &exposure, passes))
 }
 
-/// The same as a side, without passes.
+/// Picture without passes, and its time.
 fn shown(plan: &SkipsPlan, scene: &Scene) -> Result<(Frame, f64), String> {
     Ok(picture(plan, scene, &[]))
 }

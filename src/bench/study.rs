@@ -6,11 +6,11 @@ use super::method::timed;
 use super::{Effort, Literal, Method, Reference, RelativeErrors, Stage};
 use glam::DVec3;
 
-/// What is to be measured.
+/// Plan of the measurement.
 pub struct StudyPlan<'a> {
     /// The picture.
     pub stage: Stage<'a>,
-    /// What the picture is made of, for the literal method: see [`super::brute_force::triangles`].
+    /// Triangles of the picture, for the literal method: see [`super::brute_force::triangles`].
     pub triangles: &'a [[DVec3; 3]],
     /// Which methods.
     pub methods: Vec<Method>,
@@ -58,13 +58,13 @@ pub struct Peer {
 
 /// Everything that was measured.
 pub struct Study {
-    /// What was rendered.
+    /// Title of the picture.
     pub title: String,
     /// Method by method, efforts from cheap to dear.
     pub points: Vec<Point>,
     /// Points from elsewhere.
     pub peers: Vec<Peer>,
-    /// What all were measured against; the frame itself is kept by the caller.
+    /// Description of the reference; the frame itself is kept by the caller.
     pub reference_note: String,
 }
 

@@ -1,5 +1,5 @@
-//! What is not read from the disk, and what is not rendered because of what lies there. In goes the
-//! plan, out come rows. Invariant: what is written lies in the folder of the plan.
+//! Work that is left out because of what lies on the disk: files not read, frames not rendered. In goes
+//! the plan, out come rows. Invariant: what is written lies in the folder of the plan.
 
 use super::{AddRow, SkipsPlan, picture};
 use crate::bench::method::timed;
@@ -11,7 +11,7 @@ use crate::scene;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What is not read, and what is not rendered, because of what lies on the disk.
+/// Measures these skips.
 pub(super) fn measure(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     let (whole, _) = picture(plan, plan.scene, &[]);
     let path = plan.folder.join("frame.exr");
