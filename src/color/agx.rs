@@ -44,7 +44,7 @@ const STOPS_BELOW: f32 = 10.0;
 const STOPS_ABOVE: f32 = 6.5;
 /// Rise of the curve at middle grey, over the whole range of stops as 1.
 const SLOPE: f32 = 2.4;
-/// What display light is encoded with where the curve works (ITU-R BT.1886).
+/// Exponent of display light where the curve works (ITU-R BT.1886).
 const GAMMA: f32 = 2.4;
 /// How much of the change of hue that compressing channels one by one brings is kept. With all of it orange
 /// becomes yellow before it becomes white.

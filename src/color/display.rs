@@ -56,8 +56,8 @@ impl Display {
         }
     }
 
-    /// The same in bytes, at a pixel. Values between two steps become the upper one the more often the nearer
-    /// they are to it, by an ordered dither, so that smooth fog shows no bands.
+    /// Display values in bytes, at a pixel. An ordered dither rounds to the upper step the more often the
+    /// nearer a value is to it, so that smooth fog shows no bands.
     pub fn bytes(&self, color: Rgb, x: usize, y: usize) -> [u8; 3] {
         dithered(self.encode(color), x, y)
     }

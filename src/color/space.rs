@@ -7,7 +7,7 @@ use glam::DMat3;
 /// Elements of a matrix between primaries that are the same, but for the digits that files give.
 const SAME_PRIMARIES: f64 = 1e-3;
 
-/// What a name of a colour space stands for.
+/// Meaning of a colour space's name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NamedSpace {
     /// Colours.
@@ -51,7 +51,7 @@ impl ColorSpace {
         self.curve == other.curve && self.has_same_primaries(other)
     }
 
-    /// The same of colours once they are linear.
+    /// Whether linear colours of both mean the same.
     pub fn has_same_primaries(&self, other: &Self) -> bool {
         self.rec_709_from_linear.abs_diff_eq(other.rec_709_from_linear, SAME_PRIMARIES)
     }
@@ -126,7 +126,7 @@ fn matrix_of(word: &str) -> Option<DMat3> {
 mod tests {
     use super::*;
 
-    /// Of (0.2, 0.5, 0.1), by OpenColorIO 2.6 with its built-in `studio-config-latest`.
+    /// Values of (0.2, 0.5, 0.1), by OpenColorIO 2.6 with its built-in `studio-config-latest`.
     const BY_OPENCOLORIO: [(&str, [f64; 3]); 15] = [
         ("lin_rec709_scene", [0.20000, 0.50000, 0.10000]),
         ("lin_ap0_scene", [-0.10148, 0.62144, 0.03727]),

@@ -13,13 +13,13 @@ pub struct Texels(Stored);
 enum Stored {
     /// 8 bits each; colours become light by `curve`, one value a code.
     Bytes { codes: Vec<u8>, curve: &'static [f32] },
-    /// The same with 16 bits.
+    /// 16 bits each, likewise.
     Words { codes: Vec<u16>, curve: &'static [f32] },
     /// The light itself.
     Floats(Vec<[f32; 4]>),
 }
 
-/// What the codes of a colour stand for. Alpha is always itself.
+/// Meaning of a colour's codes. Alpha is always itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CodeCurve {
     /// Colours in sRGB.
