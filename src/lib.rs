@@ -39,7 +39,7 @@
 //!
 //! # The story in ten lines
 //!
-//! Of the modules within; docs/builders/architecture.md follows one picture through them.
+//! docs/builders/architecture.md follows one picture through these modules.
 //!
 //! 1. `description` reads what the author wrote: RON, glTF, OBJ. It alone opens input files.
 //! 2. `scene` resolves it once: SI units, keyframed tracks, no dangling names. A scene that exists is valid.

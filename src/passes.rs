@@ -26,11 +26,11 @@ pub enum PixelRule {
     Nearest,
     /// How much of it each id covers.
     Ranked,
-    /// What is estimated of the finished picture; no sample holds it.
+    /// Estimate of the finished picture; no sample holds it.
     Estimate,
 }
 
-/// What has to be known beyond the light along a ray.
+/// Knowledge that a pass needs beyond the light along a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// Nothing.
@@ -46,9 +46,9 @@ pub enum Needs {
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct PassRow {
-    /// What it is called on the command line and in glTF.
+    /// Name on the command line and in glTF.
     pub name: &'static str,
-    /// What it shows, for `--help`.
+    /// Description, for `--help`.
     pub shows: &'static str,
     /// Full names, at most four, or three if they are averaged. None if the pass has its own way.
     pub channels: &'static [&'static str],
@@ -56,15 +56,15 @@ pub struct PassRow {
     pub precision: Precision,
     /// How the samples of a pixel become its value.
     pub rule: PixelRule,
-    /// What has to be known.
+    /// Needs of the pass.
     pub needs: Needs,
-    /// What values are measured in, `1` if in nothing.
+    /// Unit of the values, `1` if they have none.
     pub unit: &'static str,
     /// The value where no surface is seen.
     pub background: f32,
 }
 
-/// What Cryptomatte's layers are called, before their numbers.
+/// Name of Cryptomatte's layers, before their numbers.
 pub const MATTE_LAYER: &str = "CryptoObject";
 
 /// Depth of a pixel that shows no surface. Infinity trips readers up; Cycles writes this number.
@@ -72,7 +72,7 @@ const BACKGROUND_DEPTH_M: f32 = 1e10;
 
 macro_rules! passes {
     ($($variant:ident $name:literal $shows:literal [$($channel:literal),*] $precision:ident $rule:ident $needs:ident $unit:literal $background:expr;)*) => {
-        /// What a frame can hold beside its beauty. In RON a pass is called as its variant here.
+        /// Pass of a frame beside its beauty. In RON a pass is called as its variant here.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
         #[non_exhaustive]
         pub enum Pass {
@@ -119,7 +119,7 @@ passes! {
 }
 
 impl Pass {
-    /// What it is called on the command line and in glTF.
+    /// Name on the command line and in glTF.
     pub const fn name(self) -> &'static str {
         self.row().name
     }

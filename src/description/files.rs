@@ -45,7 +45,8 @@ impl Files {
 
     /// Reads a file of which only the meaning is hashed.
     ///
-    /// # Errors [`LoadError::Io`] if it cannot be read.
+    /// # Errors
+    /// [`LoadError::Io`] if it cannot be read.
     pub(super) fn read_text(
         &mut self,
         path: &Path,

@@ -17,7 +17,8 @@ pub(super) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fau
 
 /// Radiances of an HDR image in Radiance's format.
 ///
-/// # Errors With the first texel whose radiance is none.
+/// # Errors
+/// With the first texel whose radiance is none.
 pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
     let rgb = decoded.into_rgb32f();
     let (width, height) = (rgb.width() as usize, rgb.height() as usize);

@@ -29,7 +29,8 @@ impl Picture {
 
     /// Display picture of a frame's window: its R, G and B, over black.
     ///
-    /// # Errors With the reason if the frame has no colour.
+    /// # Errors
+    /// With the reason if the frame has no colour.
     pub fn of(frame: &Frame, display: &Display) -> Result<Self, String> {
         let Window { x, y, width, height } = frame.window;
         let plane = |channel: &Channel| {

@@ -23,7 +23,8 @@ pub fn resolve(
 /// Resolves a description on the threads that it is called on; falls that take their time are told of and
 /// kept.
 ///
-/// # Errors Every problem that was found, if any of them is an error.
+/// # Errors
+/// Every problem that was found, if any of them is an error.
 pub fn resolve_telling(
     description: Description,
     options: &ResolveOptions,

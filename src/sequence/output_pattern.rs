@@ -43,7 +43,8 @@ impl OutputPattern {
 
     /// Parses a pattern for files that end in another extension.
     ///
-    /// # Errors As [`OutputPattern::parse`].
+    /// # Errors
+    /// As [`OutputPattern::parse`].
     pub fn parse_as(
         text: impl AsRef<OsStr>,
         sequence_name: &str,

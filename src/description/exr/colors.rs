@@ -25,7 +25,8 @@ impl ImageColors {
 
     /// Colours of a part.
     ///
-    /// # Errors If its chromaticities span no colours, and nothing else says which.
+    /// # Errors
+    /// If its chromaticities span no colours, and nothing else says which.
     pub(super) fn of(part: &RawPart) -> Result<Self, String> {
         let by_primaries = match part.chromaticities() {
             None => None,

@@ -309,7 +309,8 @@ pub fn load(path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
 
 /// Parses a file whose bytes are at hand; other files that it refers to are read through `files`.
 ///
-/// # Errors As [`load`].
+/// # Errors
+/// As [`load`].
 pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
     let mut report = Report::new(path);
     let (mut document, binary) = container::open(bytes, path, &mut report)?;

@@ -80,7 +80,8 @@ pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, 
 
 /// Loads a file that is an input by itself. It may hold no triangle: points and lines are a file too.
 ///
-/// # Errors [`LoadError`] if the file cannot be read.
+/// # Errors
+/// [`LoadError`] if the file cannot be read.
 pub fn load_alone(path: &Path, files: &mut Files) -> Result<ObjModel, LoadError> {
     match Numbered::of(path) {
         Some(numbered) => sequence::read(&numbered, "the command line", files),
