@@ -136,7 +136,9 @@ pub trait Keyable: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize 
     /// A rate in SI units per second.
     fn rate_si(rate: Self::Rate) -> Self::Si;
     /// Whether a curve may pass through `value`.
-    fn admits(value: Self::Si) -> bool;
+    fn admits(_: Self::Si) -> bool {
+        true
+    }
 }
 
 /// Slack for the rounding of a conversion to SI units and back.
@@ -189,9 +191,6 @@ impl Keyable for Direction {
     fn rate_si(rate: Self::Rate) -> DVec3 {
         rate.si()
     }
-    fn admits(_: DVec3) -> bool {
-        true
-    }
 }
 
 impl Keyable for Quaternion {
@@ -205,9 +204,6 @@ impl Keyable for Quaternion {
     fn rate_si(rate: Self::Rate) -> DQuat {
         rate.0
     }
-    fn admits(_: DQuat) -> bool {
-        true
-    }
 }
 
 impl Keyable for bool {
@@ -220,9 +216,6 @@ impl Keyable for bool {
     }
     fn rate_si(_: NoRate) -> bool {
         false
-    }
-    fn admits(_: bool) -> bool {
-        true
     }
 }
 
