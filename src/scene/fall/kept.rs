@@ -240,7 +240,7 @@ mod tests {
             Fall { seed: 4, ..fall(every_way(), storm(), level()) },
             Fall { count: 201, ..fall(every_way(), storm(), level()) },
             Fall { speed_gain: (1.0 + f64::EPSILON).into(), ..fall(every_way(), storm(), level()) },
-            Fall { mix: None, ..fall(every_way(), storm(), level()) },
+            Fall { motion: None, ..fall(every_way(), storm(), level()) },
         ];
         let names: std::collections::BTreeSet<String> = falls.iter().map(Fall::name).collect();
         assert_eq!(names.len(), falls.len());

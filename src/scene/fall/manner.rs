@@ -6,29 +6,13 @@
 
 use super::leaf::Manner;
 use super::plate::PAPER_DAMPING;
+use crate::description::ron::FallMotion;
 use crate::math::Chance;
 use std::f64::consts::TAU;
 
 /// Damping with which swings stay small, in the place of mu_1 = 0.2: dressing, for the plate of the paper
 /// never sinks steadily.
 const STEADY_DAMPING: f64 = 8.0;
-
-/// Shares of the ways to fall; not all zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mix {
-    /// Level, rocking a little.
-    pub(crate) steady: f64,
-    /// From side to side.
-    pub(crate) flutter: f64,
-    /// Over and over about its long axis.
-    pub(crate) tumble: f64,
-    /// Now the one, now the other.
-    pub(crate) chaotic: f64,
-    /// Tumbling down a helix.
-    pub(crate) helical: f64,
-    /// Tumbling down in circles that widen.
-    pub(crate) spiral: f64,
-}
 
 #[derive(Clone, Copy)]
 enum Way {
@@ -40,33 +24,40 @@ enum Way {
     Spiral,
 }
 
-impl Mix {
-    /// Inertia, manner and damping of one leaf, from the draws from `first` on.
-    pub(crate) fn choose(&self, chance: Chance, first: u64) -> (f64, Manner, f64) {
-        let shares = [
-            (Way::Steady, self.steady),
-            (Way::Flutter, self.flutter),
-            (Way::Tumble, self.tumble),
-            (Way::Chaotic, self.chaotic),
-            (Way::Helical, self.helical),
-            (Way::Spiral, self.spiral),
-        ];
-        let mut left = chance.at(first) * shares.iter().map(|(_, share)| share).sum::<f64>();
-        let chosen = shares.iter().find(|(_, share)| {
-            left -= share;
-            left < 0.0
-        });
-        let way = chosen.map_or(Way::Flutter, |(way, _)| *way);
-        // Within the regimes that the equations have, figure 3 of the paper and around it.
-        let (low, high) = match way {
-            Way::Steady => (0.2, 0.5),
-            Way::Flutter => (0.6, 1.15),
-            Way::Tumble | Way::Helical | Way::Spiral => (1.26, 1.42),
-            Way::Chaotic => (1.5, 2.5),
-        };
-        let damping = if matches!(way, Way::Steady) { STEADY_DAMPING } else { PAPER_DAMPING };
-        (low + (high - low) * chance.at(first + 1), manner(way, chance, first + 2), damping)
-    }
+/// Ways to fall with their shares.
+fn shares(motion: &FallMotion) -> [(Way, f64); 6] {
+    [
+        (Way::Steady, motion.steady.si()),
+        (Way::Flutter, motion.flutter.si()),
+        (Way::Tumble, motion.tumble.si()),
+        (Way::Chaotic, motion.chaotic.si()),
+        (Way::Helical, motion.helical.si()),
+        (Way::Spiral, motion.spiral.si()),
+    ]
+}
+
+/// Sum of all shares.
+pub(crate) fn sum(motion: &FallMotion) -> f64 {
+    shares(motion).iter().map(|(_, share)| share).sum()
+}
+
+/// Inertia, manner and damping of one leaf, from the draws from `first` on; not all shares are zero.
+pub(crate) fn choose(motion: &FallMotion, chance: Chance, first: u64) -> (f64, Manner, f64) {
+    let mut left = chance.at(first) * sum(motion);
+    let chosen = shares(motion).into_iter().find(|(_, share)| {
+        left -= share;
+        left < 0.0
+    });
+    let way = chosen.map_or(Way::Flutter, |(way, _)| way);
+    // Within the regimes that the equations have, figure 3 of the paper and around it.
+    let (low, high) = match way {
+        Way::Steady => (0.2, 0.5),
+        Way::Flutter => (0.6, 1.15),
+        Way::Tumble | Way::Helical | Way::Spiral => (1.26, 1.42),
+        Way::Chaotic => (1.5, 2.5),
+    };
+    let damping = if matches!(way, Way::Steady) { STEADY_DAMPING } else { PAPER_DAMPING };
+    (low + (high - low) * chance.at(first + 1), manner(way, chance, first + 2), damping)
 }
 
 /// A leaf that falls as it is: inertia, manner and damping.

@@ -28,6 +28,7 @@ mod wind;
 #[allow(clippy::unwrap_used)]
 mod tests;
 
+use crate::description::ron::FallMotion;
 use crate::math::Chance;
 use crate::scene::Track;
 use glam::{DQuat, DVec3};
@@ -41,7 +42,7 @@ pub(super) use emitter::{Emitter, Surface};
 pub(super) use flight::LONGEST_FLIGHT_S;
 pub(super) use flown::Flown;
 pub(super) use ground::Ground;
-pub(super) use manner::Mix;
+pub(super) use manner::sum as sum_of_shares;
 pub(super) use obstacles::Obstacles;
 pub(super) use outline::Outline;
 pub(super) use pile::come_to_rest;
@@ -70,7 +71,7 @@ pub(super) struct Fall {
     /// At least one.
     pub(super) species: Vec<Species>,
     /// `None`: each leaf falls as its own inertia has it.
-    pub(super) mix: Option<Mix>,
+    pub(super) motion: Option<FallMotion>,
     pub(super) emitter: Emitter,
     pub(super) wind: Wind,
     pub(super) ground: Ground,
@@ -183,8 +184,8 @@ impl Fall {
         let draw = |draw: Draw| chance.at(draw as u64);
         let width_m = kind.width_m.map_or(scale * shape.size.x, |width_m| within(width_m, draw(Draw::Width)));
         let areal_mass = within(kind.areal_mass_kg_per_m2, draw(Draw::ArealMass)) / OF_A_STRIP;
-        let (inertia, manner_of, damping) = match &self.mix {
-            Some(mix) => mix.choose(chance, Draw::Manner as u64),
+        let (inertia, manner_of, damping) = match &self.motion {
+            Some(motion) => manner::choose(motion, chance, Draw::Manner as u64),
             None => manner::natural(plate::inertia(width_m, areal_mass), chance, Draw::Manner as u64),
         };
         let outline: Vec<DVec3> = shape.points.iter().map(|&point| point * scale).collect();

@@ -34,13 +34,12 @@ pub(super) fn storm() -> Wind {
     )
 }
 
-pub(super) fn every_way() -> Mix {
-    Mix { steady: 1.0, flutter: 1.0, tumble: 1.0, chaotic: 1.0, helical: 1.0, spiral: 1.0 }
+pub(super) fn every_way() -> FallMotion {
+    let [steady, flutter, tumble, chaotic, helical, spiral] = [1.0.into(); 6];
+    FallMotion { steady, flutter, tumble, chaotic, helical, spiral }
 }
 
-const NO_WAY: Mix = Mix { steady: 0.0, flutter: 0.0, tumble: 0.0, chaotic: 0.0, helical: 0.0, spiral: 0.0 };
-
-pub(super) fn fall(mix: Mix, wind: Wind, ground: Ground) -> Fall {
+pub(super) fn fall(motion: FallMotion, wind: Wind, ground: Ground) -> Fall {
     let species = Species {
         share: 1.0,
         outlines: vec![leaf_shape()],
@@ -53,7 +52,7 @@ pub(super) fn fall(mix: Mix, wind: Wind, ground: Ground) -> Fall {
         count: 200,
         seed: 3,
         species: vec![species],
-        mix: Some(mix),
+        motion: Some(motion),
         emitter: Emitter::Box(DVec3::new(-3.0, 2.0, -3.0), DVec3::new(3.0, 4.0, 3.0)),
         wind,
         ground,
@@ -298,8 +297,8 @@ fn more_leaves_leave_the_others_flights_as_they_are() {
 
 /// A leaf of 8 by 6 cm in one of the ways, high above the ground.
 fn lone_flight(inertia: f64, damping: f64, interval_s: f64, wind: &Wind) -> Flight {
-    let quiet = Mix { flutter: 1.0, ..NO_WAY };
-    let (_, manner, _) = quiet.choose(Chance::of(1, 1), 0);
+    let quiet = FallMotion { flutter: 1.0.into(), ..FallMotion::default() };
+    let (_, manner, _) = manner::choose(&quiet, Chance::of(1, 1), 0);
     let leaf = Leaf {
         plate: plate::Plate { inertia, damping, curl: 0.0 },
         scales: plate::Scales::new(0.06, 0.08),
@@ -398,8 +397,8 @@ fn the_wind_carries_leaves_along() {
 
 #[test]
 fn each_way_of_falling_is_what_it_is_called() {
-    let turns = |mix: Mix| {
-        let fall = fall(mix, calm(), Ground::new(-20.0, Vec::new(), Vec::new()));
+    let turns = |motion: FallMotion| {
+        let fall = fall(motion, calm(), Ground::new(-20.0, Vec::new(), Vec::new()));
         let leaves = bake(&Fall { release_s: (0.0, 0.0), count: 40, ..fall });
         // How often the upper side comes to lie below, a leaf and second.
         let flips = leaves.iter().map(|leaf| {
@@ -409,17 +408,20 @@ fn each_way_of_falling_is_what_it_is_called() {
         flips.sum::<usize>() as f64 / 40.0 / 4.0
     };
     // From any slope, so that a few turn over once at first.
-    assert!(turns(Mix { steady: 1.0, ..NO_WAY }) < 0.02);
-    let (flutter, tumble) = (turns(Mix { flutter: 1.0, ..NO_WAY }), turns(Mix { tumble: 1.0, ..NO_WAY }));
+    assert!(turns(FallMotion { steady: 1.0.into(), ..FallMotion::default() }) < 0.02);
+    let (flutter, tumble) = (
+        turns(FallMotion { flutter: 1.0.into(), ..FallMotion::default() }),
+        turns(FallMotion { tumble: 1.0.into(), ..FallMotion::default() }),
+    );
     assert!(flutter < 0.5 && tumble > 1.5, "{flutter} {tumble}");
-    let chaotic = turns(Mix { chaotic: 1.0, ..NO_WAY });
+    let chaotic = turns(FallMotion { chaotic: 1.0.into(), ..FallMotion::default() });
     assert!(flutter < chaotic, "{chaotic}");
 }
 
 #[test]
 fn helices_keep_their_radius_and_spirals_widen() {
-    let directions = |mix: Mix| {
-        let fall = fall(mix, calm(), Ground::new(-40.0, Vec::new(), Vec::new()));
+    let directions = |motion: FallMotion| {
+        let fall = fall(motion, calm(), Ground::new(-40.0, Vec::new(), Vec::new()));
         let leaves = bake(&Fall { release_s: (0.0, 0.0), count: 30, ..fall });
         // Mean speed of turning of the way over the ground, early and late.
         let turning = |from_s: f64| {
@@ -437,9 +439,9 @@ fn helices_keep_their_radius_and_spirals_widen() {
         };
         (turning(2.0), turning(12.0))
     };
-    let (early, late) = directions(Mix { helical: 1.0, ..NO_WAY });
+    let (early, late) = directions(FallMotion { helical: 1.0.into(), ..FallMotion::default() });
     assert!((0.7..1.4).contains(&(late / early)) && early > 1.0, "{early} {late}");
-    let (early, late) = directions(Mix { spiral: 1.0, ..NO_WAY });
+    let (early, late) = directions(FallMotion { spiral: 1.0.into(), ..FallMotion::default() });
     assert!(late < 0.6 * early, "{early} {late}");
 }
 

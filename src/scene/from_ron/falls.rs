@@ -7,8 +7,8 @@ use crate::description::ron;
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::math::Chance;
 use crate::scene::fall::{
-    Eddies, Emitter, Fall, Fallen, Flown, Ground, Gusts, LONGEST_FLIGHT_S, Mix, Obstacles, Outline, Species,
-    Surface, Wind, come_to_rest,
+    Eddies, Emitter, Fall, Fallen, Flown, Ground, Gusts, LONGEST_FLIGHT_S, Obstacles, Outline, Species,
+    Surface, Wind, come_to_rest, sum_of_shares,
 };
 use crate::scene::{
     Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, RayVisibility, Rotation, Segment, Track,
@@ -105,12 +105,12 @@ impl Resolver<'_> {
         let species = self.species(&owner, block);
         let emitter = self.emitter(&owner, &block.emitter);
         let wind = self.wind(&owner, &block.wind);
-        let mix = self.mix(&owner, block.motion.as_ref());
+        let motion = block.motion.as_ref().map_or(Some(()), |motion| self.check_motion(&owner, motion));
         let ground = ground(&block.ground, grounds);
         let obstacles = self.obstacles(&owner, &block.obstacles);
         let ((species, dresses), emitter) = (species?, emitter?);
         let speed_gain = track(&block.speed, &format!("{owner}.speed"), &mut self.problems);
-        let (wind, mix, ground, obstacles) = (wind?, mix?, ground?, obstacles?);
+        let (wind, (), ground, obstacles) = (wind?, motion?, ground?, obstacles?);
         let height_m = emitter.highest_m() - block.ground.height_m.si();
         if height_m > HIGHEST_START_M {
             let found = format!("leaves would start {height_m} m above the ground");
@@ -123,7 +123,7 @@ impl Resolver<'_> {
             count: block.count.0,
             seed: block.seed,
             species,
-            mix,
+            motion: block.motion.clone(),
             emitter,
             wind,
             ground,
@@ -286,25 +286,15 @@ impl Resolver<'_> {
         ))
     }
 
-    /// `Some(None)` is a fall without a mix.
-    fn mix(&mut self, owner: &str, motion: Option<&ron::FallMotion>) -> Option<Option<Mix>> {
-        let Some(motion) = motion else { return Some(None) };
-        let mix = Mix {
-            steady: motion.steady.si(),
-            flutter: motion.flutter.si(),
-            tumble: motion.tumble.si(),
-            chaotic: motion.chaotic.si(),
-            helical: motion.helical.si(),
-            spiral: motion.spiral.si(),
-        };
-        let sum = mix.steady + mix.flutter + mix.tumble + mix.chaotic + mix.helical + mix.spiral;
-        if sum == 0.0 {
+    /// Refuses shares of the ways to fall that are all 0.
+    fn check_motion(&mut self, owner: &str, motion: &ron::FallMotion) -> Option<()> {
+        if sum_of_shares(motion) == 0.0 {
             let expected = "a share of `steady`, `flutter`, `tumble`, `chaotic`, `helical` or `spiral`";
             let remedy = "give one of them a share, or take `motion` out";
             self.problems.error(&format!("{owner}.motion"), "all shares are 0", expected, remedy);
             return None;
         }
-        Some(Some(mix))
+        Some(())
     }
 
     fn obstacles(&mut self, owner: &str, names: &[String]) -> Option<Obstacles> {
