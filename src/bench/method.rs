@@ -8,15 +8,15 @@ use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::MarchSteps;
 use cpu_time::ProcessTime;
 
-/// A way to make the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A way to make the picture; the baselines come first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Method {
     /// Every pixel against every triangle at every step of the image plane: where this renderer came from.
     Literal,
     /// Shadow rays at equal steps, through a tree.
     March,
     /// Shadow rays at equal steps, moved by a random part of a step.
-    JitteredMarch,
+    MarchJittered,
     /// Shadow rays at points spread evenly over the angle seen from the light.
     Equiangular,
     /// Exact visibility intervals along every ray.
@@ -77,23 +77,12 @@ impl<'a> Stage<'a> {
 }
 
 impl Method {
-    /// All, the baselines first.
-    pub const ALL: [Self; 7] = [
-        Self::Literal,
-        Self::March,
-        Self::JitteredMarch,
-        Self::Equiangular,
-        Self::Segments,
-        Self::Slices,
-        Self::SlicesUntil,
-    ];
-
     /// For tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Literal => "literal",
             Self::March => "march",
-            Self::JitteredMarch => "march-jittered",
+            Self::MarchJittered => "march-jittered",
             Self::Equiangular => "equiangular",
             Self::Segments => "segments",
             Self::Slices => "slices",
@@ -117,7 +106,7 @@ impl Method {
         };
         match self {
             Self::Literal => Vec::new(),
-            Self::March | Self::JitteredMarch => grid([4, 16, 64, 256]),
+            Self::March | Self::MarchJittered => grid([4, 16, 64, 256]),
             Self::Equiangular => grid([1, 4, 16, 64]),
             Self::Segments | Self::Slices => powers(2, 4096).map(Effort::of_samples).collect(),
             Self::SlicesUntil => (1..10)
@@ -137,7 +126,7 @@ impl Method {
                 render::Method::March(MarchSteps::Planes { depth_m, step_m })
             }
             Self::March => render::Method::March(MarchSteps::Count(steps)),
-            Self::JitteredMarch => render::Method::March(MarchSteps::Jittered(steps)),
+            Self::MarchJittered => render::Method::March(MarchSteps::Jittered(steps)),
             Self::Equiangular => render::Method::Equiangular { points: steps },
             Self::Segments => render::Method::Segments,
             Self::Slices | Self::SlicesUntil => render::Method::Slices,

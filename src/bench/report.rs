@@ -4,6 +4,7 @@
 use super::cost::{Cost, cost_of, front};
 use super::plot::number;
 use super::{Effort, Method, Plot, Point, Series, Study, Style};
+use clap::ValueEnum;
 use std::fmt::Write;
 
 /// Errors whose price is told.
@@ -16,9 +17,12 @@ impl Study {
         points.filter_map(|point| Some((point.cpu_s, point.net_rmse?))).collect()
     }
 
-    /// The methods that were measured, in the order of [`Method::ALL`].
+    /// The methods that were measured, in the order of [`Method`].
     fn methods(&self) -> impl Iterator<Item = Method> {
-        Method::ALL.into_iter().filter(|&method| self.points.iter().any(|point| point.method == method))
+        Method::value_variants()
+            .iter()
+            .copied()
+            .filter(|&method| self.points.iter().any(|point| point.method == method))
     }
 
     /// Names of the renderers of the peers, each once.
@@ -240,7 +244,7 @@ pub fn plot(study: &Study) -> Plot {
         Method::Segments => 1,
         Method::Equiangular => 2,
         Method::March => 3,
-        Method::JitteredMarch => 4,
+        Method::MarchJittered => 4,
         Method::Literal => 5,
         // The colour of slices, with a marker of its own.
         Method::SlicesUntil => 8,

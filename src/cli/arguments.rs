@@ -8,12 +8,12 @@ use super::parse::{
 };
 pub(super) use super::shared_arguments::{BakeArguments, DisplayArguments, SceneArguments};
 pub(super) use super::words::{
-    FarmProfile, MethodArgument, OnlyArgument, PassArgument, PreviewArgument, ProgressArgument, SkipArgument,
-    Volume, passes,
+    FarmProfile, OnlyArgument, PassArgument, PreviewArgument, ProgressArgument, Volume, passes,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use sunfleck::scene::{Bounces, PixelFilter};
+use sunfleck::sequence::Skip;
 
 /// Falling leaves to EXR sequences, with volumetric shadows integrated exactly along every ray.
 #[derive(Debug, Parser)]
@@ -101,7 +101,7 @@ pub(super) struct RenderArguments {
     pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Which frames that exist already are kept.
     #[arg(long, value_enum, default_value_t)]
-    pub(super) skip: SkipArgument,
+    pub(super) skip: Skip,
     /// Seed of the sample points [default: the sequence's, else 0].
     #[arg(long, allow_negative_numbers = true)]
     pub(super) seed: Option<u32>,

@@ -5,13 +5,15 @@ mod all_light;
 mod scaling;
 mod skips;
 
-use super::arguments::{BenchArguments, MethodArgument};
+use super::arguments::BenchArguments;
 use super::error::usage;
+use super::options::seen;
 use super::parse::SizeArgument;
 use super::plan::resized;
 use super::saving::clear;
 use super::threads::pool;
 use super::{CliError, answer, loading, tell};
+use clap::ValueEnum;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -45,7 +47,12 @@ fn load(arguments: &BenchArguments) -> Result<api::Scene, CliError> {
             loading::check_not_read(flag, output, &description.files)?;
         }
     }
-    loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)
+    loading::resolve(
+        description,
+        &seen(&arguments.scene, arguments.size, None, arguments.camera.as_ref()),
+        &arguments.scene.bakes,
+        true,
+    )
 }
 
 impl<'a> Subject<'a> {
@@ -130,10 +137,11 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         reference.check(&stage, &triangles);
         reference
     });
+    let asked = |method: &Method| arguments.methods.as_ref().is_none_or(|asked| asked.contains(method));
     let plan = StudyPlan {
         stage,
         triangles: &triangles,
-        methods: methods(&arguments.methods),
+        methods: Method::value_variants().iter().copied().filter(asked).collect(),
         rounds: arguments.rounds.unwrap_or(if quick { 2 } else { 3 }) as usize,
         longest_s: arguments.longest.unwrap_or(if quick { 0.5 } else { 8.0 }),
         most_samples: arguments.most_samples.unwrap_or(u32::MAX),
@@ -167,22 +175,6 @@ fn peer(row: description::PeerRow, mean: f64) -> Peer {
         cpu_s: row.cpu_s,
         rmse: row.rmse / mean,
     }
-}
-
-fn methods(arguments: &[MethodArgument]) -> Vec<Method> {
-    let asked = |method: Method| {
-        arguments.iter().any(|argument| match argument {
-            MethodArgument::All => true,
-            MethodArgument::Literal => method == Method::Literal,
-            MethodArgument::March => method == Method::March,
-            MethodArgument::MarchJittered => method == Method::JitteredMarch,
-            MethodArgument::Equiangular => method == Method::Equiangular,
-            MethodArgument::Segments => method == Method::Segments,
-            MethodArgument::Slices => method == Method::Slices,
-            MethodArgument::SlicesUntil => method == Method::SlicesUntil,
-        })
-    };
-    Method::ALL.into_iter().filter(|&method| asked(method)).collect()
 }
 
 fn read_reference(path: &Path, arguments: &BenchArguments, subject: &Subject) -> Result<Reference, CliError> {

@@ -2,10 +2,9 @@
 
 use super::parse::{SizeArgument, parse_noise, parse_seconds, parse_size};
 use super::shared_arguments::SceneArguments;
-use super::words::MethodArgument;
 use clap::Args;
 use std::path::PathBuf;
-use sunfleck::bench::Quantity;
+use sunfleck::bench::{Method, Quantity};
 
 #[derive(Args, Debug)]
 pub(super) struct BenchArguments {
@@ -21,9 +20,9 @@ pub(super) struct BenchArguments {
     /// Name of the camera [default: the sequence's, else the first].
     #[arg(long)]
     pub(super) camera: Option<String>,
-    /// Which methods.
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "all")]
-    pub(super) methods: Vec<MethodArgument>,
+    /// Which methods [default: all].
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
+    pub(super) methods: Option<Vec<Method>>,
     /// How often each point is measured; the least time counts [default: 3, with --quick 2].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100), value_name = "N", allow_negative_numbers = true)]
     pub(super) rounds: Option<u32>,

@@ -10,6 +10,7 @@ mod units;
 pub(super) use json::losses;
 
 use super::arguments::InspectArguments;
+use super::options::seen;
 use super::parse::parse_frame;
 use super::plan::{self, resized};
 use super::{CliError, answer, loading};
@@ -36,7 +37,12 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     if arguments.dependencies {
         return answer(&dependencies(&description.files));
     }
-    let scene = loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+    let scene = loading::resolve(
+        description,
+        &seen(&arguments.scene, arguments.size, arguments.fps, arguments.camera.as_ref()),
+        &arguments.scene.bakes,
+        true,
+    )?;
     let mut renderer = Renderer::new(&scene);
     if let Some(size) = arguments.size {
         let Size { width, height } = resized(scene.size(), size)?;

@@ -1,43 +1,10 @@
 //! Options of a scene by a command's flags. In go arguments, out come options. Invariant: flags that
 //! change what a camera or light that is made up has to serve are among them.
 
-use super::arguments::{
-    BenchArguments, ExportArguments, InspectArguments, PreviewArguments, RenderArguments, SceneArguments,
-    ServeArguments,
-};
+use super::arguments::{ExportArguments, SceneArguments};
 use super::parse::SizeArgument;
 use super::words::Switch;
 use sunfleck::scene::{FrameRate, ResolveOptions, Size};
-
-impl RenderArguments {
-    pub(super) fn options(&self) -> ResolveOptions {
-        seen(&self.scene, self.size, self.fps, self.camera.as_ref())
-    }
-}
-
-impl ServeArguments {
-    pub(super) fn options(&self) -> ResolveOptions {
-        seen(&self.scene, self.size, self.fps, self.camera.as_ref())
-    }
-}
-
-impl PreviewArguments {
-    pub(super) fn options(&self) -> ResolveOptions {
-        seen(&self.scene, self.size, self.fps, self.camera.as_ref())
-    }
-}
-
-impl InspectArguments {
-    pub(super) fn options(&self) -> ResolveOptions {
-        seen(&self.scene, self.size, self.fps, self.camera.as_ref())
-    }
-}
-
-impl BenchArguments {
-    pub(super) fn options(&self) -> ResolveOptions {
-        seen(&self.scene, self.size, None, self.camera.as_ref())
-    }
-}
 
 impl ExportArguments {
     /// Options by these flags. Whoever reads the file lights it if it has no light, so it gets none unless
@@ -48,8 +15,8 @@ impl ExportArguments {
     }
 }
 
-/// Those of commands that look at the scene through a camera.
-fn seen(
+/// Options of commands that look at the scene through a camera.
+pub(super) fn seen(
     scene: &SceneArguments,
     size: Option<SizeArgument>,
     frame_rate: Option<FrameRate>,

@@ -3,6 +3,7 @@
 
 use super::arguments::{ProgressArgument, RenderArguments, Volume, passes};
 use super::error::usage;
+use super::options::seen;
 use super::parse::{Crop, SizeArgument};
 use super::{CliError, loading};
 use std::borrow::Cow;
@@ -34,7 +35,7 @@ pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, CliError> {
     }
     loading::resolve(
         description,
-        &arguments.options(),
+        &seen(&arguments.scene, arguments.size, arguments.fps, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         matches!(arguments.progress, ProgressArgument::Auto),
     )

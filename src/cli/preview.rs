@@ -7,6 +7,7 @@ use super::bench::{MOST_PIXELS, fitting};
 use super::colors::ColorDoubts;
 use super::darkness::DarkFrames;
 use super::error::usage;
+use super::options::seen;
 use super::parse::SizeArgument;
 use super::plan::{find_frames, resized};
 use super::saving::{clear, clear_folder, failure};
@@ -103,7 +104,12 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
 /// The scene that is to be drawn.
 fn load(arguments: &PreviewArguments) -> Result<Scene, CliError> {
     let description = description::load(&arguments.input)?;
-    loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)
+    loading::resolve(
+        description,
+        &seen(&arguments.scene, arguments.size, arguments.fps, arguments.camera.as_ref()),
+        &arguments.scene.bakes,
+        true,
+    )
 }
 
 impl<'a> Source<'a> {

@@ -1,7 +1,7 @@
 //! `sunfleck render`: an input becomes frames on the disk. Invariant: the run ends by saying where
 //! the frames are, how long they took and what was skipped.
 
-use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments, SkipArgument};
+use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments};
 use super::darkness::DarkFrames;
 use super::doubts::{Doubt, Doubts};
 use super::live::Live;
@@ -18,7 +18,7 @@ use sunfleck::api::Scene;
 use sunfleck::color::Display;
 use sunfleck::film::Frame;
 use sunfleck::render::{self, Rendered, Watch};
-use sunfleck::sequence::{self, Job, SequenceError, Skip};
+use sunfleck::sequence::{self, Job, SequenceError};
 
 /// Common part of all frames of a run.
 struct Run<'a> {
@@ -71,11 +71,7 @@ impl Run<'_> {
         let job = Job {
             frames: &plan.frames,
             output: &plan.output,
-            skip: match arguments.skip {
-                SkipArgument::Valid => Skip::Valid,
-                SkipArgument::Exists => Skip::Exists,
-                SkipArgument::None => Skip::None,
-            },
+            skip: arguments.skip,
             preview: self.preview()?,
             stop: &stop.flag,
         };

@@ -5,6 +5,7 @@
 //! Trees, textures and indirect light stay until something but the camera changes them.
 
 use super::arguments::{Arguments, Command, ProgressArgument, RenderArguments, ServeArguments};
+use super::options::seen;
 use super::signals::Stop;
 use super::{CliError, answer, loading, render, threads};
 use clap::Parser as _;
@@ -66,7 +67,12 @@ pub(super) fn run(arguments: &ServeArguments) -> Result<(), CliError> {
     let pool = threads::pool(arguments.threads)?;
     let scene = pool.install(|| {
         let description = description::load(&arguments.input)?;
-        loading::resolve(description, &arguments.options(), &arguments.scene.bakes, false)
+        loading::resolve(
+            description,
+            &seen(&arguments.scene, arguments.size, arguments.fps, arguments.camera.as_ref()),
+            &arguments.scene.bakes,
+            false,
+        )
     })?;
     let mut server = Server { arguments, scene, pool };
     let desk = Arc::new(Mutex::new(Desk::default()));
@@ -134,7 +140,7 @@ impl Server<'_> {
         };
         let plain = Arguments::try_parse_from(["sunfleck", "render", "input"]).map(|plain| plain.command);
         let is_plain = matches!(&plain, Ok(Command::Render(plain))
-            if format!("{:?}", plain.scene) == format!("{:?}", arguments.scene));
+            if plain.scene == arguments.scene);
         if !is_plain || arguments.fps.is_some() || arguments.threads.is_some() {
             return Err(String::from("flags of the scene, --fps and --threads are said to `serve` itself"));
         }

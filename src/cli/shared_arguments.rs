@@ -11,7 +11,7 @@ use sunfleck::diagnostic::Diagnostics;
 use sunfleck::scene::{LightUnits, ResolveOptions};
 
 /// How an input is read.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct SceneArguments {
     /// Units of the lights of a glTF file [default: what it says, else spec].
     #[arg(long, value_enum)]
@@ -35,7 +35,7 @@ pub(super) struct SceneArguments {
 }
 
 /// Bakes of falls of many leaves, which take seconds.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct BakeArguments {
     /// Where baked falls are kept for the next time, or `off` [default: `sunfleck` in the
     /// user's folder of caches].

@@ -23,20 +23,6 @@ pub(super) enum Volume {
     Paths,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum MethodArgument {
-    All,
-    /// Every pixel against every triangle at every step; a part of the picture is measured.
-    Literal,
-    March,
-    MarchJittered,
-    Equiangular,
-    Segments,
-    Slices,
-    /// Slices, with more samples where they are needed.
-    SlicesUntil,
-}
-
 /// `all`, `none`, or a pass by its name in the table of passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PassArgument {
@@ -81,17 +67,6 @@ pub(super) enum SkySunArgument {
 pub(super) enum OnlyArgument {
     /// Light that fog scatters.
     Shafts,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum SkipArgument {
-    /// Those that are whole and were made by this version from this scene and these settings.
-    Valid,
-    /// All that exist.
-    Exists,
-    /// None: render everything again.
-    #[default]
-    None,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -14,12 +14,13 @@ use std::time::Instant;
 
 /// Which frames need no rendering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum Skip {
-    /// Those whose files hold, undamaged, what rendering would give.
+    /// Those that are whole and were made by this version from this scene and these settings.
     Valid,
-    /// Those that have a file, whatever it holds.
+    /// All that exist.
     Exists,
-    /// None.
+    /// None: render everything again.
     #[default]
     None,
 }
