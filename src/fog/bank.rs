@@ -1,6 +1,6 @@
-//! One bank of fog: where it is, how dense it is there, what it does to light. In go lines, out come lengths
-//! and densities. Invariant: lengths are exact also for lines that run in a face of the bank's box, and
-//! finite also for lines that do not end.
+//! One bank of fog: its place, its density, its optics. In go lines, out come lengths and densities.
+//! Invariant: lengths are exact also for lines that run in a face of the bank's box, and finite also for
+//! lines that do not end.
 
 use super::beer_lambert::NOTHING_LEFT;
 use super::falloff::{Climb, Falloff};
@@ -20,14 +20,14 @@ const FARTHEST_M: f64 = 1e15;
 /// Optical depth, at most, of what may count as one voxel.
 const DEEPEST: f64 = 0.125;
 
-/// How dense fog is, as a share of the densest. A new kind is a variant: see docs/decisions/fog.md.
+/// Density of fog, as a share of the densest. A new kind is a variant: see docs/decisions/fog.md.
 #[derive(Clone, Debug)]
 enum Density {
     /// Uniform.
     Even,
-    /// Less with height.
+    /// Decreasing with height.
     Thinning(Falloff),
-    /// By a grid, whose box is the bank's.
+    /// A grid, whose box is the bank's.
     Voxels(VoxelFog),
 }
 
@@ -91,7 +91,7 @@ impl FogBank {
         }
     }
 
-    /// Its voxels, if it has some.
+    /// Voxels, if it has some.
     pub(super) fn voxels(&self) -> Option<&VoxelFog> {
         match &self.density {
             Density::Voxels(voxels) => Some(voxels),

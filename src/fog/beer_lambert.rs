@@ -2,8 +2,8 @@
 
 use crate::color::Rgb;
 
-/// So many optical depths away nothing shows: `exp(-40)` is 4e-18, less than one rounding of what
-/// it would be added to.
+/// Optical depth beyond which nothing shows: `exp(-40)` is 4e-18, less than one rounding of what it would
+/// be added to.
 pub(super) const NOTHING_LEFT: f64 = 40.0;
 
 /// `exp(-tau)` per channel, computed once where the channels are alike.

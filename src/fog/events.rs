@@ -1,11 +1,11 @@
-//! Where fog takes light of a ray, and whereto it sends it on, picked at random. In go rays, uniform numbers
-//! and how much each channel counts, out come places, directions and their densities. Invariant: depths are
+//! Collisions in fog and directions of scattering, picked at random. In go rays, uniform numbers and
+//! weights of the channels, out come places, directions and their densities. Invariant: depths are
 //! inverted, no step is rejected, so a pick takes a fixed count of numbers.
 //!
-//! Channels share their picks: one is picked by how much it counts, and the density is the mean over
-//! all of them by the same weights, Veach and Guibas' balance heuristic with one sample (1995,
-//! section 3.3; for channels Wilkie et al. 2014, "Hero wavelength spectral sampling", eq. 9). So no
-//! weight grows without bound.
+//! Channels share their picks: one is picked by its weight, and the density is the mean over all of them
+//! by the same weights, Veach and Guibas' balance heuristic with one sample (1995, section 3.3; for
+//! channels Wilkie et al. 2014, "Hero wavelength spectral sampling", eq. 9). So no weight grows without
+//! bound.
 
 use super::beer_lambert::exp_minus;
 use super::foggy_ray::FoggyRay;
@@ -50,7 +50,7 @@ impl FoggyRay<'_> {
         (chance > 0.0).then_some(Losses { range, lost, depth, chance })
     }
 
-    /// Where it is lost, for two uniform numbers.
+    /// Place of a collision, for two uniform numbers.
     pub fn pick_loss(&self, weights: Rgb, losses: &Losses, [u, v]: [f64; 2]) -> Option<Loss> {
         let Losses { range, lost, depth, .. } = *losses;
         let channel = pick(lost.to_array(), u);
@@ -61,7 +61,8 @@ impl FoggyRay<'_> {
         (per_m > 0.0).then(|| Loss { t, through_per_density: through / per_m })
     }
 
-    /// Where on a part of the ray so much of its optical depth lies behind; `of` says how a colour counts.
+    /// Distance on a part of the ray at which `wanted` of its optical depth lies behind. `of` makes one
+    /// number of a colour.
     pub fn place_at_depth(&self, (start, end): (f64, f64), wanted: f64, of: impl Fn(Rgb) -> f64) -> f64 {
         let depth_to = |t: f64| of(self.optical_depth(t));
         let all = depth_to(end);
@@ -117,7 +118,7 @@ impl Medium {
     }
 }
 
-/// Which of three counts as much as it says, for a uniform number.
+/// Index of one of three, with probabilities in proportion to `counts`, for a uniform number.
 fn pick(counts: [f64; 3], u: f64) -> usize {
     let mut left = u * (counts[0] + counts[1] + counts[2]);
     for (channel, count) in counts.into_iter().enumerate() {

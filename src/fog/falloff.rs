@@ -70,7 +70,7 @@ impl Climb {
         (-self.height(t).max(0.0)).exp()
     }
 
-    /// Where the ray passes through the base, at a distance that may be negative; not finite if it does not.
+    /// Distance at which the ray passes through the base, perhaps negative; not finite if it does not.
     pub fn at_base(&self) -> f64 {
         -self.start / self.per_m
     }

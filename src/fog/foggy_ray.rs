@@ -11,12 +11,12 @@ pub struct FoggyRay<'a> {
     pub(super) medium: &'a Medium,
     pub(super) ray: &'a Ray,
     pub(super) t_max: f64,
-    /// By banks; none of those without voxels, and nothing where none has some.
+    /// Cells by bank; none for banks without voxels, and an empty list where no bank has some.
     cells: Vec<Option<VoxelCells>>,
 }
 
 impl Medium {
-    /// Its fog along a ray up to where that ends.
+    /// Fog along a ray up to where that ends.
     pub fn along<'a>(&'a self, ray: &'a Ray, t_max: f64) -> FoggyRay<'a> {
         let cells_of = |fog: &FogBank| {
             let voxels = fog.voxels()?;

@@ -14,8 +14,7 @@ pub struct LitSegments {
     range: (f64, f64),
     /// Veils on the rest of it.
     veils: Vec<Veil>,
-    /// Where each piece between the ends of veils begins, and what gets through there; before
-    /// the first, everything.
+    /// Start of each piece between the ends of veils, and its transmittance; before the first it is 1.
     pieces: Vec<(f64, Rgb)>,
     /// Product of the veils that cover a piece.
     product: RunningProduct,

@@ -26,7 +26,7 @@ pub(super) struct NearLight<'a> {
     emission: Emission,
     nearest: f64,
     gap: f64,
-    /// For a falloff that is itself a polynomial: its degree, halved and rounded up.
+    /// Nodes for a falloff that is itself a polynomial: its degree, halved and rounded up.
     more_nodes: usize,
     /// Extinction of all fog together, 1/m: how fast the exponential may change.
     densest_per_m: f64,
@@ -38,18 +38,18 @@ pub(super) struct NearLight<'a> {
 /// integral grows beyond all bounds as the gap closes, and no picture shows that.
 const SMALLEST_RELATIVE_GAP: f64 = 1e-7;
 
-/// Nor is one nearer than this fraction of the way to the end of the fog: with a lamp at the camera every
-/// ray passes through it.
+/// Minimum gap as a fraction of the way to the end of the fog: with a lamp at the camera every ray passes
+/// through it.
 const SMALLEST_SHARE: f64 = 1e-18;
 
 /// Tolerance of a fit, as a share of the whole that it is fitted to.
 const FIT_TOLERANCE: f64 = 1e-8;
 
-/// From about so many parts on a fit costs no more than the parts one by one
-/// (`cargo bench --bench figures -- near`).
+/// Number of parts from which a fit costs no more than the parts one by one (`cargo bench --bench figures
+/// -- near`).
 const MANY_PARTS: usize = 20;
 
-/// How far a rule reaches, see [`NearLight::part`].
+/// Maximum length of a step, see [`NearLight::part`].
 const LONGEST_STEP: f64 = 2.0;
 
 /// Maximum ratio of a distance along the ray to the gap: its square is finite.
@@ -75,7 +75,7 @@ impl<'a> NearLight<'a> {
         near
     }
 
-    /// Over the lit parts of a range, per unit of intensity, 1/(m^2 sr).
+    /// Integral over the lit parts of a range, per unit of intensity, 1/(m^2 sr).
     pub(super) fn integral(&self, range: Range<f64>, lit: &LitSegments) -> Rgb {
         let mut sum = Rgb::ZERO;
         if range.is_empty() {
@@ -117,12 +117,13 @@ impl<'a> NearLight<'a> {
         sum / self.gap
     }
 
-    /// One part, times the gap, by Gauss-Legendre rules.
+    /// Integral over one part, times the gap, by Gauss-Legendre rules.
     ///
-    /// On a step of width `w` a rule of `n` nodes errs by about `rho^-2n`, where `rho` belongs to the largest
-    /// ellipse about the step in which the integrand is analytic (Trefethen, "Approximation Theory and
-    /// Approximation Practice", theorem 19.3). What bounds it: the lines at `pi / 2` from the real axis, the
-    /// poles before and after the stretch, and, in its stead, how much the exponential changes on the way.
+    /// On a step of width `w` a rule of `n` nodes errs by about `rho^-2n`, where `rho` belongs to the
+    /// largest ellipse about the step in which the integrand is analytic (Trefethen, "Approximation Theory
+    /// and Approximation Practice", theorem 19.3). Three things bound that ellipse: the lines at `pi / 2`
+    /// from the real axis, the poles before and after the stretch, and, in its stead, how much the
+    /// exponential changes on the way.
     fn part(&self, start: f64, end: f64) -> Rgb {
         let (mut t, mut x, last) = (start, self.x(start), self.x(end));
         let mut sum = Rgb::ZERO;
@@ -151,7 +152,7 @@ impl<'a> NearLight<'a> {
         sum
     }
 
-    /// How much the exponent changes from one place to another, about.
+    /// Change of the exponent from one place to another, approximate.
     fn depths_between(&self, from: f64, to: f64) -> f64 {
         let along = self.densest_per_m * (to - from);
         if self.poles == (f64::NEG_INFINITY, f64::INFINITY) {
@@ -163,12 +164,11 @@ impl<'a> NearLight<'a> {
         along + (to_light(to) - to_light(from)).abs().max_element()
     }
 
-    /// Where the integrand has poles on the real axis just before and just after the stretch.
+    /// Poles of the integrand on the real axis just before and just after the stretch.
     ///
-    /// The way to the light enters a bank through a face `y_i = a` at the fraction
-    /// `(a - y_i(t)) / (p_i - y_i(t))` of itself, `p` being the light in the bank's own space: a pole
-    /// where the ray has come as far as the light along the axis `i`. Within the stretch there is none,
-    /// as `a` lies between.
+    /// The way to the light enters a bank through a face `y_i = a` at the fraction `(a - y_i(t)) / (p_i -
+    /// y_i(t))` of itself, `p` being the light in the bank's own space: a pole where the ray has come as
+    /// far as the light along the axis `i`. Within the stretch there is none, as `a` lies between.
     fn poles(&self) -> (f64, f64) {
         let (first, last) = (self.x(self.stretch.start), self.x(self.stretch.end));
         let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -50,7 +50,7 @@ pub fn pick_henyey_greenstein(g: f64, u: f64) -> (f64, f64) {
     (cos, picked_henyey_greenstein(g, cos))
 }
 
-/// How densely [`pick_henyey_greenstein`] picks a cosine, over the sphere, 1/sr.
+/// Probability density of [`pick_henyey_greenstein`] for a cosine, over the sphere, 1/sr.
 pub fn picked_henyey_greenstein(g: f64, cos_deflection: f64) -> f64 {
     henyey_greenstein(cos_deflection, if g.abs() < EVEN { 0.0 } else { g })
 }

@@ -20,7 +20,7 @@ pub struct Passage {
 }
 
 impl Passage {
-    /// Where there is no fog.
+    /// Passage without fog.
     pub const NOTHING: Self = Self { transmittance: Rgb::ONE, scattered: Rgb::ZERO };
 }
 

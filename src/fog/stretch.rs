@@ -136,7 +136,7 @@ impl<'a> Stretch<'a> {
     }
 }
 
-/// Where a stretch may begin or end, in order.
+/// Borders of stretches, in order.
 fn cuts(along: &FoggyRay, light: LightPlace) -> Vec<f64> {
     let FoggyRay { medium, ray, t_max, .. } = *along;
     let Some((first, last)) = medium.range(ray, t_max) else { return Vec::new() };

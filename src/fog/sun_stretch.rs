@@ -16,7 +16,7 @@ const TOLERANCE: f64 = 1e-11;
 /// Light scattered on a stretch, per unit of irradiance.
 pub(super) enum SunStretch<'a> {
     Closed(ClosedForm),
-    /// By a rule for each cell.
+    /// A rule for each cell.
     Voxels(VoxelStretch<'a>),
     /// An integral that has no closed form.
     Fitted(Antiderivative),
@@ -37,7 +37,7 @@ impl<'a> SunStretch<'a> {
         Self::Fitted(fitted)
     }
 
-    /// Over a lit part, 1/sr.
+    /// Integral over a lit part, 1/sr.
     pub(super) fn integral(&self, start: f64, end: f64) -> Rgb {
         match self {
             Self::Closed(closed) => closed.integral(start, end),
@@ -47,8 +47,8 @@ impl<'a> SunStretch<'a> {
     }
 }
 
-/// Where the optical depth from the eye to `t` and on to a distant light is linear in the metres of fog on
-/// the way, counted at the density of the fog's base.
+/// Closed form for an optical depth, from the eye to `t` and on to a distant light, that is linear in the
+/// metres of fog on the way, counted at the density of the fog's base.
 pub(super) struct ClosedForm {
     /// `sigma_s * phase`, per metre at base density and sr.
     scattering: Rgb,

@@ -12,7 +12,7 @@ pub(super) struct VoxelCells(Vec<Cell>);
 struct Cell {
     start: f64,
     end: f64,
-    /// From `start` on.
+    /// Density from `start` on.
     density: Cubic,
     /// Metres of densest fog in all cells before.
     metres_before: f64,
@@ -54,7 +54,7 @@ impl VoxelCells {
         self.at(self.cursor(t), t).1
     }
 
-    /// Where cells begin and end.
+    /// Calls `border` with the borders of cells.
     pub(super) fn for_each_border(&self, mut border: impl FnMut(f64)) {
         for cell in &self.0 {
             border(cell.start);
@@ -67,7 +67,7 @@ impl VoxelCells {
         self.0.partition_point(|cell| cell.end <= t)
     }
 
-    /// Where the cell or gap that begins or goes on at a place ends, and whether it is a cell; `cursor` comes
+    /// End of the cell or gap that begins or goes on at a place, and whether it is a cell; `cursor` comes
     /// along.
     pub(super) fn next_border(&self, cursor: &mut usize, t: f64) -> (f64, bool) {
         while self.0.get(*cursor).is_some_and(|cell| cell.end <= t) {

@@ -77,7 +77,7 @@ impl VoxelFog {
             && suns(self) == suns(other)
     }
 
-    /// As a share of the densest.
+    /// Density as a share of the densest.
     pub(super) fn density(&self, point: DVec3) -> f64 {
         self.grid.voxels.at(self.voxel_from_relative.transform_point3(point)) / self.grid.voxels.most()
     }
@@ -89,7 +89,7 @@ impl VoxelFog {
         Some(MetresToSun { depths: Arc::clone(&sun.depths), line, metres_per_voxel: sun.metres_per_voxel })
     }
 
-    /// How many metres of a ray are as long as a voxel.
+    /// Length of a voxel along a ray, metres.
     pub(super) fn voxel_m(&self, ray: &Ray) -> f64 {
         self.voxel_from_relative.transform_vector3(ray.direction).length().recip()
     }

@@ -12,7 +12,7 @@ use crate::color::Rgb;
 use crate::math::{Ray, gauss_legendre};
 use glam::DVec3;
 
-/// It, and what does not change on it.
+/// Stretch, with what does not change on it.
 pub(super) struct VoxelStretch<'a> {
     stretch: &'a Stretch<'a>,
     cos: f64,
@@ -23,7 +23,7 @@ pub(super) struct VoxelStretch<'a> {
     /// All other banks, by a mask, and whether they scatter here.
     others: u64,
     others_scatter: bool,
-    /// How far the depth to the sun is a cubic, about, where no cell says it, metres.
+    /// Length over which the depth to the sun is about a cubic, where no cell says it, metres.
     longest_m: f64,
 }
 
@@ -71,7 +71,7 @@ impl<'a> VoxelStretch<'a> {
         changes.then_some(Self { stretch, cos, inside, to_sun, others, others_scatter, longest_m })
     }
 
-    /// Over a lit part, 1/sr.
+    /// Integral over a lit part, 1/sr.
     pub(super) fn integral(&self, start: f64, end: f64) -> Rgb {
         let mut sum = Rgb::ZERO;
         let mut cursors: Vec<usize> = self.inside.iter().map(|bank| bank.cells.cursor(start)).collect();

@@ -11,21 +11,21 @@ use crate::math::Ray;
 use crate::snapshot::{Snapshot, SurfacePoint};
 use glam::DVec3;
 
-/// Where a walk turned, and how densely it picked its new direction, 1/sr.
+/// Vertex at which a walk took a new direction, and the density of that direction, 1/sr.
 #[derive(Clone, Copy)]
 pub(super) struct Turn {
     pub(super) place: DVec3,
     pub(super) density: f64,
 }
 
-/// Where light is scattered towards the eye.
+/// Vertex at which light is scattered towards the eye.
 pub(super) struct Receiver<'a> {
     pub(super) place: DVec3,
     /// The triangle that it lies on, if it is not in fog.
     pub(super) leaving: Option<PrimitiveId>,
     /// Share of the radiance from a direction that is scattered, 1/sr, in fog 1/(m sr).
     pub(super) scattered: &'a dyn Fn(DVec3) -> Rgb,
-    /// How densely walks pick a direction, 1/sr.
+    /// Probability density with which walks pick a direction, 1/sr.
     pub(super) picked: &'a dyn Fn(DVec3) -> f64,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Receiver<'a> {
 pub(super) struct Target {
     pub(super) primitive: PrimitiveId,
     pub(super) position: DVec3,
-    /// How densely, 1/m^2.
+    /// Probability density of the point, 1/m^2.
     pub(super) per_m2: f64,
 }
 
@@ -76,7 +76,7 @@ impl Turn {
     }
 }
 
-/// How densely directions to a point are picked from a distance, 1/sr.
+/// Probability density in solid angle of a density over area, seen from a distance, 1/sr.
 fn per_sr(per_m2: f64, point: &SurfacePoint, distance: f64) -> f64 {
     let cos = point.geometric_normal.dot(point.to_eye).abs();
     if per_m2 > 0.0 { per_m2 * distance * distance / cos } else { 0.0 }

@@ -11,11 +11,11 @@ use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
 use glam::{DVec2, DVec3};
 
-/// How often a point of the glow is picked, rather than a direction in which the surface scatters: where it
-/// is small and far, and where it is all about.
+/// Probability of picking a point of the glow, rather than a direction in which the surface scatters:
+/// where the glow is small and far, and where it is all about.
 const SHARES_OF_POINTS: [f64; 2] = [0.9, 0.25];
 
-/// Radiance that a surface scatters towards the eye of what glows, W m^-2 sr^-1: by one ray, which goes to a
+/// Radiance of the glow that a surface scatters towards the eye, W m^-2 sr^-1: by one ray, which goes to a
 /// point of the glow or where the surface scatters. Of its shine other rays find a share.
 pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others: f64) -> Rgb {
     let (Some(lobes), Some(glow)) = (Lobes::of(point), path.snapshot.glow()) else { return Rgb::ZERO };
@@ -70,7 +70,7 @@ fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3,
     sum
 }
 
-/// Radiance that is scattered of what a point of the glow sends there, W m^-2 sr^-1.
+/// Radiance of a sampled point of the glow that the receiver scatters, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let (snapshot, light) = (path.snapshot, path.light);
     let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return Rgb::ZERO };

@@ -20,12 +20,12 @@ struct Lamp<'a> {
     light: &'a FrozenLight,
     position: DVec3,
     emission: &'a Emission,
-    /// How often it is picked.
+    /// Probability of picking it.
     chance: f64,
 }
 
 impl<'a> Lamp<'a> {
-    /// All among some lights.
+    /// Lamps among some lights.
     fn among(lights: &'a [FrozenLight]) -> impl Iterator<Item = Self> + Clone + 'a {
         let is_lamp = |light: &&FrozenLight| matches!(light, FrozenLight::Point { .. });
         let chance = 1.0 / lights.iter().filter(is_lamp).count() as f64;
@@ -37,7 +37,7 @@ impl<'a> Lamp<'a> {
         })
     }
 
-    /// How densely its rays meet a point that nothing hides, 1/m^2.
+    /// Probability density with which its rays meet a point that nothing hides, 1/m^2.
     fn per_m2(&self, point: DVec3, normal: DVec3) -> f64 {
         let way = point - self.position;
         let Some(direction) = way.try_normalize() else { return 0.0 };
@@ -46,7 +46,7 @@ impl<'a> Lamp<'a> {
     }
 }
 
-/// Radiance that is scattered of what a spot in a lamp's light sends there, W m^-2 sr^-1.
+/// Radiance of a spot in a lamp's light that the receiver scatters, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let snapshot = path.snapshot;
     let lamps = Lamp::among(path.light.lights);

@@ -1,6 +1,6 @@
-//! Which parts of a ray a light reaches, exactly. In go a ray, a light and the scene, out come its lit
-//! segments. Opaque triangles end the light on an interval of the ray, blended ones dim it there. Invariant:
-//! where light begins and ends is never sampled.
+//! Lit segments of a ray, exactly. In go a ray, a light and the scene, out come the parts that the light
+//! reaches. Opaque triangles end the light on an interval of the ray, blended ones dim it there.
+//! Invariant: where light begins and ends is never sampled.
 
 use super::visibility::Way;
 use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};

@@ -11,13 +11,13 @@ use std::f64::consts::FRAC_1_PI;
 
 /// The ways that a surface scatters. Shares of 1.
 pub(super) struct Lobes {
-    /// To the eye's side.
+    /// Share on the eye's side.
     reflected: f64,
-    /// To the other side.
+    /// Share on the other side.
     transmitted: f64,
-    /// In its clear coat.
+    /// Share of its clear coat.
     coated: f64,
-    /// In its gloss.
+    /// Share of its gloss.
     shone: f64,
     /// Albedo of all lobes together, approximate.
     pub(super) all: f64,
@@ -75,7 +75,7 @@ impl Lobes {
         }
     }
 
-    /// How densely [`Lobes::pick`] picks a direction, 1/sr.
+    /// Probability density of [`Lobes::pick`] for a direction, 1/sr.
     pub(super) fn picked(&self, point: &SurfacePoint, direction: DVec3) -> f64 {
         let cos = point.shading_normal.dot(direction);
         let matte = if cos > 0.0 { self.reflected } else { self.transmitted } * FRAC_1_PI * cos.abs();

@@ -11,25 +11,25 @@ use crate::scene::Bounces;
 use crate::snapshot::{FrozenLight, SeenRay, Snapshot, SurfacePoint};
 use glam::DVec3;
 
-/// Where the shadow rays stand.
+/// Places of the shadow rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MarchSteps {
     /// The image plane is moved by `step_m` at a time, to `depth_m`, both along the view axis, metres.
     Planes {
-        /// How far.
+        /// Depth that the plane is moved to.
         depth_m: f64,
-        /// By how much.
+        /// Step of the plane.
         step_m: f64,
     },
-    /// So many equal steps over the foggy part of the ray, a shadow ray in the middle of each.
+    /// Number of equal steps over the foggy part of the ray, a shadow ray in the middle of each.
     Count(u32),
     /// Ray marching with all shadow rays moved by one random part of a step: what is banding above is
     /// noise here (Pauly, Kollig & Keller 2000, "Metropolis Light Transport for Participating Media").
     Jittered(u32),
 }
 
-/// How the light scattered in fog along a ray is found.
+/// Method for light that fog scatters into a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum VolumeMethod {
     /// Exact visibility intervals from geometry, closed forms and quadrature on smooth pieces.
@@ -41,18 +41,18 @@ pub enum VolumeMethod {
         /// Points a ray and light, at least 1.
         points: u32,
     },
-    /// As by segments, and light that was scattered before by random walks, scattered so many times more.
+    /// As `Segments`, and indirect light by random walks with so many bounces.
     Paths(Bounces),
 }
 
-/// How rays are to be followed.
+/// Settings by which rays are followed.
 #[derive(Clone, Copy)]
 pub struct Transport<'a> {
-    /// How light scattered in fog is found.
+    /// Method for light that fog scatters.
     pub volume: VolumeMethod,
-    /// How often a ray may be reflected by mirrors.
+    /// Maximum number of reflections by mirrors.
     pub mirror_depth: u32,
-    /// Light that was scattered before, which surfaces and fog scatter again; it has that of the sky.
+    /// Indirect light, which surfaces and fog scatter again; it includes that of the sky.
     pub indirect: Option<&'a Indirect>,
     /// Whether [`Sample::surface`](super::Sample::surface) is wanted.
     pub features: bool,
@@ -65,7 +65,7 @@ pub struct Scratch {
     pub(super) lights: Vec<FrozenLight>,
 }
 
-/// Which light is being followed: a picture may be made of one picture a light, added up.
+/// Light that is followed: a picture may be the sum of one picture a light.
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub(super) lights: &'a [FrozenLight],
@@ -95,14 +95,14 @@ impl Illumination<'_> {
     }
 }
 
-/// Where a ray that is followed starts.
+/// Start of a ray that is followed.
 #[derive(Clone, Copy)]
 pub(super) enum Start {
-    /// At the eye, whose clipping planes hide surfaces.
+    /// The eye, whose clipping planes hide surfaces.
     Camera,
-    /// On a mirror.
+    /// A mirror.
     Surface(PrimitiveId),
-    /// On a surface that shines: what lies beyond the scene is looked for by itself.
+    /// A surface that shines: what lies beyond the scene is looked for by itself.
     Shine(PrimitiveId),
 }
 
@@ -160,12 +160,12 @@ impl<'a> Path<'a> {
         self.seen_fog(ray, from).map_or_else(walked, |seen| seen.transmittance(distance))
     }
 
-    /// Light that was scattered before, if it is wanted here from a grid.
+    /// Indirect light, if it is wanted here from a grid.
     pub(super) fn indirect(&self) -> Option<&'a Indirect> {
         self.transport.indirect.filter(|_| self.light.has_rest)
     }
 
-    /// How often it is to be scattered, if it is wanted from random walks.
+    /// Maximum number of scatterings by random walks, if they are wanted.
     pub(super) fn walks(&self) -> Option<Bounces> {
         match self.transport.volume {
             VolumeMethod::Paths(bounces) if bounces != Bounces::NONE => Some(bounces),

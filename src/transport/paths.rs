@@ -30,7 +30,7 @@ use glam::DVec3;
 /// Maximum number of vertices of a walk. Where all is closed and nothing absorbs a walk has no end: later
 /// light is left out.
 const MOST_VERTICES: u32 = 1024;
-/// So many vertices are never left to roulette.
+/// Number of first vertices that roulette spares.
 const SURE_VERTICES: u32 = 3;
 
 /// A walk between two vertices.
@@ -39,19 +39,19 @@ struct Leg {
     /// Throughput from the leg to the eye.
     throughput: Rgb,
     leaving: Option<PrimitiveId>,
-    /// Where it began; `None` if a mirror sends it, in whose direction no light is looked for.
+    /// Vertex where it began; `None` if a mirror sends it, in whose direction no light is looked for.
     turn: Option<Turn>,
 }
 
-/// Where light is scattered.
+/// Vertex at which light is scattered.
 #[allow(clippy::large_enum_variant, reason = "a walk has one at a time, on the stack")]
 enum Vertex {
     Surface(SurfacePoint),
-    /// On its way along a ray from the eye.
+    /// A point in fog, on its way along a ray from the eye.
     Fog(Ray),
 }
 
-/// Radiance that a surface scatters towards the eye of light that was scattered before, W m^-2 sr^-1.
+/// Radiance of indirect light that a surface scatters towards the eye, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, bounces: Bounces, point: &SurfacePoint) -> Rgb {
     // What its mirror shows is followed by itself.
     let without_mirror = SurfacePoint { mirror: Rgb::ZERO, ..*point };
@@ -101,8 +101,8 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
 }
 
 impl Leg {
-    /// To where it is scattered next; `None` if it leaves the scene. What lamps add to it on the
-    /// way is added to `sum`.
+    /// Next vertex, where the leg's light is scattered; `None` if the leg leaves the scene. Light of lamps
+    /// on the way is added to `sum`.
     fn next_vertex(&mut self, path: &mut Path, sum: &mut Rgb) -> Option<Vertex> {
         let snapshot = path.snapshot;
         loop {
@@ -136,8 +136,8 @@ impl Leg {
         lamps.map(|lamp| equiangular::in_scattered(path, 1, &self.ray, &way, lamp)).sum()
     }
 
-    /// Where fog scatters or absorbs it before it has gone so far, by chance; what it counts is as if it were
-    /// scattered with certainty there, per metre.
+    /// Collision with fog before `distance`, by chance. The throughput then is as if it were certain
+    /// there, per metre.
     fn lost_in_fog(&mut self, path: &mut Path, distance: f64) -> Option<DVec3> {
         let medium = &path.snapshot.medium;
         let along = medium.along(&self.ray, distance);
@@ -182,7 +182,7 @@ impl Vertex {
         picked + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
     }
 
-    /// Radiance that a walk meets after its turn, in fog per metre: of what glows, and of light that was not
+    /// Radiance that a walk meets after its turn, in fog per metre: emission, and light that was not
     /// scattered before.
     fn met(&self, path: &mut Path, turn: Option<Turn>) -> Rgb {
         let snapshot = path.snapshot;

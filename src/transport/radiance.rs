@@ -30,11 +30,11 @@ pub enum Component {
     Light(OneLight),
     /// Light of the sky that was scattered on the way.
     Sky,
-    /// Light that was scattered before, of all lights: a part of the others, much cheaper without the rest.
+    /// Indirect light of all lights: a part of the others, much cheaper without the rest.
     Indirect,
 }
 
-/// One leg of a path, from its origin to the first surface: its light.
+/// Light of one leg of a path, from its origin to the first surface.
 pub(super) struct Leg {
     pub(super) radiance: Rgb,
     /// Part of `radiance` that is emitted.
@@ -146,7 +146,7 @@ impl Transport<'_> {
     }
 }
 
-/// Which light a camera ray is to see.
+/// Light that a camera ray is to see.
 struct Wanted {
     /// Indices of the snapshot's lights.
     lights: Range<usize>,
@@ -201,7 +201,8 @@ impl Path<'_> {
         }
     }
 
-    /// To the first surface and, by mirrors, beyond; with it comes the surface that data passes show.
+    /// Follows a ray to the first surface and, by mirrors, beyond. The surface is the one that data passes
+    /// show.
     pub(super) fn follow(
         &mut self,
         ray: &Ray,
@@ -335,7 +336,7 @@ impl Path<'_> {
         Shown { radiance, indirect, ..Shown::default() }
     }
 
-    /// Light that a surface emits, and what is seen in it if it is a mirror.
+    /// Emission of a surface, and radiance seen in it if it is a mirror.
     pub(super) fn emitted_and_mirrored(
         &mut self,
         ray: &Ray,
@@ -369,7 +370,7 @@ pub(super) fn mean(transmittance: Rgb) -> f64 {
     transmittance.element_sum() / 3.0
 }
 
-/// Which objects a ray sees, and how much of each past those before it.
+/// Objects that a ray sees, and the share of each past those before it.
 pub(super) fn mattes(
     snapshot: &Snapshot,
     blended: &[BlendedHit],

@@ -11,9 +11,9 @@ pub struct Sample {
     pub radiance: Rgb,
     /// The part that shines by itself, surfaces and the background, in mirrors too.
     pub emitted: Rgb,
-    /// In a picture of one light what is still to be multiplied by: the hue of the light's point, see
-    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). All but what is emitted or indirect
-    /// is without it. Else 1.
+    /// Hue of the light's point in a picture of one light, still to be multiplied in; else 1. See
+    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). Emission and indirect light
+    /// already have theirs.
     pub hue: Rgb,
     /// The part that surfaces show of indirect light, in mirrors too.
     pub indirect: Rgb,
@@ -28,10 +28,10 @@ pub struct Sample {
     pub alpha: f64,
     /// Features of the surface that was hit, if one was.
     pub surface: Option<SurfaceFeatures>,
-    /// Where it moves, in pixels to the right and up: from where it is to where it was a frame before, and to
-    /// where it is from where it will be a frame after. 0 unless the snapshot has a motion field.
+    /// Motion in pixels to the right and up: from the place now to that a frame before, and to the place
+    /// now from that a frame after. 0 unless the snapshot has a motion field.
     pub motion_px: [f64; 4],
-    /// Which objects it shows, front to back; none unless the snapshot has matte ids.
+    /// Objects that it shows, front to back; none unless the snapshot has matte ids.
     pub mattes: [Matte; MATTES_OF_A_SAMPLE],
 }
 

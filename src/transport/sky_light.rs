@@ -16,10 +16,11 @@ use crate::snapshot::{FrozenSky, SurfacePoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// How many of the directions are picked by the sky's brightness, where it is not the same everywhere.
+/// Share of directions that are picked by the sky's brightness, where it is not uniform.
 const SHARE_OF_SKY: f64 = 0.5;
 
-/// Radiance that a surface scatters towards the eye, W m^-2 sr^-1, unless indirect light has it.
+/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1, unless indirect light has
+/// it.
 pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
     if path.samples_sky() { by_surface(path, point) } else { Rgb::ZERO }
 }
@@ -51,7 +52,8 @@ pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     scattered * visible * fog / density
 }
 
-/// Radiance that fog scatters into the ray on its way, W m^-2 sr^-1, unless indirect light has it.
+/// Radiance of the sky that fog scatters into the ray on its way, W m^-2 sr^-1, unless indirect light has
+/// it.
 pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
     if path.samples_sky() { on_the_way(path, (ray, from), way) } else { Rgb::ZERO }
 }
@@ -79,7 +81,7 @@ pub(super) fn on_the_way(path: &mut Path, (ray, from): (&Ray, Start), way: &Way)
     found.scattered * exp_minus(found.depth + depth) * visible / (found.density * density_per_m)
 }
 
-/// Radiance that fog at a point scatters back along a direction of travel from the eye, per
+/// Radiance of the sky that fog at a point scatters back along a direction of travel from the eye, per
 /// metre, W m^-3 sr^-1.
 pub(super) fn by_fog(path: &mut Path, point: DVec3, from_eye: DVec3) -> Rgb {
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
@@ -100,7 +102,7 @@ struct FromSky {
     visible: Rgb,
     /// Optical depth of fog towards the sky.
     depth: Rgb,
-    /// How densely the direction was picked, 1/sr.
+    /// Probability density of the direction, 1/sr.
     density: f64,
 }
 

@@ -16,10 +16,10 @@ use crate::color::Rgb;
 use crate::math::{Ray, RunningProduct, Sampler};
 use crate::snapshot::{BlendedHit, FrozenLight, NEGLIGIBLE, Snapshot};
 
-/// To so many surfaces each has shadow rays of its own: less than the walk costs.
+/// Number of surfaces up to which each has shadow rays of its own: less than the walk costs.
 const MANY: usize = 16;
 
-/// So many surfaces stand for many where each would take a ray of its own.
+/// Number of surfaces that stand for many where each would take a ray of its own.
 const CHOSEN: usize = 8;
 
 /// Direct light on the surfaces of a ray, if they are many.
@@ -81,16 +81,16 @@ fn let_through(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, blended: &[B
 
 /// A walk along the ray, through the shadows on it.
 struct Sweep<'a> {
-    /// By where they start.
+    /// Shadows, by where they start.
     shadows: Vec<TriangleShadow>,
-    /// By where they end.
+    /// Their indices, by where they end.
     ends: Vec<usize>,
-    /// By triangle.
+    /// Their indices, by triangle.
     of_triangles: Vec<(PrimitiveId, usize)>,
     /// Transmittances of untextured triangles.
     transmittances: Vec<Option<Rgb>>,
     product: RunningProduct,
-    /// Those that differ from place to place.
+    /// Shadows whose transmittance differs from place to place.
     textured: Vec<usize>,
     transmittance: &'a dyn Fn(&TriangleShadow, f64) -> Rgb,
 }

@@ -10,7 +10,7 @@ use std::ops::Range;
 /// Free way of a ray before it ends.
 #[derive(Default)]
 pub(super) struct Way {
-    /// Where it ends, metres; infinite if nothing ends it.
+    /// Distance to its end, metres; infinite if nothing ends it.
     pub(super) distance: f64,
     /// Blended surfaces that show, in order.
     pub(super) blended: Vec<BlendedHit>,

@@ -55,7 +55,7 @@ impl<const LANES: usize> DepthLine<LANES> {
         Some(Rgb::from_array(std::array::from_fn(|channel| sum[channel % LANES])))
     }
 
-    /// How fast the depth changes per reach, of the colour of which it does most.
+    /// Change of the depth per reach, of the colour of which it is largest.
     #[inline(always)]
     pub(super) fn steepest(&self) -> f64 {
         self.per_reach.iter().fold(0.0, |most, k| most.max(k.abs()))

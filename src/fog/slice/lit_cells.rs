@@ -11,7 +11,7 @@
 use crate::math::IntervalSet;
 use std::ops::Range;
 
-/// How many moments a piece has.
+/// Number of moments of a piece.
 pub(super) const ORDER: usize = 10;
 
 /// However thick the fog, no more cells than this between two breaks.
@@ -27,7 +27,7 @@ pub(super) const FACTORIALS: [f64; ORDER] =
 /// A slice's range of reaches, cut into cells.
 #[derive(Debug, Default)]
 pub(super) struct LitCells {
-    /// Where one cell ends and the next begins.
+    /// Edges between cells.
     edges: Vec<f64>,
     moments: Vec<Moments>,
 }
@@ -81,7 +81,7 @@ impl LitCells {
 /// Light that reaches a ray: cells, and shadows beside theirs.
 pub(super) struct Lit<'a> {
     pub(super) cells: &'a LitCells,
-    /// Those that the cells know of.
+    /// Shadows that the cells know of.
     pub(super) shadows: &'a IntervalSet,
     /// The ray's own.
     pub(super) more_shadows: &'a IntervalSet,

@@ -52,7 +52,7 @@ pub struct FogSlice {
 /// are many each is soon done, where they are few many shadows lie in those that rays end in.
 const CELLS_PER_DEPTH: f64 = 3.0;
 
-/// So many scale heights from the base a double tells heights to 1e-10 of one.
+/// Scale heights from the base up to which a double tells heights to 1e-10 of one.
 const MOST_SCALE_HEIGHTS: f64 = 1e6;
 
 impl FogSlice {

@@ -60,7 +60,7 @@ impl Line {
 }
 
 impl Linear {
-    /// How it changes along a line `height(reach)`.
+    /// Values along a line `height(reach)`.
     pub(super) fn along(&self, line: &Line) -> Line {
         Line {
             at_axis: self.at_eye + self.per_height * line.at_axis,
@@ -76,7 +76,7 @@ impl Linear {
         Self { at_eye: -self.at_eye, per_reach: -self.per_reach, per_height: -self.per_height }
     }
 
-    /// Where it is 0: a line, unless that runs along the light.
+    /// Zero line, unless that runs along the light.
     fn zero(&self) -> Option<Line> {
         let line =
             Line { at_axis: -self.at_eye / self.per_height, growth: -self.per_reach / self.per_height };
@@ -146,7 +146,7 @@ impl FogSection {
         }
     }
 
-    /// Where the light is in the fog at a reach, and so on both sides of it up to the next breaks.
+    /// Light's way through the fog at a reach, and so on both sides of it up to the next breaks.
     pub(super) fn light_way(&self, reach: f64) -> Option<LightWay> {
         let mut upper = Line { at_axis: f64::INFINITY, growth: 0.0 };
         let mut lower = Line { at_axis: f64::NEG_INFINITY, growth: 0.0 };

@@ -12,13 +12,13 @@ use std::ops::Range;
 /// A number and its derivatives in the middle of a piece, in halves of its width.
 pub(super) type Series = [f64; ORDER];
 
-/// One bank of fog, or what of it lies above its base, on a stretch of a ray.
+/// One bank of fog, or its part above its base, on a stretch of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThinningFog {
     pub(super) sigma_t: Rgb,
     /// Light scattered per metre and irradiance at the base, where the ray is inside, 1/(m sr).
     pub(super) scattering: Rgb,
-    /// Where the ray is inside.
+    /// Heights on the part of the ray inside.
     pub(super) along_ray: Option<Ascent>,
     pub(super) to_light: Option<Column>,
 }
@@ -31,7 +31,7 @@ pub(super) struct Ascent {
     density_at_start: f64,
 }
 
-/// Where the light passes through such fog.
+/// Light's way through such fog.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column {
     way: LightWay,

@@ -13,12 +13,12 @@ use glam::{DMat3, DVec3};
 /// coordinates at most.
 const SAME_PLACE: f64 = 1e-4;
 
-/// So far beyond its corner a border is taken to go on, as a fraction of its length: outlines mostly bend
-/// there, and do not end. Found by trying on leaves500, where none and as much again do worse.
+/// Continuation of a border beyond its corner, as a fraction of its length: outlines mostly bend there,
+/// and do not end. Found by trying on leaves500, where none and as much again do worse.
 const BEYOND: f64 = 0.5;
 
-/// Where a slice and its light are: coordinates are the reach, the height along the axis and the distance
-/// from the half plane, metres.
+/// Borders in a slice's coordinates: the reach, the height along the axis and the distance from the half
+/// plane, metres.
 pub(super) struct Borders<'a> {
     snapshot: &'a Snapshot<'a>,
     fan: &'a Fan,
@@ -26,10 +26,10 @@ pub(super) struct Borders<'a> {
     light_rays: LightRays,
 }
 
-/// One of them.
+/// Border of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Border {
-    /// In the half plane of the slice that cuts it.
+    /// Point in the half plane of the slice that cuts it.
     point: DVec3,
     along: DVec3,
     /// Between which multiples of `along` from that point it lies.
@@ -56,7 +56,7 @@ impl<'a> Borders<'a> {
         self.snapshot.corners(primitive).map(|corner| self.slice_from_relative * (corner - self.fan.eye))
     }
 
-    /// That of an edge; `None` if it is none of a triangle, but where one ends at the axis, say.
+    /// Border of an edge; `None` if the edge is none of a triangle's, such as where one ends at the axis.
     pub(super) fn of(&self, origin: &EdgeOrigin) -> Option<Border> {
         let cut = origin.border;
         let corners = self.corners(cut.primitive);
@@ -86,8 +86,8 @@ impl<'a> Borders<'a> {
 }
 
 impl Border {
-    /// How far from the eye it is met, metres; without end if it is a shadow's, which
-    /// what it lies on may hide.
+    /// Distance from the eye at which it is met, metres. It is infinite for a shadow's border, which the
+    /// surface below may hide.
     pub(super) fn distance(&self) -> f64 {
         if self.shaded.is_some() { f64::INFINITY } else { self.point.length() }
     }

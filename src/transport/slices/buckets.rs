@@ -7,7 +7,7 @@
 pub(super) struct Buckets<T> {
     unsorted: Vec<(u32, T)>,
     sorted: Vec<T>,
-    /// Where each bucket ends.
+    /// End of each bucket.
     ends: Vec<u32>,
 }
 

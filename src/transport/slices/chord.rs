@@ -6,22 +6,22 @@ use super::slice::Slice;
 use crate::scene::{Size, Window};
 use std::iter;
 
-/// Where a slice crosses a pixel.
+/// Crossing of a slice and a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
     /// Column and row of the full picture.
     pub pixel: (usize, usize),
-    /// How much of its area the slice has passed, per radian, at the start and at the end.
+    /// Area per radian that the slice has passed, at the start and at the end.
     pub start: f64,
     /// See `start`. A chord that ends where it starts is a single ray.
     pub end: f64,
     /// The slopes of the rays at the start and at the end.
     pub slopes: [f64; 2],
-    /// Where in each of the chord's pieces its sample lies, `0..1`.
+    /// Place of each piece's sample within it, `0..1`.
     pub phase: f64,
     /// Weight of a sample for each unit of area per radian that it stands for.
     pub weight_per_area: f64,
-    /// For what is chosen at random beyond its surfaces: a seed, and its slice's number among those of
+    /// Random stream for what is chosen beyond its surfaces: a seed, and its slice's number among those of
     /// that seed. Slices side by side follow each other.
     pub random: (u32, u32),
 }
@@ -50,7 +50,7 @@ impl Slice {
         }
     }
 
-    /// How much of its area it has passed where it enters and leaves a pixel, per radian.
+    /// Area per radian that it has passed where it enters and leaves a pixel.
     pub fn areas(&self, crossing: &Crossing) -> [f64; 2] {
         let [start, end] = crossing.lengths.map(|length| self.area_at(length));
         [start, end.max(start)]
@@ -105,11 +105,11 @@ impl Slice {
 
 /// A line on its way through the columns of a picture, or through the rows.
 struct Steps {
-    /// Where it starts, and how far it leads for each unit of length, pixels.
+    /// Start, and the way for each unit of length, pixels.
     start_px: f64,
     along_px: f64,
     count: usize,
-    /// Which it is in, and the length after which it leaves that.
+    /// Pixel that it is in, and the length after which it leaves that.
     at: usize,
     until: f64,
 }

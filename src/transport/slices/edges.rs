@@ -18,7 +18,7 @@ use std::ptr;
 const CROWD: usize = 12;
 const MOST_PIECES: usize = 8;
 
-/// So many pieces of one size such a chord has.
+/// Number of equal pieces of such a chord.
 const CROWD_PIECES: u32 = 2;
 
 /// Pieces smaller than this part of their chord are joined to the next.
@@ -27,23 +27,23 @@ const LEAST_PIECE: f64 = 1e-4;
 /// Ends of neighbouring triangles lie in the same place, to this fraction of their coordinates.
 const SAME_PLACE: f64 = 1e-5;
 
-/// Where a surface bends by less than an angle of this sine between two of its triangles, it looks
-/// alike on both sides.
+/// Sine of the smallest angle between two triangles that makes an edge: below it a surface looks alike on
+/// both sides.
 const LEAST_BEND: f64 = 0.1;
 
 /// Origin of an edge: the border of a triangle, or its shadow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgeOrigin {
-    /// Where the slice cuts the border.
+    /// Cut of the border by the slice.
     pub(super) border: CutEnd,
-    /// On which triangle its shadow lies, if the edge is one of a shadow.
+    /// Triangle that the shadow lies on, if the edge is one of a shadow.
     pub(super) shaded: Option<PrimitiveId>,
 }
 
-/// Where a piece of a chord ends.
+/// End of a piece of a chord.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PieceEnd {
-    /// How much of its area the slice has passed there, per radian.
+    /// Area per radian that the slice has passed there.
     pub(super) area: f64,
     /// Slope of the ray there.
     pub(super) slope: f64,
@@ -61,7 +61,7 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Where the pieces of the chord end that some sweeps have entered, each over things of its own; its rays
+    /// Ends of the pieces of a chord that some sweeps have entered, each over things of its own; its rays
     /// are those between two slopes.
     pub(super) fn pieces(
         &mut self,

@@ -26,14 +26,14 @@ pub struct Fan {
     pub angles: (f64, f64),
 }
 
-/// How far apart two slices that differ by one radian lie, pixels.
+/// Distance between two slices that differ by one radian, pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Separation {
-    /// On average; 0 where there is no slice.
+    /// Mean; 0 where there is no slice.
     pub mean_px: f64,
-    /// At most.
+    /// Maximum.
     pub greatest_px: f64,
-    /// How much of the picture this is of, pixels.
+    /// Area of the picture that this is of, pixels.
     pub area_px: f64,
 }
 
@@ -100,7 +100,7 @@ impl Fan {
         self.picture.angles_from(self.axis)
     }
 
-    /// How far from this fan's axis another's appears to be in the picture, radians.
+    /// Apparent angle in the picture between this fan's axis and another's, radians.
     pub fn deviation(&self, other: &Self) -> f64 {
         self.picture.reframed(&other.picture, other.axis).angle_between(self.axis)
     }
@@ -118,7 +118,7 @@ impl Fan {
         (place.y.atan2(place.x), place.perp_dot(change) / place.length_squared())
     }
 
-    /// How far apart slices lie in the part of the picture in a ring.
+    /// Separation of slices in the part of the picture in a ring.
     pub fn separation(&self, ring: Ring) -> Separation {
         // Area per radian over length, found from a few slices.
         let probes = 64;

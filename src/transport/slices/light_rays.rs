@@ -3,10 +3,10 @@
 
 use glam::DVec2;
 
-/// How the light's rays are named within a half plane.
+/// Names of the light's rays within a half plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum LightRays {
-    /// All parallel to the axis: by their distance from it.
+    /// Rays parallel to the axis: by their distance from it.
     Parallel,
     /// Out of a point on the axis at this height: by the angle with the way back to the camera.
     From(f64),

@@ -10,8 +10,8 @@ use super::slice::Slice;
 use crate::scene::{Size, Window};
 use std::ops::Range;
 
-/// No edge moves farther than this along a slice beside, pixels: how far those that lie almost along the
-/// slice go on is not known, and what a pixel shows must not depend on what lies far from it.
+/// Maximum shift of an edge along a slice beside, pixels. How far edges almost along the slice go on is
+/// not known, and a pixel must not depend on what lies far from it.
 pub const FARTHEST_SHIFT_PX: f64 = 2.0;
 
 /// Edges of which the nearer has this part of the other's distance and more may be of one outline, which
@@ -62,23 +62,23 @@ pub struct Outline {
     runs: Vec<Run>,
     /// Whether the next piece belongs to the last run.
     goes_on: bool,
-    /// Where runs end on a slice beside.
+    /// Ends of runs on a slice beside.
     ends: Vec<End>,
 }
 
 /// End of a run, on a slice beside.
 #[derive(Clone, Copy, Debug)]
 struct End {
-    /// How much of the slice lies before, in its length, if edges run along the slices.
+    /// Length of the slice before it, if edges run along the slices.
     unmoved: f64,
-    /// By how much more or less it is since its edge does not, there and on the slice that is rotated
-    /// as much the other way.
+    /// Change of that length because its edge does not run so, there and on the slice that is rotated as
+    /// much the other way.
     shifts: [f64; 2],
-    /// How much of that it moves, 0 to 1.
+    /// Share of the shift that is applied, 0 to 1.
     moved: f64,
     /// Distance from the eye to what makes the edge, metres.
     distance: f64,
-    /// How much of the slice lies before, in its length.
+    /// Length of the slice before it.
     length: f64,
 }
 
@@ -226,7 +226,7 @@ impl Outline {
     }
 }
 
-/// Where the runs of a stretch end if they stop where they meet, and hide what lies behind.
+/// Puts the ends of a stretch's runs in order: they stop where they meet, and hide what lies behind.
 fn put_in_order(ends: &mut [End]) {
     for end in 1..ends.len() {
         let (before, after) = ends.split_at_mut(end);
@@ -249,9 +249,9 @@ fn put_in_order(ends: &mut [End]) {
     }
 }
 
-/// Two edges that move towards each other do so until they meet, or the farther until the nearer hides it. On
-/// the other side, where they part, they move as far and no farther. So what slices beside gain and lose is
-/// the same in the mean over all slices, and the mean of many pictures is right.
+/// Stops two edges that move towards each other where they meet, or the farther where the nearer hides it.
+/// On the other side, where they part, they move as far and no farther. So gains and losses of the slices
+/// beside are equal in the mean over all slices, and the mean of many pictures is right.
 fn stop_where_they_meet(before: &mut End, after: &mut End) {
     let gap = after.unmoved - before.unmoved;
     let closing = [0, 1].map(|side| before.shifts[side] - after.shifts[side]);

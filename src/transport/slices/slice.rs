@@ -24,7 +24,7 @@ impl Ring {
 pub struct Slice {
     /// Unit vector at right angles to the axis.
     pub outward: DVec3,
-    /// In the image plane: a point of the line, and its unit direction, away from the light's image.
+    /// Point of the line in the image plane, and its unit direction, away from the light's image.
     start: DVec2,
     along: DVec2,
     pub(super) length: f64,
@@ -40,10 +40,10 @@ pub struct Slice {
     picture: Picture,
 }
 
-/// Where a sample lies in the picture.
+/// Place of a sample in the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// In pixels of the full picture, y downwards.
+    /// Pixels of the full picture, y downwards.
     pub film_px: DVec2,
     /// Unit direction of its ray.
     pub direction: DVec3,
@@ -59,12 +59,12 @@ struct ImageLine {
     /// growth per unit of length.
     reach: (f64, f64),
     height: (f64, f64),
-    /// How much of the half plane's normal lies in the image plane.
+    /// Component of the half plane's normal in the image plane.
     steepness: f64,
 }
 
 impl ImageLine {
-    /// That of a half plane with its unit vectors outwards and at right angles to itself; `None` if it is
+    /// Line of a half plane with its unit vectors outwards and at right angles to itself; `None` if it is
     /// parallel to the image plane.
     fn new(picture: &Picture, axis: DVec3, [outward, normal]: [DVec3; 2]) -> Option<Self> {
         // normal . (x right + y up + forward) = 0.
@@ -82,7 +82,8 @@ impl ImageLine {
         Some(Self { foot, along: sign * along, reach, height, steepness })
     }
 
-    /// From where to where it lies in the picture, on this side of the axis and in a ring; `None` if nowhere.
+    /// Start and end in the picture, on this side of the axis and in a ring; `None` if it lies nowhere
+    /// there.
     fn part_in(&self, picture: &Picture, ring: Ring) -> Option<(f64, f64)> {
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut keep = |value: f64, growth: f64| {
@@ -111,8 +112,8 @@ impl ImageLine {
 }
 
 impl Slice {
-    /// That of a half plane with its unit vectors outwards and at right angles to itself, as far as it lies
-    /// in a ring; `None` if it misses the picture there.
+    /// Slice of a half plane with its unit vectors outwards and at right angles to itself, as far as it
+    /// lies in a ring; `None` if it misses the picture there.
     pub(super) fn new(
         picture: Picture,
         axis: DVec3,
@@ -140,7 +141,7 @@ impl Slice {
         })
     }
 
-    /// Its length in the picture, pixels.
+    /// Length in the picture, pixels.
     pub(super) fn length_px(&self) -> f64 {
         self.length * self.picture.pixels_per_unit
     }
@@ -151,13 +152,13 @@ impl Slice {
         Place { film_px: self.picture.film_px(point), direction: self.picture.direction(point).normalize() }
     }
 
-    /// How far away a slice lies that is rotated by one radian, pixels, where this one has passed so much of
-    /// its area per radian.
+    /// Distance to a slice that is rotated by one radian, pixels, where this one has passed an area per
+    /// radian.
     pub fn separation_px_per_rad_at(&self, area_per_rad: f64) -> f64 {
         self.separation_px_per_rad(self.length_at(area_per_rad))
     }
 
-    /// How far away such a slice lies at most.
+    /// Maximum distance to such a slice.
     pub fn greatest_separation_px_per_rad(&self) -> f64 {
         self.separation_px_per_rad(0.0).max(self.separation_px_per_rad(self.length))
     }
@@ -174,42 +175,42 @@ impl Slice {
         (self.height.0 + passed * self.height.1) / reach
     }
 
-    /// How much of its area the slice has passed, per radian, where its rays have a slope: of those of its
+    /// Area per radian that the slice has passed where its rays have a slope: of the components along its
     /// axis by those outward.
     pub(super) fn area_at_slope(&self, slope: f64) -> f64 {
         self.area_at(self.length_at_slope(slope))
     }
 
-    /// After which length of the slice its rays have a slope, or nearly.
+    /// Length of the slice at which its rays have a slope, or nearly.
     pub(super) fn length_at_slope(&self, slope: f64) -> f64 {
         let passed = (self.height.0 - slope * self.reach.0) / (slope * self.reach.1 - self.height.1);
         // Not a number only if all its rays have that slope.
         passed.max(0.0).min(self.length)
     }
 
-    /// So many pixels in the unit of its length.
+    /// Length of so many pixels.
     pub(super) fn length_of_px(&self, px: f64) -> f64 {
         px / self.picture.pixels_per_unit
     }
 
-    /// How much of its area the slice has passed, per radian, after a length of it.
+    /// Area per radian that the slice has passed after a length.
     pub(super) fn area_at(&self, length: f64) -> f64 {
         let (density, growth) = self.density;
         length * (density + 0.5 * growth * length)
     }
 
-    /// Where it begins on the film, and how far it leads there for each unit of length, pixels.
+    /// Start on the film, and the way there for each unit of length, pixels.
     pub(super) fn line_px(&self) -> (DVec2, DVec2) {
         let along = DVec2::new(self.along.x, -self.along.y) * self.picture.pixels_per_unit;
         (self.picture.film_px(self.start), along)
     }
 
-    /// In the image plane.
+    /// Point in the image plane.
     fn point(&self, area_per_rad: f64) -> DVec2 {
         self.start + self.length_at(area_per_rad) * self.along
     }
 
-    /// After which length the slice has passed so much of its area per radian.
+    /// Length after which the slice has passed an area per radian.
     pub(super) fn length_at(&self, area_per_rad: f64) -> f64 {
         let (density, growth) = self.density;
         // density x + growth x^2 / 2 = area, in the form that does not cancel.

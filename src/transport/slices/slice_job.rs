@@ -11,7 +11,7 @@ use crate::transport::path::Transport;
 pub struct SliceJob<'a> {
     /// The frame.
     pub snapshot: &'a Snapshot<'a>,
-    /// How rays that leave the slices are followed.
+    /// Settings by which rays that leave the slices are followed.
     pub transport: &'a Transport<'a>,
     /// The slices' light: a light of the snapshot, or a point of one.
     pub light: &'a FrozenLight,

@@ -1,5 +1,5 @@
-//! One ray of a slice. In go what it meets first and what the sweep knows of shadows, out comes its value.
-//! Invariant: it is what the per-ray method finds for the same ray, to rounding.
+//! One ray of a slice. In go its first hit and the sweep's shadows, out comes its sample. Invariant: it is
+//! what the per-ray method finds for the same ray, to rounding.
 
 use super::light_rays::LightRays;
 use super::slice_job::SliceJob;
@@ -22,7 +22,7 @@ pub(super) struct SliceRay<'a> {
     pub(super) planar: PlanarRay,
     pub(super) light_rays: LightRays,
     pub(super) meeting: Option<(Meeting, &'a Facet<'a>)>,
-    /// For what is chosen at random beyond the surface.
+    /// Random numbers for what is chosen beyond the surface.
     pub(super) sampler: Sampler,
 }
 
@@ -44,7 +44,7 @@ impl SliceRay<'_> {
         Path { snapshot, transport, light, sampler, scratch }
     }
 
-    /// Its value by the per-ray method.
+    /// Sample by the per-ray method.
     pub(super) fn by_itself(&self, scratch: &mut Scratch) -> Sample {
         let mut sampler = self.sampler;
         let mut path = self.path(&mut sampler, scratch);
@@ -52,7 +52,7 @@ impl SliceRay<'_> {
         path.sample(&leg, surface.as_ref(), &self.ray, self.job.hue)
     }
 
-    /// Its value, with the shadows of a sweep and the fog of its slice.
+    /// Sample, with the shadows of a sweep and the fog of its slice.
     pub(super) fn value(&self, sweep: &mut Sweep, fog: &mut FogSlice, scratch: &mut Scratch) -> Sample {
         let Self { ref ray, planar, light_rays, .. } = *self;
         let SliceJob { snapshot, transport, light, .. } = *self.job;

@@ -43,13 +43,13 @@ struct RayScratch {
 pub struct Piece<'a> {
     /// The chord.
     pub chord: &'a Chord,
-    /// Where the sample lies.
+    /// Place of the sample.
     pub place: Place,
     /// Between which parts of the chord's area it lies, `0..=1`.
     pub range: [f64; 2],
     /// Weight: the area that it stands for.
     pub weight: f64,
-    /// How many pieces of the chord come before it.
+    /// Number of pieces of the chord before it.
     number: usize,
 }
 
@@ -119,7 +119,7 @@ struct Rays<'a> {
     followed: &'a mut Scratch,
     /// The triangle that was met last: rays side by side mostly meet the same one.
     met: Option<Facet<'a>>,
-    /// How many segments were gathered.
+    /// Number of segments that were gathered.
     segments: usize,
 }
 
@@ -203,7 +203,7 @@ impl<'a> Rays<'a> {
     }
 }
 
-/// How many segments a whole slice would gather of what is not blended.
+/// Number of segments that a whole slice would gather of what is not blended.
 pub fn count_segments(snapshot: &Snapshot, fan: &Fan, slice: &Slice) -> usize {
     let lowest_slope = slice.slope_at(slice.length);
     let half_plane = HalfPlane { eye: fan.eye, axis: fan.axis, outward: slice.outward, lowest_slope };

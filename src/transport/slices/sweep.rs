@@ -25,7 +25,7 @@ pub(super) struct PlanarClip {
 }
 
 impl PlanarClip {
-    /// Those of a slice; `None` if they hide nothing.
+    /// Clipping planes of a slice; `None` if they hide nothing.
     pub(super) fn of(view: &View, outward: DVec3, axis: DVec3) -> Option<Self> {
         let depth = DVec2::new(view.depth(outward), view.depth(axis));
         Some(Self { depth, clip: view.clip() }).filter(|planes| planes.clip != Clip::NONE)
@@ -87,7 +87,7 @@ impl Segment {
         slope <= self.lower.slope
     }
 
-    /// Where a ray in a direction meets the segment that it is known to meet.
+    /// Crossing of a ray in a direction with the segment, which it is known to meet.
     pub(super) fn crossing(&self, direction: DVec2) -> DVec2 {
         let (a, b) = (self.upper.point, self.lower.point);
         let (above, below) = (direction.perp_dot(a), direction.perp_dot(b));
@@ -97,7 +97,7 @@ impl Segment {
         a + fraction * (b - a)
     }
 
-    /// Where one of the light's rays meets the line that it lies on.
+    /// Intersection of one of the light's rays with the line that it lies on.
     pub(super) fn point_on(&self, light_rays: LightRays, name: f64) -> DVec2 {
         let (a, b) = (self.upper.point, self.lower.point);
         let (origin, direction) = light_rays.line(name);
@@ -127,9 +127,9 @@ pub(super) fn ordered(a: f64, b: f64) -> (f64, f64) {
 pub(super) struct Sweep {
     /// The camera's clipping planes, if they hide anything.
     pub(super) clip: Option<PlanarClip>,
-    /// Which rays meet which instances, if not all meet all.
+    /// Ray visibility of instances, if not all rays meet all.
     pub(super) rays: Option<RaysOfInstances>,
-    /// By the first part of the slice that their upper ends lie in or above.
+    /// Segments by the first part of the slice that their upper ends lie in or above.
     segments: Buckets<Segment>,
     /// Number of the next part.
     next: usize,
@@ -144,11 +144,11 @@ pub(super) struct Sweep {
     /// The active segments that the current ray meets.
     crossings: Vec<Crossing>,
     own_union: IntervalSet,
-    /// Which of them it meets first.
+    /// Crossing that it meets first.
     met: Option<usize>,
 }
 
-/// Where a ray meets a segment, and what the part of that above the ray shadows.
+/// Crossing of a ray and a segment, and the shadow of that segment's part above the ray.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     segment: usize,
@@ -160,7 +160,7 @@ struct Crossing {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
     pub(super) primitive: PrimitiveId,
-    /// Where, metres along the ray.
+    /// Distance along the ray, metres.
     pub(super) distance: f64,
     /// Whether the light reaches the place where it is met.
     pub(super) is_lit: bool,

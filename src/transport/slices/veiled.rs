@@ -1,6 +1,6 @@
-//! Which rays of a slice have to do with blended surfaces. In go what the half plane cuts of these,
-//! out comes, ray by ray, whether one may lie on it or in the light's way. Invariant: none that has
-//! to do with one is missed.
+//! Rays of a slice that have to do with blended surfaces. In go the half plane's cuts of these, out comes,
+//! ray by ray, whether one may lie on it or in the light's way. Invariant: none that has to do with one is
+//! missed.
 
 use super::light_rays::LightRays;
 use super::sweep::Sweep;
