@@ -25,25 +25,25 @@ const AROUND: usize = 20;
 /// Without a divisor in common with `AROUND`.
 const STRIDE: usize = 7;
 
-/// Those of one roughness.
+/// Albedos of one roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CoatAlbedos {
     shadowing: Shadowing,
-    /// As in glTF.
+    /// Roughness as in glTF.
     roughness: f64,
-    /// Its place in the table.
+    /// Row of the table for it.
     row: f64,
     /// Columns of the table over the logarithms that they are even in.
     columns: f64,
 }
 
 impl CoatAlbedos {
-    /// Those of a roughness from [`LEAST_ROUGHNESS`] to 1.
+    /// Albedos of a roughness from [`LEAST_ROUGHNESS`] to 1.
     pub(super) fn new(roughness: f64, shadowing: Shadowing) -> Self {
         Self { shadowing, roughness, row: row_of(roughness), columns: columns_over(roughness) }
     }
 
-    /// Those of the same roughness where microfacets hide each other so.
+    /// Albedos of the same roughness under another shadowing.
     pub(super) fn under(self, shadowing: Shadowing) -> Self {
         Self { shadowing, ..self }
     }
@@ -55,7 +55,7 @@ impl CoatAlbedos {
         }
     }
 
-    /// For light from a direction.
+    /// Factors of `f0` and `f90` for light from a direction.
     pub(super) fn towards(self, cos: f64) -> [f64; 2] {
         self.between(cos, |entry| entry.once)
     }
@@ -80,7 +80,7 @@ impl CoatAlbedos {
         })
     }
 
-    /// For light from everywhere.
+    /// Factors of `f0` and `f90` for light from everywhere.
     pub(super) fn mean(self) -> [f64; 2] {
         let table = self.table();
         self.between_rows(|row| table.means[row])
@@ -105,7 +105,7 @@ pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
 /// roughness, and columns in that of the cosine's root over it, plus one.
 struct Albedos {
     directional: Vec<[Entry; LAST_COLUMN + 1]>,
-    /// Over all directions, by their cosine.
+    /// Means over all directions, by their cosine.
     means: [[f64; 2]; LAST_ROW + 1],
 }
 

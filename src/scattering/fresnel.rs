@@ -1,6 +1,6 @@
-//! How the reflectance of a microfacet rises from that along its normal to that at grazing angles. In goes a
-//! cosine, out comes a share: 0 along the normal, 1 along the surface. Invariant: the share is Schlick's or
-//! that of a dielectric.
+//! Fresnel term of a microfacet: the rise of its reflectance from that along its normal to that at grazing
+//! angles. In goes a cosine, out comes a share: 0 along the normal, 1 along the surface. Invariant: the
+//! share is Schlick's or that of a dielectric.
 
 /// Refractive indices whose shares are known of rough surfaces, all directions together.
 pub(super) const INDICES: [f64; 4] = [1.15, 1.4, 1.5, 2.1];
@@ -17,7 +17,7 @@ const ROOTS: [f64; 2] = [0.05 / 2.05, 0.5];
 pub(super) struct Fresnel {
     /// Refractive index.
     eta: f64,
-    /// By how much what [`INDICES`] have makes up what this one has.
+    /// Weights of [`INDICES`] whose mix this one is.
     shares: [f64; INDICES.len()],
 }
 
@@ -35,7 +35,7 @@ impl Fresnel {
         Self { eta, shares: std::array::from_fn(share) }
     }
 
-    /// At the cosine to a microfacet's normal.
+    /// Term at the cosine to a microfacet's normal.
     pub(super) fn at(&self, cos: f64) -> f64 {
         Self::rise(self.eta, cos)
     }
@@ -45,7 +45,7 @@ impl Fresnel {
         self.mix(MEANS)
     }
 
-    /// From what [`INDICES`] have.
+    /// Value from those of [`INDICES`].
     pub(super) fn mix(&self, each: [f64; INDICES.len()]) -> f64 {
         self.shares.iter().zip(each).map(|(share, value)| share * value).sum()
     }

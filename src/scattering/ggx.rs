@@ -17,12 +17,12 @@ pub(super) fn smith(alpha2: f64, cos: f64) -> f64 {
     cos + (alpha2 + (1.0 - alpha2) * cos * cos).sqrt()
 }
 
-/// How microfacets hide each other from eye and light.
+/// Shadowing and masking of microfacets.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shadowing {
-    /// As in glTF: from one as if there were no other.
+    /// As in glTF: towards eye and light by themselves.
     Separable,
-    /// As in Cycles: what is low is hidden from both (Heitz 2014, "Understanding the masking-shadowing
+    /// As in Cycles: low facets are hidden from both (Heitz 2014, "Understanding the masking-shadowing
     /// function in microfacet-based BRDFs", equation 99).
     Correlated,
 }

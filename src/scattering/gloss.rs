@@ -45,7 +45,7 @@ pub struct Gloss {
 /// Properties of a Principled BSDF's coat beyond glTF's.
 #[derive(Clone, Copy, Debug)]
 struct Principled {
-    /// How much of the surface is no metal.
+    /// Share of the surface that is no metal.
     share: f64,
     fresnel: Fresnel,
     /// Share of the coat's reflection that several microfacets in turn add.
@@ -57,12 +57,12 @@ struct Principled {
 struct Reflectance {
     /// Reflectance along their normals.
     f0: Rgb,
-    /// At grazing angles.
+    /// Reflectance at grazing angles.
     f90: Rgb,
 }
 
 impl Reflectance {
-    /// At the angle of a Schlick's term.
+    /// Reflectance at the angle of a Schlick's term.
     fn at(&self, schlick: f64) -> Rgb {
         self.f0 + (self.f90 - self.f0) * schlick
     }
@@ -175,7 +175,7 @@ impl Gloss {
         to_light.x * across + to_light.y * up + to_light.z * normal
     }
 
-    /// How densely [`Gloss::pick`] picks a direction, 1/sr (Heitz 2018, equations 2, 3 and 17).
+    /// Probability density of [`Gloss::pick`] for a direction, 1/sr (Heitz 2018, equations 2, 3 and 17).
     pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
         // No microfacet faces down.
         let half = (to_eye + to_light).try_normalize().filter(|half| half.dot(normal) > 0.0);

@@ -15,14 +15,14 @@ use glam::DVec3;
 pub struct Layers {
     /// Sheen of cloth.
     pub sheen: Option<Sheen>,
-    /// Over all.
+    /// Clear coat over all.
     pub clearcoat: Option<Clearcoat>,
 }
 
 /// A clear coat.
 #[derive(Clone, Copy, Debug)]
 pub struct Clearcoat {
-    /// Its own normal, on the side of the eye.
+    /// Normal of the coat, on the side of the eye.
     pub normal: DVec3,
     /// Reflection of the coat.
     pub gloss: Gloss,

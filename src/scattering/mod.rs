@@ -1,5 +1,5 @@
-//! How surfaces shine: coats, cloth and rough mirrors. In go directions, out come shares of light. Invariant:
-//! nothing here knows visibility, cameras or pixels.
+//! Specular reflection of surfaces: coats, cloth and rough mirrors. In go directions, out come shares of
+//! light. Invariant: nothing here knows visibility, cameras or pixels.
 
 mod albedos;
 mod fresnel;

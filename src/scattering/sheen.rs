@@ -11,8 +11,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// By how much albedos are taken for larger than the table says, whose true values are up to 3.5 %
-/// larger at grazing angles.
+/// Factor on the albedos of the table: true ones are up to 3.5 % larger at grazing angles.
 const SAFETY: f64 = 1.04;
 
 /// Smoother sheens are taken for this rough: the distribution has no limit.
@@ -35,7 +34,7 @@ impl Sheen {
         Self { color, alpha: roughness * roughness, row: roughness * LAST as f64 }
     }
 
-    /// Its BRDF, 1/sr; both directions lead away from the surface, on the normal's side.
+    /// BRDF, 1/sr; both directions lead away from the surface, on the normal's side.
     pub fn brdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> Rgb {
         let (cos_eye, cos_light) = (normal.dot(to_eye), normal.dot(to_light));
         let Some(half) = (to_eye + to_light).try_normalize() else { return Rgb::ZERO };
@@ -52,7 +51,7 @@ impl Sheen {
         self.color.max_element() * self.uncolored(cos).min(1.0)
     }
 
-    /// That of a white one, or a little more, as it is before it is brought down to 1.
+    /// Albedo of a white sheen, or a little more, before it is clamped to 1.
     fn uncolored(&self, cos: f64) -> f64 {
         let (above, down) = split(self.row, LAST);
         let (left, across) = split(cos.clamp(0.0, 1.0).sqrt() * LAST as f64, LAST);

@@ -7,7 +7,7 @@ use crate::scene::{Pose, Shape};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// One instance's mesh at one moment.
+/// Mesh of one instance at one moment.
 #[derive(Debug)]
 pub(super) struct BentMesh {
     pub(super) pose: Pose,

@@ -15,7 +15,7 @@ pub const NEGLIGIBLE: f64 = 1e-12;
 /// A blended surface on a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct BlendedHit {
-    /// Where the ray meets it, metres.
+    /// Distance along the ray, metres.
     pub t: f64,
     /// Surface there.
     pub point: SurfacePoint,
@@ -37,17 +37,17 @@ impl Snapshot<'_> {
         self.hits((&self.blended, |_| true), ray, shown, skip)
     }
 
-    /// Those that the camera sees.
+    /// Blended surfaces that the camera sees.
     pub fn blended_seen(&self, ray: &Ray, shown: &Range<f64>) -> Vec<BlendedHit> {
         self.hits((&self.blended, |primitive| self.is_seen(primitive)), ray, shown, None)
     }
 
-    /// Those that dim light.
+    /// Blended surfaces that dim light.
     pub fn blended_casting(&self, ray: &Ray) -> Vec<BlendedHit> {
         self.hits((self.casting_blended(), |_| true), ray, &(0.0..f64::INFINITY), None)
     }
 
-    /// Those of a tree that count.
+    /// Hits of a tree that `counts` lets through.
     fn hits(
         &self,
         (tree, counts): (&InstanceTree, impl Fn(PrimitiveId) -> bool),

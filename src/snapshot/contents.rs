@@ -20,7 +20,7 @@ pub struct Contents<'scene> {
     scene: &'scene Scene,
     is_blended: Arc<[bool]>,
     parts: Arc<MeshParts>,
-    /// In the world.
+    /// Origin of relative space, in the world.
     origin: DVec3,
     /// Instances with opaque and with blended triangles.
     classes: [PlacedInstances; 2],
@@ -31,7 +31,7 @@ pub struct Contents<'scene> {
 }
 
 impl<'scene> Contents<'scene> {
-    /// With those of the scene's lights of which `shining` says so.
+    /// Contents with those of the scene's lights of which `shining` says so.
     pub(super) fn of(moment: &Moment<'scene>, trees: &MeshTrees, shining: &[bool]) -> Self {
         let &Moment { scene, time_s, eye: origin, .. } = moment;
         let medium = moment.medium();

@@ -24,7 +24,7 @@ pub struct Exposure<'scene> {
     scene: &'scene Scene,
     trees: &'scene MeshTrees,
     middle_s: f64,
-    /// Which of the scene's lights shine at any of the moments.
+    /// Whether each of the scene's lights shines at any of the moments.
     shining: Vec<bool>,
 }
 
@@ -40,8 +40,8 @@ impl<'scene> Exposure<'scene> {
         Self::of(scene, trees, Framing { camera, aspect }, shutter, |times_s| times_s)
     }
 
-    /// Only the moment in the middle, with the lights of all: enough to choose how to render, in a
-    /// small part of the memory.
+    /// Exposure of the moment in the middle alone, with the lights of all: enough to choose how to render,
+    /// in a small part of the memory.
     pub fn middle_of(
         scene: &'scene Scene,
         trees: &'scene MeshTrees,
@@ -156,8 +156,8 @@ impl<'scene> Exposure<'scene> {
     }
 }
 
-/// How many moments a shutter has that is open for so long, in any unit: fewer where each takes much memory,
-/// an odd number always.
+/// Number of moments of a shutter, by how long it is open, in any unit: fewer where each takes much
+/// memory, an odd number always.
 fn count(scene: &Scene, duration: f64) -> usize {
     if duration <= 0.0 || scene.is_still() {
         return 1;

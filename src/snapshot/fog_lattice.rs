@@ -1,5 +1,6 @@
-//! Which rays and steps fog is known on as the camera sees it. In go a snapshot and the size of a picture,
-//! out come rays and places on them. Invariant: neither knows which part of the picture is wanted.
+//! Lattice of rays and steps on which fog is known as the camera sees it. In go a snapshot and the size of
+//! a picture, out come rays and places on them. Invariant: neither knows which part of the picture is
+//! wanted.
 
 use super::{Snapshot, View};
 use crate::math::Ray;
@@ -33,7 +34,7 @@ pub(super) struct FogLattice {
 pub(super) type Between = [(usize, f32); 4];
 
 impl FogLattice {
-    /// With so many numbers at each place; `None` where no fog is in the picture, or too much.
+    /// Lattice with so many numbers at each place; `None` where no fog is in the picture, or too much.
     pub(super) fn of(snapshot: &Snapshot, size: Size, numbers: usize) -> Option<Self> {
         let (view, medium) = (snapshot.view, &snapshot.medium);
         let (mut start_m, mut end_m) = (f64::INFINITY, 0.0_f64);
@@ -81,12 +82,12 @@ impl FogLattice {
         self.view.ray(place.x, place.y)
     }
 
-    /// Where a ray passes through the planes.
+    /// Distances at which a ray passes through the planes.
     pub(super) fn places(&self, ray: &Ray) -> Vec<f64> {
         (0..=self.steps).map(|step| self.place(ray, step as f64)).collect()
     }
 
-    /// Where a ray is after so many steps.
+    /// Distance along a ray after a number of steps.
     pub(super) fn place(&self, ray: &Ray, step: f64) -> f64 {
         (self.start_m + self.step_m * step) / self.view.depth(ray.direction)
     }

@@ -13,10 +13,10 @@ use std::ops::Range;
 const MOST_LIGHTS: usize = 16;
 const POINTS: usize = 256;
 
-/// So many triangles at most are looked for one by one: beyond that they light things as a whole.
+/// Maximum number of triangles that are sampled one by one: beyond that they light things as a whole.
 const MOST_LOOKED_FOR: usize = 1 << 16;
 
-/// So many bodies at most are picked by how near they are.
+/// Maximum number of bodies that are picked by how near they are.
 const MOST_BODIES: usize = 64;
 
 /// Triangles that glow, to pick points of by their power.
@@ -38,7 +38,7 @@ struct Body {
 }
 
 impl Body {
-    /// How much it may shine on a place, about.
+    /// Estimate of its light at a place.
     fn weight(&self, place: DVec3) -> f64 {
         self.power / (place.distance_squared(self.middle) + self.squared_radius)
     }
@@ -156,7 +156,8 @@ impl Glow {
         (triangle, evenly(snapshot.corners(triangle), [u, v]))
     }
 
-    /// How much of what is about a place glows, roughly, from 0 to 1: 0 if all is small and far.
+    /// Share of the glow's light at a place that comes from near bodies, roughly, from 0 to 1: 0 if all
+    /// are small and far.
     pub fn nearness(&self, place: DVec3) -> f64 {
         let of_body = |body: &Body| {
             let nearness = body.squared_radius / (place.distance_squared(body.middle) + body.squared_radius);
@@ -165,7 +166,7 @@ impl Glow {
         self.bodies.iter().map(of_body).sum::<f64>() / self.weight(place)
     }
 
-    /// How densely [`Glow::pick`] picks points of a triangle for a place, 1/m^2; 0 if it does not glow.
+    /// Probability density of [`Glow::pick`] for points of a triangle, 1/m^2; 0 if it does not glow.
     pub fn picked_per_m2(&self, snapshot: &Snapshot, place: DVec3, primitive: PrimitiveId) -> f64 {
         let brightness = luminance(snapshot.emission(primitive));
         if brightness <= 0.0 {

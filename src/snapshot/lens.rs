@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Where the camera stands and what it sees.
+/// View of a camera: its place, lens and clipping planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// The camera in world space, metres.
@@ -156,8 +156,8 @@ impl View {
         Ray { origin: in_plane(lens_point), direction }
     }
 
-    /// Where the middle of the lens sees a point of relative space, as [`View::ray`] has film positions, also
-    /// beyond the picture; `None` if it is not before the camera.
+    /// Film position, as [`View::ray`] has them, of a point of relative space seen from the middle of the
+    /// lens, also beyond the picture; `None` if it is not before the camera.
     pub fn film_place(&self, point: DVec3) -> Option<DVec2> {
         let across = DVec2::new(point.dot(self.right), point.dot(self.up));
         if self.is_orthographic {

@@ -19,10 +19,10 @@ pub struct Luminaire {
     extent: Extent,
 }
 
-/// How the points of a light are spread about its centre.
+/// Distribution of a light's points about its centre.
 #[derive(Clone, Debug)]
 enum Extent {
-    /// Not at all.
+    /// No extent.
     None,
     /// Directions of a disc: the sines of its radius along two unit vectors at right angles to its centre.
     Disc { half_axes: [DVec3; 2], picture: Option<Arc<DiscPicture>>, is_visible: bool },
@@ -215,11 +215,11 @@ fn span(axes: &[DVec3; 2], along: DVec2) -> DVec3 {
     along.x * axes[0] + along.y * axes[1]
 }
 
-/// How much more of a sphere's light gets through fog if it comes from its surface, not from the points of
-/// [`in_ball`]. `depth` is the optical depth of its radius.
+/// Factor by which more of a sphere's light gets through fog if it comes from its surface, not from the
+/// points of [`in_ball`]. `depth` is the optical depth of its radius.
 ///
-/// A chord of half length `h` gives `exp(h)` at its near end, and `I0(h)` on the mean of its points, in units
-/// of what comes from its middle. Over all chords seen from afar, `2 ((t - 1) exp(t) + 1) / t^2` and
+/// A chord of half length `h` gives `exp(h)` at its near end, and `I0(h)` on the mean of its points, in
+/// units of what comes from its middle. Over all chords seen from afar, `2 ((t - 1) exp(t) + 1) / t^2` and
 /// `2 I1(t) / t`, here both by their power series.
 fn surface_per_ball(depth: f64) -> f64 {
     /// Beyond it, where nothing shines through any more, as at it.

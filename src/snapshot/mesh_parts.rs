@@ -31,9 +31,9 @@ pub struct MeshPart {
 /// A triangle that stands for a share of its part.
 #[derive(Clone, Copy, Debug)]
 pub struct PartPlace {
-    /// Its number.
+    /// Number of the triangle.
     pub triangle: u32,
-    /// How much of the part's area it stands for, by its own area in mesh space.
+    /// Share of the part's area that it stands for, over its own area in mesh space.
     pub share: f64,
     /// Area of the part that it stands for, in mesh space.
     pub area: f64,
@@ -53,7 +53,7 @@ pub(super) struct MeshParts(Vec<OnceLock<Parts>>);
 #[derive(Debug)]
 struct Parts {
     parts: Vec<MeshPart>,
-    /// By triangle.
+    /// Part of each triangle.
     part_of: Vec<u32>,
 }
 
@@ -106,7 +106,7 @@ fn parts(mesh: &Mesh) -> Vec<MeshPart> {
     triangles.into_iter().map(|triangles| part(mesh, &names, triangles, count)).collect()
 }
 
-/// One of `count`.
+/// Part of a mesh, one of `count`.
 fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>, count: usize) -> MeshPart {
     let corners = |triangle: u32| {
         mesh.triangles[triangle as usize].vertices.map(|vertex| mesh.positions[vertex as usize].as_dvec3())
@@ -134,7 +134,7 @@ fn slenderness(extent: DVec3) -> f64 {
     (sides[2] / sides[1]).min(MOST_SLENDER)
 }
 
-/// So many, evenly spread over the area.
+/// Places of a part, evenly spread over the area.
 fn places(triangles: &[u32], areas: &[f64], count: f64) -> Vec<PartPlace> {
     let whole: f64 = areas.iter().sum();
     if !(whole > 0.0 && whole.is_finite()) {
@@ -184,7 +184,7 @@ fn welded(positions: &[Vec3]) -> Vec<u32> {
         .collect()
 }
 
-/// Which vertices hang together: union and find, with path halving.
+/// Connected vertices: union and find, with path halving.
 struct Sets(Vec<u32>);
 
 impl Sets {

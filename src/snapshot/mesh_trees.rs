@@ -15,7 +15,7 @@ pub struct MeshTrees {
     trees: Vec<PartTrees>,
     /// Whether anything shows through, by material.
     pub(super) is_blended: Arc<[bool]>,
-    /// Those of meshes that change their shape.
+    /// Meshes that change their shape.
     bent: BentMeshes,
     /// Connected parts of the meshes.
     pub(super) parts: Arc<MeshParts>,

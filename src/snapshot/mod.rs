@@ -47,24 +47,24 @@ pub use seen_fog::{SeenFog, SeenRay};
 pub use sky::FrozenSky;
 pub use surface::{Facet, SurfacePoint};
 
-/// When the shutter is open, in seconds.
+/// Interval for which the shutter is open, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shutter {
-    /// When it opens.
+    /// Time of opening.
     pub open_s: f64,
-    /// When it closes; not before it opens.
+    /// Time of closing; not before it opens.
     pub close_s: f64,
 }
 
 impl Shutter {
-    /// That of a frame.
+    /// Shutter of a frame.
     pub fn of(settings: &RenderSettings, frame: f64) -> Self {
         let [open_s, close_s] =
             settings.shutter_around(frame).map(|frame| settings.frame_rate.seconds(frame));
         Self { open_s, close_s }
     }
 
-    /// One that is open at a moment only, in seconds.
+    /// Shutter that is open at a moment only, in seconds.
     pub fn instant(moment_s: f64) -> Self {
         Self { open_s: moment_s, close_s: moment_s }
     }
@@ -86,7 +86,7 @@ pub struct Snapshot<'scene> {
     pub blended: InstanceTree,
     /// Shadow casters of both trees, if they are not all.
     casting: Option<[InstanceTree; 2]>,
-    /// Which rays meet the instances of both, under their numbers; `None` if all do.
+    /// Ray visibility of the instances of both, under their numbers; `None` if all rays meet all.
     rays: Option<RaysOfInstances>,
     /// The scene's, as they are at this moment.
     materials: Cow<'scene, [Material]>,
@@ -96,7 +96,7 @@ pub struct Snapshot<'scene> {
     parts: Arc<mesh_parts::MeshParts>,
     /// Instances of both trees, under their numbers.
     placed: Vec<Placed>,
-    /// From here on they are those of `blended`.
+    /// Number of the first instance of `blended`.
     first_blended: usize,
     /// All lights that shine.
     pub lights: Vec<Luminaire>,
@@ -106,7 +106,7 @@ pub struct Snapshot<'scene> {
     pub background: Rgb,
     /// The sky, unless it is dark.
     pub sky: Option<FrozenSky<'scene>>,
-    /// Where things move, if anybody asks.
+    /// Motion of surfaces, if anybody asks.
     pub motion: Option<Arc<MotionField>>,
     /// Cryptomatte ids of the scene's instances, if anybody asks.
     pub mattes: Option<Arc<[u32]>>,
@@ -120,11 +120,11 @@ pub struct Snapshot<'scene> {
 #[derive(Clone, Copy)]
 struct Instant {
     time_s: f64,
-    /// In the middle of the shutter.
+    /// Middle of the shutter.
     frame_s: f64,
 }
 
-/// Which camera sees a snapshot, and width / height of its picture.
+/// Camera of a snapshot, and width / height of its picture.
 #[derive(Clone, Copy)]
 struct Framing {
     camera: usize,
@@ -206,8 +206,8 @@ impl<'scene> Snapshot<'scene> {
         self.seen_fog.get().map(|seen| &**seen)
     }
 
-    /// Where a surface's point that a ray met moves, or what lies infinitely far away in its direction; see
-    /// [`MotionField`]. 0 if nobody asked.
+    /// Motion of a surface's point that a ray met, or of what lies infinitely far away in its direction;
+    /// see [`MotionField`]. 0 if nobody asked.
     pub fn motion_px(&self, surface: Option<&SurfacePoint>, direction: DVec3) -> [f64; 4] {
         let Some(motion) = &self.motion else { return [0.0; 4] };
         let Some(point) = surface else { return motion.of_direction(direction) };

@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Where and when a scene is looked at.
+/// Place and time that a scene is looked at from.
 pub(super) struct Moment<'scene> {
     pub(super) scene: &'scene Scene,
     pub(super) time_s: f64,
@@ -27,7 +27,7 @@ pub(super) struct Moment<'scene> {
 /// An instance of a tree, back in the scene's terms.
 pub(super) struct Placed {
     pub(super) instance: usize,
-    /// Its mesh as it is bent, if it is.
+    /// Bent shape of its mesh, if it bends.
     pub(super) bent: Option<Arc<BentMesh>>,
     pub(super) relative_from_mesh: DAffine3,
     /// Inverse transpose, for normals.
@@ -121,7 +121,7 @@ impl<'scene> Moment<'scene> {
         }
     }
 
-    /// Those lights of which `shining` says so, suns of the sky last.
+    /// Lights of which `shining` says so, suns of the sky last.
     pub(super) fn lights(&self, shining: &[bool], medium: &Medium) -> Vec<Luminaire> {
         let of_sky = self.scene.sky.iter().flat_map(|sky| sky.suns_at(self.time_s));
         let of_sky = of_sky.zip(&shining[self.scene.lights.len()..]).filter(|(_, shines)| **shines);
@@ -147,7 +147,7 @@ impl<'scene> Moment<'scene> {
     }
 }
 
-/// Which of a scene's lights shine, and after them which suns of its sky.
+/// Whether each of a scene's lights shines, and then each sun of its sky.
 pub(super) fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
     let placements = scene.placements(time_s);
     let shines = |light: &Light| placements[light.node].visible && light.power.at(time_s).max_element() > 0.0;

@@ -1,5 +1,6 @@
-//! Where the camera sees a surface's point at a frame, a frame before and a frame after. In go a triangle and
-//! a place on it, out come pixels. Invariant: pure; no tree is built and no ray traced for it.
+//! Motion of a surface's point in the picture: at a frame, a frame before and a frame after. In go a
+//! triangle and a place on it, out come pixels. Invariant: pure; no tree is built and no ray traced for
+//! it.
 //!
 //! The point is followed, whatever moment of the shutter it was seen at: so all samples of a still leaf
 //! agree, and motion blur moves no vector.
@@ -26,7 +27,7 @@ struct Moment {
 }
 
 impl MotionField {
-    /// From the moments a frame before, at the frame and a frame after; the rest is as for
+    /// Motion field from the moments a frame before, at the frame and a frame after; the rest is as for
     /// [`super::Snapshot::new`].
     pub fn new(scene: &Scene, camera: usize, size: Size, times_s: [f64; MOMENTS]) -> Self {
         let aspect = size.width as f64 / size.height as f64;

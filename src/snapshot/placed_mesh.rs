@@ -7,12 +7,12 @@ use crate::accel::PrimitiveId;
 use crate::scene::{Mesh, Triangle};
 use glam::{DAffine3, Vec3};
 
-/// One mesh where it is placed; its opaque triangles, or its blended ones.
+/// Mesh where it is placed; its opaque triangles, or its blended ones.
 #[derive(Clone, Copy)]
 pub struct DrawnMesh<'a> {
-    /// Where it is.
+    /// Transform.
     pub relative_from_mesh: DAffine3,
-    /// Its vertices as they are bent, in its own space.
+    /// Vertices as they are bent, in its own space.
     pub positions: &'a [Vec3],
     /// Whether they are not where they are in the file.
     pub is_bent: bool,
@@ -23,7 +23,7 @@ pub struct DrawnMesh<'a> {
 }
 
 impl Snapshot<'_> {
-    /// How many meshes there are to draw.
+    /// Number of meshes to draw.
     pub fn mesh_count(&self) -> usize {
         self.placed.len()
     }
@@ -40,7 +40,7 @@ impl Snapshot<'_> {
         2 * self.scene.instances.len()
     }
 
-    /// Which of its mesh's parts a triangle belongs to.
+    /// Number of the part, within its mesh, that a triangle belongs to.
     pub fn part_of(&self, primitive: PrimitiveId) -> usize {
         let mesh = self.scene.instances[self.placed[primitive.instance as usize].instance].mesh;
         self.parts.part_of((mesh, &self.scene.meshes[mesh]), primitive.triangle)
@@ -51,7 +51,7 @@ impl Snapshot<'_> {
         self.rays_of_instances().is_none_or(|rays| rays.of_instance(number).visible_to_camera)
     }
 
-    /// One of them.
+    /// Mesh by its number.
     pub fn mesh(&self, number: usize) -> DrawnMesh<'_> {
         let placed = &self.placed[number];
         let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
@@ -95,7 +95,7 @@ impl<'a> DrawnMesh<'a> {
         is_in.then_some(PrimitiveId { instance: self.number as u32, triangle })
     }
 
-    /// Its triangles: what the snapshot knows them by, and their vertices.
+    /// Triangles: the primitives that the snapshot knows them by, and their vertices.
     pub fn triangles(self) -> impl Iterator<Item = (PrimitiveId, [usize; 3])> + 'a {
         let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
         let scene = self.snapshot.scene;

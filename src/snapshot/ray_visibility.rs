@@ -1,6 +1,6 @@
-//! Which rays meet which surfaces. In go what a scene says of its nodes, out come answers by triangle, and
-//! trees of what throws shadows. Invariant: where all rays meet all surfaces there is one tree for all
-//! questions, and no list.
+//! Ray visibility of surfaces. In go flags of the scene's nodes, out come answers by triangle, and trees
+//! of shadow casters. Invariant: where all rays meet all surfaces there is one tree for all questions, and
+//! no list.
 
 use super::Snapshot;
 use super::moment::PlacedInstances;
@@ -8,7 +8,7 @@ use crate::accel::{InstanceTree, PrimitiveId};
 use crate::scene::{RayVisibility, Scene};
 use std::sync::Arc;
 
-/// By the number of an instance.
+/// Ray visibility by the number of an instance.
 #[derive(Clone, Debug)]
 pub struct RaysOfInstances(Arc<[RayVisibility]>);
 
@@ -54,7 +54,7 @@ pub(super) fn casting(
 }
 
 impl Snapshot<'_> {
-    /// By the number of an instance; `None` if all rays meet all of them.
+    /// Ray visibility by the number of an instance; `None` if all rays meet all of them.
     pub fn rays_of_instances(&self) -> Option<&RaysOfInstances> {
         self.rays.as_ref()
     }
@@ -78,13 +78,13 @@ impl Snapshot<'_> {
         casts && (primitive.instance as usize) < self.first_blended
     }
 
-    /// All of [`Self::tree`] that throws shadows.
+    /// Shadow casters of [`Self::tree`].
     #[inline]
     pub fn casting(&self) -> &InstanceTree {
         self.casting.as_ref().map_or(&self.tree, |[opaque, _]| opaque)
     }
 
-    /// All of [`Self::blended`] that throws shadows.
+    /// Shadow casters of [`Self::blended`].
     #[inline]
     pub fn casting_blended(&self) -> &InstanceTree {
         self.casting.as_ref().map_or(&self.blended, |[_, blended]| blended)

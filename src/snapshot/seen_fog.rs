@@ -12,7 +12,7 @@ use crate::scene::Size;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// By how much a ray may err between those of the lattice, root mean square: of transmittance, and of
+/// Root mean square error that a ray between those of the lattice may have: of transmittance, and of
 /// sunlight as a share of its own root mean square.
 const TOLERANCE: f64 = 0.02;
 /// Cosine of how far a point of a sun's disc may lie from the middle that light is for: a degree.
@@ -27,8 +27,8 @@ pub struct SeenFog {
     g: f64,
     /// Channels that differ: 1 or 3.
     channels: usize,
-    /// By ray, then step, then quantity: optical depth, and for each sun what it scatters, without the phase
-    /// function; then channel.
+    /// Values by ray, then step, then quantity: optical depth, and for each sun the light scattered,
+    /// without the phase function; then channel.
     numbers: Vec<f32>,
 }
 
@@ -75,8 +75,8 @@ impl SeenFog {
         (fog.error() <= TOLERANCE).then_some(fog)
     }
 
-    /// By how much a ray errs between those that are known, root mean square. What is smooth errs by a
-    /// third of how far a known ray is from the mean of the four beside it.
+    /// Root mean square error of a ray between those that are known. Smooth values err by a third of the
+    /// distance of a known ray from the mean of the four beside it.
     fn error(&self) -> f64 {
         let FogLattice { columns, rows, .. } = self.lattice;
         let at_end = |ray: usize, quantity: usize| {

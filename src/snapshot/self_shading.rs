@@ -1,8 +1,9 @@
-//! How much of a part its other triangles hide. In go triangles, out comes the share of light from all sides
-//! that meets one of them first. Invariant: nothing in it is random, so a mesh has the same share always.
+//! Self-shading of a part. In go triangles, out comes the share of light from all sides that meets one of
+//! the others first. Invariant: nothing in it is random, so a mesh has the same share always.
 //!
-//! A part that is much smaller than a cell is area in a turbid medium: it stops as much light as its outline
-//! does. Of a bent leaf the sum of its triangles' outlines is more, and of a closed body twice as much.
+//! A part that is much smaller than a cell is area in a turbid medium: it stops as much light as its
+//! outline does. Of a bent leaf the sum of its triangles' outlines is more, and of a closed body twice as
+//! much.
 
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -12,7 +13,7 @@ const PLACES: usize = 256;
 const FEWEST_PLACES: usize = 16;
 /// Maximum number of places times triangles, over all parts of a mesh.
 const MOST_TESTS: usize = 20_000_000;
-/// So flat, as a share of the area, nothing hides anything.
+/// Projected share of the area above which a part counts as flat, and nothing hides anything.
 const FLAT: f64 = 1.0 - 1e-6;
 
 /// Share of a part's area on both sides that is not hidden, weighted by the cosine of where light comes

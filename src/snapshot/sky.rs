@@ -69,7 +69,7 @@ impl<'scene> FrozenSky<'scene> {
         self.sky.pick(u).map(|direction| turned(direction, self.turn))
     }
 
-    /// How densely [`FrozenSky::pick`] picks a direction, 1/sr; 0 if it picks none.
+    /// Probability density of [`FrozenSky::pick`] for a direction, 1/sr; 0 if it picks none.
     pub fn picked(&self, direction: DVec3) -> f64 {
         self.sky.picked(self.before_turn(direction))
     }

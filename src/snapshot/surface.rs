@@ -26,7 +26,7 @@ pub struct SurfacePoint {
     pub albedo: Rgb,
     /// Lambert transmittance.
     pub transmission: Rgb,
-    /// Its coat, if it shines.
+    /// Glossy coat, if it shines.
     pub gloss: Option<Gloss>,
     /// Layers over it.
     pub layers: Option<Layers>,
@@ -36,11 +36,11 @@ pub struct SurfacePoint {
     pub mirror: Rgb,
     /// Emitted radiance.
     pub emission: Rgb,
-    /// How much of it there is, `0..=1`: reflected and emitted light are to be weighted with it.
+    /// Coverage, `0..=1`: a weight of reflected and emitted light.
     pub alpha: f64,
     /// Transmittance for what lies behind.
     pub see_through: Rgb,
-    /// Which triangle: rays that leave it must not meet it again.
+    /// Triangle: rays that leave it must not meet it again.
     pub primitive: PrimitiveId,
     /// The instance's number.
     pub leaf_id: u32,
@@ -49,13 +49,13 @@ pub struct SurfacePoint {
 /// A placed triangle with all that its points share: worth keeping where many rays meet the same one.
 #[derive(Clone, Copy, Debug)]
 pub struct Facet<'a> {
-    /// Which triangle.
+    /// Triangle.
     pub primitive: PrimitiveId,
     mesh: &'a Mesh,
     material: &'a Material,
     textures: &'a [Texture],
     texture: Option<&'a Texture>,
-    /// Where a normal map bends its normals.
+    /// Attributes by which a normal map bends its normals.
     bending: Option<Bending<'a>>,
     leaf_id: u32,
     corners: [usize; 3],
@@ -152,8 +152,8 @@ impl Snapshot<'_> {
 }
 
 impl Facet<'_> {
-    /// How far along a ray its plane lies; not a number if the ray starts in that plane, to rounding: it
-    /// meets it nowhere else, or runs within it.
+    /// Distance along a ray to its plane; NaN if the ray starts in that plane, to rounding: it meets it
+    /// nowhere else, or runs within it.
     pub fn distance_along(&self, ray: &Ray) -> f64 {
         let way = self.first_corner - ray.origin;
         let height = way.dot(self.normal);
@@ -216,7 +216,7 @@ impl Facet<'_> {
         }
     }
 
-    /// That of the flat triangle, on the ray's side.
+    /// Normal of the flat triangle, on the ray's side.
     fn normal_towards(&self, ray: &Ray) -> DVec3 {
         match self.normal {
             DVec3::ZERO => -ray.direction,
@@ -225,7 +225,7 @@ impl Facet<'_> {
         }
     }
 
-    /// That of the mesh, on the side of the geometric one.
+    /// Normal of the mesh, on the side of the geometric one.
     fn interpolated_normal(&self, geometric_normal: DVec3, weights: [f64; 3]) -> DVec3 {
         self.corner_normals.map_or(geometric_normal, |normals| {
             let normal: DVec3 = (0..3).map(|corner| weights[corner] * normals[corner]).sum();

@@ -59,7 +59,7 @@ impl<'a> FacetTexels<'a> {
         (Some(gloss.with_metal(metallic, base_color)), 1.0 - metallic)
     }
 
-    /// How much of the surface there is, and what it lets through of what lies behind.
+    /// Coverage of the surface, and its transmittance for what lies behind.
     pub(super) fn opacity(&self) -> (f64, Rgb) {
         let material = self.facet.material;
         match material.alpha_mode {
