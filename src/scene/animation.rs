@@ -8,7 +8,7 @@ use super::FrameRate;
 pub struct Animation {
     /// The author's name, else `animation N`.
     pub name: String,
-    /// When its first and its last key are, seconds; `None` if it has no keys.
+    /// Times of its first and its last key, seconds; `None` if it has no keys.
     pub keys_s: Option<(f64, f64)>,
     /// Names of the nodes, lights, cameras and materials that it moves, each once.
     pub moves: Vec<String>,

@@ -9,12 +9,12 @@ use glam::{DMat4, DVec2, DVec4};
 pub struct Camera {
     /// The author's name.
     pub name: String,
-    /// Where it is.
+    /// Node that it stands at.
     pub node: NodeIndex,
     /// Projection.
     pub lens: Lens,
-    /// How far the picture's middle lies from the view axis, to the right and up, in lengths of the
-    /// picture's longer side: Blender's shift.
+    /// Offset of the picture's middle from the view axis, to the right and up, in lengths of the picture's
+    /// longer side: Blender's shift.
     pub shift: DVec2,
     /// The opening that blurs what is out of focus; `None` is a pinhole.
     pub aperture: Option<Aperture>,
@@ -56,7 +56,7 @@ pub struct Aperture {
     pub blades: u32,
 }
 
-/// How film positions become rays.
+/// Projection from film positions to rays.
 #[derive(Clone, Debug)]
 pub enum Lens {
     /// Pinhole with a vertical field of view in radians, in `(0, pi)`.

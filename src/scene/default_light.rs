@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 /// Name of the sun and of its node.
 const NAME: &str = "default key";
 
-/// Where the sun stands, in camera space: to the left, above and behind.
+/// Direction to the sun in camera space: to the left, above and behind.
 const TO_KEY: DVec3 = DVec3::new(-0.5, 0.7, 0.75);
 
 /// The whole angle of the sun's disc, radians: shadows have soft edges.

@@ -14,7 +14,7 @@ const NAME: &str = "camera";
 /// Vertical field of view, radians.
 const FOV_Y: f64 = 0.7;
 
-/// From the front (+Z, which glTF's models face) to the right, and up.
+/// Azimuth to the right from the front (+Z, which glTF's models face), and elevation.
 const AZIMUTH_DEG: f64 = 38.0;
 const ELEVATION_DEG: f64 = 22.0;
 
@@ -98,8 +98,7 @@ impl Frustum {
 /// Everything that is to be seen, as far as a camera has to know that looks along fixed axes.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// How far it reaches outwards across the sides of a frustum through the origin:
-    /// right, left, top, bottom.
+    /// Reach outwards across the sides of a frustum through the origin: right, left, top, bottom.
     sides: [f64; 4],
     /// The least and the largest coordinates along the camera's axes.
     low: DVec3,
@@ -123,7 +122,7 @@ impl Seen {
         Self { sides, low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// Where the camera has to be, and what it looks at.
+    /// Place of the camera, and its target.
     fn fitted(self, frustum: &Frustum) -> (DVec3, DVec3) {
         let tangents = frustum.tangents;
         let seen = if self.low.x <= self.high.x { self } else { Self::unit_cube(tangents) };

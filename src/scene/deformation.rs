@@ -1,6 +1,6 @@
-//! How the mesh of an instance changes its shape: morph targets first, then a skin. In go the mesh at
-//! rest and a time, out come its vertices. Invariants: targets and influences have a value for every
-//! vertex of the mesh; every joint's node exists.
+//! Deformation of an instance's mesh: morph targets first, then a skin. In go the mesh at rest and a time,
+//! out come its vertices. Invariants: targets and influences have a value for every vertex of the mesh;
+//! every joint's node exists.
 
 use super::{Mesh, NodeIndex, Placement, Track};
 pub use crate::description::gltf::{Influences, MorphTarget};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub struct Deformation {
     /// The shapes that are mixed in; shared by all instances of the mesh.
     pub targets: Arc<[MorphTarget]>,
-    /// How much of each; any number, also below 0.
+    /// Weight of each; any number, also below 0.
     pub weights: Vec<Track<f64>>,
     /// The skeleton that it follows.
     pub skin: Option<Skin>,
@@ -23,29 +23,29 @@ pub struct Deformation {
 /// A vertex on a triangle of three others.
 #[derive(Clone, Copy, Debug)]
 pub struct InnerVertex {
-    /// Which vertex of the mesh.
+    /// Vertex of the mesh.
     pub vertex: u32,
     /// The triangle's, none of which is an inner vertex.
     pub corners: [u32; 3],
-    /// How much each of them counts; 1 in sum.
+    /// Weights of the three; 1 in sum.
     pub weights: [f64; 3],
 }
 
 /// A skeleton and how the vertices hang on it.
 #[derive(Clone, Debug)]
 pub struct Skin {
-    /// At least one.
+    /// Joints, at least one.
     pub joints: Arc<[Joint]>,
-    /// Which of them move which vertex.
+    /// Influences of the joints on vertices.
     pub influences: Arc<Influences>,
 }
 
 /// A node that moves vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
-    /// Where it is.
+    /// Node of the joint.
     pub node: NodeIndex,
-    /// From the mesh at rest to the joint's space.
+    /// Transform from the mesh at rest to the joint's space.
     pub joint_from_rest: DAffine3,
 }
 
@@ -65,7 +65,7 @@ pub struct Shape {
     pub positions: Vec<Vec3>,
     /// One a vertex, or none at all; unit length.
     pub normals: Vec<Vec3>,
-    /// As the mesh has them, turned along.
+    /// Tangents as the mesh has them, turned along.
     pub tangents: Vec<Vec4>,
 }
 

@@ -20,8 +20,8 @@ pub struct DiscPicture {
 }
 
 impl DiscPicture {
-    /// From the colour at points of the unit disc, x to the right and y up, asked at `per_cell` times as many
-    /// points along either side as there are cells; `None` if it is black all over.
+    /// Picture by the colour at points of the unit disc, x to the right and y up, asked at `per_cell`
+    /// times as many points along either side as there are cells; `None` if it is black all over.
     pub fn new(per_cell: usize, color_at: impl Fn(DVec2) -> Rgb) -> Option<Self> {
         let points = (DISC_CELLS * per_cell) as f64;
         let color_of = |cell: usize| {
@@ -81,8 +81,8 @@ fn brightness(color: Rgb) -> f64 {
     color.element_sum() / 3.0
 }
 
-/// How much darker a star's disc is at a distance from its middle, 1 at the edge, than in the middle:
-/// the linear law `1 - u (1 - mu)` with `mu` the cosine of the angle at which the light leaves it.
+/// Brightness of a star's disc at a distance from its middle, 1 at the edge, over that in the middle: the
+/// linear law `1 - u (1 - mu)` with `mu` the cosine of the angle at which the light leaves it.
 pub fn limb_darkening(u: f64, distance: f64) -> f64 {
     1.0 - u * (1.0 - (1.0 - distance * distance).max(0.0).sqrt())
 }

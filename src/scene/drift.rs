@@ -4,8 +4,8 @@
 use crate::scene::{Extend, Track};
 use glam::DVec3;
 
-/// Where the two points of Gauss' rule lie about the middle, over half an interval: 1 / sqrt(3). It is exact
-/// for cubics, which is what curves between keys are, Bezier curves excepted.
+/// Offset of the two points of Gauss' rule from the middle, over half an interval: 1 / sqrt(3). The rule
+/// is exact for cubics, which is what curves between keys are, Bezier curves excepted.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 /// Parts of each curve that the rule is applied to, for the sake of Bezier curves.
 const PARTS: usize = 64;
@@ -14,7 +14,7 @@ const PARTS: usize = 64;
 #[derive(Clone, Debug)]
 pub(crate) struct Drift {
     velocity: Track<DVec3>,
-    /// From the first key to where each part begins, and to the last key.
+    /// Ways from the first key to where each part begins, and to the last key.
     ways: Vec<DVec3>,
 }
 
@@ -37,7 +37,7 @@ impl Drift {
         self.velocity.is_constant() && self.velocity.at(0.0) == DVec3::ZERO
     }
 
-    /// Its keys.
+    /// Track of the velocity.
     pub(super) fn track(&self) -> &Track<DVec3> {
         &self.velocity
     }
@@ -46,7 +46,7 @@ impl Drift {
         self.velocity.at(time_s)
     }
 
-    /// How far it has blown: of a velocity that stays, since time 0; of others, since the first key.
+    /// Way that it has blown: of a velocity that stays, since time 0; of others, since the first key.
     pub(super) fn way(&self, time_s: f64) -> DVec3 {
         let times_s = self.velocity.times_s();
         let (Some(&first_s), Some(&last_s), Some(&all)) = (times_s.first(), times_s.last(), self.ways.last())
@@ -75,7 +75,7 @@ impl Drift {
         way + all * rounds
     }
 
-    /// When a part of the curve to a key begins.
+    /// Time at which a part of the curve to a key begins.
     fn begins_s(&self, key: usize, part: usize) -> f64 {
         let [from_s, to_s] = [key - 1, key].map(|key| self.velocity.times_s()[key]);
         from_s + (to_s - from_s) * (part as f64 / PARTS as f64)

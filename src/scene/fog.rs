@@ -4,7 +4,7 @@
 use super::{GridFrames, Mist, NodeIndex, Track};
 use crate::color::Rgb;
 
-/// More banks of fog than this are refused: sets of them are bit masks in the inner loops.
+/// Maximum number of banks of fog: sets of them are bit masks in the inner loops.
 pub const MOST_FOGS: usize = 64;
 
 /// Fog of some shape.
@@ -14,7 +14,7 @@ pub struct Fog {
     pub name: String,
     /// World from the shape's own space; may be rotated, scaled and sheared, and may move.
     pub node: NodeIndex,
-    /// Where the fog is.
+    /// Shape of the fog.
     pub shape: FogShape,
     /// Extinction sigma_t per channel where the fog is densest, 1/m: scattering plus absorption. Of voxels,
     /// where they are 1.
@@ -25,24 +25,24 @@ pub struct Fog {
     pub anisotropy: Track<f64>,
 }
 
-/// Where fog is. A new shape is read in `scene/from_ron` and `scene/from_gltf`, frozen in `snapshot`,
-/// and answered for in `fog/bank.rs`.
+/// Shape of fog. A new one is read in `scene/from_ron` and `scene/from_gltf`, frozen in `snapshot`, and
+/// answered for in `fog/bank.rs`.
 #[derive(Clone, Debug)]
 pub enum FogShape {
-    /// In the cube `[-1, 1]^3`, as dense throughout.
+    /// The cube `[-1, 1]^3`, uniform.
     EvenBox,
-    /// In the cube `[-1, 1]^3`, thinner with height.
+    /// The cube `[-1, 1]^3`, thinner with height.
     ThinningBox(HeightFalloff),
     /// Everywhere, thinner with height.
     Layer(HeightFalloff),
-    /// As dense as the grids of files are, whose own space is the shape's.
+    /// Grids of files, whose own space is the shape's.
     Voxels(GridFrames),
     /// Billows that drift, within a box of the shape's own space.
     Mist(Box<Mist>),
 }
 
 impl FogShape {
-    /// How the fog thins out, if it does.
+    /// Falloff with height, if there is one.
     pub fn falloff(&self) -> Option<&HeightFalloff> {
         match self {
             Self::EvenBox | Self::Voxels(_) | Self::Mist(_) => None,

@@ -18,18 +18,18 @@ pub struct GridFrames {
     pub path: PathBuf,
     /// Name of the grid.
     pub name: String,
-    /// At least one, by time.
+    /// Grids by time, at least one.
     pub frames: Vec<GridFrame>,
 }
 
 /// A grid about a time.
 #[derive(Clone, Debug)]
 pub struct GridFrame {
-    /// Its own; it is there where no other's is nearer.
+    /// Time of the grid; it is there where no other's is nearer.
     pub time_s: f64,
-    /// From coordinates of voxels, whole at their middles.
+    /// Transform from coordinates of voxels, whole at their middles.
     pub shape_from_voxel: DAffine3,
-    /// Its numbers.
+    /// Voxels.
     pub voxels: Arc<SunlitVoxels>,
 }
 

@@ -12,7 +12,7 @@ pub struct Julia {
     pub real: Track<f64>,
     /// Imaginary part of `c`.
     pub imaginary: Track<f64>,
-    /// After so many a point counts as one that never escapes.
+    /// Maximum number of iterations: a point that has not escaped then never does.
     pub iterations: u32,
 }
 
@@ -22,8 +22,8 @@ impl Julia {
         self.real.is_constant() && self.imaginary.is_constant()
     }
 
-    /// Its colour at points of the unit disc, the edge of which is a circle about the origin that
-    /// every point outside escapes from.
+    /// Colour at points of the unit disc, the edge of which is a circle about the origin that every point
+    /// outside escapes from.
     pub fn color_at(&self, time_s: f64) -> impl Fn(DVec2) -> Rgb + use<> {
         let c = DVec2::new(self.real.at(time_s), self.imaginary.at(time_s));
         // |z| > R with R^2 - |c| = R makes |z^2 + c| > |z|.
@@ -47,7 +47,7 @@ fn escape_time(mut z: DVec2, c: DVec2, iterations: u32) -> f64 {
     1.0
 }
 
-/// From a dark red over yellow to white.
+/// Colour scale from a dark red over yellow to white.
 fn warm(x: f64) -> Rgb {
     let step = |from: f64| (3.0 * x - from).clamp(0.0, 1.0);
     Rgb::new(step(0.0).max(0.01), step(1.0), step(2.0))

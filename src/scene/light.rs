@@ -12,7 +12,7 @@ use crate::color::Rgb;
 pub struct Light {
     /// The author's name.
     pub name: String,
-    /// Where it is and where it points.
+    /// Node that it stands at and by which it points.
     pub node: NodeIndex,
     /// Suns: irradiance on a perpendicular plane, W/m^2. Point, sphere and spot: intensity, W/sr, seen
     /// from afar. Area: radiant power, W.
@@ -46,7 +46,7 @@ pub enum LightKind {
     },
     /// A flat light, as bright in all places and directions, from one side.
     Area {
-        /// Its outline.
+        /// Outline.
         shape: AreaShape,
         /// Along the node's x axis, metres before the node's scale.
         width: Track<f64>,
@@ -58,7 +58,7 @@ pub enum LightKind {
 /// The outline of a flat light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AreaShape {
-    /// As wide and as high as the light.
+    /// A rectangle as wide and as high as the light.
     Rectangle,
     /// The ellipse within that rectangle.
     Ellipse,
@@ -71,7 +71,7 @@ pub struct SunDisc {
     pub angular_diameter: Track<f64>,
     /// Picture on it; without one its radiance is uniform.
     pub picture: Option<SunPicture>,
-    /// How far the picture is turned anticlockwise, radians.
+    /// Rotation of the picture, anticlockwise, radians.
     pub picture_rotation: Track<f64>,
     /// Whether rays that leave the scene within the disc see it.
     pub visible_to_camera: bool,

@@ -1,6 +1,6 @@
-//! How large a scene may be, and how small what it is seen with. In goes a resolved scene, out come errors
-//! with places. Invariant: in a scene that passes, squares of lengths stay finite in single precision
-//! wherever a tree or a triangle forms them.
+//! Limits of a scene's size, and of the lens that it is seen with. In goes a resolved scene, out come
+//! errors with places. Invariant: in a scene that passes, squares of lengths stay finite in single
+//! precision wherever a tree or a triangle forms them.
 
 use super::{Camera, Lens, Light, Motion, Scene, Track};
 use crate::description::ron::{FIELDS_OF_VIEW_DEG, NEAREST_FOCUS_M, SMALLEST_F_STOP};
@@ -9,9 +9,9 @@ use glam::{DMat3, DVec3, Vec3};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-/// As far from a mesh's origin as a vertex may be, metres: a tenth of a light year.
+/// Maximum distance of a vertex from its mesh's origin, metres: a tenth of a light year.
 const FARTHEST_VERTEX_M: f32 = 1e15;
-/// As far from the world's origin as anything may be: room for sums and scales of such lengths.
+/// Maximum distance of anything from the world's origin, metres: room for sums and scales of such lengths.
 const FARTHEST_M: f64 = 1e18;
 /// Maximum power of lights, in any of their units: no light that is measured comes near.
 const MOST_POWER: f64 = 1e20;

@@ -67,7 +67,7 @@ pub enum Painted {
 /// glTF's metallic-roughness model (`scattering::Gloss`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coat {
-    /// How much of a metal it is, `0..=1`: metals reflect `base_color` in the coat and nothing beneath it.
+    /// Share of metal, `0..=1`: metals reflect `base_color` in the coat and nothing beneath it.
     pub metallic: f64,
     /// `0..=1`; glTF's roughness, the square root of its alpha.
     pub roughness: f64,
@@ -105,7 +105,7 @@ impl Material {
         tinted
     }
 
-    /// Its colours, then its single numbers; zeros for a coat or a normal map that it lacks.
+    /// Numbers of its colours, then its single numbers; zeros for a coat or a normal map that it lacks.
     pub fn numbers(&self) -> MaterialNumbers {
         let (f0, metallic, roughness, f90) = self
             .coat

@@ -120,7 +120,7 @@ pub struct Node {
     pub name: String,
     /// The node that this one follows. Always a smaller index.
     pub parent: Option<NodeIndex>,
-    /// Where it is in its parent's space, at any time.
+    /// Motion in its parent's space.
     pub motion: Motion,
     /// Whether this node *and everything below it* takes part in the picture.
     pub visible: Track<bool>,
@@ -131,7 +131,7 @@ pub struct Node {
 pub struct Property {
     /// Whose it is, for reading.
     pub owner: String,
-    /// Its name, `sunfleck...`.
+    /// Name, `sunfleck...`.
     pub name: String,
     /// JSON value.
     pub value: serde_json::Value,
@@ -140,7 +140,7 @@ pub struct Property {
 /// A mesh placed at a node.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// Where.
+    /// Node.
     pub node: NodeIndex,
     /// Mesh.
     pub mesh: MeshIndex,
@@ -148,14 +148,14 @@ pub struct Instance {
     pub material: Option<MaterialIndex>,
     /// Id in the `leaf_id` pass; 0 is the background, so ids start at 1.
     pub leaf_id: u32,
-    /// How it changes the mesh's shape, if it does.
+    /// Deformation of the mesh, if it has one.
     pub deformation: Option<Arc<Deformation>>,
 }
 
-/// Where a node is at one moment.
+/// Placement of a node at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
-    /// From the node's own space to the world's.
+    /// Transform from the node's own space to the world's.
     pub world_from_node: DAffine3,
     /// False if the node or any of its ancestors is hidden.
     pub visible: bool,

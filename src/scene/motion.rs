@@ -1,4 +1,4 @@
-//! How a node moves in its parent's space. Invariant: a motion is a pure function of time.
+//! Motion of a node in its parent's space. Invariant: a motion is a pure function of time.
 
 use super::Track;
 use glam::{DAffine3, DMat3, DQuat, DVec3};

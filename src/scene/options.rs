@@ -21,7 +21,7 @@ pub enum LightUnits {
 pub struct ResolveOptions {
     /// Units of the lights of a glTF file, whatever it says.
     pub light_units: Option<LightUnits>,
-    /// Which animations of a glTF file play, whatever its sequence says: a name, a number from 0, or `all`.
+    /// Animations of a glTF file that play, whatever its sequence says: a name, a number from 0, or `all`.
     pub animation: Option<String>,
     /// Leaves inputs dark that have no light.
     pub no_default_light: bool,

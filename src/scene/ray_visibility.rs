@@ -1,5 +1,5 @@
-//! Which rays meet the surfaces of a node. Invariant: light that is scattered from surface to surface
-//! meets all of them.
+//! Ray visibility of a node's surfaces. Invariant: light that is scattered from surface to surface meets
+//! all of them.
 
 use super::{NodeIndex, Scene};
 
@@ -15,7 +15,7 @@ pub struct RayVisibility {
 }
 
 impl RayVisibility {
-    /// As surfaces are.
+    /// Visibility of surfaces without flags.
     pub const USUAL: Self = Self { visible_to_camera: true, casts_shadow: true, holdout: false };
 }
 

@@ -1,5 +1,5 @@
-//! How a scene wants to be rendered: frames, rate, size, passes, samples. Invariant: frame times
-//! are computed from integers, never accumulated.
+//! Render settings of a scene: frames, rate, size, passes, samples. Invariant: frame times are computed
+//! from integers, never accumulated.
 
 pub use crate::description::ron::{Bounces, FrameRate, PixelFilter};
 use crate::passes::Pass;
@@ -18,7 +18,7 @@ impl FrameRate {
         frame * f64::from(self.denominator) / f64::from(self.numerator)
     }
 
-    /// Which frame, or what between two, a time in seconds is.
+    /// Frame at a time in seconds, perhaps between two.
     pub fn frame(self, time_s: f64) -> f64 {
         time_s * f64::from(self.numerator) / f64::from(self.denominator)
     }
@@ -52,7 +52,7 @@ impl Window {
         Self { x: 0, y: 0, width: full.width, height: full.height }
     }
 
-    /// Where pixel (`x`, `y`) of the full picture stands in a channel; `None` outside the window.
+    /// Index of pixel (`x`, `y`) of the full picture in a channel; `None` outside the window.
     pub fn index(self, x: usize, y: usize) -> Option<usize> {
         let (column, row) = (x.checked_sub(self.x)?, y.checked_sub(self.y)?);
         // Far outside the index would overflow.
@@ -72,7 +72,7 @@ impl Window {
         near(y, self.y, self.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
     }
 
-    /// It and the pixels next to it, as far as the picture reaches.
+    /// Window with the pixels next to it, as far as the picture reaches.
     pub fn with_rim(self, full: Size) -> Self {
         let near = |from: usize, count: usize, all: usize| {
             let first = from.saturating_sub(1);
@@ -83,20 +83,21 @@ impl Window {
         Self { x, y, width, height }
     }
 
-    /// Its pixels in the order of a channel's values.
+    /// Pixels in the order of a channel's values.
     pub fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.width * self.height).map(move |index| self.pixel(index))
     }
 }
 
-/// How many samples a pixel gets.
+/// Number of samples of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sampling {
     /// Exactly so many, at least 1.
     Exactly(u32),
-    /// As many as it takes until the estimated relative error of its block of pixels is at most `tolerance`.
+    /// As many as it takes until the estimated relative error of its block of pixels is at most
+    /// `tolerance`.
     Until {
-        /// More than 0, at most 1.
+        /// Relative error, more than 0, at most 1.
         tolerance: f64,
         /// Samples a pixel at which to stop all the same, at least 1.
         most: u32,
@@ -104,8 +105,8 @@ pub enum Sampling {
 }
 
 impl Sampling {
-    /// Where a tolerance stops that comes without a number of samples. Edges in a picture err as about the
-    /// power -3/4 of the number: so many take an error of 4 %, at eight samples, below 0.1 %.
+    /// Maximum number of samples for a tolerance that comes without one. Edges in a picture err as about
+    /// the power -3/4 of the number: so many take an error of 4 %, at eight samples, below 0.1 %.
     pub const MOST: u32 = 1024;
 
     /// Sampling by a number of samples, a tolerance, both or neither. Whoever names one of the two has
@@ -181,9 +182,9 @@ pub struct RenderSettings {
     pub size: Size,
     /// Name of the camera; `None` is the first.
     pub camera: Option<String>,
-    /// How many samples a pixel gets.
+    /// Number of samples of a pixel.
     pub sampling: Sampling,
-    /// By what weights a pixel is a mean.
+    /// Reconstruction filter.
     pub filter: PixelFilter,
     /// Passes beside the beauty.
     pub passes: Vec<Pass>,
@@ -191,16 +192,17 @@ pub struct RenderSettings {
     pub shafts_alone: bool,
     /// Seed of the sample points.
     pub seed: u32,
-    /// How long the shutter is open, in frames; 0 is an instant.
+    /// Time for which the shutter is open, in frames; 0 is an instant.
     pub shutter: f64,
-    /// From the frame to the middle of that time, in parts of it: 0 is centred on the frame, 0.5 opens at it.
+    /// Offset from the frame to the middle of that time, in parts of it: 0 is centred on the frame, 0.5
+    /// opens at it.
     pub shutter_position: f64,
-    /// By how many powers of two pictures for eyes are brightened, -100 to 100; `None` leaves it to what they
-    /// show. Frames know nothing of it.
+    /// Exposure of pictures for eyes in powers of two, -100 to 100; `None` leaves it to what they show.
+    /// Frames know nothing of it.
     pub exposure_stops: Option<f64>,
-    /// How often light may be reflected by mirrors, `0..`.
+    /// Maximum number of reflections by mirrors, `0..`.
     pub mirror_depth: u32,
-    /// How often it may be scattered beyond single scattering.
+    /// Number of scatterings beyond the first.
     pub bounces: Bounces,
     /// The stepped method's two knobs, metres: how deep the image plane is moved, and by how much a step.
     pub march_depth_m: f64,
@@ -209,7 +211,7 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// When the shutter opens and closes for a frame, counted in frames.
+    /// Times at which the shutter opens and closes for a frame, counted in frames.
     pub fn shutter_around(&self, frame: f64) -> [f64; 2] {
         [-0.5, 0.5].map(|end| frame + self.shutter * (self.shutter_position + end))
     }

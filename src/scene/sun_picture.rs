@@ -18,7 +18,7 @@ const MOST_PER_CELL: usize = 8;
 pub struct SunPicture {
     shows: SunShows,
     limb_darkening: f64,
-    /// If it is the same at all times.
+    /// Picture at all times, if it does not change.
     still: Option<Arc<DiscPicture>>,
 }
 
@@ -58,12 +58,12 @@ impl SunPicture {
         &self.shows
     }
 
-    /// How much darker the limb is: coefficient of [`limb_darkening`].
+    /// Coefficient of [`limb_darkening`].
     pub fn limb_darkening(&self) -> f64 {
         self.limb_darkening
     }
 
-    /// It, at a time.
+    /// Picture at a time.
     pub fn at(&self, time_s: f64) -> Option<Arc<DiscPicture>> {
         match (&self.still, &self.shows) {
             (None, SunShows::Julia(julia)) => {

@@ -1,4 +1,4 @@
-//! How high a ground is. In go triangles, out come heights. Invariant: over a place the highest counts.
+//! Heights of a ground. In go triangles, out come heights. Invariant: over a place the highest counts.
 
 use glam::{DVec2, DVec3};
 
@@ -51,7 +51,7 @@ impl GroundHeights {
         }
     }
 
-    /// Over or under a place, at the nearest that is known.
+    /// Height over or under a place, at the nearest that is known.
     pub fn at(&self, place: DVec3) -> Option<f64> {
         let at = ((DVec2::new(place.x, place.z) - self.low) / self.spacing_m).round();
         let at = at.clamp(DVec2::ZERO, DVec2::from_array(self.size.map(|count| (count - 1) as f64)));

@@ -20,7 +20,7 @@ const VOXELS_A_BILLOW: f64 = 4.0;
 const USUAL_VOXELS: f64 = (1 << 22) as f64;
 /// Voxels at most in any case: 64 MB.
 pub const MOST_MIST_VOXELS: f64 = (1 << 24) as f64;
-/// From where noise makes mist to where it is densest, in deviations of the noise.
+/// Range of noise from where it makes mist to where mist is densest, in deviations of the noise.
 const FROM_NONE_TO_ALL: f64 = 2.0;
 /// Times that are kept: frames side by side ask for one each.
 const KEPT: usize = 2;
@@ -30,9 +30,9 @@ const KEPT: usize = 2;
 pub struct Mist {
     /// Corners of its box.
     pub bounds: [DVec3; 2],
-    /// Its form.
+    /// Form of the mist.
     pub shape: MistShape,
-    /// Over how many metres it fades.
+    /// Distance over which it fades, metres.
     pub edge_m: f64,
     /// Width of the largest billows.
     pub size_m: f64,
@@ -42,7 +42,7 @@ pub struct Mist {
     pub cover: Track<f64>,
     /// Wind that carries the billows.
     pub(crate) wind: Drift,
-    /// How often they have turned over.
+    /// Turns that the billows have made.
     pub evolution_turns: Track<f64>,
     /// Height `base_m` from which on it thins out, to 1/e every so many metres.
     pub base_m: f64,
@@ -50,7 +50,7 @@ pub struct Mist {
     pub scale_height_m: Option<Track<f64>>,
     /// Heights count from it where it is.
     pub ground: Option<Arc<GroundHeights>>,
-    /// Another seed, other billows.
+    /// Seed of the billows.
     pub seed: u32,
     /// Between voxels.
     pub voxel_m: f64,
@@ -164,7 +164,7 @@ impl Mist {
         })
     }
 
-    /// How dense it may be at a place, without its billows, `0..=1`.
+    /// Density at a place, without its billows, `0..=1`.
     fn shape_at(&self, place: DVec3, state: &State) -> f64 {
         let [low, high] = self.bounds;
         let fade = |distance_m: f64| {

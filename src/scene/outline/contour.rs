@@ -61,7 +61,7 @@ pub(super) fn rings(
     Some(rings)
 }
 
-/// Where the curve goes on from a crossing, and the middle of the way there.
+/// Next crossing of the curve after each, and the middle of the way there.
 type Links = BTreeMap<Crossing, (Crossing, DVec2)>;
 
 /// All steps of the curve, cell by cell; `None` if there are too many.
@@ -111,7 +111,7 @@ fn link_cell(column: i64, row: i64, corners: [f64; 4], next: &mut Links) {
     }
 }
 
-/// Where between two values, one of them negative, a straight line is 0.
+/// Place between two values, one of them negative, at which a straight line is 0.
 fn fraction(a: f64, b: f64) -> f64 {
     let fraction = a / (a - b);
     // Beyond the window, where there is nothing at all.
@@ -121,12 +121,12 @@ fn fraction(a: f64, b: f64) -> f64 {
 /// A square between four texel centres.
 struct Cell {
     place: DVec2,
-    /// From the top left on, clockwise as the image is seen.
+    /// Values from the top left on, clockwise as the image is seen.
     corners: [f64; 4],
 }
 
 impl Cell {
-    /// Where the curve passes between a corner and the next.
+    /// Crossing of the curve between a corner and the next.
     fn crossing(&self, edge: usize) -> DVec2 {
         const CORNERS: [DVec2; 4] = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
         let (from, to) = (CORNERS[edge], CORNERS[(edge + 1) % 4]);

@@ -21,7 +21,7 @@ pub(super) fn outlined(alphas: &[f32], threshold: f64, triangles: &[[u32; 3]]) -
 struct Edges<'a> {
     alphas: &'a [f32],
     threshold: f64,
-    /// By the ends of the edge, the smaller first.
+    /// Numbers by the ends of the edge, the smaller first.
     numbers: BTreeMap<[u32; 2], u32>,
     added: Vec<Between>,
 }

@@ -15,7 +15,7 @@ use contour::Window;
 use cut::Cutter;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-/// How far an outline may pass from the curve of the cutoff, in texels.
+/// Maximum distance between an outline and the curve of the cutoff, in texels.
 pub const OUTLINE_TOLERANCE_TEXELS: f64 = 0.25;
 
 /// Texture coordinates may spread over so many texels, repetitions counted.
@@ -26,7 +26,7 @@ const FARTHEST_TEXEL: f64 = (1 << 18) as f64;
 /// Mask that hides parts of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mask<'a> {
-    /// Its alpha counts.
+    /// Texture whose alpha counts.
     texture: &'a Texture,
     /// The surface shows where the texture's alpha is at least this.
     threshold: f64,
@@ -45,11 +45,11 @@ impl<'a> Mask<'a> {
 pub(super) struct Between {
     /// Vertices of the triangle.
     pub(super) corners: [u32; 3],
-    /// How much each of them counts; 1 in sum.
+    /// Weights of the three; 1 in sum.
     pub(super) weights: [f64; 3],
 }
 
-/// Which meshes were cut out, to be said once.
+/// Meshes that were cut out, to be said once.
 #[derive(Debug, Default)]
 pub(super) struct Tally(Vec<(String, usize, usize)>);
 

@@ -26,7 +26,7 @@ pub struct Sky {
     picture: SkyPicture,
     /// Suns of the picture that are lights of their own.
     suns: SkySuns,
-    /// Where the rest is bright; `None` if it is the same everywhere.
+    /// Distribution of the rest; `None` if it is uniform.
     table: Option<SquareDistribution>,
     /// Mean radiances, once they are asked for.
     means: OnceLock<Vec<Rgb>>,
@@ -34,7 +34,7 @@ pub struct Sky {
     has_sun: OnceLock<bool>,
     /// Multiplies the picture.
     pub strength: Track<Rgb>,
-    /// How far it is turned about +Y, anticlockwise as seen from above, radians.
+    /// Rotation about +Y, anticlockwise as seen from above, radians.
     pub rotation: Track<f64>,
     /// Things that it lights.
     pub lights: SkyLight,
@@ -47,7 +47,7 @@ pub struct Sky {
 pub enum SkyPicture {
     /// Uniform.
     Even(Rgb),
-    /// From `horizon` to `zenith` in proportion to the sine of the elevation, and `ground` below.
+    /// Gradient from `horizon` to `zenith` in proportion to the sine of the elevation, and `ground` below.
     Gradient {
         /// Straight up.
         zenith: Rgb,
@@ -114,12 +114,12 @@ impl Sky {
         &self.picture
     }
 
-    /// How many suns of its picture are lights of their own.
+    /// Number of suns of its picture that are lights of their own.
     pub fn suns_apart(&self) -> usize {
         self.suns.suns.len()
     }
 
-    /// Those suns at a time, turned and as strong as the picture.
+    /// Suns at a time that are lights of their own, turned and as strong as the picture.
     pub fn suns_at(&self, time_s: f64) -> impl Iterator<Item = SkySun> {
         let (strength, turn) = (self.strength.at(time_s), DQuat::from_rotation_y(self.rotation.at(time_s)));
         self.suns.suns.iter().map(move |sun| SkySun {
@@ -155,7 +155,7 @@ impl Sky {
     /// Whether much of its light comes from a small part of it, so that things cast
     /// shadows with borders in it.
     pub fn has_sun(&self) -> bool {
-        /// So many times as bright as the mean.
+        /// Brightness of a sun over the mean.
         const BRIGHT: f64 = 16.0;
         const MUCH: f64 = 0.05;
         *self.has_sun.get_or_init(|| {
@@ -182,14 +182,14 @@ impl Sky {
         Some(sphere_from_square(place))
     }
 
-    /// How densely [`Sky::pick`] picks a direction, 1/sr; 0 if it picks none.
+    /// Probability density of [`Sky::pick`] for a direction, 1/sr; 0 if it picks none.
     pub fn picked(&self, direction: DVec3) -> f64 {
         self.table
             .as_ref()
             .map_or(0.0, |table| 0.25 * FRAC_1_PI * table.density(table.cell(square_from_sphere(direction))))
     }
 
-    /// On the mean of one of the cells for means; what is not finite does not count.
+    /// Mean radiance of one of the cells for means; values that are not finite do not count.
     fn mean(&self, cell: usize) -> Rgb {
         // Of images about every texel.
         let side = match &self.picture {
@@ -234,7 +234,7 @@ impl SkyPicture {
     }
 }
 
-/// Where a picture is bright beside suns, unless it is the same everywhere or black.
+/// Distribution of a picture's light beside suns, unless it is uniform or black.
 fn table(picture: &SkyPicture, suns: &SkySuns) -> Option<SquareDistribution> {
     match picture {
         SkyPicture::Even(_) => None,

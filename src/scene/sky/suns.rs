@@ -19,7 +19,7 @@ use std::f64::consts::{PI, TAU};
 pub struct SkySun {
     /// Unit vector towards its middle.
     pub to_sun: DVec3,
-    /// On a perpendicular plane, W/m^2.
+    /// Irradiance on a perpendicular plane, W/m^2.
     pub irradiance: Rgb,
     /// The whole angle of its disc, radians.
     pub angular_diameter: f64,
@@ -45,13 +45,13 @@ const MOST_RADIUS: f64 = 2.5 * PI / 180.0;
 const BRIGHT: f64 = 16.0;
 /// Below the last, a millionth of the peak, a glow gives nothing; on a black sky there is no other end.
 const LEVELS: usize = 20;
-/// It gives at least this share of the light of the rest.
+/// Minimum light of a sun, over the light of the rest.
 const MUCH: f64 = 0.02;
-/// Its standard deviations along and across: a half disc has 1.9.
+/// Maximum ratio of its standard deviations along and across: a half disc has 1.9.
 const LONGEST: f64 = 2.5;
 
 impl SkySuns {
-    /// Those that an image shows, the brightest first.
+    /// Suns that an image shows, the brightest first.
     pub(super) fn of(image: &Texture) -> Self {
         let footprints = Footprints::new(image.width, image.height);
         let mut finder =
@@ -96,13 +96,13 @@ struct Finder<'a> {
 #[derive(Default)]
 struct Spot {
     texels: Vec<usize>,
-    /// Those, and those next to them.
+    /// Texels of the spot, and those next to them.
     known: HashSet<usize>,
     /// Known texels that are too dark so far.
     waiting: Vec<usize>,
     /// Luminance integrated over the sphere.
     light: f64,
-    /// Its vector irradiance.
+    /// Vector irradiance.
     directions: DVec3,
 }
 
@@ -266,7 +266,7 @@ impl Finder<'_> {
         })
     }
 
-    /// How many times as far their light is spread along as across.
+    /// Ratio of the spreads of their light along and across.
     fn elongation(&self, texels: &[(usize, Rgb)], to_sun: DVec3) -> f64 {
         let (x_axis, y_axis) = to_sun.any_orthonormal_pair();
         // Of a single texel's own footprint, a hat.

@@ -1,5 +1,6 @@
-//! Where an image of the sky is bright. In goes radiance at places of the image, out comes a table of how
-//! densely directions are to be picked. Invariant: whatever a bilinear look-up finds bright has a density.
+//! Distribution of directions by an image of the sky. In goes radiance at places of the image, out comes a
+//! table of the density of picked directions. Invariant: whatever a bilinear look-up finds bright has a
+//! density.
 
 use crate::math::{SquareDistribution, square_from_sphere};
 use glam::{DVec2, DVec3, Vec2};
@@ -13,7 +14,7 @@ const LOOKED_UP: usize = 1024;
 /// Number of places across where it is bright: a cell is 18 of these steps wide, so that a texel's
 /// footprint is seen in a cell next to the texel's own.
 const LOOKED_UP_CLOSELY: usize = 8192;
-/// So many times as bright as the mean: at most an eighth of the image.
+/// Brightness over the mean, above which an image is looked up closely: at most an eighth of it.
 const BRIGHT: f64 = 8.0;
 /// The share of directions that are picked anywhere, so that no density is 0.
 const ANYWHERE: f64 = 1e-3;
@@ -28,9 +29,9 @@ pub(super) fn direction_of(place: DVec2) -> DVec3 {
     DVec3::new(sin_down * sin_across, cos_down, -sin_down * cos_across)
 }
 
-/// How much light comes from each cell, of an image of so many texels: `bright` in directions, which its
-/// places show. Texels are spread over cells rather than cells looked up among texels, so that none is
-/// missed, however small a sun it is. `None` if all is dark.
+/// Light from each cell, of an image of so many texels: `bright` in directions, which its places show.
+/// Texels are spread over cells rather than cells looked up among texels, so that none is missed, however
+/// small a sun it is. `None` if all is dark.
 pub(super) fn table_of(
     size: [usize; 2],
     bright: impl Fn(DVec3, Vec2) -> f64 + Sync,

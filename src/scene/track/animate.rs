@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 pub trait Animate: Copy + PartialEq {
     /// The derivative of a value that does not change.
     const ZERO: Self;
-    /// How many numbers in single precision may stand for a value; 0 if that is not provided for.
+    /// Number of single-precision numbers that may stand for a value; 0 if that is not provided for.
     const SINGLES: usize = 0;
     /// Appends the value in single precision.
     fn push_singles(self, _out: &mut Vec<f32>) {}
@@ -15,7 +15,7 @@ pub trait Animate: Copy + PartialEq {
     fn from_singles(_singles: &[f32]) -> Self {
         Self::ZERO
     }
-    /// From `a` at 0 to `b` at 1.
+    /// Linear interpolation from `a` at 0 to `b` at 1.
     fn lerp(a: Self, b: Self, fraction: f64) -> Self;
     /// `sum(weights[i] * values[i])`, brought back to where such values live (unit quaternions).
     fn blend(values: [Self; 4], weights: [f64; 4]) -> Self;

@@ -16,24 +16,24 @@ pub use crate::description::ron::Extend;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
     times_s: Vec<f64>,
-    /// As many as times, unless they are among [`Ways::SmoothSingle`].
+    /// Values, as many as times, unless they are among [`Ways::SmoothSingle`].
     values: Vec<T>,
     to_next: Ways<T>,
     extend: Extend,
 }
 
-/// How a track goes on from key to key. Any curves take several times the memory of what scenes by the
-/// thousand nodes are made of: straight lines between sampled keys, and smooth curves.
+/// Ways from key to key. Any curves take several times the memory of what scenes by the thousand nodes are
+/// made of: straight lines between sampled keys, and smooth curves.
 #[derive(Clone, Debug, PartialEq)]
 enum Ways<T> {
-    /// From every key in the same way.
+    /// One way from every key.
     Alike(Segment<T>),
     /// Splines with one slope at each key, on both its sides.
     Smooth(Vec<T>),
     /// Splines where single precision holds all values and slopes as they are: of each key its value, then
     /// its slope.
     SmoothSingle(Vec<f32>),
-    /// As many as keys.
+    /// A way for each key.
     Each(Vec<Segment<T>>),
 }
 
@@ -44,7 +44,7 @@ pub struct Key<T> {
     pub time_s: f64,
     /// The value there.
     pub value: T,
-    /// How the value goes on from here to the next key; of the last key, not used.
+    /// Way from here to the next key; of the last key, not used.
     pub to_next: Segment<T>,
 }
 
@@ -85,7 +85,7 @@ impl<T: Animate> Track<T> {
 }
 
 impl<T> Track<T> {
-    /// When the keys are, seconds.
+    /// Times of the keys, seconds.
     pub fn times_s(&self) -> &[f64] {
         &self.times_s
     }

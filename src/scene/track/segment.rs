@@ -3,7 +3,7 @@
 
 use super::{Animate, Key};
 
-/// How a value gets from one key to the next.
+/// Way of a value from one key to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Segment<T> {
     /// Stays until the next key.
