@@ -47,28 +47,28 @@ pub struct Job {
     pub window: Window,
     /// Passes beside the beauty.
     pub passes: Vec<Pass>,
-    /// How many samples a pixel gets.
+    /// Number of samples of a pixel.
     pub sampling: Sampling,
-    /// By what weights a pixel is the mean of them.
+    /// Reconstruction filter.
     pub filter: PixelFilter,
     /// Seed of the sample points.
     pub seed: u32,
-    /// How often light may be reflected by mirrors.
+    /// Maximum number of reflections by mirrors.
     pub mirror_depth: u32,
-    /// How often it may be scattered beyond single scattering.
+    /// Number of scatterings beyond the first.
     pub bounces: Bounces,
-    /// Where the samples lie, and how light in fog is found.
+    /// Method: places of samples, and light in fog.
     pub method: Method,
 }
 
-/// Where the samples of a picture lie, and how the light that fog scatters is found.
+/// Places of a picture's samples, and the method for light that fog scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Method {
     /// Slices or segments, whichever is cheaper for the frame.
     Auto,
-    /// On epipolar slices, each solved as a whole, exactly; a picture for each light, added up. Segments
-    /// where the camera has no slices.
+    /// Samples on epipolar slices, each solved as a whole, exactly; a picture for each light, added up.
+    /// Segments where the camera has no slices.
     Slices,
     /// Rays in each pixel, a single one at its centre; light in fog is exact along each.
     Segments,
@@ -79,13 +79,13 @@ pub enum Method {
         /// Points a ray and light, at least 1.
         points: u32,
     },
-    /// As by segments, and light of more than one scattering by random walks, not from a grid:
-    /// unbiased, and noisy.
+    /// As `Segments`, and light of more than one scattering by random walks, not from a grid: unbiased,
+    /// and noisy.
     Paths,
 }
 
 impl Method {
-    /// How light in fog is found along one ray.
+    /// Method for light in fog along one ray.
     fn volume(self, bounces: Bounces) -> VolumeMethod {
         match self {
             Self::Auto | Self::Slices | Self::Segments => VolumeMethod::Segments,
@@ -150,16 +150,16 @@ pub struct Statistics {
     pub segments: u64,
     /// Blocks of pixels that were judged.
     pub blocks: usize,
-    /// Those of them above the tolerance, for their pixels had all the samples they may have.
+    /// Number of those above the tolerance, for their pixels had all the samples they may have.
     pub unconverged_blocks: usize,
     /// The largest relative error that some block is estimated to have, if blocks were judged.
     pub error: Option<f64>,
-    /// By how much indirect light may make the picture wrong, if blocks were judged: root mean square over
-    /// the picture of twice the standard error of what random walks find, as a share of its mean.
+    /// Error of indirect light, if blocks were judged: root mean square over the picture of twice the
+    /// standard error of what random walks find, as a share of its mean.
     pub grid_error: Option<f64>,
     /// Whether next to nothing absorbs indirect light: there is more of it than the picture has.
     pub endless_light: bool,
-    /// How noisy the picture is, if blocks were judged: the root mean square of the estimated standard error
+    /// Noise of the picture, if blocks were judged: the root mean square of the estimated standard error
     /// over all blocks but the hundredth with most of it, as a share of their mean.
     pub noise: Option<f64>,
 }
@@ -174,7 +174,7 @@ impl Job {
         self.window.width * self.window.height * (of_pixel + FRAMES * of_pixel / 2)
     }
 
-    /// How rays are followed.
+    /// Settings by which rays are followed.
     fn transport<'a>(&self, indirect: Option<&'a Indirect>) -> Transport<'a> {
         Transport {
             volume: self.method.volume(self.bounces),

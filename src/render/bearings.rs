@@ -1,16 +1,17 @@
-//! Which slices may cross pixels that are wanted. In go the fan of the light's centre and the pixels. Out
-//! comes whether a slice in a place need be looked at. Invariant: no slice that crosses one is left out,
-//! however its own fan differs from the centre's.
+//! Bearings of slices that may cross wanted pixels. In go the fan of the light's centre and the pixels.
+//! Out comes whether a slice in a place need be looked at. Invariant: no slice that crosses one is left
+//! out, however its own fan differs from the centre's.
 //!
-//! A late round has many slices and few pixels, and most slices meet none of these. Drawing them all the same
-//! took most of its time under a sun with a picture on it.
+//! A late round has many slices and few pixels, and most slices meet none of these. Drawing them all the
+//! same took most of its time under a sun with a picture on it.
 
 use crate::film::Mask;
 use crate::scene::Window;
 use crate::transport::slices::{Fan, Ring};
 use std::f64::consts::TAU;
 
-/// In so many parts the circle is marked: each is about a pixel wide at the rim of a picture of a thousand.
+/// Number of parts in which the circle is marked: each is about a pixel wide at the rim of a picture of a
+/// thousand.
 const PARTS: usize = 4096;
 
 /// Directions about the axis of a fan.
@@ -19,7 +20,7 @@ pub(super) struct Bearings {
 }
 
 impl Bearings {
-    /// Those of the slices of `base` that meet pixels which are wanted in a ring, and `margin_rad` to either
+    /// Bearings of the slices of `base` that meet wanted pixels in a ring, and `margin_rad` to either
     /// side. Slices may have axes that are up to `deviation_rad` away from that of `base`.
     pub(super) fn new(base: &Fan, ring: Ring, deviation_rad: f64, wanted: &Mask, margin_rad: f64) -> Self {
         let mut is_wanted = vec![false; PARTS];

@@ -41,9 +41,9 @@ pub enum Reason {
     NarrowPicture,
     /// Both can serve, at this cost a sample, in primary rays.
     Cost {
-        /// From slices.
+        /// Time by slices.
         slices: f64,
-        /// By rays.
+        /// Time by rays.
         rays: f64,
     },
 }
@@ -91,8 +91,8 @@ pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     }
 }
 
-/// How far fans may deviate over a picture, in widths of it: so many times as many slices
-/// are laid as meet it.
+/// Maximum deviation of fans over a picture, in widths of it: so many times as many slices are laid as
+/// meet it.
 const FARTHEST_DEVIATION: f64 = 100.0;
 
 /// Whether the fans of a light deviate too far over the picture.

@@ -17,14 +17,14 @@ use glam::DVec2;
 
 /// Standard deviations of the surroundings, in cells.
 const LEVELS: [f64; 5] = [f64::INFINITY, 12.0, 6.0, 3.0, 1.5];
-/// Over so many of them signal and noise are compared.
+/// Number of surroundings over which signal and noise are compared.
 const COMPARED: f64 = 4.0;
 /// Times the noise: what is above it counts as signal. By chance it is above once in a few places.
 const CAUTION: f64 = 1.5;
 /// No pass loses more of its light: it would be black or negative.
 const LEAST: f64 = -0.95;
 
-/// How the means of surroundings of a size count.
+/// Weights of the means over surroundings of one size.
 struct Level {
     sigma: f64,
     /// The grid's light, summed over them.
@@ -33,7 +33,7 @@ struct Level {
     signal: Map<f64>,
 }
 
-/// How means are added up, in one pass.
+/// Weights by which means are added up, in one pass.
 pub(super) struct Scheme {
     pass: usize,
     levels: Vec<Level>,
@@ -101,7 +101,7 @@ pub(super) fn mean(value: Rgb) -> f64 {
     value.element_sum() / 3.0
 }
 
-/// By which share of itself indirect light is to grow, by pass.
+/// Share of itself by which indirect light is to grow, by pass.
 pub(super) struct Correction(pub(super) [Map<Rgb>; PASSES]);
 
 impl Correction {

@@ -14,7 +14,7 @@ use crate::snapshot::{Exposure, FrozenLight, Snapshot};
 use crate::transport::slices::Fan;
 use glam::DVec2;
 
-/// How many draws show how far the fans wander.
+/// Number of draws that show how far the fans wander.
 const PROBES: usize = 64;
 
 /// The draws for one light's part of the picture.
@@ -78,8 +78,8 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         Draw { snapshot, lens_point, light, hue }
     }
 
-    /// How far the fans of the draws deviate from the middle one's, at most, radians; 0 if there is nothing
-    /// to draw, `None` if the light is where the camera is.
+    /// Maximum deviation of the draws' fans from the middle one's, radians; 0 if there is nothing to draw,
+    /// `None` if the light is where the camera is.
     pub(super) fn deviation_rad(&self, size: Size) -> Option<f64> {
         let base = self.middle().fan(size)?;
         let probes =

@@ -1,5 +1,5 @@
-//! By how much indirect light errs, and what is done about it. In go a snapshot, a job and the grid, out come
-//! a correction by random walks and the error that is left. Invariant: it depends on the whole picture,
+//! Error of indirect light, and its correction. In go a snapshot, a job and the grid, out come a
+//! correction by random walks and the error that is left. Invariant: it depends on the whole picture,
 //! whatever part is wanted.
 
 use super::Job;
@@ -30,7 +30,7 @@ const RUN: u32 = 1 << 9;
 
 /// Standard deviation of what errors are means over, in cells.
 const SURROUNDINGS: f64 = 2.0;
-/// Over such surroundings they are known apart from those elsewhere.
+/// Deviations at which surroundings lie apart from each other.
 const LOCAL: f64 = 4.0;
 /// Errors in blocks of pixels by those in surroundings, which are larger.
 const FINER: f64 = 1.3;
@@ -83,7 +83,7 @@ impl GridError {
         }
     }
 
-    /// From the sums of two halves of the walks.
+    /// Error from the sums of two halves of the walks.
     fn of(halves: &[Moments; 2], survey: &Survey) -> Self {
         let all = halves[0].with(&halves[1]);
         let schemes: [Scheme; PASSES] = std::array::from_fn(|pass| Scheme::of(&all, pass));
@@ -123,9 +123,9 @@ impl GridError {
     }
 }
 
-/// How many walks a picture of a size may have for a tolerance.
+/// Maximum number of walks for a picture of a size and a tolerance.
 fn most_walks(size: Size, tolerance: f64) -> u32 {
-    /// At any tolerance, and times those at the usual one for each pixel.
+    /// Maximum at any tolerance, and factor on those at the usual one for each pixel.
     const AT_ALL: f64 = (1 << 22) as f64;
     const TIMES: f64 = 8.0;
     let pixels = size.width as f64 * size.height as f64;

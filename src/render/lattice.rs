@@ -1,15 +1,16 @@
-//! Which slices a picture is made of, and where on them its samples lie. In go the fan of the light's centre
-//! and how far the light, the lens and the shutter make it deviate. Out come slices by number. Invariant: a
-//! sample counts as much as the area of the picture that it stands for, wherever its own fan is.
+//! Slices that a picture is made of, and the places of samples on them. In go the fan of the light's
+//! centre and how far the light, the lens and the shutter make it deviate. Out come slices by number.
+//! Invariant: a sample counts as much as the area of the picture that it stands for, wherever its own fan
+//! is.
 //!
-//! Slices lie at equal angles, and a slice has a chord in each pixel that it crosses. With a light, a lens or
-//! a shutter that has an extent, each slice has a fan of its own. The axis of that fan is not quite that of
-//! the others, and the slice would leave its place in the lattice. So each slice is rotated until it passes
-//! through its place half way across its ring (`rings.rs`). It stays as it is about the axis, and about its
-//! far side, where fans deviate too far for that.
+//! Slices lie at equal angles, and a slice has a chord in each pixel that it crosses. With a light, a lens
+//! or a shutter that has an extent, each slice has a fan of its own. The axis of that fan is not quite
+//! that of the others, and the slice would leave its place in the lattice. So each slice is rotated until
+//! it passes through its place half way across its ring (`rings.rs`). It stays as it is about the axis,
+//! and about its far side, where fans deviate too far for that.
 //!
-//! Where slices share draws, a draw comes again every so many places. Each draw then has slices over all of
-//! the picture, a pixel apart, whose swaths reach to each other.
+//! Where slices share draws, a draw comes again every so many places. Each draw then has slices over all
+//! of the picture, a pixel apart, whose swaths reach to each other.
 
 use super::bearings::Bearings;
 use super::layout::{Facts, Layout};
@@ -22,7 +23,7 @@ use crate::transport::slices::{Chord, Crossing, Fan, Ring, Slice};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
-/// How many samples a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where
+/// Samples that a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where
 /// all slices see the same it lies as evenly between its neighbours as can be.
 const SAMPLES_PER_SLICE: f64 = 4.0;
 
@@ -43,10 +44,10 @@ const WIDE_SWATH_PX: f64 = 0.8;
 /// looks (`rounds.rs`).
 const WIDEST_SWATH_PX: f64 = 2.0;
 
-/// In what slices with draws of their own differ.
+/// Differences between slices with draws of their own.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Differing {
-    /// How far the axis deviates at most.
+    /// Maximum deviation of the axis.
     pub(super) deviation_rad: f64,
     /// Whether they have moments of their own.
     pub(super) in_time: bool,
@@ -61,7 +62,7 @@ pub(super) struct Lattice {
     base: Fan,
     layout: Layout,
     rings: Vec<RingLattice>,
-    /// After so many places draws come again, if slices share them.
+    /// Number of places after which draws come again, if slices share them.
     draws: Option<usize>,
     per_row: usize,
     deviation_rad: f64,
@@ -72,7 +73,7 @@ struct RingLattice {
     /// The angle from the axis at which slices pass through their places; without one they go
     /// by their own angles.
     anchor: Option<f64>,
-    /// How far beyond the base's angles there are slices all the same.
+    /// Angle beyond the base's at which there are slices all the same.
     margin_rad: f64,
     /// The angle of the ring's first place, and how many radians between places.
     first_rad: f64,
@@ -133,7 +134,7 @@ impl Lattice {
         Self { base, layout, rings, draws, per_row, deviation_rad }
     }
 
-    /// Which draws slices have.
+    /// Layout of the draws.
     pub(super) fn layout(&self) -> Layout {
         self.layout
     }
@@ -152,7 +153,7 @@ impl Lattice {
     }
 }
 
-/// How many rows of places a ring has.
+/// Rows of places of a ring.
 struct Rows {
     per_rad: f64,
     /// All the way round their number is a multiple of this.
@@ -195,7 +196,7 @@ impl RingLattice {
         }
     }
 
-    /// At which angle of the base fan a place lies.
+    /// Angle of a place in the base fan.
     fn angle(&self, place: usize) -> f64 {
         self.first_rad + (place - self.from) as f64 * self.place_rad
     }
@@ -210,7 +211,7 @@ pub(super) struct RoundLattice<'a> {
 }
 
 impl RoundLattice<'_> {
-    /// How many slices there are.
+    /// Number of slices.
     pub(super) fn count(&self) -> usize {
         self.lattice.rings.last().map_or(0, |ring| ring.to / self.places.step)
     }
@@ -223,7 +224,7 @@ impl RoundLattice<'_> {
         bearings.is_none_or(|bearings| bearings.hold(self.lattice.rings[ring].angle(place)))
     }
 
-    /// Which draw slice `number` is seen with.
+    /// Number of the draw that slice `number` is seen with.
     pub(super) fn draw(&self, number: usize) -> usize {
         let place = self.places.of(number);
         self.lattice.draws.map_or(place, |draws| place % draws)
@@ -271,11 +272,11 @@ pub(super) struct PlacedSlice {
     /// Angle of the slice in its fan.
     angle: f64,
     ring: Ring,
-    /// Where in their pieces its samples lie, but for the dither of pixels.
+    /// Phase of its samples in their pieces, but for the dither of pixels.
     phase: f64,
     /// Weight of a sample for each unit of area per radian that it stands for.
     pub(super) weight_per_area: f64,
-    /// From the middle between it and the slice before, of its round or its draw, to the middle
+    /// Angle from the middle between it and the slice before, of its round or its draw, to the middle
     /// between it and the next.
     swath_rad: f64,
     /// See [`Chord::random`].
@@ -283,13 +284,13 @@ pub(super) struct PlacedSlice {
 }
 
 impl PlacedSlice {
-    /// How far its swath reaches to either side, pixels, where it has passed so much of its area per radian.
+    /// Reach of its swath to either side, pixels, where it has passed an area per radian.
     pub(super) fn half_swath_px(&self, area_per_rad: f64) -> f64 {
         // No filter sees farther.
         (0.5 * self.swath_rad * self.slice.separation_px_per_rad_at(area_per_rad)).min(1.0)
     }
 
-    /// By how many lines its swath counts, of which it is the middle one.
+    /// Number of lines by which its swath counts, of which it is the middle one.
     pub(super) fn swath_lines(&self) -> i32 {
         let width_px = self.swath_rad * self.slice.greatest_separation_px_per_rad();
         if width_px < WIDE_SWATH_PX { 3 } else { 5 }
@@ -306,7 +307,7 @@ impl PlacedSlice {
         })
     }
 
-    /// Its chords in those pixels that are to be seen.
+    /// Chords in those pixels that are to be seen.
     pub(super) fn chords(&self, size: Size, seen: &Mask) -> impl Iterator<Item = Chord> {
         let (weight_per_area, random) = (self.weight_per_area, self.random);
         self.slice.crossings(size, |x, y| seen.unwanted_around(x, y)).map(move |crossing| {

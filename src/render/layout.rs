@@ -1,9 +1,9 @@
-//! Which slices a picture has. In go facts about its light, lens, shutter and samples, out comes one of four
-//! layouts. Invariant: the choice is the whole picture's, whichever part of it is wanted.
+//! Layout of a picture's slices. In go facts about its light, lens, shutter and samples, out comes one of
+//! four layouts. Invariant: the choice is the whole picture's, whichever part of it is wanted.
 //!
 //! A *draw* is a moment of the shutter, a point of the lens and a point of the light (`draws.rs`).
 
-/// Which draws slices have.
+/// Draws of the slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layout {
     /// All have the same: there is nothing to draw.
@@ -24,7 +24,7 @@ pub(super) struct Facts {
     pub(super) is_drawn: bool,
     /// Whether slices mostly keep their places in the rings that the picture is cut in.
     pub(super) are_ordered: bool,
-    /// How many rings that are.
+    /// Number of rings.
     pub(super) rings: u32,
     /// Whether draws differ in time: shared, a few moments would show as so many copies of what moves.
     pub(super) in_time: bool,
@@ -35,8 +35,8 @@ pub(super) struct Facts {
     pub(super) samples: u32,
 }
 
-/// With more than so many samples a pixel every slice has a draw of its own: what swaths of a pixel's width
-/// blur would be most of the error.
+/// Maximum number of samples a pixel for shared draws. Beyond it most of the error would be the blur of
+/// swaths of a pixel's width.
 const SHARED_DRAWS_TO: u32 = 128;
 
 impl Layout {

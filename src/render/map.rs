@@ -63,7 +63,7 @@ impl<T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>> Map<T> {
         Self::from_fn(|cell| along(&across.0, cell % COLUMNS, COLUMNS, ROWS, cell / COLUMNS))
     }
 
-    /// At a place of the picture, between the middles of cells.
+    /// Value at a place of the picture, interpolated between the middles of cells.
     pub(super) fn at(&self, place: DVec2) -> T {
         let between = |at: f64, count: usize| {
             let at = (at * count as f64 - 0.5).clamp(0.0, (count - 1) as f64);

@@ -1,6 +1,6 @@
-//! Which places slices have among all that any round may ask for. In goes a slice's number, out come its
-//! place and where along it its samples lie. Invariant: slices of a round lie half way between those of the
-//! rounds before. So all rounds together are one lattice, as even as if it had been rendered at once.
+//! Places of slices among all that any round may ask for. In goes a slice's number, out come its place and
+//! where along it its samples lie. Invariant: slices of a round lie half way between those of the rounds
+//! before. So all rounds together are one lattice, as even as if it had been rendered at once.
 
 use super::rounds::{Round, Schedule};
 
@@ -21,7 +21,7 @@ const FINEST: f64 = 16384.0;
 /// have as many places.
 #[derive(Clone, Copy)]
 pub(super) struct Places {
-    /// From slice to slice.
+    /// Step from slice to slice.
     pub(super) step: usize,
     first: usize,
 }
@@ -32,7 +32,7 @@ pub(super) fn per_row(schedule: Schedule) -> usize {
 }
 
 impl Places {
-    /// Those of a round.
+    /// Places of a round.
     pub(super) fn of_round(round: &Round) -> Self {
         let per_row = per_row(round.schedule);
         if round.is_first() {
@@ -48,7 +48,8 @@ impl Places {
     }
 }
 
-/// Where in its pieces the samples of a place's slice lie, `0..1`, but for a shift that is the same for all.
+/// Phase of the samples of a place's slice in its pieces, `0..1`, but for a shift that is the same for
+/// all.
 pub(super) fn phase(place: usize, per_row: usize) -> f64 {
     let step = match per_row {
         1 => GOLDEN_RATIO,

@@ -18,7 +18,7 @@ pub(super) const PASSES: usize = 2;
 /// Indirect light of one camera ray, by pass, W m^-2 sr^-1.
 #[derive(Clone, Copy)]
 pub(super) struct Probe {
-    /// In the picture, `0..1` across and down.
+    /// Place in the picture, `0..1` across and down.
     pub(super) place: DVec2,
     pub(super) walk: [Rgb; PASSES],
     pub(super) grid: [Rgb; PASSES],

@@ -16,7 +16,7 @@ const DARKEST: f64 = 0.1;
 /// samples enough: most of a block's error is that of the few pixels in which edges lie.
 const NEGLIGIBLE: f64 = 0.25;
 
-/// How a block's error falls with the number of samples, as a power: by edges faster than the root.
+/// Power of the number of samples by which a block's error falls: with edges faster than by the root.
 pub(super) const ORDERED: f64 = 0.75;
 
 /// Power where samples have draws of their own, and know little of one another.
@@ -32,7 +32,7 @@ pub(super) struct Refined {
     pub(super) rounds: u32,
 }
 
-/// When a block is good enough.
+/// Goal at which a block is good enough.
 pub(super) struct Goal<'a> {
     /// Standard error of a block by its brightness, of all pictures together.
     pub(super) tolerance: f64,
@@ -44,9 +44,9 @@ pub(super) struct Goal<'a> {
 
 /// Budget of a picture: its part of the variance of all that are added up.
 pub(super) struct Budget {
-    /// Its own share.
+    /// Share of its own.
     pub(super) share: f64,
-    /// That, and the shares of the pictures before it: what they have left is its own too.
+    /// Sum of that and the shares of the pictures before it: what they have left is its own too.
     pub(super) share_so_far: f64,
     /// Their sum, block by block; none if there are none.
     pub(super) before: Vec<BlockEstimate>,
@@ -120,7 +120,7 @@ struct Refinement<'a, P> {
     goal: &'a Goal<'a>,
     film: Film,
     window_blocks: Blocks,
-    /// Those, and the ones around: what they show when they are first judged tells whether a block at the
+    /// Blocks of the window, and the ones around: their first estimates tell whether a block at the
     /// window's rim goes on.
     blocks: Blocks,
     variances: Vec<f64>,
@@ -234,7 +234,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
         });
     }
 
-    /// How much is left to do.
+    /// Foresees the work that is left.
     fn foresee(&mut self, round: &Round, judgement: &Judgement) {
         let going_on = self.goes_on.iter().filter(|goes_on| **goes_on).count();
         let pixels_a_block = self.wanted.count() as f64 / going_on.max(1) as f64;
@@ -289,15 +289,14 @@ impl Goal<'_> {
     }
 }
 
-/// How many more samples blocks are likely to take that have so many a pixel, in blocks
-/// times samples a pixel.
+/// Estimated samples that blocks with so many a pixel still take, in blocks times samples a pixel.
 fn samples_left(excess: &[f64], samples: u32, most: u32, convergence: f64) -> f64 {
     let samples = f64::from(samples);
     let wanted = |excess: &f64| (samples * excess.powf(1.0 / convergence)).min(f64::from(most)) - samples;
     excess.iter().filter(|excess| **excess > 1.0).map(wanted).sum()
 }
 
-/// How much is done, for those who wait, in samples.
+/// Progress for those who wait, in samples.
 #[derive(Default)]
 struct Work {
     done: f64,

@@ -1,10 +1,10 @@
-//! In which rings about the axis slices are laid out, and how densely. In go the fan of the light's centre,
-//! how far others deviate and what slices cut. Out come rings. Invariant: the choice is the whole picture's,
-//! whichever part of it is wanted.
+//! Rings about the axis in which slices are laid out, and their densities. In go the fan of the light's
+//! centre, how far others deviate and what slices cut. Out come rings. Invariant: the choice is the whole
+//! picture's, whichever part of it is wanted.
 //!
 //! A slice with a draw of its own passes through its place half way across its ring. The farther one looks
-//! from there, the farther the slice is from where it belongs, and pixels see now more slices, now fewer. In
-//! narrow rings all stay in order, but each ring gathers anew what its slices cut.
+//! from there, the farther the slice is from where it belongs, and pixels see now more slices, now fewer.
+//! In narrow rings all stay in order, but each ring gathers anew what its slices cut.
 //!
 //! Slices that share a fan are always in order, but lie close together near its epipole. Most of them tell
 //! nothing there that others do not, so there are fewer of them.
@@ -12,17 +12,17 @@
 use crate::transport::slices::{Fan, Ring, Separation, Slice};
 use std::f64::consts::PI;
 
-/// In how many rings the picture may be cut: 16 are hardly better than 8.
+/// Numbers of rings in which the picture may be cut: 16 are hardly better than 8.
 const COUNTS: [u32; 4] = [1, 2, 4, 8];
 
 /// Cost of a sample, in segments that a slice gathers, by what rings add to the time of leaves500.
 const SEGMENTS_PER_SAMPLE: f64 = 5.0;
 
-/// By how many places slices are off where nothing of their order is left to lose. In `title` at its full
-/// size they are off by hundreds, and 8 rings, for the same time, err by a quarter more than one.
+/// Number of places by which slices are off where nothing of their order is left to lose. In `title` at
+/// its full size they are off by hundreds, and 8 rings, for the same time, err by a quarter more than one.
 const MOST_PASSED: f64 = 20.0;
 
-/// How many slices of a ring are asked what they cut.
+/// Number of slices of a ring that are asked what they cut.
 const PROBES: u32 = 3;
 
 /// Slices that share a fan are too many within this part of the way from its axis to where they lie
@@ -30,26 +30,25 @@ const PROBES: u32 = 3;
 /// square of the error.
 const NEAR_EPIPOLE: f64 = 0.1;
 
-/// At its rim they still lie so many times as close as there. With all of them it would be ten times,
-/// so a quarter are left.
+/// Density at its rim, over that there. With all of them it would be ten times, so a quarter are left.
 const CLOSER_AT_RIM: f64 = 2.5;
 
 /// Facts that decide about rings, beside the fan.
 pub(super) struct RingFacts<'a> {
     /// Whether slices have draws of their own.
     pub(super) is_drawn: bool,
-    /// How far fans deviate at most.
+    /// Maximum deviation of fans.
     pub(super) deviation_rad: f64,
     /// Samples a pixel.
     pub(super) samples: f64,
     /// Slices for the width of a pixel.
     pub(super) slices_per_px: f64,
-    /// How many segments a slice gathers.
+    /// Number of segments that a slice gathers.
     pub(super) segments: &'a dyn Fn(&Slice) -> usize,
 }
 
 impl RingFacts<'_> {
-    /// In how many rings the picture is cut, and whether slices mostly keep their places in them.
+    /// Number of rings, and whether slices mostly keep their places in them.
     pub(super) fn choose(&self, base: &Fan) -> (u32, bool) {
         let count = self.count(base);
         let areas = self.cut(base, count).into_iter().map(|ring| {
@@ -60,7 +59,7 @@ impl RingFacts<'_> {
         (count, ordered_px >= 0.5 * all_px)
     }
 
-    /// In how many rings the picture takes the least time for the same error.
+    /// Number of rings that takes the least time for the same error.
     fn count(&self, base: &Fan) -> u32 {
         let cost = |count| self.cut(base, count).into_iter().map(|ring| self.cost(base, ring)).sum::<f64>();
         // With little to gain nothing is asked of the scene.
@@ -91,7 +90,7 @@ impl RingFacts<'_> {
         starts.zip(&borders).map(|(from, &to)| Ring(from, to)).collect()
     }
 
-    /// How many slices a radian of a ring has.
+    /// Number of slices in a radian of a ring.
     pub(super) fn slices_per_rad(&self, base: &Fan, ring: Ring) -> f64 {
         let (whole, own) = (base.separation(Ring::WHOLE), base.separation(ring));
         let Separation { mean_px, greatest_px, .. } = if own.area_px > 0.0 { own } else { whole };
@@ -110,15 +109,15 @@ impl RingFacts<'_> {
         gathered + SEGMENTS_PER_SAMPLE * samples
     }
 
-    /// How many times the samples of slices in order a ring needs for the same error. Under a sun of 0.53
-    /// degrees the error of leaves500 in 1 to 16 rings goes as (1 + 6 passed)^(1/4) / samples, where slices
-    /// leave their places by `passed` others at the ring's borders; and as `passed` itself grows with the
-    /// samples, it takes (1 + 6 passed)^(1/3) times as many.
+    /// Factor on the samples of slices in order that a ring needs for the same error. Under a sun of 0.53
+    /// degrees the error of leaves500 in 1 to 16 rings goes as (1 + 6 passed)^(1/4) / samples, where
+    /// slices leave their places by `passed` others at the ring's borders. As `passed` itself grows with
+    /// the samples, it takes (1 + 6 passed)^(1/3) times as many.
     fn disorder(&self, base: &Fan, ring: Ring) -> f64 {
         (1.0 + 6.0 * self.passed(base, ring).min(MOST_PASSED)).cbrt()
     }
 
-    /// By how many places slices are off at a ring's borders.
+    /// Number of places by which slices are off at a ring's borders.
     fn passed(&self, base: &Fan, ring: Ring) -> f64 {
         let extent = base.extent();
         let (from, to) = (ring.0.max(extent.0), ring.1.min(extent.1));
@@ -127,7 +126,7 @@ impl RingFacts<'_> {
     }
 }
 
-/// How far from the axis slices that share a fan lie close together.
+/// Angle from the axis within which slices that share a fan lie close together.
 fn near_epipole_rad(base: &Fan) -> f64 {
     let greatest_px = base.separation(Ring::WHOLE).greatest_px;
     (NEAR_EPIPOLE * greatest_px / base.px_per_rad()).min(1.0).asin()

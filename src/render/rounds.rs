@@ -6,8 +6,8 @@ use crate::film::{BLOCK_SIDE, Film, Mask};
 use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::transport::slices::FARTHEST_SHIFT_PX;
 
-/// From how far away what is seen may count in a pixel: its edges move along their slices, but no farther
-/// than to where they meet the next, which moves as far, and a swath reaches into the next pixel.
+/// Reach in pixels of what may count in a pixel: its edges move along their slices, but no farther than to
+/// where they meet the next, which moves as far, and a swath reaches into the next pixel.
 const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
 
 /// Samples a pixel of the first round, at most: with 4 many blocks end by chance, with 16 too few could have
@@ -21,12 +21,12 @@ const FIRST_SAMPLES_LOOSE: u32 = 3;
 /// See [`FIRST_SAMPLES_LOOSE`].
 pub(super) const LOOSE: f64 = 0.25;
 
-/// How many samples a pixel may get in rounds, each of which doubles those before.
+/// Schedule of rounds, each of which doubles the samples before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Schedule {
-    /// In the first round, at least 1.
+    /// Samples in the first round, at least 1.
     pub(super) first: u32,
-    /// How many rounds may come after it, so that it leaves places for their samples between its own.
+    /// Maximum number of rounds after it, for whose samples it leaves places between its own.
     pub(super) doublings: u32,
 }
 
@@ -65,10 +65,10 @@ impl Schedule {
 /// rounds so far together are spread as evenly as one with all their samples would be.
 #[derive(Clone, Copy)]
 pub(super) struct Round<'a> {
-    /// How many rounds there were before.
+    /// Number of rounds before.
     pub(super) number: u32,
     pub(super) schedule: Schedule,
-    /// Which pixels are to have its samples.
+    /// Pixels that are to have its samples.
     pub(super) wanted: &'a Mask,
 }
 
@@ -118,11 +118,11 @@ pub(super) trait Picture {
     /// An empty film of a window of it.
     fn film(&self, job: &Job, window: Window) -> Film;
 
-    /// How its errors fall with the number of samples, as a power.
+    /// Power of the number of samples by which its errors fall.
     fn convergence(&self) -> f64;
 
-    /// With fewer samples a pixel what they have wrong may be the same all over a block, and its
-    /// halves agree by chance.
+    /// Samples a pixel below which errors may be the same all over a block, so that its halves agree by
+    /// chance.
     fn fewest_samples(&self) -> u32;
 
     /// Adds the samples of a round.

@@ -1,6 +1,6 @@
-//! In which pixels a piece of a slice counts, and how much. In goes the piece, out come its pixels and
-//! weights. Invariant: a pixel gets no share from a round that does not want it, and what a piece counts in
-//! it does not depend on which others are wanted.
+//! Shares of a slice's piece in pixels. In goes the piece, out come its pixels and weights. Invariant: a
+//! pixel gets no share from a round that does not want it, and the weight in it does not depend on which
+//! others are wanted.
 
 use super::lattice::PlacedSlice;
 use super::rounds::Round;
@@ -10,8 +10,8 @@ use crate::scene::Size;
 use crate::transport::slices::{Fan, Outline, Piece};
 use glam::DVec2;
 
-/// How many points of a line tell the filter's mean over it to 0.002 of its peak, by Gauss and Legendre:
-/// found by trying, for lines of up to 1.4 pixels.
+/// Number of points of a line that tell the filter's mean over it to 0.002 of its peak, by Gauss and
+/// Legendre: found by trying, for lines of up to 1.4 pixels.
 fn points_of(length_px: f64) -> usize {
     1 + ((length_px - 0.1) / 0.34).ceil().clamp(0.0, 4.0) as usize
 }
@@ -24,7 +24,8 @@ pub(super) struct Shares<'a> {
 }
 
 impl Shares<'_> {
-    /// By the pixels' own areas: the pieces of a slice, and its outline, count wherever its swath reaches.
+    /// Adds samples by the pixels' own areas: the pieces of a slice, and its outline, count wherever its
+    /// swath reaches.
     pub(super) fn by_swath(
         &self,
         drawn: &Fan,
@@ -57,7 +58,7 @@ impl Shares<'_> {
         }
     }
 
-    /// By the filter that is wider than a pixel: its mean over what the piece stands for, in each
+    /// Splats by the filter that is wider than a pixel: its mean over what the piece stands for, in each
     /// pixel that it reaches.
     pub(super) fn by_window(&self, piece: &Piece) -> impl Iterator<Item = Splat> {
         let &Piece { chord, range, .. } = piece;

@@ -39,7 +39,7 @@ pub(super) struct LightPicture<'a> {
     light: OneLight,
     tally: &'a Tally,
     draws: Draws<'a, 'a>,
-    /// None if the light is where the camera is: it has no slices.
+    /// Lattice of slices; `None` if the light is where the camera is.
     lattice: Option<Lattice>,
 }
 

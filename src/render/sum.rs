@@ -96,7 +96,7 @@ impl Sum {
 }
 
 impl Sum {
-    /// How noisy some blocks are; one of which nothing is known errs by all of its light.
+    /// Noise of some blocks; one of which nothing is known errs by all of its light.
     fn noise(&self, frame: &Frame, blocks: &Blocks, of: impl Iterator<Item = usize>) -> f64 {
         let block = |block: usize| {
             let window = blocks.pixels(block);

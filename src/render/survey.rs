@@ -1,6 +1,6 @@
-//! How bright the picture is, roughly, before any of it is rendered: what errors are measured against where
-//! it is dark, and which component matters most. In go a snapshot and a job, out come luminances. Invariant:
-//! the whole picture is surveyed whatever part of it is wanted, so all crops agree.
+//! Survey of a picture's brightness, before any of it is rendered: what errors are measured against where
+//! it is dark, and which component matters most. In go a snapshot and a job, out come luminances.
+//! Invariant: the whole picture is surveyed whatever part of it is wanted, so all crops agree.
 
 use super::Job;
 use crate::color::{Rgb, luminance};
@@ -19,7 +19,7 @@ pub(super) struct Survey {
     pub(super) mean: f64,
     /// The components by what they add to it, the brightest first.
     pub(super) components: Vec<Component>,
-    /// Which share of the variance that the picture may have is each component's, in the same order.
+    /// Share of each component in the variance that the picture may have, in the same order.
     pub(super) shares: Vec<f64>,
 }
 

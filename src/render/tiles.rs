@@ -60,7 +60,7 @@ impl Picture for RayPicture<'_> {
         }
     }
 
-    /// There are none: every pixel has samples of its own.
+    /// Fills none: every pixel has samples of its own.
     fn fill_holes(&self, _: &mut Film, _: &Watch) {}
 }
 

@@ -8,7 +8,7 @@ use crate::film::Frame;
 pub struct Watch<'a> {
     /// Is told now and then how far the frame is, from any thread.
     pub progress: &'a (dyn Fn(Progress) + Sync),
-    /// Once it says true the frame comes back unfinished.
+    /// Tells whether to stop; then the frame comes back unfinished.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
     /// Is shown the picture so far whenever a round is done.
     pub look: Option<&'a (dyn Fn(&Frame) + Sync)>,
@@ -40,18 +40,18 @@ impl Watch<'_> {
     }
 }
 
-/// How far a frame is.
+/// Progress of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// How much of the work is done, as far as one can tell, `0..=1`.
+    /// Share of the work that is done, as far as one can tell, `0..=1`.
     pub fraction: f64,
-    /// With a tolerance, the largest relative error that some block of pixels is estimated to have.
+    /// Largest relative error that some block of pixels is estimated to have, if there is a tolerance.
     pub error: Option<f64>,
 }
 
 impl Progress {
-    /// So far, with such an error.
+    /// Progress so far, with such an error.
     pub fn new(fraction: f64, error: Option<f64>) -> Self {
         Self { fraction, error }
     }
