@@ -12,7 +12,7 @@ pub const BLOCK_SIDE: usize = 8;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Blocks {
     full: Size,
-    /// In blocks, from the picture's corner.
+    /// Columns in blocks, from the picture's corner.
     columns: Range<usize>,
     rows: Range<usize>,
 }
@@ -24,7 +24,7 @@ impl Blocks {
         Self { full, columns: blocks(window.x, window.width), rows: blocks(window.y, window.height) }
     }
 
-    /// These and the blocks next to them, as far as there is a picture.
+    /// Blocks with those next to them, as far as there is a picture.
     pub fn with_neighbours(&self) -> Self {
         let grown = |blocks: &Range<usize>, pixels: usize| {
             blocks.start.saturating_sub(1)..(blocks.end + 1).min(pixels.div_ceil(BLOCK_SIDE))
@@ -33,7 +33,7 @@ impl Blocks {
         Self { full: *full, columns: grown(columns, full.width), rows: grown(rows, full.height) }
     }
 
-    /// How many there are.
+    /// Number of blocks.
     pub fn count(&self) -> usize {
         self.columns.len() * self.rows.len()
     }
@@ -68,7 +68,7 @@ impl Blocks {
         })
     }
 
-    /// From the picture's corner, in blocks.
+    /// Column and row in blocks, from the picture's corner.
     fn place(&self, block: usize) -> (usize, usize) {
         let width = self.columns.len();
         (self.columns.start + block % width, self.rows.start + block / width)

@@ -1,6 +1,6 @@
-//! How bright a picture is to those who look at it. In goes a frame, out come the exposure with which
-//! a display shows it well, and whether next to nothing of it is seen. Invariant: only beauty and
-//! alpha are looked at.
+//! Brightness of a picture to those who look at it. In goes a frame, out come the exposure with which a
+//! display shows it well, and whether next to nothing of it is seen. Invariant: only beauty and alpha are
+//! looked at.
 
 use super::Frame;
 use crate::color::{Rgb, luminance};
@@ -34,9 +34,9 @@ pub struct Dark {
 }
 
 impl Frame {
-    /// By how many powers of two a display should brighten the picture: 0 for most, in steps of a half. The
-    /// average is that of logarithms (Reinhard et al. 2002, "Photographic Tone Reproduction for Digital
-    /// Images", equation 1), over the pixels that show light.
+    /// Exposure in powers of two with which a display should show the picture: 0 for most, in steps of a
+    /// half. The average is that of logarithms (Reinhard et al. 2002, "Photographic Tone Reproduction for
+    /// Digital Images", equation 1), over the pixels that show light.
     pub fn auto_exposure_stops(&self) -> f64 {
         let mut lit: Vec<f64> = self.luminances().into_iter().filter(|light| *light > 0.0).collect();
         lit.sort_unstable_by(f64::total_cmp);

@@ -1,6 +1,6 @@
-//! How far a picture still is from the truth, judged by its own samples. In goes a film whose samples came in
-//! two halves. Out comes a variance for each pixel and each block of pixels. Invariant: a block is judged by
-//! its own pixels alone, and by all of them together. A pixel's two halves may agree by chance.
+//! Error estimates of a picture from its own samples. In goes a film whose samples came in two halves. Out
+//! comes a variance for each pixel and each block of pixels. Invariant: a block is judged by its own
+//! pixels alone, and by all of them together. A pixel's two halves may agree by chance.
 
 use super::Film;
 use crate::color::{Rgb, luminance};
@@ -8,7 +8,7 @@ use crate::color::{Rgb, luminance};
 /// Estimate of a pixel by its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelEstimate {
-    /// Its luminance.
+    /// Luminance.
     pub luminance: f64,
     /// Squared standard error of its colour: the mean over the channels, weighed as luminance weighs them. So
     /// it is that of the luminance where all channels err alike, and more where they do not: an error of the

@@ -6,10 +6,10 @@ use std::array;
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
-/// How wide the window is, pixels: as Blender has it unless told otherwise.
+/// Width of the window, pixels: as Blender has it unless told otherwise.
 const WIDTH_PX: f64 = 1.5;
 
-/// Its terms of 0 to 3 waves (Harris 1978, "On the use of windows for harmonic analysis with the discrete
+/// Terms of 0 to 3 waves (Harris 1978, "On the use of windows for harmonic analysis with the discrete
 /// Fourier transform", table 1, four terms, minimum).
 const TERMS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 
@@ -26,8 +26,8 @@ pub fn weight(distance_px: f64) -> f64 {
     if at >= ENTRIES as f64 { 0.0 } else { between(TABLE.as_slice(), at) }
 }
 
-/// How far from the pixel's centre a sample lies that is drawn as [`weight`] is dense,
-/// for a number in `0..1`.
+/// Offset from the pixel's centre of a sample that is drawn with the density of [`weight`], for a number
+/// in `0..1`.
 pub fn offset_px(number: f64) -> f64 {
     static TABLE: LazyLock<[f64; ENTRIES + 2]> =
         LazyLock::new(|| array::from_fn(|entry| where_sum_is(entry as f64 / ENTRIES as f64)));
@@ -47,7 +47,7 @@ fn window(distance_px: f64) -> f64 {
     (TERMS[0] + waves.sum::<f64>()) / (TERMS[0] * WIDTH_PX)
 }
 
-/// How much of the [`window`] lies to one side of a place.
+/// Integral of the [`window`] to one side of a place.
 fn sum(distance_px: f64) -> f64 {
     let turn = TAU / WIDTH_PX * distance_px;
     let waves = (1..).zip(&TERMS[1..]).map(|(times, term)| {

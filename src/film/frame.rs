@@ -25,7 +25,7 @@ pub struct Frame {
 pub struct Channel {
     /// Name as in the file, such as `R` or `Normal.X`.
     pub name: String,
-    /// How a file stores it.
+    /// Precision in a file.
     pub precision: Precision,
     /// Values row by row from the top of the window, not yet rounded to `precision`.
     pub pixels: Vec<f32>,
@@ -50,7 +50,7 @@ pub struct FrameDefects {
     pub clamped: DefectCount,
 }
 
-/// How often something is wrong, and where first.
+/// Number of one kind's defects, and the first place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DefectCount {
     /// Values concerned, over all channels.

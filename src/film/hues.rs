@@ -42,7 +42,7 @@ impl HueSums {
         self.add(&Self { hue: weight * hue, plain, hued, plain_shafts, hued_shafts });
     }
 
-    /// These without some of them.
+    /// Difference of sums.
     pub(super) fn without(&self, part: &Self) -> Self {
         Self {
             hue: self.hue - part.hue,

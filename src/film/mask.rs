@@ -1,4 +1,4 @@
-//! Which pixels of a picture want samples. Invariant: pixels outside the window never do.
+//! Mask of pixels that want samples. Invariant: pixels outside the window never do.
 
 use super::BLOCK_SIDE;
 use crate::scene::{Size, Window};
@@ -39,7 +39,7 @@ impl Mask {
         Self { window, wanted: wanted.collect(), blocks, is_inhabited }
     }
 
-    /// They and the pixels next to them, as far as the picture reaches.
+    /// Mask with the pixels next to it, as far as the picture reaches.
     pub fn with_rim(&self, full: Size) -> Self {
         if self.window == Window::whole(full) && self.wanted.iter().all(|wanted| *wanted) {
             return self.clone();
@@ -49,7 +49,7 @@ impl Mask {
         })
     }
 
-    /// How many there are.
+    /// Number of pixels.
     pub fn count(&self) -> usize {
         self.wanted.iter().filter(|wanted| **wanted).count()
     }

@@ -46,13 +46,13 @@ pub struct Film {
     sums: Vec<f64>,
     /// Sums of the fresh half of a pixel's samples: weight, and weighted red, green and blue.
     fresh: Vec<[f64; 4]>,
-    /// How far from the pixel's centre its nearest sample lies.
+    /// Distance of its nearest sample from a pixel's centre.
     nearest_distances_px: Vec<f32>,
     /// Values of that sample: the channels of the other passes, pixel by pixel.
     nearest_values: Vec<f32>,
     /// Sums of hues of each pixel's samples, all of them and the fresh half; empty if the light has none.
     hues: Vec<[HueSums; 2]>,
-    /// Which objects cover each pixel; empty unless somebody asks.
+    /// Objects that cover each pixel; empty unless somebody asks.
     mattes: Vec<MatteList>,
 }
 

@@ -16,7 +16,7 @@ pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 /// hues and its mattes.
 pub(super) const MOST_CHANNELS: usize = BEAUTY.len() + 4 * Pass::ALL.len() + hues::PACKED + mattes::PACKED;
 
-/// Which passes a film keeps, by the rule that makes pixels of samples.
+/// Passes that a film keeps, by the rule that makes pixels of samples.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct KeptPasses {
     pub(super) mean: Vec<Pass>,
@@ -90,14 +90,14 @@ pub struct Splats {
     values: Vec<f32>,
 }
 
-/// Where a sample goes, and how much it counts there.
+/// Place that a sample goes to, with its weight there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SplatPlace {
     pub(super) weight: f64,
     /// Counted within the film's window.
     pub(super) pixel: u32,
     pub(super) from_centre_px: f32,
-    /// Which of the samples it is.
+    /// Number of the sample.
     pub(super) sample: u32,
 }
 
@@ -106,14 +106,14 @@ pub(super) struct SplatPlace {
 pub struct Splat {
     /// Column and row, y downwards.
     pub pixel: (usize, usize),
-    /// Its share of the pixel in any unit, such as the area that it stands for, 0 or more.
+    /// Share of the pixel in any unit, such as the area that it stands for, 0 or more.
     pub weight: f64,
-    /// How far from the pixel's centre: data passes show the nearest sample, of equal ones the first.
+    /// Distance from the pixel's centre: data passes show the nearest sample, of equal ones the first.
     pub from_centre_px: f64,
 }
 
 impl Splat {
-    /// Where a sample of that number goes; `None` outside of the window.
+    /// Place of a sample of that number; `None` outside of the window.
     pub(super) fn place(&self, window: Window, sample: u32) -> Option<SplatPlace> {
         let pixel = window.index(self.pixel.0, self.pixel.1)? as u32;
         Some(SplatPlace { weight: self.weight, pixel, from_centre_px: self.from_centre_px as f32, sample })

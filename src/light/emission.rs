@@ -1,6 +1,6 @@
-//! How a light without extent spreads its intensity over directions, and where a ray enters and
-//! leaves what it lights. Invariant: between the crossings named here the share that reaches a ray is
-//! either nothing all along, or smooth.
+//! Emission of a light without extent: the share of its intensity in each direction, and where a ray
+//! enters and leaves what it lights. Invariant: between the crossings named here the share that reaches a
+//! ray is either nothing all along, or smooth.
 
 use crate::math::Ray;
 use glam::DVec3;
@@ -13,8 +13,8 @@ pub enum Emission {
     Even,
     /// Within a soft-edged cone.
     Spot(Cone),
-    /// From one side of a flat piece of surface of the same radiance everywhere: the cosine of the
-    /// angle to its normal (Lambert).
+    /// One side of a flat piece of surface of uniform radiance: the cosine of the angle to its normal
+    /// (Lambert).
     Flat {
         /// Unit vector, to the side that shines.
         normal: DVec3,
@@ -57,7 +57,7 @@ impl Emission {
         along * axis + (1.0 - along * along).max(0.0).sqrt() * (cos * right + sin * up)
     }
 
-    /// How densely [`Emission::pick`] picks it, 1/sr.
+    /// Probability density of [`Emission::pick`], 1/sr.
     pub fn picked(&self, away: DVec3) -> f64 {
         match self {
             Self::Even => 1.0 / (2.0 * TAU),
@@ -109,7 +109,7 @@ impl Cone {
         x * x * (3.0 - 2.0 * x)
     }
 
-    /// Where a ray crosses the double cone of another angle about the same axis, in order.
+    /// Crossings of a ray with the double cone of another angle about the same axis, in order.
     ///
     /// With `x(t) = ray.at(t) - apex` its surface is `(x . axis)^2 = cos^2 |x|^2`, a quadratic in `t`.
     fn crossings(&self, cos: f64, ray: &Ray, apex: DVec3) -> [Option<f64>; 2] {

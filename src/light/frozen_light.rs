@@ -12,31 +12,31 @@ pub enum FrozenLight {
     Sun {
         /// Unit vector towards the sun.
         to_light: DVec3,
-        /// On a perpendicular plane, W/m^2.
+        /// Irradiance on a perpendicular plane, W/m^2.
         irradiance: Rgb,
     },
     /// Light from a point, perhaps not the same in all directions.
     Point {
-        /// Where, relative to the camera.
+        /// Position relative to the camera.
         position: DVec3,
-        /// Where it is greatest, W/sr.
+        /// Largest intensity, W/sr.
         intensity: Rgb,
-        /// Which share of it goes where.
+        /// Share of the intensity by direction.
         emission: Emission,
     },
 }
 
-/// Where light comes from, in relative space.
+/// Place of a light, in relative space.
 #[derive(Clone, Copy, Debug)]
 pub enum LightPlace {
-    /// From infinitely far away; unit vector towards the light.
+    /// Infinitely far away; unit vector towards the light.
     Towards(DVec3),
-    /// From a point.
+    /// A point.
     At(DVec3),
 }
 
 impl FrozenLight {
-    /// Where its light comes from.
+    /// Place of the light.
     pub fn place(&self) -> LightPlace {
         match *self {
             Self::Sun { to_light, .. } => LightPlace::Towards(to_light),

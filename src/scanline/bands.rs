@@ -44,9 +44,9 @@ struct SeenMesh {
 
 /// One sample of every pixel.
 pub(super) struct Lattice {
-    /// From the pixel's upper left corner.
+    /// Offset from the pixel's upper left corner.
     pub(super) offset: DVec2,
-    /// In the picture's plane, column by column and row by row.
+    /// Coordinates in the picture's plane, column by column and row by row.
     x: Vec<f64>,
     y: Vec<f64>,
 }
@@ -54,7 +54,7 @@ pub(super) struct Lattice {
 /// A triangle in the picture.
 pub(super) struct Member {
     pub(super) primitive: PrimitiveId,
-    /// Which of its mesh's vertices.
+    /// Vertices of its mesh.
     corners: [u32; 3],
     /// First row of pixels that it may cover, and the one behind the last.
     rows: [u32; 2],

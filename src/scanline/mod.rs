@@ -20,12 +20,12 @@ use glam::DVec2;
 use rayon::prelude::*;
 use shade::Shader;
 
-/// Where the samples of a pixel lie, from its upper left corner: a turned square, so that edges near the
+/// Offsets of a pixel's samples from its upper left corner: a turned square, so that edges near the
 /// horizontal and near the vertical get all their steps.
 const ROTATED_GRID: [DVec2; 4] =
     [DVec2::new(0.375, 0.125), DVec2::new(0.875, 0.375), DVec2::new(0.125, 0.625), DVec2::new(0.625, 0.875)];
 
-/// Where rays through pixels' centres go.
+/// Offset of rays through pixels' centres.
 const CENTRES: [DVec2; 1] = [DVec2::splat(0.5)];
 
 /// Draws a whole picture: `R`, `G`, `B` and `A`, linear. Works on the current rayon pool.

@@ -1,6 +1,6 @@
-//! From relative space to the picture, without dividing. Invariant: what a perspective camera sees at
-//! a place (x, y) of its picture lies along (x, y, 1) in the space used here. Nothing is clipped, not
-//! even behind the eye.
+//! Projection from relative space to the picture, without dividing. Invariant: what a perspective camera
+//! sees at a place (x, y) of its picture lies along (x, y, 1) in the space used here. Nothing is clipped,
+//! not even behind the eye.
 
 use crate::scene::Size;
 use crate::snapshot::View;
@@ -27,7 +27,7 @@ pub(super) struct Vertex {
     pub(super) place: DVec3,
     /// Along the view axis, metres.
     pub(super) depth: f64,
-    /// Where it is seen, or where the picture ends in that direction; of a point before the eye.
+    /// Pixel where it is seen, or where the picture ends in that direction; of a point before the eye.
     pixels: DVec2,
     /// A bit for each of the picture's sides that it lies beyond, and one for behind the eye: what has all
     /// its vertices beyond the same one is not seen (the outcodes of Cohen and Sutherland).
@@ -72,7 +72,7 @@ impl Projection {
         Vertex { place, depth, pixels: self.pixels_within(place), beyond }
     }
 
-    /// Where a point before the eye is seen, within the picture.
+    /// Pixel of a point before the eye, clamped to the picture.
     fn pixels_within(&self, place: DVec3) -> DVec2 {
         let in_plane = place.truncate() / place.z;
         self.pixels(in_plane.clamp(self.middle - self.half, self.middle + self.half))

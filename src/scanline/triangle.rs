@@ -7,8 +7,8 @@ use glam::DVec3;
 
 /// A triangle, ready to be asked about places of the picture.
 pub(super) struct EdgeForms {
-    /// With the place as `d = (x, y, 1)`, `d . edges[i]` has the weight of vertex i: all three have the sign
-    /// of their sum where the triangle is, in front of the eye. Positive inside.
+    /// Edge functions: with the place as `d = (x, y, 1)`, `d . edges[i]` has the weight of vertex i. All
+    /// three have the sign of their sum where the triangle is, in front of the eye. Positive inside.
     edges: [DVec3; 3],
     depths: [f64; 3],
 }
@@ -34,7 +34,7 @@ impl EdgeForms {
         }
     }
 
-    /// On the places of one height in the picture's plane.
+    /// Edge forms on the places of one height in the picture's plane.
     #[inline]
     pub(super) fn at_height(&self, y: f64) -> Line<'_> {
         let [a, b, c] = &self.edges;

@@ -43,25 +43,25 @@ pub enum Event {
     FrameProgress {
         /// The frame.
         frame: i64,
-        /// How much of it, and how good it is.
+        /// Progress and error so far.
         progress: Progress,
     },
-    /// It took longer than it may; what there was of it before stays.
+    /// It took longer than it may; its earlier file stays.
     FrameGivenUp {
         /// The frame.
         frame: i64,
-        /// How long it was rendered, seconds.
+        /// Time that it was rendered for, seconds.
         seconds: f64,
     },
     /// It is on the disk.
     FrameWritten {
         /// The frame.
         frame: i64,
-        /// Where.
+        /// Path.
         path: PathBuf,
-        /// How long it took to render, seconds.
+        /// Time of rendering, seconds.
         seconds: f64,
-        /// How long it took to encode and write, seconds.
+        /// Time of encoding and writing, seconds.
         write_seconds: f64,
         /// Values that were too large for half precision and stored as the largest half.
         clamped: usize,
@@ -96,9 +96,9 @@ pub struct Summary {
     pub given_up: Vec<i64>,
     /// Frames not reached because the run was stopped.
     pub not_reached: usize,
-    /// How long the run took, seconds.
+    /// Time of the run, seconds.
     pub seconds: f64,
-    /// Where the frames are.
+    /// Folder of the frames.
     pub folder: PathBuf,
     /// True if a signal ended the run early.
     pub stopped: bool,

@@ -13,7 +13,7 @@ use crate::diagnostic::{Diagnostic, Place};
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-/// More than anybody renders in one run: two days of film at 24 frames a second would be four times as many.
+/// Maximum number of frames: two days of film at 24 frames a second would be four times as many.
 const MOST_FRAMES: usize = 1_000_000;
 
 /// Frames in the order in which they are rendered.

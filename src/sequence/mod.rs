@@ -1,6 +1,7 @@
-//! Which frames are rendered, where they go and what becomes of those that are there already. In go a
-//! [`FrameList`], an [`OutputPattern`] and a way to render a frame; out come files, [`Event`]s and a
-//! [`Summary`]. Invariant: whatever happens, and whenever, the output folder holds whole frames only.
+//! Sequences of frames: which are rendered, where they go and what becomes of those that are there
+//! already. In go a [`FrameList`], an [`OutputPattern`] and a way to render a frame; out come files,
+//! [`Event`]s and a [`Summary`]. Invariant: whatever happens, and whenever, the output folder holds whole
+//! frames only.
 
 mod event;
 mod frame_list;

@@ -17,7 +17,7 @@ use crate::diagnostic::{Diagnostic, Place, shown};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-/// Where the frames of a sequence go.
+/// Pattern of the paths of a sequence's frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputPattern {
     folder: PathBuf,
@@ -28,7 +28,7 @@ pub struct OutputPattern {
 }
 
 impl OutputPattern {
-    /// Where frames go when nothing is said.
+    /// Pattern when nothing is said.
     pub fn default_for(sequence_name: &str) -> Self {
         Self::in_folder(Path::new("out").join(sequence_name), sequence_name, "exr")
     }

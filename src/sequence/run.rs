@@ -28,11 +28,11 @@ pub enum Skip {
 /// Task of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Job<'a> {
-    /// Which frames.
+    /// Frames.
     pub frames: &'a FrameList,
-    /// Where they go.
+    /// Pattern of their paths.
     pub output: &'a OutputPattern,
-    /// Which of them need no rendering.
+    /// Frames that need no rendering.
     pub skip: Skip,
     /// Writes a PNG beside each frame, shown so; of frames that are kept, from their files.
     pub preview: Option<Display>,
@@ -56,7 +56,7 @@ pub enum SequenceError<E> {
     Defective {
         /// The frame.
         frame: i64,
-        /// How many, and where first.
+        /// Defects: how many, and where first.
         defects: FrameDefects,
     },
     /// A frame could not be written.
@@ -128,7 +128,7 @@ struct FrameLoop<'a> {
 }
 
 impl FrameLoop<'_> {
-    /// Once it is over, the writer gets no more.
+    /// Renders all frames; once this is over, the writer gets no more.
     fn render_all<E>(
         self,
         provenance: impl Fn(i64) -> Provenance,
