@@ -35,7 +35,7 @@ const MOST_IN_ALL: f64 = 16e6;
 
 /// Clumping index of leaves, by node.
 pub(crate) struct Clumping {
-    /// None where cells are too small for clumps.
+    /// Clumping index by node; none where cells are too small for clumps.
     indices: Vec<f32>,
     bounces: Bounces,
 }
@@ -129,9 +129,9 @@ impl Columns {
         &self.areas_m2[(3 * node + axis) * count..][..count]
     }
 
-    /// Which share of light they stop, along each axis, and the mean optical depth of their leaves. A clump
-    /// may be longer than a cell, so columns reach into the next cells. Leaves that lie on the ground are no
-    /// clump: from the side next to nothing of them is seen.
+    /// Share of light that they stop, along each axis, and the mean optical depth of their leaves. A clump
+    /// may be longer than a cell, so columns reach into the next cells. Leaves that lie on the ground are
+    /// no clump: from the side next to nothing of them is seen.
     fn of_node(&self, grid: &Grid, node: usize) -> ([f32; 3], [f32; 3]) {
         let (cell, strides) = (grid.cell_of(node), grid.strides());
         let count = self.across * self.across;

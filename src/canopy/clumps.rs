@@ -24,7 +24,7 @@ pub(crate) struct Clump {
 }
 
 impl Clump {
-    /// None: of a leaf by itself.
+    /// No clump: a leaf by itself.
     pub(crate) const NONE: Self = Self { index: 1.0, given: Rgb::ZERO };
 }
 

@@ -47,7 +47,7 @@ pub(crate) fn scatters_ahead(medium: &Medium) -> bool {
 
 pub(crate) struct DeltaScaledFog<'a> {
     medium: &'a Medium,
-    /// Its origin, in world space.
+    /// Origin in world space.
     pub(crate) eye: DVec3,
     /// Extinction of light on its way from order to order.
     pub(crate) dimming: Medium,

@@ -10,7 +10,8 @@ use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// So many rays of a sun are side by side in their order, and light fog as one where they have not ended.
+/// Number of a sun's rays that are side by side in their order, and light fog as one where they have not
+/// ended.
 pub(crate) const BUNDLE: usize = 4;
 /// Rays of a sun that go through a cell, along each side.
 const RAYS_PER_CELL: f64 = 8.0;
@@ -22,7 +23,7 @@ const LAMP_RAYS: usize = 40_000;
 /// A ray that carries power.
 pub(crate) struct PowerRay {
     pub(crate) ray: Ray,
-    /// Before any fog, W.
+    /// Power before any fog, W.
     pub(crate) power: Rgb,
     /// Optical depth before its start, of what dims it and of all fog.
     pub(crate) depths: [Rgb; 2],

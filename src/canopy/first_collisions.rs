@@ -26,13 +26,13 @@ use std::f64::consts::FRAC_1_PI;
 /// Groups of rays whose sums are added up in order.
 const CHUNKS: usize = 8;
 
-/// From so far away from a leaf, in cells, comes what it scatters: its area is spread over as much to either
-/// side, and its lit side is not to light the other.
+/// Distance from a leaf, in cells, at which its scattered light begins: its area is spread over as much to
+/// either side, and its lit side is not to light the other.
 const AWAY: f64 = 0.8;
 
 /// Collisions of a group of rays.
 struct Left {
-    /// In fog.
+    /// Fluence in fog.
     fluence: Fluence,
     /// Sources that leaves make of it.
     scattered: NodeMoments,
@@ -44,7 +44,7 @@ struct Left {
 
 /// Sources of all first collisions.
 pub(crate) struct Found {
-    /// By harmonics: of leaves and fog.
+    /// Sources by harmonics, of leaves and fog.
     pub(crate) sources: Moments,
     /// Sources of suns in fog beyond that.
     pub(crate) beams: Vec<BeamSource>,
@@ -176,7 +176,7 @@ impl FirstCollisions<'_> {
 
     /// One over the volume that each node stands for, 1/m^3: walls cut pieces off cells.
     fn per_volume(&self) -> Vec<f32> {
-        /// As a share of a cell: of less there is too little light to go by.
+        /// Minimum share of a cell: in less there is too little light to go by.
         const LEAST: f32 = 0.1;
         let per_cell = (1.0 / self.cut.grid.cell_volume()) as f32;
         let shares = self.cut.occluders.shares(self.cut.grid).into_iter();
@@ -371,8 +371,8 @@ fn add_on_leaves(groups: &[Left], found: &mut Found) {
     }
 }
 
-/// How often light was scattered that was scattered at all, of which there is so much of `all`: a Poisson
-/// process (van de Hulst 1980, "Multiple Light Scattering").
+/// Mean number of scatterings of light that was scattered at all, of which there is `peak` in `all`: a
+/// Poisson process (van de Hulst 1980, "Multiple Light Scattering").
 pub(crate) fn mean_times(peak: f32, all: f32) -> f32 {
     let share = if all > 0.0 { (peak / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
     let depth = -(1.0 - share).ln();

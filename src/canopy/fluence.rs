@@ -15,12 +15,12 @@ pub(crate) struct Peak {
     pub(crate) travel: DVec3,
     /// Irradiance on a plane that faces it, W/m^2.
     pub(crate) irradiance: Rgb,
-    /// How often it was scattered, on the mean; at least once.
+    /// Mean number of scatterings; at least one.
     pub(crate) times: f64,
 }
 
 impl Peak {
-    /// On the way to another one of the same sun.
+    /// Interpolation towards another one of the same sun.
     pub(crate) fn lerp(&self, other: &Self, share: f64) -> Self {
         let times = self.times + share * (other.times - self.times);
         Self { irradiance: self.irradiance.lerp(other.irradiance, share), times, ..*self }
@@ -69,7 +69,7 @@ impl Fluence {
         self.values.chunks_exact(OF_BEAM).map(move |node| node[3 + channel])
     }
 
-    /// By node; of one direction alone there is one harmonic.
+    /// Fluence by node; of one direction alone there is one harmonic.
     pub(crate) fn of(&self, channel: usize, index: usize) -> impl Iterator<Item = f32> {
         let (per_node, place) = match self.harmonics {
             1 => (OF_BEAM, channel),

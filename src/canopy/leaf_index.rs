@@ -10,7 +10,7 @@ const NO_LEAF: u32 = u32::MAX;
 /// Leaves, and where they are found.
 pub(crate) struct LeafIndex {
     all: Vec<Leaf>,
-    /// Where the parts of each mesh begin in `leaf_of`, by the number that it has at all moments; of the
+    /// Start of each mesh's parts in `leaf_of`, by the number that the mesh has at all moments; of the
     /// last they end with it.
     starts: Vec<u32>,
     leaf_of: Vec<u32>,

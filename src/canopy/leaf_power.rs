@@ -8,10 +8,11 @@ use crate::ordinates::grid::Corners;
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use glam::DVec3;
 
-/// From so far before a lit side, in roots of its area, comes what it scatters back: no leaf stands between
-/// it and its light, so what is next to that way gets out. The mean way of a cosine out of a leaf's shadow,
-/// `8 r / 3 pi` across it, is .75 where light comes straight, and .6 on the mean of all slants. In canopies
-/// that is the hot spot (Kuusk 1991, "The hot spot effect in plant canopy reflectance").
+/// Distance before a lit side, in roots of its area, from which backscattered light starts: no leaf stands
+/// between the side and its light, so light next to that way gets out. The mean way of a cosine out of a
+/// leaf's shadow, `8 r / 3 pi` across it, is .75 where light comes straight, and .6 on the mean of all
+/// slants. In canopies that is the hot spot (Kuusk 1991, "The hot spot effect in plant canopy
+/// reflectance").
 const WAY_OUT: f64 = 0.6;
 
 /// Power that meets a leaf, W.
@@ -22,7 +23,7 @@ pub(crate) struct LeafHit {
 }
 
 impl LeafHit {
-    /// On the side that a leaf's normal shows, 0, or on its other side, 1.
+    /// Power on the side that a leaf's normal shows, 0, or on its other side, 1.
     pub(crate) fn new(leaf: usize, side: usize, power: Rgb) -> Self {
         Self { leaf: leaf as u32, side: side as u8, power: power.to_array().map(|value| value as f32) }
     }

@@ -28,10 +28,10 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// So many leaves are looked at before what they scatter is added up.
+/// Number of leaves that are looked at before their scattered light is added up.
 const AT_ONCE: usize = 1 << 14;
 
-/// How light goes from node to node near its source.
+/// Transport of light from node to node near its source.
 pub(crate) struct SelfInteraction {
     responses: Vec<Response>,
     per_volume: f64,
@@ -44,7 +44,7 @@ pub(crate) struct Alone<'a> {
     leaf: &'a Leaf,
     /// Power of first light and emission that leaves its sides, W.
     scattered: [Scattered; 2],
-    /// For each side the nodes that stand for it, and for what it scatters back of first light.
+    /// Nodes that stand for each side, and for its backscattered first light.
     pub(crate) nodes: [[Corners; 2]; 2],
     /// Steps between them; first by the side that sees.
     near: [[[f32; NEAR]; 3]; 2],

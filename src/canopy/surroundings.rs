@@ -18,12 +18,12 @@ use std::collections::HashMap;
 /// A piece of a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surfel {
-    /// In world space.
+    /// Position in world space.
     pub(crate) position: DVec3,
     pub(crate) normal: DVec3,
     /// m^2.
     pub(crate) area: f64,
-    /// Which share of it the part itself does not hide: of a ball half, as half of it is turned away.
+    /// Share of it that the part itself does not hide: of a ball half, as half of it is turned away.
     pub(crate) exposed: f32,
     /// The number of its optics.
     optics: u32,
@@ -92,16 +92,16 @@ impl PlacedPart<'_> {
 
     /// Whether it is a board: above a window walls are narrow too, and close what is beside them.
     fn is_panel(&self, width_m: f64) -> bool {
-        /// As shares of what is wide enough by itself.
+        /// Minimum width, as a share of a width that suffices by itself.
         const NARROWEST: f64 = 0.25;
         const SHORTEST: f64 = 2.0;
-        /// As a share of its width.
+        /// Maximum thickness, as a share of the width.
         const THICKEST: f64 = 0.25;
         let is_flat = self.thickness_m <= THICKEST * self.width_m;
         is_flat && self.width_m >= NARROWEST * width_m && self.length_m >= SHORTEST * width_m
     }
 
-    /// Which share of light from all sides it does not hide from itself; a body's sides are another matter.
+    /// Share of light from all sides that it does not hide from itself; a body's sides are another matter.
     fn exposed(&self) -> f64 {
         if self.part.is_closed { 1.0 } else { self.part.exposed.max(LEAST_EXPOSED) }
     }
@@ -116,14 +116,14 @@ pub(crate) struct Leaf {
     /// The number of the mesh, and of the part among its mesh's.
     pub(crate) mesh: usize,
     pub(crate) part: usize,
-    /// In world space, of all of it.
+    /// Position of all of it, in world space.
     pub(crate) position: DVec3,
     pub(crate) normal: DVec3,
     /// Area of one side that covers, m^2.
     pub(crate) area_m2: f64,
-    /// Which share of light from all sides the leaf itself does not hide.
+    /// Share of light from all sides that the leaf itself does not hide.
     pub(crate) exposed: f64,
-    /// On its mean.
+    /// Mean optics.
     pub(crate) optics: SurfaceOptics,
 }
 
@@ -168,8 +168,8 @@ impl<'a> Surroundings<'a> {
         Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
     }
 
-    /// How wide leaves are, as the mean by their area over all parts narrower than
-    /// `widest_m`; 0 if there are fewer than `few`.
+    /// Width of leaves: the mean by their area over all parts narrower than `widest_m`; 0 if there are
+    /// fewer than `few`.
     pub(crate) fn leaf_width_m(&self, widest_m: f64, few: usize) -> f64 {
         let leaves = self.parts.iter().filter(|part| !part.is_large(widest_m));
         if leaves.clone().count() < few {
@@ -286,7 +286,8 @@ impl<'a> Surroundings<'a> {
         one_of.into_par_iter().map(mean).collect()
     }
 
-    /// At points that are spread evenly over a part: a picture of a leaf differs from place to place.
+    /// Mean optics at points that are spread evenly over a part: a picture of a leaf differs from place to
+    /// place.
     fn mean_optics(&self, leaf: &PlacedPart, points: usize) -> SurfaceOptics {
         let corners_of = |triangle: u32| Some(self.world_corners(leaf.mesh.primitive(triangle)?));
         let area_of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
@@ -311,7 +312,7 @@ impl<'a> Surroundings<'a> {
         mean.mean()
     }
 
-    /// At each place of a part.
+    /// Optics at each place of a part.
     fn optics_of_places(&self, leaf: &PlacedPart) -> impl Iterator<Item = SurfaceOptics> {
         leaf.part.places.iter().map(|place| {
             let Some(primitive) = leaf.mesh.primitive(place.triangle) else {
@@ -357,8 +358,8 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-/// How many points of a part are looked at where so many look different. A power of two: colours hardly
-/// ever change with how many there are.
+/// Number of points of a part that are looked at where so many look different. A power of two: colours
+/// hardly ever change with it.
 fn points_of_each(looks: usize) -> usize {
     let points = (MOST_POINTS / looks.max(1)).clamp(FEWEST_POINTS, POINTS);
     1 << points.ilog2()

@@ -39,7 +39,7 @@ pub(super) struct Context<'a> {
     pub(super) bounces: Bounces,
     /// Emissive surfaces as lights, where their direct light on surfaces is no part of the field.
     pub(super) glow: Option<Vec<Luminaire>>,
-    /// Once it says true, what comes is of no use.
+    /// Tells whether to stop; the result then is of no use.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 

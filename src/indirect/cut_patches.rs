@@ -10,7 +10,7 @@ use crate::snapshot::Snapshot;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// So far off a wall, in cells, rays along it start.
+/// Distance off a wall, in cells, at which rays along it start.
 const OFF_WALL: f64 = 0.02;
 /// Places that lie so far from a patch's plane, in cells, may be of another side of a thin body.
 const OFF_PLANE: f64 = 0.05;

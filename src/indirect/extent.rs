@@ -35,7 +35,7 @@ const MARGIN: f64 = 1.5;
 /// Or to the end of the world, if that is at most so many times as long: where two grids meet, light is known
 /// less well.
 const ONE_GRID: f64 = 12.0;
-/// There is another grid where the world is so many times as long as all of them.
+/// Ratio of the world's length to that of all grids above which there is another one.
 const LARGER: f64 = 1.01;
 /// The innermost grid reaches to the world's end on sides where that is nearer than this share of its longest
 /// side: walls about leaves lie within it, or well beyond its rim, where nothing cuts light off.
@@ -153,7 +153,7 @@ fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
     union(known, fog)
 }
 
-/// How far fog goes on that matters, up to an optical depth.
+/// Reach of fog that matters, up to an optical depth.
 fn reach_m(snapshot: &Snapshot, ray: &Ray, (size_m, most): (f64, f64)) -> f64 {
     let farthest = FARTHEST * size_m;
     let along = snapshot.medium.along(ray, farthest);

@@ -45,7 +45,7 @@ impl Field {
         (!levels.is_empty() || layers.is_some()).then_some(Self { levels, layers })
     }
 
-    /// How far a place counts as one of a level: all that is left, of the outermost without layers.
+    /// Weight of a level at a place: all that is left, of the outermost without layers.
     fn share(&self, number: usize, world: DVec3) -> f64 {
         let is_last = number + 1 == self.levels.len() && self.layers.is_none();
         if is_last { 1.0 } else { self.levels[number].share(world) }
@@ -138,7 +138,7 @@ impl Field {
         self.levels.iter().any(Level::is_endless)
     }
 
-    /// Its grids, the innermost first.
+    /// Grids, the innermost first.
     pub(super) fn levels(&self) -> &[Level] {
         &self.levels
     }

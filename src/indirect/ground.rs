@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// Roughness in fog's scale heights: rougher ground is no plain.
 const FLAT: f64 = 0.1;
-/// In scale heights: what is narrower is no ground.
+/// Minimum width of a ground, in scale heights.
 const NARROWEST: f64 = 6.0;
 /// Hills are so much wider than high.
 const HILL: f64 = 0.5;

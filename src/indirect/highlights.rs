@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// How much leaves a surface, and which way on the mean.
+    /// Flux that leaves a surface, and its mean direction.
     fn flux(radiances: impl Iterator<Item = (DVec3, f64, f64)>, normal: DVec3) -> DVec3 {
         radiances
             .map(|(direction, weight, radiance)| {
@@ -82,7 +82,7 @@ mod tests {
             .sum()
     }
 
-    /// By the BRDF on fine steps.
+    /// Flux by the BRDF on fine steps.
     fn exact(gloss: &Gloss, normal: DVec3, to_light: DVec3) -> DVec3 {
         const RINGS: usize = 400;
         let (across, up) = normal.any_orthonormal_pair();

@@ -17,7 +17,7 @@ const MOST: f64 = 4.0;
 /// Heights of a cell that are looked at.
 const PLACES: usize = 16;
 
-/// By row of nodes.
+/// Detail by row of nodes.
 pub(super) struct LayerDetail {
     rows: Vec<Row>,
     lowest_m: f64,
@@ -30,7 +30,7 @@ type Row = Option<FogLight>;
 impl LayerDetail {
     /// `None` where layers are not level, or change little within a cell.
     pub(super) fn new(grid: &Grid, layers: &Layers) -> Option<Self> {
-        /// In scale heights.
+        /// Size in scale heights below which a cell is small.
         const SMALL: f64 = 0.1;
         if !layers.are_level() || grid.cell_m < SMALL * layers.scale_m() {
             return None;
@@ -44,7 +44,7 @@ impl LayerDetail {
         Some(Self { rows: rows.collect(), lowest_m: low.y, cell_m: grid.cell_m })
     }
 
-    /// How much brighter fog at a place is than nodes about it tell.
+    /// Ratio of fog's brightness at a place to what nodes about it tell.
     pub(super) fn ratio(
         &self,
         layers: &Layers,

@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 /// Light on both sides of leaves.
 pub(super) struct LeafLight {
     index: LeafIndex,
-    /// By leaf that was seen: what comes to the side that its normal shows, and to the other.
+    /// Light by leaf that was seen: on the side that its normal shows, and on the other.
     sides: Vec<OnceLock<Box<[Gathered; 2]>>>,
 }
 

@@ -93,7 +93,7 @@ fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls) -> Vec<Corners> {
 }
 
 impl Level {
-    /// With what comes in from about it, and the finer grid that lies within.
+    /// Level with its incident light, and the finer grid that lies within.
     pub(super) fn new(
         grid: Grid,
         (inner, surrounding): (Option<&Grid>, Surrounding),
@@ -161,7 +161,7 @@ impl Level {
         }
     }
 
-    /// How far a place counts as one of it, where something lies about it.
+    /// Weight of the level at a place, where something lies about it.
     pub(super) fn share(&self, world: DVec3) -> f64 {
         self.grid.share(world)
     }
@@ -306,7 +306,7 @@ impl Level {
         self.grid.cell_m
     }
 
-    /// Where the grid ends, in world space.
+    /// Bounds of the grid, in world space.
     pub(super) fn volume(&self) -> (DVec3, DVec3) {
         self.grid.volume()
     }

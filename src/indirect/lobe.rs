@@ -7,7 +7,7 @@ use crate::ordinates::harmonics::{
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// From where a surface gathers light, and how evenly.
+/// Directions from which a surface gathers light, and their weights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lobe {
     /// The direction about which it does.
@@ -29,17 +29,17 @@ struct Beneath {
 }
 
 impl Lobe {
-    /// By the cosine: what a matte surface that faces `normal` gathers. Of degree 3 it makes nothing.
+    /// Lobe by the cosine, of a matte surface that faces `normal`. Of degree 3 it has nothing.
     pub(super) fn cosine(normal: DVec3) -> Self {
         let [first, second, third] = COSINE_LOBE;
         Self { axis: normal, shares: [first, second, third, 0.0, COSINE_LOBE_4], beneath: None }
     }
 
-    /// As microfacets of glTF's `alpha` reflect what comes about the mirrored direction. About it they
-    /// are as wide as a power of the cosine `s = (2 / alpha^2 - 2) / 4`, of which degree l keeps
-    /// `exp(-l^2 / 2 s)` (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq.
-    /// 27); never less than of a cosine. Even light from above a surface that faces `normal` gives pi times
-    /// its radiance, from beneath nothing.
+    /// Lobe of microfacets of glTF's `alpha` about the mirrored direction. About it they are as wide as a
+    /// power of the cosine `s = (2 / alpha^2 - 2) / 4`, of which degree l keeps `exp(-l^2 / 2 s)`
+    /// (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq. 27); never less than
+    /// of a cosine. Even light from above a surface that faces `normal` gives pi times its radiance, from
+    /// beneath nothing.
     pub(super) fn glossy(mirrored: DVec3, normal: DVec3, alpha: f64) -> Self {
         let power = 0.5 * (1.0 / (alpha * alpha) - 1.0);
         let kept = |degree: f64| PI * (-0.5 * degree * degree / power).exp();
@@ -63,7 +63,7 @@ impl Lobe {
         Self { beneath: Some(Beneath { normal, share: beneath / PI }), ..self }
     }
 
-    /// Which way the surface faces that it is of.
+    /// Normal of the surface that it is of.
     pub(super) fn normal(&self) -> DVec3 {
         self.beneath.map_or(self.axis, |beneath| beneath.normal)
     }
@@ -106,8 +106,7 @@ impl Lobe {
         std::array::from_fn(|index| (all[index] - share * on_back[index]) / (1.0 - share))
     }
 
-    /// How much of light that goes straight along `travel` it gathers, as a share of its irradiance on what
-    /// faces it.
+    /// Weight of light that goes straight along `travel`, as a share of its irradiance on what faces it.
     pub(super) fn of_peak(&self, travel: DVec3) -> f64 {
         (-travel.dot(self.axis)).max(0.0)
     }

@@ -48,7 +48,7 @@ pub use kept::KeptLight;
 pub struct Indirect {
     solved: Arc<Solved>,
     fog: Option<ViewedFog>,
-    /// After one bounce less, where that is asked for.
+    /// Light after one bounce less, where that is asked for.
     once_less: Option<Box<Self>>,
 }
 
@@ -96,13 +96,13 @@ impl Indirect {
         self.solved.has_glow
     }
 
-    /// Which share of a surface's shine is to be found by rays: harmonics are too wide for what stands near.
+    /// Share of a surface's shine that rays are to find: harmonics are too wide for what stands near.
     pub fn share_of_rays(point: &SurfacePoint) -> f64 {
-        /// From hardly seen to seen: between the two both ways count.
+        /// Share of shine from hardly seen to seen: between the two both ways count.
         const SEEN: Range<f64> = 0.05..0.1;
         /// Widths of coats, by glTF's `alpha`: from narrow to as blurred as harmonics are.
         const BLURRED: Range<f64> = 0.1..0.2;
-        /// From where shine is the most that is seen it is found by rays however blurred it is.
+        /// Share from which shine is the most that is seen, and found by rays however blurred it is.
         const MOST: Range<f64> = 0.3..0.5;
         let share =
             |range: Range<f64>, of: f64| ((of - range.start) / (range.end - range.start)).clamp(0.0, 1.0);

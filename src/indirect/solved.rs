@@ -22,7 +22,7 @@ pub(super) struct Solved {
     pub(super) has_sky: bool,
     /// Whether what surfaces get straight from what glows is in it; else they look for it by rays.
     pub(super) has_glow: bool,
-    /// After one bounce less, where that is asked for.
+    /// Light after one bounce less, where that is asked for.
     pub(super) once_less: Option<Arc<Self>>,
 }
 

@@ -16,14 +16,14 @@ use glam::{DQuat, DVec3};
 const LAYERS: usize = 48;
 /// The topmost is halved so often: fog that thins out has no top.
 const HALVINGS: usize = 6;
-/// Where no ground ends it, fog is known to this optical depth; beneath that it is as deep as it is.
+/// Optical depth to which fog is known where no ground ends it; beneath that it is as deep as it is.
 const DEEPEST: f64 = 6.0;
-/// In scale heights: so far above the ground no fog is left.
+/// Height above the ground where no fog is left, in scale heights.
 const HIGHEST: f64 = 2e3;
 /// Banks thin out the same way if their directions differ by so little.
 const SAME: f64 = 1e-9;
 
-/// Where levels are.
+/// Heights of levels.
 pub(super) struct Heights {
     /// +Y is where fog is thinner.
     pub(super) layers_from_world: DQuat,
@@ -31,7 +31,7 @@ pub(super) struct Heights {
     has_ground: bool,
     /// Extinction of all channels, 1/m, by level.
     extinctions_per_m: Vec<f64>,
-    /// From the top down, along `up` from the world's origin, metres.
+    /// Heights from the top down, along `up` from the world's origin, metres.
     heights_m: Vec<f64>,
     /// Metres over which fog changes most.
     pub(super) scale_m: f64,
@@ -136,7 +136,7 @@ impl Heights {
         Rgb::new(of_channel(0), of_channel(1), of_channel(2))
     }
 
-    /// With fog, and what suns shine through it.
+    /// Layers with fog, and the suns that shine through it.
     pub(super) fn filled(&self, snapshot: &Snapshot, bounces: Bounces) -> Filled {
         let medium = snapshot.medium.without_bounds();
         let has_peaks = bounces != Bounces::All;
@@ -182,7 +182,7 @@ impl Heights {
     }
 }
 
-/// As shares; nothing where there is nothing.
+/// Ratio by channel; nothing where there is nothing.
 fn per(color: Rgb, extinction: Rgb) -> Rgb {
     let share =
         |channel: usize| if extinction[channel] > 0.0 { color[channel] / extinction[channel] } else { 0.0 };

@@ -14,7 +14,7 @@ pub(super) struct Towards {
     pub(super) third: [f64; COUNT],
     pub(super) fourth: [f64; COUNT],
     pub(super) high: [f64; HIGH],
-    /// As layers turn them, where there are such.
+    /// Harmonics as layers turn them, where there are layers.
     pub(super) in_layers: Option<Box<Harmonics>>,
 }
 

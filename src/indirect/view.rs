@@ -14,10 +14,10 @@ use rayon::prelude::*;
 
 /// Rays across the picture.
 const COLUMNS: usize = 48;
-/// Most steps of one through the innermost grid, and before and beyond that one.
+/// Maximum number of steps of one through the innermost grid, and before and beyond that one.
 const MOST_STEPS: usize = 160;
 const FAR_STEPS: usize = 48;
-/// Before the innermost grid the first step is so many of its cells long.
+/// Length of the first step before the innermost grid, in its cells.
 const FIRST_CELLS: f64 = 0.5;
 
 /// Prefix sums along a coarse grid of camera rays.
@@ -29,7 +29,7 @@ pub(super) struct ViewedFog {
     columns: usize,
     rows: usize,
     depths: Depths,
-    /// By ray, then by step.
+    /// Sums by ray, then by step.
     sums: Vec<Seen>,
 }
 
@@ -102,11 +102,11 @@ struct Depths {
     first_m: f64,
     start_m: f64,
     step_m: f64,
-    /// How many lie before the innermost grid, in it, and beyond.
+    /// Number of steps before the innermost grid, in it, and beyond.
     before: usize,
     near: usize,
     far: usize,
-    /// By which each step before and beyond is farther away than the last.
+    /// Factor by which each step before and beyond is farther away than the last.
     growth_before: f64,
     growth_beyond: f64,
 }
@@ -177,7 +177,7 @@ impl Depths {
     }
 }
 
-/// As far as fog without bounds is seen from the eye, whichever way one looks, metres.
+/// Distance to which fog without bounds is seen from the eye, whichever way one looks, metres.
 fn farthest_seen_m(snapshot: &Snapshot) -> f64 {
     /// Share of optical depth, or of all that there is.
     const DEPTH: f64 = 5.0;
@@ -202,7 +202,7 @@ fn farthest_seen_m(snapshot: &Snapshot) -> f64 {
     (0..SIDE * SIDE).map(of_ray).fold(0.0, f64::max)
 }
 
-/// To the farthest corner of a box, from the origin.
+/// Distance to the farthest corner of a box, from the origin.
 fn farthest_m((low, high): (DVec3, DVec3)) -> f64 {
     low.abs().max(high.abs()).length()
 }
@@ -214,7 +214,7 @@ struct Walk<'a> {
     ray: Ray,
     /// Against it: light travels so that it sees.
     towards: Towards,
-    /// Where there is fog at all.
+    /// Range in which there is fog.
     fog: Option<(f64, f64)>,
     at: f64,
     through: Rgb,

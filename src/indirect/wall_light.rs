@@ -39,9 +39,9 @@ pub(super) struct LitWalls {
 
 /// A part of a wall that is lit as one.
 struct Square {
-    /// In relative space.
+    /// Middle in relative space.
     middle: DVec3,
-    /// From its middle to the middles of two of its sides.
+    /// Vectors from its middle to the middles of two of its sides.
     half: [DVec3; 2],
 }
 

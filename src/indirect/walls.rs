@@ -21,7 +21,7 @@ pub(super) struct SnapshotWalls {
     pub(super) primitives: Vec<PrimitiveId>,
 }
 
-/// Which patch a place belongs to: the cell, the direction that it faces most, the mesh.
+/// Key of the patch that a place belongs to: the cell, the direction that it faces most, the mesh.
 type PatchKey = (usize, u8, u32);
 
 impl SnapshotWalls {
@@ -42,13 +42,13 @@ impl SnapshotWalls {
 /// Along each axis, which nodes may be ends of links that are cut.
 type Ends = [std::ops::RangeInclusive<i32>; 3];
 
-/// Where a triangle cuts a link, as the node at one of its ends sees it.
+/// Crossing of a triangle and a link, as the node at one of its ends sees it.
 struct Crossing {
     node: usize,
     link: usize,
-    /// As a share of the link.
+    /// Place on the link, as a share of it.
     at: f64,
-    /// In world space.
+    /// Point in world space.
     point: DVec3,
     facing: DVec3,
 }
@@ -203,8 +203,8 @@ impl<'a> Building<'a> {
     }
 }
 
-/// Where a way from one place to another crosses a triangle, as a share of the way (Möller & Trumbore 1997).
-/// Edges count as inside.
+/// Intersection of a way from one place to another with a triangle, as a share of the way (Möller &
+/// Trumbore 1997). Edges count as inside.
 fn crossing([a, b, c]: &[DVec3; 3], from: DVec3, to: DVec3) -> Option<f64> {
     const SLACK: f64 = 1e-9;
     let (ab, ac, way) = (*b - *a, *c - *a, to - from);

@@ -1,6 +1,6 @@
-//! Emission of a light without extent: the share of its intensity in each direction, and where a ray
-//! enters and leaves what it lights. Invariant: between the crossings named here the share that reaches a
-//! ray is either nothing all along, or smooth.
+//! Emission of a light without extent: the share of its intensity in each direction. It also says where a
+//! ray enters and leaves what the light reaches. Invariant: between the crossings named here the share
+//! that reaches a ray is either nothing all along, or smooth.
 
 use crate::math::Ray;
 use glam::DVec3;

@@ -36,7 +36,7 @@ pub(crate) struct SweepSource<'a> {
 pub(crate) struct AngleSet<'a> {
     pub(crate) axis: usize,
     pub(crate) channel: usize,
-    /// By harmonic, then by node.
+    /// Moments by harmonic, then by node.
     pub(crate) moments: Vec<f32>,
     /// Moments of degrees 3 and 4, for the last scattering.
     pub(crate) third: Vec<f32>,
@@ -53,7 +53,7 @@ pub(crate) struct AngleSet<'a> {
     /// Nodes with something oriented, in the order of the cross-sections.
     oriented_nodes: Vec<usize>,
     isotropic_extinction: Vec<f32>,
-    /// By plane.
+    /// Cut links by plane.
     cut: Vec<Vec<Cut<'a>>>,
     pairs: Vec<Pair>,
     /// Half cells of each node for one pair: transmittance, radiance that they add, and the
@@ -323,7 +323,7 @@ impl<'a> AngleSet<'a> {
     }
 }
 
-/// At places, of what nodes about them have.
+/// Means at places, of the values at nodes about them.
 fn means(of_nodes: &[f32], places: &[Corners]) -> Vec<f32> {
     let mean = |corners: &Corners| corners.iter().map(|(node, weight)| weight as f32 * of_nodes[node]).sum();
     places.iter().map(mean).collect()

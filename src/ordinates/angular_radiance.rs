@@ -4,7 +4,7 @@
 
 use super::quadrature::Quadrature;
 
-/// By channel, then by ordinate, then by place.
+/// Radiance by channel, then by ordinate, then by place.
 pub(crate) struct AngularRadiance(pub(crate) [Vec<Vec<f32>>; 3]);
 
 impl AngularRadiance {

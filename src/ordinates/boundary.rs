@@ -25,7 +25,7 @@ pub(crate) enum BoundaryCondition<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Rim<'a> {
     pub(crate) planes: &'a Planes,
-    /// Its number; that before the first is -1.
+    /// Number of the plane; that before the first is -1.
     pub(crate) plane: i32,
     pub(crate) channel: usize,
     pub(crate) ordinate: usize,
@@ -85,7 +85,7 @@ pub(crate) struct IncidentRadiance {
     size: [usize; 3],
     /// The number of each cell about the grid among its like.
     numbers: Vec<u32>,
-    /// By that number.
+    /// Radiances by that number.
     radiances: AngularRadiance,
     /// Whether it is along [`Quadrature::fine`].
     pub(crate) is_fine: bool,

@@ -46,7 +46,7 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct Extinction {
     /// Extinction along all directions, 1/m, by channel and node.
     pub(crate) isotropic: [Vec<f32>; 3],
-    /// Which of `oriented` a node has.
+    /// Index into `oriented`, by node.
     oriented_at: Vec<u32>,
     oriented: Vec<OrientedExtinction>,
 }
@@ -81,7 +81,7 @@ impl Extinction {
 #[derive(Clone)]
 pub(crate) struct OrientedScattering {
     pub(crate) node: usize,
-    /// By channel and pair of harmonics.
+    /// Elements by channel and pair of harmonics.
     even: [[f32; EVEN_PAIRS]; 3],
     odd: [[f32; ODD_PAIRS]; 3],
 }

@@ -54,7 +54,7 @@ impl DoubleGauss {
         &self.directions
     }
 
-    /// Those that go down: their numbers.
+    /// Numbers of those that go down.
     pub(super) fn downward() -> std::ops::Range<usize> {
         RINGS * STEPS..ORDINATES
     }

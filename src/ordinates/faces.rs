@@ -50,7 +50,7 @@ impl Faces {
         Self { nodes, all, starts }
     }
 
-    /// How many nodes and faces there are together.
+    /// Number of nodes and faces together.
     pub(crate) fn count_with_nodes(&self) -> usize {
         self.nodes + self.all.len()
     }
@@ -98,7 +98,7 @@ impl Faces {
 
 /// Moments of radiance that travels towards each face.
 pub(crate) struct TowardsFaces {
-    /// As the nodes are laid.
+    /// Faces in the order of the nodes.
     faces: Vec<Face>,
     pub(crate) moments: Vec<[f32; COUNT]>,
     /// Moments of degrees 3 and 4.

@@ -16,9 +16,9 @@ use std::f64::consts::PI;
 /// Degrees that the first scattering of a beam is told of.
 pub(crate) const FIRST_DEGREES: usize = 6;
 
-/// Where source iteration begins.
+/// Source of the first collisions, with which source iteration begins.
 pub(crate) struct FirstCollisionSource {
-    /// By harmonics, per metre and steradian.
+    /// Volume source by harmonics, per metre and steradian.
     pub(crate) volume: Moments,
     /// Scattering of beams beyond harmonics.
     pub(crate) beams: Vec<BeamSource>,
@@ -32,7 +32,7 @@ pub(crate) struct FirstCollisionSource {
 
 /// Emission of the medium and of walls.
 pub(crate) struct Emission {
-    /// By harmonics, per metre and steradian.
+    /// Volume source by harmonics, per metre and steradian.
     pub(crate) volume: Moments,
     /// Radiance of each patch of wall.
     pub(crate) walls: Vec<Rgb>,
@@ -49,7 +49,7 @@ const BEYOND: usize = FIRST_DEGREES - FIRST;
 /// Sources of fog by degree of the cosine to where a sun's light travels.
 pub(crate) struct BeamSource {
     travel: DVec3,
-    /// By channel, degree and node, per metre.
+    /// Sources by channel, degree and node, per metre.
     sources: [[Vec<f32>; BEYOND]; 3],
 }
 
@@ -97,7 +97,7 @@ impl BeamSource {
 #[derive(Default)]
 pub(crate) struct GlossySource {
     patches: Vec<u32>,
-    /// By channel, then by ordinate, then by patch, W m^-2 sr^-1.
+    /// Radiances by channel, then by ordinate, then by patch, W m^-2 sr^-1.
     radiances: [Vec<f32>; 3],
 }
 

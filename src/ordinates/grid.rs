@@ -5,8 +5,8 @@
 use crate::math::Ray;
 use glam::{DVec3, I64Vec3};
 
-/// From the world's origin to a corner of a cell, in cells. Walls are built at round places, and one that
-/// lies on nodes, or halfway between them, is on both sides of a link at once.
+/// Offset from the world's origin to a corner of a cell, in cells. Walls are built at round places, and
+/// one that lies on nodes, or halfway between them, is on both sides of a link at once.
 const PHASE: DVec3 = DVec3::new(0.137, 0.789, 0.173);
 
 /// Nodes in equal steps along the world's axes. Each is the middle of a cell.
@@ -49,7 +49,7 @@ const EVENLY: [f32; 3] = [0.25, 0.5, 0.25];
 const BY_HAT: [f32; 3] = [0.125, 0.75, 0.125];
 
 impl Grid {
-    /// That covers a box of world space, with a cell to spare on each side.
+    /// Grid that covers a box of world space, with a cell to spare on each side.
     pub(crate) fn covering(low: DVec3, high: DVec3, cell_m: f64) -> Self {
         let first = (low / cell_m - PHASE).floor().as_i64vec3() - 1;
         let end = (high / cell_m - PHASE).ceil().as_i64vec3() + 1;
@@ -61,7 +61,7 @@ impl Grid {
         self.size.iter().product()
     }
 
-    /// How far apart two nodes are in memory that are next to one another along each axis.
+    /// Strides in memory between neighbours along each axis.
     pub(crate) fn strides(&self) -> [usize; 3] {
         [1, self.size[0], self.size[0] * self.size[1]]
     }
@@ -77,7 +77,7 @@ impl Grid {
         [node % row, node / row % self.size[1], node / layer]
     }
 
-    /// Where a node is, in world space.
+    /// Position of a node, in world space.
     pub(crate) fn position(&self, node: usize) -> DVec3 {
         let cell = self.cell_of(node).map(|index| index as i64);
         ((self.first + I64Vec3::from_array(cell)).as_dvec3() + 0.5 + PHASE) * self.cell_m
@@ -101,8 +101,8 @@ impl Grid {
         world.cmpge(low).all() && world.cmple(high).all()
     }
 
-    /// How far a place counts as one of this grid, where there is a larger one: 0 from the outermost nodes
-    /// on, 1 from two cells inside.
+    /// Weight of this grid at a place, where there is a larger one: 0 from the outermost nodes on, 1 from
+    /// two cells inside.
     pub(crate) fn share(&self, world: DVec3) -> f64 {
         const CELLS: f64 = 2.0;
         let (low, high) = self.bounds();
@@ -152,7 +152,8 @@ impl Grid {
         self.mean_over(node, shares, of)
     }
 
-    /// By shares along each axis of what is before a node, of itself, and of what is behind it.
+    /// Mean over a node and its neighbours, by the shares along each axis of what is before, of itself,
+    /// and of what is behind.
     fn mean_over<const N: usize>(&self, node: usize, shares: [[f32; 3]; 3], of: &[[f32; N]]) -> [f32; N] {
         let cell = self.cell_of(node);
         let range = |axis: usize| {

@@ -18,7 +18,7 @@ impl Moments {
         Self { nodes, values: vec![0.0; 3 * COUNT * nodes] }
     }
 
-    /// As many, of nothing.
+    /// Moments of the same size, all zero.
     pub(crate) fn emptied(&self) -> Self {
         Self::zero(self.nodes)
     }

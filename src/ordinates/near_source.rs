@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 pub(crate) const NEAR: usize = 27;
 const HERE: usize = 13;
 
-/// By channel, then by harmonic.
+/// Moments by channel, then by harmonic.
 pub(crate) type Moments = [[f32; COUNT]; 3];
 
 /// Radiance of a source of 1 / m in its own cell and in the next, by channel.
@@ -88,8 +88,7 @@ pub(crate) fn lobe(cos: f32) -> f32 {
     0.25 + 0.5 * cos + 5.0 / 16.0 * (1.5 * cos * cos - 0.5)
 }
 
-/// How much of what lies at some nodes is seen at others, by the steps between them. Farther ones count for
-/// nothing.
+/// Response at some nodes to sources at others, by the steps between them. Farther ones count for nothing.
 pub(crate) fn near(grid: &Grid, from: &Corners, to: &Corners) -> [f32; NEAR] {
     let [lowest_from, lowest_to] = [from, to].map(|corners| grid.cell_of(corners.nodes[0]));
     let apart: [i32; 3] = std::array::from_fn(|axis| lowest_to[axis] as i32 - lowest_from[axis] as i32);

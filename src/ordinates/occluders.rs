@@ -38,7 +38,7 @@ pub(crate) struct CellTriangle {
     corner: Vec3,
     sides: [Vec3; 2],
     normal: Vec3,
-    /// Which nodes lie clear of its plane, on either side: a bit for each.
+    /// Nodes that lie clear of its plane, on either side: a bit for each.
     above: u8,
     below: u8,
 }
@@ -57,9 +57,9 @@ impl CutGrid<'_> {
     }
 }
 
-/// So far from its plane, in cells, a place is clear of a triangle.
+/// Distance from a triangle's plane beyond which a place is clear of it, in cells.
 pub(crate) const CLEAR: f32 = 1e-5;
-/// So far from a wall, in cells, is what lies on it.
+/// Distance from a wall of what lies on it, in cells.
 pub(crate) const OFF_WALL: f64 = 1e-3;
 
 impl Occluders {
@@ -108,7 +108,7 @@ impl Occluders {
         corners
     }
 
-    /// Which share of a cell's volume each node stands for by [`Occluders::cell_of`]: 1 far from walls.
+    /// Share of a cell's volume that each node stands for by [`Occluders::cell_of`]: 1 far from walls.
     pub(crate) fn shares(&self, grid: &Grid) -> Vec<f32> {
         /// A lattice whose points are evenly spaced along each axis: no plane across one has
         /// more than its share.
@@ -157,7 +157,7 @@ impl Occluders {
         &self.about_cell[self.starts[lowest] as usize..self.starts[lowest + 1] as usize]
     }
 
-    /// Which of a cell's nodes walls hide from a place among them, a bit for each.
+    /// Nodes of a cell that walls hide from a place among them, a bit for each.
     fn hidden(&self, grid: &Grid, lowest: usize, from: DVec3) -> u8 {
         let from = in_cell(grid, lowest, from);
         let mut hidden = 0;
@@ -197,7 +197,7 @@ fn in_cell(grid: &Grid, node: usize, place: DVec3) -> Vec3 {
     ((place - grid.position(node)) / grid.cell_m).as_vec3()
 }
 
-/// One of a cell's eight nodes from the lowest, in cells.
+/// Offset of one of a cell's eight nodes from the lowest, in cells.
 fn corner_of(corner: usize) -> Vec3 {
     Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32)
 }

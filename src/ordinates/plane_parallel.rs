@@ -28,7 +28,7 @@ pub struct Species {
     pub first: [f64; DEGREES],
 }
 
-/// Where one layer goes over into the next.
+/// Level between two layers.
 #[derive(Clone, Debug)]
 pub struct Level {
     /// Single-scattering albedo of each species, as shares of extinction, `0..=1`.
@@ -336,7 +336,7 @@ impl Solver<'_> {
 }
 
 impl Formal {
-    /// From one level to the next, along some ordinates.
+    /// Sweep from one level to the next, along some ordinates.
     fn cross(
         self,
         light: &mut [[f64; ORDINATES]],

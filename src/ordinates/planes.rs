@@ -4,8 +4,8 @@
 
 use super::grid::Corners;
 
-/// How nodes lie in memory: as in the grid, where neighbours along x are next to one another, or
-/// with x and y changed.
+/// Layout of nodes in memory: as in the grid, where neighbours along x are next to one another, or with x
+/// and y changed.
 #[derive(Clone, Copy)]
 pub(crate) struct Layout {
     /// Nodes along each axis.
@@ -19,19 +19,19 @@ impl Layout {
         if self.is_turned { [y, 1, x * y] } else { [1, x, x * y] }
     }
 
-    /// Where a node of the grid is.
+    /// Index of a node of the grid.
     pub(crate) fn node(self, node: usize) -> usize {
         let [x, y, _] = self.size;
         let place = [node % x, node / x % y, node / (x * y)];
         (0..3).map(|axis| place[axis] * self.strides()[axis]).sum()
     }
 
-    /// Where those about a place are.
+    /// Indices of the nodes about a place.
     pub(crate) fn corners(self, corners: &Corners) -> Corners {
         Corners { nodes: corners.nodes.map(|node| self.node(node)), ..*corners }
     }
 
-    /// From the grid's order.
+    /// Values in this layout, from the grid's order.
     pub(crate) fn of_grid(self, values: &[f32]) -> Vec<f32> {
         if self.is_turned { turned(values, [self.size[0], self.size[1]]) } else { values.to_vec() }
     }
@@ -42,7 +42,7 @@ impl Layout {
     }
 }
 
-/// With rows as columns, layer by layer.
+/// Transpose of rows and columns, layer by layer.
 fn turned(values: &[f32], [columns, rows]: [usize; 2]) -> Vec<f32> {
     let mut turned = Vec::with_capacity(values.len());
     for layer in values.chunks_exact(columns * rows) {
@@ -60,7 +60,7 @@ pub(crate) struct Planes {
     /// Across the planes, and along their rows and columns: how many nodes, and how far apart.
     pub(crate) count: [usize; 3],
     pub(crate) stride: [usize; 3],
-    /// Which axes those are.
+    /// Axes of the same, in the grid.
     pub(crate) axes: [usize; 3],
 }
 

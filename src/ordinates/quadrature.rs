@@ -90,8 +90,9 @@ impl Quadrature {
     }
 }
 
-/// So that none runs along the ground, nor along walls at right angles or half of one. As they are, 8 of them
-/// do, and what half of all directions gives is wrong by a fiftieth; turned so, by a thousandth.
+/// Rotation after which no ordinate runs along the ground, nor along walls at right angles or half of one.
+/// Unturned 8 of them do, and the integral over half of all directions is wrong by a fiftieth; turned so,
+/// by a thousandth.
 fn turned(direction: DVec3) -> DVec3 {
     DQuat::from_xyzw(-4.0, 5.0, -6.0, 8.0).normalize() * direction
 }

@@ -5,7 +5,7 @@ use super::quadrature::{Ordinate, Quadrature};
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// By so little of the mean a sky differs that is isotropic.
+/// Deviation from the mean below which a sky is isotropic.
 const EVEN: f64 = 1e-6;
 
 /// Radiance from outside all matter.

@@ -30,7 +30,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) fine: Option<&'a Quadrature>,
     pub(crate) sky: Option<&'a Sky>,
     pub(crate) surrounding: &'a Surrounding,
-    /// How many orders are wanted, or all.
+    /// Number of orders that are wanted, or all.
     pub(crate) orders: Option<u32>,
     /// Nodes about each place next to a finer grid within this one.
     pub(crate) next_to_inner: Option<&'a [Corners]>,
@@ -45,7 +45,7 @@ pub(crate) struct Problem<'a> {
 /// Radiance of all orders.
 pub(crate) struct Solution {
     pub(crate) all: Moments,
-    /// That part of it that comes straight from the sky, if that can be told apart.
+    /// Part of it that comes straight from the sky, if that can be told apart.
     pub(crate) of_sky: Option<Moments>,
     /// Degrees for surfaces and fog that are seen, beyond that.
     pub(crate) last: Swept,
@@ -74,7 +74,7 @@ impl Source {
         self.walls.iter_mut().zip(&other.walls).for_each(|(sum, added)| *sum += factor * *added);
     }
 
-    /// As much room, of nothing.
+    /// Sources of the same size, all zero.
     fn emptied(&self) -> Self {
         let walls = vec![Rgb::ZERO; self.walls.len()];
         Self { volume: self.volume.emptied(), walls, has_first: false }
@@ -283,7 +283,7 @@ impl<'a> SourceIteration<'a> {
         Sweeper::new(&self.problem.domain, fine).sweep(sources, wanted, self.problem.cancelled)
     }
 
-    /// With radiance along the ordinates of all orders; a sweep that was cut short has not all of it.
+    /// Radiance along the ordinates of all orders; a sweep that was cut short has not all of it.
     fn to_orders(&self, fine: &Quadrature, mut swept: Swept) -> Swept {
         let all = swept.radiances.filter(|_| !(self.problem.cancelled)());
         swept.radiances = all.map(|radiances| radiances.along(fine, self.problem.quadrature));

@@ -21,11 +21,11 @@ use rayon::prelude::*;
 
 /// Moments and radiances that a sweep finds.
 pub(crate) struct Swept {
-    /// By harmonics up to l = 2, of nodes, then of faces of walls; those of degree 3, if wanted, and 4.
+    /// Moments up to l = 2, of nodes, then of faces of walls; those of degree 3, if wanted, and 4.
     pub(crate) moments: Moments,
     pub(crate) third: Option<Moments>,
     pub(crate) fourth: Moments,
-    /// Those of degrees 5 and 6, of nodes alone, if wanted.
+    /// Moments of degrees 5 and 6, of nodes alone, if wanted.
     pub(crate) high: Option<HighSums>,
     /// Ordinate by ordinate.
     pub(crate) radiances: Option<AngularRadiance>,
@@ -67,7 +67,7 @@ pub(crate) struct Sweeper<'a> {
     count: usize,
     count_with_faces: usize,
     turned: Layout,
-    /// By axis, then by channel.
+    /// Angle sets by axis, then by channel.
     angle_sets: Vec<AngleSet<'a>>,
 }
 

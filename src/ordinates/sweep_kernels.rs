@@ -5,7 +5,7 @@
 use super::harmonics::COUNT;
 use crate::accel::Vectorized;
 
-/// Which harmonics are the same for a direction and its opposite, and which change sign.
+/// Harmonics that change sign for the opposite direction; the others stay the same.
 const ODD: std::ops::Range<usize> = 1..4;
 
 /// Half-cell transmittance and source of one channel, along an ordinate and against it.
@@ -48,7 +48,7 @@ impl Vectorized for HalfCells<'_> {
 
 /// Adds what half a cell has of sources of degrees 3 to 5.
 pub(crate) struct AddBeam<'a> {
-    /// By degree, and what each counts along the ordinate.
+    /// Sources by degree, with their values along the ordinate.
     pub(crate) sources: [&'a [f32]; 3],
     pub(crate) factors: [f32; 3],
     pub(crate) isotropic_extinction: &'a [f32],

@@ -34,7 +34,7 @@ pub(crate) struct CutNode {
 /// A patch as a node sees it.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen {
-    /// As a share of the link.
+    /// Place on the link, as a share of it.
     pub(crate) at: f32,
     pub(crate) patch: u32,
 }
@@ -74,11 +74,11 @@ impl CutNode {
 
 /// Part of a wall that nodes about one cell see, on one side.
 pub(crate) struct Patch {
-    /// In world space, where it was seen first.
+    /// Position in world space, where it was seen first.
     pub(crate) position: DVec3,
     /// Towards those who see it.
     pub(crate) normal: DVec3,
-    /// On the mean of where it is seen, as walls have textures.
+    /// Optics on the mean of where it is seen, as walls have textures.
     pub(crate) optics: SurfaceOptics,
     /// Nodes that see it, and how much each counts.
     pub(crate) seen_by: Vec<(u32, f32)>,

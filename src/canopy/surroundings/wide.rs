@@ -1,4 +1,4 @@
-//! Where parts lie, and which may be ground. In go parts, out come boxes and what of them is level.
+//! Bounds of parts, and parts that may be ground. In go parts, out come boxes and what of them is level.
 //! Invariant: a plain under layers of fog is no reason for cells.
 
 use super::{POINTS, PlacedPart, Surroundings};
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// A part that may be ground.
 pub(crate) struct WidePart {
     pub(crate) number: usize,
-    /// In world space.
+    /// Corners in world space.
     pub(crate) corners: Vec<DVec3>,
     pub(crate) width_m: f64,
     /// Area of the widest side of the box about it.
