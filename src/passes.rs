@@ -7,7 +7,7 @@
 
 use serde::Deserialize;
 
-/// How a channel is stored.
+/// Precision of a stored channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     /// 16-bit floating point, up to 65504.
@@ -16,7 +16,7 @@ pub enum Precision {
     Float,
 }
 
-/// How the samples of a pixel become its value.
+/// Rule by which the samples of a pixel become its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelRule {
     /// The weighted mean; a sample that shows no surface counts as the background.
@@ -24,7 +24,7 @@ pub enum PixelRule {
     /// The sample nearest to the pixel's centre. A mean of depths or of ids lies on neither surface;
     /// Cycles does the same.
     Nearest,
-    /// How much of it each id covers.
+    /// Coverage of each id.
     Ranked,
     /// Estimate of the finished picture; no sample holds it.
     Estimate,
@@ -37,9 +37,9 @@ pub enum Needs {
     Light,
     /// The surface that is seen.
     Surface,
-    /// That, and where it is a frame before and after.
+    /// Surface, and where it is a frame before and after.
     Motion,
-    /// That, and what it is called.
+    /// Surface, and its name.
     Names,
 }
 
@@ -52,9 +52,9 @@ pub struct PassRow {
     pub shows: &'static str,
     /// Full names, at most four, or three if they are averaged. None if the pass has its own way.
     pub channels: &'static [&'static str],
-    /// How channels are stored.
+    /// Precision of the channels.
     pub precision: Precision,
-    /// How the samples of a pixel become its value.
+    /// Rule by which the samples of a pixel become its value.
     pub rule: PixelRule,
     /// Needs of the pass.
     pub needs: Needs,

@@ -8,9 +8,9 @@ use glam::{DVec3, Vec3};
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Block {
-    /// By vertex, then axis.
+    /// Coordinates by vertex, then axis.
     pub(super) vertices: [[Eight; 3]; 3],
-    /// Which triangle of the mesh a lane holds.
+    /// Number of each lane's triangle in the mesh.
     pub(super) triangles: [u32; WIDTH],
 }
 

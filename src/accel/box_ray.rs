@@ -47,7 +47,7 @@ impl<L: Lanes> BoxRay<L> {
         }
     }
 
-    /// Which boxes of a node the ray meets before `t_far`, as bits, and where it enters them.
+    /// Boxes of a node that the ray meets before `t_far`, as bits, and where it enters them.
     #[inline(always)]
     fn meet<S: Simd<Lanes = L>>(&self, simd: S, node: &Node, t_far: f32) -> (u32, L) {
         let mut near = self.t_min;

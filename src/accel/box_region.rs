@@ -35,7 +35,7 @@ impl<L: Lanes> LaneFunctional<L> {
         self.gradient[0] * x + self.gradient[1] * y + self.gradient[2] * z + self.offset
     }
 
-    /// At the vertices of each triangle.
+    /// Values at the vertices of each triangle.
     #[inline(always)]
     pub(super) fn at_corners<S: Simd<Lanes = L>>(&self, simd: S, block: &Block) -> Corners<L> {
         three(
@@ -48,7 +48,7 @@ impl<L: Lanes> LaneFunctional<L> {
     }
 }
 
-/// How far an affine function may be off where it is evaluated in a box in single precision.
+/// Error bound of an affine function that is evaluated in a box in single precision.
 #[inline(always)]
 fn padding(functional: &Functional, bounds: Bounds) -> f64 {
     wide_tree::padding(functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs())

@@ -14,14 +14,14 @@ use super::{
     triangle_cut::Crossing,
 };
 
-/// Which part of a ray a triangle shadows, metres.
+/// Part of a ray that a triangle shadows, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleShadow {
-    /// Which triangle.
+    /// Triangle.
     pub primitive: PrimitiveId,
-    /// Where its shadow begins.
+    /// Start of its shadow.
     pub start: f64,
-    /// Where it ends.
+    /// End of its shadow.
     pub end: f64,
 }
 

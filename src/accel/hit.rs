@@ -9,7 +9,7 @@ pub struct PrimitiveId {
     pub triangle: u32,
 }
 
-/// Where a ray meets a triangle.
+/// Intersection of a ray and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance along the ray, in metres.

@@ -14,7 +14,7 @@ const LARGEST_SCALE: f64 = 1e15;
 pub struct PlacedMesh {
     /// The mesh.
     pub mesh: Arc<MeshTree>,
-    /// Where it is, relative to the camera along the world's axes, in metres.
+    /// Transform, relative to the camera along the world's axes, in metres.
     pub relative_from_mesh: DAffine3,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Instance {
 /// horizon but is looked at from near by: from nearer than this fraction of its size.
 const NEAR: f64 = 0.25;
 
-/// Only meshes of up to so many blocks: double precision is slower.
+/// Maximum number of blocks of such meshes: double precision is slower.
 const FEW_BLOCKS: usize = 64;
 
 impl Instance {
@@ -82,6 +82,6 @@ impl Instance {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instances<'a> {
     pub(super) tree: &'a WideTree,
-    /// By the tree's leaves.
+    /// Instances by the tree's leaves.
     pub(super) list: &'a [Instance],
 }

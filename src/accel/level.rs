@@ -1,11 +1,11 @@
-//! Which instructions there are. In goes a kernel, out comes its answer. Invariant: the answer is the
-//! same on every level.
+//! Instruction sets. In goes a kernel, out comes its answer. Invariant: the answer is the same on every
+//! level.
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2::Avx2;
 use super::simd::{Kernel, Portable, Simd};
 
-/// Which implementation serves this processor.
+/// Implementation that serves this processor.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Level {
     /// Plain Rust.

@@ -88,7 +88,7 @@ impl PlaneFunctions {
         }
     }
 
-    /// Not negative where the shadow falls at or after distance `t`.
+    /// Function that is not negative where the shadow falls at or after distance `t`.
     #[inline(always)]
     pub(super) fn at_or_after(&self, t: f64) -> Functional {
         self.along.plus(-t, &self.depth)
@@ -108,8 +108,8 @@ pub struct LightPlane {
 }
 
 impl LightPlane {
-    /// For light that comes from the unit direction `to_light`. `None` if the ray is parallel to it, so
-    /// that it is its own shadow.
+    /// Plane for light from the unit direction `to_light`. `None` if the ray is parallel to it, so that it
+    /// is its own shadow.
     pub fn towards_direction(ray: &Ray, to_light: DVec3, t_range: (f64, f64)) -> Option<Self> {
         let normal = exact_cross(ray.direction, to_light);
         let sine = normal.length();
@@ -134,7 +134,7 @@ impl LightPlane {
         })
     }
 
-    /// For light that comes from the point `light`. `None` if it lies on the ray's line.
+    /// Plane for light from the point `light`. `None` if it lies on the ray's line.
     pub fn towards_point(ray: &Ray, light: DVec3, t_range: (f64, f64)) -> Option<Self> {
         let to_light = light - ray.origin;
         let normal = exact_cross(ray.direction, to_light);

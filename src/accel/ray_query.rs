@@ -19,8 +19,8 @@ use super::{
 use crate::math::Ray;
 use glam::DVec3;
 
-/// How far, in roundings of double precision, the ends of a ray may lie off a triangle's plane and still
-/// count as lying in it: placing an end takes a dozen operations, measuring its height as many.
+/// Distance, in roundings of double precision, up to which the ends of a ray count as lying in a
+/// triangle's plane: placing an end takes a dozen operations, measuring its height as many.
 const PLANE_ROUNDOFFS: f64 = 32.0;
 
 /// A query that goes through the instances.
@@ -114,7 +114,7 @@ struct MeshQuery<'a, 'b, L> {
     /// Magnitude of the numbers that the ray's ends are computed from, in the mesh's space: their rounding
     /// is a fraction of it.
     magnitude: f64,
-    /// Where the ray ends, if at a certain place.
+    /// End of the ray, if at a certain place.
     t_end: f64,
     t_centre: f64,
     shear: Shear<L>,

@@ -1,5 +1,5 @@
-//! Which parts of a ray lie in the shadow of a light. In: a [`LightPlane`]; out: intervals. Invariant:
-//! all of the asked part that a triangle shadows lies in them.
+//! Parts of a ray in the shadow of a light. In: a [`LightPlane`]; out: intervals. Invariant: all of the
+//! asked part that a triangle shadows lies in them.
 
 use super::{
     block::Block,
@@ -147,7 +147,7 @@ struct LaneQuery<'a, L> {
     one: L,
     out_of_plane: LaneFunctional<L>,
     along: LaneFunctional<L>,
-    /// None where it is 1 everywhere.
+    /// Denominator; `None` where it is 1 everywhere.
     depth: Option<LaneFunctional<L>>,
     towards_light: LaneFunctional<L>,
     limits: (f32, f32),

@@ -56,9 +56,9 @@ pub(super) trait Simd: Copy {
     type Lanes: Lanes;
     /// One number in all lanes.
     fn splat(self, value: f32) -> Self::Lanes;
-    /// From memory.
+    /// Loads lanes from memory.
     fn load(self, values: &Eight) -> Self::Lanes;
-    /// To memory.
+    /// Stores lanes to memory.
     fn store(self, lanes: Self::Lanes) -> [f32; WIDTH];
     /// Begins to fetch what is soon to be read.
     #[inline(always)]

@@ -25,19 +25,19 @@ pub struct HalfPlane {
     pub axis: DVec3,
     /// Unit vector at right angles to it.
     pub outward: DVec3,
-    /// Only what is above this line matters: `height >= lowest_slope * reach`.
+    /// Slope of the line above which anything matters: `height >= lowest_slope * reach`.
     pub lowest_slope: f64,
 }
 
 /// A triangle's cut with a half plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
-    /// Which triangle.
+    /// Triangle.
     pub primitive: PrimitiveId,
     /// The two ends, `(reach, height)` in metres; the reach may be negative, where the triangle goes on
     /// beyond the edge of the half plane.
     pub ends: [DVec2; 2],
-    /// By how much ends may be off, as a share of their distance and of the cut's length.
+    /// Error bound of the ends, as a share of their distance and of the cut's length.
     pub rounding: f64,
 }
 

@@ -9,7 +9,7 @@ const INLINE: usize = 128;
 pub(super) struct Entry {
     /// Child, as in [`super::wide_tree`].
     pub(super) child: u32,
-    /// Where the ray enters it.
+    /// Distance at which the ray enters it.
     pub(super) t_near: f32,
 }
 
@@ -26,7 +26,7 @@ impl Stack {
         Self { inline: [Entry::default(); INLINE], len: 0, spill: Vec::new() }
     }
 
-    /// How many entries there are.
+    /// Number of entries.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.len + self.spill.len()

@@ -9,7 +9,7 @@ pub(super) type Corners<L> = [L; 3];
 
 /// The part of the ray in shadow.
 pub(super) struct Shadow<L: Lanes> {
-    /// Where the interval is not empty.
+    /// Lanes in which the interval is not empty.
     pub(super) exists: L::Mask,
     pub(super) start: L,
     pub(super) end: L,
@@ -26,7 +26,7 @@ pub(super) struct FanEnds<L> {
 /// The two edges that cross the plane: those of the vertex that is alone on its side. Vertices in the
 /// plane count as above it.
 pub(super) struct Crossing<L: Lanes> {
-    /// Which triangles cross the plane at all.
+    /// Triangles that cross the plane at all.
     pub(super) exists: L::Mask,
     first_is_alone: L::Mask,
     second_is_alone: L::Mask,
@@ -127,8 +127,8 @@ impl<L: Lanes> Crossing<L> {
     }
 }
 
-/// To this share of what a cut spans its depths are known, in double precision: roundings, many times over
-/// where an edge of the triangle nearly lies in the plane.
+/// Accuracy of a cut's depths over their span, in double precision: roundings, many times over where an
+/// edge of the triangle nearly lies in the plane.
 const LEAST_DEPTH: f64 = 1e-12;
 
 impl FanEnds<f64> {

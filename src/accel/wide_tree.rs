@@ -13,9 +13,9 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 /// Marks a child that is a leaf; the other bits are its index.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// How far boxes of nodes are padded, in roundings of their largest coordinate. Queries add as much for
-/// what they themselves bring along. Of a ray, shearing a vertex moves it by at most 6 (two differences, a
-/// product, a quotient), and the slab test a plane by at most 4. Of an affine function, evaluating it rounds
+/// Padding of nodes' boxes, in roundings of their largest coordinate. Queries add as much for what they
+/// themselves bring along. For a ray, shearing a vertex moves it by at most 6 (two differences, a product,
+/// a quotient), and the slab test a plane by at most 4. For an affine function, evaluating it rounds
 /// gradient, product and three sums, at the box and again at a vertex, and a cut adds 4: 2 * 5 + 4.
 const BOX_PADDING_ROUNDOFFS: f64 = 16.0;
 
@@ -28,7 +28,7 @@ pub(super) const fn plane(axis: usize, upper: bool) -> usize {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// By [`plane`]. Lanes without a child hold an inverted, infinite box that nothing meets.
+    /// Planes by [`plane`]. Lanes without a child hold an inverted, infinite box that nothing meets.
     pub(super) planes: [Eight; 6],
     /// Index of a node, or [`LEAF`] and index of a leaf.
     pub(super) children: [u32; WIDTH],
@@ -59,7 +59,7 @@ impl Node {
     }
 }
 
-/// By how much something is padded that has a coordinate, or a sum of terms, of a magnitude.
+/// Padding of a coordinate, or a sum of terms, of a magnitude.
 pub(super) fn padding(magnitude: f64) -> f64 {
     BOX_PADDING_ROUNDOFFS * UNIT_ROUNDOFF * magnitude
 }
@@ -145,16 +145,16 @@ impl WideTree {
     }
 }
 
-/// How far a box may seem to be moved to the builder, as a fraction of its extent.
+/// Maximum shift of a box before the builder, as a fraction of its extent.
 ///
 /// PLOC joins boxes that are each other's best. In a row of equal boxes at equal distances all pairs are
-/// as good, each box takes its neighbour on the same side, and a whole pass joins one pair: 100,000
-/// slats of a fence took minutes. Distances that differ by a little let a third of them agree.
+/// as good, each box takes its neighbour on the same side, and a whole pass joins one pair: 100,000 slats
+/// of a fence took minutes. Distances that differ by a little let a third of them agree.
 const LARGEST_SHIFT: f64 = 1.0 / 4096.0;
 
-/// How small a box may be to the builder, as a fraction of the largest coordinate: smaller ones are this
-/// large and shifted by up to as much. Their areas would be rounded to the same or to nothing, and again all
-/// pairs would be as good.
+/// Minimum size of a box before the builder, as a fraction of the largest coordinate: smaller ones are
+/// this large and shifted by up to as much. Their areas would be rounded to the same or to nothing, and
+/// again all pairs would be as good.
 const SMALLEST_BOX: f32 = 1.0 / (1 << 20) as f32;
 
 /// A binary tree by PLOC with reinsertion (Meister and Bittner 2018, 2022), as obvhs builds it with its

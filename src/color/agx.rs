@@ -16,7 +16,7 @@ const REC_2020_FROM_REC_709: Mat3 = from_rows([
     [0.069_097_29, 0.919_540_4, 0.011_362_32],
     [0.016_391_44, 0.088_013_31, 0.895_595_25],
 ]);
-/// Its inverse.
+/// Inverse of that matrix.
 const REC_709_FROM_REC_2020: Mat3 = from_rows([
     [1.660_491, -0.587_641_1, -0.072_849_86],
     [-0.124_550_47, 1.132_899_9, -0.008_349_42],
@@ -46,7 +46,7 @@ const STOPS_ABOVE: f32 = 6.5;
 const SLOPE: f32 = 2.4;
 /// Exponent of display light where the curve works (ITU-R BT.1886).
 const GAMMA: f32 = 2.4;
-/// How much of the change of hue that compressing channels one by one brings is kept. With all of it orange
+/// Share that is kept of the change of hue from compressing channels one by one. With all of it orange
 /// becomes yellow before it becomes white.
 const HUE_SHIFT_KEPT: f32 = 0.4;
 
@@ -72,7 +72,7 @@ struct Arm {
     scale: f32,
 }
 
-/// Where the arms meet, and both: below and above middle grey.
+/// Point where the arms meet, and both: below and above middle grey.
 static SIGMOID: LazyLock<(f32, [Arm; 2])> = LazyLock::new(|| {
     let x_pivot = STOPS_BELOW / (STOPS_BELOW + STOPS_ABOVE);
     let y_pivot = MIDDLE_GREY.powf(1.0 / GAMMA);

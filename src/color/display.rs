@@ -17,7 +17,7 @@ pub enum Curve {
     Raw,
 }
 
-/// How pictures are made for eyes.
+/// Display of pictures for eyes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
     /// Brings the light into range.

@@ -27,13 +27,13 @@ pub struct ColorSpace {
     curve: Curve,
 }
 
-/// How light is encoded.
+/// Encoding of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Curve {
     Linear,
     /// IEC 61966-2-1.
     Srgb,
-    /// To this power it is linear.
+    /// Power to which it is linear.
     Power(f64),
 }
 
@@ -56,7 +56,7 @@ impl ColorSpace {
         self.rec_709_from_linear.abs_diff_eq(other.rec_709_from_linear, SAME_PRIMARIES)
     }
 
-    /// How much red, green and blue of linear colours of this space add to luminance.
+    /// Weights of red, green and blue of linear colours of this space in luminance.
     pub fn luminances(&self) -> Rgb {
         self.rec_709_from_linear.transpose() * super::LUMINANCES
     }
@@ -73,7 +73,7 @@ impl ColorSpace {
 }
 
 impl NamedSpace {
-    /// By its id: `lin_ap1_scene` is a curve, primaries, and whether it is of a scene or a display.
+    /// Space by its id: `lin_ap1_scene` is a curve, primaries, and whether it is of a scene or a display.
     pub fn of(id: &str) -> Self {
         let known = id.strip_prefix("ocio:").unwrap_or(id);
         let mut words = known.split('_');

@@ -39,7 +39,7 @@ fn curve(largest: u16, light: impl Fn(f64) -> f64) -> Vec<f32> {
 }
 
 impl Texels {
-    /// From 8 bits a number, four numbers a texel; a rest of fewer is left out.
+    /// Texels from 8 bits a number, four numbers a texel; a rest of fewer is left out.
     pub fn of_bytes(codes: Vec<u8>, curve: CodeCurve) -> Self {
         let curve = match curve {
             CodeCurve::Srgb => SRGB_BYTES.as_slice(),
@@ -48,7 +48,7 @@ impl Texels {
         Self(Stored::Bytes { codes, curve })
     }
 
-    /// From 16 bits a number, four numbers a texel; a rest of fewer is left out.
+    /// Texels from 16 bits a number, four numbers a texel; a rest of fewer is left out.
     pub fn of_words(codes: Vec<u16>, curve: CodeCurve) -> Self {
         let curve = match curve {
             CodeCurve::Srgb => SRGB_WORDS.as_slice(),
@@ -57,7 +57,7 @@ impl Texels {
         Self(Stored::Words { codes, curve })
     }
 
-    /// How many there are.
+    /// Number of texels.
     pub fn len(&self) -> usize {
         match &self.0 {
             Stored::Bytes { codes, .. } => codes.len() / 4,

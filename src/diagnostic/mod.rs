@@ -11,7 +11,7 @@ pub use printable::shown;
 use std::fmt::{self, Write as _};
 use std::path::{Component, Path, PathBuf};
 
-/// How bad it is.
+/// Severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Severity {
@@ -25,7 +25,7 @@ pub enum Severity {
     Error,
 }
 
-/// Where in the input it is.
+/// Place in the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
@@ -55,13 +55,13 @@ pub enum Place {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Diagnostic {
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
-    /// Which kind of loss a warning is.
+    /// Kind of loss that a warning is of.
     pub loss: Option<Loss>,
-    /// How many things of the input it is about, at least 1.
+    /// Number of things of the input that it is about, at least 1.
     pub count: usize,
-    /// Where it is.
+    /// Place.
     pub place: Place,
     /// Finding, as a sentence without a full stop.
     pub found: String,
@@ -119,7 +119,7 @@ impl Diagnostic {
 }
 
 impl Diagnostic {
-    /// Where it is and what was found, in one line.
+    /// Place and finding, in one line.
     pub fn line(&self) -> String {
         let mut line = self.place.to_string();
         // Text takes all that is written to it.

@@ -21,7 +21,7 @@ static COSINES: LazyLock<[f64; 2 * DEGREE]> =
 /// The antiderivative of a function with three components.
 #[derive(Clone, Debug, Default)]
 pub struct Antiderivative {
-    /// In order; each begins where the one before ends.
+    /// Pieces in order; each begins where the one before ends.
     pieces: Vec<Piece>,
 }
 

@@ -9,14 +9,14 @@ use std::sync::OnceLock;
 
 /// Directions towards the sky along each side of the square that stands for the sphere.
 const SKY_SIDE: usize = 12;
-/// So many coarse voxels at most have depths in all of them: 80 MB.
+/// Maximum number of coarse voxels that have depths in all directions: 80 MB.
 const MOST_UNDER_SKY: f64 = (1 << 17) as f64;
 
 /// Voxels that are means of others.
 #[derive(Debug)]
 pub(super) struct CoarseVoxels {
     voxels: Voxels,
-    /// How many of the others are as long as one.
+    /// Number of the others along the edge of one.
     times: f64,
     /// Depths towards the sky, by direction, once they have been asked for.
     sky: Vec<OnceLock<VoxelDepths>>,
@@ -53,8 +53,8 @@ impl CoarseVoxels {
         self.voxels.integral(&self.line(line), range)
     }
 
-    /// From where a line begins towards the sky, in the direction nearest to its own of those that are
-    /// known.
+    /// Integral from where a line begins towards the sky, in the direction nearest to its own of those
+    /// that are known.
     pub(super) fn integral_to_sky(&self, line: &Ray) -> f64 {
         let line = self.line(line);
         let per_t = line.direction.length();

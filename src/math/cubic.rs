@@ -5,19 +5,19 @@
 pub struct Cubic(pub [f64; 4]);
 
 impl Cubic {
-    /// Its value.
+    /// Value.
     pub fn at(&self, x: f64) -> f64 {
         let [a, b, c, d] = self.0;
         a + x * (b + x * (c + x * d))
     }
 
-    /// Its integral from 0 on.
+    /// Integral from 0 on.
     pub fn integral(&self, x: f64) -> f64 {
         let [a, b, c, d] = self.0;
         x * (a + x * (b / 2.0 + x * (c / 3.0 + x * d / 4.0)))
     }
 
-    /// As many times as much.
+    /// Cubic times a factor.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self(self.0.map(|coefficient| factor * coefficient))

@@ -16,7 +16,7 @@ pub struct SquareDistribution {
 }
 
 impl SquareDistribution {
-    /// From densities, row by row; `None` if they are nowhere more than 0, or not finite.
+    /// Distribution from densities, row by row; `None` if they are nowhere more than 0, or not finite.
     pub fn new(side: usize, densities: impl Iterator<Item = f64>) -> Option<Self> {
         let mut rows = vec![0.0];
         let mut columns = Vec::with_capacity(side * (side + 1));
@@ -44,7 +44,7 @@ impl SquareDistribution {
         (row * self.side + column, place)
     }
 
-    /// How dense places in a cell are picked, where 1 is the mean over the square.
+    /// Probability density of places in a cell, where 1 is the mean over the square.
     pub fn density(&self, cell: usize) -> f64 {
         let (row, column) = (cell / self.side, cell % self.side);
         let first = row * (self.side + 1) + column;
@@ -59,7 +59,7 @@ impl SquareDistribution {
     }
 }
 
-/// Which of the steps of `sums` holds the share `u` of all, and how far within the step that is.
+/// Index of the step of `sums` that holds the share `u` of all, and how far within the step that is.
 fn pick(sums: &[f64], u: f64) -> (usize, f64) {
     let wanted = u * sums[sums.len() - 1];
     // The last step that begins at or before the wanted sum and is not empty.

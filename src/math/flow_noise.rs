@@ -8,9 +8,9 @@ use std::f64::consts::TAU;
 /// Noise of one size: about every whole place it grows and falls at random.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowNoise {
-    /// Another seed, other noise.
+    /// Seed of the noise.
     pub seed: u32,
-    /// How far all gradients have turned, each in a plane of its own (Perlin & Neyret 2001, "Flow noise").
+    /// Turns of all gradients, each in a plane of its own (Perlin & Neyret 2001, "Flow noise").
     pub turns: f64,
 }
 
@@ -53,7 +53,7 @@ impl FlowNoise {
 }
 
 impl NoiseWithin {
-    /// At a place between the corners; mostly from -0.5 to 0.5. Perlin 2002, "Improving noise".
+    /// Noise at a place between the corners; mostly from -0.5 to 0.5. Perlin 2002, "Improving noise".
     pub fn at(&self, place: DVec3) -> f64 {
         let node = place.floor();
         let share = place - node;

@@ -5,7 +5,8 @@
 use super::sampler::mix;
 use sobol_burley::parts::{hash, owen_scramble_rev, sobol_rev, u32_to_f32_norm};
 
-/// As many places share a sequence, as a power of two: the library keeps sixteen bits of a point's number.
+/// Number of places that share a sequence, as a power of two: the library keeps sixteen bits of a point's
+/// number.
 const SEQUENCE_BITS: u32 = 16;
 
 /// The coordinates that belong to a place.

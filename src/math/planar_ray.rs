@@ -14,7 +14,7 @@ pub struct PlanarRay {
 }
 
 impl PlanarRay {
-    /// In the direction of a unit vector.
+    /// Ray in the direction of a unit vector.
     pub fn new(direction: DVec2) -> Self {
         Self { direction, slope: direction.y / direction.x }
     }

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// The half line `origin + t * direction`, `t > 0`, in metres.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts, relative to the camera.
+    /// Origin, relative to the camera.
     pub origin: DVec3,
     /// Unit direction.
     pub direction: DVec3,

@@ -6,7 +6,7 @@ use crate::color::Rgb;
 
 #[cfg(test)]
 thread_local! {
-    /// How many this thread has made.
+    /// Number that this thread has made.
     pub(crate) static MULTIPLICATIONS: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
 }
 

@@ -10,7 +10,7 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// How many samples a pixel can have before points repeat.
+    /// Maximum number of samples of a pixel before points repeat.
     pub const MAX_SAMPLES: u32 = 1 << 16;
 
     /// The points of `sample` in pixel (`x`, `y`).

@@ -6,7 +6,7 @@ use super::{Ray, VoxelDepths, Voxels};
 use glam::DVec3;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// How far nodes of a sun's lattice lie apart, in voxels.
+/// Spacing of the nodes of a sun's lattice, in voxels.
 const SPACING: f64 = 0.5;
 
 /// Suns whose depths are kept.

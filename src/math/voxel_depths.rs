@@ -1,5 +1,5 @@
-//! How much of voxels lies towards a sun. In go voxels and a direction, out come depths of any place by a
-//! lattice of lines along it. Invariant: at the lattice's nodes they are exact; between them they are linear.
+//! Depths of voxels towards a sun. In go voxels and a direction, out come depths of any place by a lattice
+//! of lines along it. Invariant: at the lattice's nodes they are exact; between them they are linear.
 
 use super::{Ray, Voxels};
 use glam::DVec3;
@@ -21,7 +21,7 @@ pub struct VoxelDepths {
     depths: Vec<f32>,
 }
 
-/// By where they lie: they never change.
+/// Addresses alone: depths never change.
 impl fmt::Debug for VoxelDepths {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "VoxelDepths({self:p})")

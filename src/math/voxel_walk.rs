@@ -7,10 +7,10 @@ use glam::{DVec3, IVec3};
 
 /// Values of a cell along the part of a line that passes through it.
 pub struct Passed {
-    /// Where the line comes in and leaves.
+    /// Distances at which the line enters and leaves.
     pub start: f64,
     pub end: f64,
-    /// From `start` on.
+    /// Values from `start` on.
     pub values: Cubic,
 }
 
@@ -66,7 +66,7 @@ impl Voxels {
         }
     }
 
-    /// Where a line is in a cell; `None` if its brick holds nothing.
+    /// Place of a line in a cell; `None` if its brick holds nothing.
     #[inline]
     fn begin(&self, way: &Way, cell: IVec3) -> Option<Here<'_>> {
         let brick = self.brick_of(cell)?;
@@ -101,7 +101,7 @@ impl Voxels {
 struct Here<'a> {
     brick: &'a Neighbours,
     corners: [f32; 8],
-    /// Where the line leaves it by each axis.
+    /// Distance at which the line leaves it by each axis.
     exits: [f64; 3],
 }
 
@@ -111,7 +111,7 @@ struct Way {
     direction: DVec3,
     /// Products of two of its coordinates: y z, x z, x y.
     products: DVec3,
-    /// How much `t` grows by a voxel along each axis.
+    /// Growth of `t` by a voxel along each axis.
     per_voxel: DVec3,
     step: [i32; 3],
 }
@@ -143,7 +143,7 @@ impl Way {
         Cubic([value, slope, bend, xyz * along.x * self.products.x])
     }
 
-    /// Where it leaves what lies between two planes across an axis.
+    /// Distance at which it leaves what lies between two planes across an axis.
     #[inline]
     fn exit(&self, axis: usize, low: i32, high: i32) -> f64 {
         let per_voxel = self.per_voxel[axis];

@@ -11,7 +11,7 @@ const LOG_EDGE: i32 = 3;
 pub(super) const EDGE: i32 = 1 << LOG_EDGE;
 /// Voxels of a brick, z fastest.
 pub const BRICK: usize = 512;
-/// From a voxel to the next within a brick, along each axis.
+/// Strides from a voxel to the next within a brick, along each axis.
 const STEPS: [usize; 3] = [64, 8, 1];
 /// The two other axes.
 const OTHERS: [[usize; 2]; 3] = [[1, 2], [0, 2], [0, 1]];
@@ -26,9 +26,9 @@ pub struct Voxels {
     /// The first voxel of the first brick that cells begin in, and such bricks along each axis.
     first: IVec3,
     bricks: IVec3,
-    /// By place of a brick, z fastest: its number among those in which a cell begins that holds something.
+    /// Number by place of a brick, z fastest, among those in which a cell begins that holds something.
     table: Vec<u32>,
-    /// By that number.
+    /// Neighbours by that number.
     neighbours: Vec<Neighbours>,
     values: Vec<f32>,
     /// Corners of what is not nothing, in whole places.
@@ -39,11 +39,11 @@ pub struct Voxels {
     id: u64,
 }
 
-/// Where values of a brick begin and those of the seven next to it that its cells have corners in: ahead
-/// along x by bit 0 of the index, y by bit 1, z by bit 2.
+/// Starts of the values of a brick and of the seven next to it that its cells have corners in: ahead along
+/// x by bit 0 of the index, y by bit 1, z by bit 2.
 pub(super) type Neighbours = [u32; 8];
 
-/// By its id: its numbers never change.
+/// Id alone: its numbers never change.
 impl fmt::Debug for Voxels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Voxels({})", self.id)
@@ -65,14 +65,14 @@ pub enum VoxelsError {
 #[derive(Debug, Default)]
 pub struct VoxelsBuilder {
     values: Vec<f32>,
-    /// By brick the number of its values.
+    /// Number of each brick's values.
     bricks: HashMap<IVec3, u32>,
     /// Numbers of bricks that are the same all over, by their value's bits.
     even: HashMap<u32, u32>,
 }
 
 impl VoxelsBuilder {
-    /// With room for so many bricks: while there is, they are never held twice.
+    /// Builder with room for so many bricks: while there is, they are never held twice.
     pub fn of_up_to(bricks: usize) -> Self {
         // One more, of nothing.
         Self { values: Vec::with_capacity((bricks + 1) * BRICK), ..Self::default() }
@@ -162,7 +162,7 @@ impl VoxelsBuilder {
     }
 }
 
-/// To a corner of a cell from its first, or to a brick's neighbour.
+/// Offset of a corner of a cell from its first, or of a brick's neighbour.
 fn offset(corner: usize) -> IVec3 {
     IVec3::new(corner as i32 & 1, corner as i32 >> 1 & 1, corner as i32 >> 2)
 }
@@ -187,7 +187,7 @@ impl Voxels {
         size_of_val(&*self.values) + size_of_val(&*self.neighbours) + size_of_val(&*self.table)
     }
 
-    /// Its largest number.
+    /// Largest number.
     pub fn most(&self) -> f64 {
         f64::from(self.most)
     }
@@ -230,7 +230,7 @@ impl Voxels {
         local != if step > 0 { 0 } else { EDGE - 1 }
     }
 
-    /// At the corners of a cell that begins in a brick: x fastest.
+    /// Values at the corners of a cell that begins in a brick: x fastest.
     #[inline]
     pub(super) fn corners(&self, brick: &Neighbours, cell: IVec3) -> [f32; 8] {
         let [x, y, z] = self.steps(cell);
@@ -246,7 +246,7 @@ impl Voxels {
         cell: IVec3,
         (axis, is_ahead): (usize, bool),
     ) {
-        /// Those of the side with the lower coordinate.
+        /// Corners of the side with the lower coordinate.
         const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
         let new = self.side(brick, cell, axis, is_ahead);
         for (near, new) in LOW[axis].into_iter().zip(new) {
@@ -278,7 +278,7 @@ impl Voxels {
         })
     }
 
-    /// For a cell's corners along each axis: the bit of the neighbour that they are in, and steps within it.
+    /// Bit of the neighbour that each corner of a cell is in along each axis, and steps within it.
     #[inline]
     fn steps(&self, cell: IVec3) -> [[(usize, usize); 2]; 3] {
         let local = (cell - self.first) & (EDGE - 1);
@@ -295,7 +295,7 @@ impl Voxels {
         self.values[start as usize + x.1 + y.1 + z.1]
     }
 
-    /// At a place.
+    /// Value at a place.
     pub fn at(&self, place: DVec3) -> f64 {
         // As far out as whole numbers go.
         if place.is_nan() || place.abs().max_element() >= 1e9 {
