@@ -1,5 +1,6 @@
-//! Where leaves hang before they fall. Invariant: places are on a grid so fine that nobody sees it. It is so
-//! coarse that the last bits of a scene's transforms, which machines may round differently, are gone.
+//! Places where leaves hang before they fall. Invariant: places are on a grid so fine that nobody sees it.
+//! It is so coarse that the last bits of a scene's transforms, which machines may round differently, are
+//! gone.
 
 use crate::math::Chance;
 use glam::DVec3;

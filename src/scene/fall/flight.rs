@@ -25,7 +25,7 @@ const CARRIED_ALONG: f64 = 4.0;
 /// Time after its release in which a leaf takes up its manner, seconds.
 const TAKING_UP_S: f64 = 0.5;
 
-/// How fast a leaf backs off that hangs nearer to an obstacle than it reaches.
+/// Speed at which a leaf backs off that hangs nearer to an obstacle than it reaches.
 const BACKING_OFF_M_PER_S: f64 = 0.3;
 
 /// Steps of a plate: so many of `time` each under one weight.
@@ -185,7 +185,7 @@ impl Flier {
         self.sideways += away.dot(across);
     }
 
-    /// From 0 at the release to 1.
+    /// Share of its manner that it has taken up, from 0 at the release to 1.
     fn taken_up(&self) -> f64 {
         let square = self.time_s * self.time_s;
         square / (square + TAKING_UP_S * TAKING_UP_S)

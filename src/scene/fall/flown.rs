@@ -6,7 +6,7 @@ use super::leaf::{Flight, Pose};
 use crate::scene::Track;
 use glam::{DQuat, DVec3};
 
-/// So long before it touches the ground a leaf may meet others that lie there, seconds.
+/// Time before it touches the ground in which a leaf may meet others that lie there, seconds.
 const TAIL_S: f64 = 0.4;
 /// Poses of the tail that come before it: slopes of curves are found with them.
 const CONTEXT: usize = 2;
@@ -17,11 +17,11 @@ pub(super) type Tracks = (Track<DVec3>, Track<DQuat>);
 /// Flight of a leaf until it touches the ground, if it does. By default it was never anywhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::inside::scene) struct Flown {
-    /// Up to the tail; `None` where all is tail.
+    /// Tracks up to the tail; `None` where all is tail.
     pub(super) head: Option<Tracks>,
-    /// To where it touches the ground. Of a leaf that never does, empty.
+    /// Poses to where it touches the ground. Of a leaf that never does, empty.
     pub(super) tail: Vec<Pose>,
-    /// Its velocity there.
+    /// Velocity at the ground.
     pub(super) velocity: DVec3,
 }
 
@@ -50,7 +50,7 @@ impl Flown {
         whole.then_some(self)
     }
 
-    /// Where in the tail the head ends.
+    /// Index of the pose in the tail at which the head ends.
     pub(super) fn first(&self) -> usize {
         if self.head.is_some() { CONTEXT } else { 0 }
     }

@@ -31,8 +31,7 @@ struct Meshes {
 }
 
 impl Ground {
-    /// Where no triangle of its own is, there may be one of others; where there is none either,
-    /// the ground is level.
+    /// Ground of its own triangles, of others where it has none, and level where there is none either.
     pub(crate) fn new(level_m: f64, own: Vec<[DVec3; 3]>, others: Vec<[DVec3; 3]>) -> Self {
         let points = own.iter().chain(&others).flatten();
         let highest_m = points.map(|point| point.y).fold(level_m, f64::max);

@@ -12,7 +12,7 @@ const SQUARES_ALONG: f64 = 20.0;
 const MOST_SQUARES_ALONG: f64 = 64.0;
 /// Squares along one side of a tile.
 const TILE: i32 = 32;
-/// Where nothing lies.
+/// Height where nothing lies.
 const BARE: f32 = f32::NEG_INFINITY;
 
 /// Heights by squares; tiles exist where something lies.
@@ -32,7 +32,7 @@ pub(super) struct Sheet {
     points: Vec<DVec3>,
 }
 
-/// How a sheet lies: where its middle is, and how it is turned.
+/// Pose of a sheet: its middle, and its turn.
 #[derive(Clone, Copy)]
 pub(super) struct Lie {
     pub(super) middle: DVec3,
@@ -40,7 +40,7 @@ pub(super) struct Lie {
 }
 
 impl Heap {
-    /// For leaves with these ranges of lengths.
+    /// Heap of leaves with these ranges of lengths.
     pub(super) fn new(lengths_m: impl Iterator<Item = (f64, f64)>) -> Self {
         let (mut sum, mut count, mut longest) = (0.0, 0.0, 0.0_f64);
         for (low, high) in lengths_m {
@@ -81,8 +81,8 @@ impl Heap {
         })
     }
 
-    /// How high the sheet's middle must be for no point of it to be below what lies here; infinitely
-    /// low over bare ground.
+    /// Height of the sheet's middle at which no point of it is below what lies here; infinitely low over
+    /// bare ground.
     pub(super) fn lowest_height_m(&self, sheet: &Sheet, lie: Lie) -> f64 {
         let points = sheet.at(lie);
         let heights = self.under(&points).zip(&points);
@@ -90,8 +90,8 @@ impl Heap {
         over.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Over each of the sheet's points how much it would have to rise to be on what lies
-    /// there, or on the ground.
+    /// Heights by which each of the sheet's points would have to rise to be on what lies there, or on the
+    /// ground.
     pub(super) fn rises(&self, sheet: &Sheet, lie: Lie, ground: &Ground) -> Vec<DVec3> {
         let points = sheet.at(lie);
         let floors = self.under(&points).zip(&points).map(|(top, point)| {
@@ -135,13 +135,13 @@ impl Sheet {
         self.points.iter().sum::<DVec3>() / self.points.len() as f64
     }
 
-    /// Its points in the world.
+    /// Points in the world.
     fn at(&self, lie: Lie) -> Vec<DVec3> {
         self.points.iter().map(|&point| lie.middle + lie.turn * point).collect()
     }
 }
 
-/// Where a square stands in its tile.
+/// Index of a square in its tile.
 fn within_tile(square: [i32; 2]) -> usize {
     let [x, z] = square.map(|at| at.rem_euclid(TILE));
     (z * TILE + x) as usize

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::fmt::{self, Write};
 
-/// To be raised with every change of what falls give: old bakes have old names then.
+/// Edition, to be raised with every change of what falls give: old bakes have old names then.
 pub(super) const EDITION: u32 = 3;
 const MAGIC: &[u8; 16] = b"sunfleck bake 3\n";
 const CHECKSUM_BYTES: usize = 4;
@@ -23,7 +23,7 @@ const CHECKSUM_BYTES: usize = 4;
 const FEWEST: u32 = 1000;
 
 impl Fall {
-    /// How all leaves fly, in order, out of the store if it is in it.
+    /// Flights of all leaves, in order, out of the store if they are in it.
     pub(in crate::inside::scene) fn fly_or_recall(&self, baking: &Baking) -> Vec<Flown> {
         let tell = |done| (baking.tell)(done, self.count);
         if self.count < FEWEST {

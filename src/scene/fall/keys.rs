@@ -5,10 +5,10 @@ use super::leaf::Pose;
 use crate::scene::{Animate, Extend, Key, Segment, Track};
 use glam::{DQuat, DVec3};
 
-/// More poses than this between two keys are not tried.
+/// Maximum number of poses between two keys that are tried.
 const MOST_BETWEEN: usize = 64;
 
-/// How far curves may pass from a pose.
+/// Distance at which curves may pass from a pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tolerance {
     pub(crate) place_m: f64,
@@ -22,11 +22,11 @@ pub(crate) struct Knot {
     turn: DQuat,
     velocity: DVec3,
     turning: DQuat,
-    /// Over the tolerance: curves that part from each other would dip into the ground.
+    /// Factor on the tolerance: curves that part from each other would dip into the ground.
     care: f64,
 }
 
-/// Once a leaf has touched the ground.
+/// Care once a leaf has touched the ground.
 const CARE_ON_GROUND: f64 = 1.0 / 3.0;
 
 /// Place and turn of a node; `None` without a knot.

@@ -12,7 +12,7 @@ const SETTLING: (f64, f64) = (2.0, 4.0);
 /// Keys closer than this could fall together in the single precision of files, seconds.
 pub(super) const LEAST_INTERVAL_S: f64 = 1e-3;
 
-/// How often is looked from one pose to the next: corners swing.
+/// Number of looks from one pose to the next: corners swing.
 const LOOKS: u32 = 4;
 
 /// Whether no ground is so high that the leaf could touch it.
@@ -20,7 +20,7 @@ fn is_high(leaf: &Leaf, ground: &Ground, pose: &Pose) -> bool {
     pose.middle.y > ground.highest_m() + leaf.reach_m + leaf.clearance_m
 }
 
-/// How high the middle must be for no point of the outline to be below the ground.
+/// Height of the middle at which no point of the outline is below the ground.
 pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 {
     let heights = leaf.outline.iter().map(|&point| {
         let point = pose.turn * point;
@@ -81,14 +81,15 @@ pub(super) fn push_apart(poses: &mut Vec<Pose>, pose: Pose) {
 #[derive(Clone, Debug)]
 pub(super) struct Settling {
     touch: Pose,
-    /// Where its middle slides to, at even times; heights are not looked at.
+    /// Places that its middle slides to, at even times; heights are not looked at.
     places: Vec<DVec3>,
-    /// Where it comes to rest.
+    /// Pose at rest.
     pub(super) rest: Pose,
 }
 
 impl Settling {
-    /// On bare ground, on three of its points, on the side that is nearer; poses are about so far apart.
+    /// Slide on bare ground, on three of its points, on the side that is nearer; poses are about so far
+    /// apart.
     pub(super) fn new(
         leaf: &Leaf,
         around: Surroundings<'_>,

@@ -5,8 +5,8 @@
 use std::array;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// How many: a step waits for its own numbers, and so many wait at once. Eight are hardly faster, and leave
-/// more idle where leaves run out.
+/// Number of lanes: a step waits for its own numbers, and so many wait at once. Eight are hardly faster,
+/// and leave more idle where leaves run out.
 pub(super) const LANES: usize = 4;
 
 /// Number that the equations of a plate are written in.

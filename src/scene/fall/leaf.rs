@@ -12,7 +12,7 @@ use glam::{DQuat, DVec3};
 const LONGEST_INTERVAL_S: f64 = 1.0 / 40.0;
 const LONGEST_INTERVAL: f64 = 0.4;
 
-/// Where leaves fall.
+/// Surroundings that leaves fall in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surroundings<'a> {
     pub(super) wind: &'a Wind,
@@ -30,7 +30,7 @@ pub(crate) struct Leaf {
     /// Factor on all speeds: the largest before the fall, in it that of the moment.
     pub(crate) speed_gain: f64,
     pub(crate) manner: Manner,
-    /// Where its middle hangs.
+    /// Middle of the leaf before the release.
     pub(crate) middle: DVec3,
     pub(crate) release_s: f64,
     /// Cosine and sine: of the plane's turn about the vertical, and of the chord's slope in it.
@@ -42,7 +42,7 @@ pub(crate) struct Leaf {
     pub(crate) outline: Vec<DVec3>,
     /// Upward directions when it lies on the one side and on the other.
     pub(crate) rests: [DVec3; 2],
-    /// How far the outline reaches.
+    /// Reach of the outline.
     pub(crate) reach_m: f64,
     /// Free height below it once it lies.
     pub(crate) clearance_m: f64,
@@ -51,9 +51,9 @@ pub(crate) struct Leaf {
 /// Motion that turns a fall in a plane into one in space. Dressing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Manner {
-    /// How fast the plane turns.
+    /// Turning rate of the plane.
     pub(crate) yaw_rad_per_s: f64,
-    /// How fast that becomes less, 1/s: the circles widen.
+    /// Decay of that rate, 1/s: the circles widen.
     pub(crate) widening_per_s: f64,
     /// Lean to one side, and how far it sways from there, radians.
     pub(crate) bank: f64,
@@ -63,7 +63,7 @@ pub(crate) struct Manner {
     pub(crate) sway_phase: [f64; 2],
 }
 
-/// Where a leaf is at a time.
+/// Pose of a leaf at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose {
     pub(crate) time_s: f64,
@@ -74,9 +74,9 @@ pub(crate) struct Pose {
 /// Flight of a leaf through the air.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Flight {
-    /// From the release on; the last touches the ground, unless the leaf never does.
+    /// Poses from the release on; the last touches the ground, unless the leaf never does.
     pub(crate) poses: Vec<Pose>,
-    /// Its velocity there.
+    /// Velocity at the ground.
     pub(crate) touches_with: Option<DVec3>,
 }
 

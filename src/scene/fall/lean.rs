@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 
-/// How often a contact is exchanged for a higher one, at most.
+/// Maximum number of exchanges of a contact for a higher one.
 const MOST_EXCHANGES: usize = 100;
 /// Three contacts to begin with, so far off and so deep that they are soon exchanged; over the reach.
 const FAR: f64 = 100.0;

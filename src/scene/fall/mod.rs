@@ -60,7 +60,7 @@ const CLEARANCE: f64 = 0.02;
 const OF_A_STRIP: f64 = 0.5;
 /// Leaves that one thread takes at a time: so many that few lanes stay empty as the last ones fall.
 const LEAVES_AT_A_TIME: u32 = 64;
-/// How far leaves may be twisted in the plane of their blade, radians: none falls along its vein.
+/// Maximum twist of leaves in the plane of their blade, radians: none falls along its vein.
 const MOST_TWIST: f64 = 0.7;
 
 /// Leaves to be let go.
@@ -68,7 +68,7 @@ const MOST_TWIST: f64 = 0.7;
 pub(super) struct Fall {
     pub(super) count: u32,
     pub(super) seed: u32,
-    /// At least one.
+    /// Species, at least one.
     pub(super) species: Vec<Species>,
     /// `None`: each leaf falls as its own inertia has it.
     pub(super) motion: Option<FallMotion>,
@@ -85,13 +85,13 @@ pub(super) struct Fall {
 /// Leaves of one kind.
 #[derive(Clone, Debug)]
 pub(super) struct Species {
-    /// How many of the leaves are of this kind, in proportion to the others.
+    /// Share of the leaves that are of this kind, in proportion to the others.
     pub(super) share: f64,
-    /// At least one.
+    /// Outlines, at least one.
     pub(super) outlines: Vec<Outline>,
     /// Ranges, from the smallest to the largest.
     pub(super) length_m: (f64, f64),
-    /// If it is not that of the mesh.
+    /// Width, if it is not that of the mesh.
     pub(super) width_m: Option<(f64, f64)>,
     pub(super) areal_mass_kg_per_m2: (f64, f64),
     pub(super) curl: (f64, f64),
@@ -101,7 +101,7 @@ pub(super) struct Species {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fallen {
     pub(super) species: usize,
-    /// Which of the species' outlines.
+    /// Index of the species' outline.
     pub(super) outline: usize,
     /// A number in `[0, 1)` that chooses its material.
     pub(super) material: f64,
@@ -134,7 +134,7 @@ enum Draw {
 }
 
 impl Fall {
-    /// How all leaves fly, in order. `tell` hears now and then how many are done.
+    /// Flights of all leaves, in order. `tell` hears now and then how many are done.
     fn fly(&self, tell: &(dyn Fn(u32) + Sync)) -> Vec<Flown> {
         let done = AtomicU32::new(0);
         (0..self.count.div_ceil(LEAVES_AT_A_TIME))
@@ -154,7 +154,8 @@ impl Fall {
             .collect()
     }
 
-    /// Which point of its mesh is the leaf's middle, scaled, and how far its curves may pass from its poses.
+    /// Point of its mesh that is the leaf's middle, scaled, and the distance at which its curves may pass
+    /// from its poses.
     fn keyed_as(&self, number: u32) -> (DVec3, Tolerance) {
         let Look { shape, length_m, scale, .. } = self.look(number);
         (shape.middle * scale, Tolerance { place_m: TOLERANCE * length_m, turn_rad: TOLERANCE })
@@ -230,7 +231,7 @@ struct Look<'a> {
     release_s: f64,
 }
 
-/// That far from the start of a range to its end.
+/// Number at a fraction of a range.
 fn within((low, high): (f64, f64), fraction: f64) -> f64 {
     low + (high - low) * fraction
 }

@@ -8,7 +8,7 @@ use std::fmt;
 
 /// Triangles that a leaf of the tree holds at most.
 const TRIANGLES_PER_LEAF: usize = 4;
-/// How often a ball is pushed away from the nearest triangle before it counts as stuck.
+/// Number of times that a ball is pushed away from the nearest triangle before it counts as stuck.
 const PUSHES: usize = 4;
 
 type Triangle = [DVec3; 3];
@@ -32,7 +32,7 @@ struct Node {
     next: usize,
 }
 
-/// Where a ball came to, and the direction away from what it touched last.
+/// Place that a ball came to, and the direction away from what it touched last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contact {
     pub(super) place: DVec3,

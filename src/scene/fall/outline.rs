@@ -41,7 +41,7 @@ impl Outline {
         (size.x > 0.0 && size.z > 0.0).then_some(Self { points, triangles, middle, size, rests })
     }
 
-    /// How many times as wide or as thick as long it is.
+    /// Ratio of its width or thickness to its length.
     pub(in crate::inside::scene) fn width_to_length(&self) -> f64 {
         self.size.x.max(self.size.y) / self.size.z
     }
@@ -83,7 +83,7 @@ fn support(points: &[DVec3], side: f64) -> DVec3 {
     DVec3::new(-side * x, 1.0, -side * best_y(x)).normalize()
 }
 
-/// Where a convex function is least.
+/// Minimum of a convex function.
 fn least(of: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (-STEEPEST, STEEPEST);
     for _ in 0..40 {

@@ -14,12 +14,12 @@ use super::{Fall, Fallen, Look, lean};
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 
-/// How often a leaf's lean is found anew with the heights under it as it leans.
+/// Number of times that a leaf's lean is found anew with the heights under it as it leans.
 const LEANS: usize = 3;
 /// No leaf leans more than with this slope against how it would lie on bare ground.
 const MOST_LEAN: f64 = 0.8;
 
-/// How a leaf comes down: which poses of its tail are left, where it touches, what then.
+/// Landing of a leaf: the poses of its tail that are left, where it touches, what then.
 struct Landing {
     until: usize,
     touch: Pose,
@@ -79,7 +79,7 @@ impl Fall {
     }
 }
 
-/// How a leaf comes down among those that lie there.
+/// Landing of a leaf among those that lie there.
 fn land(fall: &Fall, leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> Landing {
     let last = flown.tail.len() - 1;
     let (until, touch, velocity) = first_meeting(leaf, sheet, flown, heap).map_or_else(
@@ -97,7 +97,8 @@ fn land(fall: &Fall, leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> 
     Landing { until, touch, settling }
 }
 
-/// Where a leaf on its way to the ground first touches another that lies: after which pose of its tail.
+/// First place at which a leaf on its way to the ground touches another that lies, after a pose of its
+/// tail.
 fn first_meeting(leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> Option<(usize, Pose)> {
     let is_below = |pose: &Pose| {
         let lowest_m = pose.middle.y - leaf.reach_m - leaf.clearance_m;
@@ -113,7 +114,7 @@ fn first_meeting(leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> Opti
     ways.find_map(|(at, way)| Some((first + at, landing::first_below(way[0], way[1], is_below)?)))
 }
 
-/// Where a leaf comes to rest that would lie so on bare ground.
+/// Pose in which a leaf comes to rest that would lie so on bare ground.
 fn rest(leaf: &Leaf, sheet: &Sheet, bare: Pose, heap: &Heap, ground: &Ground) -> Pose {
     if heap.lowest_height_m(sheet, lie(&bare)) == f64::NEG_INFINITY {
         return bare;

@@ -32,7 +32,7 @@ pub(super) struct Plate<N = f64> {
     pub(super) inertia: N,
     /// mu_1 of the paper: how much slow turns are damped.
     pub(super) damping: N,
-    /// How far the chord is arched, from edge to edge, radians; convex towards +normal.
+    /// Arch of the chord, from edge to edge, radians; convex towards +normal.
     pub(super) curl: N,
 }
 
@@ -44,7 +44,7 @@ pub(super) const PAPER_DAMPING: f64 = 0.2;
 pub(super) struct Scales {
     /// Half the chord, metres.
     pub(super) length_m: f64,
-    /// Where weight and the air's forces balance, m/s.
+    /// Speed at which weight and the air's forces balance, m/s.
     pub(super) speed_m_per_s: f64,
 }
 
@@ -66,7 +66,7 @@ pub(super) fn inertia(chord_m: f64, areal_mass_kg_per_m2: f64) -> f64 {
     4.0 * areal_mass_kg_per_m2 / (PI * AIR_DENSITY * chord_m)
 }
 
-/// How the plate moves, and where it is.
+/// Motion and place of the plate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct State<N = f64> {
     /// Velocity through the air along the chord and along the normal.
@@ -77,13 +77,13 @@ pub(super) struct State<N = f64> {
     /// The chord's direction (cosine, sine of its angle to the horizontal), of unit length.
     pub(super) cos: N,
     pub(super) sin: N,
-    /// Where the centre is relative to the air.
+    /// Position of the centre relative to the air.
     pub(super) x: N,
     pub(super) y: N,
 }
 
 impl State {
-    /// At rest in the air, its chord at an angle whose cosine and sine these are.
+    /// State at rest in the air, its chord at an angle whose cosine and sine these are.
     pub(super) fn at_rest([cos, sin]: [f64; 2]) -> Self {
         Self { u: 0.0, v: 0.0, w: 0.0, cos, sin, x: 0.0, y: 0.0 }
     }

@@ -26,7 +26,7 @@ impl Abreast {
         self.state = state;
     }
 
-    /// Where the plate of one lane has come to.
+    /// State of the plate of one lane.
     pub(super) fn state(&self, lane: usize) -> State {
         let State { u, v, w, cos, sin, x, y } = self.state;
         let [u, v, w, cos, sin, x, y] = [u, v, w, cos, sin, x, y].map(|lanes| lanes.0[lane]);

@@ -37,7 +37,7 @@ struct Wave {
     per_m: DVec3,
     per_s: f64,
     phase: f64,
-    /// At right angles to `per_m`: hence no divergence.
+    /// Velocity at right angles to `per_m`: hence no divergence.
     velocity: DVec3,
 }
 
@@ -100,7 +100,7 @@ impl Wind {
         velocity
     }
 
-    /// From 0 between gusts to at most 1 in them, with a continuous derivative.
+    /// Strength of gusts, from 0 between them to at most 1, with a continuous derivative.
     fn gustiness(&self, time_s: f64) -> f64 {
         let number = (time_s / self.gust_s).floor();
         let within = time_s / self.gust_s - number;

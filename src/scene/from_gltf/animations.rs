@@ -1,9 +1,9 @@
-//! Which animations of a file are played. In go all of its channels and what whoever renders asked for;
-//! those of other animations are taken out. Invariant: unless all are asked for, no two that are played
-//! move the same thing.
+//! Choice of the animations of a file that are played. In go all of its channels and what whoever renders
+//! asked for; those of other animations are taken out. Invariant: unless all are asked for, no two that
+//! are played move the same thing.
 //!
-//! Blender exports an action an object, which belong together; a game's model has a walk and a run, which do
-//! not. What tells them apart is whether they move the same things.
+//! Blender exports an action an object, which belong together; a game's model has a walk and a run, which
+//! do not. They are told apart by whether they move the same things.
 
 use super::clock::Clock;
 use crate::description::gltf::report::Report;
@@ -60,7 +60,7 @@ pub(super) fn set_right(animations: &mut [Animation], clock: &Clock) {
     }
 }
 
-/// In the file's order, those that do not move what an earlier one moves.
+/// Animations, in the file's order, that do not move what an earlier one moves.
 fn side_by_side(source: &GltfScene, targets: &[BTreeSet<Target>], report: &mut Report) -> Vec<bool> {
     let mut moved = BTreeSet::new();
     let mut is_free = |(targets, name): (&BTreeSet<Target>, &String)| {

@@ -23,7 +23,7 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// By the rate that the scene's extras say, or else `default`.
+    /// Clock by the rate that the scene's extras say, or else `default`.
     pub(super) fn new(
         source: &GltfScene,
         sunfleck: &Sunfleck,

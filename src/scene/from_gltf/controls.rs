@@ -35,7 +35,7 @@ enum Carried {
     Color(Track<Rgb>),
 }
 
-/// Which numbers a field takes.
+/// Range of a field's numbers.
 struct Range {
     admits: fn(f64) -> bool,
     expected: &'static str,

@@ -11,7 +11,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// One of our meshes with what may bend it.
+/// Mesh of ours with what may bend it.
 #[derive(Clone)]
 pub(super) struct Converted {
     pub(super) mesh: MeshIndex,
@@ -23,7 +23,7 @@ pub(super) struct Converted {
 /// A primitive in a mesh that may hold others.
 pub(super) struct Part<'a> {
     pub(super) primitive: &'a Primitive,
-    /// Where its vertices begin.
+    /// Index of its first vertex.
     pub(super) first: usize,
     /// The vertices that follow its own, in its own numbers.
     pub(super) cuts: Vec<Between>,

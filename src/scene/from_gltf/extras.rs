@@ -33,19 +33,19 @@ pub(super) struct Sunfleck {
     pub(super) light_units: Option<String>,
     pub(super) samples: Option<f64>,
     pub(super) tolerance: Option<f64>,
-    /// As the command line names it.
+    /// Filter, as the command line names it.
     pub(super) filter: Option<String>,
-    /// In powers of two, of pictures for eyes.
+    /// Exposure in powers of two, of pictures for eyes.
     pub(super) exposure: Option<f64>,
     pub(super) seed: Option<f64>,
     pub(super) mirror_depth: Option<f64>,
     /// A number, or `all`.
     pub(super) bounces: Option<Value>,
-    /// As the command line names them.
+    /// Passes, as the command line names them.
     pub(super) passes: Option<Vec<String>>,
-    /// In frames.
+    /// Shutter in frames.
     pub(super) shutter: Option<f64>,
-    /// From the frame to the opening of the shutter, in frames.
+    /// Offset from the frame to the opening of the shutter, in frames.
     pub(super) shutter_offset: Option<f64>,
     pub(super) unit_scale: Option<f64>,
     #[serde(flatten)]
@@ -66,11 +66,11 @@ pub(super) struct Fog {
     /// Metres; its reciprocal.
     pub(super) scale_height: Option<f64>,
     pub(super) base_height: Option<f64>,
-    /// Two opposite corners of a box in glTF's space, of the scene's fog alone.
+    /// Opposite corners of a box in glTF's space, of the scene's fog alone.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
     /// An OpenVDB file beside this one, in place of the five above.
     pub(super) vdb: Option<String>,
-    /// One of its grids.
+    /// Name of one of its grids.
     pub(super) grid: Option<String>,
     #[serde(flatten)]
     pub(super) unknown: BTreeMap<String, Value>,
@@ -79,9 +79,9 @@ pub(super) struct Fog {
 /// `sunfleck_leaf` of a material: a share of the light comes out on the other side, diffuse.
 #[derive(Debug, Deserialize)]
 pub(super) struct Leaf {
-    /// That share: what is left is reflected.
+    /// Share that is transmitted: the rest is reflected.
     pub(super) translucency: f64,
-    /// Its colour; without one that of the surface.
+    /// Colour of transmitted light; without one that of the surface.
     pub(super) transmit_color: Option<Channels>,
     #[serde(flatten)]
     pub(super) unknown: BTreeMap<String, Value>,
@@ -174,7 +174,7 @@ fn report_unknown(extras: &Value, known: &[&str], owner: &str, report: &mut Repo
 }
 
 impl Builder<'_> {
-    /// Which rays meet the mesh of one of the file's nodes.
+    /// Ray visibility of the mesh of one of the file's nodes.
     pub(super) fn ray_visibility(&mut self, node: usize) -> RayVisibility {
         let extras = &self.source.nodes[node].extras;
         let read: Option<ObjectRays> =

@@ -6,7 +6,7 @@ use crate::scene::{Animate, Extend, Key, Segment, Track};
 /// Into how many straight parts a curve is cut.
 const PARTS_OF_CURVES: usize = 32;
 
-/// When a track has keys, and how it goes on from each of them.
+/// Keys of a track, with the way from each to the next.
 pub(super) struct Course(Vec<(f64, Way)>);
 
 #[derive(Clone, Copy, PartialEq)]
@@ -26,12 +26,12 @@ impl Course {
         Self(track.keys().iter().map(|key| (key.time_s, way(key.to_next))).collect())
     }
 
-    /// How many of its keys are not after a time, in single precision as tracks count them.
+    /// Number of its keys that are not after a time, in single precision as tracks count them.
     fn passed(&self, time_s: f64) -> usize {
         self.0.partition_point(|(key_s, _)| *key_s as f32 <= time_s as f32)
     }
 
-    /// How it goes on from a time to the next key of any track.
+    /// Way from a time to the next key of any track.
     fn way_from(&self, time_s: f64) -> Way {
         match self.passed(time_s) {
             0 => Way::Stays,

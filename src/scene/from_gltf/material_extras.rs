@@ -11,7 +11,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// By which shares that add up to 1 may end above it: Blender and others hold colours in single precision,
+/// Excess over 1 of shares that should add up to 1: Blender and others hold colours in single precision,
 /// and properties in double, so that 0.6 and 0.4 make 1.000000024.
 const SINGLE_PRECISION: f64 = 1e-6;
 

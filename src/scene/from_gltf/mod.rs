@@ -45,7 +45,7 @@ struct Builder<'a> {
     properties: BTreeMap<(Property, usize), &'a PropertyChannel>,
     /// Images on suns, by the names that the file has for them.
     sun_images: BTreeMap<String, Arc<Texture>>,
-    /// How many suns show a picture.
+    /// Number of suns that show a picture.
     pictures_on_suns: usize,
     /// Meshes that a mask has cut.
     outlines: Tally,

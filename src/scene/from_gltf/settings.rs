@@ -1,5 +1,5 @@
-//! How a file wants to be rendered. In go the scene's extras, out come settings. Invariant: a number that
-//! cannot be used is an error at its own JSON path, and all of them are found.
+//! Render settings of a file. In go the scene's extras, out come settings. Invariant: a number that cannot
+//! be used is an error at its own JSON path, and all of them are found.
 
 use super::clock::Clock;
 use super::extras::Sunfleck;

@@ -26,7 +26,7 @@ const HIGHEST_START_M: f64 = 200.0;
 /// ground, as is told already.
 type Grounds<'a> = BTreeMap<&'a str, Option<Vec<[DVec3; 3]>>>;
 
-/// How a species looks.
+/// Looks of a species.
 struct Dress {
     meshes: Vec<MeshIndex>,
     materials: Vec<MaterialIndex>,

@@ -92,8 +92,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// How the fog thins out with height, if it does. A box's base is its bottom unless the
-    /// file says otherwise.
+    /// Falloff of the fog with height, if there is one. A box's base is its bottom unless the file says
+    /// otherwise.
     fn fog_falloff(
         &mut self,
         owner: &str,

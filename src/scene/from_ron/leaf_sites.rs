@@ -1,12 +1,12 @@
-//! Where the leaves of a block may be: a block in, a map from three random numbers to
-//! points out. Invariant: uniform in the volume of the box, or in the area of the surface.
+//! Sites of a block's leaves: a block in, a map from three random numbers to points out. Invariant:
+//! uniform in the volume of the box, or in the area of the surface.
 
 use super::Resolver;
 use crate::description::ron::Leaves;
 use crate::scene::{Mesh, NodeIndex};
 use glam::DVec3;
 
-/// Where leaves are put, in the space of what they follow.
+/// Region in which leaves are put, in the space of what they follow.
 pub(super) enum Site {
     /// Anywhere between two corners.
     Box(DVec3, DVec3),
@@ -50,7 +50,7 @@ impl Site {
 }
 
 impl Resolver<'_> {
-    /// Where the leaves of `block` are, and the node that they follow.
+    /// Site of the leaves of `block`, and the node that they follow.
     pub(super) fn leaf_site(&mut self, owner: &str, block: &Leaves) -> Option<(Option<NodeIndex>, Site)> {
         match (&block.on, &block.min_m, &block.max_m) {
             (Some(object), None, None) => self.leaf_surface(owner, block, object),

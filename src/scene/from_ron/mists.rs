@@ -54,7 +54,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// That there are no more voxels than memory is asked for, and no fewer than billows need.
+    /// Checks that there are no more voxels than memory is asked for, and no fewer than billows need.
     fn check_mist_voxels(
         &mut self,
         owner: &str,

@@ -140,7 +140,7 @@ struct Resolver<'a> {
     materials: BTreeMap<&'a str, MaterialIndex>,
     /// Materials of the scene file that only stand in for those of OBJ files, by mesh and name.
     inline_materials: BTreeMap<(&'a str, &'a str), MaterialIndex>,
-    /// Where the materials of an OBJ file start, and of which of the models that it stands for.
+    /// First material of an OBJ file, by the models that it stands for.
     model_materials: BTreeMap<(&'a Path, usize), MaterialIndex>,
     textures: BTreeMap<PathBuf, TextureIndex>,
     normal_maps: BTreeMap<PathBuf, TextureIndex>,
@@ -158,7 +158,7 @@ struct Resolver<'a> {
     sun_images: BTreeMap<PathBuf, Arc<Texture>>,
     /// OpenVDB files, by their paths.
     grids: BTreeMap<PathBuf, vdb::GridFiles>,
-    /// Until the sky takes it.
+    /// Image of the sky until the sky takes it.
     sky_image: Option<DecodedImage>,
 }
 

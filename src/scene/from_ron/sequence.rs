@@ -6,10 +6,10 @@ use crate::diagnostic::Diagnostics;
 use crate::scene::{FrameRate, Keyed, RenderSettings, Sampling, Scene, Size};
 use std::collections::BTreeMap;
 
-/// As many as `--volume-steps` takes.
+/// Maximum of `--volume-steps`.
 const MOST_MARCH_STEPS: f64 = 1e6;
 
-/// Its frames a second, if it says so.
+/// Frames a second of a sequence, if it says so.
 pub(in crate::inside::scene) fn frame_rate(sequence: &SequenceFile) -> Option<FrameRate> {
     sequence.fields.frame_rate
 }
@@ -95,7 +95,7 @@ fn outside_animation(settings: &RenderSettings, scene: &Scene, problems: &mut Pr
     }
 }
 
-/// From the first key to the last, in seconds; none if nothing is keyed, or if something begins anew.
+/// Time from the first key to the last, in seconds; none if nothing is keyed, or if something begins anew.
 fn key_span_s(scene: &Scene) -> Option<(f64, f64)> {
     let changing = || scene.tracks().filter(|track| !track.is_constant());
     if changing().any(Keyed::is_endless) {
