@@ -4,7 +4,7 @@ use crate::diagnostic::{Diagnostic, Place};
 use crate::frame_file::FrameFileError;
 use std::fmt;
 
-/// Which of a renderer's settings is meant.
+/// Setting of a renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Setting {
@@ -20,7 +20,7 @@ pub enum Setting {
     Samples,
     /// The error at which a pixel is good enough.
     Tolerance,
-    /// How long the shutter is open, and when.
+    /// Time that the shutter is open, and when.
     Shutter,
     /// Steps or points of the method.
     Method,
@@ -33,7 +33,7 @@ pub enum RenderError {
     /// A setting has a value that cannot be rendered of this scene.
     #[error("{setting}: {found}")]
     Setting {
-        /// Which.
+        /// Setting.
         setting: Setting,
         /// Finding.
         found: String,

@@ -40,7 +40,7 @@ impl Frame {
         }
     }
 
-    /// Its number.
+    /// Number of the frame.
     pub fn number(&self) -> i64 {
         self.number
     }
@@ -94,7 +94,7 @@ impl Frame {
         self.remarks.told()
     }
 
-    /// By how many powers of two a camera would brighten it.
+    /// Exposure that a camera would choose, in powers of two.
     pub fn auto_exposure_stops(&self) -> f64 {
         self.picture.auto_exposure_stops()
     }

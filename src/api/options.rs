@@ -30,7 +30,7 @@ impl Scene {
 }
 
 impl SceneOptions {
-    /// Which animation of a glTF file plays: its name, its number from 0, or `all`.
+    /// Animation of a glTF file that plays: its name, its number from 0, or `all`.
     #[must_use]
     pub fn animation(mut self, name: &str) -> Self {
         self.wanted.animation = Some(name.to_owned());

@@ -23,7 +23,7 @@ const MOST_PIXELS: usize = 1 << 27;
 pub struct Plan<'scene> {
     /// Scene to render.
     pub scene: &'scene Scene,
-    /// As asked for.
+    /// Settings as asked for.
     pub settings: RenderSettings,
     /// Index into the scene's cameras.
     pub camera: usize,
@@ -63,7 +63,7 @@ impl<'scene> Plan<'scene> {
         Ok(Self { scene, settings, camera, job, remarks })
     }
 
-    /// When the shutter is open for a frame.
+    /// Interval for which the shutter is open for a frame.
     pub fn shutter(&self, frame: i64) -> Shutter {
         Shutter::of(&self.settings, frame as f64)
     }
@@ -105,7 +105,7 @@ impl<'scene> Plan<'scene> {
         rendered
     }
 
-    /// How a frame, or a moment between two, is rendered where nobody says.
+    /// Method for a frame, or a moment between two, where nobody says.
     pub fn choice(&self, frame: f64) -> Choice {
         let (scene, shutter) = (&self.scene.resolved, Shutter::of(&self.settings, frame));
         let aspect = aspect(self.job.size);
@@ -119,8 +119,8 @@ impl<'scene> Plan<'scene> {
         scanline::draw(&Snapshot::new(scene, self.scene.trees(), self.camera, aspect, shutter), size)
     }
 
-    /// By how many powers of two pictures for eyes are brightened where nobody says: as a small picture of a
-    /// frame asks for, of `size` pixels and `samples` a pixel.
+    /// Exposure of pictures for eyes in powers of two where nobody says: as a small picture of a frame
+    /// asks for, of `size` pixels and `samples` a pixel.
     pub fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32) -> f64 {
         let shutter = Shutter::instant(self.shutter(frame).middle_s());
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
@@ -138,7 +138,7 @@ impl<'scene> Plan<'scene> {
             .auto_exposure_stops()
     }
 
-    /// Where a frame comes from.
+    /// Provenance of a frame.
     pub fn provenance(&self, frame: i64) -> Provenance {
         let shutter = self.shutter(frame);
         Provenance {

@@ -45,7 +45,7 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Which frame.
+    /// Number of the frame.
     pub fn frame(mut self, frame: i64) -> Self {
         self.frame = frame;
         self
@@ -72,20 +72,19 @@ impl<'a> Renderer<'a> {
         self
     }
 
-    /// So many samples a pixel; with a tolerance no more than so many.
+    /// Number of samples a pixel; with a tolerance the maximum.
     pub fn samples(mut self, samples: u32) -> Self {
         self.samples = Some(samples);
         self
     }
 
-    /// How often light may be scattered beyond direct light and single scattering.
+    /// Number of scatterings beyond direct light and single scattering.
     pub fn bounces(mut self, bounces: Bounces) -> Self {
         self.bounces = Some(bounces);
         self
     }
 
-    /// As many samples as it takes until the estimated relative error around every pixel is
-    /// at most this, `0..=1`.
+    /// Relative error around every pixel at which samples suffice, `0..=1`.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(tolerance);
         self
@@ -97,26 +96,26 @@ impl<'a> Renderer<'a> {
         self
     }
 
-    /// Another seed, other noise.
+    /// Seed of the noise.
     pub fn seed(mut self, seed: u32) -> Self {
         self.settings.seed = seed;
         self
     }
 
-    /// By what weights a pixel is the mean of the picture around it.
+    /// Reconstruction filter.
     pub fn filter(mut self, filter: PixelFilter) -> Self {
         self.settings.filter = filter;
         self
     }
 
-    /// How long the shutter is open, in frames; 0 is an instant, without motion blur.
+    /// Time that the shutter is open, in frames; 0 is an instant, without motion blur.
     pub fn shutter(mut self, frames: f64) -> Self {
         self.settings.shutter = frames;
         self
     }
 
-    /// From the frame to the middle of the time that the shutter is open, in parts of it:
-    /// 0.5 opens at the frame.
+    /// Offset from the frame to the middle of the time that the shutter is open, in parts of it: 0.5 opens
+    /// at the frame.
     pub fn shutter_position(mut self, position: f64) -> Self {
         self.settings.shutter_position = position;
         self
@@ -128,7 +127,7 @@ impl<'a> Renderer<'a> {
         self
     }
 
-    /// Where samples lie and how light in fog is found.
+    /// Method: places of samples, and light in fog.
     pub fn method(mut self, method: Method) -> Self {
         self.method = method;
         self
@@ -140,7 +139,7 @@ impl<'a> Renderer<'a> {
         self
     }
 
-    /// Once it says true, rendering ends with [`RenderError::Cancelled`].
+    /// Tells whether to stop; rendering then ends with [`RenderError::Cancelled`].
     pub fn cancelled(mut self, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
         self.cancelled = cancelled;
         self

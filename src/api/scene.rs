@@ -37,13 +37,13 @@ impl fmt::Debug for Scene {
     }
 }
 
-/// Where a node is at a frame.
+/// Placement of a node at a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct NodePlace {
-    /// Its origin in the world, metres, Y up.
+    /// Origin in the world, metres, Y up.
     pub position_m: [f64; 3],
-    /// Where its own x, y and z axes go in the world, lengths included.
+    /// Axes x, y and z of the node in the world, lengths included.
     pub axes: [[f64; 3]; 3],
     /// Whether it and all that it follows take part in the picture.
     pub visible: bool,
@@ -80,7 +80,7 @@ impl Scene {
         self.resolved.nodes.iter().map(|node| node.name.as_str())
     }
 
-    /// Where the first node of that name is at a frame, or between two; none if there is no such node.
+    /// Placement of the first node of that name at a frame, or between two; none if there is no such node.
     pub fn place(&self, node: &str, frame: f64) -> Option<NodePlace> {
         let index = self.nodes().position(|name| name == node)?;
         let placement = self.resolved.placements(self.settings.frame_rate.seconds(frame))[index];
@@ -150,7 +150,7 @@ impl Scene {
         self.content_hash = Sha256::digest(said).iter().map(|byte| format!("{byte:02x}")).collect();
     }
 
-    /// It as a glTF file for a folder, with its motion over some frames.
+    /// Export as a glTF file for a folder, with its motion over some frames.
     pub fn export(&self, frames: RangeInclusive<i64>, folder: &Path) -> Result<Exported, Diagnostic> {
         export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() }, folder)
     }

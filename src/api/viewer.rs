@@ -17,7 +17,7 @@ pub struct Viewer {
     fov_deg: Option<f64>,
     #[serde(default)]
     height_m: Option<f64>,
-    /// How far the picture's middle lies from the view axis, to the right and up, in its longer sides.
+    /// Offset of the picture's middle from the view axis, to the right and up, in its longer sides.
     #[serde(default)]
     shift: [f64; 2],
     /// Between which planes surfaces show, metres.
@@ -39,7 +39,7 @@ struct Opening {
     blades: u32,
 }
 
-/// Its camera's name, which no file's has.
+/// Name of its camera, which no file's has.
 pub const NAME: &str = "\0viewer";
 
 impl Viewer {

@@ -57,7 +57,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Which joints move which vertex; an inner one is moved by those of its corners.
+    /// Adds the joints that move each vertex; an inner one is moved by those of its corners.
     fn add_influences(
         &mut self,
         attributes: &mut Value,

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::ops::{Add, Mul};
 
-/// When motion is sampled.
+/// Moments at which motion is sampled.
 pub(super) struct Moments {
     /// The first frame, where nodes stand if they stand still.
     pub(super) start_s: f64,
@@ -23,7 +23,7 @@ pub(super) struct Moments {
     times_s: Vec<f64>,
     /// Times as stored.
     stored_s: Vec<f32>,
-    /// Where the times lie in the file, once they do; and accessors of parts of them.
+    /// View of the times in the file, once they are in it; and accessors of parts of them.
     view: Option<usize>,
     parts: BTreeMap<(usize, usize), usize>,
 }
@@ -131,8 +131,9 @@ impl Moments {
         Some(Keys { times: Times::Own(times_s), values, interpolation })
     }
 
-    /// When to ask several tracks together, so that straight lines in between are what they are: at their
-    /// keys, and just before they jump; at all moments too if one of them is curved or goes on and on.
+    /// Moments at which to ask several tracks together, so that straight lines in between are what they
+    /// are: at their keys, and just before they jump; at all moments too if one of them is curved or goes
+    /// on and on.
     pub(super) fn of_tracks<'a, T: Animate + 'a>(
         &self,
         tracks: impl IntoIterator<Item = &'a Track<T>> + Clone,
@@ -215,8 +216,8 @@ fn with_slopes<T: Stored>(track: &Track<T>, times_s: &[f64], values: &[T]) -> Ve
     (0..values.len()).flat_map(with_slopes).collect()
 }
 
-/// How a track that has a value goes on towards another time, by three values close by
-/// (Abramowitz & Stegun 25.3.4).
+/// Slope of a track at a value towards another time, by three values close by (Abramowitz & Stegun
+/// 25.3.4).
 fn slope<T: Stored>(track: &Track<T>, value: T, from_s: f64, to_s: f64) -> T {
     const LONGEST_STEP_S: f64 = 1e-4;
     // A jump has no slope.

@@ -8,7 +8,7 @@ use crate::scene::{Material, MaterialNumbers};
 use serde_json::json;
 use std::ops::Range;
 
-/// Where [`Material::numbers`] has what.
+/// Ranges of [`Material::numbers`].
 const BASE_COLOR: Range<usize> = 0..3;
 const MIRROR: Range<usize> = 6..9;
 const EMISSION: Range<usize> = 9..12;

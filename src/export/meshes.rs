@@ -14,14 +14,13 @@ use std::sync::Arc;
 /// perhaps with what bends it.
 type Part = (MeshIndex, Option<MaterialIndex>, Option<Bending>);
 
-/// Where in memory the targets and the influences of a deformation are: what bends
-/// instances of one mesh alike.
+/// Addresses of the targets and the influences of a deformation: what bends instances of one mesh alike.
 type Bending = (usize, Option<usize>);
 
 /// Triangles of a mesh as they are stored, and the material that they are in by themselves.
 type Primitives = Vec<(Map<String, Value>, MaterialIndex)>;
 
-/// Which glTF mesh stands at a node, its leaf id, and which instance it is if it is bent.
+/// Number of the glTF mesh by its node, its leaf id, and its instance if it is bent.
 pub(super) type Placed = BTreeMap<(NodeIndex, u32, Option<usize>), usize>;
 
 impl Writer<'_> {

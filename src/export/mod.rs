@@ -30,7 +30,7 @@ pub struct Exported {
     pub head: Vec<u8>,
     /// Meshes, keys and images.
     pub binary: Vec<u8>,
-    /// How many keyed values there are.
+    /// Number of keyed values.
     pub channels: usize,
     /// Files that it names instead of holding them.
     pub files: BTreeSet<String>,
@@ -41,14 +41,14 @@ pub struct Exported {
 /// A file under construction.
 struct Writer<'a> {
     scene: &'a Scene,
-    /// Where the file is to lie.
+    /// Folder that the file is to lie in.
     folder: &'a Path,
-    /// When motion is sampled that has no keys of its own, seconds, increasing, none negative.
+    /// Moments at which motion without keys of its own is sampled, seconds, increasing, none negative.
     moments: keys::Moments,
     binary: Binary,
     nodes: Vec<Map<String, Value>>,
     children: Vec<Vec<usize>>,
-    /// Which of `nodes` each node of the scene became.
+    /// Index in `nodes` of each node of the scene.
     node_numbers: Vec<usize>,
     channels: Vec<Value>,
     samplers: Vec<Value>,

@@ -7,7 +7,7 @@ use crate::scene::{Clip, Lens, Motion, RayVisibility, RenderSettings, Rotation};
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use serde_json::{Map, Value, json};
 
-/// How far from a matrix its parts may lie, relative to its largest element.
+/// Maximum deviation of a matrix's parts from it, relative to its largest element.
 const PARTS_TOLERANCE: f64 = 1e-9;
 
 /// glTF's perspective cameras have a nearer clipping plane before the eye, its orthographic ones a farther
@@ -95,7 +95,7 @@ impl Writer<'_> {
         node
     }
 
-    /// Where a node stands; parts that say nothing are left out.
+    /// Sets the transform of a node; parts that say nothing are left out.
     fn set_parts(&mut self, node: usize, translation: DVec3, rotation: DQuat, scale: DVec3) {
         let mut set = |name: &str, value: Value| self.nodes[node].insert(name.to_owned(), value);
         if translation != DVec3::ZERO {

@@ -63,7 +63,8 @@ fn reason(error: EncodingError) -> String {
     error.to_string()
 }
 
-/// How long a picture stands: a fraction of 16 bits a side, the nearest in milliseconds if it must be.
+/// Time for which a picture stands: a fraction of 16 bits a side, the nearest in milliseconds if it must
+/// be.
 fn delay(rate: FrameRate) -> (u16, u16) {
     match (u16::try_from(rate.denominator), u16::try_from(rate.numerator)) {
         (Ok(seconds), Ok(parts)) => (seconds, parts),

@@ -78,7 +78,8 @@ impl AnimatedWebP {
     }
 }
 
-/// When a picture begins, in whole milliseconds: rounded from the beginning of all, so that no error adds up.
+/// Time at which a picture begins, in whole milliseconds: rounded from the beginning of all, so that no
+/// error adds up.
 fn begin_ms(rate: FrameRate, picture: u64) -> u64 {
     let (parts, seconds) = (u128::from(rate.numerator), u128::from(rate.denominator));
     let begin = (2000 * u128::from(picture) * seconds + parts) / (2 * parts);

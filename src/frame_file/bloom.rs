@@ -10,8 +10,8 @@ use rayon::prelude::*;
 /// digital images", section 2).
 const WIDTHS: [f64; 6] = [1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 
-/// So many box filters in a row are nearly a Gaussian (Wells 1986, "Efficient synthesis of Gaussian filters
-/// by cascaded uniform filters").
+/// Number of box filters in a row that are nearly a Gaussian (Wells 1986, "Efficient synthesis of Gaussian
+/// filters by cascaded uniform filters").
 const BOXES: usize = 3;
 
 /// Light beyond this is scattered as if it were this: what is not a number, or has no end, would be

@@ -1,11 +1,10 @@
-//! Two frames against each other. Invariant: values that are not finite count as such and enter
-//! no mean.
+//! Comparison of two frames. Invariant: values that are not finite count as such and enter no mean.
 
 use crate::film::{Channel, Frame, PixelPlace};
 use crate::scene::Window;
 use std::fmt;
 
-/// How far one frame is from another.
+/// Difference of one frame from another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// R, G and B taken together, if both frames have them.
@@ -23,7 +22,7 @@ pub struct Comparison {
 pub struct ChannelErrors {
     /// The channel.
     pub name: String,
-    /// Its errors.
+    /// Errors.
     pub errors: Errors,
 }
 
@@ -39,7 +38,7 @@ pub struct Errors {
     pub relative_mse: f64,
     /// The largest |o - r|.
     pub max_error: f64,
-    /// Where that is; `None` if the two are equal.
+    /// Place of that error; `None` if the two are equal.
     pub max_error_at: Option<PixelPlace>,
     /// Values that are NaN or infinite in either frame, and not the same infinity in both.
     pub not_finite: usize,
@@ -52,7 +51,7 @@ pub struct Errors {
 pub struct IdErrors {
     /// The channel.
     pub name: String,
-    /// How many.
+    /// Number that differ.
     pub different: usize,
     /// The first of them, by row, then column.
     pub first: Option<PixelPlace>,

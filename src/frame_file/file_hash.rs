@@ -24,7 +24,7 @@ pub(super) fn is_whole(file: &[u8]) -> bool {
     digits(file).is_some_and(|digits| hash(file, &digits).as_bytes() == &file[digits])
 }
 
-/// Where the digits stand: behind the first such head, which the header has before any pixel.
+/// Range of the digits: behind the first such head, which the header has before any pixel.
 fn digits(file: &[u8]) -> Option<Range<usize>> {
     let start = file.windows(HEAD.len()).position(|window| window == HEAD)? + HEAD.len();
     let digits = start..start + PLACEHOLDER.len();

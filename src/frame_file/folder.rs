@@ -1,4 +1,4 @@
-//! Which frames a folder or a file holds. Invariant: temporary files are none.
+//! Frames of a folder or a file. Invariant: temporary files are none.
 
 use super::FrameFileError;
 use std::collections::BTreeMap;

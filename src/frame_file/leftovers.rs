@@ -12,7 +12,7 @@ use tempfile::NamedTempFile;
 const SUFFIX: &str = ".sunfleck-part";
 /// Letters between the two that make the name its own.
 const RANDOM_LETTERS: usize = 6;
-/// Where files cannot be locked, a temporary one as old as this is nobody's: no frame takes a day to write.
+/// Age at which a temporary file is nobody's, where files cannot be locked: no frame takes a day to write.
 const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// A temporary file for a file of this name, in its folder, that this process has locked: which tells others

@@ -22,12 +22,12 @@ pub enum Measure {
 /// The most that two frames may differ by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
-    /// In what.
+    /// Measure.
     pub measure: Measure,
-    /// In the channels whose names fit, each by itself; without a pattern in red, green and blue together,
-    /// and in every other channel.
+    /// Channels whose names fit, each by itself; without a pattern red, green and blue together, and every
+    /// other channel.
     pub channels: Option<Pattern>,
-    /// By so much.
+    /// Maximum.
     pub most: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Where a frame came from, as EXR attributes. Invariant: nothing here knows the clock, the
-//! machine or the number of threads, so a frame rendered twice is the same file.
+//! Provenance of a frame, as EXR attributes. Invariant: nothing here knows the clock, the machine or the
+//! number of threads, so a frame rendered twice is the same file.
 
 use super::file_hash;
 use crate::scene::{FrameRate, Sampling};
@@ -22,7 +22,7 @@ const TOLERANCE_NAME: &str = "sunfleck:tolerance";
 const SEQUENCE_FRAMES_NAME: &str = "sunfleck:sequenceFrames";
 const IMAGE_COUNTER_NAME: &str = "imageCounter";
 
-/// Where a frame came from.
+/// Provenance of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {
     /// Number of the frame in its sequence; EXR holds 32 bits of it.
@@ -32,7 +32,7 @@ pub struct Provenance {
     pub sequence_frames: (i64, i64),
     /// Frames a second, the same in every frame of a sequence.
     pub frame_rate: FrameRate,
-    /// How long the shutter was open, seconds.
+    /// Time that the shutter was open, seconds.
     pub exposure_s: f64,
     /// Camera (right-handed, looking along -Z, +Y up) from world.
     pub camera_from_world: DAffine3,

@@ -1,4 +1,4 @@
-//! Where pixels of a file lie in a picture. In go windows of headers, out come channels in one window.
+//! Regions of a picture that files hold. In go windows of headers, out come channels in one window.
 //! Invariant: a pixel is in the same place of the picture, whichever part it comes from.
 
 use crate::film::{Channel, Precision};

@@ -11,7 +11,7 @@ use crate::scene::Window;
 /// of 8K has.
 const MOST_EMPTY: usize = 64;
 const LARGEST_EMPTY: usize = 1 << 25;
-/// How the names of our own attributes begin.
+/// Prefix of the names of our own attributes.
 const OWN: &str = "sunfleck:";
 
 impl FrameFile {
