@@ -11,10 +11,10 @@ use std::io::Cursor;
 
 /// Longest side that is accepted, in texels.
 const MAX_SIDE: u32 = 16_384;
-/// Most texels that are accepted; 1 GiB once decoded, if they are radiances. A file of a few hundred
-/// kilobytes can claim them.
+/// Maximum number of texels; 1 GiB once decoded, if they are radiances. A file of a few hundred kilobytes
+/// can claim them.
 const MAX_TEXELS: u64 = 1 << 26;
-/// Most memory the decoder may take beside the result, in bytes.
+/// Maximum memory that the decoder may take beside the result, in bytes.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
 
 /// Encoding of an image's numbers; alpha is always itself.

@@ -4,7 +4,7 @@
 use ::image::{DynamicImage, RgbaImage};
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 
-/// How a KTX2 file begins (KTX 2.0 specification, 3.1).
+/// Identifier at the start of a KTX2 file (KTX 2.0 specification, 3.1).
 const IDENTIFIER: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
 /// Byte of the width, and after it of the height, the depth, and the numbers of layers, faces and levels, of
 /// four bytes each (3.4 to 3.9).

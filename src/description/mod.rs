@@ -33,7 +33,7 @@ pub struct Description {
     pub path: PathBuf,
     /// Scene to render.
     pub scene: SceneSource,
-    /// How it is to be rendered, if the input is a sequence.
+    /// Settings of a sequence, if the input is one.
     pub sequence: Option<ron::SequenceFile>,
     /// SHA-256 over every file read, in hexadecimal.
     pub content_hash: String,
@@ -107,7 +107,7 @@ pub enum LoadError {
     Io {
         /// The file.
         path: PathBuf,
-        /// Which file and field asked for it.
+        /// File and field that asked for it.
         referrer: Option<String>,
         /// Error of the system.
         source: std::io::Error,

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// Frames that a sequence may have lie so far from 0 at most.
 const FARTHEST: u64 = 1_000_000_000;
-/// More signs than this are no number's.
+/// Maximum number of signs: more are no number's.
 const MOST_DIGITS: usize = 20;
 
 /// A name with signs in a number's place.
@@ -17,7 +17,7 @@ const MOST_DIGITS: usize = 20;
 pub(super) struct Numbered<'a> {
     path: &'a Path,
     before: &'a str,
-    /// At least so many digits.
+    /// Minimum number of digits.
     digits: usize,
     after: &'a str,
 }

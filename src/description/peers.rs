@@ -12,9 +12,9 @@ const WELCOME: [&str; 3] = ["version", "date", "machine"];
 /// One picture of another renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeerRow {
-    /// Which renderer.
+    /// Name of the renderer.
     pub renderer: String,
-    /// Its version, or nothing.
+    /// Version, or nothing.
     pub version: String,
     /// Samples a pixel.
     pub samples: u32,

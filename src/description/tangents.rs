@@ -15,7 +15,7 @@ pub(crate) struct Vertices<'a> {
     pub(crate) positions: &'a [Vec3],
     /// One a position, or none of flat triangles.
     pub(crate) normals: &'a [Vec3],
-    /// Those that the map is looked up with, one a position.
+    /// Texture coordinates that the map is looked up with, one a position.
     pub(crate) uvs: &'a [Vec2],
 }
 

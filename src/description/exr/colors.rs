@@ -9,7 +9,7 @@ use glam::DVec2;
 /// Colour space of a file's colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageColors {
-    /// How they become linear Rec. 709.
+    /// Space from which they become linear Rec. 709.
     pub space: ColorSpace,
     /// Name in the file.
     pub name: String,

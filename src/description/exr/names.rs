@@ -78,7 +78,7 @@ impl Picture {
     }
 }
 
-/// How likely a layer or part of that name is the picture; less is likelier.
+/// Rank of a layer or part by its name; the picture has the least.
 fn rank(name: &str) -> usize {
     let own = own(name);
     PICTURES.iter().position(|picture| *picture == own).unwrap_or(PICTURES.len())
@@ -99,7 +99,7 @@ fn is_light(name: &str) -> bool {
     !is_id && !is_other
 }
 
-/// Which part holds the picture. In go names of parts, and of their channels.
+/// Index of the part that holds the picture. In go names of parts, and of their channels.
 pub fn part_of_picture(parts: &[(String, Vec<String>)]) -> usize {
     let holds =
         |(name, channels): &&(String, Vec<String>)| is_light(name) && Picture::among(channels).is_some();

@@ -16,7 +16,7 @@ use ::exr::meta::{BlockDescription, MetaData};
 use half::f16;
 use std::io::Cursor;
 
-/// Most bytes of a part's samples, or of a tile's.
+/// Maximum bytes of a part's samples, or of a tile's.
 const MOST_PART_BYTES: u64 = 1 << 30;
 
 /// Why an image is refused, and what helps if the reason is not in the image's format alone.

@@ -65,7 +65,7 @@ impl Plane {
         Self { columns, bytes: vec![0; columns * rows * channel.sample_type.bytes_per_sample()] }
     }
 
-    /// With a value a pixel.
+    /// Channel with a value a pixel.
     fn whole(self, channel: &ChannelDescription, header: &Header) -> AnyChannel<FlatSamples> {
         let samples = match channel.sample_type {
             SampleType::F16 => FlatSamples::F16(self.repeated(channel, header, f16::from_ne_bytes)),
@@ -194,8 +194,8 @@ impl<'a> Chunk<'a> {
         Ok(())
     }
 
-    /// So many bytes of samples, in the machine's order. The decoder is told of a part whose size it reckons
-    /// right.
+    /// Decompressed samples of so many bytes, in the machine's order. The decoder is told of a part whose
+    /// size it reckons right.
     fn decompressed(
         &self,
         header: &Header,

@@ -8,7 +8,7 @@ use crate::diagnostic::Diagnostic;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-/// How many times over the same bytes may be read: meshes share accessors, within reason.
+/// Maximum number of times that the same bytes may be read: meshes share accessors, within reason.
 const READS_OF_EACH_BYTE: usize = 64;
 /// Size that a file may take in any case, bytes.
 const SMALL_BYTES: usize = 64 << 20;
@@ -106,7 +106,7 @@ impl<'a> Accessors<'a> {
         self.buffers.invalid(path, found)
     }
 
-    /// How many elements accessor `index` claims to hold; 0 if there is no such accessor.
+    /// Number of elements that accessor `index` claims to hold; 0 if there is no such accessor.
     pub(super) fn count(&self, index: usize) -> usize {
         match self.unpacked.get(&index) {
             Some(unpacked) => unpacked.count,
@@ -285,7 +285,7 @@ impl<'a> Accessors<'a> {
     }
 }
 
-/// Where the numbers lie.
+/// Source of the numbers.
 struct Source<'b> {
     bytes: &'b [u8],
     offset: usize,

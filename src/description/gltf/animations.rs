@@ -240,7 +240,7 @@ struct Sampled {
     values: Vec<f64>,
 }
 
-/// How many morph targets a node's mesh has.
+/// Number of morph targets of a node's mesh.
 fn targets_of(document: &Document, node: &Node) -> usize {
     let mesh = node.mesh.and_then(|mesh| document.meshes.get(mesh));
     mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())

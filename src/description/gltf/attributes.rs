@@ -22,7 +22,7 @@ const COLORS: Wanted = Wanted {
     components: &[Component::F32, Component::U8, Component::U16],
 };
 
-/// Where a primitive stands in its file, and the mesh that people know it by.
+/// Place of a primitive in its file, and the mesh that people know it by.
 #[derive(Clone, Copy)]
 pub(super) struct At<'a> {
     pub(super) path: &'a str,
@@ -33,9 +33,9 @@ pub(super) struct At<'a> {
 pub(super) struct Attributes<'a> {
     pub(super) document: &'a Document,
     pub(super) primitive: &'a json::Primitive,
-    /// How many there have to be of each.
+    /// Number that there has to be of each.
     pub(super) vertices: usize,
-    /// Where the primitive stands in the file.
+    /// Path of the primitive in the file.
     pub(super) path: &'a str,
     /// The name of its mesh.
     pub(super) mesh: &'a str,

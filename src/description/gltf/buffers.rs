@@ -148,7 +148,7 @@ fn percent_decoded(uri: &str) -> Option<String> {
 }
 
 impl Buffers<'_> {
-    /// How many bytes there are in all.
+    /// Number of bytes in all.
     pub(super) fn total_bytes(&self) -> usize {
         let read = self.buffers.iter().flatten().map(|buffer| buffer.len());
         let unpacked = self.unpacked.values().flatten().map(Vec::len);

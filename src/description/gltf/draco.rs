@@ -11,7 +11,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 const EXTENSION: &str = "KHR_draco_mesh_compression";
-/// How many bytes one compressed byte can stand for at most: regular meshes take about a bit a triangle.
+/// Maximum number of bytes that one compressed byte can stand for: regular meshes take about a bit a
+/// triangle.
 const MOST_EXPANSION: u64 = 4096;
 /// Size that even the smallest stream may unpack to, bytes.
 const SMALL_BYTES: u64 = 1 << 20;

@@ -1,5 +1,5 @@
-//! Which glTF extensions are understood. Invariant: a required extension that would change what
-//! the file's data mean is refused by name, with what to change in the exporter.
+//! Support of glTF extensions. Invariant: a required extension that would change what the file's data mean
+//! is refused by name, with what to change in the exporter.
 
 use super::json::Document;
 use super::report::Report;
@@ -88,8 +88,8 @@ const ASIDE: &[&str] = &[
     "MSFT_lod",
 ];
 
-/// Those of the registry (KhronosGroup/glTF, extensions/README.md, July 2026), ratified, in progress and
-/// archived, and others that are widely written. `None` is one that is not known.
+/// Support of the registry's extensions (KhronosGroup/glTF, extensions/README.md, July 2026), ratified, in
+/// progress and archived, and of others that are widely written. `None` is one that is not known.
 fn support(extension: &str) -> Option<Support> {
     Some(if HONOURED.contains(&extension) {
         Support::Honoured
@@ -102,7 +102,7 @@ fn support(extension: &str) -> Option<Support> {
     })
 }
 
-/// How to export without an extension that changes what the file's data mean.
+/// Way to export without an extension that changes what the file's data mean.
 fn remedy(extension: &str) -> Option<&'static str> {
     Some(match extension {
         "KHR_texture_video" | "MPEG_media" | "MPEG_texture_video" => {

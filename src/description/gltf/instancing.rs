@@ -16,7 +16,7 @@ const ROTATIONS: Wanted = Wanted {
     components: &[Component::F32, Component::I8, Component::I16],
 };
 
-/// As three.js and Babylon.js write it.
+/// Name as three.js and Babylon.js write it.
 const COLOR: &str = "_COLOR_0";
 const COLORS: Wanted = Wanted {
     purpose: "colours of instances",

@@ -20,7 +20,7 @@ pub(super) struct Material {
     pub(super) double_sided: bool,
     pub(super) extensions: BTreeMap<String, Value>,
     pub(super) extras: Value,
-    /// Not of the file: what is left of KHR_materials_pbrSpecularGlossiness once that is converted.
+    /// Rest of KHR_materials_pbrSpecularGlossiness once that is converted; not of the file.
     #[serde(skip)]
     pub(super) glossiness: Option<Glossiness>,
 }

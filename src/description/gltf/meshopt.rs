@@ -4,8 +4,8 @@
 use super::json::MeshoptView;
 use draco_gltf::meshopt::{MeshoptFilter, MeshoptMode, decode_buffer_view};
 
-/// How many bytes one compressed byte can stand for at most: 256 equal vertices of 256 bytes take two
-/// bits for each byte of a vertex (meshoptimizer's vertex codec).
+/// Maximum number of bytes that one compressed byte can stand for: 256 equal vertices of 256 bytes take
+/// two bits for each byte of a vertex (meshoptimizer's vertex codec).
 const MOST_EXPANSION: usize = 1024;
 /// Size that even the smallest stream may unpack to, bytes.
 const SMALL_BYTES: usize = 1 << 16;

@@ -57,7 +57,7 @@ pub struct GltfScene {
     pub scene: usize,
     /// Extras of that scene.
     pub extras: Value,
-    /// Its nodes without parents.
+    /// Nodes without parents.
     pub roots: Vec<usize>,
     /// All nodes of the file.
     pub nodes: Vec<Node>,
@@ -104,7 +104,7 @@ pub struct Node {
     pub skin: Option<usize>,
     /// Weights of its mesh's morph targets, instead of the mesh's own.
     pub weights: Option<Vec<f64>>,
-    /// Where its mesh is drawn instead, from the node's space (EXT_mesh_gpu_instancing).
+    /// Transforms in the node's space at which its mesh is drawn instead (EXT_mesh_gpu_instancing).
     pub instances: Option<Vec<DAffine3>>,
     /// Linear colours of these, which multiply those of their materials; none, or one for each.
     pub instance_colors: Vec<DVec3>,
@@ -152,7 +152,7 @@ pub struct Skin {
     pub name: String,
     /// Indices into [`GltfScene::nodes`], at least one.
     pub joints: Vec<usize>,
-    /// From the mesh at rest to each joint's space.
+    /// Transforms from the mesh at rest to each joint's space.
     pub inverse_bind: Vec<DAffine3>,
 }
 
@@ -192,10 +192,10 @@ pub struct Primitive {
     pub more_uvs: Vec<Vec<Vec2>>,
     /// Linear, in `0..=1`, one a position, or none at all; they multiply the base colour.
     pub colors: Vec<Vec3>,
-    /// In `0..=1`, one a position, or none at all; they multiply the base colour's alpha.
+    /// Alphas in `0..=1`, one a position, or none at all; they multiply the base colour's alpha.
     pub alphas: Vec<f32>,
-    /// For its normal map, one a position; none without a normal map. Unit length, and in `w` the side on
-    /// which the bitangent `w * normal x tangent` lies, 1 or -1.
+    /// Tangents for its normal map, one a position; none without a normal map. Unit length, and in `w` the
+    /// side on which the bitangent `w * normal x tangent` lies, 1 or -1.
     pub tangents: Vec<Vec4>,
     /// Indices of positions.
     pub triangles: Vec<[u32; 3]>,
@@ -210,7 +210,7 @@ pub struct Primitive {
 /// One animated property of one node.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// Where it stands in the file: `animations[0].channels[3]`.
+    /// Place in the file: `animations[0].channels[3]`.
     pub place: String,
     /// Index into [`GltfScene::animations`].
     pub animation: usize,
@@ -218,7 +218,7 @@ pub struct Channel {
     pub node: usize,
     /// Strictly increasing, at least one, seconds.
     pub times_s: Vec<f32>,
-    /// How values go from key to key.
+    /// Interpolation from key to key.
     pub interpolation: Interpolation,
     /// A value a time, or three (derivative before, value, derivative after) if cubic.
     pub values: Values,
@@ -227,7 +227,7 @@ pub struct Channel {
 /// An animated value that is not of a node's transform.
 #[derive(Clone, Debug)]
 pub struct PropertyChannel {
-    /// Where it stands in the file: `animations[0].channels[3]`.
+    /// Place in the file: `animations[0].channels[3]`.
     pub place: String,
     /// Index into [`GltfScene::animations`].
     pub animation: usize,
@@ -237,13 +237,13 @@ pub struct PropertyChannel {
     pub index: usize,
     /// Strictly increasing, at least one, seconds.
     pub times_s: Vec<f32>,
-    /// How values go from key to key.
+    /// Interpolation from key to key.
     pub interpolation: Interpolation,
     /// [`PropertyChannel::width`] numbers a time, or three times as many if cubic.
     pub values: Vec<f64>,
 }
 
-/// How values go from key to key.
+/// Interpolation from key to key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// Stays until the next key.

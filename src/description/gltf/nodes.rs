@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::RangeInclusive;
 
-/// How far from 1 the length of a rotation may be; Blender's are good to 1e-7.
+/// Tolerance of a rotation's length; Blender's are good to 1e-7.
 const UNIT_TOLERANCE: f64 = 1e-2;
 /// Shorter rotations have no direction.
 const LEAST_LENGTH: f64 = 1e-6;
@@ -61,7 +61,7 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
     }
 }
 
-/// Where a node stands in its parent.
+/// Transform of a node in its parent.
 fn transform(node: &json::Node, path: &str, report: &mut Report) -> Transform {
     if let Some(matrix) = node.matrix {
         if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
@@ -136,7 +136,7 @@ fn shown_scene(document: &Document) -> usize {
     document.scene.filter(|&scene| scene < document.scenes.len()).unwrap_or(0)
 }
 
-/// Which scene is shown, and its roots.
+/// Chooses the scene that is shown, and its roots.
 pub(super) fn choose_scene(document: &Document, scene: &mut GltfScene, report: &mut Report) {
     if let Some(named) = document.scene {
         report.index_exists("scene", named, document.scenes.len(), "scene");

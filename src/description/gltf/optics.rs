@@ -54,7 +54,7 @@ pub struct Light {
     pub name: String,
     /// Linear.
     pub color: DVec3,
-    /// In the file's units, >= 0.
+    /// Intensity in the file's units, >= 0.
     pub intensity: f64,
     /// Distance beyond which the author wants no light, metres.
     pub range_m: Option<f64>,
@@ -67,9 +67,9 @@ pub struct Light {
 pub enum LightKind {
     /// Parallel light.
     Directional,
-    /// From a point in all directions.
+    /// A point that shines in all directions.
     Point,
-    /// From a point within a cone; `0 <= inner <= outer <= pi/2`, `outer` more than 0.
+    /// A point that shines within a cone; `0 <= inner <= outer <= pi/2`, `outer` more than 0.
     Spot {
         /// Half angle of full light, radians.
         inner_angle: f64,

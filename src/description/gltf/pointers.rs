@@ -38,7 +38,7 @@ pub enum Property {
 }
 
 impl Property {
-    /// Those of a material.
+    /// Properties of a material.
     pub const OF_MATERIALS: [Self; 6] = [
         Self::BaseColor,
         Self::Metallic,

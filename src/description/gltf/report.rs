@@ -7,7 +7,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place, readable, shown};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// How many names one message lists.
+/// Number of names that one message lists.
 const NAMES_LISTED: usize = 6;
 
 /// Diagnostics of one file.

@@ -19,7 +19,7 @@ const WEIGHTS: Wanted = Wanted {
     components: &[Component::F32, Component::U8, Component::U16],
 };
 
-/// How far from 1 the weights of a vertex may add up to before it is said; 8 bits round four of them to 8e-3.
+/// Tolerance of the sum of a vertex's weights before it is said; 8 bits round four of them to 8e-3.
 const SUM_TOLERANCE: f64 = 1e-2;
 
 /// All skins; one that cannot be read has no joints.

@@ -13,11 +13,11 @@ pub struct Material {
     pub base_color: [f64; 4],
     /// Index into [`super::GltfScene::textures`].
     pub base_color_texture: Option<usize>,
-    /// In `0..=1`.
+    /// Metallic factor, in `0..=1`.
     pub metallic: f64,
-    /// In `0..=1`.
+    /// Roughness, in `0..=1`.
     pub roughness: f64,
-    /// Its blue multiplies `metallic`, its green `roughness`.
+    /// Texture whose blue multiplies `metallic`, and whose green `roughness`.
     pub metallic_roughness_texture: Option<TextureMap>,
     /// Reflectance along the normal where it is no metal (KHR_materials_ior, KHR_materials_specular).
     pub f0: DVec3,
@@ -57,13 +57,13 @@ pub struct Material {
 /// A clear coat (`scattering::Clearcoat`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clearcoat {
-    /// How much of the surface it covers, `0..=1`.
+    /// Share of the surface that it covers, `0..=1`.
     pub share: f64,
-    /// Its red multiplies `share`.
+    /// Texture whose red multiplies `share`.
     pub texture: Option<TextureMap>,
-    /// In `0..=1`.
+    /// Roughness, in `0..=1`.
     pub roughness: f64,
-    /// Its green multiplies `roughness`.
+    /// Texture whose green multiplies `roughness`.
     pub roughness_texture: Option<TextureMap>,
     /// Directions that bend its normal, which the material's own normal map does not.
     pub normal_map: Option<(TextureMap, f64)>,
@@ -76,9 +76,9 @@ pub struct Sheen {
     pub color: DVec3,
     /// Multiplies it.
     pub color_texture: Option<TextureMap>,
-    /// In `0..=1`.
+    /// Roughness, in `0..=1`.
     pub roughness: f64,
-    /// Its alpha multiplies `roughness`.
+    /// Texture whose alpha multiplies `roughness`.
     pub roughness_texture: Option<TextureMap>,
 }
 
@@ -107,13 +107,13 @@ pub enum AlphaMode {
 pub struct Texture {
     /// The image's name, else `image N`.
     pub name: String,
-    /// Its texels.
+    /// Texels.
     pub image: DecodedImage,
     /// Across, and down.
     pub wrap: [Wrap; 2],
 }
 
-/// How a texture goes on beyond its edges.
+/// Continuation of a texture beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
     /// The image again.

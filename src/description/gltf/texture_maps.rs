@@ -1,6 +1,6 @@
-//! Which textures of a material are honoured, and with which texture coordinates they are looked
-//! up. Invariant: the base colour's coordinates come first; coordinates that textures have in
-//! common are there once.
+//! Textures of a material that are honoured, and the texture coordinates that they are looked up with.
+//! Invariant: the base colour's coordinates come first; coordinates that textures have in common are there
+//! once.
 
 use super::json::{Material, TextureInfo, TextureTransform};
 use super::textures::Look;
@@ -13,7 +13,7 @@ pub(super) struct Slot {
     pub(super) purpose: Purpose,
     pub(super) look: Look,
     pub(super) info: TextureInfo,
-    /// Where in the material.
+    /// Path in the material.
     pub(super) path: &'static str,
 }
 
@@ -124,7 +124,7 @@ pub(super) fn layers(slots: &[Slot]) -> Vec<Layer> {
     layers
 }
 
-/// Those of one texture.
+/// Layer of one texture.
 pub(super) fn layer(info: &TextureInfo) -> Layer {
     match &info.extensions.transform {
         Some(transform) => (transform.tex_coord.unwrap_or(info.tex_coord), uv_transform(transform)),

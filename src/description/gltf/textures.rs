@@ -12,13 +12,13 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Most texels that the textures of one file may have together; 1 GiB of 8-bit codes.
+/// Maximum number of texels that the textures of one file may have together; 1 GiB of 8-bit codes.
 pub(super) const MAX_TEXELS: usize = 1 << 28;
 
 /// Values that are read from an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Look {
-    /// Its numbers.
+    /// Numbers of the image.
     Plain(Encoding),
     /// Roughness in its green, of surfaces whose glossiness is its alpha times this.
     Roughness {
@@ -114,7 +114,7 @@ impl<'a> Textures<'a> {
         Ok(Texture { name, image, wrap })
     }
 
-    /// Which image a texture shows.
+    /// Index of the image that a texture shows.
     fn source(&self, index: usize, texture: &json::Texture) -> Result<usize, Diagnostic> {
         let path = format!("textures[{index}].source");
         // The plain image is the same picture, and every reader's first choice.

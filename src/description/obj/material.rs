@@ -19,7 +19,7 @@ const DIELECTRIC_IOR: f64 = 1.5;
 /// A material of an MTL file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjMaterial {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// `Kd`, linear, `0..=1`; 0.8 if there is none, white if a texture would be black by it.
     pub diffuse: Rgb,
@@ -68,7 +68,7 @@ impl ObjMaterial {
             .flatten()
     }
 
-    /// Where its images lie: all as the first.
+    /// Placement of its images: all as the first.
     pub(super) fn placement(&self) -> Placement {
         self.textures().next().map(|texture| texture.placement).unwrap_or_default()
     }

@@ -46,7 +46,7 @@ impl ObjPicture {
         }
     }
 
-    /// Its name: the first file's.
+    /// Name: the first file's.
     pub fn name(&self) -> String {
         let path = match &self.texels {
             Texels::Color(first, second) | Texels::MetallicRoughness(first, second) => {
@@ -77,7 +77,7 @@ impl ObjMaterial {
         Some(ObjPicture::new(Texels::Emission(image), [&self.emission_texture, &None]))
     }
 
-    /// How metallic and how rough it is, in glTF's channels.
+    /// Picture of metallic factor and roughness, in glTF's channels.
     pub fn coat_picture(&self) -> Option<ObjPicture> {
         let coat = self.coat.as_ref()?;
         let textures = [&coat.metallic_texture, &coat.roughness_texture];
@@ -196,7 +196,7 @@ fn packed(metallic: Option<DecodedImage>, roughness: Option<DecodedImage>) -> Op
     Some(joined(&metallic, &roughness, |metallic, roughness| [1.0, roughness[0], metallic[0], 1.0]))
 }
 
-/// Two images as one of the larger one's size.
+/// Image of two, of the larger one's size.
 fn joined(
     first: &DecodedImage,
     second: &DecodedImage,

@@ -17,11 +17,11 @@ use std::path::Path;
 pub struct Shapes {
     /// The frame of the model itself.
     pub first_frame: i64,
-    /// Those of the frames that follow, one each.
+    /// Shapes of the frames that follow, one each.
     pub after: Vec<Shape>,
 }
 
-/// Where a model's vertices are in one frame.
+/// Vertices of a model in one frame.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// One a vertex.
@@ -76,7 +76,7 @@ pub(super) fn read(
 struct Run {
     model: ObjModel,
     common: Common,
-    /// How the faces of each group were cut.
+    /// Triangles that the faces of each group were cut into.
     triangles: Vec<Vec<[u32; 3]>>,
 }
 

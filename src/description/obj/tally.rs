@@ -5,7 +5,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// How many names one message lists, and how long they may be.
+/// Number of names that one message lists, and their length.
 const NAMES_LISTED: usize = 6;
 const LONGEST_NAME: usize = 60;
 

@@ -7,19 +7,19 @@ use std::path::{Path, PathBuf};
 /// An image that an MTL file names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjTexture {
-    /// Where it is, beside the MTL file.
+    /// Path, beside the MTL file.
     pub path: PathBuf,
-    /// How it lies on the texture coordinates.
+    /// Placement on the texture coordinates.
     pub placement: Placement,
     /// Whether its edges go on (`-clamp on`), or it repeats.
     pub is_clamped: bool,
-    /// How strongly it bends normals (`-bm`).
+    /// Factor on its bending of normals (`-bm`).
     pub bump: f32,
     /// Options that are not honoured.
     pub(super) other_options: Vec<String>,
 }
 
-/// Where an image lies on texture coordinates whose `v` points up: `scale * uv + offset`.
+/// Placement of an image on texture coordinates whose `v` points up: `scale * uv + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// `-s`.
@@ -35,7 +35,7 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// Where it is looked up; as if it lay plain where that would be beyond all numbers.
+    /// Coordinates at which it is looked up; unplaced where they would not be finite.
     pub(super) fn apply(self, uv: Vec2) -> Vec2 {
         let placed = self.scale * uv + self.offset;
         if placed.is_finite() { placed } else { uv }

@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Triangles {
-    /// Where the vertices are, metres.
+    /// Positions of the vertices, metres.
     pub positions: Vec<[f32; 3]>,
     /// One normal a vertex, of any length but 0; empty for flat triangles.
     pub normals: Vec<[f32; 3]>,

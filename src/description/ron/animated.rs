@@ -124,9 +124,9 @@ pub enum Extend {
 
 /// Value that can be keyed in a file.
 pub trait Keyable: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize {
-    /// How fast it changes, per second.
+    /// Rate of change, per second.
     type Rate: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize;
-    /// Its meaning in SI units.
+    /// Value in SI units.
     type Si: Copy;
     /// Message when a curve leaves the range.
     const EXPECTED: &'static str;

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub struct Camera {
     /// Name of the object that the camera follows.
     pub parent: Option<String>,
-    /// Where it is in its parent's space.
+    /// Position in its parent's space.
     pub position_m: Animated<Point>,
     /// Target that it looks at, in its parent's space.
     pub look_at_m: Option<Animated<Point>>,
@@ -35,7 +35,7 @@ pub struct Camera {
 }
 
 impl Default for Camera {
-    /// At the origin, looking along -z.
+    /// Camera at the origin, looking along -z.
     fn default() -> Self {
         Self {
             parent: None,
@@ -61,7 +61,7 @@ pub struct Aperture {
     pub f_stop: Animated<Number<FStop>>,
     /// Distance of the plane in focus, along the view.
     pub focus_distance_m: Animated<Number<FocusDistance>>,
-    /// With the angle of view it gives the focal length.
+    /// Width of the sensor, which with the angle of view gives the focal length.
     #[serde(default = "full_frame")]
     pub sensor_width_mm: Number<Positive>,
     /// Straight blades of the opening; a round one without.

@@ -9,7 +9,7 @@ use super::number::{
 };
 use serde::{Deserialize, Serialize};
 
-/// More leaves than this in all blocks of a scene are refused: each has keys of its own, some 24 kilobytes.
+/// Maximum number of leaves in all blocks of a scene: each has keys of its own, some 24 kilobytes.
 pub const MOST_FALLING: u32 = 50_000;
 
 /// Leaves that fall as leaves fall.
@@ -17,19 +17,19 @@ pub const MOST_FALLING: u32 = 50_000;
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Fall {
-    /// How many.
+    /// Number of leaves.
     pub count: Whole<1, MOST_FALLING>,
-    /// Another seed, other leaves.
+    /// Seed of the leaves.
     #[serde(default)]
     pub seed: u32,
     /// Who falls.
     pub species: Vec<Species>,
-    /// Where they hang before.
+    /// Region that they hang in before.
     pub emitter: Emitter,
     /// Wind.
     #[serde(default)]
     pub wind: Wind,
-    /// In which ways they fall; without, as their own size and mass have it.
+    /// Ways in which they fall; without, as their own size and mass have it.
     pub motion: Option<FallMotion>,
     /// Ground that they come to rest on.
     #[serde(default)]
@@ -37,7 +37,7 @@ pub struct Fall {
     /// Names of objects that stop them.
     #[serde(default)]
     pub obstacles: Vec<String>,
-    /// When they are let go.
+    /// Times at which they are let go.
     #[serde(default)]
     pub release_s: Span<Finite>,
     /// Whether they hang there before they are let go; else they are not there yet.
@@ -70,22 +70,22 @@ pub struct Species {
     /// Colours of which each leaf has one in between, as a factor on its material; needs `materials`.
     #[serde(default)]
     pub tint: Vec<Triple<UnitInterval>>,
-    /// How many of the leaves are of this kind, in proportion to the others.
+    /// Share of the leaves that are of this kind, in proportion to the others.
     #[serde(default = "one")]
     pub share: Number<Positive>,
-    /// From stalk to tip: the mesh is scaled to it.
+    /// Length from stalk to tip: the mesh is scaled to it.
     pub length_m: Span<LeafLength>,
     /// Across, as the air feels it; without, as the mesh has it.
     pub width_m: Option<Span<LeafLength>>,
     /// Mass over area.
     #[serde(default = "of_a_leaf")]
     pub areal_mass_kg_per_m2: Span<ArealMass>,
-    /// How far it is arched across, as the air feels it.
+    /// Arch across the leaf, as the air feels it.
     #[serde(default)]
     pub curl_deg: Span<Degrees>,
 }
 
-/// Where leaves hang.
+/// Region that leaves hang in.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -99,12 +99,12 @@ pub enum Emitter {
     },
     /// Anywhere in an ellipsoid.
     Ellipsoid {
-        /// Its middle.
+        /// Middle.
         center_m: Point,
         /// Half its size.
         radii_m: Vector<Positive>,
     },
-    /// On the surface of an object's mesh.
+    /// Surface of an object's mesh.
     Surface {
         /// Name of the object.
         object: String,
@@ -120,32 +120,32 @@ pub struct Wind {
     pub mean_m_per_s: Animated<Vector<AirVelocity>>,
     /// Velocity that the strongest gust adds.
     pub gust_m_per_s: Animated<Vector<AirVelocity>>,
-    /// From gust to gust.
+    /// Time from gust to gust.
     pub gust_s: Number<GustScale>,
     /// Speed of the air in eddies.
     pub eddy_m_per_s: Animated<Number<AirSpeed>>,
     /// Their size.
     pub eddy_m: Number<GustScale>,
-    /// Another seed, other gusts and eddies.
+    /// Seed of gusts and eddies.
     pub seed: u32,
 }
 
-/// In which proportion leaves fall in which way.
+/// Shares of the ways in which leaves fall.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
 pub struct FallMotion {
     /// Level, rocking a little.
     pub steady: Number<NonNegative>,
-    /// From side to side.
+    /// Swinging from side to side.
     pub flutter: Number<NonNegative>,
-    /// Over and over.
+    /// Tumbling over and over.
     pub tumble: Number<NonNegative>,
     /// Now the one, now the other.
     pub chaotic: Number<NonNegative>,
-    /// Over and over down a helix.
+    /// Tumbling down a helix.
     pub helical: Number<NonNegative>,
-    /// In circles that widen.
+    /// Circling ever wider.
     pub spiral: Number<NonNegative>,
 }
 
@@ -161,7 +161,7 @@ pub struct FallGround {
 }
 
 impl Fall {
-    /// So many leaves of one kind, let go at once in calm air.
+    /// Leaves of one kind, let go at once in calm air.
     pub fn new(count: u32, species: Species, emitter: Emitter) -> Self {
         Self {
             count: Whole(count),

@@ -20,7 +20,7 @@ pub struct Fog {
     pub max_m: Option<Point>,
     /// The height over which its density falls to 1/e.
     pub scale_height_m: Option<Animated<Number<Positive>>>,
-    /// Where that begins: a y coordinate of its parent's space.
+    /// Base of the falloff: a y coordinate of its parent's space.
     pub base_m: Option<Number<Finite>>,
     /// An OpenVDB file that says how dense it is, in its parent's space.
     pub vdb: Option<PathBuf>,
@@ -30,7 +30,7 @@ pub struct Fog {
     pub mist: Option<Mist>,
     /// Extinction coefficient sigma_t where the fog is densest; of voxels that of 1 in them.
     pub density_per_m: Animated<Triple<NonNegative>>,
-    /// How much of the extinction is scattering.
+    /// Share of the extinction that is scattering.
     #[serde(default = "one")]
     pub albedo: Animated<Triple<UnitInterval>>,
     /// Henyey-Greenstein g; forward if positive.

@@ -5,8 +5,7 @@ use super::defaults::{one, yes};
 use super::number::{Degrees, Point, Positive, Span, Triple, UnitInterval, Whole};
 use serde::{Deserialize, Serialize};
 
-/// More leaves than this in one scene are refused: each takes a kilobyte, and a file of one
-/// line may ask for them.
+/// Maximum number of leaves in one scene: each takes a kilobyte, and a file of one line may ask for them.
 pub const MAX_LEAVES: u32 = 1_000_000;
 
 /// Seeded copies of meshes, scattered over a box or a surface.
@@ -14,9 +13,9 @@ pub const MAX_LEAVES: u32 = 1_000_000;
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Leaves {
-    /// How many.
+    /// Number of leaves.
     pub count: Whole<1, MAX_LEAVES>,
-    /// Another seed, other leaves.
+    /// Seed of the leaves.
     #[serde(default)]
     pub seed: u32,
     /// Names of meshes; each leaf is one of them.
@@ -35,7 +34,7 @@ pub struct Leaves {
     pub max_m: Option<Point>,
     /// Name of the object on whose surface the leaves sit instead.
     pub on: Option<String>,
-    /// How far tips hang below level; any attitude is as likely without.
+    /// Angle at which tips hang below level; any attitude is as likely without.
     pub droop_deg: Option<Span<Degrees>>,
     /// Turn about the leaf's length, beside `droop_deg`.
     pub roll_deg: Option<Span<Degrees>>,

@@ -20,9 +20,9 @@ pub enum Light {
     Point {
         /// Name of the object that the light follows.
         parent: Option<String>,
-        /// Where it is in its parent's space.
+        /// Position in its parent's space.
         position_m: Animated<Point>,
-        /// In every direction, seen from afar.
+        /// Intensity in every direction, seen from afar.
         intensity_w_per_sr: Animated<Triple<NonNegative>>,
         /// Radius of the sphere that shines; 0 is a point.
         #[serde(default)]
@@ -32,16 +32,16 @@ pub enum Light {
     Spot {
         /// Name of the object that the light follows.
         parent: Option<String>,
-        /// Where it is in its parent's space.
+        /// Position in its parent's space.
         position_m: Animated<Point>,
-        /// Where it points.
+        /// Target that it points at.
         target_m: Animated<Point>,
         /// Between the axis and the edge of the cone.
         outer_deg: Animated<Number<HalfAngle>>,
         /// Softness of the edge, as in Blender.
         #[serde(default = "soft_edge")]
         blend: Animated<Number<UnitInterval>>,
-        /// On the axis, seen from afar.
+        /// Intensity on the axis, seen from afar.
         intensity_w_per_sr: Animated<Triple<NonNegative>>,
         /// Radius of the sphere that shines; 0 is a point.
         #[serde(default)]
@@ -51,9 +51,9 @@ pub enum Light {
     Rectangle {
         /// Name of the object that the light follows.
         parent: Option<String>,
-        /// Where its middle is in its parent's space.
+        /// Position of its middle in its parent's space.
         position_m: Animated<Point>,
-        /// Where it faces.
+        /// Target that it faces.
         target_m: Animated<Point>,
         /// The way its height goes.
         #[serde(default = "up")]
@@ -69,9 +69,9 @@ pub enum Light {
     Disc {
         /// Name of the object that the light follows.
         parent: Option<String>,
-        /// Where its middle is in its parent's space.
+        /// Position of its middle in its parent's space.
         position_m: Animated<Point>,
-        /// Where it faces.
+        /// Target that it faces.
         target_m: Animated<Point>,
         /// Diameter of the disc.
         diameter_m: Animated<Number<Positive>>,
@@ -87,23 +87,23 @@ pub enum Light {
 pub struct Sun {
     /// Name of the object whose rotation the light follows.
     pub parent: Option<String>,
-    /// Where the light goes to; not beside `to_sun`.
+    /// Direction that the light goes to; not beside `to_sun`.
     pub direction: Option<Animated<Direction>>,
-    /// Where the light comes from.
+    /// Direction that the light comes from.
     pub to_sun: Option<Animated<Direction>>,
-    /// On a plane perpendicular to the light.
+    /// Irradiance on a plane perpendicular to the light.
     pub irradiance_w_per_m2: Animated<Triple<NonNegative>>,
     /// The whole angle under which its disc is seen; 0 is parallel light.
     #[serde(default)]
     pub angular_diameter_deg: Animated<Number<DiscAngle>>,
-    /// How much darker the disc is towards its edge.
+    /// Darkening of the disc towards its edge.
     #[serde(default)]
     pub limb_darkening: Number<UnitInterval>,
     /// A PNG, JPEG, WebP or PPM image on the disc, relative to the scene file.
     pub image: Option<PathBuf>,
     /// A fractal on the disc.
     pub fractal: Option<Julia>,
-    /// How far image or fractal are turned anticlockwise.
+    /// Rotation of image or fractal, anticlockwise.
     #[serde(default)]
     pub picture_rotation_deg: Animated<Number<Degrees>>,
     /// Whether camera and mirrors see the disc.
@@ -138,7 +138,7 @@ pub struct Julia {
     pub real: Animated<Number<JuliaPart>>,
     /// Imaginary part of `c`.
     pub imaginary: Animated<Number<JuliaPart>>,
-    /// After so many a point counts as one that never escapes.
+    /// Maximum number of iterations: a point that has not escaped then never does.
     #[serde(default = "hundred")]
     pub iterations: Whole<1, 1000>,
 }

@@ -18,7 +18,7 @@ pub struct Material {
     pub opacity: Option<Number<UnitInterval>>,
     /// The surface is cut away where alpha is less than this.
     pub alpha_cutoff: Option<Number<UnitInterval>>,
-    /// How much light goes straight through where alpha is 1.
+    /// Share of light that goes straight through where alpha is 1.
     pub filter_color: Option<Triple<UnitInterval>>,
     /// Lambert transmittance to the far side; multiplied by its texture, or else by `texture`.
     pub transmission: Triple<UnitInterval>,
@@ -26,9 +26,9 @@ pub struct Material {
     pub transmission_texture: Option<PathBuf>,
     /// An image of directions that bend its normals.
     pub normal_map: Option<NormalMap>,
-    /// How rough its shine is; matte without.
+    /// Roughness of its shine; matte without.
     pub roughness: Option<Number<UnitInterval>>,
-    /// How much of a metal it is.
+    /// Share of metal.
     pub metallic: Option<Number<UnitInterval>>,
     /// Perfect mirror reflectance.
     pub mirror: Triple<UnitInterval>,
@@ -56,7 +56,7 @@ pub struct NormalMap {
 }
 
 impl NormalMap {
-    /// As the image has it.
+    /// Normal map as the image has it.
     pub fn new(texture: impl Into<PathBuf>) -> Self {
         Self { texture: texture.into(), scale: one() }
     }

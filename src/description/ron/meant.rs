@@ -1,7 +1,7 @@
 //! Meaning of RON text. In go a file's bytes, out come those without comments, and without blanks outside
 //! of texts. Invariant: files that read alike are alike then, and others are not.
 
-/// Its bytes, of which frames know their scene: a comment more makes none of them stale.
+/// Meaning of a file's bytes, by which frames know their scene: a comment more makes none of them stale.
 pub(super) fn meant(text: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(text.len());
     let (mut rest, mut has_gap) = (text, false);
@@ -23,7 +23,7 @@ pub(super) fn meant(text: &[u8]) -> Vec<u8> {
     out
 }
 
-/// How long a blank or a comment at the start is; 0 if neither is there.
+/// Length of a blank or a comment at the start; 0 if neither is there.
 fn blank(text: &[u8]) -> usize {
     match text {
         [first, ..] if first.is_ascii_whitespace() => 1,
@@ -45,7 +45,7 @@ fn blank(text: &[u8]) -> usize {
     }
 }
 
-/// How long a text at the start is, in quotes of any kind; else a byte.
+/// Length of a text at the start, in quotes of any kind; else a byte.
 fn token(text: &[u8]) -> usize {
     let hashes = |from: usize| text[from..].iter().take_while(|&&byte| byte == b'#').count();
     match text {

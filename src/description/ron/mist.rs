@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Mist {
-    /// How wide the largest are.
+    /// Width of the largest.
     pub size_m: Number<Positive>,
     /// Sizes of billows: each half of the one before.
     #[serde(default = "four")]
@@ -20,20 +20,20 @@ pub struct Mist {
     /// Wind that carries them.
     #[serde(default)]
     pub wind_m_per_s: Animated<Vector<AirVelocity>>,
-    /// How often they have turned over.
+    /// Turns that they have made.
     #[serde(default)]
     pub evolution_turns: Animated<Number<Finite>>,
     /// Their form as a whole.
     #[serde(default)]
     pub shape: MistShape,
-    /// Over how far that fades; half of `size_m` without.
+    /// Distance over which that fades; half of `size_m` without.
     pub edge_m: Option<Number<NonNegative>>,
     /// Name of an object that heights count from.
     pub ground: Option<String>,
-    /// Another seed, other billows.
+    /// Seed of the billows.
     #[serde(default)]
     pub seed: u32,
-    /// How far apart density is computed.
+    /// Distance between places at which density is computed.
     pub voxel_m: Option<Number<Positive>>,
 }
 

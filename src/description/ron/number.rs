@@ -73,7 +73,7 @@ pub type Point = Vector<Finite>;
 pub type Triple<R> = Three<R, true>;
 
 impl<R, const ONE_WILL_DO: bool> Three<R, ONE_WILL_DO> {
-    /// Those that are checked when their part is.
+    /// Numbers that are checked when their part is.
     pub(super) const fn new(value: DVec3) -> Self {
         Self { value, range: PhantomData }
     }
@@ -133,7 +133,7 @@ impl<'de> Deserialize<'de> for Quaternion {
     }
 }
 
-/// How fast a quaternion's four numbers change, per second.
+/// Rate of change of a quaternion's four numbers, per second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuaternionRate(pub(crate) DQuat);
 
@@ -148,7 +148,7 @@ impl<'de> Deserialize<'de> for QuaternionRate {
     }
 }
 
-/// From `low` to `high`; written `(low, high)`, or as one number that is both.
+/// Range from `low` to `high`; written `(low, high)`, or as one number that is both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span<R> {
     low: f64,

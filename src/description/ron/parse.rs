@@ -15,7 +15,7 @@ use std::path::Path;
 pub(super) enum Document {
     /// Scene file.
     Scene(SceneFile),
-    /// How to render it.
+    /// Sequence file.
     Sequence(SequenceFields),
 }
 

@@ -1,4 +1,4 @@
-//! Which numbers fields admit. In goes a number in the author's unit, out comes whether its range has it.
+//! Ranges of fields' numbers. In goes a number in the author's unit, out comes whether its range has it.
 //! Invariant: numbers are finite before they are asked about.
 
 use std::ops::RangeInclusive;
@@ -63,7 +63,7 @@ ranges! {
     FieldOfView: "an angle from 0.0001 to 179.9 degrees", |value| FIELDS_OF_VIEW_DEG.contains(&value), DEGREE;
     /// Focal length over the diameter of a lens' opening.
     FStop: "an f-stop of at least 0.001, such as 2.8", |value| value >= SMALLEST_F_STOP;
-    /// How far away a lens is in focus, metres.
+    /// Distance at which a lens is in focus, metres.
     FocusDistance: "a distance of at least 0.000001 m", |value| value >= NEAREST_FOCUS_M;
     /// The whole angle under which a disc is seen, in degrees: 0 or more, less than 180.
     DiscAngle: "an angle of at least 0 and less than 180 degrees", |value| (0.0..180.0).contains(&value), DEGREE;
@@ -79,7 +79,7 @@ ranges! {
     AirVelocity: "from -200 to 200 m/s along each axis; a hurricane has 70", |value| value.abs() <= 200.0;
     /// Speed of air in any direction.
     AirSpeed: "from 0 to 200 m/s; a hurricane has 70", |value| (0.0..=200.0).contains(&value);
-    /// From gust to gust in seconds, or across an eddy in metres.
+    /// Scale from gust to gust in seconds, or across an eddy in metres.
     GustScale: "a number of at least 0.01", |value| value >= 0.01;
     /// A factor on speeds.
     SpeedGain: "a factor from 0.1 to 10", |value| (0.1..=10.0).contains(&value);

@@ -72,7 +72,7 @@ pub struct Object {
     pub material: Option<String>,
     /// Name of the object that this one follows.
     pub parent: Option<String>,
-    /// Where it is in its parent's space.
+    /// Position in its parent's space.
     pub translation_m: Animated<Point>,
     /// Turned about x, then y, then z.
     pub rotation_deg: Option<Animated<Vector<Degrees>>>,

@@ -22,7 +22,7 @@ pub struct SequenceFields {
     pub frame_rate: Option<FrameRate>,
     /// Columns and rows.
     pub size: Option<(Whole<1, 65536>, Whole<1, 65536>)>,
-    /// Which animations of a glTF scene play: a name, a number from 0, or `all`.
+    /// Animations of a glTF scene that play: a name, a number from 0, or `all`.
     pub animation: Option<String>,
     /// Name of the camera.
     pub camera: Option<String>,
@@ -30,43 +30,43 @@ pub struct SequenceFields {
     pub samples: Option<Whole<1, 65536>>,
     /// The relative error of a block of pixels that is good enough.
     pub tolerance: Option<Number<RelativeError>>,
-    /// By what weights a pixel is a mean.
+    /// Reconstruction filter.
     pub filter: Option<PixelFilter>,
     /// Passes beside the beauty.
     pub passes: Option<Vec<Pass>>,
     /// Seed of the sample points.
     pub seed: Option<u32>,
-    /// How long the shutter is open.
+    /// Time that the shutter is open.
     pub shutter_frames: Option<Number<NonNegative>>,
-    /// Where in that time the frame lies: centred at 0, opened at 0.5, closed at -0.5.
+    /// Place of the frame in that time: centred at 0, opened at 0.5, closed at -0.5.
     pub shutter_position: Option<Number<Finite>>,
     /// Brightens pictures for eyes by so many powers of two.
     pub exposure: Option<Number<Stops>>,
-    /// How often mirrors may reflect.
+    /// Maximum number of reflections by mirrors.
     pub mirror_depth: Option<Whole<0, 64>>,
-    /// How often light may be scattered beyond single scattering: a number, or `"all"`.
+    /// Number of scatterings beyond the first: a number, or `"all"`.
     pub bounces: Option<Bounces>,
     /// The stepped method's image plane.
     pub march: Option<March>,
 }
 
-/// How the stepped method moves its image plane.
+/// Steps of the image plane of the stepped method.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct March {
-    /// How far.
+    /// Depth that the plane is moved to.
     pub depth_m: Number<Positive>,
-    /// By how much a step.
+    /// Step of the plane.
     pub step_m: Number<Positive>,
 }
 
-/// How often light may be scattered beyond direct light and single scattering.
+/// Number of scatterings beyond direct light and single scattering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Bounces {
-    /// So many times, `bounces: 3`.
+    /// A number of times, `bounces: 3`.
     UpTo(u32),
-    /// Until nothing is left of it, `bounces: "all"`.
+    /// All until nothing is left, `bounces: "all"`.
     All,
 }
 

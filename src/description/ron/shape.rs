@@ -37,14 +37,14 @@ pub enum Shape {
     },
     /// A leaf in the x-z plane, centred, facing +y, its tip towards -z.
     Leaf {
-        /// From stalk to tip.
+        /// Length from stalk to tip.
         length_m: Number<Positive>,
         /// Across, where it is widest.
         width_m: Number<Positive>,
-        /// How far it bends down along its length, in all.
+        /// Angle by which it bends down along its length, in all.
         #[serde(default)]
         curl_deg: Number<Degrees>,
-        /// How far each half is lifted about the middle vein.
+        /// Angle by which each half is lifted about the middle vein.
         #[serde(default)]
         fold_deg: Number<Degrees>,
     },

@@ -13,13 +13,13 @@ use std::path::PathBuf;
 pub enum Sky {
     /// Uniform.
     Constant {
-        /// How bright it is.
+        /// Radiance.
         radiance_w_per_m2_sr: Animated<Triple<NonNegative>>,
         /// Things that it lights.
         #[serde(default)]
         lights: SkyLight,
     },
-    /// From the horizon up, and something else below.
+    /// Gradient from the horizon up, and one colour below.
     Gradient {
         /// Straight up.
         zenith_w_per_m2_sr: Triple<NonNegative>,

@@ -30,7 +30,7 @@ impl Error for Refusal {
     }
 }
 
-/// Where the walk is.
+/// Place of the walk.
 struct Walk<'a> {
     path: &'a mut String,
 }
@@ -38,7 +38,7 @@ struct Walk<'a> {
 /// Container of fields, some of which have been walked through.
 struct Within<'a> {
     path: &'a mut String,
-    /// How long the path is outside.
+    /// Length of the path outside.
     outside: usize,
     next: usize,
 }

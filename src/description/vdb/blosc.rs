@@ -10,7 +10,8 @@ const BITS_SHUFFLED: u8 = 0x04;
 const NOT_SPLIT: u8 = 0x10;
 const LZ4: u8 = 1;
 
-/// From c-blosc's `blosc.c`: values of more bytes, or blocks of fewer values, are not split.
+/// Maximum number of splits, from c-blosc's `blosc.c`: values of more bytes, or blocks of fewer values,
+/// are not split.
 const MOST_SPLITS: usize = 16;
 const LEAST_VALUES_OF_A_SPLIT: usize = 128;
 

@@ -10,7 +10,7 @@ const ZIP: u32 = 0x1;
 const ACTIVE_MASK: u32 = 0x2;
 const BLOSC: u32 = 0x4;
 
-/// How what is not active is written: the byte before the values of a node.
+/// Encoding of inactive values: the byte before the values of a node.
 mod inactive {
     pub(super) const BACKGROUND: u8 = 0;
     pub(super) const ONE: u8 = 2;
@@ -20,7 +20,7 @@ mod inactive {
     pub(super) const ALL_WRITTEN: u8 = 6;
 }
 
-/// How a grid writes its values.
+/// Encoding of a grid's values.
 pub(super) struct Encoding {
     /// The grid's flags of compression.
     pub(super) flags: u32,

@@ -4,7 +4,7 @@
 use super::bytes::{Bytes, Read};
 
 const MAGIC: &[u8] = b" BDV\0\0\0\0";
-/// From the first with compression for each grid (OpenVDB 3) to that of Blender 5.3.
+/// Versions from the first with compression for each grid (OpenVDB 3) to that of Blender 5.3.
 const VERSIONS: std::ops::RangeInclusive<u32> = 222..=225;
 const HALF: &str = "_HalfFloat";
 /// Stands between a grid's name and a number, where several have one name.

@@ -23,18 +23,18 @@ const FLOATS: &str = "Tree_float_5_4_3";
 /// A grid of a file.
 #[derive(Debug)]
 pub struct Grid {
-    /// As whoever made it called it: `density`.
+    /// Name that its maker gave it: `density`.
     pub name: String,
     /// OpenVDB's word for what its tree holds, such as `Tree_float_5_4_3`.
     pub kind: String,
-    /// Its numbers; `None` if it holds something else.
+    /// Numbers; `None` if it holds something else.
     pub floats: Option<Floats>,
 }
 
 /// A grid of numbers.
 #[derive(Debug)]
 pub struct Floats {
-    /// From coordinates of voxels, whole at their middles, to the grid's own space.
+    /// Transform from coordinates of voxels, whole at their middles, to the grid's own space.
     pub transform: DAffine3,
     /// The numbers.
     pub tree: Tree,
@@ -43,7 +43,7 @@ pub struct Floats {
 /// Extent of a grid's active values.
 #[derive(Debug)]
 pub struct Extent {
-    /// How many voxels.
+    /// Number of voxels.
     pub voxels: u64,
     /// Corners of the box about their outer faces, in the grid's own space.
     pub bounds: [DVec3; 2],
@@ -102,7 +102,7 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
 }
 
 impl Leaf {
-    /// Its active voxels: where each is, and its value.
+    /// Active voxels: places and values.
     pub fn voxels(&self) -> impl Iterator<Item = ([i32; 3], f32)> + '_ {
         let is_active = |place: &usize| self.active[place / 8] >> (place % 8) & 1 == 1;
         (0..self.values.len()).filter(is_active).map(|place| {

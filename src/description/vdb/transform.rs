@@ -1,9 +1,9 @@
-//! Where voxels are. Source: `read` of the maps in `openvdb/math/Maps.h`.
+//! Transforms of voxels. Source: `read` of the maps in `openvdb/math/Maps.h`.
 
 use super::bytes::{Bytes, Read};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// From a voxel's coordinates, whole at its middle, to the grid's own space.
+/// Transform from a voxel's coordinates, whole at its middle, to the grid's own space.
 pub(super) fn read(bytes: &mut Bytes) -> Read<DAffine3> {
     let kind = bytes.text()?;
     let transform = match kind.as_str() {

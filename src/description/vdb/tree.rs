@@ -16,22 +16,22 @@ const OF_ROOT_PLACE: i32 = OF_UPPER_PLACE << UPPER;
 /// A value for each of 8 x 8 x 8 voxels, z fastest.
 #[derive(Debug)]
 pub struct Leaf {
-    /// Its first voxel.
+    /// First voxel.
     pub origin: [i32; 3],
     /// The values, those of voxels that are not active too.
     pub values: Vec<f32>,
-    /// Which voxels are active, a bit each, the first lowest.
+    /// Active voxels, a bit each, the first lowest.
     pub active: Vec<u8>,
 }
 
 /// Voxels of one value.
 #[derive(Debug)]
 pub struct Tile {
-    /// Its first voxel.
+    /// First voxel.
     pub origin: [i32; 3],
     /// Voxels along an edge.
     pub edge: i32,
-    /// Its value.
+    /// Value.
     pub value: f32,
 }
 
