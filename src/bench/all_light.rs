@@ -21,13 +21,13 @@ const BLOCK: usize = 10;
 pub struct AllLightPlan<'a> {
     /// The picture.
     pub stage: Stage<'a>,
-    /// How often light may be scattered beyond single scattering.
+    /// Number of scatterings beyond the first.
     pub bounces: Bounces,
     /// Samples a pixel of the reference, at least 2.
     pub reference_samples: u32,
     /// Samples a pixel of the dearest row, at least 1.
     pub most_samples: u32,
-    /// How often each row is measured, at least once.
+    /// Number of measurements of each row, at least one.
     pub rounds: usize,
     /// Seed of the measured pictures.
     pub seed: u32,
@@ -36,7 +36,7 @@ pub struct AllLightPlan<'a> {
 /// A picture by one of the ways.
 #[derive(Clone, Debug)]
 pub struct AllLightRow {
-    /// Which way.
+    /// Method.
     pub way: &'static str,
     /// Samples a pixel.
     pub samples: u32,
@@ -54,8 +54,8 @@ pub struct AllLight {
     pub rows: Vec<AllLightRow>,
     /// Samples a pixel of the reference.
     pub reference_samples: u32,
-    /// Its standard error: of its mean, and in the root mean square of its pixels and blocks,
-    /// as shares of the mean.
+    /// Standard error: of its mean, and in the root mean square of its pixels and blocks, as shares of the
+    /// mean.
     pub noise: [f64; 3],
 }
 
@@ -160,7 +160,7 @@ fn root_mean_square(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / a.len() as f64).sqrt()
 }
 
-/// For people.
+/// Table for people.
 pub fn table(measured: &AllLight) -> String {
     let [of_mean, of_pixels, of_blocks] = measured.noise.map(|noise| 100.0 * noise);
     let mut text = format!(

@@ -28,7 +28,7 @@ pub fn triangles(scene: &Scene, eye: DVec3, time_s: f64) -> Vec<[DVec3; 3]> {
     triangles
 }
 
-/// How far the exact method is from brute force.
+/// Deviation of the exact method from brute force.
 #[derive(Clone, Copy, Debug)]
 pub struct Deviation {
     /// Rays that met fog.

@@ -65,7 +65,7 @@ pub struct PowerLaw {
     pub factor: f64,
     /// Slope in logarithms.
     pub exponent: f64,
-    /// Its standard error; infinite for two points.
+    /// Standard error; infinite for two points.
     pub standard_error: f64,
 }
 

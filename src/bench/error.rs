@@ -1,5 +1,5 @@
-//! How far a picture is from the reference. In go two frames, out come a few numbers, all relative
-//! to the reference's mean. Invariant: a value that is not finite makes the error infinite.
+//! Error of a picture against the reference. In go two frames, out come a few numbers, all relative to the
+//! reference's mean. Invariant: a value that is not finite makes the error infinite.
 
 use crate::film::Frame;
 

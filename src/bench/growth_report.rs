@@ -1,4 +1,4 @@
-//! How a cost grows, for people and for programs. In go [`Growth`]s, out come a table, CSV and
+//! Report of how a cost grows, for people and for programs. In go [`Growth`]s, out come a table, CSV and
 //! plots. Invariant: an exponent never stands without its standard error.
 
 use super::report::seconds;

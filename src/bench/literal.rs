@@ -59,8 +59,8 @@ impl Literal {
     }
 }
 
-/// How far the image plane has to be moved to leave nothing out, along the view axis, metres: to the first
-/// surface, or to the end of the fog.
+/// Depth that the image plane has to be moved to, to leave nothing out, along the view axis, metres: to
+/// the first surface, or to the end of the fog.
 pub fn depth_m(snapshot: &Snapshot) -> f64 {
     const GRID: usize = 64;
     let place = |index: usize| (index as f64 + 0.5) / GRID as f64;
@@ -136,7 +136,7 @@ fn is_lit(triangles: &[[DVec3; 3]], light: &FrozenLight, point: DVec3) -> bool {
     !triangles.iter().any(|triangle| distance(triangle, &ray).is_some_and(|t| t < light_distance))
 }
 
-/// Where a ray meets a triangle (Moeller & Trumbore 1997).
+/// Distance along a ray to a triangle (Moeller & Trumbore 1997).
 fn distance([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);
     let p = ray.direction.cross(ac);

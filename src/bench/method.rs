@@ -27,7 +27,7 @@ pub enum Method {
     SlicesUntil,
 }
 
-/// How much of it.
+/// Effort of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Samples a pixel, at most.
@@ -43,12 +43,12 @@ pub struct Effort {
 const MOST_SAMPLES: u32 = 1024;
 
 impl Effort {
-    /// So many samples in every pixel, and nothing to choose beside.
+    /// Effort of so many samples in every pixel, and nothing to choose beside.
     pub fn of_samples(samples: u32) -> Self {
         Self { samples, steps: None, tolerance: None }
     }
 
-    /// How much more it is than another of the same method, about.
+    /// Work in proportion to that of another effort of the same method, about.
     pub(super) fn work(&self) -> f64 {
         // Errors fall faster than with the root of the samples: this expects too much rather than too little.
         let samples = self.tolerance.map_or(f64::from(self.samples), |tolerance| tolerance.powi(-2));
@@ -63,9 +63,9 @@ pub struct Stage<'a> {
     pub exposure: &'a Exposure<'a>,
     /// Picture size.
     pub size: Size,
-    /// How often a ray may be reflected.
+    /// Maximum number of reflections of a ray.
     pub mirror_depth: u32,
-    /// How far the literal method moves its image plane, and by how much a step, metres.
+    /// Depth that the literal method moves its image plane to, and its step, metres.
     pub planes: (f64, f64),
 }
 
@@ -77,7 +77,7 @@ impl<'a> Stage<'a> {
 }
 
 impl Method {
-    /// For tables.
+    /// Name for tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Literal => "literal",

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 0.01;
 const COLORS: [&str; 8] =
     ["#d55e00", "#0072b2", "#00815d", "#b07a00", "#b0508a", "#000000", "#6b6b6b", "#3d8fc4"];
 
-/// How a series looks.
+/// Looks of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     /// Markers joined by a line; the number picks colour and marker.
@@ -41,11 +41,11 @@ pub enum Style {
 /// Points that belong together.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Its label.
+    /// Label.
     pub name: String,
-    /// Its looks.
+    /// Looks.
     pub style: Style,
-    /// In order of x, both positive.
+    /// Points in order of x, both positive.
     pub points: Vec<(f64, f64)>,
     /// Points of the same series that are off the line, drawn faint.
     pub aside: Vec<(f64, f64)>,
@@ -75,7 +75,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// From a little below the least value to a little above the largest, at least a decade.
+    /// Axis from a little below the least value to a little above the largest, at least a decade.
     fn around(values: impl Iterator<Item = f64>, from_px: f64, to_px: f64) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value.log10()), high.max(value.log10()))
@@ -230,7 +230,7 @@ struct Label<'a> {
     left: f64,
     base: f64,
     width: f64,
-    /// It stands to the left of its point.
+    /// Whether it stands to the left of its point.
     ends_there: bool,
     series: &'a Series,
 }

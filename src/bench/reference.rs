@@ -24,7 +24,7 @@ pub struct Reference {
     pub samples: Option<u32>,
     /// Root mean square of its standard error, relative to the mean.
     pub noise: f64,
-    /// How far the method that made it is from brute force, for each light; none without fog.
+    /// Deviations from brute force of the method that made it, for each light; none without fog.
     pub deviations: Vec<Deviation>,
 }
 

@@ -1,6 +1,6 @@
-//! How the cost of a picture grows. In go a scene and a quantity, out come times of pictures in
-//! which that quantity alone was changed, and the exponent that fits them. Invariant: points take
-//! turns; of each the least time counts.
+//! Growth of a picture's cost. In go a scene and a quantity, out come times of pictures in which that
+//! quantity alone was changed, and the exponent that fits them. Invariant: points take turns; of each the
+//! least time counts.
 
 use super::method::timed;
 use super::{Effort, Method, PowerLaw, RelativeErrors, Stage};
@@ -15,7 +15,7 @@ use std::time::Instant;
 /// The golden angle: lights turned by it never stand behind one another.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
-/// How many times the longest picture a point may take with all that comes before it.
+/// Maximum time of a point with all that comes before it, in times of the longest picture.
 const PATIENCE: f64 = 20.0;
 
 /// Plan of the measurement, and how long it may take.
@@ -24,15 +24,15 @@ pub struct ScalingPlan<'a> {
     pub scene: &'a Scene,
     /// Index of its camera.
     pub camera: usize,
-    /// When.
+    /// Shutter.
     pub shutter: Shutter,
     /// Picture size, but where that is what grows.
     pub size: Size,
-    /// How often a ray may be reflected.
+    /// Maximum number of reflections of a ray.
     pub mirror_depth: u32,
     /// Samples a pixel, but where the error is what shrinks.
     pub samples: u32,
-    /// How often each point is measured, at least once.
+    /// Number of measurements of each point, at least one.
     pub rounds: usize,
     /// A ladder ends before a point that would take longer, seconds.
     pub longest_s: f64,
@@ -60,7 +60,7 @@ pub enum Quantity {
 pub struct Growth {
     /// Quantity that grew.
     pub quantity: Quantity,
-    /// Its values and seconds, in order.
+    /// Values of the quantity and seconds, in order.
     pub points: Vec<(f64, f64)>,
     /// The line through them in logarithms.
     pub law: Option<PowerLaw>,
@@ -71,7 +71,7 @@ impl Quantity {
     pub const ALL: [Self; 6] =
         [Self::Leaves, Self::Pixels, Self::Lights, Self::Accuracy, Self::Fog, Self::Threads];
 
-    /// For tables and the names of files.
+    /// Name for tables and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Leaves => "leaves",

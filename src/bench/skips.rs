@@ -56,11 +56,11 @@ pub struct SkipsPlan<'a> {
     pub scene: &'a Scene,
     /// Index of its camera.
     pub camera: usize,
-    /// When.
+    /// Shutter.
     pub shutter: Shutter,
     /// The picture; its passes are left aside.
     pub job: Job,
-    /// How often each side is measured, at least once.
+    /// Number of measurements of each side, at least one.
     pub rounds: usize,
     /// A folder for what goes by the disk.
     pub folder: &'a Path,
@@ -71,7 +71,7 @@ pub struct SkipsPlan<'a> {
 pub struct Skip {
     /// Name.
     pub name: &'static str,
-    /// How the work was brought back.
+    /// Way in which the work was brought back.
     pub without: &'static str,
     /// Seconds of processor time with the skip, and without.
     pub seconds: (f64, f64),

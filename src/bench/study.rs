@@ -12,9 +12,9 @@ pub struct StudyPlan<'a> {
     pub stage: Stage<'a>,
     /// Triangles of the picture, for the literal method: see [`super::brute_force::triangles`].
     pub triangles: &'a [[DVec3; 3]],
-    /// Which methods.
+    /// Methods.
     pub methods: Vec<Method>,
-    /// How often each point is measured, at least once.
+    /// Number of measurements of each point, at least one.
     pub rounds: usize,
     /// A method's ladder ends before a point that would take longer, seconds.
     pub longest_s: f64,
@@ -27,9 +27,9 @@ pub struct StudyPlan<'a> {
 /// One method at one effort.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Which method.
+    /// Method.
     pub method: Method,
-    /// How much of it.
+    /// Effort.
     pub effort: Effort,
     /// Processor time of one thread for the picture: the least of all rounds, seconds.
     pub cpu_s: f64,
@@ -46,7 +46,7 @@ pub struct Point {
 /// A point that was measured elsewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Peer {
-    /// Which renderer, with its version.
+    /// Name of the renderer, with its version.
     pub renderer: String,
     /// Samples a pixel.
     pub samples: u32,
@@ -129,7 +129,7 @@ fn literal(plan: &StudyPlan, reference: &Reference) -> Run {
     }
 }
 
-/// How long an effort would take at most, from cheaper ones of the same method; `None` for the cheapest.
+/// Maximum time of an effort, from cheaper ones of the same method; `None` for the cheapest.
 fn expected_s(runs: &[Run], method: Method, effort: Effort) -> Option<f64> {
     // Only points with no more of either say something; the one nearest in work says most.
     let cheaper = runs.iter().filter(|run| {

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use sunfleck::diagnostic::{Diagnostic, Loss, Place, shown};
 use sunfleck::frame_file::FrameFile;
 
-/// Which kinds were told.
+/// Kinds that were told.
 #[derive(Default)]
 pub(super) struct ColorDoubts(Mutex<BTreeSet<Loss>>);
 

@@ -17,7 +17,7 @@ const REMEDY: &str = "a larger --tolerance, or --volume paths, whose light is un
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubt {
     frame: i64,
-    /// As shares of the picture's mean.
+    /// Error that was told, as a share of the picture's mean.
     told: f64,
     tolerance: f64,
 }

@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     ))
 }
 
-/// From the first to the last frame of a list, or all.
+/// Range from the first to the last frame of a list, or all.
 fn frames(list: Option<&str>, scene: &Scene) -> Result<RangeInclusive<i64>, CliError> {
     let Some(list) = list else { return Ok(scene.frames()) };
     let frames = FrameList::parse(list, scene.frames()).map_err(CliError::Usage)?;

@@ -1,7 +1,7 @@
-//! With what exposure pictures for eyes are made. In go what the user says and what the input says, out
-//! comes one exposure for all frames. Invariant: it depends on scene and settings alone, not on which
-//! frames are asked for. So pictures do not flicker, and a frame's picture is the same alone and in a
-//! range. EXR frames know nothing of it.
+//! Exposure of pictures for eyes. In go what the user says and what the input says, out comes one exposure
+//! for all frames. Invariant: it depends on scene and settings alone, not on which frames are asked for.
+//! So pictures do not flicker, and a frame's picture is the same alone and in a range. EXR frames know
+//! nothing of it.
 
 use super::arguments::DisplayArguments;
 use super::parse::ExposureArgument;

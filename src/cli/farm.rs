@@ -114,7 +114,8 @@ fn usual_threads(profile: FarmProfile) -> u32 {
     }
 }
 
-/// For a scene that takes so many seconds to load, and is read from files of so many bytes.
+/// Chooses the chunk for a scene that takes so many seconds to load, and is read from files of so many
+/// bytes.
 fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, load_s: f64, bytes: u64) {
     let machines = job.machines.unwrap_or(shell::MACHINES);
     let begin_s = match arguments.profile {
@@ -134,7 +135,7 @@ fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, load_s: 
     ));
 }
 
-/// How long a task loads the scene, by how long that takes here, now that falls are baked.
+/// Time in which a task loads the scene, by the time here, now that falls are baked.
 fn load_seconds(task: &RenderArguments) -> Result<f64, CliError> {
     let began = Instant::now();
     plan::load(task)?;
@@ -213,7 +214,7 @@ fn check_flags(arguments: &FarmArguments, task: &RenderArguments) -> Result<(), 
     Ok(())
 }
 
-/// Where a file lies, as text: managers' files have no other names.
+/// Absolute path of a file, as text: managers' files have no other names.
 fn absolute(path: &Path) -> Result<String, CliError> {
     let absolute = std::path::absolute(path)
         .map_err(|error| CliError::InputOutput(format!("error: {}: {error}", shown(path))))?;

@@ -13,7 +13,7 @@ use std::time::Duration;
 use sunfleck::diagnostic::{Diagnostic, Place};
 use sunfleck::film::Frame;
 
-/// Where tev listens unless it is told otherwise.
+/// Port on which tev listens unless it is told otherwise.
 const PORT: u16 = 14158;
 
 /// A viewer that does not take a packet for so long is gone.

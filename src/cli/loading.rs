@@ -95,7 +95,7 @@ fn new_bar() -> ProgressBar {
     }
 }
 
-/// Where this user's programs keep what they can make again.
+/// Folder where this user's programs keep what they can make again.
 fn user_folder() -> Option<PathBuf> {
     let variable = |name: &str| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let caches = if cfg!(windows) {

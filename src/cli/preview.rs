@@ -28,7 +28,7 @@ use sunfleck::sequence::{FrameList, OutputPattern};
 /// A contact sheet shows no more frames than this, evenly spread.
 const MOST_ON_SHEET: usize = 64;
 
-/// Where frames come from.
+/// Source of frames.
 enum Source<'a> {
     /// Drawn.
     Scene { input: &'a Path, plan: Box<Plan<'a>> },
@@ -262,7 +262,7 @@ struct Kept<'a> {
     outputs: &'a Outputs,
     frames: usize,
     rate: FrameRate,
-    /// How many there were.
+    /// Number of them.
     seen: usize,
     size: Size,
     sheet: Option<Picture>,

@@ -11,7 +11,7 @@ pub(super) fn peak_memory_bytes() -> Option<u64> {
     Some(1024 * kibibytes)
 }
 
-/// Less address space than this is not enough for most scenes.
+/// Address space below which there is not enough for most scenes.
 const TIGHT_BYTES: u64 = 200_000_000;
 
 /// Says that the process may not have much memory: when it cannot have more, the standard library says how

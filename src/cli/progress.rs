@@ -17,7 +17,7 @@ const STEPS_PER_FRAME: f64 = 1000.0;
 /// sample.
 const LEAST_BASIS: f64 = 0.05;
 
-/// How progress is told.
+/// Style in which progress is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ProgressStyle {
     /// A bar with the time left, for people at a terminal.

@@ -123,7 +123,7 @@ impl Run<'_> {
         }
     }
 
-    /// How pictures beside the frames are shown, if there are to be any.
+    /// Display of pictures beside the frames, if there are to be any.
     fn preview(&self) -> Result<Option<Display>, CliError> {
         let Self { arguments, plan, pool, .. } = *self;
         let measured = || Ok(pool.install(|| plan.auto_exposure_stops()));

@@ -98,7 +98,7 @@ fn listen(desk: &Arc<Mutex<Desk>>) -> Result<Receiver<String>, CliError> {
     Ok(from_client)
 }
 
-/// Until the stream ends, or nobody answers any more.
+/// Reads requests until the stream ends, or nobody answers any more.
 fn read(desk: &Mutex<Desk>, to_server: &Sender<String>) {
     for line in std::io::stdin().lock().lines().map_while(Result::ok) {
         Desk::change(desk, |desk| desk.waiting += 1);
@@ -129,7 +129,7 @@ impl Server<'_> {
         }
     }
 
-    /// Those of `render`, where they are of the picture and not of the scene.
+    /// Arguments of `render`, where they are of the picture and not of the scene.
     fn arguments_of(&self, flags: &[String], camera: Option<&Viewer>) -> Result<RenderArguments, String> {
         let input = self.arguments.input.as_os_str();
         let line = ["sunfleck", "render"].map(Into::into).into_iter().chain([input.to_owned()]);

@@ -60,7 +60,7 @@ pub(super) struct DisplayArguments {
 }
 
 impl DisplayArguments {
-    /// With an exposure in powers of two.
+    /// Display with an exposure in powers of two.
     pub(super) fn display(self, exposure_stops: f64) -> Display {
         Display { curve: self.display, exposure_stops, bloom: self.bloom }
     }

@@ -11,12 +11,12 @@ use std::thread;
 use std::time::Duration;
 use sunfleck::frame_file;
 
-/// How long the work may take to end by itself, so that a frame that is about done is still written. Short,
+/// Time in which the work may end by itself, so that a frame that is about done is still written. Short,
 /// for the system takes its time too: 40 to 60 ms to have back the 400 MB of a large frame, page by page
 /// (docs/decisions/measuring.md#signals).
 const GRACE: Duration = Duration::from_millis(5);
 
-/// Which signal came, if any.
+/// Signal that came, if any.
 #[derive(Clone, Default)]
 pub(super) struct Stop {
     /// Set by a signal.

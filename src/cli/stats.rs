@@ -24,7 +24,7 @@ pub(super) struct Stats {
 
 struct State {
     file: File,
-    /// How long frames took to be frozen, until their line is written.
+    /// Times in which frames were frozen, until their line is written.
     snapshot_seconds: HashMap<i64, f64>,
     problem: Option<std::io::Error>,
 }
@@ -49,7 +49,7 @@ impl Stats {
         Ok(Self { path, state })
     }
 
-    /// How long it took to find what a frame shows, before any of it was rendered.
+    /// Notes the time that it took to find what a frame shows, before any of it was rendered.
     pub(super) fn snapshot_took(&self, frame: i64, seconds: f64) {
         if let Some(state) = &self.state {
             let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);

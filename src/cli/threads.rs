@@ -1,4 +1,4 @@
-//! How many threads a command has.
+//! Threads of a command.
 
 use super::error::CliError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -7,7 +7,7 @@ use std::thread::available_parallelism;
 /// Maximum number of threads, unless the machine has more processors: further ones only take memory.
 const MOST: usize = 64;
 
-/// As many as were asked for, or as the machine has processors.
+/// Pool of as many threads as were asked for, or as the machine has processors.
 pub(super) fn pool(asked: Option<u32>) -> Result<ThreadPool, CliError> {
     let processors = available_parallelism().map_or(1, usize::from);
     let threads = (asked.unwrap_or(0) as usize).min(MOST.max(processors));

@@ -1,5 +1,5 @@
-//! How many frames a task renders, where nobody says. In go machines and times, out comes a chunk. Invariant:
-//! it is the farm that `sunfleck-tools farm-simulation` simulates, in closed form.
+//! Number of frames that a task renders, where nobody says. In go machines and times, out comes a chunk.
+//! Invariant: it is the farm that `sunfleck-tools farm-simulation` simulates, in closed form.
 
 use super::super::parse::LARGEST_CHUNK;
 
@@ -8,7 +8,7 @@ const SPREAD: f64 = 0.25;
 /// Failures of a machine, an hour: each is lost once in four days, as those are that others may take away.
 const FAILURES_PER_H: f64 = 0.01;
 
-/// From a manager's word until the program runs; managers look for tasks every second or so.
+/// Time from a manager's word until the program runs; managers look for tasks every second or so.
 pub(super) const MANAGER_S: f64 = 2.0;
 /// Time from the program's start until the program runs, where a script starts it.
 pub(super) const PROGRAM_S: f64 = 0.1;
@@ -58,16 +58,17 @@ impl Farm {
         Choice { chunk, starting, waiting: (1.0 - starting - rendering).max(0.0) }
     }
 
-    /// How long these frames take in chunks of a size. Work is shared evenly, but for the last task: the
-    /// longest of these ends the job (C. P. Kruskal and A. Weiss, Allocating independent subtasks on parallel
-    /// processors, IEEE Transactions on Software Engineering 11, 1985). Machines stay in step, wave by wave,
-    /// or their times spread so far that they end anywhere within a task: what is less counts. Nothing is
-    /// faster than what serves all tasks one by one (P. J. Denning and J. P. Buzen, The operational analysis
-    /// of queueing network models, Computing Surveys 10, 1978).
+    /// Time of these frames in chunks of a size. Work is shared evenly, but for the last task: the longest
+    /// of these ends the job (C. P. Kruskal and A. Weiss, Allocating independent subtasks on parallel
+    /// processors, IEEE Transactions on Software Engineering 11, 1985). Machines stay in step, wave by
+    /// wave, or their times spread so far that they end anywhere within a task: the less of both counts.
+    /// Nothing is faster than what serves all tasks one by one (P. J. Denning and J. P. Buzen, The
+    /// operational analysis of queueing network models, Computing Surveys 10, 1978).
     ///
-    /// A failure costs a start and the frame in hand, whatever the chunk, as whole frames are never rendered
-    /// again: in the terms of J. T. Daly (Future Generation Computer Systems 22, 2006) each frame ends with a
-    /// checkpoint. But where one of the last tasks fails, half of its frames wait for another machine.
+    /// A failure costs a start and the frame in hand, whatever the chunk, as whole frames are never
+    /// rendered again: in the terms of J. T. Daly (Future Generation Computer Systems 22, 2006) each frame
+    /// ends with a checkpoint. But where one of the last tasks fails, half of its frames wait for another
+    /// machine.
     fn seconds(&self, frames: f64, chunk: f64) -> f64 {
         let machines = f64::from(self.machines);
         let tasks = (frames / chunk).ceil();

@@ -9,8 +9,8 @@ pub(super) const FRAMES: &str = "frames";
 /// Falls that were baked are in this one.
 pub(super) const BAKES: &str = "bakes";
 
-/// Beside what the picture and the input's files take: the program itself, its trees, what a
-/// frame is encoded in.
+/// Memory beside what the picture and the input's files take: the program itself, its trees, what a frame
+/// is encoded in.
 const MIB_BESIDE: u64 = 512;
 /// A mesh or a texture in memory, by its bytes in a file, which may be compressed.
 const MEMORY_BY_FILE: u64 = 8;
@@ -42,13 +42,13 @@ pub(super) struct Job {
     pub(super) flags: Vec<String>,
     /// Nothing moves, so that frames may look like the ones before.
     pub(super) is_still: bool,
-    /// That a machine should have.
+    /// Memory that a machine should have.
     pub(super) memory_mib: u64,
-    /// That a task renders with, if the flags say.
+    /// Threads that a task renders with, if the flags say.
     pub(super) threads: Option<u32>,
-    /// That a task is given, where a manager wants a limit.
+    /// Time that a task is given, where a manager wants a limit.
     pub(super) minutes: u64,
-    /// How many machines share the work, if somebody says.
+    /// Number of machines that share the work, if somebody says.
     pub(super) machines: Option<u32>,
 }
 
@@ -57,11 +57,11 @@ pub(super) struct Names<'a> {
     pub(super) input: &'a str,
     /// All frames of the job.
     pub(super) frames: &'a str,
-    /// Those of a task.
+    /// Frames of a task.
     pub(super) chunk: &'a str,
     pub(super) output: &'a str,
     pub(super) bakes: &'a str,
-    /// How progress is told.
+    /// Style of progress.
     pub(super) progress: &'a str,
 }
 
@@ -110,7 +110,7 @@ impl Job {
     }
 }
 
-/// For pictures and an input of so many bytes; generous, as a machine without it fails slowly.
+/// Memory for pictures and an input of so many bytes; generous, as a machine without it fails slowly.
 pub(super) fn memory_mib(picture_bytes: u64, file_bytes: u64) -> u64 {
     MIB_BESIDE + (picture_bytes + MEMORY_BY_FILE * file_bytes).div_ceil(1 << 20)
 }
@@ -124,8 +124,8 @@ pub(super) fn frame_seconds(pixels: usize, sampling: Sampling, threads: u32) -> 
     pixels as f64 * f64::from(samples) * SECONDS_A_SAMPLE / f64::from(threads)
 }
 
-/// For a task of so many frames. Generous: a task that reaches its limit goes on in another, which starts
-/// anew.
+/// Time limit of a task of so many frames. Generous: a task that reaches its limit goes on in another,
+/// which starts anew.
 pub(super) fn minutes(frames: u32, frame_s: f64) -> u64 {
     let minutes = PATIENCE * f64::from(frames) * frame_s / 60.0;
     (minutes.ceil() as u64).clamp(FEWEST_MINUTES, MOST_MINUTES)
@@ -151,7 +151,7 @@ pub(super) fn ranges(frames: &[i64], step_sign: Option<char>) -> String {
     ranges.join(",")
 }
 
-/// How many numbers from the first on are the same step apart, and that step.
+/// Number of frames from the first on that are the same step apart, and that step.
 fn progression(frames: &[i64]) -> (usize, i64) {
     let Some(step) = frames.get(1).map(|second| second - frames[0]) else { return (frames.len(), 1) };
     let equal = frames.windows(2).take_while(|pair| pair[1] - pair[0] == step).count();

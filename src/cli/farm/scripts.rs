@@ -7,7 +7,7 @@ use super::FLAGS;
 use super::job::{BAKES, FRAMES, Job, Names, ranges};
 use super::quoting::command_line;
 
-/// In the words of a step it stands for the frames of a task.
+/// Mark in the words of a step that stands for the frames of a task.
 const MARK: char = '\u{1}';
 /// File with a line for each chunk.
 pub(super) const CHUNKS: &str = "chunks.txt";

@@ -10,7 +10,7 @@ use super::scripts::{CHUNKS, chunks, lines};
 
 /// Number of machines of a job that names none.
 pub(super) const MACHINES: u32 = 2;
-/// As there is a script for each.
+/// Maximum number of machines, as there is a script for each.
 pub(super) const MOST_MACHINES: u32 = 1000;
 const WORK: &str = include_str!("shell_work.sh");
 const FINISH: &str = "finish.sh";

@@ -10,7 +10,7 @@ use super::scripts::{CHUNKS, chunks, lines};
 
 /// Slurm takes arrays of 1001 tasks unless it is told otherwise (`MaxArraySize`).
 const MOST_TASKS: usize = 1000;
-/// Before its limit a task gets a signal: so many seconds, to which Slurm may add a minute.
+/// Seconds before its limit at which a task gets a signal; Slurm may add a minute.
 const NOTICE_S: u32 = 60;
 /// Turns beyond one a frame, for nodes that fail.
 const MORE_TURNS: u32 = 8;

@@ -312,7 +312,7 @@ fn kind(kind: &LightKind) -> &'static str {
     }
 }
 
-/// How bright and how large a light is.
+/// Brightness and size of a light.
 fn brightness(light: &Light, time_s: f64) -> String {
     let power = light.power.at(time_s);
     let brightest = power.max_element();

@@ -1,5 +1,5 @@
-//! How bright lights are in everybody's units, as a table. Invariant: a light is given in those units
-//! only that mean something for it.
+//! Brightness of lights in everybody's units, as a table. Invariant: a light is given in those units only
+//! that mean something for it.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
