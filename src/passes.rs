@@ -135,7 +135,7 @@ impl Pass {
     }
 }
 
-/// Whether some pass needs more than light: so much that what it needs is worth computing.
+/// Whether some pass needs something beyond light, so that it is worth computing.
 pub fn any_needs(passes: &[Pass], what: impl Fn(Needs) -> bool) -> bool {
     passes.iter().any(|pass| what(pass.row().needs))
 }

@@ -167,7 +167,7 @@ pub struct Statistics {
 impl Job {
     /// About what a picture takes in memory: the sums of one light, and the frames that they are added to.
     pub fn memory_bytes(&self) -> usize {
-        /// The sum so far, what is added to it, and one that is being written.
+        /// Frames in memory: the sum so far, the one that is added to it, and one that is being written.
         const FRAMES: usize = 3;
         // A frame has a channel in single precision for each of a film's sums in double.
         let of_pixel = Film::bytes_per_pixel(&self.passes);

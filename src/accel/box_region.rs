@@ -69,7 +69,8 @@ pub(super) struct BoxLimit<L> {
 }
 
 impl<L: Lanes> BoxLimit<L> {
-    /// Boxes of nodes are padded by what is lost of positions; what is lost of the offset comes here.
+    /// Limit of the region, with the rounding error of its offset. Boxes of nodes are padded by that of
+    /// positions.
     #[inline(always)]
     pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
         let offset = functional.offset + wide_tree::padding(functional.offset.abs());

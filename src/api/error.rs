@@ -1,4 +1,5 @@
-//! Why there is no frame. Invariant: every failure says what was found, what was expected and what to do.
+//! Errors in place of a frame. Invariant: every failure says what was found, what was expected and what to
+//! do.
 
 use crate::diagnostic::{Diagnostic, Place};
 use crate::frame_file::FrameFileError;
@@ -63,7 +64,7 @@ impl RenderError {
         Self::Setting { setting, found, expected: expected.into() }
     }
 
-    /// Diagnostic, with what was expected and what to do.
+    /// Diagnostic, with expectation and remedy.
     pub fn diagnostic(&self) -> Diagnostic {
         let error = |expected: &str| Diagnostic::error(Place::Nowhere, self.to_string()).expected(expected);
         match self {

@@ -38,7 +38,7 @@ impl FogCoefficients {
     }
 }
 
-/// Whether fog scatters ahead so much that degrees of light beyond those of the orders matter.
+/// Whether fog scatters ahead so strongly that degrees of light beyond those of the orders matter.
 pub(crate) fn scatters_ahead(medium: &Medium) -> bool {
     /// The share `g^3` that it sends on of the first of those degrees.
     const LEAST: f64 = 0.02;

@@ -295,8 +295,8 @@ impl FirstCollisions<'_> {
         }
     }
 
-    /// The share of what a leaf of an exposed share scatters of power that gets out of it and of its clump;
-    /// what meets that again stays there.
+    /// Share of a leaf's scattered light that leaves it and its clump. The leaf scatters `sent` of
+    /// `power`, and the rest is added to `met_again`.
     fn leaves_clump(
         &self,
         world: DVec3,

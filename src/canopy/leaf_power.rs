@@ -71,8 +71,7 @@ impl Scattered {
     }
 }
 
-/// Nodes that stand for a leaf as its side `facing` sees them, and those that stand for what that scatters
-/// back.
+/// Nodes about a leaf as its side `facing` sees them, and those of its backscattered light.
 pub(crate) fn nodes_of(cut: CutGrid, (leaf, facing): (&Leaf, DVec3)) -> [Corners; 2] {
     let seen_from = leaf.position + OFF_WALL * cut.grid.cell_m * facing;
     [0.0, WAY_OUT * leaf.area_m2.sqrt()].map(|away_m| cut.corners(leaf.position + away_m * facing, seen_from))

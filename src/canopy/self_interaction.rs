@@ -195,7 +195,7 @@ impl SelfInteraction {
         }
     }
 
-    /// Takes out what it scatters of all other light, and what it stops of that.
+    /// Takes out the light of all others that the leaf scatters, and that it stops.
     fn take_later(
         &self,
         alone: &Alone,

@@ -29,7 +29,7 @@ pub(crate) fn optics_of(point: &SurfacePoint) -> SurfaceOptics {
     }
 }
 
-/// All that comes back, whatever way: what shines counts as matte.
+/// Reflectance of all kinds together: shine counts as matte.
 pub(crate) fn reflectance(point: &SurfacePoint) -> Rgb {
     /// About where most light falls and most is seen.
     const COS: f64 = 0.6;

@@ -114,8 +114,7 @@ fn usual_threads(profile: FarmProfile) -> u32 {
     }
 }
 
-/// Chooses the chunk for a scene that takes so many seconds to load, and is read from files of so many
-/// bytes.
+/// Chooses the chunk of a scene by the seconds that it takes to load and the bytes of its files.
 fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, load_s: f64, bytes: u64) {
     let machines = job.machines.unwrap_or(shell::MACHINES);
     let begin_s = match arguments.profile {
@@ -168,7 +167,7 @@ fn first_task(job: &Job, frames: &str) -> Result<RenderArguments, CliError> {
     }
 }
 
-/// Refuses what a machine of a farm cannot do, or what tasks would take from one another.
+/// Refuses flags that a machine of a farm cannot honour, or by which tasks would hinder one another.
 fn check_flags(arguments: &FarmArguments, task: &RenderArguments) -> Result<(), CliError> {
     let (is_shell, is_auto) =
         (arguments.profile == FarmProfile::Shell, arguments.chunk == ChunkArgument::Auto);

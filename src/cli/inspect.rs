@@ -1,5 +1,5 @@
-//! `sunfleck inspect`: what an input holds. In goes a file, out comes text or JSON. Invariant:
-//! whatever rendering would leave out or do differently is said here.
+//! `sunfleck inspect`: contents of an input. In goes a file, out comes text or JSON. Invariant: whatever
+//! rendering would leave out or do differently is said here.
 
 mod grids;
 mod json;

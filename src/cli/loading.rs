@@ -113,8 +113,8 @@ fn is_bake(name: &[u8]) -> bool {
     name.strip_suffix(EXTENSION.as_bytes()).is_some_and(|stem| stem.ends_with(b"."))
 }
 
-/// Removes the bakes that have not been used for longest until there is room for so many bytes, beside those
-/// that other processes are writing.
+/// Removes the least recently used bakes until there is room for `bytes`. Bakes that other processes are
+/// writing count too.
 fn make_room(folder: &Path, bytes: u64) {
     let entries = || fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
     let bake = |entry: &DirEntry| is_bake(entry.file_name().as_encoded_bytes());

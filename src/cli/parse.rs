@@ -1,5 +1,4 @@
-//! Values of flags from their text. Invariant: whatever is refused is refused with what was
-//! expected, and an example.
+//! Values of flags from their text. Invariant: a refusal says what was expected, with an example.
 
 use glob::Pattern;
 use sunfleck::scene::{Bounces, Size};

@@ -70,7 +70,7 @@ impl ProgressStyle {
 }
 
 impl Progress {
-    /// Writes to standard error what people read, and to standard output what programs read.
+    /// Progress for people on standard error, or for programs on standard output.
     pub(super) fn new(style: ProgressStyle) -> Self {
         match style {
             ProgressStyle::JsonLines | ProgressStyle::OpenJd => Self::to(style, Box::new(std::io::stdout())),

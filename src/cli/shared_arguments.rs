@@ -78,7 +78,7 @@ impl SceneArguments {
         }
     }
 
-    /// Refuses what is lost, if that is what the user wants.
+    /// Refuses losses, if the user wants that.
     pub(super) fn check(&self, remarks: &Diagnostics) -> Result<(), CliError> {
         match remarks.refusing_losses().filter(|_| self.strict) {
             Some(losses) => Err(CliError::Scene(losses)),

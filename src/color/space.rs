@@ -61,7 +61,7 @@ impl ColorSpace {
         self.rec_709_from_linear.transpose() * super::LUMINANCES
     }
 
-    /// A colour in linear Rec. 709. What is below 0 is encoded as what is above.
+    /// Colour in linear Rec. 709. Encoding is odd: negative values are encoded as positive ones.
     pub fn to_rec_709(self, color: Rgb) -> Rgb {
         let linear = |encoded: f64| match self.curve {
             Curve::Linear => encoded,

@@ -127,7 +127,7 @@ fn first_of(Diagnostics(found): &Diagnostics) -> String {
 }
 
 impl LoadError {
-    /// All that is wrong, with what was expected and what to do.
+    /// Diagnostics of all faults, with expectations and remedies.
     pub fn diagnostics(&self) -> Diagnostics {
         match self {
             Self::Io { path, referrer, source } => {

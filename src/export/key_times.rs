@@ -81,7 +81,7 @@ pub(super) fn are_apart(rate: FrameRate, times_s: &[f64]) -> bool {
     times_s.iter().all(is_clear) && times_s.windows(2).all(|pair| pair[1] - pair[0] >= apart_s)
 }
 
-/// Key times of a track: those that it reaches, and those that it jumps to.
+/// Times of a track's keys: those reached by a curve, and those jumped to.
 pub(super) fn reached_and_jumped_to<T: Animate>(track: &Track<T>) -> (Vec<f64>, Vec<f64>) {
     let (mut reached_s, mut jumped_s) = (Vec::new(), Vec::new());
     let mut jumps = false;

@@ -19,7 +19,7 @@ const DEEPEST_SHADOW: f64 = 1.0 / 256.0;
 /// what is well lit stays so.
 const BRIGHTEST_TWENTIETH: f64 = 1.0;
 
-/// No exposure changes by more than so many stops: what is darker is not there.
+/// Maximum change of the exposure, in stops: what is darker counts as absent.
 const MOST_STOPS: f64 = 16.0;
 
 /// Mean luminance of a picture's brightest hundredth, below which nobody sees anything: four

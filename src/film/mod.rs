@@ -132,8 +132,8 @@ impl Film {
         }
     }
 
-    /// All samples so far of these pixels are the known half of what comes next; other pixels keep the halves
-    /// that they are judged by.
+    /// Makes all samples so far of these pixels the known half of the next estimate; other pixels keep
+    /// their halves.
     pub fn let_fresh_be_known(&mut self, pixels: &Mask) {
         for (index, (x, y)) in self.window.pixels().enumerate() {
             if pixels.contains(x, y) {

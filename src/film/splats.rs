@@ -56,8 +56,8 @@ impl KeptPasses {
         self.mean_channels() + self.nearest_channels() + hues + mattes
     }
 
-    /// Calls back with the values of all channels in order, those of the mean first,
-    /// those of the mattes last.
+    /// Calls back with the values of all channels in order: first those of the mean, last those of the
+    /// mattes.
     #[inline(always)]
     pub(super) fn pack(&self, sample: &Sample, mut put: impl FnMut(&[f32])) {
         let [red, green, blue] = sample.radiance.to_array();

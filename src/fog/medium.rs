@@ -143,8 +143,8 @@ impl Medium {
         (extinction, scattering)
     }
 
-    /// The forward peak of what it sends on, 1/m: what harmonics below a degree do not tell from light that
-    /// is not scattered, `sum(sigma_s g^degree)`.
+    /// Forward peak of scattering, 1/m: the part that harmonics below a degree cannot tell from
+    /// unscattered light, `sum(sigma_s g^degree)`.
     pub fn peak_at(&self, point: DVec3, degree: i32) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.forward_peak(degree))).sum()
     }

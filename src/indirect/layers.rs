@@ -298,7 +298,7 @@ impl Layers {
 }
 
 impl LevelLight {
-    /// Whether the sky's own light is among what surfaces and what fog get.
+    /// Light of a level. Two switches say whether surfaces and fog get the sky's own light.
     fn of(
         light: &PlaneParallel,
         level: usize,

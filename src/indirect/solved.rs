@@ -20,7 +20,7 @@ pub(super) struct Solved {
     pub(super) leaves: LeafLight,
     pub(super) bounces: Bounces,
     pub(super) has_sky: bool,
-    /// Whether what surfaces get straight from what glows is in it; else they look for it by rays.
+    /// Whether direct light of emissive surfaces on others is in it; else they sample it by rays.
     pub(super) has_glow: bool,
     /// Light after one bounce less, where that is asked for.
     pub(super) once_less: Option<Arc<Self>>,

@@ -300,7 +300,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Radiance along a ray from anywhere, such as a mirror, in so many steps: the first are the shortest.
+/// Radiance along a ray from anywhere, such as a mirror, in a number of steps: the first are the shortest.
 pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, (distance, steps): (f64, u32)) -> Rgb {
     let origin = snapshot.world_from_relative(ray.origin);
     let to_end = |(low, high): (DVec3, DVec3)| farthest_m((low - origin, high - origin));

@@ -1,8 +1,8 @@
-//! Boundary conditions of a grid: what enters at its rim along each ordinate. In goes the sky, or the
-//! solution of what lies about the grid, out come the rims of planes. Invariant: what comes straight from the
-//! sky stays apart, along ordinates of its own, as things have cut edges into it.
+//! Boundary conditions of a grid: incident radiance at its rim along each ordinate. In goes the sky, or
+//! the solution about the grid, out come the rims of planes. Invariant: radiance straight from the sky
+//! stays apart, along ordinates of its own, as things have cut edges into it.
 //!
-//! A condition is a variant of [`BoundaryCondition`], and what that fills a rim with.
+//! A condition is a variant of [`BoundaryCondition`], with the way in which it fills a rim.
 
 use super::angular_radiance::AngularRadiance;
 use super::grid::Grid;
@@ -73,7 +73,7 @@ pub(crate) struct Surrounding {
 }
 
 impl Surrounding {
-    /// Whether what was scattered outside comes along finer ordinates than those of all orders.
+    /// Whether radiance that was scattered outside comes along finer ordinates than those of all orders.
     pub(crate) fn is_fine(&self) -> bool {
         self.scattered.as_ref().is_some_and(|incident| incident.is_fine)
     }

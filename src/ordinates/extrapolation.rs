@@ -22,7 +22,8 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// Takes an order's light and the sum of all so far; whether what follows is little, and as expected.
+    /// Takes an order's light and the sum of all so far. Tells whether the rest is little, and as
+    /// expected.
     pub(super) fn go_on(&mut self, order: [f64; 3], so_far: [f64; 3]) -> bool {
         let mut is_told = true;
         self.is_endless = false;

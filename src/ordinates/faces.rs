@@ -33,8 +33,8 @@ struct Face {
 }
 
 impl Faces {
-    /// Faces of a grid of so many nodes. `seen` has those next to walls, each with the normals of all patches
-    /// that it sees.
+    /// Faces of a grid with so many nodes. `seen` has the nodes next to walls, each with the normals of
+    /// all patches that it sees.
     pub(crate) fn new(nodes: usize, seen: impl Iterator<Item = (usize, Vec<DVec3>)>) -> Self {
         let mut all: Vec<Face> = Vec::new();
         for (node, normals) in seen {

@@ -92,8 +92,8 @@ impl BeamSource {
     }
 }
 
-/// GlossySource of glossy walls: radiance along ordinates beyond that of a matte wall, so that all ordinates
-/// together get what the wall's coat reflects.
+/// Source of glossy walls: radiance along ordinates in excess of a matte wall's, so that all ordinates
+/// together get the reflection of the wall's coat.
 #[derive(Default)]
 pub(crate) struct GlossySource {
     patches: Vec<u32>,
@@ -113,7 +113,7 @@ impl GlossySource {
         Self { patches: shining().map(|(_, number)| number).collect(), radiances: [0, 1, 2].map(of_channel) }
     }
 
-    /// Adds those along one ordinate to what leaves walls of one channel.
+    /// Adds the radiances along one ordinate to those that leave walls, of one channel.
     pub(crate) fn add_to(&self, of_walls: &mut [f32], channel: usize, ordinate: usize) {
         let start = ordinate * self.patches.len();
         for (&patch, radiance) in self.patches.iter().zip(&self.radiances[channel][start..]) {

@@ -140,7 +140,7 @@ impl Grid {
         (node, within.to_array().map(piece))
     }
 
-    /// The mean of what a node has and those next to it, the nearer the more; nothing lies outside.
+    /// Mean over a node and its neighbours, nearer ones with more weight; values outside are 0.
     pub(crate) fn mean_about<const N: usize>(&self, node: usize, of: &[[f32; N]]) -> [f32; N] {
         self.mean_over(node, [EVENLY; 3], of)
     }
@@ -152,8 +152,8 @@ impl Grid {
         self.mean_over(node, shares, of)
     }
 
-    /// Mean over a node and its neighbours, by the shares along each axis of what is before, of itself,
-    /// and of what is behind.
+    /// Mean over a node and its neighbours, by their weights along each axis: before it, itself, behind
+    /// it.
     fn mean_over<const N: usize>(&self, node: usize, shares: [[f32; 3]; 3], of: &[[f32; N]]) -> [f32; N] {
         let cell = self.cell_of(node);
         let range = |axis: usize| {

@@ -34,8 +34,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) orders: Option<u32>,
     /// Nodes about each place next to a finer grid within this one.
     pub(crate) next_to_inner: Option<&'a [Corners]>,
-    /// Whether what is seen makes something of degree 3: what shines, and fog that scatters ahead; and of
-    /// degrees 5 and 6, which such fog alone does.
+    /// Whether harmonics of degree 3 are asked for, by surfaces that shine and fog that scatters ahead;
+    /// and those of degrees 5 and 6, by such fog alone.
     pub(crate) sees_third: bool,
     pub(crate) sees_high: bool,
     /// Whether nobody waits for the light any more.
@@ -108,8 +108,8 @@ impl Problem<'_> {
         Solution { emitted, ..solution }
     }
 
-    /// Emission, and what of it comes in from about the grid: along finer ordinates than those of all orders,
-    /// as it is small and bright.
+    /// Emission of the grid, and that which comes in from around it. It goes along finer ordinates than
+    /// those of all orders, as it is small and bright.
     fn sweep_emission(&self, emission: &Source) -> Swept {
         let fine = Quadrature::fine();
         let incident = self.surrounding.emitted.as_ref();

@@ -32,7 +32,7 @@ pub(crate) struct Swept {
 }
 
 impl Swept {
-    /// Adds what the last scattering needs to what there is of it, without what orders go on with.
+    /// Adds the parts that the last scattering needs to their sum, without those that orders go on with.
     pub(crate) fn add_to(sum: &mut Option<Self>, other: Self) {
         match sum {
             Some(sum) => sum.add_last(&other),

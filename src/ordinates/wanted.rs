@@ -1,5 +1,5 @@
-//! Requests to a sweep. In go the needs of orders and of what is seen, out come choices. Invariant: what
-//! nobody asks for is not found.
+//! Requests to a sweep. In go the needs of orders and of what is seen, out come choices. Invariant:
+//! nothing is found that nobody asks for.
 
 use super::grid::Corners;
 

@@ -26,7 +26,7 @@ pub(super) struct Facts {
     pub(super) are_ordered: bool,
     /// Number of rings.
     pub(super) rings: u32,
-    /// Whether draws differ in time: shared, a few moments would show as so many copies of what moves.
+    /// Whether draws differ in time: a few shared moments would show a moving thing as so many copies.
     pub(super) in_time: bool,
     /// Whether points of the light are not all as bright as each other: those of a lamp
     /// lie nearer or farther.

@@ -12,7 +12,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Passes that indirect light is part of: what surfaces show, and what fog scatters.
+/// Passes that have indirect light: of surfaces, and of fog.
 pub(super) const PASSES: usize = 2;
 
 /// Indirect light of one camera ray, by pass, W m^-2 sr^-1.

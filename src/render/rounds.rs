@@ -102,8 +102,8 @@ impl Round<'_> {
         self.is_first() || region(from) == region(to) && self.wanted.contains(to.0, to.1)
     }
 
-    /// The pixels whose samples count somewhere: those that are wanted, and those next to them as far as the
-    /// filter reaches. What lies next to the film reaches into it.
+    /// Mask of the pixels whose samples count somewhere: those that are wanted, and those next to them as
+    /// far as the filter reaches. Samples next to the film reach into it.
     pub(super) fn seen(&self, full: Size, filter: PixelFilter) -> Mask {
         match filter {
             PixelFilter::Box if !self.is_first() => self.wanted.clone(),

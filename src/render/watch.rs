@@ -51,7 +51,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress so far, with such an error.
+    /// Progress so far, with that error.
     pub fn new(fraction: f64, error: Option<f64>) -> Self {
         Self { fraction, error }
     }

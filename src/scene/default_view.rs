@@ -18,7 +18,7 @@ const FOV_Y: f64 = 0.7;
 const AZIMUTH_DEG: f64 = 38.0;
 const ELEVATION_DEG: f64 = 22.0;
 
-/// The picture is so many times as wide and high as what it has to show.
+/// Width and height of the picture, over those of what it has to show.
 const MARGIN: f64 = 1.12;
 
 /// Everything is at least so far away, by the extent of all of it.

@@ -56,7 +56,7 @@ impl FrameList {
         &self.0
     }
 
-    /// Refuses frames outside of those that the sequence has.
+    /// Refuses frames that the sequence does not have.
     ///
     /// # Errors
     /// Names the first such frame.
@@ -100,8 +100,8 @@ fn parse_item(item: &str, all: &RangeInclusive<i64>) -> Result<(RangeInclusive<i
     Ok((first..=last, step.0))
 }
 
-/// The integer that `text` begins with, and what follows. Frame numbers are those that EXR's
-/// `imageCounter` can hold.
+/// Integer at the start of `text`, and the rest. Frame numbers are those that EXR's `imageCounter` can
+/// hold.
 fn split_number(text: &str) -> Option<(i64, &str)> {
     let text = text.trim_start();
     let digits_at = usize::from(text.starts_with('-'));

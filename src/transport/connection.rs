@@ -1,8 +1,8 @@
-//! A place that light is looked for at, joined with where it is scattered. In go both, out comes what reaches
-//! the eye's side. Invariant: a place may be picked, or met by a random walk, and the shares by which both
-//! ways count make 1.
+//! Connection of a sampled point with the vertex that scatters its light. In go both, out comes the
+//! radiance towards the eye's side. Invariant: a point may be picked, or met by a random walk, and the
+//! weights of both ways add up to 1.
 //!
-//! The shares are those of the balance heuristic (Veach & Guibas 1995, "Optimally combining sampling
+//! The weights are those of the balance heuristic (Veach & Guibas 1995, "Optimally combining sampling
 //! techniques for Monte Carlo rendering", section 3.3).
 
 use crate::accel::PrimitiveId;

@@ -1,7 +1,7 @@
-//! Monte Carlo along the ray, the second baseline. Towards a near light, points are spread evenly over the
-//! angle that the ray subtends there. See Kulla & Fajardo 2012, "Importance Sampling Techniques for Path
-//! Tracing in Participating Media", eq. 8-10. Towards a distant light, they are spread evenly over what an
-//! exponential fall-off lets through. Invariant: unbiased.
+//! Equiangular sampling along the ray, the second baseline. Towards a near light, points are spread evenly
+//! over the angle that the ray subtends there. See Kulla & Fajardo 2012, "Importance Sampling Techniques
+//! for Path Tracing in Participating Media", eq. 8-10. Towards a distant light, they are spread evenly
+//! over the integral of an exponential fall-off. Invariant: unbiased.
 
 use super::march::scattered_at;
 use super::path::Path;

@@ -1,6 +1,7 @@
-//! Light of what glows, scattered once. In go a vertex of a random walk, or a surface that is lit by a grid
-//! otherwise, and uniform numbers. Out comes an estimate of what it scatters towards the eye. Invariant: what
-//! is met and what is picked by its power make up the whole (see `connection.rs`).
+//! Light of emissive surfaces, scattered once. In go a vertex of a random walk, or a surface that is lit
+//! by a grid otherwise, and uniform numbers. Out comes an estimate of the radiance that it scatters
+//! towards the eye. Invariant: points that are met and points picked by power make up the whole (see
+//! `connection.rs`).
 
 use super::connection::{Receiver, Target, Turn};
 use super::direct::scattered_per_radiance;

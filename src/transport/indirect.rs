@@ -1,6 +1,5 @@
-//! Indirect light of a ray and of a point: what light that was scattered before adds, from a grid or
-//! by random walks. In go rays and points, out come radiances. Invariant: nothing is added unless the
-//! path's light has it.
+//! Indirect light of a ray and of a point, from a grid or by random walks. In go rays and points, out come
+//! radiances. Invariant: nothing is added unless the path's light has it.
 
 use super::path::{Path, Start};
 use super::visibility::Way;

@@ -1,10 +1,10 @@
-//! Light of lamps that surfaces scatter to where it is scattered again. In go a vertex of a random walk and
-//! uniform numbers, out comes an estimate of what it scatters towards the eye. Invariant: what is met and
-//! what is picked by a lamp's ray make up the whole (see `connection.rs`).
+//! Light of lamps that a surface scatters to the vertex of a walk. In go that vertex and uniform numbers,
+//! out comes an estimate of the radiance that it scatters towards the eye. Invariant: spots that are met
+//! and spots picked by a lamp's ray make up the whole (see `connection.rs`).
 //!
 //! A lamp next to a wall lights a spot there that sends half of its light. Walks from the eye hardly ever
-//! meet it. So a ray of the lamp picks a spot as well: a path from the light of one vertex. See Lafortune &
-//! Willems 1993, "Bi-directional path tracing".
+//! meet it. So a ray of the lamp picks a spot as well: a path from the light of one vertex. See Lafortune
+//! & Willems 1993, "Bi-directional path tracing".
 
 use super::connection::{Receiver, Target, Turn};
 use super::direct;

@@ -22,7 +22,7 @@ pub fn lit_segments(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: 
     lit
 }
 
-/// Takes the shadows of a scene away from what is lit of a ray that passes what lies on its way.
+/// Takes shadows out of the lit parts of a ray that passes the surfaces on its way.
 pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, way: &Way) {
     let range = lit.range();
     let plane = match *light {
@@ -47,7 +47,7 @@ pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light
     }
 }
 
-/// Dims what is lit of a ray by what lies in the light's way.
+/// Dims the lit parts of a ray by blended surfaces in the light's way.
 fn dim(
     lit: &mut LitSegments,
     snapshot: &Snapshot,

@@ -1,6 +1,6 @@
-//! The lobes of a surface, to pick directions by. In go a point of a surface and uniform numbers,
-//! out come directions and their densities. Invariant: wherever the surface scatters light, the
-//! density is more than 0.
+//! Lobes of a surface, by which directions are picked. In go a point of a surface and uniform numbers, out
+//! come directions and their densities. Invariant: wherever the surface scatters light, the density is
+//! more than 0.
 
 use crate::color::{Rgb, luminance};
 use crate::math::disc_from_square;

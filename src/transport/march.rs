@@ -1,6 +1,6 @@
-//! The method that this renderer grew from: an image plane moved away from the camera step by
-//! step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness,
-//! but for one number a ray where the steps are jittered.
+//! Ray marching, the method that this renderer grew from: an image plane moved away from the camera step
+//! by step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness, but for
+//! one number a ray where the steps are jittered.
 
 use super::path::{MarchSteps, Path};
 use super::visibility::Way;

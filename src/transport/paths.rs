@@ -1,12 +1,12 @@
-//! Light of all orders by random walks: the second way to what `indirect` finds on a grid. It is unbiased and
-//! noisy. In goes a vertex of a camera ray. Out comes an estimate of the radiance that it scatters towards
-//! the eye of light that was scattered before. Invariant: the mean over random numbers is the solution of the
-//! equation of transfer, but for what comes after [`MOST_VERTICES`] scatterings.
+//! Light of all orders by random walks: the second way to what `indirect` finds on a grid. It is unbiased
+//! and noisy. In goes a vertex of a camera ray. Out comes an estimate of the indirect radiance that it
+//! scatters towards the eye. Invariant: the mean over random numbers is the solution of the equation of
+//! transfer, without the light after [`MOST_VERTICES`] scatterings.
 //!
 //! A walk goes from the eye towards the light (Kajiya 1986, "The rendering equation"). In fog see Pharr,
-//! Jakob & Humphreys 2023, "Physically Based Rendering", 4th edition, section 14.2.2. Light from lights and
-//! sky is looked for at each vertex, so no walk need hit them (Veach 1997, "Robust Monte Carlo methods for
-//! light transport simulation", section 8.3.1). What glows is looked for as well, and met. Lights are those
+//! Jakob & Humphreys 2023, "Physically Based Rendering", 4th edition, section 14.2.2. Lights and sky are
+//! sampled at each vertex, so no walk need hit them (Veach 1997, "Robust Monte Carlo methods for light
+//! transport simulation", section 8.3.1). Emissive surfaces are sampled as well, and met. Lights are those
 //! of the camera ray, one point of each. Light transport is linear, so the mean over points is theirs.
 
 use super::connection::{Receiver, Turn};
@@ -176,7 +176,7 @@ impl Leg {
 }
 
 impl Vertex {
-    /// Radiance towards the eye, by such a throughput, of what glows and of light that was scattered before.
+    /// Radiance towards the eye of emission and of indirect light, by such a throughput.
     fn lit_by_scattered(&self, path: &mut Path, bounces: Bounces, throughput: Rgb) -> Rgb {
         let picked = throughput * self.lit_by_picked(path);
         picked + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))

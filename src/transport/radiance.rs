@@ -287,8 +287,7 @@ impl Path<'_> {
         sum
     }
 
-    /// Front to back: the shafts and what each blended surface shows itself, and what all
-    /// of them let through.
+    /// Shafts and light of the blended surfaces, front to back, and the transmittance of all of them.
     fn blended(
         &mut self,
         (ray, from): (&Ray, Start),

@@ -18,7 +18,7 @@ pub(crate) struct WidePart {
 }
 
 impl Surroundings<'_> {
-    /// Parts at least so wide that are walls, by what of them faces up or down; of bodies what faces up.
+    /// Walls of at least a width, by their parts that face up or down; of bodies by those that face up.
     pub(crate) fn wide_parts(&self, width_m: f64, up: DVec3) -> Vec<WidePart> {
         let parts = self.parts.iter().enumerate();
         let wide = parts.filter(|(_, part)| part.width_m >= width_m && !part.mesh.is_blended);

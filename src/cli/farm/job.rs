@@ -9,15 +9,15 @@ pub(super) const FRAMES: &str = "frames";
 /// Falls that were baked are in this one.
 pub(super) const BAKES: &str = "bakes";
 
-/// Memory beside what the picture and the input's files take: the program itself, its trees, what a frame
-/// is encoded in.
+/// Memory beside that of the picture and the input's files: the program itself, its trees, the encoding of
+/// a frame.
 const MIB_BESIDE: u64 = 512;
 /// A mesh or a texture in memory, by its bytes in a file, which may be compressed.
 const MEMORY_BY_FILE: u64 = 8;
 
 /// Time of a sample on one thread, with all light, in most scenes.
 const SECONDS_A_SAMPLE: f64 = 1e-4 / 3.0;
-/// A task may take so many times what its frames are thought to take.
+/// Time that a task may take, over the estimate for its frames.
 const PATIENCE: f64 = 3.0;
 /// Samples that are assumed of a picture that is rendered until it is good enough.
 const MOST_USUAL_SAMPLES: u32 = 64;
@@ -74,8 +74,8 @@ pub(super) struct Step {
 }
 
 impl Job {
-    /// Rendering; looking at what is there; rendering again what is not as it should be; and looking again,
-    /// which is where a job fails that is not whole.
+    /// Steps of the job: render; look at what is there; render again what is not as it should be; and look
+    /// again. The last one fails if the job is not whole.
     pub(super) fn steps(&self, names: &Names) -> [Step; 4] {
         let missing = format!("{}/missing.txt", names.output);
         let listed = format!("@{missing}");

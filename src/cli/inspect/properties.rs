@@ -1,5 +1,6 @@
-//! The custom properties that a glTF file has for us, as text: what was found, the defaults of what was
-//! not, and what each does. Invariant: names, defaults and meanings are those of docs/extras.schema.json.
+//! Custom properties that a glTF file has for us, as text: those that were found, the defaults of the
+//! others, and their meanings. Invariant: names, defaults and meanings are those of
+//! docs/extras.schema.json.
 
 use serde_json::Value;
 use std::fmt::Write;

@@ -107,8 +107,8 @@ pub fn part_of_picture(parts: &[(String, Vec<String>)]) -> usize {
     places.min_by_key(|(_, (name, _))| rank(name)).map_or(0, |(place, _)| place)
 }
 
-/// Names for the channels of all parts, no two of them equal: those of the picture's part as they are, those
-/// of others with their part's before them.
+/// Unique names for the channels of all parts: those of the picture's part as they are, those of other
+/// parts after the part's name.
 pub fn full_names(parts: &[(String, Vec<String>)]) -> Vec<Vec<String>> {
     let plain = part_of_picture(parts);
     let mut taken = std::collections::HashSet::new();

@@ -86,7 +86,7 @@ pub(super) fn load<'a>(
     buffers
 }
 
-/// A file that cannot be read, as what is wrong with what asks for it.
+/// Diagnostic of a file that cannot be read, at the path that asks for it.
 pub(super) fn unreadable(error: &LoadError, file: &Path, path: &str) -> Diagnostic {
     let found = match error {
         LoadError::Io { path, source, .. } => {
@@ -184,7 +184,7 @@ impl Buffers<'_> {
         })
     }
 
-    /// Bytes of a buffer; `path` is that of what says where they lie.
+    /// Bytes of a buffer; `path` is the place in the JSON that refers to them.
     fn range(&self, buffer: usize, offset: usize, length: usize, path: &str) -> Result<&[u8], Diagnostic> {
         let Some(bytes) = self.buffers.get(buffer) else {
             return Err(self.invalid(format!("{path}.buffer"), format!("buffer {buffer} does not exist")));

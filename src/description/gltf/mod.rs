@@ -368,8 +368,8 @@ fn field(file: &Path, path: impl Into<String>) -> Place {
     Place::Field { file: file.to_owned(), path: path.into() }
 }
 
-/// An error at a place in a file. What was expected and the remedy are those for damage, which the
-/// caller may put more precisely.
+/// Error at a place in a file. Expectation and remedy are those for damage; the caller may put better
+/// ones.
 fn invalid(file: &Path, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
     Diagnostic::error(field(file, path), found)
         .expected("what the glTF 2.0 specification describes")

@@ -83,7 +83,7 @@ impl Report {
         self.push(error);
     }
 
-    /// Puts `name` on the list of those who lose what `loss` says.
+    /// Adds `name` to the things that a loss concerns.
     pub(crate) fn not_honoured(&mut self, loss: Loss, name: &str) {
         self.add(loss, format!("`{name}`"), None);
     }

@@ -113,7 +113,7 @@ struct Value {
     words: Vec<String>,
 }
 
-/// One material's statements, each taken as it is read, so that what is left is what nobody knows.
+/// Statements of one material. Each is taken out as it is read: the rest is unknown.
 struct Reader<'a> {
     path: &'a Path,
     values: BTreeMap<String, Value>,

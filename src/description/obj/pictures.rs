@@ -35,7 +35,7 @@ enum Texels {
     Normals(PathBuf, bool),
 }
 
-/// The pictures made so far; `None` are those that cannot be made.
+/// Pictures made so far; `None` if one cannot be made.
 pub type ObjPictures = BTreeMap<ObjPicture, Option<DecodedImage>>;
 
 impl ObjPicture {

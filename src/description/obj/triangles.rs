@@ -25,7 +25,7 @@ impl Triangles {
         Self { positions, triangles, ..Self::default() }
     }
 
-    /// The model, or what is wrong: its field, what was found and what was expected.
+    /// Model, or its fault: the field, the finding and the expectation.
     pub(in crate::inside::description) fn model(&self) -> Result<ObjModel, [String; 3]> {
         let count = self.positions.len();
         let flaw =

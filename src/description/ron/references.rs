@@ -8,7 +8,7 @@ use crate::diagnostic::{Diagnostics, Place};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Reads what `file`, which lies at `path`, refers to; `models` are those that are there already.
+/// Reads the files that `file`, which lies at `path`, refers to; `models` are there already.
 pub(super) fn load(
     path: &Path,
     file: SceneFile,

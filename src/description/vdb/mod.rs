@@ -25,7 +25,7 @@ const FLOATS: &str = "Tree_float_5_4_3";
 pub struct Grid {
     /// Name that its maker gave it: `density`.
     pub name: String,
-    /// OpenVDB's word for what its tree holds, such as `Tree_float_5_4_3`.
+    /// OpenVDB's name of the tree's type, such as `Tree_float_5_4_3`.
     pub kind: String,
     /// Numbers; `None` if it holds something else.
     pub floats: Option<Floats>,

@@ -56,7 +56,7 @@ const CELLS_PER_DEPTH: f64 = 3.0;
 const MOST_SCALE_HEIGHTS: f64 = 1e6;
 
 impl FogSlice {
-    /// Starts over with another slice, in which everything is lit. `slope` is that of a ray like most; all
+    /// Starts over with another slice, in which everything is lit. `slope` is that of a typical ray; all
     /// shadows will be those of `cuts`.
     pub fn start(
         &mut self,

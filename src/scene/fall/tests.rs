@@ -1,4 +1,4 @@
-//! Falls of many leaves: what must hold whatever the leaf.
+//! Tests of falls of many leaves: these hold whatever the leaf.
 
 use super::leaf::Flight;
 use super::*;

@@ -25,8 +25,9 @@ enum Thing {
     Property(Property),
 }
 
-/// All animations. Takes the channels of those out of the file that are not played: `wanted` is a name, a
-/// number or `all`; without it those play that do not move what an earlier one moves.
+/// Chooses animations and lists all. Channels of those that do not play are taken out of the file.
+/// `wanted` is a name, a number or `all`; without it each plays that moves nothing that an earlier one
+/// moves.
 pub(super) fn choose(source: &mut GltfScene, wanted: Option<&str>, report: &mut Report) -> Vec<Animation> {
     let targets = targets(source);
     let is_played: Vec<bool> = match wanted {

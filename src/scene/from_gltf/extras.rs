@@ -209,7 +209,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Keeps what was found for those who ask.
+    /// Keeps the properties that were found, for those who ask.
     pub(super) fn keep_properties(&mut self) {
         let source = self.source;
         let nodes = source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Cells along an edge of the table, which is the square that `sphere_from_square` takes.
 pub(super) const CELLS: usize = 256;
-/// An image is looked up at so many places across, or at each of its texels if those are more.
+/// Number of places across at which an image is looked up, or each of its texels if those are more.
 const LOOKED_UP: usize = 1024;
 /// Number of places across where it is bright: a cell is 18 of these steps wide, so that a texel's
 /// footprint is seen in a cell next to the texel's own.

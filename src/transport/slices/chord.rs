@@ -21,8 +21,8 @@ pub struct Chord {
     pub phase: f64,
     /// Weight of a sample for each unit of area per radian that it stands for.
     pub weight_per_area: f64,
-    /// Random stream for what is chosen beyond its surfaces: a seed, and its slice's number among those of
-    /// that seed. Slices side by side follow each other.
+    /// Random stream for choices beyond its surfaces: a seed, and the number of its slice within that
+    /// seed. Slices side by side follow each other.
     pub random: (u32, u32),
 }
 

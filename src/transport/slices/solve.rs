@@ -107,7 +107,7 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// The rays of one slice, asked for in order away from the light: what the slice cuts, swept so far.
+/// Rays of one slice, asked for in order away from the light: its cut of the scene, swept so far.
 struct Rays<'a> {
     job: &'a SliceJob<'a>,
     outward: DVec3,
