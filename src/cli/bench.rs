@@ -7,7 +7,6 @@ mod skips;
 
 use super::arguments::BenchArguments;
 use super::error::usage;
-use super::options::seen;
 use super::parse::SizeArgument;
 use super::plan::resized;
 use super::saving::clear;
@@ -49,7 +48,7 @@ fn load(arguments: &BenchArguments) -> Result<api::Scene, CliError> {
     }
     loading::resolve(
         description,
-        &seen(&arguments.scene, arguments.size, None, arguments.camera.as_ref()),
+        &arguments.scene.seen(arguments.size, None, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         true,
     )

@@ -4,12 +4,14 @@
 use super::arguments::ExportArguments;
 use super::error::usage;
 use super::saving::save;
+use super::words::Switch;
 use super::{CliError, answer, loading, tell};
 use std::ops::RangeInclusive;
 use std::path::Path;
 use sunfleck::api::Scene;
 use sunfleck::description;
 use sunfleck::diagnostic::{Diagnostics, shown};
+use sunfleck::scene::ResolveOptions;
 use sunfleck::sequence::FrameList;
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
@@ -20,7 +22,10 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     }
     let description = description::load(&arguments.input)?;
     loading::check_not_read("OUT.glb", output, &description.files)?;
-    let scene = loading::resolve(description, &arguments.options(), &arguments.scene.bakes, true)?;
+    // Whoever reads the file lights it if it has no light, so it gets none unless it is to have it.
+    let no_default_light = arguments.scene.default_light != Some(Switch::On);
+    let options = ResolveOptions { frame_rate: arguments.fps, no_default_light, ..arguments.scene.options() };
+    let scene = loading::resolve(description, &options, &arguments.scene.bakes, true)?;
     let frames = frames(arguments.frames.as_deref(), &scene)?;
     let (first, last) = (*frames.start(), *frames.end());
     let folder = output.parent().unwrap_or(Path::new(""));

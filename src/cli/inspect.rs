@@ -10,7 +10,6 @@ mod units;
 pub(super) use json::losses;
 
 use super::arguments::InspectArguments;
-use super::options::seen;
 use super::parse::parse_frame;
 use super::plan::{self, resized};
 use super::{CliError, answer, loading};
@@ -39,7 +38,7 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     }
     let scene = loading::resolve(
         description,
-        &seen(&arguments.scene, arguments.size, arguments.fps, arguments.camera.as_ref()),
+        &arguments.scene.seen(arguments.size, arguments.fps, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         true,
     )?;

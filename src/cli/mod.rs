@@ -18,7 +18,6 @@ mod farm;
 mod inspect;
 mod live;
 mod loading;
-mod options;
 mod parse;
 mod plan;
 mod preview;

@@ -3,7 +3,6 @@
 
 use super::arguments::{ProgressArgument, RenderArguments, Volume, passes};
 use super::error::usage;
-use super::options::seen;
 use super::parse::{Crop, SizeArgument};
 use super::{CliError, loading};
 use std::borrow::Cow;
@@ -35,7 +34,7 @@ pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, CliError> {
     }
     loading::resolve(
         description,
-        &seen(&arguments.scene, arguments.size, arguments.fps, arguments.camera.as_ref()),
+        &arguments.scene.seen(arguments.size, arguments.fps, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         matches!(arguments.progress, ProgressArgument::Auto),
     )

@@ -7,7 +7,6 @@ use super::bench::{MOST_PIXELS, fitting};
 use super::colors::ColorDoubts;
 use super::darkness::DarkFrames;
 use super::error::usage;
-use super::options::seen;
 use super::parse::SizeArgument;
 use super::plan::{find_frames, resized};
 use super::saving::{clear, clear_folder, failure};
@@ -106,7 +105,7 @@ fn load(arguments: &PreviewArguments) -> Result<Scene, CliError> {
     let description = description::load(&arguments.input)?;
     loading::resolve(
         description,
-        &seen(&arguments.scene, arguments.size, arguments.fps, arguments.camera.as_ref()),
+        &arguments.scene.seen(arguments.size, arguments.fps, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         true,
     )

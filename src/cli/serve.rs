@@ -5,7 +5,6 @@
 //! Trees, textures and indirect light stay until something but the camera changes them.
 
 use super::arguments::{Arguments, Command, ProgressArgument, RenderArguments, ServeArguments};
-use super::options::seen;
 use super::signals::Stop;
 use super::{CliError, answer, loading, render, threads};
 use clap::Parser as _;
@@ -69,7 +68,7 @@ pub(super) fn run(arguments: &ServeArguments) -> Result<(), CliError> {
         let description = description::load(&arguments.input)?;
         loading::resolve(
             description,
-            &seen(&arguments.scene, arguments.size, arguments.fps, arguments.camera.as_ref()),
+            &arguments.scene.seen(arguments.size, arguments.fps, arguments.camera.as_ref()),
             &arguments.scene.bakes,
             false,
         )

@@ -2,13 +2,13 @@
 //! they mean the same in every command.
 
 use super::CliError;
-use super::parse::{ExposureArgument, parse_bloom, parse_exposure};
+use super::parse::{ExposureArgument, SizeArgument, parse_bloom, parse_exposure};
 use super::words::{SkySunArgument, Switch};
 use clap::Args;
 use std::path::PathBuf;
 use sunfleck::color::{Curve, Display};
 use sunfleck::diagnostic::Diagnostics;
-use sunfleck::scene::{LightUnits, ResolveOptions};
+use sunfleck::scene::{FrameRate, LightUnits, ResolveOptions};
 
 /// How an input is read.
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -76,6 +76,21 @@ impl SceneArguments {
             animation: self.animation.clone(),
             ..ResolveOptions::default()
         }
+    }
+
+    /// Options of a command that looks at the scene through a camera: with all flags that change what a
+    /// camera or light that is made up has to serve. A percentage keeps the input's own shape.
+    pub(super) fn seen(
+        &self,
+        size: Option<SizeArgument>,
+        frame_rate: Option<FrameRate>,
+        camera: Option<&String>,
+    ) -> ResolveOptions {
+        let size = match size {
+            Some(SizeArgument::Pixels(size)) => Some(size),
+            Some(SizeArgument::Percent(_)) | None => None,
+        };
+        ResolveOptions { size, frame_rate, camera: camera.cloned(), ..self.options() }
     }
 
     /// Refuses losses, if the user wants that.
