@@ -10,8 +10,7 @@ use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Number of a sun's rays that are side by side in their order, and light fog as one where they have not
-/// ended.
+/// Number of a sun's rays, side by side in their order, that light fog as one where they have not ended.
 pub(crate) const BUNDLE: usize = 4;
 /// Rays of a sun that go through a cell, along each side.
 const RAYS_PER_CELL: f64 = 8.0;

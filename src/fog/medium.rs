@@ -76,7 +76,7 @@ impl Medium {
         exp_minus(self.banks.iter().map(|fog| fog.sigma_t * metres(fog)).sum())
     }
 
-    /// Shortest length of a voxel along a ray, metres.
+    /// Shortest length of a voxel along a ray, metres; `None` without voxels.
     pub fn voxel_m(&self, ray: &Ray) -> Option<f64> {
         self.banks.iter().filter_map(|fog| Some(fog.voxels()?.voxel_m(ray))).reduce(f64::min)
     }

@@ -98,11 +98,11 @@ impl Indirect {
 
     /// Share of a surface's shine that rays are to find: harmonics are too wide for what stands near.
     pub fn share_of_rays(point: &SurfacePoint) -> f64 {
-        /// Share of shine from hardly seen to seen: between the two both ways count.
+        /// Albedo of the coat from hardly seen to seen: between the two both ways count.
         const SEEN: Range<f64> = 0.05..0.1;
         /// Widths of coats, by glTF's `alpha`: from narrow to as blurred as harmonics are.
         const BLURRED: Range<f64> = 0.1..0.2;
-        /// Share from which shine is the most that is seen, and found by rays however blurred it is.
+        /// Albedo from which shine is the most that is seen, and found by rays however blurred it is.
         const MOST: Range<f64> = 0.3..0.5;
         let share =
             |range: Range<f64>, of: f64| ((of - range.start) / (range.end - range.start)).clamp(0.0, 1.0);

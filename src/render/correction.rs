@@ -17,7 +17,8 @@ use glam::DVec2;
 
 /// Standard deviations of the surroundings, in cells.
 const LEVELS: [f64; 5] = [f64::INFINITY, 12.0, 6.0, 3.0, 1.5];
-/// Number of surroundings over which signal and noise are compared.
+/// Standard deviation of the surroundings over which signal and noise are compared, over that of the
+/// means.
 const COMPARED: f64 = 4.0;
 /// Times the noise: what is above it counts as signal. By chance it is above once in a few places.
 const CAUTION: f64 = 1.5;

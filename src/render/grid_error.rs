@@ -30,7 +30,7 @@ const RUN: u32 = 1 << 9;
 
 /// Standard deviation of what errors are means over, in cells.
 const SURROUNDINGS: f64 = 2.0;
-/// Deviations at which surroundings lie apart from each other.
+/// Standard deviation of the surroundings over which errors are told apart from those elsewhere, in cells.
 const LOCAL: f64 = 4.0;
 /// Errors in blocks of pixels by those in surroundings, which are larger.
 const FINER: f64 = 1.3;

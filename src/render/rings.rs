@@ -30,7 +30,8 @@ const PROBES: u32 = 3;
 /// square of the error.
 const NEAR_EPIPOLE: f64 = 0.1;
 
-/// Density at its rim, over that there. With all of them it would be ten times, so a quarter are left.
+/// Density of such slices at the rim of that part, over that where they lie farthest apart. With all of
+/// them it would be ten times, so a quarter are left.
 const CLOSER_AT_RIM: f64 = 2.5;
 
 /// Facts that decide about rings, beside the fan.

@@ -75,8 +75,8 @@ impl SeenFog {
         (fog.error() <= TOLERANCE).then_some(fog)
     }
 
-    /// Root mean square error of a ray between those that are known. Smooth values err by a third of the
-    /// distance of a known ray from the mean of the four beside it.
+    /// Root mean square error of a ray between those that are known. Where values are smooth it is a third
+    /// of the difference between a known ray and the mean of the four beside it.
     fn error(&self) -> f64 {
         let FogLattice { columns, rows, .. } = self.lattice;
         let at_end = |ray: usize, quantity: usize| {

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 /// Maximum number of poses between two keys that are tried.
 const MOST_BETWEEN: usize = 64;
 
-/// Distance at which curves may pass from a pose.
+/// Tolerance of curves: the distance at which they may pass from a pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tolerance {
     pub(crate) place_m: f64,

@@ -88,8 +88,8 @@ pub(super) struct Settling {
 }
 
 impl Settling {
-    /// Slide on bare ground, on three of its points, on the side that is nearer; poses are about so far
-    /// apart.
+    /// Slide on bare ground, on three of the leaf's points, on the side that is nearer; poses are about
+    /// `interval_s` apart.
     pub(super) fn new(
         leaf: &Leaf,
         around: Surroundings<'_>,
