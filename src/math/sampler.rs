@@ -19,6 +19,11 @@ impl Sampler {
         Self { seed, sample: sample % Self::MAX_SAMPLES, next_set: 0 }
     }
 
+    /// How many points were drawn.
+    pub fn drawn(&self) -> u32 {
+        self.next_set
+    }
+
     /// The next two coordinates, each in `[0, 1)`.
     pub fn next_2d(&mut self) -> (f64, f64) {
         let seed = self.next_seed();

@@ -20,6 +20,9 @@ const FIRST: u32 = 1 << 13;
 /// Walks at most at the usual tolerance, all and for each pixel of the picture.
 const MOST: f64 = (1 << 20) as f64;
 const MOST_A_PIXEL: f64 = 64.0;
+/// Random points of a walk above which it counts as more than one. Most take 3 to 30, and those in deep fog
+/// that absorbs nothing some 200.
+const POINTS_OF_A_WALK: f64 = 64.0;
 /// The usual tolerance, also where nobody has one, but wants to know the error. What walks miss by falls with
 /// the root of their number.
 const USUAL: f64 = 0.02;
@@ -65,18 +68,21 @@ impl GridError {
         let most = most_walks(job.size, tolerance);
         let mut halves = [Moments::none(), Moments::none()];
         let mut numbers = 0..FIRST;
+        let mut drawn = 0.0;
         loop {
             for start in numbers.clone().step_by(BATCH as usize) {
                 let batch = start..numbers.end.min(start + BATCH);
                 for (number, probe) in batch.clone().zip(probes(batch, snapshot, job, indirect)) {
                     halves[(number / RUN % 2) as usize].add(&probe);
+                    drawn += f64::from(probe.drawn);
                 }
                 if cancelled() {
                     break;
                 }
             }
             let known = Self::of(&halves, survey);
-            if known.relative <= tolerance || 2 * numbers.end > most || cancelled() {
+            let walks = f64::from(numbers.end).max(drawn / POINTS_OF_A_WALK);
+            if known.relative <= tolerance || 2.0 * walks > most || cancelled() {
                 return known;
             }
             numbers = numbers.end..2 * numbers.end;
@@ -124,13 +130,13 @@ impl GridError {
 }
 
 /// Maximum number of walks for a picture of a size and a tolerance.
-fn most_walks(size: Size, tolerance: f64) -> u32 {
+fn most_walks(size: Size, tolerance: f64) -> f64 {
     /// Maximum at any tolerance, and factor on those at the usual one for each pixel.
     const AT_ALL: f64 = (1 << 22) as f64;
     const TIMES: f64 = 8.0;
     let pixels = size.width as f64 * size.height as f64;
     let times = (USUAL / tolerance.clamp(1e-6, USUAL)).powi(2);
-    (times * MOST.min(MOST_A_PIXEL * pixels)).min(AT_ALL).min(TIMES * MOST_A_PIXEL * pixels) as u32
+    (times * MOST.min(MOST_A_PIXEL * pixels)).min(AT_ALL).min(TIMES * MOST_A_PIXEL * pixels)
 }
 
 /// The grid's light of each pass, as probes have it in the mean.

@@ -22,6 +22,8 @@ pub(super) struct Probe {
     pub(super) place: DVec2,
     pub(super) walk: [Rgb; PASSES],
     pub(super) grid: [Rgb; PASSES],
+    /// Random points that the walk took: its length.
+    pub(super) drawn: u32,
 }
 
 /// Probes of these numbers, spread evenly over the picture (Owen-scrambled Sobol points).
@@ -36,12 +38,12 @@ pub(super) fn probes(numbers: Range<u32>, snapshot: &Snapshot, job: &Job, indire
             };
             let place = DVec2::from(sampler(0).next_2d());
             let ray = snapshot.view.ray(place.x, place.y);
-            let [walk, grid] = [(by_walk, 1), (by_grid, 2)].map(|(transport, column)| {
-                let all = Component::Indirect;
-                let sample = transport.radiance_of(all, snapshot, &ray, &mut sampler(column), scratch);
-                [sample.indirect, sample.indirect_shafts]
+            let [(walk, drawn), (grid, _)] = [(by_walk, 1), (by_grid, 2)].map(|(transport, column)| {
+                let (all, mut sampler) = (Component::Indirect, sampler(column));
+                let sample = transport.radiance_of(all, snapshot, &ray, &mut sampler, scratch);
+                ([sample.indirect, sample.indirect_shafts], sampler.drawn())
             });
-            Probe { place, walk, grid }
+            Probe { place, walk, grid, drawn }
         })
         .collect()
 }
