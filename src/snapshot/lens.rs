@@ -132,11 +132,6 @@ impl View {
         self.clip.start_m / depth_per_m..self.clip.end_m / depth_per_m
     }
 
-    /// The direction in which light travels from a point, relative to the middle of the lens, to the eye.
-    pub fn towards_eye(&self, point: DVec3) -> DVec3 {
-        if self.is_orthographic { self.backward } else { -point.normalize_or_zero() }
-    }
-
     /// The ray from the middle of the lens through a film position: `(0, 0)` is the top left corner,
     /// `(1, 1)` the bottom right one.
     pub fn ray(&self, film_x: f64, film_y: f64) -> Ray {

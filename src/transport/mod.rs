@@ -8,6 +8,7 @@ mod equiangular;
 mod glow;
 mod indirect;
 mod lamp_spots;
+mod leg;
 mod lit_segments;
 mod lobes;
 mod march;

@@ -1,6 +1,7 @@
 //! The story of one camera ray. Invariant: radiance is light of surfaces, weakened by all that lies before
 //! them, plus `shafts`; without blended surfaces `surface * transmittance + shafts`.
 
+use super::leg::{Airlight, Leg, LegEnd, Shown};
 use super::path::{Illumination, Path, Scratch, Start, Transport};
 use super::shafts;
 use super::stack::Stack;
@@ -9,7 +10,7 @@ use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, indirect
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{BlendedHit, Snapshot, SurfacePoint};
-use std::ops::{Add, AddAssign, Range};
+use std::ops::Range;
 
 /// Light of one of the snapshot's lights, and whether the rest goes with it: emission, the background and
 /// indirect light, which are seen along the same rays.
@@ -32,65 +33,6 @@ pub enum Component {
     Sky,
     /// Indirect light of all lights: a part of the others, much cheaper without the rest.
     Indirect,
-}
-
-/// Light of one leg of a path, from its origin to the first surface.
-pub(super) struct Leg {
-    pub(super) radiance: Rgb,
-    /// Part of `radiance` that is emitted.
-    pub(super) emitted: Rgb,
-    /// Part of `radiance` that surfaces show of indirect light.
-    pub(super) indirect: Rgb,
-    pub(super) shafts: Rgb,
-    /// Part of `shafts` that was scattered before.
-    pub(super) indirect_shafts: Rgb,
-    pub(super) transmittance: Rgb,
-    /// Whether an opaque surface ends it.
-    pub(super) covered: bool,
-    /// The share of it that ends at holdouts.
-    pub(super) held_out: f64,
-    pub(super) mattes: [Matte; MATTES_OF_A_SAMPLE],
-}
-
-/// Radiance that leaves a surface towards the eye.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Shown {
-    pub(super) radiance: Rgb,
-    /// Part that the surface, or what is seen in it, emits.
-    pub(super) emitted: Rgb,
-    /// Part that is indirect light, of the surface or of what is seen in it.
-    pub(super) indirect: Rgb,
-}
-
-impl Shown {
-    /// Emission alone.
-    pub(super) fn emitted(emitted: Rgb) -> Self {
-        Self { radiance: emitted, emitted, indirect: Rgb::ZERO }
-    }
-
-    fn weakened(self, transmittance: Rgb) -> Self {
-        Self {
-            radiance: transmittance * self.radiance,
-            emitted: transmittance * self.emitted,
-            indirect: transmittance * self.indirect,
-        }
-    }
-}
-
-impl AddAssign for Shown {
-    fn add_assign(&mut self, other: Self) {
-        self.radiance += other.radiance;
-        self.emitted += other.emitted;
-        self.indirect += other.indirect;
-    }
-}
-
-impl Add for Shown {
-    type Output = Self;
-    fn add(mut self, other: Self) -> Self {
-        self += other;
-        self
-    }
 }
 
 /// Blended surfaces show in the data passes from this alpha on.
@@ -175,9 +117,11 @@ impl Path<'_> {
     /// `surface`.
     pub(super) fn sample(&self, leg: &Leg, surface: Option<&SurfacePoint>, ray: &Ray, hue: Rgb) -> Sample {
         let Self { snapshot, transport, .. } = self;
-        let Leg { radiance, emitted, indirect, shafts, indirect_shafts, transmittance, mattes, .. } = *leg;
-        let is_covered = leg.covered || snapshot.has_background();
-        let alpha = if is_covered { 1.0 } else { 1.0 - mean(transmittance) } - leg.held_out;
+        let Leg { shown, airlight, end } = *leg;
+        let Shown { radiance, emitted, indirect } = shown;
+        let Airlight { shafts, indirect_shafts, transmittance } = airlight;
+        let is_covered = end.is_covered || snapshot.has_background();
+        let alpha = if is_covered { 1.0 } else { 1.0 - mean(transmittance) } - end.held_out;
         let motion_px = snapshot.motion_px(surface, ray.direction);
         let surface = surface.filter(|_| transport.features).map(|point| SurfaceFeatures {
             depth_m: snapshot.view.depth(point.position),
@@ -197,7 +141,7 @@ impl Path<'_> {
             alpha,
             surface,
             motion_px,
-            mattes,
+            mattes: end.mattes,
         }
     }
 
@@ -232,33 +176,22 @@ impl Path<'_> {
             let scattered = self.scattered_once((ray, from), &way) + indirect;
             (scattered, indirect, self.through_fog((ray, from), distance))
         };
-        let (mut shown, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
+        let (in_front, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;
-        let behind_fog = match &surface {
+        let behind = match &surface {
             None if is_hole || matches!(from, Start::Shine(_)) => Shown::default(),
             None => Shown::emitted(light.background(snapshot, ray.direction, from)),
             Some(point) => self.scattered(point) + self.emitted_and_mirrored(ray, point, mirrors_left),
         };
-        shown += behind_fog.weakened(transmittance);
         let held_out =
             self.held_out((ray, from), &way.blended) + if is_hole { mean(transmittance) } else { 0.0 };
-        let Shown { radiance, emitted, indirect } = shown;
         let is_solid =
             |point: &SurfacePoint| point.alpha >= SOLID_ALPHA && !from.sees_hole(snapshot, point.primitive);
         let solid = way.blended.iter().map(|hit| hit.point).find(is_solid);
         let mattes = mattes(snapshot, &way.blended, surface.as_ref());
-        let covered = hit.is_some();
-        let leg = Leg {
-            radiance,
-            emitted,
-            indirect,
-            shafts,
-            indirect_shafts,
-            transmittance,
-            covered,
-            held_out,
-            mattes,
-        };
+        let airlight = Airlight { shafts, indirect_shafts, transmittance };
+        let leg =
+            Leg::new(airlight, in_front, behind, LegEnd { is_covered: hit.is_some(), held_out, mattes });
         (leg, solid.or(surface))
     }
 
@@ -359,8 +292,8 @@ impl Path<'_> {
         }
         let ray = Ray { origin: point.position, direction: reflected.normalize() };
         let (seen, _) = self.follow(&ray, Start::Surface(point.primitive), mirrors_left - 1);
-        let indirect = seen.indirect + seen.indirect_shafts;
-        Shown { radiance: seen.radiance, emitted: seen.emitted, indirect }.weakened(point.mirror)
+        let indirect = seen.shown.indirect + seen.airlight.indirect_shafts;
+        Shown { indirect, ..seen.shown }.weakened(point.mirror)
     }
 }
 

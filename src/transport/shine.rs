@@ -46,5 +46,5 @@ fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rg
     let ray = Ray { origin: shining.position, direction };
     let start = Start::Shine(shining.primitive);
     let (leg, _) = seen_from_there.follow(&ray, start, transport.mirror_depth);
-    scattered * leg.radiance / lobes.picked(shining, direction)
+    scattered * leg.shown.radiance / lobes.picked(shining, direction)
 }

@@ -11,8 +11,9 @@ use crate::snapshot::{Facet, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
 use crate::transport::indirect;
+use crate::transport::leg::{Airlight, Leg, LegEnd, Shown};
 use crate::transport::path::{Illumination, Path, Scratch, Start};
-use crate::transport::radiance::{Leg, Shown, mattes, mean};
+use crate::transport::radiance::{mattes, mean};
 use crate::transport::shafts::{Stretch, by_segments};
 
 /// A ray of a slice and what it meets first.
@@ -81,7 +82,7 @@ impl SliceRay<'_> {
         let seen = self.meeting.filter(shows);
         let is_lit = seen.is_some_and(|(meeting, _)| meeting.is_lit);
         let surface = seen.map(|(_, facet)| facet.seen_along(ray, distance));
-        let behind_fog = match &surface {
+        let behind = match &surface {
             None if self.meeting.is_some() => Shown::default(),
             None => Shown::emitted(path.light.background(snapshot, ray.direction, Start::Camera)),
             Some(point) => {
@@ -93,22 +94,14 @@ impl SliceRay<'_> {
             .indirect()
             .map_or(Rgb::ZERO, |indirect| indirect.seen_in_fog(snapshot, ray, distance, transmittance));
         let shafts = shafts + indirect_shafts;
-        let radiance = behind_fog.radiance * transmittance + shafts;
-        let emitted = behind_fog.emitted * transmittance;
-        let indirect = behind_fog.indirect * transmittance;
-        let mattes = mattes(snapshot, &[], surface.as_ref());
         let held_out = if is_hole { mean(transmittance) } else { 0.0 };
-        let leg = Leg {
-            radiance,
-            emitted,
-            indirect,
-            shafts,
-            indirect_shafts,
-            transmittance,
-            covered: self.meeting.is_some(),
-            held_out,
-            mattes,
-        };
+        let mattes = mattes(snapshot, &[], surface.as_ref());
+        let leg = Leg::new(
+            Airlight { shafts, indirect_shafts, transmittance },
+            Shown { radiance: shafts, ..Shown::default() },
+            behind,
+            LegEnd { is_covered: self.meeting.is_some(), held_out, mattes },
+        );
         path.sample(&leg, surface.as_ref(), ray, self.job.hue)
     }
 

@@ -1,0 +1,84 @@
+//! Light of one leg of a path, from its origin to the first surface, for rays and slices alike. In go light in
+//! front of the surface, behind the fog, and the fog's own. Invariant: radiance is *surface times transmittance
+//! plus shafts*, and its parts are weakened as the whole is.
+
+use super::{MATTES_OF_A_SAMPLE, Matte};
+use crate::color::Rgb;
+use std::ops::{Add, AddAssign};
+
+/// A leg's light, and its end.
+pub(super) struct Leg {
+    pub(super) shown: Shown,
+    pub(super) airlight: Airlight,
+    pub(super) end: LegEnd,
+}
+
+impl Leg {
+    /// `in_front` has the shafts and blended surfaces, `behind` the light of the surface that ends the leg, or of
+    /// the background.
+    pub(super) fn new(airlight: Airlight, in_front: Shown, behind: Shown, end: LegEnd) -> Self {
+        Self { shown: in_front + behind.weakened(airlight.transmittance), airlight, end }
+    }
+}
+
+/// Light that fog scatters into a leg, and what it leaves of light behind it (Koschmieder 1924).
+#[derive(Clone, Copy)]
+pub(super) struct Airlight {
+    /// Radiance, W m^-2 sr^-1.
+    pub(super) shafts: Rgb,
+    /// Part of `shafts` that was scattered before.
+    pub(super) indirect_shafts: Rgb,
+    /// Of fog and blended surfaces.
+    pub(super) transmittance: Rgb,
+}
+
+/// What ends a leg.
+#[derive(Clone, Copy)]
+pub(super) struct LegEnd {
+    /// Whether it is an opaque surface.
+    pub(super) is_covered: bool,
+    /// The share of the leg that ends at holdouts.
+    pub(super) held_out: f64,
+    pub(super) mattes: [Matte; MATTES_OF_A_SAMPLE],
+}
+
+/// Radiance that leaves a surface towards the eye.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Shown {
+    pub(super) radiance: Rgb,
+    /// Part that the surface, or what is seen in it, emits.
+    pub(super) emitted: Rgb,
+    /// Part that is indirect light, of the surface or of what is seen in it.
+    pub(super) indirect: Rgb,
+}
+
+impl Shown {
+    /// Emission alone.
+    pub(super) fn emitted(emitted: Rgb) -> Self {
+        Self { radiance: emitted, emitted, indirect: Rgb::ZERO }
+    }
+
+    pub(super) fn weakened(self, transmittance: Rgb) -> Self {
+        Self {
+            radiance: transmittance * self.radiance,
+            emitted: transmittance * self.emitted,
+            indirect: transmittance * self.indirect,
+        }
+    }
+}
+
+impl AddAssign for Shown {
+    fn add_assign(&mut self, other: Self) {
+        self.radiance += other.radiance;
+        self.emitted += other.emitted;
+        self.indirect += other.indirect;
+    }
+}
+
+impl Add for Shown {
+    type Output = Self;
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
