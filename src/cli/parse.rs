@@ -1,6 +1,7 @@
 //! Values of flags from their text. Invariant: a refusal says what was expected, with an example.
 
 use glob::Pattern;
+use sunfleck::color::Bloom;
 use sunfleck::scene::{Bounces, Size};
 
 /// The names of channels, or `None` for all, and the most that these may differ by.
@@ -114,10 +115,13 @@ pub(super) fn parse_exposure(text: &str) -> Result<ExposureArgument, String> {
     }
 }
 
-pub(super) fn parse_bloom(text: &str) -> Result<f64, String> {
+pub(super) fn parse_bloom(text: &str) -> Result<Bloom, String> {
+    if text.trim() == "auto" {
+        return Ok(Bloom::Auto);
+    }
     match text.trim().parse::<f64>() {
-        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
-        _ => Err("expected a share of the light from 0 to 1, such as 0.05".into()),
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(Bloom::Share(share)),
+        _ => Err("expected a share of the light from 0 to 1, such as 0.05, or auto".into()),
     }
 }
 

@@ -6,7 +6,7 @@ use super::parse::{ExposureArgument, SizeArgument, parse_bloom, parse_exposure};
 use super::words::{SkySunArgument, Switch};
 use clap::Args;
 use std::path::PathBuf;
-use sunfleck::color::{Curve, Display};
+use sunfleck::color::{Bloom, Curve, Display};
 use sunfleck::diagnostic::Diagnostics;
 use sunfleck::scene::{FrameRate, LightUnits, ResolveOptions};
 
@@ -53,16 +53,16 @@ pub(super) struct DisplayArguments {
     /// the input's, else auto].
     #[arg(long, value_parser = parse_exposure, value_name = "EV|auto", allow_negative_numbers = true)]
     pub(super) exposure: Option<ExposureArgument>,
-    /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens
-    /// does that is not clean.
-    #[arg(long, value_parser = parse_bloom, value_name = "SHARE", default_value_t = 0.0)]
-    pub(super) bloom: f64,
+    /// Scatters so much of those pictures' light around where it is, 0 to 1, as a lens does; or of what is
+    /// beyond white alone, as a sun, auto [default: auto].
+    #[arg(long, value_parser = parse_bloom, value_name = "SHARE|auto")]
+    pub(super) bloom: Option<Bloom>,
 }
 
 impl DisplayArguments {
     /// Display with an exposure in powers of two.
     pub(super) fn display(self, exposure_stops: f64) -> Display {
-        Display { curve: self.display, exposure_stops, bloom: self.bloom }
+        Display { curve: self.display, exposure_stops, bloom: self.bloom.unwrap_or_default() }
     }
 }
 

@@ -17,6 +17,16 @@ pub enum Curve {
     Raw,
 }
 
+/// Light that a lens scatters over a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Bloom {
+    /// Under AgX a twentieth of what lies beyond white, such as a sun: its glare.
+    #[default]
+    Auto,
+    /// Such a share of all light, `0..=1`.
+    Share(f64),
+}
+
 /// Display of pictures for eyes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
@@ -24,9 +34,8 @@ pub struct Display {
     pub curve: Curve,
     /// Brightens by powers of two before that.
     pub exposure_stops: f64,
-    /// The share of a picture's light that a lens scatters over it before all that, `0..=1`; of a single
-    /// colour nothing is known of it.
-    pub bloom: f64,
+    /// Light that a lens scatters before all that; of a single colour nothing is known of it.
+    pub bloom: Bloom,
 }
 
 /// Light beyond this is white under every curve, and its logarithm still finite.
@@ -74,7 +83,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const AGX: Display = Display { curve: Curve::Agx, exposure_stops: 0.0, bloom: 0.0 };
+    const AGX: Display = Display { curve: Curve::Agx, exposure_stops: 0.0, bloom: Bloom::Auto };
 
     /// Colours, and what Blender 5.0.1 shows of them: view AgX, display sRGB, saved with 16 bits
     /// (`tools/display/against_blender.py` prints these).

@@ -1,8 +1,37 @@
 //! The glare of a lens, in pictures for eyes. In goes a plane of linear light and how much of it the lens
 //! scatters, out comes the plane with that share around where it was. Invariant: a plane of one value stays
-//! as it is, and so does any of whose light nothing is scattered.
+//! as it is, and so does any of whose light nothing is scattered, such as one without a sun.
 
+use crate::color::{Bloom, Curve, Display};
 use rayon::prelude::*;
+
+/// What a lens scatters of a picture's light.
+#[derive(Clone, Copy)]
+pub(super) struct Scatter {
+    /// Share, `0..=1`.
+    pub(super) share: f64,
+    /// Of light beyond this alone.
+    pub(super) above: f32,
+}
+
+impl Scatter {
+    pub(super) fn of(display: &Display) -> Self {
+        match display.bloom {
+            Bloom::Auto if display.curve == Curve::Agx => {
+                Self { share: GLARE, above: (WHITE * (-display.exposure_stops).exp2()) as f32 }
+            }
+            Bloom::Auto => Self { share: 0.0, above: 0.0 },
+            Bloom::Share(share) => Self { share, above: 0.0 },
+        }
+    }
+}
+
+/// Share of a sun's light that is scattered, chosen by eye beside a photograph. Lenses differ (Talvala et al.
+/// 2007, "Veiling glare in high dynamic range imaging").
+const GLARE: f64 = 0.05;
+
+/// AgX shows light beyond this as white: 6.5 stops above middle grey.
+const WHITE: f64 = 0.18 * 90.509_667_991_878_09;
 
 /// The widths of what is scattered, standard deviations in parts of the picture's height. Each has as much
 /// light as the next, which is half as wide, so together they fall as the square of the distance: between the
@@ -18,15 +47,16 @@ const BOXES: usize = 3;
 /// all over the picture.
 const BRIGHTEST: f32 = 1e9;
 
-/// Scatters a share of the light, `0..=1`, of a plane of rows of `width` pixels. `height_px` is the height of
-/// the whole picture, of which the plane may be a part: what lies beyond it scatters nothing into it.
-pub(super) fn bloom(plane: &mut [f32], width: usize, height_px: usize, share: f64) {
-    if share == 0.0 || plane.is_empty() {
+/// Scatters light of a plane of rows of `width` pixels. `height_px` is the height of the whole picture, of which
+/// the plane may be a part: what lies beyond it scatters nothing into it.
+pub(super) fn bloom(plane: &mut [f32], width: usize, height_px: usize, scatter: Scatter) {
+    let Scatter { share, above } = scatter;
+    let excess = |value: &f32| if value.is_nan() { 0.0 } else { (value - above).clamp(0.0, BRIGHTEST) };
+    let light: Vec<f32> = plane.par_iter().map(excess).collect();
+    if share == 0.0 || light.par_iter().all(|excess| *excess == 0.0) {
         return;
     }
-    let light: Vec<f32> =
-        plane.iter().map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, BRIGHTEST) }).collect();
-    plane.iter_mut().for_each(|value| *value *= (1.0 - share) as f32);
+    plane.iter_mut().zip(&light).for_each(|(value, light)| *value -= share as f32 * light);
     for relative in WIDTHS {
         let scattered = blurred(&light, width, relative * height_px as f64);
         let part = (share / WIDTHS.len() as f64) as f32;
@@ -86,7 +116,7 @@ mod tests {
     fn of_a_point(light: f32, share: f64) -> Vec<f32> {
         let mut plane = vec![0.0; WIDTH * HEIGHT];
         plane[HEIGHT / 2 * WIDTH + WIDTH / 2] = light;
-        bloom(&mut plane, WIDTH, HEIGHT, share);
+        bloom(&mut plane, WIDTH, HEIGHT, Scatter { share, above: 0.0 });
         plane
     }
 
@@ -121,18 +151,35 @@ mod tests {
     #[test]
     fn one_colour_stays_and_so_does_everything_without_a_share() {
         let mut plane = vec![0.25; WIDTH * HEIGHT];
-        bloom(&mut plane, WIDTH, HEIGHT, 0.5);
+        bloom(&mut plane, WIDTH, HEIGHT, Scatter { share: 0.5, above: 0.0 });
         assert!(plane.iter().all(|value| (value - 0.25).abs() < 1e-6));
         let mut plane = vec![f32::NAN, f32::INFINITY, -1.0, 0.5];
-        bloom(&mut plane, 2, 2, 0.0);
+        bloom(&mut plane, 2, 2, Scatter { share: 0.0, above: 0.0 });
         assert!(plane[0].is_nan() && plane[1..] == [f32::INFINITY, -1.0, 0.5]);
+    }
+
+    /// By itself a lens scatters what is beyond white, and exposure says where that is.
+    #[test]
+    fn a_sun_has_glare_and_all_else_stays() {
+        let by_itself = |sun: f32, curve: Curve, exposure_stops: f64| {
+            let mut plane = vec![0.25; WIDTH * HEIGHT];
+            plane[HEIGHT / 2 * WIDTH + WIDTH / 2] = sun;
+            let display = Display { curve, exposure_stops, ..Display::default() };
+            bloom(&mut plane, WIDTH, HEIGHT, Scatter::of(&display));
+            [beside(&plane, 0), beside(&plane, 20)]
+        };
+        let [sun, near] = by_itself(10_000.0, Curve::Agx, 0.0);
+        assert!(sun < 9_700.0 && near > 0.2505, "{sun} {near}");
+        assert_eq!(by_itself(16.0, Curve::Agx, 0.0), [16.0, 0.25]);
+        assert!(by_itself(16.0, Curve::Agx, 1.0)[0] < 16.0);
+        assert_eq!(by_itself(10_000.0, Curve::Srgb, 0.0), [10_000.0, 0.25]);
     }
 
     #[test]
     fn what_is_no_number_stays_where_it_is() {
         let mut plane = vec![0.5; 64 * 64];
         plane[0] = f32::NAN;
-        bloom(&mut plane, 64, 64, 0.1);
+        bloom(&mut plane, 64, 64, Scatter { share: 0.1, above: 0.0 });
         assert!(plane[0].is_nan() && plane[1..].iter().all(|value| (0.4..=0.5001).contains(value)));
     }
 
@@ -140,7 +187,7 @@ mod tests {
     fn pictures_of_any_size_are_taken() {
         for (width, height) in [(1, 1), (1, 50), (50, 1), (3, 2), (0, 0)] {
             let mut plane = vec![1.0; width * height];
-            bloom(&mut plane, width, height, 1.0);
+            bloom(&mut plane, width, height, Scatter { share: 1.0, above: 0.0 });
             assert!(plane.iter().all(|value| (value - 1.0).abs() < 1e-6));
         }
     }

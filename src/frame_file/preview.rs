@@ -1,7 +1,7 @@
 //! A frame to pixels for human eyes, and those to PNG. Invariant: the same frame gives the same bytes,
 //! whether it was just rendered or is read from its file. The EXR stays the picture; this is a look at it.
 
-use super::bloom::bloom;
+use super::bloom::{Scatter, bloom};
 use super::{FrameFileError, atomic};
 use crate::color::{Display, Rgb, dithered};
 use crate::film::{Channel, Frame};
@@ -36,7 +36,7 @@ impl Picture {
         let plane = |channel: &Channel| {
             let mut plane: Vec<f32> =
                 channel.pixels.par_iter().map(|value| channel.precision.stored(*value)).collect();
-            bloom(&mut plane, width, frame.full.height, display.bloom);
+            bloom(&mut plane, width, frame.full.height, Scatter::of(display));
             plane
         };
         let planes =

@@ -100,6 +100,12 @@ fn bloom_is_in_pictures_for_eyes_alone() {
     };
     let [sharp, soft] = ["a/tiny.0001.png", "b/tiny.0001.png"].map(sharpness);
     assert!((0.25..0.5).contains(&(soft / sharp)), "{soft} {sharp}");
+    // By itself it scatters what is beyond white, of which this frame has nothing.
+    for (bloom, folder) in [("0", "c/"), ("auto", "d/")] {
+        studio.succeed(&format!("{render} --out {folder} --bloom {bloom} --display agx"));
+    }
+    let [clean, by_itself] = ["c/tiny.0001.png", "d/tiny.0001.png"].map(|name| picture(&studio, name));
+    assert_eq!(clean, by_itself);
     let refused = studio.fail("preview a/ --bloom 1.5", 2);
     assert!(refused.contains("--bloom") && refused.contains("from 0 to 1"), "{refused}");
 }
