@@ -4,7 +4,7 @@ pub(super) use super::bench_arguments::BenchArguments;
 use super::parse::{
     ChannelsLimit, ChunkArgument, Crop, SizeArgument, parse_bounces, parse_chunk, parse_crop,
     parse_frame_rate, parse_limit, parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position,
-    parse_size, parse_tolerance,
+    parse_size, parse_tolerance, parse_white,
 };
 pub(super) use super::shared_arguments::{BakeArguments, DisplayArguments, SceneArguments};
 pub(super) use super::words::{
@@ -36,7 +36,7 @@ pub(super) enum Command {
     Bench(BenchArguments),
     /// Write an input as glTF, which Blender and others open.
     Export(ExportArguments),
-    /// Compare two EXR frames.
+    /// Compare EXR frames: two, or two folders frame by frame.
     Diff(DiffArguments),
     /// Write a job for the manager of a render farm.
     Farm(FarmArguments),
@@ -240,15 +240,23 @@ pub(super) struct ExportArguments {
 
 #[derive(Args, Debug)]
 pub(super) struct DiffArguments {
-    /// The frame to judge.
+    /// The frame to judge, or a folder of frames.
     pub(super) output: PathBuf,
-    /// The frame to judge it by.
+    /// The frame to judge it by, or a folder of those of the same numbers.
     pub(super) reference: PathBuf,
     /// The reference's own noise (root mean square of its standard error), taken out of the RMSE.
     #[arg(long, default_value_t = 0.0)]
     pub(super) reference_noise: f64,
     #[command(flatten)]
     pub(super) limits: LimitArguments,
+    /// Writes output, reference and their difference side by side: a PNG, of folders a PNG a frame.
+    #[arg(long, value_name = "FILE|DIR|PATTERN")]
+    pub(super) picture: Option<PathBuf>,
+    /// The difference that is white there [default: 99.9 % are below].
+    #[arg(long, value_name = "X", value_parser = parse_white, allow_negative_numbers = true)]
+    pub(super) white: Option<f64>,
+    #[command(flatten)]
+    pub(super) display: DisplayArguments,
 }
 
 #[derive(Args, Debug)]

@@ -4,37 +4,42 @@
 use super::tell;
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use sunfleck::diagnostic::{Diagnostic, Loss, Place, shown};
 use sunfleck::frame_file::FrameFile;
 
 /// Kinds that were told.
 #[derive(Default)]
-pub(super) struct ColorDoubts(Mutex<BTreeSet<Loss>>);
+pub(super) struct ColorDoubts {
+    told: Mutex<BTreeSet<Loss>>,
+    conversion: OnceLock<()>,
+}
 
 impl ColorDoubts {
     /// Tells what is in doubt of a file, unless its like was told.
     pub(super) fn tell(&self, path: &Path, file: &FrameFile) {
         let Some((loss, found)) = &file.colors.doubt else { return };
-        if self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(*loss) {
+        if self.told.lock().unwrap_or_else(PoisonError::into_inner).insert(*loss) {
             tell(&Diagnostic::warning(*loss, Place::File(path.to_owned()), found.clone()).to_string());
         }
     }
-}
 
-/// Converts the colours of two files of different spaces, and says so.
-pub(super) fn in_one_space(paths: [&Path; 2], mut files: [&mut FrameFile; 2]) {
-    let doubts = ColorDoubts::default();
-    for (path, file) in paths.into_iter().zip(&files) {
-        doubts.tell(path, file);
-    }
-    if !files[0].colors.space.is_same(&files[1].colors.space) {
+    /// Converts the colours of two files of different spaces, and says so.
+    pub(super) fn in_one_space(&self, paths: [&Path; 2], files: &mut [FrameFile; 2]) {
+        for (path, file) in paths.into_iter().zip(&*files) {
+            self.tell(path, file);
+        }
+        if files[0].colors.space.is_same(&files[1].colors.space) {
+            return;
+        }
         let [one, other] =
             [0, 1].map(|index| format!("{} of {}", files[index].colors.name, shown(paths[index])));
-        tell(&format!(
-            "note: the pictures are in different colour spaces, {one} and {other}: R, G and B are compared in \
-             linear Rec. 709, other channels as they are stored"
-        ));
-        files.iter_mut().for_each(|file| file.convert_colors());
+        self.conversion.get_or_init(|| {
+            tell(&format!(
+                "note: the pictures are in different colour spaces, {one} and {other}: R, G and B are compared in \
+                 linear Rec. 709, other channels as they are stored"
+            ));
+        });
+        files.iter_mut().for_each(FrameFile::convert_colors);
     }
 }

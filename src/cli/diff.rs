@@ -1,44 +1,175 @@
-//! `sunfleck diff`: how far two frames are apart. In go two EXR files, out comes a table, and a failure
-//! if a limit is not kept.
+//! `sunfleck diff`: how far frames are apart. In go two EXR files or two folders of them, out comes a table,
+//! and a failure if a limit is not kept. Invariant: each number of either folder has its line.
 
 use super::arguments::{DiffArguments, LimitArguments};
+use super::colors::ColorDoubts;
+use super::error::usage;
 use super::parse::ChannelsLimit;
 use super::saving::failure;
-use super::{CliError, answer, colors};
+use super::{CliError, answer, exposure};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use sunfleck::color::Display;
 use sunfleck::diagnostic::{Diagnostic, Diagnostics, Place, shown};
-use sunfleck::frame_file::{self, Limit, Measure, compare, exceeded, net_rmse};
+use sunfleck::frame_file::{
+    self, CompareError, Comparison, FrameFileError, Limit, Measure, compare, difference_picture, exceeded,
+    frames_in, net_rmse,
+};
+use sunfleck::sequence::OutputPattern;
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
-    let paths = [arguments.output.as_path(), &arguments.reference];
-    let [mut output, mut reference] = frame_file::read_both(paths).map_err(failure)?;
-    colors::in_one_space(paths, [&mut output, &mut reference]);
-    let mut comparison = compare(&output.frame, &reference.frame).map_err(|error| {
-        let diagnostic = Diagnostic::error(Place::File(arguments.output.clone()), error.to_string())
-            .expected(format!(
-                "a frame of the same size and with channels of {}",
-                shown(&arguments.reference)
-            ))
-            .remedy("render with the same --size, --crop and --passes");
-        CliError::Scene(Diagnostics(vec![diagnostic]))
+    let paths = [arguments.output.as_path(), arguments.reference.as_path()];
+    if paths.iter().any(|path| path.is_dir()) {
+        return run_of_folders(arguments, paths);
+    }
+    let pictures = Pictures::of(arguments, "difference", &arguments.reference)?;
+    let work = Work { arguments, pictures, limits: arguments.limits.all(), doubts: ColorDoubts::default() };
+    let comparison = work.compare(paths, 0).map_err(|error| match error {
+        Fault::File(error) => failure(error),
+        Fault::Comparison(error) => CliError::Scene(Diagnostics(vec![
+            Diagnostic::error(Place::File(arguments.output.clone()), error.to_string())
+                .expected(format!("a frame of the same size and with channels of {}", shown(paths[1])))
+                .remedy("render with the same --size, --crop and --passes"),
+        ])),
     })?;
     answer(&comparison.to_string())?;
-    if let Some(color) = comparison.color.as_mut().filter(|_| arguments.reference_noise > 0.0) {
-        color.rmse = net_rmse(color.rmse, arguments.reference_noise);
-        answer(&format!("net RMSE {:.6}", color.rmse))?;
+    if let Some(color) = comparison.color.as_ref().filter(|_| arguments.reference_noise > 0.0) {
+        answer(&format!("net RMSE {:.6}", net_rmse(color.rmse, arguments.reference_noise)))?;
     }
-    check(arguments, &exceeded(&comparison, &arguments.limits.all()))
+    work.end(&work.too_much(comparison).join("; "))
 }
 
-/// Says which limits are not kept.
-fn check(arguments: &DiffArguments, too_much: &[String]) -> Result<(), CliError> {
-    if too_much.is_empty() {
-        return Ok(());
+/// Frame by frame: those of the same number.
+fn run_of_folders(arguments: &DiffArguments, paths: [&Path; 2]) -> Result<(), CliError> {
+    if let Some(file) = paths.into_iter().find(|path| path.is_file()) {
+        return Err(usage("diff", format!("{} is a file", shown(file)), "two files, or two folders"));
     }
-    let found = format!("too far from {}: {}", shown(&arguments.reference), too_much.join("; "));
-    let diagnostic = Diagnostic::error(Place::File(arguments.output.clone()), found)
-        .expected("errors within the limits given, in channels that both frames have")
-        .remedy("see which channels differ in the table, or raise the limit of theirs, such as --max-rmse diffuse.*=0.01");
-    Err(CliError::Frame(diagnostic.to_string()))
+    let [ours, theirs] = paths.map(|path| frames_in(path).map_err(failure));
+    let [ours, theirs]: [BTreeMap<i64, PathBuf>; 2] = [ours?, theirs?];
+    let numbers: BTreeSet<i64> = ours.keys().chain(theirs.keys()).copied().collect();
+    let numbers: Vec<i64> = numbers.into_iter().collect();
+    let Some(middle) = theirs.values().nth(theirs.len() / 2) else {
+        return Err(usage(
+            "REFERENCE",
+            format!("there is no frame in {}", shown(paths[1])),
+            "a folder of frames",
+        ));
+    };
+    let pictures = Pictures::of(arguments, "difference", middle)?;
+    let work = Work { arguments, pictures, limits: arguments.limits.all(), doubts: ColorDoubts::default() };
+    let line = |&number: &i64| {
+        let pair = ours.get(&number).zip(theirs.get(&number)).ok_or_else(|| {
+            let lacking = paths[usize::from(ours.contains_key(&number))];
+            format!("{} has no such frame", shown(lacking))
+        });
+        match pair
+            .and_then(|(one, other)| work.compare([one, other], number).map_err(|error| error.to_string()))
+        {
+            Ok(comparison) => {
+                let headline = headline(&comparison);
+                let too_much = work.too_much(comparison);
+                let is_kept = too_much.is_empty();
+                let over =
+                    if is_kept { String::new() } else { format!("; too much: {}", too_much.join("; ")) };
+                (is_kept, format!("frame {number}: {headline}{over}"))
+            }
+            Err(reason) => (false, format!("frame {number}: {reason}")),
+        }
+    };
+    let mut bad = 0;
+    for group in numbers.chunks(rayon::current_num_threads()) {
+        let lines: Vec<(bool, String)> = group.par_iter().map(line).collect();
+        for (is_kept, line) in lines {
+            answer(&line)?;
+            bad += usize::from(!is_kept);
+        }
+    }
+    work.end(&if bad > 0 { format!("{bad} of {} frames", numbers.len()) } else { String::new() })
+}
+
+/// Of a frame among many: its colour, else its first channel.
+fn headline(found: &Comparison) -> String {
+    match (&found.color, found.channels.first(), found.ids.first()) {
+        (Some(color), ..) => format!("RGB  {color}"),
+        (None, Some(channel), _) => format!("{}  {}", channel.name, channel.errors),
+        (None, None, Some(ids)) => format!("{}  {ids}", ids.name),
+        (None, None, None) => String::new(),
+    }
+}
+
+/// What is done with each pair of files.
+struct Work<'a> {
+    arguments: &'a DiffArguments,
+    pictures: Option<Pictures>,
+    limits: Vec<Limit>,
+    doubts: ColorDoubts,
+}
+
+/// Where pictures of differences go, and how they are shown.
+struct Pictures {
+    pattern: OutputPattern,
+    display: Display,
+}
+
+/// Why there is no comparison.
+#[derive(Debug, thiserror::Error)]
+enum Fault {
+    #[error("{0}")]
+    File(#[from] FrameFileError),
+    #[error("{0}")]
+    Comparison(#[from] CompareError),
+}
+
+impl Pictures {
+    /// If they are asked for, in the exposure that a frame asks for unless the user said one.
+    fn of(arguments: &DiffArguments, name: &str, frame: &Path) -> Result<Option<Self>, CliError> {
+        let Some(out) = &arguments.picture else { return Ok(None) };
+        let pattern = OutputPattern::parse_as(out, name, "png").map_err(CliError::Usage)?;
+        let measured = || frame_file::read(frame).map(|file| file.shown().auto_exposure_stops());
+        Ok(Some(Self {
+            pattern,
+            display: exposure::display(&arguments.display, None, measured).map_err(failure)?,
+        }))
+    }
+}
+
+impl Work<'_> {
+    /// Compares two files, and writes their picture.
+    fn compare(&self, paths: [&Path; 2], number: i64) -> Result<Comparison, Fault> {
+        let mut files = frame_file::read_both(paths)?;
+        self.doubts.in_one_space(paths, &mut files);
+        let [output, reference] = files;
+        let comparison = compare(&output.frame, &reference.frame)?;
+        if let Some(Pictures { pattern, display }) = &self.pictures {
+            let path = pattern.path(number);
+            let picture = difference_picture(output, reference, display, self.arguments.white)
+                .map_err(|reason| FrameFileError::Encode { path: path.clone(), reason })?;
+            picture.write(&path)?;
+        }
+        Ok(comparison)
+    }
+
+    /// A sentence for each limit that is not kept, once the reference's noise is taken out.
+    fn too_much(&self, mut comparison: Comparison) -> Vec<String> {
+        if let Some(color) = comparison.color.as_mut().filter(|_| self.arguments.reference_noise > 0.0) {
+            color.rmse = net_rmse(color.rmse, self.arguments.reference_noise);
+        }
+        exceeded(&comparison, &self.limits)
+    }
+
+    /// Fails if there is something that is too far.
+    fn end(&self, too_far: &str) -> Result<(), CliError> {
+        if too_far.is_empty() {
+            return Ok(());
+        }
+        let DiffArguments { output, reference, .. } = self.arguments;
+        let found = format!("too far from {}: {too_far}", shown(reference));
+        let diagnostic = Diagnostic::error(Place::File(output.clone()), found)
+            .expected("errors within the limits given, in channels that both frames have")
+            .remedy("see which channels differ in the table, or raise the limit of theirs, such as --max-rmse diffuse.*=0.01");
+        Err(CliError::Frame(diagnostic.to_string()))
+    }
 }
 
 impl LimitArguments {

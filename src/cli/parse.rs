@@ -105,6 +105,13 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+pub(super) fn parse_white(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(white) if white > 0.0 && white.is_finite() => Ok(white),
+        _ => Err("expected a number above 0".into()),
+    }
+}
+
 pub(super) fn parse_exposure(text: &str) -> Result<ExposureArgument, String> {
     if text.trim() == "auto" {
         return Ok(ExposureArgument::Auto);

@@ -32,7 +32,7 @@ enum Source<'a> {
     /// Drawn.
     Scene { input: &'a Path, plan: Box<Plan<'a>> },
     /// Read.
-    Files { files: BTreeMap<i64, PathBuf>, doubts: ColorDoubts },
+    Files { files: BTreeMap<i64, PathBuf>, size: Option<SizeArgument>, doubts: ColorDoubts },
 }
 
 /// Files that the pictures go to.
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
                 let encode = |reason| FrameFileError::Encode { path: source.path(frame), reason };
                 let shown = source.frame(frame)?;
                 dark_frames.count(frame, shown.darkness());
-                let picture = Picture::of(&shown, &display).map_err(encode)?;
+                let picture = source.sized(Picture::of(&shown, &display).map_err(encode)?).map_err(encode)?;
                 path.map_or(Ok(()), |path| picture.write(&path))?;
                 Ok(picture)
             };
@@ -132,7 +132,6 @@ impl<'a> Source<'a> {
     fn files(arguments: &PreviewArguments) -> Result<(Self, RenderSettings), CliError> {
         let input = arguments.input.as_path();
         let flags = [
-            ("--size", arguments.size.is_some()),
             ("--camera", arguments.camera.is_some()),
             ("--light-units", arguments.scene.light_units.is_some()),
             ("--default-light", arguments.scene.default_light.is_some()),
@@ -162,7 +161,7 @@ impl<'a> Source<'a> {
             frame_rate: arguments.fps.unwrap_or(RenderSettings::default().frame_rate),
             ..RenderSettings::default()
         };
-        Ok((Self::Files { files, doubts: ColorDoubts::default() }, settings))
+        Ok((Self::Files { files, size: arguments.size, doubts: ColorDoubts::default() }, settings))
     }
 
     /// Frames that exist, among those that were asked for.
@@ -195,10 +194,20 @@ impl<'a> Source<'a> {
         Ok(frame.auto_exposure_stops())
     }
 
+    /// A frame's picture at the size that was asked for; scenes are drawn at theirs.
+    fn sized(&self, picture: Picture) -> Result<Picture, String> {
+        let Self::Files { size: Some(size), .. } = self else { return Ok(picture) };
+        let size = resized(picture.size, *size).map_err(|error| error.to_string())?;
+        if size.width * size.height > LARGEST_PICTURE {
+            return Err(format!("{}x{} pixels are too many for a preview", size.width, size.height));
+        }
+        Ok(picture.resized(size))
+    }
+
     fn frame(&self, frame: i64) -> Result<Frame, FrameFileError> {
         match self {
             Self::Scene { plan, .. } => Ok(plan.draw(frame, plan.job.size)),
-            Self::Files { files, doubts } => {
+            Self::Files { files, doubts, .. } => {
                 let file = frame_file::read(&files[&frame])?;
                 doubts.tell(&files[&frame], &file);
                 Ok(file.shown())

@@ -121,7 +121,8 @@ pub fn compare(output: &Frame, reference: &Frame) -> Result<Comparison, CompareE
     })
 }
 
-fn intersection(a: Window, b: Window) -> Option<Window> {
+/// The pixels of both.
+pub(super) fn intersection(a: Window, b: Window) -> Option<Window> {
     let (x, y) = (a.x.max(b.x), a.y.max(b.y));
     let right = (a.x + a.width).min(b.x + b.width);
     let bottom = (a.y + a.height).min(b.y + b.height);

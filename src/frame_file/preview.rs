@@ -6,9 +6,9 @@ use super::{FrameFileError, atomic};
 use crate::color::{Display, Rgb, dithered};
 use crate::film::{Channel, Frame};
 use crate::scene::{Size, Window};
-use image::ExtendedColorType;
-use image::ImageEncoder;
 use image::codecs::png::PngEncoder;
+use image::imageops::{FilterType, resize};
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -62,6 +62,19 @@ impl Picture {
         for (row, source) in other.bytes.chunks_exact(3 * other.size.width).enumerate() {
             let at = 3 * ((y + row) * self.size.width + x);
             self.bytes[at..at + source.len()].copy_from_slice(source);
+        }
+    }
+
+    /// The same at another size.
+    pub fn resized(self, size: Size) -> Self {
+        let sides =
+            |size: Size| [size.width, size.height].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+        let ([columns, rows], [width, height]) = (sides(self.size), sides(size));
+        match RgbImage::from_raw(columns, rows, self.bytes) {
+            Some(picture) => {
+                Self { size, bytes: resize(&picture, width, height, FilterType::Triangle).into_raw() }
+            }
+            None => Self::black(size),
         }
     }
 

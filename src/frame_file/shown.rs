@@ -38,6 +38,7 @@ impl FrameFile {
         for (channel, place) in self.colors_in_ours(Picture::Colors(places)).into_iter().zip(places) {
             self.frame.channels[place].pixels = channel.pixels;
         }
+        self.colors.space = ColorSpace::OURS;
     }
 
     fn colors_in_ours(&self, picture: Picture) -> Vec<Channel> {

@@ -77,7 +77,9 @@ fn frames_that_are_there_are_shown_as_they_are() {
     studio.succeed("preview a --out both.apng --fps 12");
     let refused = studio.fail("preview tiny.ron --frames 1 --size 16385x1 --out wide.webp", 4);
     assert!(refused.contains("16384") && refused.contains("remedy"), "{refused}");
-    assert!(studio.fail("preview a --size 50%", 2).contains("--size"));
+    studio.succeed("preview a --size 50% --out small.png");
+    assert_eq!(picture(&studio, "small.png").dimensions(), (16, 5));
+    assert!(studio.fail("preview a --camera low", 2).contains("--camera"));
     assert!(studio.fail("preview b", 2).contains("remedy"));
 }
 

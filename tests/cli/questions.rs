@@ -176,7 +176,42 @@ fn diff_measures_how_far_frames_are_apart() {
     assert!(refusal.contains("a.exr") && refusal.contains("remedy: "), "{refusal}");
 }
 
-/// As `sunfleck-tools compare` has them.
+#[test]
+fn diff_of_folders_has_a_line_for_every_number() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1-3 --samples 1 --out a/");
+    studio.succeed("render tiny.ron --frames 2-4 --samples 1 --out b/");
+    let found = studio.run("diff a b --max-error 0 --picture d/");
+    let lines: Vec<&str> = found.out.lines().collect();
+    assert_eq!((found.code, lines.len()), (5, 4), "{}", found.err);
+    assert!(lines[0].starts_with("frame 1: b has no such frame"), "{}", lines[0]);
+    assert!(lines[1].starts_with("frame 2: RGB  mean ratio 1.000000"), "{}", lines[1]);
+    assert!(lines[3].starts_with("frame 4: a has no such frame"), "{}", lines[3]);
+    assert!(found.err.contains("2 of 4 frames"), "{}", found.err);
+    assert_eq!(studio.names("d"), ["difference.0002.png", "difference.0003.png"]);
+    studio.succeed("diff a a --max-error 0");
+    std::fs::copy(studio.path("a/tiny.0001.exr"), studio.path("b/tiny.0002.exr")).unwrap();
+    let found = studio.run("diff b a --max-error 1e-9 --max-relmse 1e30");
+    assert!(found.out.contains("; too much: largest difference of"), "{}", found.out);
+    assert!(studio.fail("diff a a/tiny.0001.exr", 2).contains("is a file"));
+    std::fs::create_dir(studio.path("none")).unwrap();
+    assert!(studio.fail("diff a none", 2).contains("no frame in none"));
+}
+
+#[test]
+fn diff_shows_where_frames_differ() {
+    let studio = Studio::new();
+    studio.succeed("render tiny.ron --frames 1 --samples 1 --out a.exr");
+    studio.succeed("render tiny.ron --frames 1 --samples 1 --crop 1,1,9,5 --out b.exr");
+    studio.succeed("diff b.exr a.exr --picture d.png --white 1 --exposure 0");
+    let picture = image::open(studio.path("d.png")).unwrap().to_rgb8();
+    assert_eq!(picture.dimensions(), (3 * 8 + 2 * 4, 4));
+    assert!((0..4).all(|y| (24..32).all(|x| picture.get_pixel(x, y).0 == [0; 3])), "they do not differ");
+    let alike = |x: u32, y: u32| picture.get_pixel(x, y) == picture.get_pixel(x + 12, y);
+    assert!((0..4).all(|y| (0..8).all(|x| alike(x, y))), "shown alike");
+    assert!(studio.fail("diff a.exr a.exr --picture d.png --white 0", 2).contains("above 0"));
+}
+
 #[test]
 fn diff_keeps_limits_of_all_channels_and_of_single_ones() {
     let studio = Studio::new();
