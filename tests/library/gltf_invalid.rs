@@ -125,7 +125,7 @@ const REFUSED: &[(&str, &str)] = &[
     ("version_missing.gltf", "asset.version: error"),
     ("version_one.gltf", "asset.version: error: this is glTF version `1.0`"),
     ("version_three.gltf", "asset.version: error: this is glTF version `3.0`"),
-    // Written by tools/corpus/make_invalid_gltf.py.
+    // Written by tests/data/make_invalid_gltf.py.
     ("accessor_count_negative.gltf", "accessors[0].count: error: invalid value: integer `-1`"),
     ("accessor_without_count.gltf", "accessors[0]: error: missing field `count`"),
     ("asset_missing.gltf", "asset.version: error"),

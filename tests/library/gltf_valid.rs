@@ -1,4 +1,4 @@
-//! One leaf, said in every way that glTF 2.0 allows (tools/corpus/make_gltf.py). Each file must give the
+//! One leaf, said in every way that glTF 2.0 allows (tests/data/make_gltf.py). Each file must give the
 //! picture of the plain one, seen by the same rays.
 
 use crate::checkout;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes small glTF files into tests/data that break one rule of glTF 2.0 or of an extension each.
 
-    python3 tools/corpus/make_invalid_gltf.py tests/data
+    python3 tests/data/make_invalid_gltf.py tests/data
 
 What can be done without what is wrong stands in `lenient/gltf`, what is refused in `invalid/gltf`; a
 new file in the latter.

@@ -2,7 +2,7 @@
 """Writes the small glTF files of tests/data/valid/gltf/same: one leaf, said in every way
 that glTF 2.0 allows.
 
-    python3 tools/corpus/make_gltf.py tests/data/valid/gltf/same
+    python3 tests/data/make_gltf.py tests/data/valid/gltf/same
 
 Each file shows the picture of `plain.gltf`, to the rounding that its numbers bring;
 tests/library/gltf_valid.rs renders them all. No library is used: what is written is what the specification

@@ -1,4 +1,4 @@
-"""Properties of the meshes: run with `python3 -m unittest discover -s tools/leaves`."""
+"""Properties of the meshes: run with `python3 -m unittest discover -s tools/leaves/tests -t tools/leaves`."""
 
 import math
 import os
@@ -29,7 +29,7 @@ from palettes import RAMPS
 from trees import HABITS, make_tree
 from triangulate import clip_ears, contains, distance_to_outline, doubled_area, triangulate
 
-WOODS = Path(__file__).resolve().parents[2] / "scenes" / "woods"
+WOODS = Path(__file__).resolve().parents[3] / "scenes" / "woods"
 LEAVES = {name: mesh for name, (mesh, _) in leaves().items()}
 
 

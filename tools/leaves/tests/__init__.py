@@ -1,0 +1,1 @@
+"""Properties of leaves, trees and their textures."""
