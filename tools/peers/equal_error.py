@@ -42,9 +42,9 @@ from pathlib import Path
 
 import numpy
 
+from sunfleck_tools.analysis import read_picture
 from sunfleck_tools.peers.scene import read_scene
 from sunfleck_tools.peers.suns import with_sun
-from sunfleck_tools.pictures import load
 
 LEAVES500 = Path(__file__).resolve().parents[2] / "tests/data/leaves500"
 EMPTY_SIZE = "16x9"
@@ -53,7 +53,7 @@ REFERENCE_SAMPLES, REFERENCE_SEEDS = 512, (1001, 1002)
 
 
 def colors(path):
-    frame, fault = load(0, str(path))
+    frame, fault = read_picture(path)
     if frame is None:
         sys.exit(f"{path}: {fault}")
     return numpy.stack(frame.group(), axis=-1).astype(float)

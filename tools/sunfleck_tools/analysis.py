@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import nan
 from mmap import mmap
 from pathlib import Path
 
@@ -16,7 +15,7 @@ import numpy as np
 
 from . import checks  # noqa: F401  (registers them)
 from .checks import blocks, fireflies, order, reference
-from .difference import Overlap, color_errors, mean_flip
+from .difference import mean_flip, relative_mse
 from .exr.chunks import chunk_faults
 from .exr.decode import DecodeError, claims_too_much, decode_parts, full_size
 from .exr.header import Header, HeaderError, parse_headers
@@ -60,6 +59,16 @@ def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
         file.decode_error = str(error)
         return file, None
     return file, Frame(number, file.path, headers, channels, part_of, pixel_hash(channels))
+
+
+def read_picture(path: str | Path) -> tuple[Frame | None, str | None]:
+    """A frame with colour, or the sentence that says why there is none."""
+    file, frame = read_frame(0, str(path))
+    if frame is None:
+        return None, file.fault
+    if not frame.picture:
+        return None, f"it has no picture (R, G and B of a layer, or Y), only {', '.join(frame.channels)}"
+    return frame, None
 
 
 def _named(
@@ -180,9 +189,6 @@ def _compare(summary: FrameSummary, frame: Frame, job: Job) -> None:
     elif (why := reference.comparable(frame, other)) is not None:
         summary.reference_error = f"it cannot be compared: {why}"
     else:
-        overlap = Overlap(frame, other)
-        color = color_errors(overlap, ("R", "G", "B"))
-        # One value that is not finite spoils the picture, whatever the others are.
-        summary.relmse = nan if color.not_finite or color.relative_mse is None else color.relative_mse
+        summary.relmse = relative_mse(frame, other)
         if job.wants_flip:
-            summary.flip = mean_flip(*overlap.colors())
+            summary.flip = mean_flip(frame, other)

@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from . import __version__
-from .commands import COMMANDS, INTERRUPTED, IO, OK, SCENE, TERMINATED, USAGE
+from .commands import COMMANDS, INTERRUPTED, IO, OK, SCENE, SUCCESSORS, TERMINATED, USAGE
 from .errors import SceneError, Terminated, ToolError
 from .streams import patient_streams
 from .words import printable
@@ -38,6 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _outcome(arguments: Sequence[str] | None) -> int:
     try:
         _hear_termination()
+        given = sys.argv[1:] if arguments is None else arguments
+        if given and (successor := SUCCESSORS.get(given[0])):
+            raise ToolError(f"`{given[0]}` is gone: `{successor}` does its work")
         chosen = _parser().parse_args(arguments)
         return chosen.run(chosen)
     except SystemExit as exit:  # from argparse

@@ -31,6 +31,15 @@ def need_regular(path: Path) -> int:
     return found.st_size
 
 
+def writable(path: Path) -> Path:
+    """The path, once it is known that a file can be written there: before hours of work, not after."""
+    if path.is_dir():
+        raise ToolError(f"{path} is a folder: name a file")
+    if not path.parent.is_dir():
+        raise ToolError(f"there is no folder {path.parent} for {path.name}", is_usage=False)
+    return path
+
+
 def write_whole(path: Path, data: bytes) -> None:
     """Writes a file, or replaces one. Raises `ToolError`."""
     with writing(path) as file:

@@ -123,25 +123,17 @@ class Disks(WithFolder):
         self.assertTrue(link.is_symlink() and path.read_bytes() == b"text")
 
     @unittest.skipUnless(sys.platform == "linux", "limits of files are Linux's")
-    def test_every_command_that_writes_says_that_it_could_not(self):
+    def test_a_page_that_cannot_be_written_is_said(self):
         good = good_sequence(self.folder / "good")
-        first = good / "leaf.0001.exr"
         out = self.folder / "out.png"
         out.write_bytes(b"old and good")
-        for arguments in (
-            ["contact-sheet", good, out, "--width", "32"], ["movie", good, out], ["compare", first, first, "--picture", out],
-            ["validate", good, "--html", out],
-        ):  # fmt: skip
-            with self.subTest(arguments[0]):
-                done = subprocess.run(
-                    [*COMMAND, *map(str, arguments), *FAST], cwd=TOOLS, capture_output=True, text=True, timeout=120,
-                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500)),
-                )  # fmt: skip
-                self.assertEqual(
-                    (done.returncode, done.stderr), (4, f"error: cannot write {out}: File too large\n")
-                )
-                self.assertEqual(out.read_bytes(), b"old and good")
-                self.assertEqual(sorted(self.folder.iterdir()), [good, out])
+        done = subprocess.run(
+            [*COMMAND, "validate", str(good), "--html", str(out), *FAST], cwd=TOOLS, capture_output=True, text=True, timeout=120,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500)),
+        )  # fmt: skip
+        self.assertEqual((done.returncode, done.stderr), (4, f"error: cannot write {out}: File too large\n"))
+        self.assertEqual(out.read_bytes(), b"old and good")
+        self.assertEqual(sorted(self.folder.iterdir()), [good, out])
 
 
     @unittest.skipUnless(sys.platform == "linux", "limits of files are Linux's")
@@ -269,13 +261,9 @@ class Names(WithFolder):
         path = write_frame(self.folder / "x.exr", scene(1))
         path.rename(self.folder / f"{name}.0001.exr")
         page = self.folder / "page.html"
-        for arguments in (
-            ["validate", self.folder, "--html", page],
-            ["contact-sheet", self.folder, self.folder / "s.png"],
-        ):
-            code, out, err = run(*arguments)
-            self.assertEqual(code, 0, err)
-            self.assertNotIn("\x1b", out + err)
+        code, out, err = run("validate", self.folder, "--html", page)
+        self.assertEqual(code, 0, err)
+        self.assertNotIn("\x1b", out + err)
         self.assertIn(f"{shown}.####.exr: 1 frame", run("validate", self.folder)[1])
         self.assertIn(f"{html.escape(shown)}.", page.read_text("utf-8"))
         code, _, err = run("validate", self.folder / "none\x1b[31m")
@@ -296,7 +284,6 @@ class SpecialFiles(WithFolder):
         self.assertIn(
             "frame 2: it cannot be read: it is a FIFO, and only regular files are read [unreadable]", out
         )
-        self.assertEqual(run("contact-sheet", self.folder, self.folder / "s.png")[0], 1)
         self.assertEqual(run("validate", fifo)[0], 4)
         self.assertEqual(run("validate", self.folder, "--stats", fifo)[0], 4)
         with self.assertRaisesRegex(SceneError, "it is a FIFO, and only regular files are read"):

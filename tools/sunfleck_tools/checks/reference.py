@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..difference import incomparable
 from ..findings import Found, Scope, Severity, check
 from ..frame import Frame
 from ..summary import Rendered
@@ -18,7 +17,11 @@ def comparable(frame: Frame, reference: Frame) -> str | None:
         return (
             f"the reference's data window is {reference.header.data_window}, not {frame.header.data_window}"
         )
-    return incomparable(frame, reference)
+    if frame.header.display_window != reference.header.display_window:
+        return (
+            f"the reference's picture is {reference.header.display_window}, not {frame.header.display_window}"
+        )
+    return None
 
 
 @check(

@@ -1,8 +1,14 @@
 """The commands, a module each: `HELP`, `add_arguments(parser)`, and `run(arguments)`, which
 returns the exit code."""
 
-COMMANDS = ("validate", "compare", "contact_sheet", "movie", "peers", "export_usd", "import_usd", "farm_simulation")
+COMMANDS = ("validate", "peers", "export_usd", "import_usd", "farm_simulation")
 """Modules of this package; a command has its module's name, with hyphens."""
+SUCCESSORS = {
+    "compare": "sunfleck diff OUTPUT REFERENCE [--picture FILE|DIR]",
+    "contact-sheet": "sunfleck preview DIR --size 25% --out OUT.png",
+    "movie": "sunfleck preview DIR --out OUT.webp",
+}
+"""Commands that are gone, and what does their work."""
 
 OK, FINDINGS, USAGE, SCENE, IO = 0, 1, 2, 3, 4
 INTERRUPTED, TERMINATED = 130, 143

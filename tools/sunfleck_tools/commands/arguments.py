@@ -57,32 +57,6 @@ def from_zero(text: str) -> float:
     return number
 
 
-def limit(text: str) -> tuple[str | None, float]:
-    """A pattern of channels' names, or `None` for all, and the limit: a number from 0 on, of a
-    pattern also `inf`. 0 asks for equality."""
-    channels, is_single, number = text.rpartition("=")
-    if not is_single:
-        return None, from_zero(text)
-    return channels, float("inf") if number == "inf" else from_zero(number)
-
-
-def share_limit(text: str) -> tuple[str | None, float]:
-    """The same with a share."""
-    channels, is_single, number = text.rpartition("=")
-    return (channels if is_single else None), share(number)
-
-
-def share(text: str) -> float:
-    """From 0 to 1."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = -1.0
-    if not 0 <= number <= 1:
-        raise ArgumentTypeError(f"`{text}` is no share from 0 to 1")
-    return number
-
-
 def count(text: str) -> int:
     """From 1 to 1024."""
     if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 1024:

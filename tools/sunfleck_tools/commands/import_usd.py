@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from ..errors import SceneError
-from ..whole_file import write_whole
+from ..disk import write_whole
 from . import OK
 from .arguments import frame_range
 

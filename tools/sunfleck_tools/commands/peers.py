@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..disk import write_whole
+from ..disk import writable, write_whole
 from ..errors import ToolError
-from . import OK, looks
+from . import OK
 from .arguments import positive
 
 HELP = "renders the same scene by Mitsuba and Cycles, for reference frames and error against time"
@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     if missing := [sentence for name in arguments.renderers if (sentence := available(name)) is not None]:
         raise ToolError("\n".join(missing))
-    out = looks.writable(arguments.out) if arguments.out is not None else None
+    out = writable(arguments.out) if arguments.out is not None else None
     reference = None if arguments.reference is None else colors(arguments.reference)
     scene = read_scene(arguments.scene, arguments.frame, arguments.sunfleck, arguments.allow)
     scene.size = arguments.size or scene.size
@@ -122,9 +122,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def colors(path: Path) -> np.ndarray:
-    from ..pictures import load
+    from ..analysis import read_picture
 
-    frame, fault = load(0, str(path))
+    frame, fault = read_picture(path)
     if frame is None:
         raise ToolError(f"{path}: {fault}", is_usage=False)
     return np.stack(frame.group(), axis=-1).astype(np.float64)

@@ -18,7 +18,6 @@ from ..report.text import text_report
 from ..validation import validate
 from . import FINDINGS, OK
 from .arguments import count, frame_rate, frames, positive
-from .compare import needs_flip
 
 HELP = "says whether a sequence of frames can be trusted"
 
@@ -111,7 +110,10 @@ def _flip_limit(arguments: argparse.Namespace) -> float | None:
         return None
     if arguments.reference is None:
         raise ToolError("--max-flip compares with --reference, and there is none")
-    needs_flip("--max-flip")
+    try:
+        import flip_evaluator  # noqa: F401
+    except ImportError:
+        raise ToolError("--max-flip needs a package: pip install flip-evaluator") from None
     return arguments.max_flip
 
 

@@ -18,8 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..analysis import read_picture
 from ..commands import FINDINGS
-from ..pictures import load
 from .files import CorpusFile
 from .limited import Ended, Limits, run_limited
 from .outcomes import Outcome, loss_ids, outcome_of, sentence_of
@@ -175,7 +175,6 @@ def _read_frame(trial: _Trial) -> None:
     frame.symlink_to(trial.file.path.resolve())
     for try_it in (
         lambda: trial.tools("validate", folder, "--processes", 1, findings=FINDINGS),
-        lambda: trial.tools("compare", folder, folder, "--processes", 1, findings=FINDINGS),
         lambda: trial.sunfleck("diff", frame, frame),
         lambda: trial.sunfleck("preview", folder, "--out", trial.scratch / "sheet.png"),
     ):
@@ -193,5 +192,5 @@ STEPS: dict[str, Callable[[_Trial], float | None]] = {
 
 def mean_radiance(path: Path) -> float:
     """Over pixels and colours, NaN if the frame cannot be read."""
-    frame, _ = load(0, str(path))
+    frame, _ = read_picture(path)
     return float("nan") if frame is None else float(np.mean(frame.group()))

@@ -10,13 +10,12 @@ from html import escape
 
 import numpy as np
 
-from ..display import Display
 from ..findings import Finding
-from ..png import png
 from ..summary import FrameSummary
 from ..validation import Checked, Report
 from ..words import printable
 from .curves import curve
+from .png import png
 from .text import verdict
 
 STYLE = """
@@ -78,8 +77,6 @@ def _text(text: str) -> str:
     return escape(printable(text))
 
 
-SCREEN = Display("srgb")
-"""Nothing is compressed: what changes from frame to frame is to be seen."""
 MOST_MISSING = 1000
 """Missing frames that have a place in the contact sheet."""
 
@@ -114,7 +111,7 @@ def _cell(frame: FrameSummary, gain: float, worst: dict[int, str], anchor: str) 
     if frame.thumbnail is None:
         picture = '<div class="none"></div>'
     else:
-        data = base64.b64encode(png(SCREEN.bytes(frame.thumbnail * np.float32(gain)))).decode()
+        data = base64.b64encode(png(frame.thumbnail * np.float32(gain))).decode()
         picture = f'<img alt="frame {frame.number}" src="data:image/png;base64,{data}">'
     return (
         f'<figure id="{anchor}-{frame.number}" class="{severity}" title="{_text(frame.path)}">{picture}'

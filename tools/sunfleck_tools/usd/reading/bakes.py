@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...display import srgb_from_linear
 from ...gltf.writer import GlbWriter
+from ...srgb import srgb_from_linear
 from .losses import Losses
 from .networks import Fed
 from .planes import Planes

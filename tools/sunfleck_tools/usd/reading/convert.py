@@ -12,7 +12,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux
 
 from ...errors import SceneError
 from ...gltf.writer import GlbWriter
-from ...whole_file import write_whole
+from ...disk import write_whole
 from ..properties import SPACE
 from ..surroundings import ENVIRONMENT, OF_SCENE
 from .census import Census

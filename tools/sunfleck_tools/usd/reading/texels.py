@@ -19,6 +19,7 @@ from pxr import Ar
 
 from ...exr.decode import DecodeError, claims_too_much, decode
 from ...exr.header import MAGIC, HeaderError, parse_headers
+from ...srgb import linear_from_srgb
 
 MOST_BYTES = 2**29
 """Of one file."""
@@ -189,13 +190,6 @@ class _opened:
         self.image.close()
         if isinstance(error, (OSError, SyntaxError, ValueError, EOFError, MemoryError)):
             raise PictureError(f"is damaged: {error}") from None
-
-
-def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
-    """IEC 61966-2-1."""
-    return np.where(
-        encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4
-    )
 
 
 def resized(texels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
