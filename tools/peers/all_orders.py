@@ -8,8 +8,6 @@ The reference is the mean of independent pictures, whose spread tells its own no
 taken out in quadrature.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

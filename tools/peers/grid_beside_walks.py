@@ -7,8 +7,6 @@ surfaces show, and what fog scatters. Walks are noisy, and right. With `--pictur
 by what blocks of 10x10 pixels of the picture differ is printed too, root mean square, their noise taken out.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

@@ -14,8 +14,6 @@ A line a scene of `light_scenes.py` has
 Cycles renders too until its blocks are as good, and its CPU seconds follow.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -3,8 +3,6 @@
 A scene is the text of a RON file. `write` puts it into a folder, with the pictures that it names.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

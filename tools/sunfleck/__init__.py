@@ -10,8 +10,6 @@ reads what it wrote. Invariant: whatever ends a call (an error, Ctrl-C, an itera
 program too. Only whole frames are left, where `out` wanted them.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from importlib.util import find_spec
 

@@ -3,8 +3,6 @@
 Invariant: no word is lost: the texts of all diagnostics together are what was said.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Invariant: the text of an error is the program's own, with place, expectation and remedy.
 """
 
-from __future__ import annotations
-
 import signal
 
 from .diagnostic import Diagnostic, diagnostics

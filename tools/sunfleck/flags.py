@@ -3,8 +3,6 @@
 Invariant: no flag of the program is listed here; a name or value that it does not know is its own error.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Mapping
 from numbers import Real

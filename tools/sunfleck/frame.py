@@ -4,8 +4,6 @@ Invariant: arrays are float32, rows from the top, `(height, width)` where a pass
 where it has several; bits of ids are those of the file.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass

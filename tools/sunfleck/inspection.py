@@ -1,7 +1,5 @@
 """What an input holds. In goes a path, out comes what `sunfleck inspect --json` says."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Iterable

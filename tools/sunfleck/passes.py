@@ -1,7 +1,5 @@
 """The passes by name: their channels and units, as `src/passes.rs` has them (a test compares the two)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 RADIANCE = "W m^-2 sr^-1"

@@ -3,8 +3,6 @@
 Invariant: the program does not outlive the call, however that ends.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import os

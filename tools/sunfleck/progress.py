@@ -1,7 +1,5 @@
 """How far a run is, for whoever waits. In go the program's events, out comes a bar, or calls of a function."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

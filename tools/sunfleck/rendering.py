@@ -3,8 +3,6 @@
 Invariant: without `out` nothing is left on the disk.
 """
 
-from __future__ import annotations
-
 import os
 import tempfile
 from collections.abc import Generator, Iterable, Iterator

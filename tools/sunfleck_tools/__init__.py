@@ -5,8 +5,6 @@
 and reads USD stages.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 
 __version__ = "0.1.0"

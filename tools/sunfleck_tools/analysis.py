@@ -4,8 +4,6 @@ Invariant: memory is bounded by one frame (two with a reference, three for firef
 summary whatever the file holds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from mmap import mmap

@@ -4,8 +4,6 @@ Invariant: whatever happens, the exit code is one of the table in `commands`, wi
 not 0. What an input or the system did never gives a traceback.
 """
 
-from __future__ import annotations
-
 import argparse
 import signal
 import sys

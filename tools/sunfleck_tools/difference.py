@@ -3,8 +3,6 @@
 Invariant: the two have pixels in the same places.
 """
 
-from __future__ import annotations
-
 from math import nan
 
 import numpy as np

@@ -4,8 +4,6 @@ Invariant: a file that was there before stays as it was until what replaces it l
 disk to its last byte.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import stat

@@ -1,7 +1,5 @@
 """What a command cannot do, in words for whoever called it."""
 
-from __future__ import annotations
-
 
 class ToolError(Exception):
     """Nothing can be done with what was given; `is_usage` tells a wrong command from a disk that fails."""

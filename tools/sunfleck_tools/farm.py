@@ -5,8 +5,6 @@ same outcome. The shares of an outcome add up to 1. Frames that are whole are ne
 `--skip valid`.
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections import deque

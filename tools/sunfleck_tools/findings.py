@@ -3,8 +3,6 @@
 Invariant: an id, once published, keeps its meaning; scripts filter by it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum

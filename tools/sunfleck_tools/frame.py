@@ -1,7 +1,5 @@
 """One file on its way through the checks: bytes, then pixels."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property

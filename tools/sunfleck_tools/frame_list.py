@@ -1,7 +1,5 @@
 """Lists of frames as `sunfleck render --frames` takes them, such as `1-48x2,60`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

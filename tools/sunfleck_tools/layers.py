@@ -6,8 +6,6 @@ primId, Cycles Vector, IndexOB and Denoising Normal. Invariant: a name that says
 which the strictest is asked.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 from enum import Enum

@@ -5,8 +5,6 @@ fault, cleared: a fifth of what decoding costs. Invariant: a process keeps no mo
 needed at the same time.
 """
 
-from __future__ import annotations
-
 import ctypes
 
 TRIM_THRESHOLD, TOP_PAD, MMAP_THRESHOLD = -1, -2, -3

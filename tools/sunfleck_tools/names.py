@@ -4,8 +4,6 @@ Invariant: a version (`v2`, `_v003`) is no number of a frame, and a name without
 is a picture by itself.
 """
 
-from __future__ import annotations
-
 import re
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What a caller may choose about a validation."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path

@@ -4,8 +4,6 @@ Invariant: results come in the arguments' order, one each; and no process outliv
 it, however that ends.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

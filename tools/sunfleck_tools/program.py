@@ -1,7 +1,5 @@
 """Where the program `sunfleck` is."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sysconfig

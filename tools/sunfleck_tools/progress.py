@@ -1,7 +1,5 @@
 """A progress bar on the error stream, where somebody can see it."""
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -4,8 +4,6 @@ Invariant: every EXR file of the folder is a frame of one listing; those that st
 are its `strangers` too.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence

@@ -1,7 +1,5 @@
 """The curve of sRGB (IEC 61966-2-1), both ways."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

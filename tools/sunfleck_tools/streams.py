@@ -5,8 +5,6 @@ output that a disk would not take is a failure, which `lost` tells: who closes a
 said that it is not wanted.
 """
 
-from __future__ import annotations
-
 import errno
 import io
 import os
@@ -93,7 +91,7 @@ def open_descriptors() -> None:
 class patient_streams:
     """For a block, `sys.stdout` and `sys.stderr` never raise."""
 
-    def __enter__(self) -> patient_streams:
+    def __enter__(self) -> "patient_streams":
         open_descriptors()
         self._before = sys.stdout, sys.stderr
         self.output, self.errors = Patient(sys.stdout), Patient(sys.stderr)

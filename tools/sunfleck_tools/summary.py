@@ -3,8 +3,6 @@
 Invariant: a summary is small (some kB), so that a thousand of them fit into any memory.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 

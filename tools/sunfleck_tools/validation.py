@@ -1,7 +1,5 @@
 """A sequence to a report: names, then every file in processes of its own, then all frames together."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Text that comes from files, as it may stand in a line."""
 
-from __future__ import annotations
-
 import unicodedata
 
 

@@ -1,7 +1,5 @@
 """Headless Chromium over its pipe of debugging (Chrome DevTools Protocol), without another package."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -22,7 +20,7 @@ PATIENCE_S = 120
 class Browser:
     """One page. `events` are all that it told."""
 
-    def __enter__(self) -> Browser:
+    def __enter__(self) -> "Browser":
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         commands, self.out = os.pipe()
         self.back, answers = os.pipe()

@@ -1,7 +1,5 @@
 """Command lines run in this process, for the tests."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

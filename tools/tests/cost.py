@@ -5,8 +5,6 @@ A machine that others use too is then as slow for one as for the other.
     python -m tests.cost ../out/many        (in tools/; tests.many_frames makes such a folder)
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import tempfile

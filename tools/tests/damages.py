@@ -4,8 +4,6 @@ that have to find it.
 `python -m tests.damages` (in tools/) prints them as a table.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import struct

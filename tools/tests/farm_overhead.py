@@ -8,8 +8,6 @@ starting the manager. With `openjd` the step `Render` counts. Its session is tol
 half of the threads: all four steps count, with two looks at every frame.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -3,8 +3,6 @@
 What OpenEXR for Python cannot write (rational numbers) is put into the bytes here.
 """
 
-from __future__ import annotations
-
 import shutil
 import struct
 from collections.abc import Callable

@@ -9,8 +9,6 @@ figures that docs/validate.md has. With `--bounces 0` it does so without indirec
 a folder of its own. Exits with 1 where a leaf is not where it can be.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Small .glb files for the tests."""
 
-from __future__ import annotations
-
 import json
 import struct
 

@@ -5,8 +5,6 @@
 Prints what was found in each run; exits with 1 if anything is found.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

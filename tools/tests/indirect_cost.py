@@ -6,8 +6,6 @@ Of `title`, of a million leaves, and of a scene of 100 km. Pictures are small an
 that what is left is the field.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

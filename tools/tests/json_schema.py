@@ -1,7 +1,5 @@
 """As much of JSON Schema as validate.schema.json uses."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 TYPES = {

@@ -12,8 +12,6 @@ prints by how much it truly wavers, by random walks of as many samples in three 
 seeds have in common is no noise. It takes an hour of a processor.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

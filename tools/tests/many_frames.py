@@ -3,8 +3,6 @@
     python -m tests.many_frames ../out/few ../out/many --count 1000        (in tools/)
 """
 
-from __future__ import annotations
-
 import argparse
 import struct
 from collections.abc import Sequence

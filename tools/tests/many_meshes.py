@@ -4,8 +4,6 @@ python -m tests.many_meshes            (in tools/)
 python -m tests.many_meshes 10,000     (those stages alone whose names have this)
 """
 
-from __future__ import annotations
-
 import resource
 import sys
 import tempfile

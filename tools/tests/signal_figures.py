@@ -7,8 +7,6 @@ Printed are the median, the 99th hundredth and the worst time from the signal to
 what the ends were. A machine that does other work makes it wait: look at the median first.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """`import sunfleck`: frames as arrays, and what is said of them."""
 
-from __future__ import annotations
-
 import io
 import os
 import re

@@ -1,7 +1,5 @@
 """What a call from Python says where it cannot go on. Nothing is left of it: no program, no file."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

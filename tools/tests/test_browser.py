@@ -1,8 +1,6 @@
 """The report in a real browser: nothing it complains of, pictures that decode, findings that
 lead to their frames."""
 
-from __future__ import annotations
-
 import tempfile
 import unittest
 from pathlib import Path

@@ -1,8 +1,6 @@
 """Colour spaces, codecs and parts of other programs' frames. Where OpenImageIO and OpenColorIO can be had, they
 say what is right (`pip install OpenImageIO opencolorio`)."""
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 import unittest

@@ -1,7 +1,5 @@
 """What becomes of a corpus's files, told by a program that does what their names say."""
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess

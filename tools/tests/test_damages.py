@@ -1,7 +1,5 @@
 """Every kind of damage is found by the check that is there for it; good frames are not accused."""
 
-from __future__ import annotations
-
 import tempfile
 import unittest
 from pathlib import Path

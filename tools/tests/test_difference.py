@@ -1,7 +1,5 @@
 """How far frames are from references: by formulas, by `sunfleck diff`, and by FLIP's authors."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import tempfile

@@ -1,7 +1,5 @@
 """Headers and chunks: what exactly is said of a damaged file, before any decoder sees it."""
 
-from __future__ import annotations
-
 import struct
 import unittest
 from fractions import Fraction

@@ -1,8 +1,6 @@
 """`sunfleck farm`: jobs run for real by the programs of Open Job Description, with what
 goes wrong on a farm."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import os

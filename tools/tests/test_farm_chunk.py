@@ -1,7 +1,5 @@
 """`sunfleck farm --chunk auto` beside the best chunk of the same farm by simulation."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import unittest

@@ -1,7 +1,5 @@
 """`sunfleck farm`: jobs of Slurm and of machines without a manager, run for real, with what goes wrong."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

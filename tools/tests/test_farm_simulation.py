@@ -1,7 +1,5 @@
 """Farms by simulation, against what can be said of them in closed form."""
 
-from __future__ import annotations
-
 import math
 import unittest
 from dataclasses import replace

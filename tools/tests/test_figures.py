@@ -1,7 +1,5 @@
 """Figures in documents are those of the one table (tools/figures)."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib.machinery
 import importlib.util

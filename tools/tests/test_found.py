@@ -1,7 +1,5 @@
 """Damage that no single frame shows, and what looks like it and is none, in frames of other renderers."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import struct

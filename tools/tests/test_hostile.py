@@ -1,8 +1,6 @@
 """Files that were made to hurt: `validate` ends with sentences, in little memory, and never
 with a traceback."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import struct

@@ -1,7 +1,5 @@
 """The page is well formed, needs nothing from elsewhere, and its links lead somewhere."""
 
-from __future__ import annotations
-
 import base64
 import tempfile
 import unittest

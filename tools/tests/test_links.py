@@ -1,7 +1,5 @@
 """`tools/links`: links that lead nowhere are named, others are not."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """`peers`: what other renderers are given, and that what they give is what sunfleck gives."""
 
-from __future__ import annotations
-
 import base64
 import csv
 import importlib.util

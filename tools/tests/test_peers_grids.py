@@ -1,7 +1,5 @@
 """`peers` with fog by an OpenVDB file: other renderers get the same grid."""
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 import unittest

@@ -1,7 +1,5 @@
 """The packages are of the lowest Python that they say, and extras and lock agree."""
 
-from __future__ import annotations
-
 import ast
 import re
 import unittest

@@ -1,8 +1,6 @@
 """Frames of other renderers: several parts, layers, windows, passes of all kinds, names. Inputs in data/exr;
 see each test for what is right."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 import unittest

@@ -4,8 +4,6 @@ Streams are closed or full, disks take no more, signals come, memory is short, n
 ends with the right exit code, and never with a traceback.
 """
 
-from __future__ import annotations
-
 import errno
 import html
 import json

@@ -1,8 +1,6 @@
 """Subdivision surfaces against what is known of them: limits, splines, planes, creases, and that
 weights add up to 1."""
 
-from __future__ import annotations
-
 import unittest
 
 import numpy as np

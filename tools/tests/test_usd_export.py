@@ -1,7 +1,5 @@
 """Stages that `export-usd` writes: valid to USD's own validators, and where the renderer has things."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import os

@@ -1,7 +1,5 @@
 """`import-usd`: there and back again, what other programs write, and what nobody should."""
 
-from __future__ import annotations
-
 import subprocess
 import unittest
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Materials and textures of stages: what the texels come to, and what is said where that cannot be."""
 
-from __future__ import annotations
-
 import io
 import struct
 import unittest

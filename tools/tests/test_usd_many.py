@@ -1,7 +1,5 @@
 """`import-usd`: what many meshes and many frames cost, in work and not by the clock."""
 
-from __future__ import annotations
-
 import sys
 import unittest
 from unittest import mock

@@ -1,8 +1,6 @@
 """`import-usd`: what changes over time: points, faces, instances that come and go, and what a shutter reaches
 outside the frames."""
 
-from __future__ import annotations
-
 import unittest
 from pathlib import Path
 

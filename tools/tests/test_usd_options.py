@@ -1,8 +1,6 @@
 """What `import-usd` is asked for on its command line, what it reports, and stages of
 which a part is missing."""
 
-from __future__ import annotations
-
 import json
 import unittest
 from fractions import Fraction

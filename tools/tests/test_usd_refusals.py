@@ -1,7 +1,5 @@
 """Stages that nobody should write: `import-usd` says what is wrong with them, and where."""
 
-from __future__ import annotations
-
 import unittest
 
 import numpy as np

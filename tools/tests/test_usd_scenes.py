@@ -1,8 +1,6 @@
 """`import-usd`: what stands where, and whether it is seen: instances, visibility, purposes, solids,
 subdivision surfaces."""
 
-from __future__ import annotations
-
 import unittest
 from types import SimpleNamespace
 from unittest import mock

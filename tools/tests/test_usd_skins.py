@@ -1,8 +1,6 @@
 """`import-usd`: skeletons of UsdSkel. They are skins of glTF where those say the same, and points that bend
 where they do not."""
 
-from __future__ import annotations
-
 import unittest
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fog by OpenVDB files as UsdVol has it, there and back."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -4,8 +4,6 @@ What changes though it is read once is said. Colours by instance, RenderSettings
 purpose are honoured. Clips that are missing are said.
 """
 
-from __future__ import annotations
-
 import math
 import unittest
 

@@ -1,7 +1,5 @@
 """What the report says, and what the command line makes of it."""
 
-from __future__ import annotations
-
 import json
 import os
 import struct

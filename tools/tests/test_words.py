@@ -1,7 +1,5 @@
 """`tools/words`: known texts give known counts."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -3,8 +3,6 @@
 2,000 leaves that fall for 240 frames, there and back: how long, how large, how far from where they were.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import tempfile

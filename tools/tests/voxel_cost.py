@@ -7,8 +7,6 @@ has all of its light to find. A frame counts as half of what two more frames tak
 made once.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tempfile

@@ -5,8 +5,6 @@ straight edges. A black thing has no straight edges, or lasts: the frames before
 Invariant: no more than `MOST` candidates a frame.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Checks that what should be the same in all frames is, and that what counts frames agrees
 with their names."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator

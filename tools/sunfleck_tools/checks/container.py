@@ -1,7 +1,5 @@
 """Checks of the file around the pixels: header, chunks, and what the decoder says."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ..exr import file_hash as whole

@@ -5,8 +5,6 @@ Spikes no brighter than what is lit well are not told from small leaves, and pas
 `MOST` candidates a frame: more are noise, and cost.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

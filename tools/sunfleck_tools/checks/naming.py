@@ -1,7 +1,5 @@
 """Checks of names alone: what is there, what is not, what should not be."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ..findings import Found, Scope, Severity, check

@@ -6,8 +6,6 @@ back they are nearer. Where two frames have to change places for nothing to go b
 Invariant: what moves in no order (noise, shaking, blinking) accuses nobody.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 

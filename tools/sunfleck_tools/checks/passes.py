@@ -1,7 +1,5 @@
 """Checks that passes keep what they promise, each where the file has them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

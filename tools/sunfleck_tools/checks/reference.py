@@ -1,7 +1,5 @@
 """Frames against reference frames of the same numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ..findings import Found, Scope, Severity, check

@@ -1,7 +1,5 @@
 """Checks of frames against their neighbours in time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from statistics import median
 

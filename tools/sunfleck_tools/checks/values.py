@@ -1,7 +1,5 @@
 """Checks of single values, with the place of the first bad one."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

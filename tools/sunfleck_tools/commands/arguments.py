@@ -1,7 +1,5 @@
 """Types of arguments that commands share: text to values, or the sentence that argparse prints."""
 
-from __future__ import annotations
-
 from argparse import ArgumentTypeError
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """`sunfleck-tools export-usd`: what sunfleck renders as a USD stage."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import sys

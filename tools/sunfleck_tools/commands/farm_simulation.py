@@ -2,8 +2,6 @@
 
 Nothing is rendered: times are given, or are the defaults. The same flags print the same tables."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from dataclasses import replace

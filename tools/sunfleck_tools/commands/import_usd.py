@@ -1,7 +1,5 @@
 """`sunfleck-tools import-usd`: a USD stage as glTF that sunfleck renders."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import re

@@ -1,7 +1,5 @@
 """`sunfleck-tools peers`: Mitsuba and Cycles on the same scene, with as many bounces."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from io import StringIO

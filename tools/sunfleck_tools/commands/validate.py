@@ -1,7 +1,5 @@
 """`sunfleck-tools validate`: whether a sequence of frames can be trusted."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The files of a corpus, by kind."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path

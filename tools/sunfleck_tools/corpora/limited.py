@@ -3,8 +3,6 @@
 Invariant: it, and whatever it started, is gone when the outcome is there.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -4,8 +4,6 @@ Invariant: the outcome is told by what can be seen from outside: exit code, sign
 memory, and the picture.
 """
 
-from __future__ import annotations
-
 import re
 from enum import Enum
 
@@ -33,7 +31,7 @@ class Outcome(str, Enum):
         """Of the program, whatever the file is."""
         return self not in (Outcome.DONE, Outcome.WITH_LOSSES, Outcome.BLACK_WITH_CAUSE, Outcome.REFUSED)
 
-    def is_worse_than(self, other: Outcome) -> bool:
+    def is_worse_than(self, other: "Outcome") -> bool:
         """By the order of this list."""
         order = list(Outcome)
         return order.index(self) > order.index(other)

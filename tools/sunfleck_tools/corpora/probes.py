@@ -5,8 +5,6 @@ picture. Steps that need one another end with the first that does not go well, a
 which do not, are all tried.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -1,7 +1,5 @@
 """Verdicts in, texts out: a table of counts, what is refused by its reason, and what must not be."""
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 

@@ -4,8 +4,6 @@ Invariant: nothing is decompressed, and no more is read than the file holds. Lay
 https://openexr.com/en/latest/OpenEXRFileLayout.html
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 from mmap import mmap

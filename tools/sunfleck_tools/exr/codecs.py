@@ -3,8 +3,6 @@
 Invariant: what is not said here is read, or the file is damaged.
 """
 
-from __future__ import annotations
-
 from mmap import mmap
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 Invariant: the id counts first, as it does for OpenImageIO; a file that says nothing is linear Rec. 709.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache

@@ -4,8 +4,6 @@ Invariant: whatever the file holds, the outcome is channels or a `DecodeError`, 
 A decoder that crashes takes the process along. That is the caller's to survive.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import sys

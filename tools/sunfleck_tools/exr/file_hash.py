@@ -4,8 +4,6 @@ module `frame_file`).
 Invariant: any byte changed, added or taken away changes it, in the header as in the pixels.
 """
 
-from __future__ import annotations
-
 import hashlib
 from mmap import mmap
 

@@ -4,8 +4,6 @@ halves go one by one.
 Invariant: `widened` gives the bits that `astype(float32)` gives, NaN's payload aside.
 """
 
-from __future__ import annotations
-
 from math import copysign, isfinite, nan
 
 import numpy as np

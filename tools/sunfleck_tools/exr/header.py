@@ -5,8 +5,6 @@ before a decoder allocates anything. Invariant: every length is checked against 
 Layout: https://openexr.com/en/latest/OpenEXRFileLayout.html
 """
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass, replace
 from fractions import Fraction

@@ -3,8 +3,6 @@
 Invariant: of compression that loses nothing, and of what cuts off digits alone (PXR24), it is 0.
 """
 
-from __future__ import annotations
-
 from .header import COMPRESSIONS, Header
 
 LOSSY = frozenset({"b44", "b44a", "dwaa", "dwab", "lj2k"})

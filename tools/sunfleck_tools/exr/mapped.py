@@ -4,8 +4,6 @@ Invariant: no memory is taken by what is not looked at. A file that is cut off b
 process along, as a decoder may: `parallel` survives it.
 """
 
-from __future__ import annotations
-
 import mmap
 from collections.abc import Iterator
 from contextlib import contextmanager

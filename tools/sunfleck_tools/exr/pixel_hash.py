@@ -4,8 +4,6 @@ the order of bytes).
 Invariant: it depends on the channels' names, types and stored bits alone.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 

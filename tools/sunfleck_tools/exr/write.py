@@ -1,7 +1,5 @@
 """Linear light as an OpenEXR file of three floats a pixel."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Accessors to arrays of numbers (specification, 3.6.2)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .container import Container

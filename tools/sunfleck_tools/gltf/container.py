@@ -3,8 +3,6 @@
 Invariant: no bytes are handed out that are not there, and nothing is allocated because a file says so.
 """
 
-from __future__ import annotations
-
 import base64
 import binascii
 import json

@@ -1,7 +1,5 @@
 """Keys to values at any time (specification, 3.11 and appendix C)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

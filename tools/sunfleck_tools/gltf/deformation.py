@@ -1,8 +1,6 @@
 """Vertices of a mesh that bends, at any time. Skinned ones are in the world: their node's own place does
 not count (3.7.3.3)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .curves import Curve

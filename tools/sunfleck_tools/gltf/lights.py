@@ -4,8 +4,6 @@ Invariant: powers are W/m2 of suns, W/sr of points and spots, W of area lights, 
 that the scene says.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ What is no glTF, and glTF that needs the renderer's own reader (compression, ins
 goes through `sunfleck export`; so there is one reader of RON.
 """
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Meshes as arrays, and their vertices when they bend (specification, 3.7)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,8 +1,6 @@
 """The nodes of the scene that is shown, with how they move. Invariant: parents come before
 children, and form trees."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,7 +20,7 @@ class Node:
     index: int
     name: str
     key: str
-    parent: Node | None
+    parent: "Node | None"
     source: Value
     matrix: np.ndarray | None
     rest: dict[str, np.ndarray]
@@ -30,7 +28,7 @@ class Node:
     weights: Curve | None = None
     # Whether it and what is below it is shown: 0 is not.
     shown: Curve | None = None
-    children: list[Node] = field(default_factory=list)
+    children: "list[Node]" = field(default_factory=list)
 
     @property
     def extras(self) -> Value:

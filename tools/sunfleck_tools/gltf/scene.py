@@ -3,8 +3,6 @@
 Invariant: times are true seconds; a frame's time is its number over the frame rate.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -126,7 +124,7 @@ class Gltf:
         last = max(float(curve.times_s[-1]) for curve in curves)
         return round(first * rate), round(last * rate)
 
-    def _controls(self) -> dict[str, Control]:
+    def _controls(self) -> "dict[str, Control]":
         """Values that change and are carried by nodes, by their target."""
         found = {}
         for node in self.nodes:
@@ -138,7 +136,7 @@ class Gltf:
                 found[control.text_at("target")] = Control(node, vector, "xyz".find(axis) if axis else None)
         return found
 
-    def control(self, owner: str, field: str) -> Control | None:
+    def control(self, owner: str, field: str) -> "Control | None":
         """What carries a field of a property of a node (by its name) or of `scene`, such as
         `sunfleck_light.radius`."""
         target = f"{owner}.{field}"

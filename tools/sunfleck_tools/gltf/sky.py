@@ -1,8 +1,6 @@
 """What stands behind a scene: `sunfleck_env` of a glTF file. Invariant: there is one of a colour, a
 gradient and an image."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 Invariant: nothing that a file holds raises anything but `SceneError`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any, NoReturn
@@ -22,31 +20,31 @@ class Value:
         """Refuses the file for this value."""
         raise SceneError(f"{self.file}: {self.path or 'the document'}: {message}")
 
-    def member(self, name: str) -> Value | None:
+    def member(self, name: str) -> "Value | None":
         """What an object holds under a name; None too if it is null."""
         if not isinstance(self.raw, dict):
             self.fail("expected an object")
         raw = self.raw.get(name)
         return None if raw is None else Value(raw, self.file, f"{self.path}.{name}" if self.path else name)
 
-    def need(self, name: str) -> Value:
+    def need(self, name: str) -> "Value":
         """The same, refused if it is missing."""
         return self.member(name) or self.fail(f"has no `{name}`")
 
-    def group(self, name: str) -> Value:
+    def group(self, name: str) -> "Value":
         """An object, empty if it is missing."""
         return self.member(name) or Value({}, self.file, f"{self.path}.{name}" if self.path else name)
 
-    def extension(self, name: str) -> Value | None:
+    def extension(self, name: str) -> "Value | None":
         """An extension of glTF."""
         return self.group("extensions").member(name)
 
-    def items(self, name: str) -> list[Value]:
+    def items(self, name: str) -> "list[Value]":
         """A list, empty if it is missing."""
         found = self.member(name)
         return [] if found is None else list(found.each())
 
-    def each(self) -> Iterator[Value]:
+    def each(self) -> "Iterator[Value]":
         """The items of a list."""
         if not isinstance(self.raw, list):
             self.fail("expected a list")

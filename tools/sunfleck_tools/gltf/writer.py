@@ -1,8 +1,6 @@
 """A glTF document under construction, and the .glb file of it. Invariant: everything starts at a
 multiple of four bytes."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import struct

@@ -1,7 +1,5 @@
 """One frame of a scene in Blender, by sunfleck and by Cycles; the add-on `sunfleck` is registered."""
 
-from __future__ import annotations
-
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Cycles, as the module `bpy`: no bounces, which is direct light and single scattering."""
 
-from __future__ import annotations
-
 import tempfile
 import time
 from pathlib import Path

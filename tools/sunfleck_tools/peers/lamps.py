@@ -3,8 +3,6 @@
 Invariant: a lamp's place is a turn and a position; what the node's scale does to its size is in its size.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Invariant: time is that of all processors together, after scene and kernels are built.
 """
 
-from __future__ import annotations
-
 import csv
 import datetime
 import platform

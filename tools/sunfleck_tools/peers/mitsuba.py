@@ -1,8 +1,6 @@
 """Mitsuba 3: `volpath`. Two segments are direct light and single scattering; each bounce
 beyond is one more."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

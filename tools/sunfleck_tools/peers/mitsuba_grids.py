@@ -1,7 +1,5 @@
 """Fog by a grid as Mitsuba's `gridvolume`. The file is read by the `openvdb` that Blender's module brings."""
 
-from __future__ import annotations
-
 import mitsuba as mi
 import numpy
 

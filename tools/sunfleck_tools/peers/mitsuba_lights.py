@@ -4,8 +4,6 @@ A sun with a disc is a disc far away: Mitsuba has none. Its radiance is E / (pi 
 sphere I / (pi r^2), that of a flat lamp P / (pi area).
 """
 
-from __future__ import annotations
-
 import mitsuba as mi
 import numpy
 

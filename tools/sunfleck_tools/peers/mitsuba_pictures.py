@@ -1,7 +1,5 @@
 """Pictures as Mitsuba decodes them: linear light in single precision."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 

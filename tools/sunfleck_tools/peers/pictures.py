@@ -3,8 +3,6 @@
 Invariant: they are the files' own bytes, which each renderer decodes itself; only gradients are made here.
 """
 
-from __future__ import annotations
-
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path

@@ -4,8 +4,6 @@ It has triangles in the world, lights, a camera and a box of fog. Invariant: wha
 refused where it would change the light, and told where it changes surfaces.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 """The same scene under another sun. In goes a GLB with one camera and one sun, both of which stand still, out
 comes another file."""
 
-from __future__ import annotations
-
 import json
 import math
 import struct

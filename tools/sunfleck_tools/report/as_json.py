@@ -1,7 +1,5 @@
 """A report as the JSON that validate.schema.json describes."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,7 +1,5 @@
 """A value over frames as an SVG."""
 
-from __future__ import annotations
-
 import math
 from html import escape
 

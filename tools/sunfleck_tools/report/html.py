@@ -3,8 +3,6 @@
 Invariant: whatever names and messages hold, they are text of the page and never markup.
 """
 
-from __future__ import annotations
-
 import base64
 from html import escape
 

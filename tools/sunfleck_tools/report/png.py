@@ -1,7 +1,5 @@
 """Small pictures as PNG (third edition, W3C 2025), so that a report needs no package for them."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 

@@ -1,7 +1,5 @@
 """A report for the terminal: of each sequence the worst frame first, and the verdict in the last line."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 from ..findings import Severity

@@ -1,7 +1,5 @@
 """Cameras: USD measures lenses in tenths of a scene unit, here tenths of a metre."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ others, and are off by up to 5e-4. Blender 5.0 is one of them: in a stage for it
 their instances' stead.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Sdf, Vt
 

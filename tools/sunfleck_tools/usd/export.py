@@ -1,7 +1,5 @@
 """A glTF scene to a USD stage. Invariant: the target appears whole or not at all."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import tempfile

@@ -1,7 +1,5 @@
 """Meshes: prototypes that leaves refer to, and meshes of their own for what bends."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Sdf, Vt
 

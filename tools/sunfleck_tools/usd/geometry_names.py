@@ -1,7 +1,5 @@
 """Names that meshes and materials share."""
 
-from __future__ import annotations
-
 
 def texture_coordinates(layer: int) -> str:
     """The name of a set of texture coordinates."""

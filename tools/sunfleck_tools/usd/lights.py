@@ -7,8 +7,6 @@ but for suns: it takes four times the intensity for W/m2 and twice the angle for
 writes what it takes.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

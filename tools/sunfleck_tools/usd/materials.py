@@ -1,8 +1,6 @@
 """Materials to UsdPreviewSurface, with their textures
 (https://openusd.org/release/spec_usdpreviewsurface.html)."""
 
-from __future__ import annotations
-
 import math
 
 from pxr import Gf, Sdf

@@ -1,7 +1,5 @@
 """Where nodes stand, as transform operations and visibility."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Gf, Vt
 

@@ -4,8 +4,6 @@ Written as specs in one block of changes: composing after each of a hundred thou
 Invariant: a name is used once in the whole stage, since Blender's objects have no paths.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 
@@ -42,11 +40,11 @@ class Prim:
     @classmethod
     def root(
         cls, layer: Sdf.Layer, name: str, kind: str = "", specifier: Sdf.Specifier = Sdf.SpecifierDef
-    ) -> Prim:
+    ) -> "Prim":
         """A prim at the top of a layer."""
         return cls(Sdf.PrimSpec(layer, name, specifier, kind))
 
-    def child(self, name: str, kind: str = "") -> Prim:
+    def child(self, name: str, kind: str = "") -> "Prim":
         """A prim below this one."""
         return Prim(Sdf.PrimSpec(self.spec, name, Sdf.SpecifierDef, kind))
 

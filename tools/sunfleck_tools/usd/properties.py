@@ -3,8 +3,6 @@
 `sunfleck_fog_volume: {density: 0.1}` of a node becomes `userProperties:sunfleck_fog_volume:density = 0.1`.
 """
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

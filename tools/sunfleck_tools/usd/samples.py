@@ -4,8 +4,6 @@ lines stay straight.
 Time codes are frames. Besides whole frames there is a sample at each key between two of them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ..gltf.curves import Curve

@@ -5,8 +5,6 @@ renderer has -z in the middle, so a dome stands half a turn from it. Invariant: 
 renderer is no light here.
 """
 
-from __future__ import annotations
-
 import math
 
 from pxr import Gf, Sdf, Vt

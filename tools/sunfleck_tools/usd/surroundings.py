@@ -1,8 +1,6 @@
 """Fog, and what the scene says of how it is rendered, as custom properties. Fog in a box also has
 a box to look at."""
 
-from __future__ import annotations
-
 from pxr import Gf, Sdf, Vt
 
 from ..gltf.nodes import Node

@@ -1,8 +1,6 @@
 """Images of a glTF file as files beside a stage. Invariant: each image has one file, and only images that
 are used have one."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -7,8 +7,6 @@ that passes there is written as two turns: another one, half a turn away, and a 
 change. Invariant: both together are the turns that went in.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 CHORD_BELOW = 1e-5

@@ -2,8 +2,6 @@
 stage names the same files.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

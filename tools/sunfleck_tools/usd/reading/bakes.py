@@ -5,8 +5,6 @@ texel is what the stage has at that texel, to half of a 255th; what is clipped, 
 said. glTF's base colour and emission are sRGB, all else is linear.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

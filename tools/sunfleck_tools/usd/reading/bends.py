@@ -4,8 +4,6 @@ In: where points are at each code. Out: as few targets as put every point within
 one target a code where few do not do. Invariant: no point is further off than the bar, at any code.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass

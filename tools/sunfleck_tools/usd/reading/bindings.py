@@ -1,8 +1,6 @@
 """Which material a prim has, by UsdShade's rules (UsdShadeMaterialBindingAPI): inherited, by collections, by
 strength, by purpose."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from pxr import Usd, UsdGeom, UsdShade

@@ -4,8 +4,6 @@ faces, and values refined.
 Invariant: cages that are the same are refined once.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
@@ -40,7 +38,7 @@ SEAM_RULES = ("none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries
 class Subdivided:
     """A mesh's faces refined, and the way from values of the cage to those of the finer mesh."""
 
-    def __init__(self, prim: Usd.Prim, faces: Faces, points: int, code: float, refiner: Refiner):
+    def __init__(self, prim: Usd.Prim, faces: Faces, points: int, code: float, refiner: "Refiner"):
         self.refiner = refiner
         mesh = UsdGeom.Mesh(prim)
         self.scheme = str(value_of(mesh.GetSubdivisionSchemeAttr(), code, "catmullClark"))

@@ -5,8 +5,6 @@ Invariant: what an instancer within others asks for is counted once for each of 
 instances, however deep.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 

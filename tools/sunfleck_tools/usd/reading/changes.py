@@ -1,7 +1,5 @@
 """Whether what is read once changes over time. Invariant: samples that are all the same are no change."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Usd
 

@@ -1,8 +1,6 @@
 """Frame rate and frames of a stage. Invariant: a rate that stands for one of television's is
 exactly that one."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from pathlib import Path

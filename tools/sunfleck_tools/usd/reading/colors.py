@@ -1,8 +1,6 @@
 """Colours that a mesh has itself: primvars displayColor and displayOpacity
 (https://openusd.org/release/api/class_usd_geom_gprim.html)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A USD stage to a .glb that sunfleck renders. Invariant: the target appears whole or not at all."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product

@@ -3,8 +3,6 @@
 Invariant: every instance has a colour, or none has.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Usd, UsdGeom
 

@@ -5,8 +5,6 @@ that comes or goes, or is masked for a while, is a node that is seen for a while
 prototype is another node.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

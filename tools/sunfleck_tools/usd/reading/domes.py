@@ -3,8 +3,6 @@
 Invariant: a picture that comes back is a data URI, and is upright: a dome may turn about the vertical alone.
 """
 
-from __future__ import annotations
-
 import base64
 import math
 import tempfile

@@ -1,7 +1,5 @@
 """Faces of a mesh at one time. Invariant: an index that is handed out is that of a point."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 

@@ -1,8 +1,6 @@
 """Meshes that are lights: what they are seen to shine with. The renderer's surfaces light
 nothing, which is said."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 

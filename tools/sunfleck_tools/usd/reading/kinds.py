@@ -1,7 +1,5 @@
 """What a prim is by its type. Invariant: prims of one type of a stage are of one kind; USD is asked once."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from pxr import Usd, UsdGeom, UsdShade, UsdVol

@@ -1,8 +1,6 @@
 """Inputs that all lights of UsdLux have. Invariant: what comes out is finite and not negative; what was not,
 or is not carried, is said."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Sdf, Usd, UsdLux
 

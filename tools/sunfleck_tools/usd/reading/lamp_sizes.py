@@ -1,7 +1,5 @@
 """How large lights are in the world, in units of the stage."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Usd, UsdGeom
 

@@ -6,8 +6,6 @@ the stage, and what the light emits is the radiance times the area in m2. So bot
 transform and the stage's unit count.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -1,8 +1,6 @@
 """Cameras of a stage to those of glTF and `sunfleck_camera`; `usd/cameras.py` has the
 units, and Blender's."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

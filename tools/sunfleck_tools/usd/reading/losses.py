@@ -3,8 +3,6 @@
 Invariant: whatever `KINDS` does not name cannot be lost; a kind is said once, with how often and where first.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass
 
@@ -100,7 +98,7 @@ class Losses:
         self._counts[kind] += 1
         self._first.setdefault(kind, (str(place), f"{place}: {what}"))
 
-    def leaving_out(self, prim: Usd.Prim) -> _LeavingOut:
+    def leaving_out(self, prim: Usd.Prim) -> "_LeavingOut":
         """A context that leaves out a prim that cannot be read, and says why."""
         return _LeavingOut(self, prim)
 

@@ -1,7 +1,5 @@
 """Meshes at nodes. Invariant: what is the same is stored once, in however many prims it came."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -4,8 +4,6 @@ interfaces and node graphs.
 Invariant: whatever cannot feed it is said, and the input has its default.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,8 +1,6 @@
 """Nodes of a glTF file under construction: where they stand, what they carry. Invariant: each has
 a name of its own."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...gltf.writer import GlbWriter

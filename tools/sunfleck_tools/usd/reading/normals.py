@@ -1,8 +1,6 @@
 """Normals of faces that stand for a smooth surface. Invariant: corners at a vertex share one unless a
 sharp edge parts them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .subdivision import Cage, sums

@@ -1,7 +1,5 @@
 """Values of attributes as numbers, whatever their type: attributes of schemas may have any."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

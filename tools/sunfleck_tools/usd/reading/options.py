@@ -1,7 +1,5 @@
 """What of a stage is read, and how strictly. Invariant: whatever is not said is the stage's own word."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

@@ -1,7 +1,5 @@
 """Matrices to the translations, turns and scales that glTF has."""
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Usd, UsdGeom
 

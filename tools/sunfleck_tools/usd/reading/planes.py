@@ -3,8 +3,6 @@
 Invariant: no picture that is made has more than `MOST_BAKED` texels; what is made smaller for it is said.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

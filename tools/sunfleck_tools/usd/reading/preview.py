@@ -4,8 +4,6 @@ Source: https://openusd.org/release/spec_usdpreviewsurface.html. In goes a netwo
 fields and which of them change over time. Invariant: no input that is authored is passed over unsaid.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Normals, texture coordinates and other values of a mesh. Invariant: what is handed out is finite
 and fits the mesh."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

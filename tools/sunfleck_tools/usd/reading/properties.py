@@ -1,7 +1,5 @@
 """Custom properties of prims to extras: the reverse of `usd/properties.py`."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

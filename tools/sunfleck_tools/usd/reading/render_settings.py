@@ -4,8 +4,6 @@ Of several the one counts that the stage names (`renderSettingsPrimPath`), else 
 asks for is honoured or said.
 """
 
-from __future__ import annotations
-
 import math
 
 from pxr import Usd, UsdGeom, UsdRender

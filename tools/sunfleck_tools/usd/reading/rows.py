@@ -1,7 +1,5 @@
 """Rows of numbers that are the same. Invariant: rows count as the same if all their numbers are."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

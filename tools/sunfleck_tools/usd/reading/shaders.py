@@ -5,8 +5,6 @@ taken, which is an approximation that is said. Sources: the specifications of Us
 Autodesk's Standard Surface 1.0, OpenPBR 1.1, and MaterialX 1.39 for what its nodes are called.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from pxr import UsdShade

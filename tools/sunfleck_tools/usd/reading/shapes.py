@@ -1,7 +1,5 @@
 """Meshes and solids of a stage to primitives of glTF. Invariant: no index is used that was not checked."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial

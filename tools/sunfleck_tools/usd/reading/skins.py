@@ -5,8 +5,6 @@ ties vertices to them. Invariant: a root is carried as skins as a whole or baked
 are where UsdSkel has them at every sample.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -4,8 +4,6 @@ In: a prim of one of `SOLIDS`. Out: points, faces and normals. Invariant: a soli
 faces at every time.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Invariant: no arc of a stage that is handed out comes round; what it refers to and is not there is said.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterator

@@ -3,8 +3,6 @@
 Invariant: the spans of a shape follow one another without gaps.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

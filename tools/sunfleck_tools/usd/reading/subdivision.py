@@ -6,8 +6,6 @@ it, which renderers of USD have: creases decay uniformly, edges of more than two
 what is refined is a mean of what was there; weights add up to 1.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -66,7 +64,7 @@ class Cage:
         return before
 
     @cached_property
-    def edges(self) -> Edges:
+    def edges(self) -> "Edges":
         """Edges, each once."""
         starts, ends = self.corners, self.corners[self.next_corner]
         keys, of_corner, faces = np.unique(
@@ -88,7 +86,7 @@ class Cage:
         """How many faces have each vertex."""
         return np.bincount(self.corners, minlength=self.vertices)
 
-    def with_sharp_vertices(self, chosen: np.ndarray) -> Cage:
+    def with_sharp_vertices(self, chosen: np.ndarray) -> "Cage":
         """The same, where chosen vertices stay where they are."""
         sharp = np.where(chosen, np.inf, self.vertex_sharpness)
         return Cage(
@@ -158,7 +156,7 @@ class Refinement:
         """The sum at each vertex of a value for each end of each edge."""
         return np.bincount(self.cage.edges.ends.ravel(), values.ravel(), self.cage.vertices)
 
-    def _rule(self, edge_sharpness: np.ndarray, vertex_sharpness: np.ndarray) -> _Rule:
+    def _rule(self, edge_sharpness: np.ndarray, vertex_sharpness: np.ndarray) -> "_Rule":
         """Smooth (or dart), crease, or corner, by how many edges are sharp (DeRose, Kass and Truong
         1998, section 3)."""
         is_sharp = np.repeat((edge_sharpness > 0)[:, None], 2, axis=1)

@@ -1,8 +1,6 @@
 """Materials of a stage to those of glTF. Invariant: each is written once for each order of
 texture coordinates."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

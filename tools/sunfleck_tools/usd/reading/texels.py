@@ -5,8 +5,6 @@ Invariant: nothing is decoded whose head claims more than it may; whatever else 
 `PictureError` in words.
 """
 
-from __future__ import annotations
-
 import io
 import tempfile
 import warnings

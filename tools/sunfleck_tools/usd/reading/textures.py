@@ -1,8 +1,6 @@
 """Nodes that read textures: which file, where on the mesh, what is done with its numbers. Invariant: a
 `Texture` has a file that opens."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 """Polygons to triangles. Invariant: the area of a flat polygon is that of its triangles, also where
 it is not convex."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

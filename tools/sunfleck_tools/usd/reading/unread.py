@@ -1,7 +1,5 @@
 """Words of a prim that nothing else here reads, and that change a picture. Invariant: each is said."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -4,8 +4,6 @@ Whatever is invisible hides all below it, so a node says for its children what i
 Prims that stand elsewhere in glTF than in the stage bring along what their ancestors say.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from pxr import Usd, UsdGeom
 

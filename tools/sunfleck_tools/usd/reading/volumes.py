@@ -2,8 +2,6 @@
 Invariant: fields and materials that are not carried are said.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
