@@ -63,7 +63,7 @@ class Measures(WithFolder):
 
 class Commands(unittest.TestCase):
     def test_those_that_are_gone_name_their_successors(self):
-        for name, successor in (("compare", "diff"), ("contact-sheet", "preview"), ("movie", "preview")):
+        for name, successor in (("compare", "diff"), ("movie", "preview"), ("farm-simulation", "farm")):
             code, _, err = run(name, "out/")
             self.assertEqual(code, 2)
             self.assertRegex(err, rf"^error: `{name}` is gone: `sunfleck {successor} .*` does its work\n$")

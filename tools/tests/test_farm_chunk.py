@@ -6,9 +6,8 @@ import unittest
 from dataclasses import replace
 from statistics import mean
 
-from sunfleck_tools.farm import Farm, Work, simulate
-
 from .command import PROGRAM
+from .farm_simulation import Farm, Work, simulate
 from .test_farm import FRAMES, SHOT, WithShot
 
 CHUNKS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 100, 150)

@@ -5,9 +5,7 @@ import unittest
 from dataclasses import replace
 from statistics import mean
 
-from sunfleck_tools.farm import HOUR_S, Farm, Work, best_chunk, simulate
-
-from .command import run
+from .farm_simulation import HOUR_S, Farm, Work, simulate
 
 PLAIN = Farm(nodes=1, dispatch_s=0.0, start_s=3.0, load_s=2.0)
 
@@ -69,9 +67,8 @@ class Failures(unittest.TestCase):
         self.assertLess(large.lost, 0.08)
 
     def test_nodes_that_fail_too_often_are_said(self):
-        code, _, told = run("farm-simulation", "--failures-per-hour", 1000, "--frames", 10)
-        self.assertEqual(code, 2)
-        self.assertIn("failures an hour", told)
+        with self.assertRaisesRegex(ValueError, "failures an hour"):
+            simulate(Farm(10, failures_per_h=1000.0), Work(10, 60.0))
 
 
 class Properties(unittest.TestCase):
@@ -100,38 +97,6 @@ class Properties(unittest.TestCase):
         for nodes in (1, 10, 100):
             outcome = simulate(replace(self.FARM, nodes=nodes), self.WORK)
             self.assertLess(outcome.frames_per_h, nodes * HOUR_S / self.WORK.frame_s * 1.03)
-
-    def test_the_best_chunk_is_between_one_and_all(self):
-        chunk, best = best_chunk(self.FARM, self.WORK, (1, 6, 100))
-        self.assertEqual(chunk, 6)
-        self.assertEqual(best, simulate(self.FARM, self.WORK))
-
-
-class CommandLine(unittest.TestCase):
-    def test_a_table_a_farm(self):
-        code, told, _ = run(
-            "farm-simulation", "--nodes", "1,3", "--frames", 6, "--chunks", "1,2", "--spread", 0,
-            "--failures-per-hour", 0, "--dispatch-seconds", 0, "--scene-mb", 0, "--frame-mb", 0,
-        )  # fmt: skip
-        self.assertEqual(code, 0)
-        self.assertIn("3 nodes, 6 frames of 60 s", told)
-        lines = [line.split() for line in told.splitlines()]
-        # Of 6 (3 + 60) s, and of 2 (3 + 60) s.
-        self.assertIn("1 0.105 57 95.2 % 4.8 % 0.0 % 0.0 % 0.0 % 0".split(), lines)
-        self.assertIn("1 0.035 171 95.2 % 4.8 % 0.0 % 0.0 % 0.0 % 0".split(), lines)
-
-    def test_the_ends_of_what_is_taken_are_told_too(self):
-        for flag, value in (("--spread", 10), ("--start-seconds", 1e9), ("--frame-seconds", 1e-6), ("--scene-mb", 1e9)):
-            code, told, _ = run("farm-simulation", "--nodes", 2, "--frames", 4, "--failures-per-hour", 0, flag, value)
-            self.assertEqual(code, 0, flag)
-            self.assertNotRegex(told, "nan|inf")
-
-    def test_numbers_that_make_no_sense(self):
-        for flag, value in (("--nodes", "0"), ("--chunks", "1,x"), ("--frames", "9" * 5000), ("--frame-seconds", "0"),
-                            ("--frame-mb", "1e308"), ("--spread", "-1"), ("--spread", "1e300"), ("--failures-per-hour", "1e-320"), ("--seed", "9" * 5000)):  # fmt: skip
-            code, _, told = run("farm-simulation", flag, value)
-            self.assertEqual(code, 2, flag)
-            self.assertIn(flag, told)
 
 
 if __name__ == "__main__":

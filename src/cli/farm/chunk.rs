@@ -1,5 +1,5 @@
 //! Number of frames that a task renders, where nobody says. In go machines and times, out comes a chunk.
-//! Invariant: it is the farm that `sunfleck-tools farm-simulation` simulates, in closed form.
+//! Invariant: it is the farm that `tools/tests/farm_simulation.py` simulates, in closed form.
 
 use super::super::parse::LARGEST_CHUNK;
 

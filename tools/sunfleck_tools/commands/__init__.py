@@ -1,12 +1,13 @@
 """The commands, a module each: `HELP`, `add_arguments(parser)`, and `run(arguments)`, which
 returns the exit code."""
 
-COMMANDS = ("validate", "peers", "export_usd", "import_usd", "farm_simulation")
+COMMANDS = ("validate", "peers", "export_usd", "import_usd")
 """Modules of this package; a command has its module's name, with hyphens."""
 SUCCESSORS = {
     "compare": "sunfleck diff OUTPUT REFERENCE [--picture FILE|DIR]",
     "contact-sheet": "sunfleck preview DIR --size 25% --out OUT.png",
     "movie": "sunfleck preview DIR --out OUT.webp",
+    "farm-simulation": "sunfleck farm INPUT --chunk auto",
 }
 """Commands that are gone, and what does their work."""
 

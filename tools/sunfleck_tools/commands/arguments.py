@@ -44,17 +44,6 @@ def positive(text: str) -> float:
     return number
 
 
-def from_zero(text: str) -> float:
-    """A number that is not below 0."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = -1.0
-    if not 0 <= number < float("inf"):
-        raise ArgumentTypeError(f"`{text}` is no number from 0 on")
-    return number
-
-
 def count(text: str) -> int:
     """From 1 to 1024."""
     if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 1024:

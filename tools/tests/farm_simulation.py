@@ -2,13 +2,13 @@
 
 In go a farm and its work, out comes where the time of all nodes went. Invariants: the same seed gives the
 same outcome. The shares of an outcome add up to 1. Frames that are whole are never rendered again, as with
-`--skip valid`.
+`--skip valid`. `python -m tests.farm_simulation` in `tools/` prints the table of docs/farm.md.
 """
 
 import heapq
 import math
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from random import Random
 
 HOUR_S = 3600.0
@@ -79,12 +79,6 @@ def simulate(farm: Farm, work: Work, seed: int = 0) -> Outcome:
             f"{longest:.0f} s between two of them: fewer failures, or shorter frames"
         )
     return _Run(farm, work, times, Random(seed + 1)).outcome()
-
-
-def best_chunk(farm: Farm, work: Work, chunks: tuple[int, ...], seed: int = 0) -> tuple[int, Outcome]:
-    """The chunk of most throughput, of equals the smallest, and what becomes of it."""
-    outcomes = {chunk: simulate(farm, replace(work, chunk=chunk), seed) for chunk in chunks}
-    return min(outcomes.items(), key=lambda found: (found[1].seconds, found[0]))
 
 
 def _frame_times(work: Work, random: Random) -> list[float]:
@@ -207,3 +201,20 @@ class _Run:
         """When so much is read or written."""
         self.disk_free = max(time, self.disk_free) + megabytes / self.farm.disk_mb_per_s
         return self.disk_free if megabytes else time
+
+
+def main() -> None:
+    """Prints what becomes of a thousand nodes by size of chunk."""
+    farm = Farm(1000, scene_mb=100.0, frame_mb=4.0, disk_mb_per_s=5000.0, failures_per_h=0.01)
+    columns = ("chunk", "hours", "frames/h", "ideal", "start", "write", "lost", "idle", "failures")
+    print("".join(f"{name:>10}" for name in columns))
+    for chunk in (1, 4, 10, 32):
+        found = simulate(farm, Work(100_000, 60.0, 0.25, chunk))
+        shares = (found.rendering, found.starting, found.writing, found.lost, found.idle)
+        cells = [f"{chunk}", f"{found.seconds / HOUR_S:.3f}", f"{found.frames_per_h:.0f}"]
+        cells += [f"{100 * share:.1f} %" for share in shares] + [f"{found.failures}"]
+        print("".join(f"{cell:>10}" for cell in cells), flush=True)
+
+
+if __name__ == "__main__":
+    main()
