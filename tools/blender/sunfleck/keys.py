@@ -4,8 +4,12 @@ In goes an owner of animation data, out come curves: of drivers, of the action a
 in strips of strips too. Invariant: of what has nodes, those within groups are among them.
 """
 
+from collections.abc import Iterator
 
-def curves_of(owner):
+import bpy
+
+
+def curves_of(owner: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
     """The F-curves of what belongs to an owner itself, and its drivers."""
     data = getattr(owner, "animation_data", None)
     if data is None:
@@ -18,14 +22,16 @@ def curves_of(owner):
             yield from strip.fcurves
 
 
-def strips_of(owner):
+def strips_of(owner: bpy.types.NlaTrack | bpy.types.NlaStrip) -> Iterator[bpy.types.NlaStrip]:
     """Of a track, or of a strip that holds others."""
     for strip in owner.strips:
         yield strip
         yield from strips_of(strip)
 
 
-def of_action(action, slot):
+def of_action(
+    action: bpy.types.Action | None, slot: bpy.types.ActionSlot | None
+) -> Iterator[bpy.types.FCurve]:
     if action is None or slot is None:
         return
     for layer in action.layers:
@@ -34,9 +40,10 @@ def of_action(action, slot):
             yield from bag.fcurves if bag else ()
 
 
-def trees_of(owner):
+def trees_of(owner: bpy.types.ID) -> list[bpy.types.NodeTree]:
     """The node tree of a material, light or world, and all groups within."""
-    found, waiting = [], [getattr(owner, "node_tree", None)]
+    found: list[bpy.types.NodeTree] = []
+    waiting = [getattr(owner, "node_tree", None)]
     while waiting:
         tree = waiting.pop()
         if tree is not None and tree not in found:
@@ -45,6 +52,6 @@ def trees_of(owner):
     return found
 
 
-def changes(owner):
+def changes(owner: bpy.types.ID) -> bool:
     """Whether anything of a material, light or world is keyed or driven."""
     return any(True for one in (owner, *trees_of(owner)) for _ in curves_of(one))

@@ -4,6 +4,7 @@ Invariant: each loss has an id that never changes its meaning. An error stands i
 warning something is lost; news (`INFO`) say what was done instead.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 ERROR, WARNING, INFO = "ERROR", "WARNING", "INFO"
@@ -116,16 +117,16 @@ class Finding:
     more: str = ""
 
     @property
-    def severity(self):
+    def severity(self) -> str:
         return LOSSES[self.id][0]
 
     @property
-    def message(self):
+    def message(self) -> str:
         sentence = LOSSES[self.id][1]
         told = f"{self.of}: {sentence}" if self.of else sentence
         return f"{told}: {self.more}" if self.more else told
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"[{self.id}] {self.message}"
 
 
@@ -133,9 +134,9 @@ class Finding:
 MOST_NAMED = 3
 
 
-def by_kind(findings):
+def by_kind(findings: Iterable[Finding]) -> Iterator[Finding]:
     """One for each kind, of the first things of which it was found, and how many more."""
-    kinds = {}
+    kinds: dict[str, list[Finding]] = {}
     for finding in findings:
         kinds.setdefault(finding.id, []).append(finding)
     for id, found in kinds.items():
@@ -146,7 +147,7 @@ def by_kind(findings):
         yield Finding(id, named, found[0].more)
 
 
-def ordered(findings):
+def ordered(findings: Iterable[Finding]) -> list[Finding]:
     """Errors first, each once."""
     order = (ERROR, WARNING, INFO)
     return sorted(dict.fromkeys(findings), key=lambda finding: order.index(finding.severity))

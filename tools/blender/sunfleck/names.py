@@ -9,7 +9,7 @@ import sys
 SHORT = "sunfleck"
 
 
-def register():
+def register() -> None:
     if __package__ == SHORT or SHORT in sys.modules:
         return
     for name, module in list(sys.modules.items()):
@@ -17,7 +17,7 @@ def register():
             sys.modules[SHORT + name[len(__package__) :]] = module
 
 
-def unregister():
+def unregister() -> None:
     if __package__ == SHORT or sys.modules.get(SHORT) is not sys.modules[__package__]:
         return
     for name in [name for name in sys.modules if name == SHORT or name.startswith(f"{SHORT}.")]:

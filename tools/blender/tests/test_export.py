@@ -22,6 +22,8 @@ PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
 ROOT = Path(__file__).parents[3]
 # Largest difference of a matrix's elements: metres, and cosines.
 PLACES = 1e-5
+# Frames that one process tells of: most of its time is reading the scene.
+TOGETHER = 6
 # Blender's space from glTF's.
 TURN = mathutils.Matrix([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 
@@ -113,9 +115,7 @@ class Opened(unittest.TestCase):
         self.compared = dict.fromkeys(self.worst, 0)
         self.things = {thing.name: thing for thing in scene.objects}
         curves = Curves(scene)
-        for number, at in enumerate(frames):
-            # Frame by frame: of tens of thousands of nodes there are megabytes to tell.
-            frame = self.told(source, [at])["frames"][0]
+        for number, (at, frame) in enumerate(zip(frames, self.frames_of(source, frames))):
             is_evaluated = number % evaluated == 0
             if is_evaluated:
                 scene.frame_set(at)
@@ -142,6 +142,11 @@ class Opened(unittest.TestCase):
         return json.loads(
             program("inspect", ROOT / source, "--json", "--frames", numbers, "--default-light", "off")
         )
+
+    def frames_of(self, source, frames):
+        """What is told of each, some at a time: of tens of thousands of nodes a frame has megabytes."""
+        for first in range(0, len(frames), TOGETHER):
+            yield from self.told(source, frames[first : first + TOGETHER])["frames"]
 
     def named(self, name, kind):
         """An object; Blender numbers those that share their name with others."""

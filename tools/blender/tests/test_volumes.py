@@ -217,7 +217,7 @@ class Volumes(Case):
             thing = volume(self.scene, path, principled(Density=0.8, Color=(0.0, 0.0, 0.0, 1.0)))
             thing.rotation_euler = (0.3, 0.2, 0.5)
             thing.scale = (1.5, 1.0, 0.8)
-            wish = beside.Wish(PROGRAM, 1, (64, 48), 64, 1024)
+            wish = beside.Wish(PROGRAM, 1, (64, 48), 64, 256)
             with mock.patch.dict(os.environ, {"SUNFLECK_BAKES": str(self.folder)}):
                 ours, theirs, findings = beside.pictures(self.scene, wish, self.folder)
             depths = [-numpy.log(blocks(picture)) for picture in (ours, theirs)]

@@ -3,13 +3,15 @@
 In go a layer's name and its manifest, out come names and values of metadata (Cryptomatte Specification 1.2.0).
 """
 
+from collections.abc import Iterator
 
-def is_manifest(name):
+
+def is_manifest(name: str) -> bool:
     """Whether that is what metadata of this name have."""
     return name.startswith("cryptomatte/") and name.endswith("/manifest")
 
 
-def metadata(layer, manifest):
+def metadata(layer: str, manifest: str) -> Iterator[tuple[str, str]]:
     """Of a layer with a name like `ViewLayer.CryptoObject`."""
     key = f"cryptomatte/{hash_of(layer.encode()):08x}"[: len("cryptomatte/") + 7]
     yield f"{key}/name", layer
@@ -18,7 +20,7 @@ def metadata(layer, manifest):
     yield f"{key}/manifest", manifest
 
 
-def hash_of(data):
+def hash_of(data: bytes) -> int:
     """MurmurHash3_x86_32 with the seed 0 (Appleby 2011)."""
     found, whole = 0, len(data) & ~3
     for at in range(0, whole, 4):
@@ -29,9 +31,9 @@ def hash_of(data):
     return found ^ found >> 16
 
 
-def mixed(word):
+def mixed(word: int) -> int:
     return rotated(word * 0xCC9E2D51 & 0xFFFFFFFF, 15) * 0x1B873593 & 0xFFFFFFFF
 
 
-def rotated(word, bits):
+def rotated(word: int, bits: int) -> int:
     return (word << bits | word >> 32 - bits) & 0xFFFFFFFF

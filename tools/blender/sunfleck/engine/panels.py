@@ -1,5 +1,7 @@
 """Blender's own panels, where they mean the same to the engine."""
 
+from collections.abc import Iterator
+
 import bpy
 
 from ..world import ENGINE
@@ -18,7 +20,7 @@ NOT_OURS = {
 SHARED = ("EEVEE_MATERIAL_PT_", "EEVEE_WORLD_PT_surface", "EEVEE_WORLD_PT_volume", "DATA_PT_EEVEE_light")
 
 
-def ours():
+def ours() -> Iterator[set[str]]:
     for panel in bpy.types.Panel.__subclasses__():
         engines = getattr(panel, "COMPAT_ENGINES", None)
         if not isinstance(engines, set) or panel.__name__ in NOT_OURS:
@@ -28,11 +30,11 @@ def ours():
             yield engines
 
 
-def register():
+def register() -> None:
     for engines in ours():
         engines.add(ENGINE)
 
 
-def unregister():
+def unregister() -> None:
     for engines in ours():
         engines.discard(ENGINE)

@@ -3,14 +3,17 @@
 In go a scene and a view layer, out come what the program is asked for and what Blender is told of.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+
+import bpy
 
 
 @dataclass(frozen=True)
 class Pass:
     """What Blender calls it, its channels, the kind of its values, and a view layer's switch for it."""
 
-    names: tuple
+    names: tuple[str, ...]
     channels: str
     kind: str
     switch: str = ""
@@ -37,7 +40,7 @@ PASSES = {
 }
 
 
-def wanted(scene, layer):
+def wanted(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[str]:
     """Names of the program's passes: those of our panel, and of the view layer's own."""
     chosen = scene.sunfleck_settings.passes
     return [
@@ -47,20 +50,20 @@ def wanted(scene, layer):
     ]
 
 
-def registered(scene, layer):
+def registered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Iterator[tuple[str, str, str]]:
     """Name, channels and kind of each pass that Blender is told of."""
     yield COMBINED, "RGBA", "COLOR"
-    for one in map(PASSES.get, wanted(scene, layer)):
-        for name in one.names:
-            yield name, one.channels, one.kind
+    for one in wanted(scene, layer):
+        for name in PASSES[one].names:
+            yield name, PASSES[one].channels, PASSES[one].kind
 
 
-def signs(name):
+def signs(name: str) -> tuple[float, ...] | None:
     """Of the channels of one of Blender's passes, beside those of the frame."""
     return tuple(sign for _, sign in AXES.values()) if name in (NORMAL, POSITION) else None
 
 
-def channels_of(name, count):
+def channels_of(name: str, count: int) -> tuple[str, ...]:
     """What a frame calls the channels of one of Blender's passes."""
     if name in (NORMAL, POSITION):
         return tuple(f"{name}.{axis}" for axis, _ in AXES.values())

@@ -5,11 +5,14 @@ height, whatever side Blender fits them to.
 """
 
 import math
+from typing import Any
+
+import bpy
 
 from .. import extras
 
 
-def camera(data, scene):
+def camera(data: bpy.types.Camera, scene: bpy.types.Scene) -> dict[str, Any] | None:
     """None for what glTF has no word for."""
     width, height = extras.picture_sides(scene)
     near, far = max(data.clip_start, 1e-9), data.clip_end
@@ -23,7 +26,7 @@ def camera(data, scene):
     return None
 
 
-def field_of_view(data, scene):
+def field_of_view(data: bpy.types.Camera, scene: bpy.types.Scene) -> float:
     """Of the picture's height, radians; tangents of half angles go with the sides."""
     _, height = extras.picture_sides(scene)
     sensor = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width

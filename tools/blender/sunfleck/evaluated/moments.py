@@ -5,7 +5,11 @@ two frames' shutters.
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
+
+import bpy
 
 # Halved so often at most: 33 moments.
 MOST_HALVINGS = 4
@@ -21,14 +25,14 @@ class Shutter:
     opening: float
 
     @classmethod
-    def of(cls, scene):
+    def of(cls, scene: bpy.types.Scene) -> "Shutter":
         render = scene.render
         if not render.use_motion_blur or render.motion_blur_shutter <= 0.0:
             return cls(0.0, 0.0)
         length = render.motion_blur_shutter
         return cls(length, OFFSETS[render.motion_blur_position] * length)
 
-    def rounds(self):
+    def rounds(self) -> Iterator[list[float]]:
         """From the frame: the frame itself, the ends and the middle, then what lies halfway
         between those before."""
         yield [0.0]
@@ -47,11 +51,11 @@ class Shutter:
             share = [at / pieces for at in range(1, pieces, 2)]
 
     @property
-    def is_centred(self):
+    def is_centred(self) -> bool:
         return abs(self.opening + 0.5 * self.length) < 1e-6
 
     @property
-    def switch(self):
+    def switch(self) -> float:
         """Where, from a frame, what is seen from this frame on begins to be: between the shutters."""
         return self.opening + 0.5 * (self.length - 1.0)
 
@@ -65,21 +69,22 @@ class Clock:
     first: int
 
     @classmethod
-    def of(cls, scene, frames):
+    def of(cls, scene: bpy.types.Scene, frames: Sequence[int]) -> "Clock":
         shutter = Shutter.of(scene)
         earliest = frames[0] + min(shutter.opening, shutter.switch)
         return cls(seconds_a_frame(scene.render), math.floor(earliest) if earliest < 0.0 else 0)
 
-    def seconds(self, frames):
+    def seconds(self, frames: Any) -> Any:
+        """Of a frame, or of an array of them."""
         return (frames - self.first) * self.seconds_a_frame
 
 
-def seconds_a_frame(render):
+def seconds_a_frame(render: bpy.types.RenderSettings) -> float:
     """Blender has 1.001 in single precision, and means it."""
-    base = render.fps_base
-    return (1.001 if abs(base - 1.001) < 1e-6 else base) / render.fps
+    base: float = render.fps_base
+    return (1.001 if abs(base - 1.001) < 1e-6 else base) / float(render.fps)
 
 
-def frames(scene, only=None):
+def frames(scene: bpy.types.Scene, only: int | None = None) -> range:
     """All of them, whatever the step, as simulations want every one; or one alone."""
     return range(scene.frame_start, scene.frame_end + 1) if only is None else range(only, only + 1)

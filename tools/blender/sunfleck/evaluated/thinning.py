@@ -6,23 +6,29 @@ key at a time. From the last key that stayed, the slopes that pass near enough t
 interval. A key that lies beyond it ends the run before it.
 """
 
-import numpy
+from collections.abc import Callable
+from typing import Any
 
+import numpy
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+Between = Callable[[Array, Array], Array]
 # Arcs from key to key are less than half a turn.
 LARGEST_ARC = 0.95 * numpy.pi
 
 
-def straight(times, values, lengths, tolerance):
+def straight(times: Array, values: Array, lengths: Array, tolerance: Array | float) -> Array:
     """Which keys stay, of tracks (tracks, keys, channels) of which each has so many keys."""
     return _thinned(times, values, lengths, tolerance, lambda start, end: end - start)
 
 
-def arcs(times, quaternions, lengths, tolerance):
+def arcs(times: Array, quaternions: Array, lengths: Array, tolerance: Array | float) -> Array:
     """The same of rotations (x, y, z, w), which turn at constant speed between keys."""
     return _thinned(times, quaternions, lengths, tolerance, turn)
 
 
-def turn(start, end):
+def turn(start: Array, end: Array) -> Array:
     """The rotation from one to the other as a vector in the start's space; half turns are too
     long to be sure of."""
     x, y, z, w = (start * numpy.array([-1.0, -1.0, -1.0, 1.0])).T
@@ -35,12 +41,14 @@ def turn(start, end):
     sine = numpy.linalg.norm(relative[:, :3], axis=1)
     angle = 2.0 * numpy.arctan2(sine, relative[:, 3])
     scale = numpy.divide(angle, sine, out=numpy.full_like(sine, 2.0), where=sine > 1e-12)
-    vector = relative[:, :3] * scale[:, None]
+    vector: Array = relative[:, :3] * scale[:, None]
     vector[angle > LARGEST_ARC] = numpy.inf
     return vector
 
 
-def _thinned(times, values, lengths, tolerance, difference):
+def _thinned(
+    times: Array, values: Array, lengths: Array, tolerance: Array | float, difference: Between
+) -> Array:
     tracks, keys = times.shape
     stays = numpy.zeros((tracks, keys), bool)
     stays[:, 0] = True

@@ -4,8 +4,12 @@ In go Blender's objects, out comes a dictionary of what is unusual. Invariant: r
 and its instancer let them. As in Cycles the rest is the instancer's alone.
 """
 
+import bpy
 
-def of_thing(thing, instancer, layer):
+
+def of_thing(
+    thing: bpy.types.Object, instancer: bpy.types.Object | None, layer: bpy.types.ViewLayer
+) -> dict[str, bool]:
     """Of an object, or of what an object instances, in a view layer."""
     parent = instancer or thing
     said = {}

@@ -5,9 +5,11 @@ them of lights.
 """
 
 from functools import cache
+from typing import Any
 
 import bpy
 import numpy
+from numpy.typing import NDArray
 
 from .colours import working_space
 
@@ -15,13 +17,13 @@ from .colours import working_space
 LOWEST_K, HIGHEST_K, STEP_K = 800, 12000, 5
 
 
-def color(kelvin):
+def color(kelvin: float) -> tuple[float, ...]:
     temperatures, colors = table(working_space())
     return tuple(float(numpy.interp(kelvin, temperatures, channel)) for channel in colors.T)
 
 
 @cache
-def table(_space):
+def table(_space: str) -> tuple[NDArray[Any], NDArray[Any]]:
     light = bpy.data.lights.new("sunfleck black body", "SUN")
     try:
         temperatures, colors = numpy.arange(LOWEST_K, HIGHEST_K + 1, STEP_K, float), []

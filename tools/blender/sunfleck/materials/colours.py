@@ -1,5 +1,7 @@
 """Colours of the file's working space as linear Rec. 709, which is what glTF has."""
 
+from typing import Any
+
 import bpy
 import numpy
 
@@ -10,7 +12,7 @@ REC709_FROM = {
 }
 
 
-def working_space():
+def working_space() -> str:
     """Its name in Blender."""
     return (
         getattr(bpy.data.colorspace, "working_space", "Linear Rec.709")
@@ -19,7 +21,7 @@ def working_space():
     )
 
 
-def rec709(color):
+def rec709(color: Any) -> Any:
     """Of a colour, or of rows of colours, in the working space; what Rec. 709 lacks is negative
     here and black there."""
     matrix = REC709_FROM.get(working_space())

@@ -4,6 +4,9 @@ In goes a tree, out come bytes. Invariant: all that is set in nodes, sockets, ra
 images is among them.
 """
 
+from collections.abc import Iterator
+from typing import Any
+
 import bpy
 import numpy
 
@@ -16,7 +19,7 @@ PASSED_OVER = {
 }
 
 
-def of_tree(tree, seen=()):
+def of_tree(tree: bpy.types.NodeTree, seen: tuple[bpy.types.NodeTree, ...] = ()) -> bytes:
     names = {node.name: number for number, node in enumerate(tree.nodes)}
     told = [(node.bl_idname, [*settings(node, (*seen, tree))], [*values(node)]) for node in tree.nodes]
     links = sorted(
@@ -26,7 +29,7 @@ def of_tree(tree, seen=()):
     return repr((told, links)).encode()
 
 
-def settings(node, seen):
+def settings(node: bpy.types.Node, seen: tuple[bpy.types.NodeTree, ...]) -> Iterator[tuple[str, Any]]:
     """What is set in a node."""
     for prop in node.bl_rna.properties:
         if prop.identifier in PASSED_OVER or prop.identifier.startswith("bl_"):
@@ -34,7 +37,7 @@ def settings(node, seen):
         yield prop.identifier, told(getattr(node, prop.identifier), seen)
 
 
-def told(value, seen):
+def told(value: Any, seen: tuple[bpy.types.NodeTree, ...]) -> Any:
     if isinstance(value, (bool, int, float, str, type(None))):
         return value
     if isinstance(value, bpy.types.Image):
@@ -55,9 +58,9 @@ def told(value, seen):
     return tuple(value) if hasattr(value, "__len__") and not hasattr(value, "bl_rna") else None
 
 
-def values(node):
+def values(node: bpy.types.Node) -> Iterator[tuple[str, Any]]:
     for socket in node.inputs:
-        value = getattr(socket, "default_value", None)
+        value: Any = getattr(socket, "default_value", None)
         yield (
             socket.identifier,
             tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else told(value, ()),
@@ -67,7 +70,7 @@ def values(node):
         yield "value", tuple(value) if hasattr(value, "__len__") else value
 
 
-def of_image(image):
+def of_image(image: bpy.types.Image) -> tuple[str, ...]:
     pixels = numpy.empty(image.size[0] * image.size[1] * 4 if image.channels else 0, "f4")
     if len(pixels):
         image.pixels.foreach_get(pixels)

@@ -4,10 +4,12 @@ In go an instance of the graph and a frame, out come four numbers. Invariant: wh
 answers of Cycles' first, empty particle.
 """
 
+import bpy
+
 WORD = 0xFFFFFFFF
 
 
-def answer(output, instance, frame):
+def answer(output: str, instance: bpy.types.DepsgraphObjectInstance, frame: float) -> tuple[float, ...]:
     system = instance.particle_system if instance.is_instance else None
     number = instance.persistent_id[0] if system else 0
     # Cycles knows no children of particles.
@@ -25,12 +27,12 @@ def answer(output, instance, frame):
     return (float(found),) * 3 + (1.0,)
 
 
-def hash_of(number):
+def hash_of(number: int) -> int:
     """Cycles' `hash_uint2(number, 0)`, by Jenkins (lookup3)."""
     a = b = c = (0xDEADBEEF + (2 << 2) + 13) & WORD
     a = (a + number) & WORD
 
-    def turned(value, bits):
+    def turned(value: int, bits: int) -> int:
         return ((value << bits) | (value >> (32 - bits))) & WORD
 
     for bits in ((14, 11, 25), (16, 4, 14), (24, 0, 0)):

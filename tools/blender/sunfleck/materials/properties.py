@@ -4,10 +4,13 @@ In go owners and a name, out come four numbers. Invariant: a custom property com
 owner before a later one; what nobody has is black.
 """
 
+from collections.abc import Iterable
+from typing import Any
+
 NOBODY = (0.0, 0.0, 0.0, 0.0)
 
 
-def first(owners, name):
+def first(owners: Iterable[Any], name: str) -> tuple[float, ...]:
     for owner in owners:
         found = None if owner is None else of(owner, name)
         if found is not None:
@@ -15,7 +18,7 @@ def first(owners, name):
     return NOBODY
 
 
-def of(owner, name):
+def of(owner: Any, name: str) -> tuple[float, ...] | None:
     """None if it has none that is a number or up to four."""
     value = owner.get(name) if hasattr(owner, "get") else None
     if value is None:
@@ -28,7 +31,7 @@ def of(owner, name):
     return four(value)
 
 
-def four(value):
+def four(value: Any) -> tuple[float, ...] | None:
     if isinstance(value, (bool, int, float)):
         return (float(value),) * 3 + (1.0,)
     try:
