@@ -1,12 +1,7 @@
 """A frame of the program's as pixels of Blender's Render Result."""
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
-
 import bpy
 import numpy
-from numpy.typing import NDArray
 
 from . import cryptomatte, passes
 from .exporting import NotRendered
@@ -15,11 +10,11 @@ from .exporting import NotRendered
 class Picture:
     """A frame: rows from the top, columns, channels by their names; and the manifest of its Cryptomatte, if any."""
 
-    def __init__(self, names: Sequence[str], pixels: NDArray[Any], manifest: str | None = None):
+    def __init__(self, names, pixels, manifest=None):
         self.numbers, self.pixels = {name: number for number, name in enumerate(names)}, pixels
         self.manifest = manifest
 
-    def of(self, channels: Sequence[str]) -> NDArray[Any] | None:
+    def of(self, channels):
         """As Blender has it, rows from the bottom; None if the frame lacks a channel."""
         if not channels or not set(channels) <= self.numbers.keys():
             return None
@@ -27,7 +22,7 @@ class Picture:
         return numpy.ascontiguousarray(found, "f4").ravel()
 
 
-def read(path: str | Path) -> Picture:
+def read(path):
     """By the library that Blender itself reads frames with."""
     bpy.utils.expose_bundled_modules()
     import OpenImageIO
@@ -46,7 +41,7 @@ def read(path: str | Path) -> Picture:
         file.close()
 
 
-def hand_over(engine: bpy.types.RenderEngine, layer: str, picture: Picture) -> None:
+def hand_over(engine, layer, picture):
     rows, columns = picture.pixels.shape[:2]
     result = engine.begin_result(0, 0, columns, rows, layer=layer)
     for one in result.layers[0].passes:
