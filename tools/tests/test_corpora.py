@@ -13,12 +13,11 @@ from shlex import quote
 import numpy as np
 import OpenEXR
 
-from sunfleck_tools.corpora import Limits, Programs, as_json, as_text, find_files, verdict_on
-from sunfleck_tools.corpora.limited import run_limited
-from sunfleck_tools.corpora.outcomes import Outcome, group_of
-from sunfleck_tools.corpora.probes import mean_radiance
-
 from .command import NO_PROGRAM, PROGRAM
+from .corpora import Limits, Programs, as_json, as_text, find_files, verdict_on
+from .corpora.limited import run_limited
+from .corpora.outcomes import Outcome, group_of
+from .corpora.probes import mean_radiance
 from .files import DATA
 
 PROGRAM_OF_NAMES = """#!/bin/sh

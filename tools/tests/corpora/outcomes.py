@@ -7,7 +7,8 @@ memory, and the picture.
 import re
 from enum import Enum
 
-from ..commands import IO, SCENE
+from sunfleck_tools.commands import IO, SCENE
+
 from .limited import Ended, Limits
 
 

@@ -16,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..analysis import read_picture
-from ..commands import FINDINGS
+from sunfleck_tools.analysis import read_picture
+from sunfleck_tools.commands import FINDINGS
+
 from .files import CorpusFile
 from .limited import Ended, Limits, run_limited
 from .outcomes import Outcome, loss_ids, outcome_of, sentence_of
