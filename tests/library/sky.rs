@@ -348,7 +348,7 @@ fn a_sky_costs_nothing_where_there_is_none() {
     assert!(!snapshot(&scene));
 }
 
-/// The image of `tools/peers/mitsuba_sky.py`: a slope, and a soft sun.
+/// The image of `tests/data/sky/make.py`: a slope, and a soft sun.
 fn sloping_sky() -> SkyPicture {
     let (width, height) = (512, 256);
     let texel = |index: usize| {
@@ -369,7 +369,7 @@ fn sloping_sky() -> SkyPicture {
     })
 }
 
-/// Means over pixels and their standard errors, as Mitsuba 3 finds them (`tools/peers/mitsuba_sky.py`).
+/// Means over pixels and their standard errors, as Mitsuba 3 finds them (`tests/data/sky/make.py`).
 #[test]
 fn pixels_equal_those_of_mitsuba() {
     let found: serde_json::Value =

@@ -21,20 +21,9 @@ import bpy
 import numpy
 
 import sunfleck
-from sunfleck.materials.images import png, srgb
 from sunfleck_tools.peers import beside
 
 BLOCKS = 8
-
-
-def ratios_of_blocks(ours, theirs):
-    """Of the means of blocks that are not next to black."""
-    rows, columns = (numpy.linspace(0, side, BLOCKS + 1).astype(int) for side in theirs.shape[:2])
-    for top, bottom in zip(rows, rows[1:]):
-        for left, right in zip(columns, columns[1:]):
-            mean = theirs[top:bottom, left:right].mean()
-            if mean > 0.01 * theirs.mean():
-                yield ours[top:bottom, left:right].mean() / mean
 
 
 def main():
@@ -68,14 +57,15 @@ def main():
         ours, theirs, findings = beside.pictures(scene, wish, Path(folder))
     for finding in findings:
         print(f"{finding.severity.lower()}{finding}")
-    ratio, blocks = ours.mean() / theirs.mean(), sorted(ratios_of_blocks(ours, theirs))
+    ratio = ours.mean() / theirs.mean()
+    blocks = beside.ratios_of_blocks(ours, theirs, BLOCKS, BLOCKS, 0.01)
     print(
         f"mean {theirs.mean():.5f}, ratio {ratio:.5f}, {len(blocks)} blocks from {blocks[0]:.4f} to "
         f"{blocks[-1]:.4f}"
     )
     if arguments.picture:
-        three = numpy.concatenate([ours, theirs, 10.0 * numpy.abs(ours - theirs)], axis=1)
-        arguments.picture.write_bytes(png(srgb(three[::-1] / max(1e-9, numpy.quantile(theirs, 0.98))), False))
+        three = (ours, theirs, 10.0 * numpy.abs(ours - theirs))
+        arguments.picture.write_bytes(beside.side_by_side(three, numpy.quantile(theirs, 0.98)))
     return int(abs(ratio - 1.0) > arguments.bar)
 
 

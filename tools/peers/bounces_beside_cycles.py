@@ -23,7 +23,6 @@ import beside_scenes
 import numpy
 
 import sunfleck
-from sunfleck.materials.images import png, srgb
 from sunfleck_tools.peers import beside
 
 
@@ -69,7 +68,7 @@ def tell(name, bounces, pictures, folder):
     grid, walks, theirs = pictures
     mean = theirs.mean()
     # Of blocks of the picture, which random walks do not know much better than to a hundredth.
-    worst = sorted(ratios_of_blocks(grid, walks))
+    worst = beside.ratios_of_blocks(grid, walks, 6, 4, 0.05)
     print(
         f"{name:28} {bounces} {mean:9.5f} grid {grid.mean() / mean:8.4f} walks {walks.mean() / mean:8.4f} "
         f"grid to walks by blocks {worst[0]:6.3f} to {worst[-1]:6.3f}",
@@ -77,16 +76,8 @@ def tell(name, bounces, pictures, folder):
     )
     if folder:
         folder.mkdir(parents=True, exist_ok=True)
-        three = numpy.concatenate(pictures, axis=1)[::-1] / max(1e-9, numpy.quantile(theirs, 0.98))
-        (folder / f"{name.replace(', ', '_').replace(' ', '_')}_{bounces}.png").write_bytes(png(srgb(three), False))
-
-
-def ratios_of_blocks(ours, theirs, across=6, down=4):
-    """Of the means of blocks that are not next to black."""
-    for rows, other in zip(numpy.array_split(ours, down), numpy.array_split(theirs, down)):
-        for block, beside_it in zip(numpy.array_split(rows, across, axis=1), numpy.array_split(other, across, axis=1)):
-            if beside_it.mean() > 0.05 * theirs.mean():
-                yield block.mean() / beside_it.mean()
+        path = folder / f"{name.replace(', ', '_').replace(' ', '_')}_{bounces}.png"
+        path.write_bytes(beside.side_by_side(pictures, numpy.quantile(theirs, 0.98)))
 
 
 @contextlib.contextmanager

@@ -10,7 +10,6 @@ if a mean differs by more than the bar.
 
 import argparse
 import math
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -23,8 +22,7 @@ import numpy
 
 import scenes
 import sunfleck
-from sunfleck import export
-from sunfleck_tools.peers import cycles
+from sunfleck_tools.peers import beside
 
 SIZE = (160, 90)
 
@@ -155,28 +153,12 @@ SCENES = {
 }
 
 
-def picture(path):
-    image = bpy.data.images.load(str(path), check_existing=False)
-    width, height = image.size
-    pixels = numpy.array(image.pixels[:], float).reshape(height, width, -1)[::-1, :, :3]
-    bpy.data.images.remove(image)
-    return pixels
-
-
 def compare(name, build, arguments, folder):
     """Mean ratio, and the root mean square difference relative to the mean."""
     scene = stage()
     build(scene)
-    glb = folder / "scene.glb"
-    export.export(scene, glb)
-    ours = folder / "ours.exr"
-    command = [arguments.sunfleck, "render", glb, "--samples", str(arguments.samples), "--passes", "none", "--bounces", "0", "--out", ours]
-    subprocess.run(list(map(str, command)), check=True, capture_output=True)
-    cycles.settings(scene, SIZE)
-    scene.cycles.samples = arguments.cycles_samples
-    scene.render.filepath = str(folder / "cycles.exr")
-    bpy.ops.render.render(write_still=True)
-    ours, theirs = picture(ours), picture(folder / "cycles.exr")
+    wish = beside.Wish(arguments.sunfleck, 1, SIZE, arguments.samples, arguments.cycles_samples)
+    ours, theirs, _ = beside.pictures(scene, wish, folder)
     ratio = ours.mean() / theirs.mean()
     difference = float(numpy.sqrt(numpy.mean((ours - theirs) ** 2)) / theirs.mean())
     print(f"{name:24} {theirs.mean():10.5f} {ratio:9.5f} {100.0 * difference:9.2f} %", flush=True)

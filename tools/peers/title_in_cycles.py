@@ -28,11 +28,11 @@ import bpy
 import mathutils
 import numpy
 
-from compare_cycles import picture
 from sunfleck_tools.gltf.lights import LightSource
 from sunfleck_tools.gltf.load import load
 from sunfleck_tools.gltf.meshes import Meshes
 from sunfleck_tools.peers import cycles
+from sunfleck_tools.peers.beside import pixels_of
 from sunfleck_tools.peers.lamps import Sun, read_light
 from sunfleck_tools.peers.scene import FOG_GROWTH, Fog
 
@@ -216,7 +216,7 @@ def main():
                 check=True,
                 capture_output=True,
             )
-            return picture(target), seconds_of(resource.RUSAGE_CHILDREN) - before
+            return pixels_of(target), seconds_of(resource.RUSAGE_CHILDREN) - before
 
         gltf = load(bare, str(arguments.sunfleck))
         bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -230,7 +230,7 @@ def main():
             made.render.filepath = str(folder / "cycles.exr")
             before = seconds_of(resource.RUSAGE_SELF)
             bpy.ops.render.render(write_still=True)
-            return picture(folder / "cycles.exr"), seconds_of(resource.RUSAGE_SELF) - before
+            return pixels_of(folder / "cycles.exr"), seconds_of(resource.RUSAGE_SELF) - before
 
         reference, _ = ours(arguments.reference_samples, 7)
         mean = reference.mean()

@@ -171,6 +171,7 @@ def _is_there(package: str) -> bool:
 LAMPS = {
     "point": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0))",
     "sphere": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0), radius_m: 0.05)",
+    "large sphere": "Point(position_m: (0.8, 2.6, 1.2), intensity_w_per_sr: (2.0, 1.5, 1.0), radius_m: 0.3)",
     "spot": "Spot(position_m: (1.5, 2.5, 0.8), target_m: (0, 0, 0), outer_deg: 25, blend: 0, "
             "intensity_w_per_sr: 12)",
     "rectangle": "Rectangle(position_m: (-1.5, 2.2, 0.5), target_m: (0, 0.3, 0), width_m: 1, height_m: 0.5, "

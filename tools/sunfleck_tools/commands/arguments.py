@@ -1,9 +1,20 @@
 """Types of arguments that commands share: text to values, or the sentence that argparse prints."""
 
-from argparse import ArgumentTypeError
+from argparse import ArgumentParser, ArgumentTypeError
 from fractions import Fraction
+from pathlib import Path
 
 from ..frame_list import parse_frames
+
+
+def add_reading(parser: ArgumentParser) -> None:
+    """How an input that the program reads is read."""
+    parser.add_argument(
+        "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
+    )
+    parser.add_argument(
+        "--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)"
+    )
 
 
 def frames(text: str) -> tuple[int, ...]:

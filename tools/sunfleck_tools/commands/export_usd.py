@@ -8,7 +8,7 @@ from pathlib import Path
 from ..errors import ToolError
 from ..words import printable
 from . import OK
-from .arguments import frame_rate, frames
+from .arguments import add_reading, frame_rate, frames
 
 HELP = "writes what sunfleck renders as a USD stage"
 
@@ -30,17 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fps", type=frame_rate, help="frames a second, if the input does not say: 24 or 24000/1001"
     )
-    parser.add_argument(
-        "--allow",
-        metavar="DIR",
-        type=Path,
-        action="append",
-        default=[],
-        help="a folder to read from too (the input's own alone)",
-    )
-    parser.add_argument(
-        "--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)"
-    )
+    add_reading(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

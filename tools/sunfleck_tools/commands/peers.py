@@ -10,7 +10,7 @@ import numpy as np
 from ..disk import writable, write_whole
 from ..errors import ToolError
 from . import OK
-from .arguments import positive
+from .arguments import add_reading, positive
 
 HELP = "renders the same scene by Mitsuba and Cycles, for reference frames and error against time"
 RENDERERS = ("mitsuba-llvm", "mitsuba-scalar", "cycles", "cycles-denoised")
@@ -57,17 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--size", metavar="WxH", type=_size, help="of the picture (the reference's, else the scene's)"
     )
-    parser.add_argument(
-        "--allow",
-        metavar="DIR",
-        type=Path,
-        action="append",
-        default=[],
-        help="a folder to read from too (the input's own alone)",
-    )
-    parser.add_argument(
-        "--sunfleck", metavar="PROGRAM", help="the program sunfleck (environment's SUNFLECK, else the PATH)"
-    )
+    add_reading(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

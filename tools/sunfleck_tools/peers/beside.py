@@ -73,6 +73,23 @@ def theirs(scene, wish: Wish, folder: Path):
     return pixels_of(folder / "cycles.exr")
 
 
+def ratios_of_blocks(ours, theirs, across: int, down: int, darkest: float):
+    """Of the means of blocks, ascending; those darker than a share of the mean are left out."""
+    found = []
+    for rows, others in zip(numpy.array_split(ours, down), numpy.array_split(theirs, down)):
+        for block, other in zip(*(numpy.array_split(part, across, axis=1) for part in (rows, others))):
+            if other.mean() > darkest * theirs.mean():
+                found.append(block.mean() / other.mean())
+    return sorted(found)
+
+
+def side_by_side(pictures, white: float) -> bytes:
+    """A PNG of pictures in a row, in which that light is white."""
+    from sunfleck.materials.images import png, srgb  # type: ignore[import-not-found]  # the add-on's
+
+    return png(srgb(numpy.concatenate(pictures, axis=1)[::-1] / max(1e-9, white)), False)
+
+
 def pixels_of(path: Path):
     """Colours, rows from the top."""
     image = bpy.data.images.load(str(path), check_existing=False)

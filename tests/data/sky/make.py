@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reference values for tests/library/sky.rs: skies in Mitsuba's volpath with two segments.
 
-Run as `python tools/peers/mitsuba_sky.py tests/data/sky/mitsuba.json`, with `pip install '.[mitsuba]'`.
+Run as `python tests/data/sky/make.py tests/data/sky/mitsuba.json`, with `pip install '.[mitsuba]'`.
 Each scene is a ground and a square above it, with a box of fog or without; each pixel is the mean over its
 area, with the standard error of that mean. The test has the same scenes.
 """
