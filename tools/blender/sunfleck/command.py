@@ -5,6 +5,7 @@ The functions are for scripts too: `from sunfleck import command; command.main([
 
 import argparse
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
@@ -15,7 +16,7 @@ from .losses import by_kind
 _handle = None
 
 
-def main(arguments):
+def main(arguments: Sequence[str]) -> int:
     """Does what the arguments say for the current scene; returns an exit code."""
     parser = argparse.ArgumentParser(prog="sunfleck")
     verbs = parser.add_subparsers(dest="verb", required=True)
@@ -35,13 +36,13 @@ def main(arguments):
         return int(stop.code or 0)
     scene = bpy.context.scene
     try:
-        return {"check": do_check, "export": do_export, "render": do_render}[known.verb](scene, known, others)
+        return VERBS[known.verb](scene, known, others)
     except export.NotExportable as error:
         print(f"error: {error}", file=sys.stderr)
         return 3
 
 
-def do_check(scene, _known, _others):
+def do_check(scene: bpy.types.Scene, _known: argparse.Namespace, _others: list[str]) -> int:
     told = export.checked(scene)
     for frame, counted in told.counts.of:
         print(f"frame {frame}: {counted}")
@@ -52,13 +53,13 @@ def do_check(scene, _known, _others):
     return 0
 
 
-def do_export(scene, known, _others):
+def do_export(scene: bpy.types.Scene, known: argparse.Namespace, _others: list[str]) -> int:
     for finding in by_kind(export.exported(scene, known.output).findings):
         print(f"{finding.severity.lower()}{finding}", file=sys.stderr)
     return 0
 
 
-def do_render(scene, known, others):
+def do_render(scene: bpy.types.Scene, known: argparse.Namespace, others: list[str]) -> int:
     executable = program.find()
     if executable is None:
         print(f"error: {program.MISSING}", file=sys.stderr)
@@ -71,7 +72,7 @@ def do_render(scene, known, others):
     asked = {word.split("=")[0] for word in others}
     own = [flag for flag in render.flags(scene, animation=True) if flag.split("=")[0] not in asked]
     run = render.Run(executable, glb, folder, [*own, *others])
-    code = run.wait()
+    code: int = run.wait()
     for news in run.news():
         if news["event"] in {"frame_written", "finished"}:
             print(news)
@@ -82,7 +83,7 @@ def do_render(scene, known, others):
     return code
 
 
-def do_tools(words):
+def do_tools(words: list[str]) -> int:
     """In this process, as Blender's Python has what they need."""
     inside = Path(__file__).parent / "tools"
     if not inside.is_dir():
@@ -98,12 +99,17 @@ def do_tools(words):
         sys.path.remove(str(inside))
 
 
-def register():
+VERBS: dict[str, Callable[[bpy.types.Scene, argparse.Namespace, list[str]], int]] = {
+    "check": do_check, "export": do_export, "render": do_render,
+}  # fmt: skip
+
+
+def register() -> None:
     global _handle
     _handle = bpy.utils.register_cli_command("sunfleck", main)
 
 
-def unregister():
+def unregister() -> None:
     global _handle
     if _handle is not None:
         bpy.utils.unregister_cli_command(_handle)

@@ -6,6 +6,7 @@ disc that is looked up in other than the usual way nothing is taken.
 
 import json
 import math
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 
@@ -15,6 +16,7 @@ import numpy
 
 from . import world_picture
 from .evaluated import places
+from .evaluated.document import Document
 from .evaluated.lights import LUMENS_PER_WATT
 from .materials import bake, sockets
 
@@ -27,12 +29,12 @@ PIXELS, WIDTHS, SAMPLES = 64, 3.0, 64
 class Sun:
     """Where it stands, the whole angle of its disc, and what it sends, W/m2."""
 
-    towards: tuple
+    towards: tuple[float, float, float]
     angle: float
-    irradiance: tuple
+    irradiance: tuple[float, float, float]
 
 
-def disc_of(world):
+def disc_of(world: bpy.types.World | None) -> bpy.types.Node | None:
     """The node whose disc can be taken out; None if there is none, or more."""
     discs = discs_in(world.node_tree) if world and world.node_tree else []
     if len(discs) != 1:
@@ -41,16 +43,17 @@ def disc_of(world):
     return None if vector and sockets.link_to(vector) else discs[0]
 
 
-def discs_in(tree):
+def discs_in(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
     return [node for node in tree.nodes if node.type == "TEX_SKY" and has_disc(node)]
 
 
-def has_disc(node):
-    return getattr(node, "sun_disc", False) and "SCATTERING" in node.sky_type or node.sky_type == "NISHITA"
+def has_disc(node: bpy.types.Node) -> bool:
+    has_one = getattr(node, "sun_disc", False) and "SCATTERING" in node.sky_type
+    return bool(has_one or node.sky_type == "NISHITA")
 
 
 @contextmanager
-def without_disc(world):
+def without_disc(world: bpy.types.World) -> Iterator[bpy.types.World]:
     """The world without its disc, for a while."""
     disc = disc_of(world)
     if disc is None:
@@ -64,7 +67,7 @@ def without_disc(world):
         bpy.data.worlds.remove(copy)
 
 
-def of(world):
+def of(world: bpy.types.World | None) -> Sun | None:
     """The sun in the sky; None without one. What was looked at is kept by content."""
     disc = disc_of(world)
     if disc is None:
@@ -79,7 +82,7 @@ def of(world):
     return Sun(**said) if said else None
 
 
-def looked_at(world, disc):
+def looked_at(world: bpy.types.World, disc: bpy.types.Node) -> Sun | None:
     angle = min(disc.sun_size, math.radians(60.0))
     towards = mathutils.Vector((0.0, math.cos(disc.sun_elevation), math.sin(disc.sun_elevation)))
     towards.rotate(mathutils.Euler((0.0, 0.0, -disc.sun_rotation)))
@@ -95,7 +98,7 @@ def looked_at(world, disc):
     return Sun(tuple(towards), angle, tuple(irradiance.tolist())) if irradiance.max() > 0.0 else None
 
 
-def add(document, sun, exposure):
+def add(document: Document, sun: Sun, exposure: float) -> None:
     """As a light of the file."""
     strength = exposure * max(sun.irradiance)
     color = [channel * exposure / strength for channel in sun.irradiance]

@@ -62,22 +62,6 @@ class Curves:
         bags = [strip.channelbag(data.action_slot) for layer in data.action.layers for strip in layer.strips]
         return [curve for bag in bags if bag for curve in bag.fcurves]
 
-    def at(self, frame):
-        """Worlds by object."""
-        worlds = {}
-
-        def world(thing):
-            if thing not in worlds:
-                above = (
-                    world(thing.parent) @ thing.matrix_parent_inverse if thing.parent else mathutils.Matrix()
-                )
-                worlds[thing] = above @ self.basis(thing, frame)
-            return worlds[thing]
-
-        for thing in self.objects:
-            world(thing)
-        return worlds
-
     def basis(self, thing, frame):
         parts = {
             "location": thing.location.copy(),
@@ -92,6 +76,19 @@ class Curves:
         return mathutils.Matrix.LocRotScale(
             parts["location"], parts["rotation_quaternion"].normalized(), parts["scale"]
         )
+
+
+class Worlds(dict):
+    """Places by object at a frame, of those that are asked for."""
+
+    def __init__(self, curves, frame):
+        super().__init__()
+        self.curves, self.frame = curves, frame
+
+    def __missing__(self, thing):
+        above = self[thing.parent] @ thing.matrix_parent_inverse if thing.parent else mathutils.Matrix()
+        self[thing] = above @ self.curves.basis(thing, self.frame)
+        return self[thing]
 
 
 class Opened(unittest.TestCase):
@@ -121,7 +118,7 @@ class Opened(unittest.TestCase):
                 scene.frame_set(at)
                 worlds = {thing: thing.matrix_world for thing in scene.objects}
             else:
-                worlds = curves.at(at)
+                worlds = Worlds(curves, at)
             for name, node in frame["nodes"].items():
                 if is_evaluated or name in curves.moving:
                     self.compare_place(source, at, name, rows(node["world"]), worlds)

@@ -4,7 +4,13 @@ In go evaluated meshes, out come rows of one to four numbers a corner: what Blen
 colours are linear; what a mesh lacks is Cycles' black, opaque.
 """
 
+from typing import Any
+
+import bpy
 import numpy
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
 
 # By Blender's type: the field of its data, how many numbers, and what they are.
 TYPES = {
@@ -17,7 +23,7 @@ MADE = {1: ("FLOAT", "value"), 2: ("FLOAT2", "vector"), 3: ("FLOAT_VECTOR", "vec
 MISSING = (0.0, 0.0, 0.0, 1.0)
 
 
-def of_corners(mesh, name):
+def of_corners(mesh: bpy.types.Mesh, name: str) -> Array:
     """The empty name is the colours that render."""
     name = name or mesh.attributes.default_color_name
     values = values_of(mesh.attributes.get(name) if name else None)
@@ -32,7 +38,7 @@ def of_corners(mesh, name):
     return values
 
 
-def values_of(attribute):
+def values_of(attribute: bpy.types.Attribute | None) -> Array | None:
     """Rows of numbers; None of what Cycles knows nothing of."""
     if attribute is None or attribute.domain == "EDGE" or attribute.data_type not in TYPES:
         return None
@@ -40,13 +46,13 @@ def values_of(attribute):
     return numbers(attribute.data, field, (len(attribute.data), width), kind).astype("f4")
 
 
-def uv_of_corners(mesh, name):
+def uv_of_corners(mesh: bpy.types.Mesh, name: str) -> Array:
     """Texture coordinates that nodes stored in other ways than as a UV map."""
     found = of_corners(mesh, name)
     return numpy.pad(found, ((0, 0), (0, max(0, 2 - found.shape[1]))))[:, :2]
 
 
-def four(values):
+def four(values: Array) -> Array:
     """As a colour: a number is grey."""
     if values.shape[1] == 1:
         values = values.repeat(3, axis=1)
@@ -54,8 +60,8 @@ def four(values):
     return numpy.concatenate([values, missing[:, values.shape[1] :]], axis=1)
 
 
-def numbers(owner, name, shape, kind):
+def numbers(owner: bpy.types.bpy_prop_collection, name: str, shape: int | tuple[int, ...], kind: str) -> Array:
     """All of a property of everything in a collection."""
-    found = numpy.empty(shape, kind)
+    found: Array = numpy.empty(shape, kind)
     owner.foreach_get(name, found.ravel())
     return found

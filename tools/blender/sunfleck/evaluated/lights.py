@@ -5,20 +5,24 @@ Blender's exporter has it.
 """
 
 import math
+from typing import Any
+
+import bpy
 
 from ..materials import closures, principled, sockets
 from ..materials.colours import rec709
 
 LUMENS_PER_WATT = 683.0
+Scale = tuple[float, float, float]
 
 
-def power_w(light, scale=(1.0, 1.0, 1.0)):
+def power_w(light: bpy.types.Light, scale: Scale = (1.0, 1.0, 1.0)) -> float:
     """Blender's watts, or of a sun W/m2, as if the light were normalised: exposure and size counted in."""
-    power = light.energy * 2.0**light.exposure
+    power: float = light.energy * 2.0**light.exposure
     return power if light.normalize else power * extent(light, scale)
 
 
-def extent(light, scale):
+def extent(light: bpy.types.Light, scale: Scale) -> float:
     """What the power of a light that is not normalised counts for: its area, m2, or of a sun's
     disc at distance 1."""
     if light.type == "SUN":
@@ -27,21 +31,22 @@ def extent(light, scale):
         width, height = area_size(light)
         shape = math.pi / 4.0 if light.shape in {"DISK", "ELLIPSE"} else 1.0
         return width * height * scale[0] * scale[1] * shape
-    return math.pi * light.shadow_soft_size**2 or 1.0
+    return math.pi * float(light.shadow_soft_size) ** 2 or 1.0
 
 
-def area_size(light):
+def area_size(light: bpy.types.Light) -> tuple[float, float]:
     return light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
 
 
-def color(light):
+def color(light: bpy.types.Light) -> tuple[float, ...]:
     """With what its temperature and its nodes make of it, in linear Rec. 709."""
     warmth = light.temperature_color if light.use_temperature else (1.0, 1.0, 1.0)
     factor = of_nodes(light) or (1.0, 1.0, 1.0)
-    return rec709(tuple(a * b * c for a, b, c in zip(light.color, warmth, factor)))
+    found: tuple[float, ...] = rec709(tuple(a * b * c for a, b, c in zip(light.color, warmth, factor)))
+    return found
 
 
-def of_nodes(light):
+def of_nodes(light: bpy.types.Light) -> tuple[float, ...] | None:
     """By what its own nodes multiply a light: one Emission of a colour and a strength. None for whatever
     is more than that."""
     if not (light.use_nodes and light.node_tree):
@@ -62,7 +67,7 @@ def of_nodes(light):
     return tuple(max(0.0, channel * strength) for channel in tint)
 
 
-def punctual(light, exposure=1.0):
+def punctual(light: bpy.types.Light, exposure: float = 1.0) -> dict[str, Any] | None:
     """Of glTF, of which `exposure` is a factor; None for area lights."""
     if light.type == "AREA":
         return None

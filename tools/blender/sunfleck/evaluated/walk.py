@@ -6,11 +6,14 @@ Invariant: afterwards the scene is as before.
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from typing import Protocol
 
 import bpy
 
 from . import simulations
+from .moments import Shutter
 
 # What of Blender's render settings stands between a graph and whoever looks.
 ASIDE = {"engine": "SUNFLECK_WALK", "use_compositing": False, "use_sequencer": False, "use_multiview": False}
@@ -20,7 +23,19 @@ class Stopped(Exception):
     """Someone stopped Blender before it had been through all frames."""
 
 
-def look(engine, graph, frames, shutter, job):
+class Job(Protocol):
+    """What looks."""
+
+    def visit(self, graph: bpy.types.Depsgraph, frame: int, moment: float) -> None:
+        """Sees the graph at a moment of a frame, which counts from that."""
+
+    def is_smooth(self) -> bool:
+        """Whether no more moments of the last frame are wanted."""
+
+
+def look(
+    engine: bpy.types.RenderEngine, graph: bpy.types.Depsgraph, frames: Sequence[int], shutter: Shutter, job: Job
+) -> Iterator[int]:
     """Calls `job.visit(graph, frame, moment)` from within an engine, of every frame first the frame itself, in
     order: simulations know no other. Further moments of an open shutter are looked at until `job.is_smooth()`."""
     scene = graph.scene
@@ -39,16 +54,17 @@ def look(engine, graph, frames, shutter, job):
         yield frame
 
 
-def walk(scene, frames, shutter, job):
+def walk(scene: bpy.types.Scene, frames: Sequence[int], shutter: Shutter, job: Job) -> None:
     """The same by an engine of its own."""
     layer = view_layer(scene)
     is_simulated = simulations.any_in(scene)
-    failed, seen = [], set()
+    failed: list[Exception] = []
+    seen: set[int] = set()
 
     class SUNFLECK_RENDER_walk(bpy.types.RenderEngine):
         bl_idname, bl_label, bl_use_preview = ASIDE["engine"], "sunfleck export", False
 
-        def render(self, depsgraph):
+        def render(self, depsgraph: bpy.types.Depsgraph) -> None:
             try:
                 seen.update(look(self, depsgraph, frames, shutter, job))
             except Exception as error:  # Blender would print it and go on.
@@ -69,12 +85,12 @@ def walk(scene, frames, shutter, job):
         raise Stopped(f"export was stopped after {len(seen)} of {len(frames)} frames")
 
 
-def have_rendered(scene, layer):
+def have_rendered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
     """Blender calls the engine."""
     bpy.ops.render.render(layer=layer.name, scene=scene.name)
 
 
-def view_layer(scene):
+def view_layer(scene: bpy.types.Scene) -> bpy.types.ViewLayer:
     """The layer that is exported: the one at hand if it renders, else the first that does."""
     at_hand = bpy.context.view_layer
     rendered = [layer for layer in scene.view_layers if layer.use]
@@ -84,7 +100,7 @@ def view_layer(scene):
 
 
 @contextmanager
-def registered(cls):
+def registered(cls: type) -> Iterator[None]:
     bpy.utils.register_class(cls)
     try:
         yield
@@ -93,7 +109,7 @@ def registered(cls):
 
 
 @contextmanager
-def settings_aside(scene):
+def settings_aside(scene: bpy.types.Scene) -> Iterator[None]:
     """Blender's own settings come back, and the frame."""
     render, frame = scene.render, (scene.frame_current, scene.frame_subframe)
     before = {name: getattr(render, name) for name in ASIDE}
@@ -108,7 +124,7 @@ def settings_aside(scene):
 
 
 @contextmanager
-def a_camera(scene):
+def a_camera(scene: bpy.types.Scene) -> Iterator[None]:
     """Blender renders nothing without one."""
     if scene.camera:
         yield

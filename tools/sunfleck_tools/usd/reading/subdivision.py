@@ -6,7 +6,7 @@ it, which renderers of USD have: creases decay uniformly, edges of more than two
 what is refined is a mean of what was there; weights add up to 1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -88,16 +88,7 @@ class Cage:
 
     def with_sharp_vertices(self, chosen: np.ndarray) -> "Cage":
         """The same, where chosen vertices stay where they are."""
-        sharp = np.where(chosen, np.inf, self.vertex_sharpness)
-        return Cage(
-            self.counts,
-            self.corners,
-            self.crease_ends,
-            self.crease_sharpness,
-            sharp,
-            self.is_loop,
-            self.smooth_triangles,
-        )
+        return replace(self, vertex_sharpness=np.where(chosen, np.inf, self.vertex_sharpness))
 
 
 @dataclass(frozen=True)
@@ -229,16 +220,11 @@ class Refinement:
         ).reshape(-1, 2)
         added = len(edges.ends) + (0 if cage.is_loop else len(cage.counts))
         sharp = np.concatenate([np.maximum(cage.vertex_sharpness - 1, 0), np.zeros(added)])
-        counts = np.full(len(corners), corners.shape[1])
-        return Cage(
-            counts,
-            corners.ravel(),
-            halves,
-            np.repeat(left[kept], 2),
-            sharp,
-            cage.is_loop,
-            cage.smooth_triangles,
-        )
+        return replace(
+            cage,
+            counts=np.full(len(corners), corners.shape[1]), corners=corners.ravel(), vertex_sharpness=sharp,
+            crease_ends=halves, crease_sharpness=np.repeat(left[kept], 2),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
