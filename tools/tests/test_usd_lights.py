@@ -32,10 +32,10 @@ class LookCase(ImportCase):
         return {loss.kind: loss.sentence for loss in self.imported.lost}
 
     def picture(self, frame: int = 1, size: str = "160x90", samples: int = 16) -> np.ndarray:
-        """The last stage as the renderer sees it, by its own lights alone: rows of RGB."""
+        """The last stage as the renderer sees it, by the direct light of its own lights: rows of RGB."""
         glb = self.folder / ("case.glb" if (self.folder / "case.glb").exists() else "made.glb")
         out = self.folder / f"{glb.stem}_{frame}.exr"
-        flags = f"--frames {frame} --size {size} --samples {samples} --threads 1 --default-light off"
+        flags = f"--frames {frame} --size {size} --samples {samples} --threads 1 --default-light off --bounces 0"
         program("render", glb, *flags.split(), "--out", out)
         channels = decode(out)
         return np.stack([np.float64(channels[each]) for each in "RGB"], axis=-1)
