@@ -40,14 +40,16 @@ numpy.savez(sys.argv[2], ids=ids, manifest=manifest, **{name: numpy.float32(valu
 
 @unittest.skipUnless(shutil.which(TOOLS), "sunfleck-tools is not installed: SUNFLECK_TOOLS names it")
 class Compositor(unittest.TestCase):
-    def setUp(self):
+    @classmethod
+    def setUpClass(cls):
         folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-        glb = self.folder / "review.glb"
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        glb, size = cls.folder / "review.glb", f"{WIDTH}x{HEIGHT}"
         run(PROGRAM, "export", DATA / "review.ron", glb, "--frames", "1-3")
-        size = f"{WIDTH}x{HEIGHT}"
-        run(PROGRAM, "render", glb, "--size", size, "--samples", 4, "--passes", PASSES, "--out", self.folder / "frames")
+        run(PROGRAM, "render", glb, "--size", size, "--samples", 4, "--bounces", 0, "--passes", PASSES, "--out", cls.folder / "frames")
+
+    def setUp(self):
         self.scene = scenes.empty(frames=(1, 3), size=(WIDTH, HEIGHT))
         self.scene.render.engine, self.scene.cycles.samples = "CYCLES", 1
         self.scene.view_settings.view_transform = "Raw"
@@ -92,8 +94,9 @@ class Compositor(unittest.TestCase):
     def test_every_pass_has_its_name_and_its_values(self):
         shown = {output.name for output in self.image.outputs if output.enabled}
         self.assertLessEqual(set(NAMES), shown)
+        truth = self.truth(2)
         for name, channels in NAMES.items():
-            expected = self.truth(2)[channels]
+            expected = truth[channels]
             found = self.composited(self.image.outputs[name], 2)[..., : expected.shape[2]]
             np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6, err_msg=name)
             self.assertGreater(np.ptp(expected), 0, name)
