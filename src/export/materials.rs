@@ -100,6 +100,9 @@ impl Writer<'_> {
         if material.is_principled {
             ours["principled"] = json!(true);
         }
+        if let (Some(metal), Some(_)) = (material.metal_color, material.coat) {
+            ours["metal"] = json!(metal.to_array());
+        }
         if material.filter_color != Rgb::ZERO {
             ours["filter_color"] = json!(material.filter_color.to_array());
         }

@@ -32,6 +32,8 @@ pub struct Material {
     pub coat: Option<Coat>,
     /// Whether its coat is that of Blender's Principled BSDF, as Cycles has it.
     pub is_principled: bool,
+    /// What metal reflects along the normal, if it is not `base_color`: nothing goes through metal.
+    pub metal_color: Option<Rgb>,
     /// A clear coat over all.
     pub clearcoat: Option<Clearcoat>,
     /// Sheen of cloth, beneath the clear coat.
@@ -50,7 +52,7 @@ pub struct Material {
 
 /// The numbers of a [`Material`] that may change, in the order of [`Material::numbers`].
 pub type MaterialNumbers = [f64; NUMBERS];
-const NUMBERS: usize = 23;
+const NUMBERS: usize = 26;
 
 /// Property that a picture on a surface multiplies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -97,6 +99,7 @@ impl Material {
         let mut tinted = self.clone();
         tinted.base_color *= color;
         tinted.transmission *= color;
+        tinted.metal_color = tinted.metal_color.map(|metal| metal * color);
         match self.painted {
             Painted::BaseColor => {}
             Painted::Mirror => tinted.mirror *= color,
@@ -105,7 +108,8 @@ impl Material {
         tinted
     }
 
-    /// Numbers of its colours, then its single numbers; zeros for a coat or a normal map that it lacks.
+    /// Numbers of its colours, then its single numbers, then its metal's colour; zeros for a coat, a normal map
+    /// or a metal that it lacks.
     pub fn numbers(&self) -> MaterialNumbers {
         let (f0, metallic, roughness, f90) = self
             .coat
@@ -116,7 +120,8 @@ impl Material {
         for (three, color) in numbers.chunks_exact_mut(3).zip(colors) {
             three.copy_from_slice(&color.to_array());
         }
-        numbers[18..].copy_from_slice(&[self.opacity, metallic, roughness, f90, scale]);
+        numbers[18..23].copy_from_slice(&[self.opacity, metallic, roughness, f90, scale]);
+        numbers[23..].copy_from_slice(&self.metal_color.unwrap_or_default().to_array());
         numbers
     }
 
@@ -130,6 +135,7 @@ impl Material {
         (now.base_color, now.transmission, now.mirror) = (color(0), color(1), color(2));
         (now.emission, now.filter_color, now.opacity) = (color(3), color(4), opacity);
         now.coat = now.coat.map(|coat| Coat { f0: color(5), metallic, roughness, f90, ..coat });
+        now.metal_color = now.metal_color.map(|_| Rgb::from_slice(&numbers[23..]));
         now.normal_map = now.normal_map.map(|(map, _)| (map, scale));
         now
     }
@@ -159,6 +165,7 @@ impl Default for Material {
             emission_texture: None,
             coat: None,
             is_principled: false,
+            metal_color: None,
             clearcoat: None,
             sheen: None,
             normal_map: None,

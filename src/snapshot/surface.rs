@@ -191,7 +191,7 @@ impl Facet<'_> {
         let paint = texels.paint();
         let painted = |what: Painted, own: Rgb| if material.painted == what { own * paint } else { own };
         let base_color = material.base_color * paint;
-        let (gloss, matte) = texels.gloss(base_color);
+        let (gloss, matte) = texels.gloss(material.metal_color.map_or(base_color, |color| color * paint));
         let transmission = material.transmission * texels.of(material.transmission_texture);
         let emission = match material.emission {
             Rgb::ZERO => Rgb::ZERO,

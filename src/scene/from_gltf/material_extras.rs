@@ -21,6 +21,7 @@ pub(super) struct MaterialExtras {
     mirror: Option<Channels>,
     filter_color: Option<Channels>,
     transmission: Option<Channels>,
+    metal: Option<Channels>,
     /// Whether the base colour's texture multiplies `transmission` too.
     #[serde(default)]
     transmission_textured: bool,
@@ -38,6 +39,7 @@ impl MaterialExtras {
             (material.mirror, material.painted) = (mirror.into(), Painted::BaseColor);
         }
         material.is_principled = self.principled;
+        material.metal_color = self.metal.map_or(material.metal_color, |metal| Some(metal.into()));
         material.filter_color = self.filter_color.map_or(material.filter_color, Rgb::from);
         if let Some(transmission) = self.transmission {
             material.transmission = transmission.into();
@@ -69,9 +71,11 @@ impl Builder<'_> {
         for material in moments {
             let shares = [material.base_color, material.transmission, material.mirror, material.filter_color];
             let sum: Rgb = shares.iter().sum();
-            let least = shares.iter().map(|share| share.min_element()).fold(0.0, f64::min);
-            if least < 0.0 || sum.max_element() > 1.0 + SINGLE_PRECISION {
-                let found = format!("base colour, transmission, mirror and filter add up to {sum}");
+            let metal = material.metal_color.unwrap_or_default();
+            let least = shares.iter().chain([&metal]).map(|share| share.min_element()).fold(0.0, f64::min);
+            if least < 0.0 || sum.max(metal).max_element() > 1.0 + SINGLE_PRECISION {
+                let found =
+                    format!("base colour, transmission, mirror and filter add up to {sum}, metal is {metal}");
                 let expected = "shares of at least 0 that add up to 1 at most";
                 self.report.error(format!("materials[{index}].extras.sunfleck_material"), found, expected);
                 return;

@@ -100,6 +100,7 @@ fn become_leaf(material: &mut Material, source: &gltf::Material, leaf: &Leaf) {
     let texture = texture.map(|texture| TextureMap { texture, layer: 0 });
     (material.transmission, material.transmission_texture) = (share * color, texture);
     material.base_color = (1.0 - share) * Rgb::new(r, g, b);
+    material.metal_color = Some(Rgb::new(r, g, b));
     (material.mirror, material.painted) = (Rgb::ZERO, Painted::BaseColor);
 }
 
@@ -158,6 +159,7 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
         transmission: (1.0 - straight) * diffuse * diffuse_color,
         transmission_texture: material.diffuse_transmission_texture,
         coat,
+        metal_color: (diffuse > 0.0 || material.transmission > 0.0).then_some(color),
         alpha_mode: if lets_through { AlphaMode::Blend } else { matte.alpha_mode },
         filter_color: straight * color,
         // Only where it blends does its opacity count.

@@ -47,8 +47,8 @@ impl<'a> FacetTexels<'a> {
         self.color * (0..3).map(corner).sum::<DVec3>()
     }
 
-    /// The coat of a surface of a base colour, if it has one, and the share of it that is matte.
-    pub(super) fn gloss(&self, base_color: Rgb) -> (Option<Gloss>, f64) {
+    /// The coat of a surface, if it has one, of which metal has such a colour, and the share that is matte.
+    pub(super) fn gloss(&self, metal: Rgb) -> (Option<Gloss>, f64) {
         let Some(coat) = self.facet.material.coat else { return (None, 1.0) };
         let texel = coat.texture.and_then(|map| self.facet.texel(map, self.weights)).unwrap_or(Rgb::ONE);
         let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
@@ -56,7 +56,7 @@ impl<'a> FacetTexels<'a> {
         // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
         let plain = Gloss::new(f0, Rgb::splat(coat.f90), roughness);
         let gloss = if self.facet.material.is_principled { plain.principled() } else { plain };
-        (Some(gloss.with_metal(metallic, base_color)), 1.0 - metallic)
+        (Some(gloss.with_metal(metallic, metal)), 1.0 - metallic)
     }
 
     /// Coverage of the surface, and its transmittance for what lies behind.

@@ -196,3 +196,23 @@ fn mirrors_and_unlit_surfaces_are_painted() {
         assert!((found - expected).abs().max_element() < 1e-5, "{kind}: {found} {expected}");
     }
 }
+
+/// What goes through is taken from what is matte, and nothing from metal.
+#[test]
+fn metal_keeps_its_colour_where_light_goes_through() {
+    for through in ["KHR_materials_diffuse_transmission", "KHR_materials_transmission"] {
+        let factor = if through.ends_with("diffuse_transmission") {
+            "diffuseTransmissionFactor"
+        } else {
+            "transmissionFactor"
+        };
+        let mut file = square(&json!({ "extensions": { through: { factor: 0.5 } },
+            "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.25, 0.125, 1.0], "metallicFactor": 0.5 } }));
+        let material = &file.scene().materials[0];
+        let metal = material.metal_color.unwrap();
+        assert_eq!(metal.to_array(), [0.5, 0.25, 0.125], "{through}");
+        assert!(material.base_color.cmplt(metal).all(), "{through}");
+        file.material()["extras"] = json!({ "sunfleck_material": { "metal": [1.0, 0.5, 0.25] } });
+        assert_eq!(file.scene().materials[0].metal_color, Some(2.0 * metal), "{through}");
+    }
+}

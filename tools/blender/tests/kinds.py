@@ -298,7 +298,7 @@ BESIDE = {
     "two-sided": (surfaces.two_sided, 1, EXACT),
     "two-sided by shaders": (surfaces.two_sided_by_shaders, 1, EXACT),
     "hair": (hair, 1, BAKED), "thin wall": (surfaces.thin_wall, 1, EXACT),
-    "fog box": (surfaces.fog_box, 6, EXACT),
+    "thin metal": (surfaces.thin_metal, 1, EXACT), "fog box": (surfaces.fog_box, 6, EXACT),
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT),
@@ -306,7 +306,7 @@ BESIDE = {
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {
     "world by rays": (world_by_rays, "world-depends-on-rays"), "sheen": (surfaces.sheen, "material-lost"),
-    "thin metal": (surfaces.thin_metal, "material-lost"),
+    "thin metal of a texture": (surfaces.thin_metal_of_a_texture, "material-lost"),
     "two-sided and transparent": (surfaces.two_sided_and_transparent, "material-lost"),
     "keyed shutter": (keyed_shutter, "shutter-changes"),
     "velocities at the start": (lambda scene: velocities(scene, "START"), "velocity-blur"),
@@ -322,5 +322,5 @@ SAID = {
 }
 # What came after Blender 5.0.
 LATER = {
-    "thin wall": (5, 2), "thin wall of a texture": (5, 2), "thin metal": (5, 2), "light info": (5, 1),
+    "thin wall": (5, 2), "thin wall of a texture": (5, 2), "thin metal": (5, 2), "thin metal of a texture": (5, 2), "light info": (5, 1),
 }

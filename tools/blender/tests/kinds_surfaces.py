@@ -30,6 +30,12 @@ def thin_metal(scene):
     shader.inputs["Metallic"].default_value = 0.5
 
 
+def thin_metal_of_a_texture(scene):
+    thin_wall_of_a_texture(scene)
+    shader = bpy.data.materials["shade"].node_tree.nodes["Principled BSDF"]
+    shader.inputs["Metallic"].default_value = 0.5
+
+
 def sheen(scene):
     tree = matte()
     tree.shader.inputs["Sheen Weight"].default_value = 0.5

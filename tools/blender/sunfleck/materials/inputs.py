@@ -58,7 +58,10 @@ def does_nothing(node, loss):
     if loss == "subsurface":
         return sheets.is_sheet(node)
     if loss == "thin-wall":
-        return sheets.is_zero(node, "Subsurface Weight") or (sheets.is_sheet(node) and sheets.is_zero(node, "Metallic"))
+        # Metal has the base colour, of which a baked sheet knows what is left.
+        is_told = not any(node.inputs[name].is_linked for name in ("Base Color", "Subsurface Weight"))
+        is_exact = sheets.is_sheet(node) and (is_told or sheets.is_zero(node, "Metallic"))
+        return sheets.is_zero(node, "Subsurface Weight") or is_exact
     if loss == "dispersion":
         return sheets.is_zero(node, "Transmission Weight")
     return loss == "coat-tint" and sheets.is_zero(node, "Coat Weight")
