@@ -8,6 +8,7 @@ use crate::color::Rgb;
 use crate::description::gltf::Property;
 use crate::description::ron::{self, Range as _};
 use crate::diagnostic::{Diagnostic, Loss};
+use crate::scene::drift::Drift;
 use crate::scene::{
     Animate, Fog, FogShape, Key, Lens, LightKind, Motion, NodeIndex, Segment, SunDisc, SunPicture, SunShows,
     Track,
@@ -170,12 +171,27 @@ impl Builder<'_> {
             "anisotropy" => self.scene.fogs[fog].anisotropy = self.number(carried, &ANISOTROPY, path)?,
             "scale_height" if !is(&self.scene.fogs[fog]) => {
                 let number = self.number(carried, &POSITIVE, path)?;
-                if let FogShape::ThinningBox(falloff) | FogShape::Layer(falloff) =
-                    &mut self.scene.fogs[fog].shape
-                {
-                    falloff.scale_height_m = number;
+                match &mut self.scene.fogs[fog].shape {
+                    FogShape::ThinningBox(falloff) | FogShape::Layer(falloff) => {
+                        falloff.scale_height_m = number;
+                    }
+                    FogShape::Mist(mist) => mist.scale_height_m = Some(number),
+                    FogShape::EvenBox | FogShape::Voxels(_) => {}
                 }
             }
+            _ => return self.control_mist(fog, field, carried, path),
+        }
+        Some(())
+    }
+
+    fn control_mist(&mut self, fog: usize, field: &str, carried: &Carried, path: &str) -> Option<()> {
+        let range = if field == "mist_cover" { &SHARE } else { &ANY };
+        let number = self.number(carried, range, path);
+        let FogShape::Mist(mist) = &mut self.scene.fogs[fog].shape else { return None };
+        match (field, carried) {
+            ("mist_cover", _) => mist.cover = number?,
+            ("mist_evolution_turns", _) => mist.evolution_turns = number?,
+            ("mist_wind", Carried::Color(wind)) => mist.wind = Drift::new(wind.clone()),
             _ => return None,
         }
         Some(())

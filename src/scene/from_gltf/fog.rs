@@ -18,7 +18,12 @@ impl Builder<'_> {
                 extras::read::<extras::Fog>(&node.extras, "sunfleck_fog_volume", &path, &mut self.report);
             let Some(fog) = fog else { continue };
             let path = format!("{path}.extras.sunfleck_fog_volume");
-            if let Some(shape) = self.fog_shape_of_node(&fog, &node.name, &path) {
+            if let Some(mist) = &fog.mist {
+                self.check_no_grid(&fog, &path);
+                if let Some((shape, own)) = self.mist(&fog, mist, number, &path) {
+                    self.add_fog(&node.name, own, fog, shape, &path);
+                }
+            } else if let Some(shape) = self.fog_shape_of_node(&fog, &node.name, &path) {
                 self.add_fog(&node.name, number, fog, shape, &path);
             }
         }
@@ -48,7 +53,9 @@ impl Builder<'_> {
 
     fn add_fog_of_scene(&mut self, fog: extras::Fog) {
         let path = format!("scenes[{}].extras.sunfleck_fog", self.source.scene);
-        for (field, _) in [("vdb", &fog.vdb), ("grid", &fog.grid)].iter().filter(|(_, said)| said.is_some()) {
+        let of_nodes =
+            [("vdb", fog.vdb.is_some()), ("grid", fog.grid.is_some()), ("mist", fog.mist.is_some())];
+        for (field, _) in of_nodes.iter().filter(|(_, is_said)| *is_said) {
             let found = format!("`{field}` is of fog at a node");
             self.report.error(format!("{path}.{field}"), found, "`sunfleck_fog_volume` of an object");
         }

@@ -16,6 +16,7 @@ mod lights;
 mod masks;
 mod material_extras;
 mod meshes;
+mod mist;
 mod nodes;
 mod properties;
 mod settings;

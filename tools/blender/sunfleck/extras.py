@@ -72,6 +72,8 @@ def of_object(thing, scene, path=None):
         volume = {"shape": "box", **fog.numbers(thing)}
         if own.thins_out:
             volume["scale_height"] = own.scale_height
+        if own.use_mist:
+            volume["mist"] = fog.mist(own)
         written["sunfleck_fog_volume"] = volume
     if own.use_leaf_id:
         written["leaf_id"] = own.leaf_id

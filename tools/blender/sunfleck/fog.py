@@ -35,6 +35,21 @@ def of_settings(own):
     return {"density": own.density, "albedo": list(own.albedo), "anisotropy": own.anisotropy}
 
 
+def mist(own):
+    """Billows, as custom properties say them, along glTF's axes."""
+    return {
+        "size": own.mist_size, "octaves": own.mist_octaves, "shape": own.mist_shape, "seed": own.mist_seed,
+        **{name.removeprefix("mist_"): value for name, value in changing_mist(own).items()},
+    }
+
+
+def changing_mist(own):
+    """What of them may be keyed."""
+    along, across, up = own.mist_wind
+    turns = own.mist_evolution_turns
+    return {"mist_cover": own.mist_cover, "mist_wind": (along, up, -across), "mist_evolution_turns": turns}
+
+
 def of_material(thing):
     """None if it has no such material, or one that is more than numbers."""
     link = volume_of(thing)

@@ -13,6 +13,11 @@ SUN_FIELDS = {
 }
 
 
+MIST_FIELDS = (
+    "mist_size", "mist_octaves", "mist_cover", "mist_wind", "mist_evolution_turns", "mist_shape", "mist_seed",
+)
+
+
 class ScenePanel:
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -86,6 +91,9 @@ class SUNFLECK_PT_object(ScenePanel, bpy.types.Panel):
             column.prop(own, "thins_out")
             if own.thins_out:
                 column.prop(own, "scale_height")
+            column.prop(own, "use_mist")
+            for name in MIST_FIELDS if own.use_mist else ():
+                column.prop(own, name)
         else:
             column.prop(own, "use_leaf_id")
             if own.use_leaf_id:

@@ -38,6 +38,12 @@ SKY_LIGHTS = [
 ]
 
 
+MIST_SHAPES = [
+    ("box", "Box", "Fades at its sides and its top"),
+    ("ellipsoid", "Ellipsoid", "Fades all around"),
+]
+
+
 SUN_SHOWS = [
     ("EVEN", "Nothing", "It is as bright everywhere"),
     ("IMAGE", "Image", "The middle of an image"),
@@ -124,6 +130,17 @@ class SunfleckObject(SunfleckFog, bpy.types.PropertyGroup):
     scale_height: FloatProperty(
         name="Scale height", description="Metres over which the density falls to 1/e", default=3.0, min=0.01
     )
+    use_mist: BoolProperty(name="Mist that drifts", description="Billows instead of even fog")
+    mist_size: FloatProperty(name="Billows", description="Width of the largest, metres", default=3.0, min=0.01)
+    mist_octaves: IntProperty(name="Octaves", description="Sizes, each half of the one before", default=4, min=1, max=8)
+    mist_cover: FloatProperty(name="Cover", description="The share that they fill", default=0.5, min=0.0, max=1.0)
+    mist_wind: FloatVectorProperty(
+        name="Wind", description="What carries them along this object's axes", subtype="VELOCITY",
+        soft_min=-100.0, soft_max=100.0, min=-500.0, max=500.0,
+    )
+    mist_evolution_turns: FloatProperty(name="Evolution", description="How often they have turned over")
+    mist_shape: EnumProperty(name="Shape", items=MIST_SHAPES, default="box")
+    mist_seed: IntProperty(name="Seed", description="Another seed, other billows", default=0, min=0)
     use_leaf_id: BoolProperty(name="Leaf id", description="Its number in the pass; else counted")
     leaf_id: IntProperty(name="Leaf id", default=1, min=1, max=2**31 - 1)
     visible_to_camera: BoolProperty(

@@ -5,6 +5,7 @@ Run with the other tests here (test_addon.py says how).
 
 import math
 import os
+import subprocess
 import sys
 from pathlib import Path
 from unittest import mock
@@ -103,6 +104,56 @@ class Volumes(Case):
         self.assertAlmostEqual(fog["anisotropy"], 0.3, places=6)
         thing.data.render.space = "WORLD"
         numpy.testing.assert_allclose(self.export()[1][0]["extras"]["sunfleck_fog_volume"]["density"], [0.5] * 3)
+
+    def test_mist_is_that_of_a_scene_file(self):
+        """Turned by the object, and blown for a second; both draw the same noise."""
+        scenes.camera(self.scene, (0.0, -12.0, 0.0), (0.0, 0.0, 0.0))
+        scenes.sun(self.scene)
+        box = scenes.fog_box(self.scene, (-3.0, -2.0, -1.0), (3.0, 2.0, 1.0), density=0.8)
+        own = box.sunfleck_settings
+        own.use_mist, own.mist_size, own.mist_octaves, own.mist_cover, own.mist_seed = True, 1.5, 2, 0.6, 3
+        own.mist_wind, own.mist_evolution_turns, own.mist_shape = (1.0, 0.5, 0.25), 0.3, "ellipsoid"
+        own.anisotropy, own.thins_out, own.scale_height = 0.0, True, 2.0
+        box.rotation_euler.z = math.radians(30.0)
+        self.scene.frame_start = self.scene.frame_end = 24
+        glb, ron = self.folder / "mist.glb", self.folder / "mist.ron"
+        self.assertEqual(export.export(self.scene, glb), [])
+        angle = math.degrees(2.0 * math.atan(math.tan(math.radians(22.5)) * 36.0 / 64.0))
+        ron.write_text(f"""Scene(version: 1,
+            meshes: {{ "none": Quad(size_m: 0.001) }}, materials: {{ "none": () }},
+            objects: {{ "turned": (mesh: "none", material: "none", rotation_deg: (0.0, 30.0, 0.0)) }},
+            cameras: {{ "main": (position_m: (0.0, 0.0, 12.0), look_at_m: (0.0, 0.0, 0.0), fov_deg: {angle}) }},
+            lights: {{ "sun": Sun(to_sun: (-0.3, 1.0, 0.4), irradiance_w_per_m2: (3.0, 3.0, 3.0)) }},
+            fog: {{ "mist": (parent: "turned", min_m: (-3.0, -1.0, -2.0), max_m: (3.0, 1.0, 2.0),
+                scale_height_m: 2.0, density_per_m: {own.density}, mist: (size_m: 1.5, octaves: 2, cover: {own.mist_cover},
+                wind_m_per_s: (1.0, 0.25, -0.5), evolution_turns: {own.mist_evolution_turns}, shape: Ellipsoid, seed: 3)) }})""")
+        sequence = self.folder / "sequence.ron"
+        sequence.write_text('Sequence(version: 1, scene: "mist.ron", frames: (24, 24), frame_rate: 24, size: (64, 36), samples: 4)')
+        found = []
+        for file in (glb, sequence):
+            run = [PROGRAM, "render", file, "--frames", "24", "--samples", "4", "--bounces", "0", "--passes", "none"]
+            subprocess.run([*run, "--out", self.folder / "out.exr", "--skip", "none"], check=True, capture_output=True)
+            found.append(beside.pixels_of(self.folder / "out.exr"))
+        ours, theirs = found
+        self.assertGreater(theirs.std(), 0.1 * theirs.mean())
+        numpy.testing.assert_allclose(ours, theirs, atol=2e-3 * theirs.max())
+
+    def test_mist_that_changes_is_carried(self):
+        scenes.camera(self.scene)
+        scenes.sun(self.scene)
+        own = scenes.fog_box(self.scene).sunfleck_settings
+        own.use_mist, self.scene.frame_end = True, 5
+        for frame, cover, wind in ((1, 0.2, (0.0, 0.0, 0.0)), (5, 0.8, (1.0, 2.0, 0.5))):
+            own.mist_cover, own.mist_wind = cover, wind
+            for name in ("mist_cover", "mist_wind"):
+                own.keyframe_insert(name, frame=frame)
+        self.export()
+        carried = {
+            node["extras"]["sunfleck_ctl"]["target"].rpartition(".")[2]
+            for node in document(self.folder / "scene.glb")["nodes"] if "sunfleck_ctl" in node.get("extras", {})
+        }
+        self.assertEqual(carried, {"mist_cover", "mist_wind"})
+        self.assertEqual(inspect(self.folder / "scene.glb")["remarks"], [])
 
     def test_densities_that_change_are_carried(self):
         thing = self.stage(write_grid(self.folder / "a.vdb", even()))

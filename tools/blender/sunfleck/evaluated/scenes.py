@@ -99,7 +99,7 @@ class Job:
 
     def properties(self, key, thing, path):
         """Of a thing's node; None if there is to be none."""
-        found = properties(thing, self.scene, path)
+        found = properties(thing, self.scene, path, self.values.said.get(key, {}))
         if thing.kind != "VOLUME":
             return found
         fog = self.record.volumes.properties(key, path)
@@ -128,10 +128,12 @@ def settle_frames(assembly, only):
         said["frame_start"] = said["frame_end"] = only
 
 
-def properties(thing, scene, path):
+def properties(thing, scene, path, evaluated):
     """The custom properties of a thing's node: its own, and ours also where they could not be stored (linked
-    libraries, objects that only instances show). A portal is no light."""
+    libraries, objects that only instances show). What changes is as evaluated. A portal is no light."""
     found = {**custom(thing.object), **extras.of_object(thing.object, scene, path)}
+    for name, said in evaluated.items():
+        found[name] = {**found.get(name, {}), **said} if isinstance(said, dict) else said
     if thing.kind == "EMPTY" and thing.object.type == "LIGHT":
         found.pop("sunfleck_light", None)
     return found

@@ -34,6 +34,8 @@ class Values:
     def __init__(self, scene):
         self.scene, self.exposure = scene, film.exposure(scene)
         self.lights, self.cameras = {}, {}
+        # Custom properties of lights and fog, as they are first seen.
+        self.said = {}
         # What Blender renders through at each moment: see `View`.
         self.views = []
         # Of owner (a thing's key, or "scene") and field: frames and values.
@@ -52,13 +54,15 @@ class Values:
     def watch(self, key, thing, frame):
         """An evaluated object that is no surface."""
         own = thing.sunfleck_settings
+        if (own.is_fog or thing.type == "LIGHT") and key not in self.said:
+            self.said[key] = extras.of_object(thing, self.scene)
         if own.is_fog:
-            found = of_fog("sunfleck_fog_volume", fog.numbers(thing))
-            self.see(
-                key,
-                frame,
-                {**found, "sunfleck_fog_volume.scale_height": own.scale_height} if own.thins_out else found,
-            )
+            found = fog.numbers(thing)
+            if own.thins_out:
+                found["scale_height"] = own.scale_height
+            if own.use_mist:
+                found |= fog.changing_mist(own)
+            self.see(key, frame, of_fog("sunfleck_fog_volume", found))
         if thing.type == "LIGHT":
             self.lights.setdefault(key, SimpleNamespace(punctual=lights.punctual(thing.data, self.exposure)))
             self.see(key, frame, light(thing, self.exposure))
