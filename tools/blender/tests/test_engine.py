@@ -2,8 +2,10 @@
 
 import json
 import os
+import socket
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,7 +19,7 @@ import scenes
 import stages
 import sunfleck
 from sunfleck import engine, export, render
-from sunfleck.engine import cryptomatte, exporting, picture
+from sunfleck.engine import cryptomatte, exporting, looking, picture
 from sunfleck.engine.viewport import STAGES, View, Viewport
 from sunfleck.evaluated.document import Document
 from sunfleck.materials import inputs
@@ -244,13 +246,86 @@ class Engine(unittest.TestCase):
             turned = self.still()
         self.scene.render.use_persistent_data = False
         self.assert_same(self.still(), turned)
-        self.scene.render.use_persistent_data = True
-        self.still()
-        self.scene.objects["quad"].location.x += 0.5
-        with mock.patch.object(exporting, "anew", side_effect=exporting.anew) as anew:
-            moved = self.still()
-        self.assertEqual(anew.call_count, 1)
-        self.assertFalse(numpy.array_equal(moved.pixels, turned.pixels))
+
+    def pictures_after(self, build, is_persistent):
+        """Of a scene, and of the same after each of the steps that `build` gives."""
+        scene = self.scene = stages.stage()
+        stages.quad(scene)
+        self.set_up(scene)
+        steps = list(build(scene))
+        scene.render.use_persistent_data = is_persistent
+        found = [self.still()]
+        for step in steps:
+            step()
+            with mock.patch.object(exporting, "anew", side_effect=exporting.anew) as anew:
+                found.append(self.still())
+            self.exports.append(anew.call_count)
+        return found
+
+    def assert_kept_as_made_anew(self, build, exports):
+        """With persistent data all is as without, and each step has made so many exports."""
+        self.exports = []
+        anew = self.pictures_after(build, False)
+        self.exports = []
+        kept = self.pictures_after(build, True)
+        self.assertEqual(set(self.exports), {exports})
+        for before, one, other in zip([None, *kept], kept, anew):
+            self.assert_same(one, other)
+            self.assertFalse(before is not None and numpy.array_equal(before.pixels, one.pixels))
+
+    def test_of_lights_and_of_what_moves_no_mesh_is_looked_at_again(self):
+        def build(scene):
+            lamp = scenes.add(scene, "lamp", bpy.data.lights.new("lamp", "AREA"), (0.0, -1.0, 2.0), (0.0, 0.0, 0.0))
+            lamp.data.energy, lamp.data.size = 20.0, 0.5
+            sun = scene.objects["sun"]
+            stages.moving(scene.objects["quad"])
+            yield lambda: setattr(sun.data, "energy", 0.5)
+            yield lambda: setattr(lamp.data, "energy", 80.0)
+            yield lambda: setattr(sun.data, "color", (1.0, 0.5, 0.2))
+            yield lambda: setattr(lamp.data, "color", (0.2, 0.5, 1.0))
+            yield lambda: setattr(sun.rotation_euler, "x", 0.3)
+            yield lambda: setattr(lamp.location, "x", 0.4)
+            yield lambda: scene.frame_set(3)
+            yield lambda: setattr(sun.data, "energy", 1.5)
+
+        self.assert_kept_as_made_anew(build, 0)
+
+    def test_what_else_has_changed_is_exported_anew(self):
+        def build(scene):
+            quad, other = scene.objects["quad"], stages.quad(scene, "other")
+            other.location = (0.4, 0.0, 0.5)
+            stages.key(other, "hide_render", (False, True), frames=(1, 3))
+            scene.frame_set(1)
+            color = quad.data.materials[0].node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+            yield lambda: setattr(scene.sunfleck_settings, "samples", 3)
+            yield lambda: scene.frame_set(3)
+            yield lambda: quad.data.vertices[0].co.__setitem__(2, 0.4) or quad.data.update()
+            yield lambda: setattr(color, "default_value", (0.0, 1.0, 0.0, 1.0))
+            yield lambda: scene.frame_set(1)
+
+        self.assert_kept_as_made_anew(build, 1)
+
+    def test_an_animation_has_all_that_is_keyed(self):
+        """Of materials, the world, fog and lights, whichever of them the graph that renders does not change."""
+        scene = self.scene
+        world = scene.world = bpy.data.worlds.new("world")
+        lamp = scenes.add(scene, "lamp", bpy.data.lights.new("lamp", "AREA"), (0.0, -1.0, 2.0), (0.0, 0.0, 0.0))
+        fog = scenes.fog_box(scene)
+        color = scene.objects["quad"].data.materials[0].node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+        strength = world.node_tree.nodes["Background"].inputs["Strength"]
+        for owner, path, values in (
+            (color, "default_value", ((0.1, 0.1, 0.1, 1.0), (0.9, 0.5, 0.1, 1.0))), (strength, "default_value", (0.1, 1.0)),
+            (lamp.data, "energy", (1.0, 50.0)), (fog.sunfleck_settings, "density", (0.01, 0.3)),
+        ):
+            stages.key(owner, path, values, frames=(1, 3))
+        scene.frame_start, scene.frame_end = 1, 3
+        for scene.render.use_persistent_data in (False, True):
+            scene.frame_set(1)
+            bpy.ops.render.render(animation=True)
+            found = [picture.read(self.folder / f"blender_{frame:04}.exr") for frame in (1, 2, 3)]
+            for frame, one in zip((1, 2, 3), found):
+                scene.frame_set(frame)
+                self.assert_same(one, self.exported())
 
     def test_a_later_frame_first_has_its_simulation(self):
         emitter = stages.grid(self.scene, "emitter")
@@ -308,6 +383,25 @@ class Engine(unittest.TestCase):
         with mock.patch.object(picture, "read", side_effect=KeyError("lost")), self.assertRaisesRegex(RuntimeError, "KeyError"):
             bpy.ops.render.render()
 
+    def test_pictures_come_while_the_program_renders(self):
+        self.scene.sunfleck_settings.samples = 64
+        with mock.patch.object(picture, "show", side_effect=picture.show) as shown:
+            with mock.patch.object(engine, "LOOK_S", 0.0):
+                whole = self.still()
+        self.assertGreater(shown.call_count, 0)
+        for _, layer, so_far in (call.args for call in shown.call_args_list):
+            self.assertEqual((layer, so_far.pixels.shape), ("ViewLayer", (*SIZE[::-1], 4)))
+            self.assertAlmostEqual(so_far.of("RGB").mean() / whole.of("RGB").mean(), 1.0, delta=0.1)
+        self.assert_same(whole, self.frame())
+
+    def test_what_is_no_picture_ends_the_looking_alone(self):
+        one = looking.Look(*SIZE)
+        with socket.create_connection(one.listener.getsockname()) as sender:
+            sender.sendall(b"\x0a\0\0\0\x06 none")
+        one.thread.join(10.0)
+        self.assertIsNone(one.newest())
+        one.close()
+
     def test_esc_ends_the_program(self):
         own = self.scene.sunfleck_settings
         own.samples, own.all_bounces = 65536, True
@@ -327,6 +421,21 @@ class Engine(unittest.TestCase):
         started.assert_not_called()
         written.assert_not_called()
         self.assertGreater(self.still().of("RGB").max(), 0.0)
+
+    def test_esc_is_heard_within_a_large_mesh(self):
+        """By this thread's own time, as others may have the processors."""
+        count, sides = 400, numpy.linspace(-1.0, 1.0, 400)
+        places = numpy.stack([*numpy.meshgrid(sides, sides), numpy.zeros((count, count))], -1).reshape(-1, 3)
+        first = (numpy.arange(count - 1)[:, None] * count + numpy.arange(count - 1)).ravel()
+        mesh = bpy.data.meshes.new("large")
+        mesh.from_pydata(places, [], numpy.stack([first, first + 1, first + count + 1, first + count], 1))
+        mesh.uv_layers.new(name="UVMap")
+        mesh.materials.append(self.scene.objects["quad"].data.materials[0])
+        scenes.add(self.scene, "large", mesh)
+        times = []
+        with mock.patch.object(engine.SUNFLECK_RENDER_engine, "is_stopped", lambda _: times.append(time.thread_time())):
+            self.still()
+        self.assertLess(max(numpy.diff(times)), 0.1)
 
     def test_a_viewport_sees_shifted_as_its_camera_does(self):
         camera = self.scene.camera

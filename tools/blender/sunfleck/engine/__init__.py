@@ -13,7 +13,7 @@ from .. import program
 from ..evaluated import walk
 from ..losses import by_kind
 from ..world import ENGINE
-from . import exporting, panels, passes, picture, stepping
+from . import exporting, looking, panels, passes, picture, stepping
 from .viewport import View, Viewport
 
 # How often one looks whether Blender wants to stop, seconds.
@@ -52,9 +52,13 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
             self.report({"WARNING" if finding.severity == "WARNING" else "INFO"}, str(finding))
         if self.is_stopped():
             return
-        run, frame = exporting.started(self, graph, kept, executable)
-        if not self.awaited(run):
-            return
+        look = looking.Look(self.resolution_x, self.resolution_y)
+        try:
+            run, frame = exporting.started(self, graph, kept, [executable, look.flag])
+            if not self.awaited(run, look, graph.view_layer.name):
+                return
+        finally:
+            look.close()
         code = run.wait()
         if code:
             raise exporting.NotRendered(run.error())
@@ -62,8 +66,8 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
             self.report({"WARNING"}, warning)
         picture.hand_over(self, graph.view_layer.name, picture.read(frame))
 
-    def awaited(self, run):
-        """Whether the program came to its end."""
+    def awaited(self, run, look, layer):
+        """Whether the program came to its end; what it has so far is shown."""
         while not run.is_over():
             if self.is_stopped():
                 run.cancel()
@@ -72,6 +76,9 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
                 if "fraction" in news:
                     self.update_progress(news["fraction"])
                     self.update_stats("", f"Sunfleck: {100.0 * news['fraction']:.0f} %")
+            so_far = look.newest()
+            if so_far is not None:
+                picture.show(self, layer, so_far)
             time.sleep(LOOK_S)
         return True
 
@@ -91,7 +98,7 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
             shown = self.shown_in_viewport()
             changed = {update.id.original for update in depsgraph.updates}
             eye = depsgraph.scene.camera
-            if shown.exported is None or not (eye and changed and changed <= {eye, eye.data}):
+            if shown.kept is None or not (eye and changed and changed <= {eye, eye.data}):
                 shown.changed(depsgraph)
         except Exception as problem:
             self.report({"ERROR"}, f"{type(problem).__name__}: {problem}")

@@ -1,9 +1,11 @@
 """The graph that Blender renders as a file for the program.
 
 In goes the graph, out come a file, what is lost, and the program at work on it. Invariant: with Blender's
-*Persistent Data* nothing is written or loaded anew while nothing but the camera has changed.
+*Persistent Data* nothing is written or loaded anew while nothing but the camera has changed. While things only
+move and lights change, no mesh is looked at again.
 """
 
+import copy
 import shutil
 import tempfile
 from pathlib import Path
@@ -12,9 +14,10 @@ import bpy
 
 from .. import check, extras, render, service
 from ..evaluated import scenes, values, walk
+from ..evaluated.moments import Shutter
 from ..losses import ordered
 from ..materials.library import custom
-from . import passes
+from . import passes, patching
 
 # Losses of files that are none here: Blender itself does these.
 DONE_BY_BLENDER = {"border", "view-layers", "frame-step", "compositor", "sequencer"}
@@ -27,8 +30,10 @@ class NotRendered(Exception):
 class Kept:
     """The last export of a view layer."""
 
-    def __init__(self, path, frame, exported, findings):
-        self.path, self.frame, self.exported, self.findings = path, frame, exported, findings
+    def __init__(self, path, scene, exported, findings, said):
+        self.path, self.frame, self.exported, self.findings = path, scene.frame_current, exported, findings
+        # Custom properties of the scene: as they were written, and what its panels say.
+        self.said, self.told = said, told(scene)
         # The program with this file loaded, and the camera that it does not have of it.
         self.service = self.camera = None
 
@@ -67,32 +72,63 @@ def exported(engine, graph):
     """The file, and what was found on the way: `Kept`."""
     scene, key = graph.scene, (graph.scene.name, graph.view_layer.name)
     kept = _kept.pop(key, None)
-    if kept is None or not is_camera_alone(graph, kept):
-        if kept is not None:
+    path = folder() / f"{_numbers.setdefault(key, len(_numbers))}.glb"
+    if kept is not None and is_as_told(graph, kept):
+        if not is_camera_alone(graph, kept):
             kept.close()
-        kept = anew(engine, graph, folder() / f"{_numbers.setdefault(key, len(_numbers))}.glb")
-    else:
-        put_camera(graph, kept)
+            kept = patched(graph, kept)
+        if kept is not None:
+            put_camera(graph, kept)
+    elif kept is not None:
+        kept.close()
+        kept = None
+    kept = kept or anew(engine, graph, path)
     if scene.render.use_persistent_data:
         _kept[key] = kept
     return kept
 
 
-def anew(engine, graph, path):
-    scene, frame = graph.scene, graph.scene.frame_current
-    findings = [one for one in check.check(scene) if one.id not in DONE_BY_BLENDER]
+def told(scene):
+    """What the panels say of a scene."""
+    return {**custom(scene), **extras.of_scene(scene)}
+
+
+def is_as_told(graph, kept):
+    """Whether nobody wants other moments, or anything else of the scene that Blender tells nobody of."""
+    scene = graph.scene
+    is_still = not Shutter.of(scene).length and "motion" not in passes.wanted(scene, graph.view_layer)
+    eye = scene.camera
+    return is_still and told(scene) == kept.told and eye is not None and camera_key(kept, eye) is not None
+
+
+def patched(graph, kept):
+    """The same export with what has changed; None if it has to be made anew."""
+    if not patching.put(graph, kept):
+        return None
+    refuse(kept.findings)
+    kept.exported.assembly.document.write(kept.path)
+    return kept
+
+
+def refuse(findings):
     errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
     if errors:
         raise NotRendered("; ".join(errors))
+
+
+def anew(engine, graph, path):
+    scene, frame = graph.scene, graph.scene.frame_current
+    findings = [one for one in check.check(scene) if one.id not in DONE_BY_BLENDER]
+    refuse(findings)
     try:
         with scenes.Job(scene, frame) as job:
-            job.record.heed = engine.heed
+            job.record.capture.heed = engine.heed
             see(engine, graph, job)
             said = {**custom(scene), **extras.of_scene(scene, path)}
-            made = job.written(path, graph.view_layer, said)
+            made = job.written(path, graph.view_layer, copy.deepcopy(said))
     except (OSError, RuntimeError) as problem:
         raise NotRendered(str(problem).strip()) from problem
-    return Kept(path, frame, made, ordered([*findings, *made.findings]))
+    return Kept(path, scene, made, ordered([*findings, *made.findings]), said)
 
 
 def see(engine, graph, job):
@@ -112,10 +148,8 @@ def see(engine, graph, job):
 def is_camera_alone(graph, kept):
     """Whether a file is right but for its camera."""
     scene, eye = graph.scene, graph.scene.camera
-    if eye is None or scene.frame_current != kept.frame or len(kept.exported.record.moments) > 1:
-        return False
     # Hair turns to the camera.
-    if kept.exported.record.capture.eyes or camera_key(kept, eye) is None:
+    if scene.frame_current != kept.frame or kept.exported.record.capture.eyes:
         return False
     changed = {update.id.original for update in graph.updates}
     return changed <= {eye, eye.data}
@@ -135,11 +169,13 @@ def put_camera(graph, kept):
     kept.camera = service.viewer(view.matrix, {**view.said.camera, "extras": view.said.extras})
 
 
-def started(engine, graph, kept, executable):
-    """The program at work on a picture, and where its frame will be: for this picture alone, or loaded for more."""
+def started(engine, graph, kept, command):
+    """The program at work on a picture, and where its frame will be: for this picture alone, or loaded for more.
+    `command` is the program and what it is told beside."""
+    executable, *told = command
     scene, frame = graph.scene, kept.path.with_suffix(".exr")
     threads = [f"--threads={scene.render.threads}"] if scene.render.threads_mode == "FIXED" else []
-    wanted = flags(engine, scene, graph.view_layer)
+    wanted = [*flags(engine, scene, graph.view_layer), *told]
     if not scene.render.use_persistent_data:
         return render.Run(executable, kept.path, frame, [*wanted, *threads]), frame
     if kept.service is None or not kept.service.is_alive():

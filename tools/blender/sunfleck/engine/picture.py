@@ -41,7 +41,25 @@ def read(path):
         file.close()
 
 
+def show(engine, layer, picture):
+    """A picture that is not whole yet."""
+    result = filled(engine, layer, picture)
+    engine.update_result(result)
+    # It has gone over, and there is more to come.
+    engine.end_result(result, cancel=True)
+
+
 def hand_over(engine, layer, picture):
+    engine.end_result(filled(engine, layer, picture))
+    if picture.manifest is not None:
+        # Of the whole, as what a part says is not kept.
+        whole = engine.get_result()
+        for name, value in cryptomatte.metadata(f"{layer}.CryptoObject", picture.manifest):
+            whole.stamp_data_add_field(name, value)
+
+
+def filled(engine, layer, picture):
+    """A result of Blender's with the passes that a picture has."""
     rows, columns = picture.pixels.shape[:2]
     result = engine.begin_result(0, 0, columns, rows, layer=layer)
     for one in result.layers[0].passes:
@@ -54,9 +72,4 @@ def hand_over(engine, layer, picture):
             if signs:
                 found = (found.reshape(-1, len(signs)) * numpy.array(signs, "f4")).ravel()
             one.rect.foreach_set(found)
-    engine.end_result(result)
-    if picture.manifest is not None:
-        # Of the whole, as what a part says is not kept.
-        whole = engine.get_result()
-        for name, value in cryptomatte.metadata(f"{layer}.CryptoObject", picture.manifest):
-            whole.stamp_data_add_field(name, value)
+    return result

@@ -1,10 +1,11 @@
 """What has to happen before Blender renders.
 
-A graph that renders reads caches of simulations and steps nothing, so they are filled here. To make anything has
-Blender build all graphs anew, so what is asked in that way is asked here.
+A graph that renders reads caches of simulations and steps nothing, so they are filled here. It gives its values to
+no material or world: those have what the viewport's graph was last shown. To make anything has Blender build all
+graphs anew, so what is asked in that way is asked here.
 
-Invariant: when a frame is rendered, the viewport's graph has been shown it and all before it. It has also been
-shown those after it that the shutter or a motion pass reaches. What was hidden is hidden again afterwards.
+Invariant: when a frame is rendered, the viewport's graph has been shown it; if anything is simulated, also all
+before it and those after it that the shutter or a motion pass reaches. What was hidden is hidden again afterwards.
 """
 
 import math
@@ -13,6 +14,7 @@ from contextlib import ExitStack
 import bpy
 from bpy.app.handlers import persistent
 
+from .. import keys
 from ..evaluated import simulations, walk
 from ..evaluated.moments import Shutter
 from ..materials import blackbody, colours, inputs
@@ -30,6 +32,26 @@ class Running:
         self.stack, self.last = ExitStack(), scene.frame_start - 1
         self.stack.enter_context(simulations.run(scene, walk.view_layer(scene), ()))
 
+    def step(self, scene, frame):
+        until = frame + frames_ahead(scene)
+        for number in range(self.last + 1, until + 1):
+            scene.frame_set(number)
+        self.last = max(self.last, until)
+        if scene.frame_current != frame:
+            scene.frame_set(frame)
+
+
+class Shown:
+    """The last frame that was shown, which of a frame rendered alone is the one at hand."""
+
+    def __init__(self, scene):
+        self.stack, self.last = ExitStack(), scene.frame_current
+
+    def step(self, scene, frame):
+        if frame != self.last:
+            scene.frame_set(frame)
+            self.last = frame
+
 
 @persistent
 def begin(scene, *_):
@@ -40,21 +62,16 @@ def begin(scene, *_):
     inputs.know([*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights], bpy.data.node_groups)
     if simulations.any_in(scene):
         _running[scene.name] = Running(scene)
+    elif any(map(keys.changes, [*bpy.data.materials, *bpy.data.worlds])):
+        _running[scene.name] = Shown(scene)
 
 
 @persistent
 def step(scene, *_):
     """To the frame that is rendered next."""
     running = _running.get(scene.name)
-    if running is None:
-        return
-    frame = scene.frame_current
-    until = frame + frames_ahead(scene)
-    for number in range(running.last + 1, until + 1):
-        scene.frame_set(number)
-    running.last = max(running.last, until)
-    if scene.frame_current != frame:
-        scene.frame_set(frame)
+    if running is not None:
+        running.step(scene, scene.frame_current)
 
 
 def frames_ahead(scene):

@@ -4,6 +4,7 @@ In go a graph that the viewport shows and how it is looked at, out come pictures
 time. Invariant: nothing waits; what has changed ends the picture under way. It draws nothing itself.
 """
 
+import copy
 import math
 
 import numpy
@@ -12,7 +13,8 @@ from .. import extras, program, service
 from ..evaluated import scenes
 from ..materials.library import custom
 from . import picture
-from .exporting import folder
+from . import patching
+from .exporting import Kept, folder, told
 
 # Share of the size and samples of each picture, until the view changes.
 STAGES = ((0.25, 1), (0.5, 1), (1.0, 1), (1.0, 4), (1.0, 16))
@@ -62,23 +64,29 @@ class Viewport:
     """What one region shows; `poll` is called whenever it is drawn."""
 
     def __init__(self):
-        self.exported = self.view = self.service = self.run = self.shown = None
+        self.kept = self.view = self.service = self.run = self.shown = None
         self.stage, self.number, self.problem = 0, 0, ""
 
     def changed(self, graph):
-        """Everything may be another: the file is written anew."""
+        """The file is written anew; meshes are looked at again unless things have only moved and lights changed."""
         self.close()
-        scene = graph.scene
+        self.view, kept = None, self.kept
+        if kept is not None and told(graph.scene) == kept.told and patching.put(graph, kept):
+            kept.exported.assembly.document.write(self.path)
+        else:
+            self.kept = self.anew(graph, graph.scene)
+
+    def anew(self, graph, scene):
         self.path = folder() / f"{NAME}_{id(self)}.glb"
         with scenes.Job(scene, scene.frame_current) as job:
             job.visit(graph, scene.frame_current, 0.0)
             said = {**custom(scene), **extras.of_scene(scene, self.path)}
-            self.exported = job.written(self.path, graph.view_layer, said)
-        self.view = None
+            made = job.written(self.path, graph.view_layer, copy.deepcopy(said))
+        return Kept(self.path, scene, made, [], said)
 
     def look(self, view):
         """Starts again where the view is another."""
-        if self.exported is None or view == self.view:
+        if self.kept is None or view == self.view:
             return
         self.cancel()
         self.view, self.stage = view, 0
@@ -94,7 +102,7 @@ class Viewport:
         share, samples = STAGES[self.stage]
         width, height = (max(1, round(share * side)) for side in self.view.size)
         flags = [f"--size={width}x{height}", f"--samples={samples}", "--passes=none"]
-        flags.append(f"--frames={self.exported.frames[0]}")
+        flags.append(f"--frames={self.kept.frame}")
         flags.append(f"--out={self.path.with_suffix('.exr')}")
         self.run = self.service.render(flags, self.view.camera())
 

@@ -16,6 +16,16 @@ from .shapes import Bend
 from .tracks import Tracks
 
 
+# Files of volumes keep Blender's axes.
+LOOKS = {"LIGHT", "CAMERA", "VOLUME"}
+
+
+def turned(matrices, things):
+    """Places of things in glTF's axes: one of each, or all of one."""
+    looks = numpy.array([thing.kind in LOOKS for thing in things], bool)[:, None, None]
+    return numpy.where(looks, places.in_gltf(matrices, True), places.in_gltf(matrices, False))
+
+
 @dataclass
 class United:
     """Shapes by moment, and what becomes of them."""
@@ -39,6 +49,8 @@ class Assembly:
         self.names, self.bends, self.lamps, self.lenses = {}, {}, {}, {}
         # Lights of the file that are no objects.
         self.nodes, self.suns_of_sky = {}, 0
+        # Things whose places shear, which takes two nodes.
+        self.sheared = set()
 
     def name(self, thing):
         """Of an object its own; of an instance a number more."""
@@ -55,7 +67,7 @@ class Assembly:
     def add(self, materials, values, custom):
         """All things, in the order in which they were first seen; objects before instances,
         whose names give way."""
-        self.meshes, self.materials = Meshes(self.document, materials), materials
+        self.meshes, self.materials = Meshes(self.document, materials, self.record.heed), materials
         things = sorted(self.record.things.items(), key=lambda item: item[1].instancer is not None)
         materials.prepare(Counter(
             (material, facts)
@@ -67,9 +79,16 @@ class Assembly:
         for _, thing in things:
             self.record.heed()
             self.unite_shapes(thing)
+        self.still = self.still_places(things)
         for key, thing in things:
             self.record.heed()
             self.add_thing(key, thing, values, custom)
+
+    def still_places(self, things):
+        """Of what is there at one moment alone, by key."""
+        still = [(key, thing) for key, thing in things if len(thing.rows) == 1]
+        matrices = self.record.all_matrices[[thing.rows[0] for _, thing in still]].astype(float)
+        return dict(zip((key for key, _ in still), places.each(turned(matrices, [thing for _, thing in still]))))
 
     def add_thing(self, key, thing, values, custom):
         there = self.is_frame[thing.moments]
@@ -82,12 +101,11 @@ class Assembly:
         number = self.nodes[key] = self.document.add("nodes", node)
         if written:
             node["extras"] = written
-        # Files of volumes keep Blender's axes.
-        looks = thing.kind in {"LIGHT", "CAMERA", "VOLUME"}
-        parts = places.parts(places.in_gltf(self.record.places(thing), looks))
+        parts = self.still.get(key) or places.parts(turned(self.record.places(thing), [thing]))
         times = self.times[thing.moments]
         holder = number
         if parts.inner is not None:
+            self.sheared.add(key)
             # The named node is the inner one: its place is the thing's.
             holder = self.document.add("nodes", {"name": f"{node['name']} (shear)", "children": [number]})
             inner = places.Places(0.0 * parts.translation, parts.inner, 0.0 * parts.scale + 1.0)

@@ -9,6 +9,7 @@ import numpy
 
 from ..materials import dependence
 from . import geometry, strands
+from .heeding import nobody
 
 # The attribute by which Cycles blurs what has it, metres a second.
 VELOCITY = "velocity"
@@ -20,6 +21,8 @@ class Capture:
     def __init__(self, library, seconds_a_frame):
         # `library` knows what materials look at; velocities count for so many seconds a frame, 0 without blur.
         self.library, self.seconds_a_frame = library, seconds_a_frame
+        # Called again and again; raises if nobody wants to know any more.
+        self.heed = nobody
         self.geometries, self.known, self.reaches = [], {}, {}
         # What was found in this moment, and what cannot change.
         self.here, self.still = {}, {}
@@ -96,7 +99,7 @@ class Capture:
             found = strands.of_points(data, colors)
         else:
             uvs = {name for material in materials for name in self.library.uvs_of(material)}
-            found = geometry.of_mesh(data, colors, sorted(uvs))
+            found = geometry.of_mesh(data, colors, sorted(uvs), self.heed)
         if found is None or not has_velocities:
             return found, None
         velocities = found.colors[VELOCITY] if VELOCITY in asked else found.colors.pop(VELOCITY)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy
 
 from .attributes import numbers, of_corners, uv_of_corners
+from .heeding import heeding, nobody
 
 # The name of texture coordinates that are made for baking.
 ATLAS = "sunfleck bake"
@@ -108,28 +109,30 @@ def digest(*pieces):
     return made.digest()
 
 
-def of_mesh(mesh, colors=(), uvs=()):
+def of_mesh(mesh, colors=(), uvs=(), heed=nobody):
     """What there is to see of a mesh, with the attributes that its materials ask for as colours and as
     texture coordinates; None without a face."""
     if not mesh.polygons:
         return None
     mesh.calc_loop_triangles()
+    heeded = lambda read, *asked: heed() or read(*asked)
     corners, triangles = len(mesh.loops), len(mesh.loop_triangles)
-    faces = numbers(mesh.loop_triangles, "polygon_index", triangles, "i4")
-    slots = numbers(mesh.polygons, "material_index", len(mesh.polygons), "i4")[faces]
-    normals_of, normals = normals_and_owner(mesh)
-    layers = {layer.name: numbers(layer.uv, "vector", (corners, 2), "f4") for layer in ordered_uvs(mesh)}
-    return Geometry(
+    faces = heeded(numbers, mesh.loop_triangles, "polygon_index", triangles, "i4")
+    slots = heeded(numbers, mesh.polygons, "material_index", len(mesh.polygons), "i4")[faces]
+    normals_of, normals = heeded(normals_and_owner, mesh)
+    layers = {layer.name: heeded(numbers, layer.uv, "vector", (corners, 2), "f4") for layer in ordered_uvs(mesh)}
+    found = Geometry(
         name=mesh.name,
-        positions=numbers(mesh.vertices, "co", (len(mesh.vertices), 3), "f4"),
-        corner_vertices=numbers(mesh.loops, "vertex_index", corners, "i4"),
-        triangles=numbers(mesh.loop_triangles, "loops", (triangles, 3), "i4"),
+        positions=heeded(numbers, mesh.vertices, "co", (len(mesh.vertices), 3), "f4"),
+        corner_vertices=heeded(numbers, mesh.loops, "vertex_index", corners, "i4"),
+        triangles=heeded(numbers, mesh.loop_triangles, "loops", (triangles, 3), "i4"),
         slots=slots,
         normals_of=normals_of,
         normals=normals,
-        uvs={**layers, **{name: uv_of_corners(mesh, name) for name in uvs if name not in layers}},
-        colors={name: of_corners(mesh, name) for name in colors},
-    ).fingerprint()
+        uvs={**layers, **{name: heeded(uv_of_corners, mesh, name) for name in uvs if name not in layers}},
+        colors={name: heeded(of_corners, mesh, name) for name in colors},
+    )
+    return heeding(heed, corners, found.fingerprint)
 
 
 def normals_and_owner(mesh):

@@ -5,11 +5,14 @@ In go a geometry and how it bends, out comes the number of a glTF mesh. Invarian
 the file's axes, y up.
 """
 
+from functools import partial
+
 import numpy
 
 from ..materials.colours import rec709
 from .attributes import four
 from .document import INDICES, VERTICES
+from .heeding import heeding, nobody
 
 
 def turned(vectors):
@@ -67,10 +70,10 @@ def unique_rows(rows):
 
 
 class Meshes:
-    """Meshes of a document, each there once. `materials` is a library."""
+    """Meshes of a document, each there once. `materials` is a library; `heed` raises if nobody wants them."""
 
-    def __init__(self, document, materials):
-        self.document, self.materials, self.known = document, materials, {}
+    def __init__(self, document, materials, heed=nobody):
+        self.document, self.materials, self.heed, self.known = document, materials, heed, {}
 
     def number(self, geometry, materials, bend=None):
         """Of a geometry in these materials, one a slot. A mesh that bends has targets: differences of
@@ -82,7 +85,7 @@ class Meshes:
 
     def made(self, geometry, materials, bend):
         """None if all of its materials let all light through."""
-        layout = bend.layout if bend else Layout(geometry, False)
+        layout = bend.layout if bend else self.made_of(geometry, lambda: Layout(geometry, False))
         attributes, colors = self.attributes(geometry, layout), {}
         targets = bend.targets(self.document) if bend else []
         primitives = []
@@ -90,8 +93,8 @@ class Meshes:
             material = materials[min(max(int(slot), 0), len(materials) - 1)] if materials else None
             if not self.materials.is_seen(material):
                 continue
-            corners = geometry.triangles[geometry.slots == slot]
-            indices = layout.vertex_of_corner[corners].ravel()
+            corners = self.made_of(geometry, lambda: geometry.triangles[geometry.slots == slot])
+            indices = self.made_of(geometry, lambda: layout.vertex_of_corner[corners].ravel())
             small = len(layout.corners) < 65535
             primitive = {
                 "attributes": {**attributes, **self.colors(geometry, layout, material, colors)},
@@ -105,15 +108,19 @@ class Meshes:
             else None
         )
 
+    def made_of(self, geometry, work):
+        return heeding(self.heed, len(geometry.corner_vertices), work)
+
     def attributes(self, geometry, layout):
         add = self.document.accessor
-        found = {"POSITION": add(layout.positions(geometry), VERTICES, bounds=True)}
-        normals = layout.normals(geometry)
+        found = {"POSITION": add(self.made_of(geometry, lambda: layout.positions(geometry)), VERTICES, bounds=True)}
+        normals = self.made_of(geometry, lambda: layout.normals(geometry))
         if normals is not None:
             found["NORMAL"] = add(normals, VERTICES)
+        # From the bottom in Blender, from the top in glTF.
+        flipped = lambda uv: (uv * [1, -1] + [0, 1]).astype("f4")[layout.corners]
         for number, uv in enumerate(geometry.uvs.values()):
-            # From the bottom in Blender, from the top in glTF.
-            found[f"TEXCOORD_{number}"] = add((uv * [1, -1] + [0, 1]).astype("f4")[layout.corners], VERTICES)
+            found[f"TEXCOORD_{number}"] = add(self.made_of(geometry, partial(flipped, uv)), VERTICES)
         return found
 
     def colors(self, geometry, layout, material, known):

@@ -46,6 +46,23 @@ def parts(matrices):
     return Places(translation, smooth(quaternions(axes * sign[:, None, None])), lengths * sign[:, None])
 
 
+def each(matrices):
+    """Of the matrices of things that keep still, one each: the same, all at once."""
+    linear, translation = matrices[:, :3, :3], matrices[:, :3, 3]
+    lengths = numpy.linalg.norm(linear, axis=1)
+    axes = linear / numpy.where(lengths > 0.0, lengths, 1.0)[:, None, :]
+    products = numpy.abs(numpy.swapaxes(axes, 1, 2) @ axes)
+    products[:, range(3), range(3)] = 0.0
+    is_plain = (products.max(axis=(1, 2), initial=0.0) <= SQUARE) & (lengths > 0.0).all(axis=1)
+    sign = numpy.where(numpy.linalg.det(axes) < 0.0, -1.0, 1.0)
+    turns, scales = quaternions(axes * sign[:, None, None]), lengths * sign[:, None]
+    return [
+        Places(translation[row : row + 1], turns[row : row + 1], scales[row : row + 1])
+        if is_plain[row] else parts(matrices[row : row + 1])
+        for row in range(len(matrices))
+    ]
+
+
 def filled(axes, lengths):
     """Axes at right angles also where a scale of 0 leaves none: what was there a row before, or any."""
     flat = numpy.flatnonzero((lengths <= 0.0).any(axis=1))

@@ -136,8 +136,9 @@ class Record:
         # Of each moment: frame and offset, places of all instances, the first one's row, which rows show
         # which geometry, and lights.
         self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
-        # Called again and again; raises if nobody wants to know any more.
-        self.heed = lambda: None
+
+    def heed(self):
+        self.capture.heed()
 
     @property
     def geometries(self):

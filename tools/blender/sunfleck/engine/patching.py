@@ -1,0 +1,126 @@
+"""What has changed since an export, put into the document that it made: lights, fog, and where things are.
+
+In go a graph and what was exported of it before; the document is changed where it stands. Invariant: afterwards it
+shows what an export anew would show. Where that is not certain nothing is changed.
+"""
+
+import copy
+from types import SimpleNamespace
+
+import bpy
+import numpy
+
+from .. import check, extras
+from ..evaluated import lights, places, scenes
+from ..evaluated.assemble import turned
+from ..evaluated.moments import Clock
+
+REST = {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0, 1.0, 1.0]}
+# Of these another number of keys is no news.
+OF_OTHERS = (bpy.types.Camera, bpy.types.Action)
+
+
+def put(graph, kept):
+    """Whether all that has changed could be put into the document."""
+    record, assembly = kept.exported.record, kept.exported.assembly
+    changed = changed_objects(graph)
+    if changed is None or not is_the_same(graph, record, changed):
+        return False
+    if record.changes and (graph.scene.frame_current != kept.frame or any(one.type != "LIGHT" for one in changed)):
+        return False
+    matrices = matrices_of(graph)
+    if matrices.shape != record.all_matrices.shape:
+        return False
+    nodes, apart = assembly.nodes, (matrices != record.all_matrices).any(axis=(1, 2))
+    moved = [(key, thing) for key, thing in record.things.items() if key in nodes and apart[thing.rows[0]]]
+    there = places.each(turned(matrices[[thing.rows[0] for _, thing in moved]].astype(float), [one for _, one in moved]))
+    if any(key in assembly.sheared or one.inner is not None for (key, _), one in zip(moved, there)):
+        return False
+    record.all_matrices = matrices
+    for (key, _), place in zip(moved, there):
+        move(assembly.document.lists["nodes"][nodes[key]], place)
+    for key, thing in record.things.items():
+        if key in nodes and is_told(thing, changed):
+            tell(graph, assembly, key, thing, kept.path)
+    put_frame(graph, kept)
+    kept.findings = findings(graph.scene, kept.findings, changed)
+    return True
+
+
+def changed_objects(graph):
+    """Objects that may be elsewhere, and lights of which anything may have changed; None if anything else has."""
+    of_light = {light.node_tree: light for light in bpy.data.lights if light.node_tree}
+    objects, data = set(), set()
+    for update in graph.updates:
+        one = update.id.original
+        if isinstance(one, bpy.types.Object):
+            if update.is_updated_geometry and one.type not in {"LIGHT", "CAMERA"}:
+                return None
+            objects.add(one)
+        elif isinstance(one, bpy.types.Light):
+            data.add(one)
+        elif one in of_light:
+            data.add(of_light[one])
+        elif not isinstance(one, OF_OTHERS):
+            return None
+    return objects | {one for one in graph.scene.objects if one.data in data}
+
+
+def is_the_same(graph, record, changed):
+    """Whether the same things are there, seen by the same rays, and nothing depends on where they are."""
+    if len(record.moments) > 1 or record.capture.eyes or any(thing.kind == "VOLUME" for thing in record.things.values()):
+        return False
+    there = {thing.object for thing in record.things.values()}
+    hides = "hide_render" if graph.mode == "RENDER" else "hide_viewport"
+    return all(getattr(one.evaluated_get(graph), hides) == (one not in there) for one in changed)
+
+
+def matrices_of(graph):
+    seen = graph.object_instances
+    found = numpy.empty((len(seen), 16), "f4")
+    seen.foreach_get("matrix_world", found.ravel())
+    return found.reshape(-1, 4, 4).swapaxes(1, 2)
+
+
+def move(node, place):
+    for part, rest in REST.items():
+        value = getattr(place, part)[0].tolist()
+        node.pop(part, None)
+        if value != rest:
+            node[part] = value
+
+
+def is_told(thing, changed):
+    """Whether it has numbers beside its place."""
+    return thing.object in changed and thing.kind in {"LIGHT", "EMPTY"}
+
+
+def tell(graph, assembly, key, thing, path):
+    """A light's or a fog's numbers."""
+    node, evaluated = assembly.document.lists["nodes"][assembly.nodes[key]], thing.object.evaluated_get(graph)
+    written = scenes.properties(thing, graph.scene, path, extras.of_object(evaluated, graph.scene))
+    node.pop("extras", None)
+    if written:
+        node["extras"] = written
+    if thing.kind == "LIGHT":
+        node.pop("extensions", None)
+        assembly.shine(node, thing, SimpleNamespace(punctual=lights.punctual(evaluated.data)))
+
+
+def put_frame(graph, kept):
+    """The frame at hand, of which the scene's custom properties tell."""
+    assembly, frame, said = kept.exported.assembly, graph.scene.frame_current, copy.deepcopy(kept.said)
+    camera = assembly.document.scene_extras.get("sunfleck", {}).get("camera")
+    assembly.clock = Clock.of(graph.scene, [frame])
+    assembly.document.scene_extras = said
+    scenes.settle_frames(assembly, frame)
+    if camera is not None:
+        said["sunfleck"]["camera"] = camera
+    kept.frame = frame
+
+
+def findings(scene, before, changed):
+    """Anew of lights that have changed."""
+    names = {f"`{one.name}`" for one in changed if one.type == "LIGHT"}
+    found = [one for light in changed if light.type == "LIGHT" for one in check.of_object(light, scene)]
+    return [one for one in before if one.of not in names] + found
