@@ -1,5 +1,5 @@
-//! `mist` of `sunfleck_fog_volume`: billows that drift in a node's box. In go the property and how large the box
-//! is, out comes the mist at a node of its own. Invariant: that node has the box's place and no scale, so lengths
+//! `mist` of `sunfleck_fog_volume`: billows that drift in a node's box. In go the property and the box,
+//! out comes the mist at a node of its own. Invariant: that node has the box's place and no scale, so lengths
 //! of the mist are metres.
 
 use super::Builder;
