@@ -36,7 +36,7 @@ use grid_error::GridError;
 use refine::{Budget, Goal, Refined};
 use sum::Sum;
 use survey::Survey;
-pub use watch::{Progress, Watch};
+pub use watch::{Look, Progress, Watch};
 
 /// Settings by which an exposure is rendered.
 #[derive(Clone, Debug)]
@@ -348,11 +348,13 @@ impl<P: rounds::Picture> rounds::Picture for Watched<'_, P> {
     fn add_round(&self, round: &rounds::Round, film: &mut Film, watch: &Watch) {
         self.picture.add_round(round, film, watch);
         if let Some(look) = watch.look {
-            let mut so_far = film.resolve();
-            if let Some(before) = self.before {
-                so_far.add_light(before);
-            }
-            look(&so_far.part(self.job.window));
+            look(&|| {
+                let mut so_far = film.resolve();
+                if let Some(before) = self.before {
+                    so_far.add_light(before);
+                }
+                so_far.part(self.job.window)
+            });
         }
     }
 

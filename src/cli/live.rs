@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::io::Write;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use sunfleck::diagnostic::{Diagnostic, Place};
 use sunfleck::film::Frame;
 
@@ -22,9 +22,15 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Pictures that wait for the viewer; of more the oldest are forgotten.
 const MOST_WAITING: usize = 4;
 
+/// Pictures in between may take so much of the time.
+const SHARE: f64 = 0.03;
+
 /// The connection, if there is to be one.
 pub(super) struct Live {
     queue: Option<Arc<Queue>>,
+    began: Instant,
+    /// What pictures in between took to make.
+    spent: Mutex<Duration>,
 }
 
 #[derive(Default)]
@@ -49,7 +55,8 @@ impl Live {
     /// # Errors
     /// There is no such place.
     pub(super) fn new(address: Option<&str>) -> Result<Self, CliError> {
-        let Some(asked) = address else { return Ok(Self { queue: None }) };
+        let to = |queue| Self { queue, began: Instant::now(), spent: Mutex::default() };
+        let Some(asked) = address else { return Ok(to(None)) };
         let address = with_port(asked);
         if let Err(error) = address.to_socket_addrs() {
             let found = format!("--live: `{asked}` is no address: {error}");
@@ -73,12 +80,22 @@ impl Live {
                 }
             });
         }
-        Ok(Self { queue: Some(queue) })
+        Ok(to(Some(queue)))
     }
 
     /// Whether anybody may be looking.
     pub(super) fn is_on(&self) -> bool {
         self.queue.as_ref().is_some_and(|queue| !queue.lock().gone)
+    }
+
+    /// Shows what a picture is so far, unless that would take too much of the time.
+    pub(super) fn look(&self, name: &str, so_far: &dyn Fn() -> Frame) {
+        let mut spent = self.spent.lock().unwrap_or_else(PoisonError::into_inner);
+        if *spent <= self.began.elapsed().mul_f64(SHARE) {
+            let started = Instant::now();
+            self.show(name, &so_far());
+            *spent += started.elapsed();
+        }
     }
 
     /// Shows a picture, or a newer state of it. Never waits.

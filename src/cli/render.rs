@@ -150,8 +150,8 @@ impl Run<'_> {
             is_late.load(Ordering::Relaxed) || stop.flag.load(Ordering::Relaxed)
         };
         let name = plan.output.path(frame).to_string_lossy().into_owned();
-        let look = |so_far: &Frame| live.show(&name, so_far);
-        let look: Option<&(dyn Fn(&Frame) + Sync)> = if live.is_on() { Some(&look) } else { None };
+        let look = |so_far: &dyn Fn() -> Frame| live.look(&name, so_far);
+        let look: Option<&render::Look> = if live.is_on() { Some(&look) } else { None };
         let rendered = self.pool.install(|| {
             let exposure = plan.picture.exposure(frame);
             self.stats.snapshot_took(frame, started.elapsed().as_secs_f64());

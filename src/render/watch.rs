@@ -10,9 +10,12 @@ pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(Progress) + Sync),
     /// Tells whether to stop; then the frame comes back unfinished.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
-    /// Is shown the picture so far whenever a round is done.
-    pub look: Option<&'a (dyn Fn(&Frame) + Sync)>,
+    /// Is asked whenever a round is done, and may ask for the picture so far.
+    pub look: Option<&'a Look<'a>>,
 }
+
+/// What is done with whatever makes the picture so far, which takes its time.
+pub type Look<'a> = dyn Fn(&dyn Fn() -> Frame) + Sync + 'a;
 
 impl Watch<'static> {
     /// Nobody.
