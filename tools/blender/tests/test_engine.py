@@ -34,6 +34,16 @@ def processes():
     return [line for line in found.stdout.split() if line.startswith("sunfleck")]
 
 
+def nodes_of(path):
+    """Of a file, each with its light."""
+    data = path.read_bytes()
+    said = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    for node in said["nodes"]:
+        if "extensions" in node:
+            node["extensions"] = said["extensions"]["KHR_lights_punctual"]["lights"][node["extensions"]["KHR_lights_punctual"]["light"]]
+    return said["nodes"]
+
+
 class Engine(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -401,6 +411,8 @@ class Engine(unittest.TestCase):
         one.thread.join(10.0)
         self.assertIsNone(one.newest())
         one.close()
+        with mock.patch.object(socket, "create_server", side_effect=PermissionError):
+            self.assertGreater(self.still().of("RGB").max(), 0.0)
 
     def test_esc_ends_the_program(self):
         own = self.scene.sunfleck_settings
@@ -471,6 +483,26 @@ class Engine(unittest.TestCase):
         self.assertEqual((shown.number, shown.problem), (2 * len(STAGES), ""))
         shown.close()
         self.assertEqual(processes(), [])
+
+    def test_of_a_light_a_viewport_looks_at_no_mesh_again(self):
+        shown, sun = Viewport(), self.scene.objects["sun"]
+        shown.changed(bpy.context.evaluated_depsgraph_get())
+        before = shown.path.read_bytes()
+        for change in (lambda: setattr(sun.data, "energy", 0.3), lambda: setattr(self.scene.objects["quad"].location, "x", 0.2)):
+            seen = []
+            looks = lambda scene, graph: seen.append(shown.changed(graph))
+            bpy.app.handlers.depsgraph_update_post.append(looks)
+            try:
+                with mock.patch.object(Viewport, "anew", side_effect=AssertionError("looked at again")):
+                    change()
+                    bpy.context.view_layer.update()
+            finally:
+                bpy.app.handlers.depsgraph_update_post.remove(looks)
+            self.assertEqual(len(seen), 1)
+            self.assertNotEqual(before, before := shown.path.read_bytes())
+        fresh = Viewport()
+        fresh.changed(bpy.context.evaluated_depsgraph_get())
+        self.assertEqual(nodes_of(fresh.path), nodes_of(shown.path))
 
     def test_a_viewport_that_is_drawn_goes_on_until_it_is_done(self):
         graph = bpy.context.evaluated_depsgraph_get()

@@ -18,6 +18,8 @@ from .viewport import View, Viewport
 
 # How often one looks whether Blender wants to stop, seconds.
 LOOK_S = 0.02
+# Of the time for pictures that are not whole yet.
+SHOWN_SHARE = 0.03
 
 
 class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
@@ -54,7 +56,7 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
             return
         look = looking.Look(self.resolution_x, self.resolution_y)
         try:
-            run, frame = exporting.started(self, graph, kept, [executable, look.flag])
+            run, frame = exporting.started(self, graph, kept, [executable, *look.flags])
             if not self.awaited(run, look, graph.view_layer.name):
                 return
         finally:
@@ -68,6 +70,7 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
 
     def awaited(self, run, look, layer):
         """Whether the program came to its end; what it has so far is shown."""
+        began, took = time.perf_counter(), 0.0
         while not run.is_over():
             if self.is_stopped():
                 run.cancel()
@@ -76,11 +79,18 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
                 if "fraction" in news:
                     self.update_progress(news["fraction"])
                     self.update_stats("", f"Sunfleck: {100.0 * news['fraction']:.0f} %")
-            so_far = look.newest()
-            if so_far is not None:
-                picture.show(self, layer, so_far)
+            took = self.show_so_far(look, layer, took, time.perf_counter() - began)
             time.sleep(LOOK_S)
         return True
+
+    def show_so_far(self, look, layer, took, elapsed):
+        """Shows what has come, unless that takes too much of the time; how long it took so far."""
+        so_far = look.newest() if took <= SHOWN_SHARE * elapsed else None
+        if so_far is None:
+            return took
+        started = time.perf_counter()
+        picture.show(self, layer, so_far)
+        return took + time.perf_counter() - started
 
     def is_stopped(self):
         return self.test_break()

@@ -22,13 +22,19 @@ class Look:
 
     def __init__(self, width, height):
         self.size, self.rows_before = (height, width), None
-        self.listener, self.fresh, self.lock = socket.create_server(("127.0.0.1", 0)), None, threading.Lock()
+        self.listener, self.fresh, self.lock = None, None, threading.Lock()
+        try:
+            self.listener = socket.create_server(("127.0.0.1", 0))
+        except OSError:
+            # Where nobody may listen, the picture shows once it is whole.
+            return
         self.thread = threading.Thread(target=self._listen, daemon=True)
         self.thread.start()
 
     @property
-    def flag(self):
-        return "--live={}:{}".format(*self.listener.getsockname())
+    def flags(self):
+        """What the program is told."""
+        return ["--live={}:{}".format(*self.listener.getsockname())] if self.listener else []
 
     def newest(self):
         """What has come since the last call; None for nothing."""
@@ -37,6 +43,8 @@ class Look:
         return found
 
     def close(self):
+        if self.listener is None:
+            return
         try:
             # Ends a thread that nobody has called yet.
             self.listener.shutdown(socket.SHUT_RDWR)
