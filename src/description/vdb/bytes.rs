@@ -9,6 +9,53 @@ pub(super) struct Fault {
     pub(super) what: String,
 }
 
+/// Numbers of a value at most.
+const MOST_NUMBERS: usize = 3;
+
+/// What a voxel holds.
+pub trait Value: Copy {
+    /// How many numbers it is.
+    const NUMBERS: usize;
+    /// Of as many numbers.
+    fn of(numbers: &[f32]) -> Self;
+    /// Less than 0 by as much.
+    fn negated(self) -> Self;
+    /// Whether every number is finite.
+    fn is_finite(self) -> bool;
+}
+
+impl Value for f32 {
+    const NUMBERS: usize = 1;
+
+    fn of(numbers: &[f32]) -> Self {
+        numbers[0]
+    }
+
+    fn negated(self) -> Self {
+        -self
+    }
+
+    fn is_finite(self) -> bool {
+        Self::is_finite(self)
+    }
+}
+
+impl Value for [f32; 3] {
+    const NUMBERS: usize = 3;
+
+    fn of(numbers: &[f32]) -> Self {
+        [numbers[0], numbers[1], numbers[2]]
+    }
+
+    fn negated(self) -> Self {
+        self.map(|number| -number)
+    }
+
+    fn is_finite(self) -> bool {
+        self.iter().all(|number| number.is_finite())
+    }
+}
+
 pub(super) type Read<T> = Result<T, Fault>;
 
 /// The place that is read next.
@@ -70,6 +117,15 @@ impl<'a> Bytes<'a> {
 
     pub(super) fn f64(&mut self) -> Read<f64> {
         self.array().map(f64::from_le_bytes)
+    }
+
+    /// A number or vector.
+    pub(super) fn value<V: Value>(&mut self) -> Read<V> {
+        let mut numbers = [0.0; MOST_NUMBERS];
+        for number in &mut numbers[..V::NUMBERS] {
+            *number = self.f32()?;
+        }
+        Ok(V::of(&numbers))
     }
 
     /// Whole coordinates of a voxel.

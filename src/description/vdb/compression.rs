@@ -2,7 +2,7 @@
 //! Source: `openvdb/io/Compression.h`, `readCompressedValues`.
 
 use super::blosc;
-use super::bytes::{Bytes, Mask, Read};
+use super::bytes::{Bytes, Mask, Read, Value};
 use half::f16;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 
@@ -21,27 +21,27 @@ mod inactive {
 }
 
 /// Encoding of a grid's values.
-pub(super) struct Encoding {
+pub(super) struct Encoding<V> {
     /// The grid's flags of compression.
     pub(super) flags: u32,
     /// Whether values have 16 bits.
     pub(super) is_half: bool,
     /// Value of what is not in the tree.
-    pub(super) background: f32,
+    pub(super) background: V,
 }
 
-impl Encoding {
+impl<V: Value> Encoding<V> {
     /// The values of a node's places, of which `active` says which are active.
-    pub(super) fn values(&self, bytes: &mut Bytes, active: Mask, count: usize) -> Read<Vec<f32>> {
+    pub(super) fn values(&self, bytes: &mut Bytes, active: Mask, count: usize) -> Read<Vec<V>> {
         let kind = bytes.u8()?;
         if kind > inactive::ALL_WRITTEN {
             return Err(bytes.fault(format!("values of a kind {kind} that OpenVDB does not have")));
         }
-        let mut off = [-self.background, self.background];
+        let mut off = [self.background.negated(), self.background];
         match kind {
             inactive::BACKGROUND => off[0] = self.background,
-            inactive::ONE | inactive::ONE_BY_MASK => off[0] = bytes.f32()?,
-            inactive::TWO_BY_MASK => off = [bytes.f32()?, bytes.f32()?],
+            inactive::ONE | inactive::ONE_BY_MASK => off[0] = bytes.value()?,
+            inactive::TWO_BY_MASK => off = [bytes.value()?, bytes.value()?],
             _ => {}
         }
         let chosen = match kind {
@@ -51,9 +51,9 @@ impl Encoding {
             _ => None,
         };
         if self.flags & ACTIVE_MASK == 0 || kind == inactive::ALL_WRITTEN {
-            return self.numbers(bytes, count);
+            return self.written(bytes, count);
         }
-        let mut written = self.numbers(bytes, active.count())?.into_iter();
+        let mut written = self.written(bytes, active.count())?.into_iter();
         let value = |place| {
             let which = chosen.is_some_and(|chosen| chosen.is_on(place));
             let of_active = if active.is_on(place) { written.next() } else { None };
@@ -62,7 +62,12 @@ impl Encoding {
         Ok((0..count).map(value).collect())
     }
 
-    /// `count` numbers that are written one after the other.
+    /// `count` values that are written one after the other.
+    fn written(&self, bytes: &mut Bytes, count: usize) -> Read<Vec<V>> {
+        let numbers = self.numbers(bytes, count * V::NUMBERS)?;
+        Ok(numbers.chunks_exact(V::NUMBERS).map(V::of).collect())
+    }
+
     fn numbers(&self, bytes: &mut Bytes, count: usize) -> Read<Vec<f32>> {
         if self.is_half {
             // Nothing at all is written for no number, not even its length.
@@ -121,7 +126,7 @@ mod tests {
         let all = [before, numbers].concat();
         let mut bytes = Bytes::new(&all);
         let active = Bytes::new(&ACTIVE).mask(8).unwrap();
-        let values = Encoding { flags, is_half, background: 9.0 }.values(&mut bytes, active, 8).unwrap();
+        let values = Encoding { flags, is_half, background: 9.0_f32 }.values(&mut bytes, active, 8).unwrap();
         assert_eq!(bytes.place(), all.len() as i64, "all bytes are read");
         values
     }
@@ -169,7 +174,7 @@ mod tests {
         for count in [7, 9, 100_000] {
             let chunk = [&[6][..], &zipped(&floats(&vec![1.0; count]), true)].concat();
             let active = Bytes::new(&ACTIVE).mask(8).unwrap();
-            let encoding = Encoding { flags: ZIP, is_half: false, background: 0.0 };
+            let encoding = Encoding { flags: ZIP, is_half: false, background: 0.0_f32 };
             assert!(encoding.values(&mut Bytes::new(&chunk), active, 8).is_err(), "{count}");
         }
     }

@@ -16,9 +16,11 @@ use glam::{DAffine3, DVec3};
 use std::path::Path;
 
 pub use frames::{GridFiles, load_files};
+pub use bytes::Value;
 pub use tree::{Leaf, Tile, Tree};
 
 const FLOATS: &str = "Tree_float_5_4_3";
+const VECTORS: &str = "Tree_vec3s_5_4_3";
 
 /// A grid of a file.
 #[derive(Debug)]
@@ -29,16 +31,23 @@ pub struct Grid {
     pub kind: String,
     /// Numbers; `None` if it holds something else.
     pub floats: Option<Floats>,
+    /// Its vectors, if it holds such.
+    pub vectors: Option<Vectors>,
+}
+
+/// A grid of values.
+#[derive(Debug)]
+pub struct Values<V> {
+    /// From coordinates of voxels, whole at their middles, to the grid's own space.
+    pub transform: DAffine3,
+    /// The values.
+    pub tree: Tree<V>,
 }
 
 /// A grid of numbers.
-#[derive(Debug)]
-pub struct Floats {
-    /// Transform from coordinates of voxels, whole at their middles, to the grid's own space.
-    pub transform: DAffine3,
-    /// The numbers.
-    pub tree: Tree,
-}
+pub type Floats = Values<f32>;
+/// A grid of velocities or colours.
+pub type Vectors = Values<[f32; 3]>;
 
 /// Extent of a grid's active values.
 #[derive(Debug)]
@@ -84,8 +93,8 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
     // Each byte counts once, though a damaged file may name one tree many times.
     let mut behind = 0;
     for entry in entries {
-        let mut floats = None;
-        if entry.kind == FLOATS && entry.parent.is_empty() {
+        let (mut floats, mut vectors) = (None, None);
+        if [FLOATS, VECTORS].contains(&&*entry.kind) && entry.parent.is_empty() {
             let mut at = bytes.from(entry.start)?;
             if entry.start < behind {
                 return Err(at.fault("a grid begins inside the one before it"));
@@ -93,17 +102,21 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
             let flags = at.u32()?;
             header::skip_metadata(&mut at)?;
             let transform = transform::read(&mut at)?;
-            floats = Some(Floats { transform, tree: tree::read(&mut at, flags, entry.is_half)? });
+            if entry.kind == FLOATS {
+                floats = Some(Values { transform, tree: tree::read(&mut at, flags, entry.is_half)? });
+            } else {
+                vectors = Some(Values { transform, tree: tree::read(&mut at, flags, entry.is_half)? });
+            }
             behind = at.place();
         }
-        grids.push(Grid { name: entry.name, kind: entry.kind, floats });
+        grids.push(Grid { name: entry.name, kind: entry.kind, floats, vectors });
     }
     Ok(grids)
 }
 
-impl Leaf {
+impl<V: Value> Leaf<V> {
     /// Active voxels: places and values.
-    pub fn voxels(&self) -> impl Iterator<Item = ([i32; 3], f32)> + '_ {
+    pub fn voxels(&self) -> impl Iterator<Item = ([i32; 3], V)> + '_ {
         let is_active = |place: &usize| self.active[place / 8] >> (place % 8) & 1 == 1;
         (0..self.values.len()).filter(is_active).map(|place| {
             let along = [place >> 6, place >> 3 & 7, place & 7];

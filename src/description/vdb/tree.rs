@@ -1,7 +1,7 @@
 //! The tree of a grid: a root, two levels of nodes, leaves of 8 x 8 x 8 voxels. In go bytes, out come
 //! leaves and tiles. Source: `readTopology` and `readBuffers` in `openvdb/tree/`.
 
-use super::bytes::{Bytes, Mask, Read};
+use super::bytes::{Bytes, Mask, Read, Value};
 use super::compression::Encoding;
 
 /// Places along an edge of each level's nodes, as powers of 2.
@@ -15,49 +15,49 @@ const OF_ROOT_PLACE: i32 = OF_UPPER_PLACE << UPPER;
 
 /// A value for each of 8 x 8 x 8 voxels, z fastest.
 #[derive(Debug)]
-pub struct Leaf {
+pub struct Leaf<V = f32> {
     /// First voxel.
     pub origin: [i32; 3],
     /// The values, those of voxels that are not active too.
-    pub values: Vec<f32>,
+    pub values: Vec<V>,
     /// Active voxels, a bit each, the first lowest.
     pub active: Vec<u8>,
 }
 
 /// Voxels of one value.
 #[derive(Debug)]
-pub struct Tile {
+pub struct Tile<V = f32> {
     /// First voxel.
     pub origin: [i32; 3],
     /// Voxels along an edge.
     pub edge: i32,
     /// Value.
-    pub value: f32,
+    pub value: V,
 }
 
-/// Active values of a tree.
-#[derive(Debug, Default)]
-pub struct Tree {
+/// What a tree holds that is active.
+#[derive(Debug)]
+pub struct Tree<V = f32> {
     /// Value of all else.
-    pub background: f32,
+    pub background: V,
     /// Voxels, in the file's order.
-    pub leaves: Vec<Leaf>,
+    pub leaves: Vec<Leaf<V>>,
     /// Blocks of one value.
-    pub tiles: Vec<Tile>,
+    pub tiles: Vec<Tile<V>>,
 }
 
 /// Reads a tree, topology and values.
-pub(super) fn read(bytes: &mut Bytes, flags: u32, is_half: bool) -> Read<Tree> {
+pub(super) fn read<V: Value>(bytes: &mut Bytes, flags: u32, is_half: bool) -> Read<Tree<V>> {
     let buffers = bytes.u32()?;
     if buffers != 1 {
         return Err(bytes.fault(format!("a tree has {buffers} buffers, not one")));
     }
-    let background = bytes.f32()?;
+    let background: V = bytes.value()?;
     let encoding = Encoding { flags, is_half, background };
-    let mut tree = Tree { background, ..Tree::default() };
+    let mut tree = Tree { background, leaves: Vec::new(), tiles: Vec::new() };
     let (tiles, children) = (bytes.u32()?, bytes.u32()?);
     for _ in 0..tiles {
-        let (origin, value, is_active) = (bytes.voxel()?, bytes.f32()?, bytes.u8()? != 0);
+        let (origin, value, is_active) = (bytes.voxel()?, bytes.value()?, bytes.u8()? != 0);
         checked(bytes, value)?;
         if is_active {
             tree.tiles.push(Tile { origin, edge: OF_ROOT_PLACE, value });
@@ -99,9 +99,9 @@ impl Node {
     }
 }
 
-impl Tree {
+impl<V: Value> Tree<V> {
     /// Keeps a node's tiles; the first voxels of its children, in order.
-    fn topology(&mut self, bytes: &mut Bytes, encoding: &Encoding, node: Node) -> Read<Vec<[i32; 3]>> {
+    fn topology(&mut self, bytes: &mut Bytes, encoding: &Encoding<V>, node: Node) -> Read<Vec<[i32; 3]>> {
         let places = 1 << (3 * node.log_edge);
         let (children, active): (Mask, Mask) = (bytes.mask(places)?, bytes.mask(places)?);
         let values = encoding.values(bytes, active, places)?;
@@ -114,6 +114,6 @@ impl Tree {
     }
 }
 
-fn checked(bytes: &Bytes, value: f32) -> Read<()> {
-    if value.is_finite() { Ok(()) } else { Err(bytes.fault(format!("a voxel is {value}"))) }
+fn checked(bytes: &Bytes, value: impl Value) -> Read<()> {
+    if value.is_finite() { Ok(()) } else { Err(bytes.fault("a voxel is infinite or no number")) }
 }
