@@ -5,7 +5,7 @@ use super::pixel_hash::pixel_hash;
 use super::provenance::PIXEL_HASH_NAME;
 use super::region::{self, Region};
 use super::{Attributes, FrameFileError, Provenance, file_hash};
-use crate::description::exr::{self as exr_input, ImageColors, Unread};
+use crate::description::exr::{self as exr_input, DeepFault, ImageColors, Unread};
 use crate::description::read_regular;
 use crate::film::Frame;
 use crate::scene::Window;
@@ -43,9 +43,9 @@ impl FrameFile {
     }
 }
 
-/// Reads a flat EXR file, ours or anybody's, in its display window. Channels of several parts are called
+/// Reads an EXR file, ours or anybody's, in its display window. Channels of several parts are called
 /// `part.channel`, but for those of the picture's part. Parts of other windows are filled up with 0. Samples
-/// that stand for several pixels are repeated.
+/// that stand for several pixels are repeated, deep ones lie over those behind them.
 ///
 /// # Errors
 /// If it cannot be read, is damaged, is of another kind, or claims more pixels than its size can hold.
@@ -79,12 +79,18 @@ fn unsupported(path: &Path, Unread { what, remedy }: Unread) -> FrameFileError {
 
 /// A file's bytes and its headers, at least one, once it is known that they can be read.
 fn header_of(path: &Path) -> Result<(Vec<u8>, MetaData), FrameFileError> {
-    let bytes =
+    let mut bytes =
         read_regular(path).map_err(|source| FrameFileError::Read { path: path.to_owned(), source })?;
-    if let Some(unread) = Unread::of(&bytes) {
+    if let Some(unread) = Unread::of_codec(&bytes) {
         return Err(unsupported(path, unread));
     }
     let invalid = |reason: String| FrameFileError::Invalid { path: path.to_owned(), reason };
+    if exr_input::is_deep(&bytes) {
+        bytes = exr_input::flattened(&bytes).map_err(|fault| match fault {
+            DeepFault::Damaged(reason) => invalid(reason),
+            DeepFault::Unread(unread) => unsupported(path, unread),
+        })?;
+    }
     let meta = MetaData::read_from_buffered(bytes.as_slice(), false);
     let meta = meta.map_err(|error| invalid(reason(&error)))?;
     if meta.headers.is_empty() {

@@ -3,6 +3,7 @@
 //! are true of the file.
 
 mod colors;
+mod deep;
 mod names;
 mod raw;
 mod sky;
@@ -10,10 +11,12 @@ mod subsampled;
 mod unread;
 
 pub use colors::ImageColors;
+pub(crate) use deep::{Fault as DeepFault, flattened};
 pub use names::{Picture, full_names, part_of_picture};
 pub(super) use sky::{Fault, of_exr, size_of_exr};
 pub(crate) use subsampled::{is_subsampled, read as read_subsampled};
 pub use unread::Unread;
+pub(crate) use unread::is_deep;
 
 use ::exr::meta::header::Header;
 

@@ -44,14 +44,19 @@ pub(super) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
 }
 
 /// A text that ends with a zero, and what is behind it.
-fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+pub(super) fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = bytes.iter().take(256).position(|&byte| byte == 0)?;
     Some((&bytes[..end], &bytes[end + 1..]))
 }
 
 impl RawPart<'_> {
+    /// All attributes: name, type and value.
+    pub(super) fn attributes(&self) -> &[(&[u8], &[u8], &[u8])] {
+        &self.attributes
+    }
+
     /// The value of an attribute, whatever its type.
-    fn value(&self, name: &str) -> Option<&[u8]> {
+    pub(super) fn value(&self, name: &str) -> Option<&[u8]> {
         let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
         found.map(|(.., value)| *value)
     }

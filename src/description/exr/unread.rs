@@ -22,16 +22,25 @@ const COMPRESSIONS: [(u8, &str); 4] = [
 /// The last that it knows.
 const LAST_KNOWN: u8 = 9;
 
+/// Whether some part of a file is deep.
+pub(crate) fn is_deep(bytes: &[u8]) -> bool {
+    raw::parts(bytes).is_some_and(|(parts, _)| parts.iter().any(raw::RawPart::is_deep))
+}
+
 impl Unread {
     /// Feature of a file that is not read; `None` if nothing stands in the way, or it is damaged.
     pub fn of(bytes: &[u8]) -> Option<Self> {
+        if is_deep(bytes) { Some(Self::of_deep("deep data")) } else { Self::of_codec(bytes) }
+    }
+
+    /// Of deep data.
+    pub(super) fn of_deep(what: &str) -> Self {
+        Self { what: what.to_owned(), remedy: remedy("flatten it", "--flatten --compression zip") }
+    }
+
+    /// What of its compression is not read.
+    pub fn of_codec(bytes: &[u8]) -> Option<Self> {
         let (parts, _) = raw::parts(bytes)?;
-        if parts.iter().any(raw::RawPart::is_deep) {
-            return Some(Self {
-                what: String::from("deep data"),
-                remedy: remedy("flatten it", "--flatten --compression zip"),
-            });
-        }
         let codec = parts.iter().filter_map(raw::RawPart::compression).find(|codec| *codec > LAST_KNOWN)?;
         let name = COMPRESSIONS.iter().find(|(number, _)| *number == codec);
         let name = name.map_or_else(|| format!("number {codec}"), |(_, name)| String::from(*name));
