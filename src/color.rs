@@ -2,6 +2,7 @@
 //! only textures and previews ever see the sRGB curve.
 
 mod agx;
+mod blackbody;
 mod display;
 mod primaries;
 mod space;
@@ -9,7 +10,8 @@ mod texels;
 
 use glam::DVec3;
 
-pub use display::{Bloom, Curve, Display, dithered};
+pub use blackbody::Blackbody;
+pub use display::{Curve, Display, dithered};
 pub use primaries::Primaries;
 pub use space::{ColorSpace, NamedSpace};
 pub use texels::{CodeCurve, Texels};

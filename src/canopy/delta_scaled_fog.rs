@@ -24,6 +24,8 @@ pub(crate) struct FogCoefficients {
     /// Scattering coefficients of a sun's light as it is scattered first, and its forward peak.
     pub(crate) first_scattering: [Rgb; FIRST_DEGREES],
     pub(crate) first_peak: Rgb,
+    /// What it sends out by itself in each direction, W m^-3 sr^-1.
+    pub(crate) emission: Rgb,
 }
 
 impl FogCoefficients {
@@ -35,6 +37,7 @@ impl FogCoefficients {
             *sum += share * *value;
         }
         self.first_peak += share * other.first_peak;
+        self.emission += share * other.emission;
     }
 }
 
@@ -68,6 +71,11 @@ impl<'a> DeltaScaledFog<'a> {
         if is_of_sun { &self.dimming_of_suns } else { self.medium }
     }
 
+    /// Whether something in it shines.
+    pub(crate) fn shines(&self) -> bool {
+        self.medium.shines()
+    }
+
     /// Coefficients at a point.
     pub(crate) fn at(&self, point: DVec3) -> FogCoefficients {
         let (_, of_degrees) = self.medium.coefficients_at::<FIRST_DEGREES>(point);
@@ -81,6 +89,7 @@ impl<'a> DeltaScaledFog<'a> {
             scattering: std::array::from_fn(|degree| of_degrees[degree] - of_orders),
             first_scattering: of_degrees.map(|of_degree| of_degree - first_peak),
             first_peak,
+            emission: self.medium.emission_at(point),
         }
     }
 }

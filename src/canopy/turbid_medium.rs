@@ -21,7 +21,7 @@ use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use crate::ordinates::surface_optics::SurfaceOptics;
 use crate::scene::Bounces;
 use glam::DVec3;
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Leaf area of a node, as a share of the mean, that power is shared out over at the least. Rays meet all of
 /// a leaf, but its area lies at the nodes about its middle.
@@ -36,6 +36,8 @@ pub(crate) struct TurbidMedium {
     pub(crate) first_peak: [Vec<f32>; 3],
     /// Nodes that have leaves, with those.
     leaves: Vec<LeafArea>,
+    /// Nodes whose fog shines, with what it sends out in each direction, W m^-3 sr^-1.
+    fog_emission: Vec<(usize, Rgb)>,
     pub(crate) clumping: Clumping,
 }
 
@@ -152,10 +154,11 @@ impl TurbidMedium {
             cross_sections: CrossSections::zero(count),
             first_scattering: std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; count])),
             first_peak: channels(),
+            fog_emission: Vec::new(),
             leaves: Vec::new(),
             clumping: Clumping::of(cut.grid, surfels, bounces),
         };
-        if !fog.dimming.is_empty() {
+        if !fog.dimming.is_empty() || fog.shines() {
             medium.add_fog(&fog_of_nodes(cut, fog));
         }
         let mut leaves = leaf_sums(cut, surfels);
@@ -184,6 +187,9 @@ impl TurbidMedium {
                 }
                 self.first_peak[channel][node] = mean.first_peak[channel] as f32;
             }
+            if mean.emission != Rgb::ZERO {
+                self.fog_emission.push((node, mean.emission));
+            }
         }
     }
 
@@ -204,8 +210,15 @@ impl TurbidMedium {
         (Clumps::new(self.clumping, given), self.cross_sections.extinction)
     }
 
-    /// Adds what leaves emit to sources.
+    /// Adds what leaves and fog emit to sources.
     pub(crate) fn emit(&self, sources: &mut Moments) {
+        for (node, emission) in &self.fog_emission {
+            for channel in 0..3 {
+                let mut sum = sources.at(channel, *node);
+                sum[0] += ((4.0 * PI).sqrt() * emission[channel]) as f32;
+                sources.set(channel, *node, &sum);
+            }
+        }
         for leaves in &self.leaves {
             for channel in 0..3 {
                 let sum = sources.at(channel, leaves.node);

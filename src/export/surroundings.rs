@@ -54,7 +54,18 @@ impl Writer<'_> {
                 let uri = beside::uri(&grids.path, self.folder);
                 self.files.insert(uri.clone());
                 written["vdb"] = json!(uri);
-                written["grid"] = json!(grids.name);
+                written["grid"] = json!(grids.names.density);
+                if let Some(name) = &grids.names.albedo {
+                    written["albedo_grid"] = json!(name);
+                }
+                if let Some(name) = &grids.names.emission {
+                    written["emission_grid"] = json!(name);
+                    written["emission"] = json!(channels(grids.emission.at(time_s)));
+                    self.carry_color(format!("{owner}.emission"), &grids.emission);
+                }
+                if let Some(kelvin) = grids.names.kelvin {
+                    written["emission_kelvin"] = json!(kelvin);
+                }
             }
         }
         if let Some(falloff) = falloff {

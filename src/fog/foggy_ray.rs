@@ -1,6 +1,7 @@
 //! A ray and all fog on it. In go a medium and a ray, out come optical depths. Invariant: voxels are walked
 //! through once.
 
+use super::beer_lambert::exp_minus;
 use super::voxel_cells::VoxelCells;
 use super::{FogBank, Medium};
 use crate::color::Rgb;
@@ -53,5 +54,11 @@ impl FoggyRay<'_> {
             fog.sigma_t * density.unwrap_or_else(|| fog.density(point))
         };
         self.medium.banks().iter().enumerate().map(density).sum()
+    }
+
+    /// Light of what shines before a place, as it is at its origin, W m^-2 sr^-1.
+    pub fn emitted(&self, end: f64) -> Rgb {
+        let through = |t: f64| exp_minus(self.optical_depth(t));
+        self.medium.emitters.iter().map(|emitter| emitter.along(self.ray, end, through)).sum()
     }
 }

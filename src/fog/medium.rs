@@ -1,9 +1,9 @@
 //! All fog together, by points and rays. In go places, out come optical depths, densities and where fog is
 //! at all. Invariant: where banks overlap their coefficients add up, and so do their optical depths.
 
-use super::FogBank;
 use super::beer_lambert::exp_minus;
 use super::phase::{henyey_greenstein, scattered_before};
+use super::{Emitter, FogBank};
 use crate::color::Rgb;
 use crate::light::LightPlace;
 use crate::math::Ray;
@@ -14,13 +14,19 @@ use glam::DVec3;
 #[derive(Clone, Debug, Default)]
 pub struct Medium {
     banks: Vec<FogBank>,
+    pub(super) emitters: Vec<Emitter>,
 }
 
 impl Medium {
     /// Fog of several banks.
     pub fn new(banks: Vec<FogBank>) -> Self {
         debug_assert!(banks.len() <= MOST_FOGS, "a scene that exists has no more");
-        Self { banks }
+        Self { banks, emitters: Vec::new() }
+    }
+
+    /// The same with what shines in it.
+    pub fn with_emitters(self, emitters: Vec<Emitter>) -> Self {
+        Self { emitters, ..self }
     }
 
     /// The banks.
@@ -28,9 +34,9 @@ impl Medium {
         &self.banks
     }
 
-    /// True if there is no fog at all.
+    /// True if there is no fog at all, and nothing that shines.
     pub fn is_empty(&self) -> bool {
-        self.banks.is_empty()
+        self.banks.is_empty() && self.emitters.is_empty()
     }
 
     /// True if no fog changes its density.
@@ -41,6 +47,22 @@ impl Medium {
     /// Extinction where all fog is densest, of the colour of which it takes most, 1/m.
     pub fn most_extinction_per_m(&self) -> f64 {
         self.banks.iter().map(|fog| fog.sigma_t.max_element()).sum()
+    }
+
+    /// Boxes about what has bounds, in relative space.
+    pub fn all_bounds(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let banks = self.banks.iter().filter_map(FogBank::bounds);
+        banks.chain(self.emitters.iter().map(Emitter::bounds))
+    }
+
+    /// Whether something in it shines.
+    pub fn shines(&self) -> bool {
+        !self.emitters.is_empty()
+    }
+
+    /// Light that a place sends out in every direction, W m^-3 sr^-1.
+    pub fn emission_at(&self, point: DVec3) -> Rgb {
+        self.emitters.iter().map(|emitter| emitter.at(point)).sum()
     }
 
     /// Optical depth of `origin + t * direction`, `0 < t < t_max`, for a unit direction.
@@ -95,7 +117,7 @@ impl Medium {
 
     /// Medium with optical depths ready for suns in these directions.
     pub fn lit_by(self, to_lights: &[DVec3]) -> Self {
-        Self { banks: self.banks.into_iter().map(|bank| bank.lit_by(to_lights)).collect() }
+        Self { banks: self.banks.into_iter().map(|bank| bank.lit_by(to_lights)).collect(), ..self }
     }
 
     /// First and last fog to be seen on the ray within `[0, t_max]`; `None` if there is none. Finite, also
@@ -151,17 +173,17 @@ impl Medium {
 
     /// Delta-M scaled medium: light of that peak counts as not scattered.
     pub fn without_peaks(&self, degree: i32) -> Self {
-        Self { banks: self.banks.iter().map(|bank| bank.without_peak(degree)).collect() }
+        Self::new(self.banks.iter().map(|bank| bank.without_peak(degree)).collect())
     }
 
     /// Unbounded banks alone.
     pub fn without_bounds(&self) -> Self {
-        Self { banks: self.banks.iter().filter(|bank| !bank.is_bounded()).cloned().collect() }
+        Self::new(self.banks.iter().filter(|bank| !bank.is_bounded()).cloned().collect())
     }
 
     /// Each bank by itself.
     pub fn each(&self) -> impl Iterator<Item = Self> {
-        self.banks.iter().map(|bank| Self { banks: vec![bank.clone()] })
+        self.banks.iter().map(|bank| Self::new(vec![bank.clone()]))
     }
 
     /// Extinction at a point, 1/m.

@@ -8,6 +8,7 @@
 
 mod bank;
 mod beer_lambert;
+mod emitter;
 mod events;
 mod falloff;
 mod foggy_ray;
@@ -26,6 +27,7 @@ mod voxel_stretch;
 
 pub use bank::FogBank;
 pub use beer_lambert::{exp_minus, exp_minus_little};
+pub use emitter::Emitter;
 pub use events::{Loss, Losses};
 pub use falloff::Falloff;
 pub use foggy_ray::FoggyRay;

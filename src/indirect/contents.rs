@@ -103,7 +103,8 @@ impl<'a> Contents<'a> {
             .map(|lights| walls.walls.scattered(&by_lights(lights, NEAREST_GLOW * grid.cell_m).irradiances));
         let not_again = self_interaction.all_sent_again(cut, medium, (leaves, &on_leaves));
         let walls = walls.walls.scattered(&irradiances);
-        let emission = snapshot.glow().map(|_| self.emission(context.glow.is_none(), by_glow));
+        let has_emission = snapshot.glow().is_some() || snapshot.medium.shines();
+        let emission = has_emission.then(|| self.emission(context.glow.is_none(), by_glow));
         let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again, emission };
         FirstLight { source, forward_peaks, met_again, on_leaves }
     }

@@ -130,7 +130,7 @@ fn bounded_fogs(snapshot: &Snapshot) -> Vec<Weighed> {
         let area_m2 = size.element_product() / size.min_element().max(f64::MIN_POSITIVE);
         Weighed { bounds: (low + eye, high + eye), area_m2 }
     };
-    snapshot.medium.banks().iter().filter_map(|bank| bank.bounds()).map(weighed).collect()
+    snapshot.medium.all_bounds().map(weighed).collect()
 }
 
 /// All that there is: things, and fog without bounds as far as it matters about the innermost grid.

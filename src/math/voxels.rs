@@ -193,7 +193,7 @@ impl Voxels {
     }
 
     /// Calls `each` for every brick that holds something, with its first voxel.
-    pub(super) fn for_each_brick(&self, mut each: impl FnMut(IVec3, &[f32])) {
+    pub fn for_each_brick(&self, mut each: impl FnMut(IVec3, &[f32])) {
         let nothing = (self.values.len() - BRICK) as u32;
         for (place, &number) in self.table.iter().enumerate().filter(|(_, number)| **number != NOTHING) {
             let start = self.neighbours[number as usize][0];

@@ -45,7 +45,8 @@ pub fn dark_cause(scene: &Scene, camera: usize, time_s: f64, covered: f64) -> Da
     let placements = scene.placements(time_s);
     let is_seen = |instance: &&Instance| placements[instance.node].visible;
     let shines = |light: &Light| placements[light.node].visible && brightest(light, time_s) > 0.0;
-    let glows = scene.materials.iter().any(|material| material.at(time_s).emission != Rgb::ZERO);
+    let glows = scene.materials.iter().any(|material| material.at(time_s).emission != Rgb::ZERO)
+        || scene.fogs.iter().any(|fog| fog.shape.shines());
     if scene.lights.is_empty() && scene.sky.is_none() && !glows {
         DarkCause::NoLight
     } else if scene.instances.iter().all(|instance| !is_seen(&instance)) {

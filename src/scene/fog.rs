@@ -42,6 +42,20 @@ pub enum FogShape {
 }
 
 impl FogShape {
+    /// As how many banks it counts.
+    pub fn most_banks(&self) -> usize {
+        match self {
+            // What scatters and what absorbs of each channel.
+            Self::Voxels(grids) if grids.names.albedo.is_some() => 6,
+            _ => 1,
+        }
+    }
+
+    /// Whether grids of it shine.
+    pub fn shines(&self) -> bool {
+        matches!(self, Self::Voxels(grids) if grids.names.emission.is_some())
+    }
+
     /// Falloff with height, if there is one.
     pub fn falloff(&self) -> Option<&HeightFalloff> {
         match self {

@@ -49,7 +49,7 @@ pub use darkness::{DarkCause, dark_cause};
 pub use deformation::{Deformation, Influences, InnerVertex, Joint, MorphTarget, Pose, Shape, Skin};
 pub use disc_picture::{DISC_CELLS, DiscPicture, limb_darkening};
 pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
-pub use grids::{GridFrame, GridFrames};
+pub use grids::{FogPart, FogVoxels, GridFrame, GridFrames, GridNames};
 pub use julia::Julia;
 pub use keyed::Keyed;
 pub use light::{AreaShape, Light, LightKind, SunDisc};

@@ -64,10 +64,11 @@ pub fn resolve_telling(
     }
     let first_s = rendered.frame_rate.seconds(*rendered.frames.start() as f64);
     scene.remarks.0.extend(darkness::remark(&scene, first_s, scene_file));
-    if scene.fogs.len() > MOST_FOGS {
-        let found = format!("there are {} banks of fog", scene.fogs.len());
+    let banks: usize = scene.fogs.iter().map(|fog| fog.shape.most_banks()).sum();
+    if banks > MOST_FOGS {
+        let found = format!("there are {banks} banks of fog");
         let error = Diagnostic::error(file, found)
-            .expected(format!("at most {MOST_FOGS}"))
+            .expected(format!("at most {MOST_FOGS}; one whose albedo differs by voxel counts as six"))
             .remedy("make one larger bank of several, or render the scene in parts");
         return Err(Diagnostics(vec![error]));
     }
@@ -107,7 +108,10 @@ fn light_up(scene: &mut Scene, settings: &RenderSettings, options: &ResolveOptio
             let found = "the scene has no light: a sun behind the camera and an even sky light it (--default-light off leaves it dark)";
             scene.remarks.push(Diagnostic::choice(file.clone(), found));
         }
-    } else if scene.lights.is_empty() && scene.sky.is_none() {
+    } else if scene.lights.is_empty()
+        && scene.sky.is_none()
+        && !scene.fogs.iter().any(|fog| fog.shape.shines())
+    {
         let found = "the scene has a background and no light";
         let remedy = "export with lights, or let the background light surfaces: `lights` of `sunfleck_env`";
         scene.remarks.push(Diagnostic::warning(Loss::NoLight, file.clone(), found).remedy(remedy));

@@ -6,8 +6,8 @@
 use super::bent_mesh::BentMesh;
 use super::{Luminaire, MeshTrees};
 use crate::accel::PlacedMesh;
-use crate::fog::{Falloff, FogBank, Medium};
-use crate::scene::{Fog, FogShape, GridFrame, HeightFalloff, Light, Material, NodeIndex, Placement, Scene};
+use crate::fog::{Emitter, Falloff, FogBank, Medium};
+use crate::scene::{Fog, FogShape, GridFrames, HeightFalloff, Light, Material, NodeIndex, Placement, Scene};
 use glam::{DAffine3, DMat3, DVec3};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -90,8 +90,40 @@ impl<'scene> Moment<'scene> {
 
     /// All fog.
     pub(super) fn medium(&self) -> Medium {
-        let visible = self.scene.fogs.iter().filter(|fog| self.placements[fog.node].visible);
-        Medium::new(visible.filter_map(|fog| self.fog_bank(fog)).collect())
+        let (mut banks, mut emitters) = (Vec::new(), Vec::new());
+        for fog in self.scene.fogs.iter().filter(|fog| self.placements[fog.node].visible) {
+            match &fog.shape {
+                FogShape::Voxels(grids) => self.add_grids(fog, grids, &mut banks, &mut emitters),
+                _ => banks.extend(self.fog_bank(fog)),
+            }
+        }
+        Medium::new(banks).with_emitters(emitters)
+    }
+
+    /// Fog by the grids of files, and what shines in it.
+    fn add_grids(
+        &self,
+        fog: &Fog,
+        grids: &GridFrames,
+        banks: &mut Vec<FogBank>,
+        emitters: &mut Vec<Emitter>,
+    ) {
+        let time_s = self.time_s;
+        // What is carried is made anew for each time: once a frame.
+        let voxels_s = if grids.is_carried() { self.frame_s } else { time_s };
+        let Some(voxels) = grids.at(voxels_s) else { return };
+        let (sigma_t, albedo) = (fog.density_per_m.at(time_s), fog.albedo.at(time_s));
+        let (g, relative_from_node) = (fog.anisotropy.at(time_s), self.relative_from(fog.node));
+        let relative_from_voxel = relative_from_node * voxels.shape_from_voxel;
+        banks.extend(voxels.parts.iter().filter_map(|part| {
+            let (sigma_t, albedo) = (sigma_t * part.extinction, albedo * part.albedo);
+            FogBank::of_voxels(relative_from_voxel, Arc::clone(&part.voxels), sigma_t, albedo, g)
+        }));
+        let relative_from_shining = relative_from_node * voxels.shape_from_shining;
+        let emission = grids.emission.at(time_s);
+        emitters.extend(voxels.shining.iter().filter_map(|(color, voxels)| {
+            Emitter::new(relative_from_shining, Arc::clone(voxels), emission * *color)
+        }));
     }
 
     /// `None` if it does nothing.
@@ -108,11 +140,8 @@ impl<'scene> Moment<'scene> {
                 Some(FogBank::in_box(relative_from_node, sigma_t, albedo, g)?.thinning(frozen(falloff)?))
             }
             FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
-            FogShape::Voxels(grids) => {
-                let GridFrame { shape_from_voxel, voxels, .. } = grids.at(time_s);
-                let relative_from_voxel = relative_from_node * *shape_from_voxel;
-                FogBank::of_voxels(relative_from_voxel, Arc::clone(voxels), sigma_t, albedo, g)
-            }
+            // Of which there may be several.
+            FogShape::Voxels(_) => None,
             FogShape::Mist(mist) => {
                 let shape_from_voxel = DAffine3::from_scale(DVec3::splat(mist.voxel_m));
                 let voxels = mist.voxels(self.frame_s)?;

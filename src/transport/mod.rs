@@ -5,6 +5,7 @@
 mod connection;
 mod direct;
 mod equiangular;
+mod fog_glow;
 mod glow;
 mod indirect;
 mod lamp_spots;

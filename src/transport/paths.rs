@@ -12,6 +12,7 @@
 use super::connection::{Receiver, Turn};
 use super::direct;
 use super::equiangular;
+use super::fog_glow;
 use super::glow;
 use super::lamp_spots;
 use super::lobes::Lobes;
@@ -112,6 +113,8 @@ impl Leg {
             let hit = blended.or(opaque);
             let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
             *sum += self.throughput * self.of_lamps(path, distance);
+            let way = Way { distance, ..Way::default() };
+            *sum += self.throughput * fog_glow::on_the_way(path, &self.ray, &way);
             if let Some(place) = self.lost_in_fog(path, distance) {
                 return Some(Vertex::Fog(Ray { origin: place, ..self.ray }));
             }

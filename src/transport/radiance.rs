@@ -6,7 +6,7 @@ use super::path::{Illumination, Path, Scratch, Start, Transport};
 use super::shafts;
 use super::stack::Stack;
 use super::visibility::{RayEnd, Way, ray_end};
-use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, indirect, sky_light};
+use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, fog_glow, indirect, sky_light};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{BlendedHit, Snapshot, SurfacePoint};
@@ -174,7 +174,8 @@ impl Path<'_> {
         } else {
             let indirect = indirect::in_scattered(self, ray, &way, from);
             let scattered = self.scattered_once((ray, from), &way) + indirect;
-            (scattered, indirect, self.through_fog((ray, from), distance))
+            let shafts = scattered + fog_glow::on_the_way(self, ray, &way);
+            (shafts, indirect, self.through_fog((ray, from), distance))
         };
         let (in_front, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;

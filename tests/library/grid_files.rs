@@ -132,7 +132,7 @@ fn a_file_named_in_gltf_is_fog() {
     fs::copy(checkout::file("tests/data/vdb/several.vdb"), folder.path().join("a b.vdb")).unwrap();
     let path = gltf_with(folder.path(), r#""vdb": "a%20b.vdb", "density": 0.2"#);
     let (scene, _) = loaded(&path).unwrap();
-    assert!(matches!(&scene.fogs[0].shape, FogShape::Voxels(grids) if grids.name == "density"));
+    assert!(matches!(&scene.fogs[0].shape, FogShape::Voxels(grids) if grids.names.density == "density"));
 }
 
 /// What RON refuses, glTF does too: with place, what was expected and what helps.

@@ -31,6 +31,7 @@ mod gltf_invalid;
 mod gltf_made;
 mod gltf_valid;
 mod grid_files;
+mod grid_parts;
 mod ground_light;
 mod height_fog;
 mod indirect;

@@ -9,7 +9,9 @@ use sunfleck::color::Rgb;
 use sunfleck::description;
 use sunfleck::fog::{FogBank, Medium};
 use sunfleck::math::{Sampler, SunlitVoxels, Voxels, VoxelsBuilder};
-use sunfleck::scene::{self, Bounces, Fog, FogShape, GridFrame, GridFrames, LightKind, Scene, Size, Track};
+use sunfleck::scene::{
+    self, Bounces, Fog, FogShape, FogVoxels, GridFrame, GridFrames, LightKind, Scene, Size, Track,
+};
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
 use sunfleck::transport::{MarchSteps, Sample, Scratch, Transport, VolumeMethod, radiance};
 
@@ -34,15 +36,11 @@ fn add_voxels(scene: &mut Scene, world_from_voxel: DAffine3, voxels: Voxels, den
     scene.fogs.push(Fog {
         name: "puff".into(),
         node,
-        shape: FogShape::Voxels(GridFrames {
-            path: "puff.vdb".into(),
-            name: "density".into(),
-            frames: vec![GridFrame {
-                time_s: 0.0,
-                shape_from_voxel: DAffine3::IDENTITY,
-                voxels: Arc::new(voxels.into()),
-            }],
-        }),
+        shape: FogShape::Voxels(GridFrames::new(
+            "puff.vdb".into(),
+            "density",
+            vec![GridFrame::made(0.0, FogVoxels::plain(DAffine3::IDENTITY, voxels))],
+        )),
         density_per_m: Track::from(density_per_m),
         albedo: Track::from(Rgb::new(0.95, 0.9, 0.8)),
         anisotropy: Track::from(0.5),

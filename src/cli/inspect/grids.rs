@@ -29,8 +29,16 @@ fn count(grids: usize) -> String {
 
 fn of_one(grid: &Grid) -> String {
     let Grid { name, kind, .. } = grid;
+    if let Some(vectors) = &grid.vectors {
+        let voxels: usize = vectors.tree.leaves.iter().map(|leaf| leaf.voxels().count()).sum();
+        return format!(
+            "\n{name}: {kind}\n  active voxels  {voxels} in {} leaves, and {} tiles; of fog velocities or colours",
+            vectors.tree.leaves.len(),
+            vectors.tree.tiles.len(),
+        );
+    }
     let Some(floats) = &grid.floats else {
-        return format!("\n{name}: {kind}, of which nothing is read; grids of floats are");
+        return format!("\n{name}: {kind}, of which nothing is read; grids of floats and of vectors are");
     };
     let Some(extent) = floats.extent() else {
         return format!("\n{name}: {kind}, no active voxels");

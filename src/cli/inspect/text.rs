@@ -7,11 +7,12 @@ use glam::{DAffine3, DVec3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::fmt::Write;
+use std::sync::Arc;
 use sunfleck::color::LUMENS_PER_WATT;
 use sunfleck::math::Voxels;
 use sunfleck::scene::{
-    Animation, AreaShape, Clip, Fog, FogShape, HeightFalloff, Lens, Light, LightKind, Placement, Scene, Sky,
-    SkyLight, SkyPicture, SkySun, SunPicture, SunShows,
+    Animation, AreaShape, Clip, Fog, FogShape, FogVoxels, HeightFalloff, Lens, Light, LightKind, Placement,
+    Scene, Sky, SkyLight, SkyPicture, SkySun, SunPicture, SunShows,
 };
 
 pub(super) fn describe(inspected: &Inspected, frames: &[f64]) -> String {
@@ -180,10 +181,21 @@ fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::
             )
         }
         FogShape::Voxels(grids) => {
-            let grid = grids.at(time_s);
-            let voxels = &grid.voxels.voxels;
-            let [low, high] = voxel_bounds(world * grid.shape_from_voxel, voxels);
-            format!("by voxels, up to {:.3}, within {low:.3} to {high:.3}", voxels.most())
+            let told = |grid: Arc<FogVoxels>| {
+                let voxels = grid.parts.iter().map(|part| &part.voxels.voxels);
+                let voxels = voxels.max_by(|a, b| a.most().total_cmp(&b.most()))?;
+                let [low, high] = voxel_bounds(world * grid.shape_from_voxel, voxels);
+                Some(format!("by voxels, up to {:.3}, within {low:.3} to {high:.3}", voxels.most()))
+            };
+            let mut text = grids.at(time_s).and_then(told).unwrap_or_else(|| String::from("by voxels"));
+            if let Some(name) = &grids.names.albedo {
+                text += &format!(", albedo by `{name}`");
+            }
+            if let Some(name) = &grids.names.emission {
+                let kelvin = grids.names.kelvin.map_or(String::new(), |kelvin| format!(" of {kelvin} K"));
+                text += &format!(", shines by `{name}`{kelvin}");
+            }
+            text
         }
     };
     let density = fog.density_per_m.at(time_s);

@@ -26,6 +26,14 @@ pub struct Fog {
     pub vdb: Option<PathBuf>,
     /// The file's grid that does [default: `density`].
     pub grid: Option<String>,
+    /// The file's grid of colours that its albedo is multiplied by.
+    pub albedo_grid: Option<String>,
+    /// The file's grid that shines.
+    pub emission_grid: Option<String>,
+    /// What it shines where that grid is 1.
+    pub emission_w_per_m3_sr: Option<Animated<Triple<NonNegative>>>,
+    /// So many kelvin it has there: it shines as a black body, in proportion to one of these.
+    pub emission_kelvin: Option<Number<Positive>>,
     /// Billows that it is made of, in its box.
     pub mist: Option<Mist>,
     /// Extinction coefficient sigma_t where the fog is densest; of voxels that of 1 in them.
@@ -49,6 +57,10 @@ impl Fog {
             base_m: None,
             vdb: None,
             grid: None,
+            albedo_grid: None,
+            emission_grid: None,
+            emission_w_per_m3_sr: None,
+            emission_kelvin: None,
             mist: None,
             density_per_m: density_per_m.into(),
             albedo: one(),

@@ -1,5 +1,5 @@
 //! The OpenVDB files that a path stands for: one, or one a frame where signs stand for a number. In go paths,
-//! out come grids by frame. Invariant: a sequence has no gap.
+//! out come files by frame. Invariant: a sequence has no gap, and its bytes are those that were read first.
 
 use super::{Grid, parse};
 use crate::description::numbered::Numbered;
@@ -14,8 +14,28 @@ pub struct GridFiles {
     pub path: PathBuf,
     /// The number of the first file.
     pub first_frame: i64,
-    /// The grids of each file: at least one.
-    pub frames: Vec<Arc<[Grid]>>,
+    /// Each file: at least one.
+    pub frames: Vec<Arc<GridFile>>,
+}
+
+/// A file that is whole. One of a sequence stays packed: the grids of all of them are larger than memory.
+#[derive(Debug)]
+pub enum GridFile {
+    /// Its grids.
+    Read(Arc<[Grid]>),
+    /// Its bytes.
+    Packed(Vec<u8>),
+}
+
+impl GridFile {
+    /// Its grids.
+    pub fn grids(&self) -> Arc<[Grid]> {
+        match self {
+            Self::Read(grids) => Arc::clone(grids),
+            // It was whole when it was read.
+            Self::Packed(bytes) => parse(bytes, Path::new("")).unwrap_or_default().into(),
+        }
+    }
 }
 
 /// Reads them; `referrer` says who asks for them.
@@ -23,14 +43,21 @@ pub struct GridFiles {
 /// # Errors
 /// If a file cannot be read, is damaged, or is missing in a sequence.
 pub fn load_files(path: &Path, referrer: &str, files: &mut Files) -> Result<GridFiles, LoadError> {
-    let mut grids = |path: &Path| Ok(parse(&files.read(path, Some(referrer))?, path)?.into());
     let (first_frame, frames) = match Numbered::of(path) {
-        None => (0, vec![grids(path)?]),
+        None => {
+            let grids = parse(&files.read(path, Some(referrer))?, path)?;
+            (0, vec![Arc::new(GridFile::Read(grids.into()))])
+        }
         Some(numbered) => {
             let numbers = numbered.numbers(referrer)?;
             let first = *numbers.start();
-            let frames = numbers.map(|number| grids(&numbered.file(number)));
-            (first, frames.collect::<Result<_, LoadError>>()?)
+            let packed = |number| {
+                let path = numbered.file(number);
+                let bytes = files.read(&path, Some(referrer))?;
+                parse(&bytes, &path)?;
+                Ok(Arc::new(GridFile::Packed(bytes)))
+            };
+            (first, numbers.map(packed).collect::<Result<_, LoadError>>()?)
         }
     };
     Ok(GridFiles { path: path.to_owned(), first_frame, frames })

@@ -15,8 +15,8 @@ use bytes::{Bytes, Fault, Read};
 use glam::{DAffine3, DVec3};
 use std::path::Path;
 
-pub use frames::{GridFiles, load_files};
 pub use bytes::Value;
+pub use frames::{GridFile, GridFiles, load_files};
 pub use tree::{Leaf, Tile, Tree};
 
 const FLOATS: &str = "Tree_float_5_4_3";

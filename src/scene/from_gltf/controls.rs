@@ -169,6 +169,11 @@ impl Builder<'_> {
             "density" => self.scene.fogs[fog].density_per_m = self.color(carried, &NOT_NEGATIVE, path)?,
             "albedo" => self.scene.fogs[fog].albedo = self.color(carried, &SHARE, path)?,
             "anisotropy" => self.scene.fogs[fog].anisotropy = self.number(carried, &ANISOTROPY, path)?,
+            "emission" => {
+                let color = self.color(carried, &NOT_NEGATIVE, path)?;
+                let FogShape::Voxels(grids) = &mut self.scene.fogs[fog].shape else { return None };
+                grids.emission = color;
+            }
             "scale_height" if !is(&self.scene.fogs[fog]) => {
                 let number = self.number(carried, &POSITIVE, path)?;
                 match &mut self.scene.fogs[fog].shape {

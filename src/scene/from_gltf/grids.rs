@@ -2,9 +2,10 @@
 //! stands nowhere else.
 
 use super::{Builder, extras};
+use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
-use crate::scene::FogShape;
-use crate::scene::grids::{Refused, grid_frames};
+use crate::scene::grids::{Refused, Wanted, grid_frames};
+use crate::scene::{FogShape, Track};
 
 impl Builder<'_> {
     /// The shape of a node's fog that names a file, `path` in its own; `None` where that is refused.
@@ -21,7 +22,25 @@ impl Builder<'_> {
             self.report.error(format!("{path}.{field}"), found, "one of the two");
         }
         let frame_rate = self.clock.frame_rate;
-        let grids = grid_frames(self.source.grids.get(uri)?, fog.grid.as_deref(), frame_rate);
+        let (emission, kelvin) = (fog.emission.map(Rgb::from), fog.emission_kelvin);
+        let is_whole =
+            fog.emission_grid.is_some() == emission.is_some() && (kelvin.is_none() || emission.is_some());
+        let are_right = emission.is_none_or(|emission| emission.min_element() >= 0.0)
+            && kelvin.is_none_or(|kelvin| kelvin > 0.0);
+        if !is_whole || !are_right {
+            let found = "what shines is said by halves, or by numbers below 0";
+            let expected =
+                "`emission_grid` and `emission`, or neither; `emission_kelvin` above 0 beside both";
+            self.report.error(format!("{path}.emission"), found, expected);
+        }
+        let wanted = Wanted {
+            density: fog.grid.as_deref(),
+            albedo: fog.albedo_grid.as_deref(),
+            emission: fog.emission_grid.as_deref(),
+            kelvin,
+            shines: Track::from(emission.unwrap_or(Rgb::ZERO)),
+        };
+        let grids = grid_frames(self.source.grids.get(uri)?, wanted, frame_rate);
         let told = |Refused { found, expected, remedy }| {
             let place = self.report.at(format!("{path}.vdb"));
             self.report.push(Diagnostic::error(place, found).expected(expected).remedy(remedy));
@@ -31,9 +50,16 @@ impl Builder<'_> {
 
     /// Whether fog that names no file names a grid, which is an error then.
     pub(super) fn check_no_grid(&mut self, fog: &extras::Fog, path: &str) {
-        if fog.grid.is_some() {
-            let found = "`grid` names one of a file that is not named";
-            self.report.error(format!("{path}.grid"), found, "`vdb` beside `grid`");
+        let names = [
+            ("grid", fog.grid.is_some()),
+            ("albedo_grid", fog.albedo_grid.is_some()),
+            ("emission_grid", fog.emission_grid.is_some()),
+            ("emission", fog.emission.is_some()),
+            ("emission_kelvin", fog.emission_kelvin.is_some()),
+        ];
+        for (field, _) in names.into_iter().filter(|(_, is_said)| *is_said) {
+            let found = format!("`{field}` is of a file that is not named");
+            self.report.error(format!("{path}.{field}"), found, "`vdb` beside it");
         }
     }
 }

@@ -12,19 +12,13 @@ impl Resolver<'_> {
             let owner = format!("fog.{name}");
             let mist = fog.mist.as_ref().map(|mist| self.mist(&owner, fog, mist));
             let grids = fog.vdb.as_deref().map(|vdb| self.fog_grids(&owner, fog, vdb));
-            let (bounds, falloff) = match (&grids, &fog.grid) {
-                (Some(_), _) => (None, None),
-                (None, None) if mist.is_some() => (None, None),
-                (None, grid) => {
-                    if grid.is_some() {
-                        let found = "`grid` names one of a file that is not named";
-                        self.problems.error(
-                            &owner,
-                            found,
-                            "`vdb` beside `grid`",
-                            "add `vdb`, or take `grid` out",
-                        );
-                    }
+            if grids.is_none() {
+                self.check_no_grids(&owner, fog);
+            }
+            let (bounds, falloff) = match &grids {
+                Some(_) => (None, None),
+                None if mist.is_some() => (None, None),
+                None => {
                     let bounds = self.fog_bounds(&owner, fog);
                     (bounds, self.fog_falloff(&owner, fog, bounds))
                 }

@@ -245,7 +245,8 @@ impl<'a> Resolver<'a> {
     }
 
     fn remark_no_light(&mut self) {
-        if self.scene.lights.is_empty() && self.scene.sky.is_none() {
+        let shines = self.scene.fogs.iter().any(|fog| fog.shape.shines());
+        if self.scene.lights.is_empty() && self.scene.sky.is_none() && !shines {
             let place = self.problems.place("lights");
             let remedy = "add `lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: (3.0, 3.0, 3.0)) }`";
             let remark = Diagnostic::warning(Loss::NoLight, place, "the scene has no light").remedy(remedy);

@@ -2,9 +2,11 @@
 //! nowhere else.
 
 use super::Resolver;
+use super::track;
+use crate::color::Rgb;
 use crate::description::ron;
-use crate::scene::GridFrames;
-use crate::scene::grids::{Refused, grid_frames};
+use crate::scene::grids::{Refused, Wanted, grid_frames};
+use crate::scene::{GridFrames, Track};
 use std::path::Path;
 
 impl Resolver<'_> {
@@ -21,10 +23,43 @@ impl Resolver<'_> {
             let remedy = format!("take `{field}` out, or add a bank of fog of its own");
             self.problems.error(owner, &found, "one of the two", &remedy);
         }
-        let grids = grid_frames(self.grids.get(path)?, fog.grid.as_deref(), self.frame_rate);
+        let (emission, shines) = (fog.emission_grid.as_deref(), &fog.emission_w_per_m3_sr);
+        if emission.is_some() != shines.is_some() || (fog.emission_kelvin.is_some() && emission.is_none()) {
+            let found = "what shines is said by halves";
+            let expected =
+                "`emission_grid` and `emission_w_per_m3_sr`, or neither, and `emission_kelvin` beside both";
+            self.problems.error(owner, found, expected, "add the other one, or take both out");
+        }
+        let place = format!("{owner}.emission_w_per_m3_sr");
+        let shines = shines.as_ref().and_then(|shines| track(shines, &place, &mut self.problems));
+        let wanted = Wanted {
+            density: fog.grid.as_deref(),
+            albedo: fog.albedo_grid.as_deref(),
+            emission,
+            kelvin: fog.emission_kelvin.map(ron::Number::si),
+            shines: shines.unwrap_or_else(|| Track::from(Rgb::ZERO)),
+        };
+        let grids = grid_frames(self.grids.get(path)?, wanted, self.frame_rate);
         let told = |Refused { found, expected, remedy }| {
             self.problems.error(owner, found, &expected, remedy);
         };
         grids.map_err(told).ok()
+    }
+
+    /// Fog that names no file names no grid.
+    pub(super) fn check_no_grids(&mut self, owner: &str, fog: &ron::Fog) {
+        let names = [
+            ("grid", fog.grid.is_some()),
+            ("albedo_grid", fog.albedo_grid.is_some()),
+            ("emission_grid", fog.emission_grid.is_some()),
+            ("emission_w_per_m3_sr", fog.emission_w_per_m3_sr.is_some()),
+            ("emission_kelvin", fog.emission_kelvin.is_some()),
+        ];
+        for (field, _) in names.into_iter().filter(|(_, is_said)| *is_said) {
+            let found = format!("`{field}` is of a file that is not named");
+            let (expected, remedy) =
+                (format!("`vdb` beside `{field}`"), format!("add `vdb`, or take `{field}` out"));
+            self.problems.error(owner, &found, &expected, &remedy);
+        }
     }
 }

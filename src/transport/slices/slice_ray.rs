@@ -10,11 +10,11 @@ use crate::math::{PlanarRay, Ray, Sampler};
 use crate::snapshot::{Facet, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
-use crate::transport::indirect;
-use crate::transport::leg::{Airlight, Leg, LegEnd, Shown};
 use crate::transport::path::{Illumination, Path, Scratch, Start};
 use crate::transport::radiance::{mattes, mean};
 use crate::transport::shafts::{Stretch, by_segments};
+use crate::transport::visibility::Way;
+use crate::transport::{fog_glow, indirect};
 
 /// A ray of a slice and what it meets first.
 pub(super) struct SliceRay<'a> {
@@ -93,7 +93,12 @@ impl SliceRay<'_> {
         let indirect_shafts = path
             .indirect()
             .map_or(Rgb::ZERO, |indirect| indirect.seen_in_fog(snapshot, ray, distance, transmittance));
-        let shafts = shafts + indirect_shafts;
+        let glow = fog_glow::on_the_way(&path, ray, &Way { distance, ..Way::default() });
+        let shafts = shafts + indirect_shafts + glow;
+        let radiance = behind_fog.radiance * transmittance + shafts;
+        let emitted = behind_fog.emitted * transmittance;
+        let indirect = behind_fog.indirect * transmittance;
+        let mattes = mattes(snapshot, &[], surface.as_ref());
         let held_out = if is_hole { mean(transmittance) } else { 0.0 };
         let mattes = mattes(snapshot, &[], surface.as_ref());
         let leg = Leg::new(

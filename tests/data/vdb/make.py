@@ -4,7 +4,9 @@
 
 `several.vdb`: `density` has numbers along a line in i, j and k, and a block of .75; `heat` is the same in half
 floats; `velocity` holds vectors; `nothing` has no voxels. `billion.vdb`: 1024^3 voxels of .5, as tiles. `thin.vdb`:
-12 x 6 x 9 voxels of .25 where the lines of `several.vdb` are.
+12 x 6 x 9 voxels of .25 where the lines of `several.vdb` are. `colours.vdb`: the same, with colours (.25, .5, 1) in
+`Cd`. `moving.1.vdb` and `moving.2.vdb`: a block of 4 voxels, 8 voxels of half a metre apart, and their velocity of 96
+metres a second in `vel`.
 """
 
 from pathlib import Path
@@ -52,3 +54,20 @@ thin.name = "density"
 thin.fill((-2, -1, 0), (9, 4, 8), 0.25, True)
 thin.transform = lines("density", False).transform
 openvdb.write(str(HERE / "thin.vdb"), thin)
+
+colours = openvdb.Vec3SGrid()
+colours.name = "Cd"
+colours.fill((-2, -1, 0), (9, 4, 8), (0.25, 0.5, 1.0), True)
+colours.transform = thin.transform
+openvdb.write(str(HERE / "colours.vdb"), [thin, colours])
+
+for number in (1, 2):
+    block = openvdb.FloatGrid()
+    block.name = "density"
+    block.fill((8 * number, 0, 0), (8 * number + 3, 3, 3), 1.0, True)
+    velocity = openvdb.Vec3SGrid()
+    velocity.name = "vel"
+    velocity.fill((-16, -16, -16), (47, 15, 15), (96.0, 0.0, 0.0), True)
+    for grid in (block, velocity):
+        grid.transform = openvdb.createLinearTransform(0.5)
+    openvdb.write(str(HERE / f"moving.{number}.vdb"), [block, velocity])

@@ -148,6 +148,8 @@ class _Reader:
             if not path.is_file():
                 vdb.fail(f"leads to {path}, which is no file: other renderers get no sequences of grids")
             grid = path, fog.text_at("grid", "density")
+        if fog.member("albedo_grid") is not None or fog.member("emission_grid") is not None:
+            fog.fail("other renderers get grids of density alone")
         if fog.text_at("shape", "box") != "box" or any(fog.number_at(name, 0.0) > 0 for name in THINNING):
             fog.fail("other renderers get fog that fills a box evenly")
 

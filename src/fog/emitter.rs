@@ -1,0 +1,63 @@
+//! What shines in fog, by voxels. In go rays and what gets through fog on them, out comes light. Invariant:
+//! each cell has a rule of Gauss of its own, exact where nothing absorbs.
+
+use crate::color::Rgb;
+use crate::math::{Ray, Voxels, gauss_legendre};
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// Nodes of the rule.
+const NODES: usize = 3;
+
+/// Light of one colour by voxels, frozen at one time.
+#[derive(Clone, Debug)]
+pub struct Emitter {
+    voxel_from_relative: DAffine3,
+    voxels: Arc<Voxels>,
+    /// Where voxels are 1, W m^-3 sr^-1.
+    per_voxel: Rgb,
+}
+
+impl Emitter {
+    /// `None` if it is dark, or flat.
+    pub fn new(relative_from_voxel: DAffine3, voxels: Arc<Voxels>, per_voxel: Rgb) -> Option<Self> {
+        let voxel_from_relative = relative_from_voxel.inverse();
+        let shines = voxel_from_relative.is_finite() && per_voxel.max_element() > 0.0;
+        shines.then_some(Self { voxel_from_relative, voxels, per_voxel })
+    }
+
+    /// The box about it, in relative space.
+    pub(super) fn bounds(&self) -> (DVec3, DVec3) {
+        let (low, high) = self.voxels.bounds();
+        let relative_from_voxel = self.voxel_from_relative.inverse();
+        let corners = (0..8).map(|corner| {
+            let side = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            relative_from_voxel.transform_point3(DVec3::new(side(0), side(1), side(2)))
+        });
+        let about = |(low, high): (DVec3, DVec3), corner| (low.min(corner), high.max(corner));
+        corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), about)
+    }
+
+    /// Light that a place sends out in every direction, W m^-3 sr^-1.
+    pub(super) fn at(&self, point: DVec3) -> Rgb {
+        self.per_voxel * self.voxels.at(self.voxel_from_relative.transform_point3(point))
+    }
+
+    /// Its light before a place on a ray, as it is at the ray's origin, by what gets there from other places,
+    /// W m^-2 sr^-1.
+    pub(super) fn along(&self, ray: &Ray, end: f64, through: impl Fn(f64) -> Rgb) -> Rgb {
+        let line = Ray {
+            origin: self.voxel_from_relative.transform_point3(ray.origin),
+            direction: self.voxel_from_relative.transform_vector3(ray.direction),
+        };
+        let mut sum = Rgb::ZERO;
+        self.voxels.for_each_cell(&line, (0.0, end), |cell| {
+            let half = 0.5 * (cell.end - cell.start);
+            for (node, weight) in gauss_legendre(NODES) {
+                let from_start = half * (1.0 + node);
+                sum += half * *weight * cell.values.at(from_start) * through(cell.start + from_start);
+            }
+        });
+        self.per_voxel * sum
+    }
+}

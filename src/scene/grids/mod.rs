@@ -1,0 +1,249 @@
+//! Fog as the grids of files say. In go files, out come voxels by time. Invariant: what no fog can be,
+//! negative or without bounds, is refused before it is asked for.
+
+mod advection;
+mod parts;
+
+use super::{FrameRate, Track};
+use crate::color::Rgb;
+use crate::description::vdb::{GridFile, GridFiles};
+use crate::math::{SunlitVoxels, VectorVoxels, Voxels};
+use glam::DAffine3;
+use rayon::prelude::*;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What a grid of density is called unless one says otherwise.
+const USUAL_GRID: &str = "density";
+/// Frames of a sequence whose voxels are in memory: those about a time, and what lies between.
+const KEPT: usize = 3;
+
+/// Fog by grids of a file, or of a file a frame.
+#[derive(Clone, Debug)]
+pub struct GridFrames {
+    /// Of the file; of a sequence with signs in the number's place.
+    pub path: PathBuf,
+    /// Which of its grids count.
+    pub names: GridNames,
+    /// At least one, by time.
+    pub frames: Vec<GridFrame>,
+    /// What they shine where the grid of emission is 1, W m^-3 sr^-1.
+    pub emission: Track<Rgb>,
+    /// Whether every file says velocities, by which what lies between two is known.
+    is_carried: bool,
+    kept: Kept,
+}
+
+/// Names of grids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridNames {
+    /// What is multiplied by the fog's density.
+    pub density: String,
+    /// Colours that are multiplied by its albedo.
+    pub albedo: Option<String>,
+    /// What shines.
+    pub emission: Option<String>,
+    /// So many kelvin it has where it is 1, if it shines as a black body.
+    pub kelvin: Option<f64>,
+}
+
+/// Grids about a time.
+#[derive(Clone, Debug)]
+pub struct GridFrame {
+    /// Their own.
+    pub time_s: f64,
+    source: Source,
+}
+
+/// Where voxels come from.
+#[derive(Clone, Debug)]
+enum Source {
+    /// They are there.
+    Made(Arc<FogVoxels>),
+    /// From the file whenever they are asked for: a sequence is larger than memory.
+    File(Arc<GridFile>),
+}
+
+/// Fog by voxels at one time.
+#[derive(Debug)]
+pub struct FogVoxels {
+    /// From coordinates of voxels, whole at their middles.
+    pub shape_from_voxel: DAffine3,
+    /// Fogs that lie in one another and are the whole together; one, unless albedo differs by voxel.
+    pub parts: Vec<FogPart>,
+    /// The same of what shines, from its own coordinates.
+    pub shape_from_shining: DAffine3,
+    /// Its light by what each is multiplied with.
+    pub shining: Vec<(Rgb, Arc<Voxels>)>,
+    /// What carries it, in its own coordinates and metres a second of the shape's space.
+    velocities: Option<(DAffine3, Arc<VectorVoxels>)>,
+}
+
+/// Fog of which all scatters alike.
+#[derive(Clone, Debug)]
+pub struct FogPart {
+    /// Its share of extinction by channel.
+    pub extinction: Rgb,
+    /// How much of that scatters, as a share of the fog's albedo.
+    pub albedo: Rgb,
+    /// Its numbers.
+    pub voxels: Arc<SunlitVoxels>,
+}
+
+/// Voxels of the last times; of a copy there are none.
+#[derive(Debug, Default)]
+struct Kept(Mutex<Vec<(Asked, Option<Arc<FogVoxels>>)>>);
+
+/// The frame before a time, and how far it lies behind; 0 is the frame itself.
+type Asked = (usize, u64);
+
+impl Clone for Kept {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl GridFrame {
+    /// Voxels of a time that are at hand.
+    pub fn made(time_s: f64, voxels: FogVoxels) -> Self {
+        Self { time_s, source: Source::Made(Arc::new(voxels)) }
+    }
+}
+
+impl FogVoxels {
+    /// Fog that scatters alike throughout and does not shine.
+    pub fn plain(shape_from_voxel: DAffine3, voxels: Voxels) -> Self {
+        let part = FogPart { extinction: Rgb::ONE, albedo: Rgb::ONE, voxels: Arc::new(voxels.into()) };
+        Self { parts: vec![part], ..Self::nothing(shape_from_voxel) }
+    }
+
+    fn nothing(shape_from_voxel: DAffine3) -> Self {
+        Self {
+            shape_from_voxel,
+            parts: Vec::new(),
+            shape_from_shining: DAffine3::IDENTITY,
+            shining: Vec::new(),
+            velocities: None,
+        }
+    }
+}
+
+impl GridFrames {
+    /// Of the grids of one name; they do not shine.
+    pub fn new(path: PathBuf, density: &str, frames: Vec<GridFrame>) -> Self {
+        let names = GridNames { density: density.to_owned(), albedo: None, emission: None, kelvin: None };
+        let emission = Track::from(Rgb::ZERO);
+        Self { path, names, frames, emission, is_carried: false, kept: Kept::default() }
+    }
+
+    /// What is there at a time: between files carried from both by their velocities, or, without, that of
+    /// the nearer. `None` where nothing is.
+    pub fn at(&self, time_s: f64) -> Option<Arc<FogVoxels>> {
+        let after = self.frames.partition_point(|frame| frame.time_s <= time_s);
+        let before = after.saturating_sub(1);
+        let (Some(from), Some(to)) = (self.frames.get(before), self.frames.get(after)) else {
+            return self.frame(before);
+        };
+        let times_s = [from.time_s, to.time_s];
+        let nearer = if 2.0 * time_s < times_s[0] + times_s[1] { before } else { after };
+        if !self.is_carried || time_s <= from.time_s {
+            return self.frame(nearer);
+        }
+        self.keeping((before, time_s.to_bits()), || {
+            let [earlier, later] = [self.frame(before)?, self.frame(after)?];
+            let between = advection::between([&earlier, &later], times_s, time_s);
+            between.map(Arc::new).or_else(|| self.frame(nearer))
+        })
+    }
+
+    /// Whether it is carried between its files.
+    pub fn is_carried(&self) -> bool {
+        self.is_carried
+    }
+
+    fn frame(&self, number: usize) -> Option<Arc<FogVoxels>> {
+        match &self.frames.get(number)?.source {
+            Source::Made(voxels) => Some(Arc::clone(voxels)),
+            Source::File(file) => {
+                self.keeping((number, 0), || parts::fog_voxels(&file.grids(), &self.names).ok().map(Arc::new))
+            }
+        }
+    }
+
+    fn keeping(&self, asked: Asked, make: impl FnOnce() -> Option<Arc<FogVoxels>>) -> Option<Arc<FogVoxels>> {
+        let kept = || self.kept.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = || {
+            let mut kept = kept();
+            let found = kept.iter().position(|(of, _)| *of == asked)?;
+            // What was asked for longest ago goes first.
+            let found = kept.remove(found);
+            kept.push(found.clone());
+            Some(found.1)
+        };
+        if let Some(voxels) = known() {
+            return voxels;
+        }
+        let voxels = make();
+        let mut kept = kept();
+        if kept.len() == KEPT {
+            kept.remove(0);
+        }
+        kept.push((asked, voxels.clone()));
+        voxels
+    }
+}
+
+/// Why a grid is no fog.
+pub(super) struct Refused {
+    pub(super) found: String,
+    pub(super) expected: String,
+    pub(super) remedy: &'static str,
+}
+
+/// Which grids of files are meant, and how they shine.
+pub(super) struct Wanted<'a> {
+    pub(super) density: Option<&'a str>,
+    pub(super) albedo: Option<&'a str>,
+    pub(super) emission: Option<&'a str>,
+    pub(super) kelvin: Option<f64>,
+    pub(super) shines: Track<Rgb>,
+}
+
+/// The grids of names in files, of a sequence at a frame rate.
+pub(super) fn grid_frames(
+    files: &GridFiles,
+    wanted: Wanted,
+    frame_rate: FrameRate,
+) -> Result<GridFrames, Refused> {
+    let owned = |name: Option<&str>| name.map(str::to_owned);
+    let names = GridNames {
+        density: wanted.density.unwrap_or(USUAL_GRID).to_owned(),
+        albedo: owned(wanted.albedo),
+        emission: owned(wanted.emission),
+        kelvin: wanted.kelvin,
+    };
+    let is_sequence = files.frames.len() > 1;
+    let frames = files.frames.par_iter().enumerate().map(|(index, file)| {
+        let number = files.first_frame + index as i64;
+        let of_frame = || if is_sequence { format!(" (frame {number})") } else { String::new() };
+        let in_file = |found: String| format!("{}{}: {found}", files.path.display(), of_frame());
+        let voxels = parts::fog_voxels(&file.grids(), &names)
+            .map_err(|refused| Refused { found: in_file(refused.found), ..refused })?;
+        let says_velocities = voxels.velocities.is_some();
+        let source =
+            if is_sequence { Source::File(Arc::clone(file)) } else { Source::Made(Arc::new(voxels)) };
+        Ok((GridFrame { time_s: frame_rate.seconds(number as f64), source }, says_velocities))
+    });
+    // Of several errors the first.
+    let frames: Vec<_> = frames.collect();
+    let frames = frames.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let is_carried = is_sequence && frames.iter().all(|(_, says_velocities)| *says_velocities);
+    Ok(GridFrames {
+        path: files.path.clone(),
+        names,
+        frames: frames.into_iter().map(|(frame, _)| frame).collect(),
+        emission: wanted.shines,
+        is_carried,
+        kept: Kept::default(),
+    })
+}

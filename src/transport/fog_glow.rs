@@ -1,0 +1,23 @@
+//! Light of what shines in fog, straight to where a ray begins. In go rays, out come radiances. Invariant:
+//! nothing is sampled; what it lights in its turn is indirect light.
+
+use super::path::Path;
+use super::visibility::Way;
+use crate::color::Rgb;
+use crate::math::Ray;
+
+/// Radiance that comes along a ray on its way, past blended surfaces, W m^-2 sr^-1.
+pub(super) fn on_the_way(path: &Path, ray: &Ray, way: &Way) -> Rgb {
+    let medium = &path.snapshot.medium;
+    if !path.light.has_rest || path.light.indirect_alone || !medium.shines() {
+        return Rgb::ZERO;
+    }
+    let along = medium.along(ray, way.distance);
+    let (mut sum, mut so_far, mut seen_through) = (Rgb::ZERO, Rgb::ZERO, Rgb::ONE);
+    for hit in &way.blended {
+        let up_to = along.emitted(hit.t);
+        sum += seen_through * (up_to - so_far);
+        (so_far, seen_through) = (up_to, seen_through * hit.point.see_through);
+    }
+    sum + seen_through * (along.emitted(way.distance) - so_far)
+}
