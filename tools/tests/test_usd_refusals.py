@@ -78,6 +78,14 @@ class Refusals(ImportCase):
         stage = self.stage()
         quad(stage, "/a").AddTranslateOp().Set((float("inf"), 0, 0))
         self.left_out(stage, "/a: is left out: its place is not finite")
+        # Twelve whole numbers are not four points.
+        stage = self.stage()
+        quad(stage, "/a").GetPrim().RemoveProperty("points")
+        points = Sdf.AttributeSpec(
+            stage.GetRootLayer().GetPrimAtPath("/a"), "points", Sdf.ValueTypeNames.IntArray
+        )
+        points.default = Vt.IntArray(12)
+        self.left_out(stage, "/a: is left out: `points` holds other values than point3f[]")
         stage = self.stage()
         stage.SetEndTimeCode(1e12)
         quad(stage, "/a")

@@ -67,9 +67,15 @@ def value_of(attribute: Usd.Attribute, code: float, default=None):
 
 
 def rows_of(attribute: Usd.Attribute, code: float, width: int, kind: type = float) -> np.ndarray:
-    """An array's values, none without one."""
+    """An array's values, none without one. Raises `SceneError`: a file may give an attribute any type."""
     found = value_of(attribute, code)
-    return np.zeros((0, width), kind) if found is None else np.array(found, kind).reshape(-1, width)
+    if found is None:
+        return np.zeros((0, width), kind)
+    rows = np.array(found, kind)
+    if rows.size > 0 and rows.shape[1:] != (() if width == 1 else (width,)) or rows.ndim == 0:
+        said = f"`{attribute.GetName()}` holds other values than {attribute.GetTypeName()}"
+        raise SceneError(f"{attribute.GetPrim().GetPath()}: {said}")
+    return rows.reshape(-1, width)
 
 
 def read_points(prim: Usd.Prim, code: float) -> np.ndarray:
