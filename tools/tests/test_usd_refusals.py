@@ -62,6 +62,18 @@ class Refusals(ImportCase):
         self.assertEqual(shown, ["other"])
         stage.RemovePrim(other.GetPath())
 
+    def test_types_that_nobody_knows(self):
+        stage = self.stage()
+        stage.DefinePrim("/a", "Billboard")
+        self.left_out(stage, "/a: is a `Billboard`, which USD does not know, and is passed over")
+        stage = self.stage()
+        stage.DefinePrim("/HoudiniLayerInfo", "HoudiniLayerInfo")
+        stage.DefinePrim("/a", "Billboard")
+        stage.SetMetadata("fallbackPrimTypes", {"Billboard": Vt.TokenArray(["Xform"])})
+        quad(stage, "/a/quad")
+        self.load(stage)
+        self.assertEqual(self.imported.lost, [])
+
     def test_instancers_that_come_round(self):
         stage = self.stage()
         for name, other in (("a", "b"), ("b", "a")):

@@ -139,6 +139,9 @@ class _Import:
             say_unread(prim, self.source, self.lost)
             if kind.stands_nowhere or (depth == 0 and prim.IsAbstract()):
                 continue
+            if kind.is_unknown:
+                said = f"is a `{prim.GetTypeName()}`, which USD does not know, and is passed over"
+                self.lost.add("usd-prim", prim.GetPath(), said)
             below = parent
             if not kind.is_xformable:
                 children = _children(prim)

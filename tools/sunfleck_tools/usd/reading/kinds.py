@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass
 
-from pxr import Usd, UsdGeom, UsdShade, UsdVol
+from pxr import Tf, Usd, UsdGeom, UsdShade, UsdVol
 
 from .shapes import is_shape
 from .volumes import FIELDS
 
 NOWHERE = (UsdShade.Material, UsdShade.Shader, UsdGeom.Subset)
 """What stands nowhere itself."""
+NOTHING = ("HoudiniLayerInfo",)
+"""Types that USD does not know, of prims that hold no part of a picture."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,7 @@ class Kind:
     is_camera: bool
     is_instancer: bool
     is_volume: bool
+    is_unknown: bool
 
 
 class Kinds:
@@ -45,5 +48,6 @@ class Kinds:
                 prim.IsA(UsdGeom.Camera),
                 prim.IsA(UsdGeom.PointInstancer),
                 prim.IsA(UsdVol.Volume),
+                bool(name) and name not in NOTHING and prim.GetPrimTypeInfo().GetSchemaType() == Tf.Type.Unknown,
             )
         return found

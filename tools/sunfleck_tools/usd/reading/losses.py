@@ -35,7 +35,7 @@ KINDS = {
     "usd-missing": "a layer, a prim or a variant that the stage refers to and that is not there",
     "usd-motion": "a word on how far things move while a shutter is open",
     "usd-normal-map": "a normal map that does not say how it is to be read",
-    "usd-prim": "a prim that cannot be read, and is left out",
+    "usd-prim": "a prim that cannot be read, or of a type that USD does not know",
     "usd-primvar": "values that do not fit their mesh",
     "usd-purpose": "a shape of a purpose that is not drawn",
     "usd-render-settings": "what a RenderSettings asks for and is not carried",
