@@ -71,7 +71,7 @@ def rows_of(attribute: Usd.Attribute, code: float, width: int, kind: type = floa
     found = value_of(attribute, code)
     if found is None:
         return np.zeros((0, width), kind)
-    rows = np.array(found, kind)
+    rows: np.ndarray = np.array(found, kind)
     if rows.size > 0 and rows.shape[1:] != (() if width == 1 else (width,)) or rows.ndim == 0:
         said = f"`{attribute.GetName()}` holds other values than {attribute.GetTypeName()}"
         raise SceneError(f"{attribute.GetPrim().GetPath()}: {said}")
