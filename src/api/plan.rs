@@ -49,6 +49,7 @@ impl<'scene> Plan<'scene> {
         check_method(method)?;
         let mut remarks = scene.resolved.remarks.clone();
         remarks.0.extend(Exposure::remark(&scene.resolved, settings.shutter));
+        remarks.0.extend(scene.resolved.held_fog(settings.shutter));
         let job = Job {
             size: settings.size,
             window,

@@ -1,8 +1,9 @@
 //! Banks of fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| <= 0.9999`, scale heights
 //! above 0; fog without bounds thins out with height, or no sunlight would come through it.
 
-use super::{GridFrames, Mist, NodeIndex, Track};
+use super::{GridFrames, Mist, NodeIndex, Scene, Track};
 use crate::color::Rgb;
+use crate::diagnostic::{Diagnostic, Loss, Place};
 
 /// Maximum number of banks of fog: sets of them are bit masks in the inner loops.
 pub const MOST_FOGS: usize = 64;
@@ -62,6 +63,21 @@ impl FogShape {
             Self::EvenBox | Self::Voxels(_) | Self::Mist(_) => None,
             Self::ThinningBox(falloff) | Self::Layer(falloff) => Some(falloff),
         }
+    }
+}
+
+impl Scene {
+    /// What is to be said where a shutter that opens shows fog of files that do not say how it moves.
+    pub fn held_fog(&self, shutter_frames: f64) -> Option<Diagnostic> {
+        let is_held = |fog: &&Fog| {
+            let FogShape::Voxels(grids) = &fog.shape else { return false };
+            grids.frames.len() > 1 && !grids.is_carried()
+        };
+        let fog = self.fogs.iter().find(is_held).filter(|_| shutter_frames > 0.0)?;
+        let found =
+            format!("fog `{}` stays as it is half way to the next file: they have no velocities", fog.name);
+        let remedy = "write a grid of vectors `velocity`, m/s, into each file, or close the shutter";
+        Some(Diagnostic::warning(Loss::FogHeld, Place::Nowhere, found).remedy(remedy))
     }
 }
 

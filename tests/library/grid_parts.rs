@@ -146,6 +146,7 @@ fn velocities_carry_fog_between_files() {
     let fog = r#"vdb: "moving.#.vdb", density_per_m: 1.0"#;
     let files = ["moving.1.vdb", "moving.2.vdb"];
     let (scene, settings) = loaded(&scene_with(folder.path(), fog, SUN, &files)).unwrap();
+    assert!(scene.held_fog(0.5).is_none());
     let FogShape::Voxels(grids) = &scene.fogs[0].shape else { panic!("it has voxels") };
     for (frame, middle) in [(1.0, 9.5), (1.25, 11.5), (1.5, 13.5), (2.0, 17.5), (3.0, 17.5)] {
         let voxels = grids.at(settings.frame_rate.seconds(frame)).unwrap();
@@ -154,6 +155,21 @@ fn velocities_carry_fog_between_files() {
         let at_middle = voxels.parts[0].voxels.voxels.at(DVec3::new(middle, 1.5, 1.5));
         assert!((at_middle - 1.0).abs() < 1e-5, "{frame}: {at_middle}");
     }
+}
+
+/// Where files have none, an open shutter says so.
+#[test]
+fn fog_that_jumps_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    for number in 1..3 {
+        let to = folder.path().join(format!("still.{number}.vdb"));
+        fs::copy(checkout::file("tests/data/vdb/thin.vdb"), to).unwrap();
+    }
+    let fog = r#"vdb: "still.#.vdb", density_per_m: 1.0"#;
+    let (scene, _) = loaded(&scene_with(folder.path(), fog, SUN, &[])).unwrap();
+    let said = scene.held_fog(0.5).unwrap().to_string();
+    assert!(said.contains("fog-held") && said.contains("`fire`") && said.contains("remedy"), "{said}");
+    assert!(scene.held_fog(0.0).is_none());
 }
 
 #[test]
