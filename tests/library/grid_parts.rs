@@ -182,6 +182,10 @@ fn what_cannot_be_is_refused_with_its_remedy() {
         (r#"vdb: "several.vdb", albedo_grid: "none""#, "there is no grid `none`"),
         (r#"vdb: "colours.vdb", emission_grid: "Cd", emission_w_per_m3_sr: 1.0"#, "is a Tree_vec3s_5_4_3"),
         (r#"vdb: "colours.vdb", emission_grid: "density""#, "what shines is said by halves"),
+        (
+            r#"vdb: "colours.vdb", emission_grid: "density", emission_w_per_m3_sr: 1.0, emission_kelvin: 9.0"#,
+            "as if 1 were 9 K",
+        ),
         (r#"scale_height_m: 1.0, emission_kelvin: 900.0"#, "is of a file that is not named"),
     ] {
         let fog = format!("{fog}, density_per_m: 1.0");

@@ -58,7 +58,8 @@ impl Builder<'_> {
             ("emission_kelvin", fog.emission_kelvin.is_some()),
         ];
         for (field, _) in names.into_iter().filter(|(_, is_said)| *is_said) {
-            let found = format!("`{field}` is of a file that is not named");
+            let what = if field.ends_with("grid") { "names one" } else { "is" };
+            let found = format!("`{field}` {what} of a file that is not named");
             self.report.error(format!("{path}.{field}"), found, "`vdb` beside it");
         }
     }

@@ -15,6 +15,9 @@ const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
 const MOST_ALBEDO: f32 = 1.001;
 /// Colours of black bodies are found for so many temperatures, and linear between them.
 const TEMPERATURES: usize = 4096;
+/// Temperature that light may be told in proportion to, and how often as bright it may be at most.
+const COLDEST: f64 = 100.0;
+const BRIGHTEST: f64 = 1e12;
 const CHANNELS: [Rgb; 3] = [Rgb::X, Rgb::Y, Rgb::Z];
 
 /// All that counts of a file's grids.
@@ -206,6 +209,14 @@ fn shining_parts(name: &str, grid: &Floats, kelvin: Option<f64>) -> Result<Vec<(
     };
     let blackbody = Blackbody::of_luminance_1_at(kelvin);
     let most = grid.extent().map_or(0.0, |extent| extent.most);
+    let hottest = kelvin * f64::from(most);
+    // As a comparison of what is no number fails too.
+    if !(kelvin >= COLDEST && blackbody.at(hottest).max_element() <= BRIGHTEST) {
+        let found =
+            format!("grid `{name}` is {hottest} K where it is hottest, and shines as if 1 were {kelvin} K");
+        let expected = format!("{COLDEST} K or more, and no more than {BRIGHTEST:e} times as bright");
+        return refused(found, &expected, "say the temperature where the grid is 1");
+    }
     let step = most / TEMPERATURES as f32;
     let lights: Vec<Vec3> = (0..=TEMPERATURES + 1)
         .map(|number| blackbody.at(kelvin * number as f64 * f64::from(step)).as_vec3())
