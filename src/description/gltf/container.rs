@@ -63,9 +63,8 @@ fn chunks<'a>(
     };
     let (version, length) = (word(4), word(8));
     if bytes.len() >= 8 && version != 2 {
-        return Err(
-            whole_file(path, format!("this is version {version} of the GLB container")).expected("version 2")
-        );
+        let found = format!("this is version {version} of the GLB container");
+        return Err(whole_file(path, found).expected("version 2").remedy(OF_VERSION_1));
     }
     // The crate subtracts the header from the length it finds without looking.
     if bytes.len() < GLB_HEADER_BYTES || length < GLB_HEADER_BYTES || length > bytes.len() {
@@ -229,10 +228,12 @@ fn first_version(document: &Value) -> Option<String> {
     }
 }
 
+const OF_VERSION_1: &str = "export as glTF 2.0; of version 1.0, gltf-pipeline converts it";
+
 fn another_version(path: &Path, version: &str) -> Diagnostic {
     invalid(path, "asset.version", format!("this is glTF version `{version}`"))
         .expected("2.0")
-        .remedy("export as glTF 2.0; of version 1.0, gltf-pipeline converts it")
+        .remedy(OF_VERSION_1)
 }
 
 #[cfg(test)]
