@@ -11,7 +11,7 @@ mod texels;
 use glam::DVec3;
 
 pub use blackbody::Blackbody;
-pub use display::{Curve, Display, dithered};
+pub use display::{Bloom, Curve, Display, dithered};
 pub use primaries::Primaries;
 pub use space::{ColorSpace, NamedSpace};
 pub use texels::{CodeCurve, Texels};

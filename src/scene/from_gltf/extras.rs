@@ -80,6 +80,23 @@ pub(super) struct Fog {
     pub(super) emission: Option<Channels>,
     /// Kelvin that it has there, if it shines as a black body.
     pub(super) emission_kelvin: Option<f64>,
+    /// Billows that drift in the box of a node.
+    pub(super) mist: Option<Mist>,
+    #[serde(flatten)]
+    pub(super) unknown: BTreeMap<String, Value>,
+}
+
+/// `mist` of a node's fog, with names and defaults of a scene file; metres along the box's axes.
+#[derive(Debug, Deserialize)]
+pub(super) struct Mist {
+    pub(super) size: f64,
+    pub(super) octaves: Option<u32>,
+    pub(super) cover: Option<f64>,
+    pub(super) wind: Option<[f64; 3]>,
+    pub(super) evolution_turns: Option<f64>,
+    pub(super) shape: Option<String>,
+    pub(super) edge: Option<f64>,
+    pub(super) seed: Option<u32>,
     #[serde(flatten)]
     pub(super) unknown: BTreeMap<String, Value>,
 }

@@ -10,6 +10,7 @@ use crate::math::{PlanarRay, Ray, Sampler};
 use crate::snapshot::{Facet, SurfacePoint};
 use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
+use crate::transport::leg::{Airlight, Leg, LegEnd, Shown};
 use crate::transport::path::{Illumination, Path, Scratch, Start};
 use crate::transport::radiance::{mattes, mean};
 use crate::transport::shafts::{Stretch, by_segments};
@@ -95,10 +96,6 @@ impl SliceRay<'_> {
             .map_or(Rgb::ZERO, |indirect| indirect.seen_in_fog(snapshot, ray, distance, transmittance));
         let glow = fog_glow::on_the_way(&path, ray, &Way { distance, ..Way::default() });
         let shafts = shafts + indirect_shafts + glow;
-        let radiance = behind_fog.radiance * transmittance + shafts;
-        let emitted = behind_fog.emitted * transmittance;
-        let indirect = behind_fog.indirect * transmittance;
-        let mattes = mattes(snapshot, &[], surface.as_ref());
         let held_out = if is_hole { mean(transmittance) } else { 0.0 };
         let mattes = mattes(snapshot, &[], surface.as_ref());
         let leg = Leg::new(
