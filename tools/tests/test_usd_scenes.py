@@ -373,6 +373,17 @@ class Solids(SceneCase):
         self.load(stage)
         self.assertEqual([(loss.kind, loss.count) for loss in self.imported.lost], [("usd-shape", 2)])
 
+    def test_words_that_change_a_picture_are_said(self):
+        stage = self.stage()
+        UsdGeom.Xform.Define(stage, "/a")
+        # Of a mesh that is one node with what it is in, too.
+        UsdGeom.MotionAPI.Apply(quad(stage, "/a/quad").GetPrim()).CreateMotionBlurScaleAttr(2.0)
+        model = UsdGeom.ModelAPI.Apply(stage.GetPrimAtPath("/a"))
+        for mode, kinds in (("default", {"usd-motion": 1}), ("cards", {"usd-motion": 1, "usd-shape": 1})):
+            model.CreateModelDrawModeAttr(mode)
+            self.load(stage)
+            self.assertEqual({loss.kind: loss.count for loss in self.imported.lost}, kinds)
+
 
 class Subdivision(SceneCase):
     def cube(self, stage: Usd.Stage, path: str = "/cube") -> UsdGeom.Mesh:

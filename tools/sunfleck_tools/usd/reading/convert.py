@@ -210,6 +210,8 @@ class _Import:
             own = [child for child in children if self._joins(child)]
             shapes = [child for child in own if self.kinds.of(child).is_shape]
             things = shapes if shapes else own[:1] if len(own) == 1 else []
+            for thing in things:
+                say_unread(thing, self.source, self.lost)
             children = [child for child in children if child not in things]
         if any(self.kinds.of(thing).is_camera for thing in things):
             self.cameras.setdefault(self._name(prim), below)

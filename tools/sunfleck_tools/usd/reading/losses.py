@@ -39,7 +39,7 @@ KINDS = {
     "usd-primvar": "values that do not fit their mesh",
     "usd-purpose": "a shape of a purpose that is not drawn",
     "usd-render-settings": "what a RenderSettings asks for and is not carried",
-    "usd-shape": "a shape without faces",
+    "usd-shape": "a shape without faces, or a drawMode",
     "usd-shear": "a node that shears as it moves",
     "usd-skeleton": "a skeleton that cannot be followed",
     "usd-subdivision": "a subdivision surface that is refined less than twice",

@@ -11,6 +11,8 @@ from .source import Source
 
 BLUR = {"motion:blurScale": 1.0, "motion:velocityScale": 1.0}
 """Words on how far things move while a shutter is open, and what they are by themselves."""
+DRAWN_AS_IT_IS = (None, "", UsdGeom.Tokens.default_, UsdGeom.Tokens.inherited)
+"""Values of `model:drawMode`, others of which have cards or boxes stand for a model."""
 OF_CAMERAS = {"focalLength", "horizontalAperture", "verticalAperture", "fStop", "focusDistance", "projection",
               "clippingRange", "horizontalApertureOffset", "verticalApertureOffset", "shutter:open", "shutter:close",
               "purpose", "visibility", "xformOpOrder", "proxyPrim"}  # fmt: skip
@@ -29,6 +31,10 @@ def say_unread(prim: Usd.Prim, source: Source, lost: Losses) -> None:
             value = attribute.Get(source.first)
             if value != rest:
                 lost.add("usd-motion", prim.GetPath(), f"its {name} of {value} is not carried: what moves is blurred as it moves")
+    if "model:drawMode" in authored:
+        mode = prim.GetAttribute("model:drawMode").Get(source.first)
+        if mode not in DRAWN_AS_IT_IS:
+            lost.add("usd-shape", prim.GetPath(), f"its drawMode `{mode}` is not carried: it is drawn as it is")
 
 
 def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float | None:
