@@ -33,10 +33,10 @@ const GLARE: f64 = 0.05;
 /// AgX shows light beyond this as white: 6.5 stops above middle grey.
 const WHITE: f64 = 0.18 * 90.509_667_991_878_09;
 
-/// The widths of what is scattered, standard deviations in parts of the picture's height. Each has as much
-/// light as the next, which is half as wide, so together they fall as the square of the distance: between the
-/// powers 2 and 3 by which eyes and lenses scatter (Spencer et al. 1995, "Physically-based glare effects for
-/// digital images", section 2).
+/// Standard deviations of the Gaussians that light is scattered by, in parts of the picture's height. All have
+/// as much light, and each has half the width of the last. So their sum falls as the square of the distance.
+/// Eyes and lenses have powers of 2 to 3 (Spencer et al. 1995, "Physically-based glare effects for digital
+/// images", section 2).
 const WIDTHS: [f64; 6] = [1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 
 /// Number of box filters in a row that are nearly a Gaussian (Wells 1986, "Efficient synthesis of Gaussian

@@ -108,8 +108,8 @@ impl Material {
         tinted
     }
 
-    /// Numbers of its colours, then its single numbers, then its metal's colour; zeros for a coat, a normal map
-    /// or a metal that it lacks.
+    /// Numbers of its colours, then its single numbers, then its metal's colour; zeros for a coat, a normal
+    /// map or a metal that it lacks.
     pub fn numbers(&self) -> MaterialNumbers {
         let (f0, metallic, roughness, f90) = self
             .coat
