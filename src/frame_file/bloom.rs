@@ -1,6 +1,6 @@
-//! The glare of a lens, in pictures for eyes. In goes a plane of linear light and how much of it the lens
-//! scatters, out comes the plane with that share around where it was. Invariant: a plane of one value stays
-//! as it is, and so does any of whose light nothing is scattered, such as one without a sun.
+//! Glare of a lens, in pictures for eyes. In goes a plane of linear light and what the lens scatters of it. Out
+//! comes the plane with that light around where it was. Invariant: a plane of one value stays as it is. So does
+//! one of which nothing is scattered.
 
 use crate::color::{Bloom, Curve, Display};
 use rayon::prelude::*;
