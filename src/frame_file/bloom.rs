@@ -1,6 +1,6 @@
-//! Glare of a lens, in pictures for eyes. In goes a plane of linear light and what the lens scatters of it. Out
-//! comes the plane with that light around where it was. Invariant: a plane of one value stays as it is. So does
-//! one of which nothing is scattered.
+//! Glare of a lens, in pictures for eyes. In goes a plane of linear light and what the lens scatters of it.
+//! Out comes the plane with that light around where it was. Invariant: a plane of one value stays as it is.
+//! So does one of which nothing is scattered.
 
 use crate::color::{Bloom, Curve, Display};
 use rayon::prelude::*;
@@ -26,17 +26,17 @@ impl Scatter {
     }
 }
 
-/// Share of a sun's light that is scattered, chosen by eye beside a photograph. Lenses differ (Talvala et al.
-/// 2007, "Veiling glare in high dynamic range imaging").
+/// Share of a sun's light that is scattered, chosen by eye beside a photograph. Lenses differ (Talvala et
+/// al. 2007, "Veiling glare in high dynamic range imaging").
 const GLARE: f64 = 0.05;
 
 /// AgX shows light beyond this as white: 6.5 stops above middle grey.
 const WHITE: f64 = 0.18 * 90.509_667_991_878_09;
 
-/// Standard deviations of the Gaussians that light is scattered by, in parts of the picture's height. All have
-/// as much light, and each has half the width of the last. So their sum falls as the square of the distance.
-/// Eyes and lenses have powers of 2 to 3 (Spencer et al. 1995, "Physically-based glare effects for digital
-/// images", section 2).
+/// Standard deviations of the Gaussians that light is scattered by, in parts of the picture's height. All
+/// have as much light, and each has half the width of the last. So their sum falls as the square of the
+/// distance. Eyes and lenses have powers of 2 to 3 (Spencer et al. 1995, "Physically-based glare effects for
+/// digital images", section 2).
 const WIDTHS: [f64; 6] = [1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 
 /// Number of box filters in a row that are nearly a Gaussian (Wells 1986, "Efficient synthesis of Gaussian
@@ -47,8 +47,8 @@ const BOXES: usize = 3;
 /// all over the picture.
 const BRIGHTEST: f32 = 1e9;
 
-/// Scatters light of a plane of rows of `width` pixels. `height_px` is the height of the whole picture, of which
-/// the plane may be a part: what lies beyond it scatters nothing into it.
+/// Scatters light of a plane of rows of `width` pixels. `height_px` is the height of the whole picture, of
+/// which the plane may be a part: what lies beyond it scatters nothing into it.
 pub(super) fn bloom(plane: &mut [f32], width: usize, height_px: usize, scatter: Scatter) {
     let Scatter { share, above } = scatter;
     let excess = |value: &f32| if value.is_nan() { 0.0 } else { (value - above).clamp(0.0, BRIGHTEST) };

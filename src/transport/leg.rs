@@ -1,6 +1,6 @@
-//! Light of one leg of a path, from its origin to the first surface, for rays and slices alike. In go light in
-//! front of the surface, behind the fog, and the fog's own. Invariant: radiance is *surface times transmittance
-//! plus shafts*, and its parts are weakened as the whole is.
+//! Light of one leg of a path, from its origin to the first surface, for rays and slices alike. In go light
+//! in front of the surface, light behind the fog, and the fog's own. Invariant: radiance is *surface times
+//! transmittance plus shafts*, and its parts are weakened as the whole is.
 
 use super::{MATTES_OF_A_SAMPLE, Matte};
 use crate::color::Rgb;
@@ -14,8 +14,8 @@ pub(super) struct Leg {
 }
 
 impl Leg {
-    /// `in_front` has the shafts and blended surfaces, `behind` the light of the surface that ends the leg, or of
-    /// the background.
+    /// `in_front` has the shafts and blended surfaces, `behind` the light of the surface that ends the leg,
+    /// or of the background.
     pub(super) fn new(airlight: Airlight, in_front: Shown, behind: Shown, end: LegEnd) -> Self {
         Self { shown: in_front + behind.weakened(airlight.transmittance), airlight, end }
     }
