@@ -1,4 +1,4 @@
-//! Limits on how much two frames differ, of the picture and of every channel. In go a comparison, out come
+//! Limits on how much two frames differ, of the picture and of every channel. In goes a comparison, out come
 //! sentences. Invariants: each channel keeps one limit of each measure: that of the last pattern that names
 //! it, else the one for all. A pattern that names no channel is not kept.
 
