@@ -297,6 +297,14 @@ class Engine(unittest.TestCase):
             yield lambda: setattr(lamp.location, "x", 0.4)
             yield lambda: scene.frame_set(3)
             yield lambda: setattr(sun.data, "energy", 1.5)
+            # One that instances alone show.
+            hidden, shows = bpy.data.collections.new("lamps"), bpy.data.objects.new("lamps", None)
+            inner = bpy.data.objects.new("inner", bpy.data.lights.new("inner", "POINT"))
+            hidden.objects.link(inner)
+            shows.instance_type, shows.instance_collection, shows.location = "COLLECTION", hidden, (0.3, -1.0, 2.0)
+            scene.collection.objects.link(shows)
+            yield lambda: setattr(inner.data, "energy", 90.0)
+            yield lambda: setattr(shows.location, "x", -0.6)
 
         self.assert_kept_as_made_anew(build, 0)
 
@@ -487,6 +495,9 @@ class Engine(unittest.TestCase):
     def test_of_a_light_a_viewport_looks_at_no_mesh_again(self):
         shown, sun = Viewport(), self.scene.objects["sun"]
         shown.changed(bpy.context.evaluated_depsgraph_get())
+        # What is new in the graph has been told.
+        sun.update_tag()
+        bpy.context.view_layer.update()
         before = shown.path.read_bytes()
         for change in (lambda: setattr(sun.data, "energy", 0.3), lambda: setattr(self.scene.objects["quad"].location, "x", 0.2)):
             seen = []

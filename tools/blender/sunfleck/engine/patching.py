@@ -23,7 +23,7 @@ OF_OTHERS = (bpy.types.Camera, bpy.types.Action)
 def put(graph, kept):
     """Whether all that has changed could be put into the document."""
     record, assembly = kept.exported.record, kept.exported.assembly
-    changed = changed_objects(graph)
+    changed = changed_objects(graph, record)
     if changed is None or not is_the_same(graph, record, changed):
         return False
     if record.changes and (graph.scene.frame_current != kept.frame or any(one.type != "LIGHT" for one in changed)):
@@ -47,7 +47,7 @@ def put(graph, kept):
     return True
 
 
-def changed_objects(graph):
+def changed_objects(graph, record):
     """Objects that may be elsewhere, and lights of which anything may have changed; None if anything else has."""
     of_light = {light.node_tree: light for light in bpy.data.lights if light.node_tree}
     objects, data = set(), set()
@@ -63,7 +63,7 @@ def changed_objects(graph):
             data.add(of_light[one])
         elif not isinstance(one, OF_OTHERS):
             return None
-    return objects | {one for one in graph.scene.objects if one.data in data}
+    return objects | {thing.object for thing in record.things.values() if thing.object.data in data}
 
 
 def is_the_same(graph, record, changed):
