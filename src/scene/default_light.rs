@@ -26,8 +26,8 @@ const KEY_IRRADIANCE: f64 = 1.1 * PI;
 /// W m^-2 sr^-1, from everywhere.
 const SKY_RADIANCE: f64 = 0.25;
 
-/// Whether nothing lights the scene and nothing lies behind it. Surfaces that glow are seen better with a light
-/// beside them, and fire without.
+/// Whether nothing lights the scene and nothing lies behind it. Surfaces that glow are seen better with a
+/// light beside them, and fire without.
 pub(super) fn is_wanted(scene: &Scene) -> bool {
     let has_fire = scene.fogs.iter().any(|fog| fog.shape.shines());
     scene.lights.is_empty() && scene.sky.is_none() && scene.background == Rgb::ZERO && !has_fire
