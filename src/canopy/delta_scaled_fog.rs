@@ -24,7 +24,7 @@ pub(crate) struct FogCoefficients {
     /// Scattering coefficients of a sun's light as it is scattered first, and its forward peak.
     pub(crate) first_scattering: [Rgb; FIRST_DEGREES],
     pub(crate) first_peak: Rgb,
-    /// What it sends out by itself in each direction, W m^-3 sr^-1.
+    /// Emission in each direction, W m^-3 sr^-1.
     pub(crate) emission: Rgb,
 }
 

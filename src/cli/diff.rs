@@ -88,7 +88,7 @@ fn run_of_folders(arguments: &DiffArguments, paths: [&Path; 2]) -> Result<(), Cl
     work.end(&if bad > 0 { format!("{bad} of {} frames", numbers.len()) } else { String::new() })
 }
 
-/// Of a frame among many: its colour, else its first channel.
+/// Line of a frame among many: its colour, else its first channel.
 fn headline(found: &Comparison) -> String {
     match (&found.color, found.channels.first(), found.ids.first()) {
         (Some(color), ..) => format!("RGB  {color}"),
@@ -98,7 +98,7 @@ fn headline(found: &Comparison) -> String {
     }
 }
 
-/// What is done with each pair of files.
+/// Options for each pair of files.
 struct Work<'a> {
     arguments: &'a DiffArguments,
     pictures: Option<Pictures>,

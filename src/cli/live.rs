@@ -29,7 +29,7 @@ const SHARE: f64 = 0.03;
 pub(super) struct Live {
     queue: Option<Arc<Queue>>,
     began: Instant,
-    /// What pictures in between took to make.
+    /// Time that pictures in between took to make.
     spent: Mutex<Duration>,
 }
 

@@ -6,12 +6,12 @@ use glam::{DMat3, DVec3};
 
 /// Planck's second constant, m K.
 const SECOND_CONSTANT: f64 = 1.438_776_877e-2;
-/// What is seen, and in which steps, nm.
+/// Visible wavelengths and their step, nm.
 const FIRST_NM: f64 = 380.0;
 const LAST_NM: f64 = 780.0;
 const STEP_NM: f64 = 10.0;
 
-/// What a black body shines by how hot it is, as many times as one of a temperature has luminance.
+/// Colour of a black body by its temperature, relative to the luminance of one of a reference temperature.
 #[derive(Clone, Copy, Debug)]
 pub struct Blackbody {
     rec_709_from_xyz: DMat3,

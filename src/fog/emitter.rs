@@ -1,4 +1,4 @@
-//! What shines in fog, by voxels. In go rays and what gets through fog on them, out comes light. Invariant:
+//! Emission of fog, by voxels. In go rays and what gets through fog on them, out comes light. Invariant:
 //! each cell has a rule of Gauss of its own, exact where nothing absorbs.
 
 use crate::color::Rgb;

@@ -24,7 +24,7 @@ impl Medium {
         Self { banks, emitters: Vec::new() }
     }
 
-    /// The same with what shines in it.
+    /// Medium with emitters in it.
     pub fn with_emitters(self, emitters: Vec<Emitter>) -> Self {
         Self { emitters, ..self }
     }

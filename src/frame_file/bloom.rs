@@ -5,12 +5,12 @@
 use crate::color::{Bloom, Curve, Display};
 use rayon::prelude::*;
 
-/// What a lens scatters of a picture's light.
+/// Light of a picture that a lens scatters.
 #[derive(Clone, Copy)]
 pub(super) struct Scatter {
     /// Share, `0..=1`.
     pub(super) share: f64,
-    /// Of light beyond this alone.
+    /// Value beyond which light is scattered.
     pub(super) above: f32,
 }
 

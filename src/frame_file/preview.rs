@@ -65,7 +65,7 @@ impl Picture {
         }
     }
 
-    /// The same at another size.
+    /// Picture at another size.
     pub fn resized(self, size: Size) -> Self {
         let sides =
             |size: Size| [size.width, size.height].map(|side| u32::try_from(side).unwrap_or(u32::MAX));

@@ -14,7 +14,7 @@ pub struct Watch<'a> {
     pub look: Option<&'a Look<'a>>,
 }
 
-/// What is done with whatever makes the picture so far, which takes its time.
+/// Use of a function that makes the picture so far, which takes its time.
 pub type Look<'a> = dyn Fn(&dyn Fn() -> Frame) + Sync + 'a;
 
 impl Watch<'static> {

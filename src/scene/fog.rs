@@ -67,7 +67,7 @@ impl FogShape {
 }
 
 impl Scene {
-    /// What is to be said where a shutter that opens shows fog of files that do not say how it moves.
+    /// Warning where a shutter that opens shows fog of files without velocities.
     pub fn held_fog(&self, shutter_frames: f64) -> Option<Diagnostic> {
         let is_held = |fog: &&Fog| {
             let FogShape::Voxels(grids) = &fog.shape else { return false };

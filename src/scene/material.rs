@@ -32,7 +32,7 @@ pub struct Material {
     pub coat: Option<Coat>,
     /// Whether its coat is that of Blender's Principled BSDF, as Cycles has it.
     pub is_principled: bool,
-    /// What metal reflects along the normal, if it is not `base_color`: nothing goes through metal.
+    /// Reflectance of metal along the normal, if it is not `base_color`: nothing goes through metal.
     pub metal_color: Option<Rgb>,
     /// A clear coat over all.
     pub clearcoat: Option<Clearcoat>,

@@ -28,11 +28,11 @@ pub(super) struct Airlight {
     pub(super) shafts: Rgb,
     /// Part of `shafts` that was scattered before.
     pub(super) indirect_shafts: Rgb,
-    /// Of fog and blended surfaces.
+    /// Transmittance of fog and blended surfaces.
     pub(super) transmittance: Rgb,
 }
 
-/// What ends a leg.
+/// End of a leg.
 #[derive(Clone, Copy)]
 pub(super) struct LegEnd {
     /// Whether it is an opaque surface.

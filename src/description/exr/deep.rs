@@ -11,7 +11,7 @@ use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 /// Bytes that a byte of a file may hold, and bytes of pixels at all: as flat files have it.
 const LARGEST_COMPRESSION: u64 = 4096;
 const LARGEST_PICTURE: u64 = 4 << 30;
-/// What of a header is written anew, or means nothing of a flat part.
+/// Attributes of a header that are written anew, or mean nothing of a flat part.
 const OF_DEEP: [&[u8]; 8] = [
     b"channels",
     b"chunkCount",

@@ -33,12 +33,12 @@ impl Unread {
         if is_deep(bytes) { Some(Self::of_deep("deep data")) } else { Self::of_codec(bytes) }
     }
 
-    /// Of deep data.
+    /// Refusal of deep data.
     pub(super) fn of_deep(what: &str) -> Self {
         Self { what: what.to_owned(), remedy: remedy("flatten it", "--flatten --compression zip") }
     }
 
-    /// What of its compression is not read.
+    /// Compression of a file, if it is not read.
     pub fn of_codec(bytes: &[u8]) -> Option<Self> {
         let (parts, _) = raw::parts(bytes)?;
         let codec = parts.iter().filter_map(raw::RawPart::compression).find(|codec| *codec > LAST_KNOWN)?;

@@ -30,7 +30,7 @@ pub struct Fog {
     pub albedo_grid: Option<String>,
     /// The file's grid that shines.
     pub emission_grid: Option<String>,
-    /// What it shines where that grid is 1.
+    /// Emission where that grid is 1.
     pub emission_w_per_m3_sr: Option<Animated<Triple<NonNegative>>>,
     /// So many kelvin it has there: it shines as a black body, in proportion to one of these.
     pub emission_kelvin: Option<Number<Positive>>,

@@ -12,11 +12,11 @@ pub(super) struct Fault {
 /// Numbers of a value at most.
 const MOST_NUMBERS: usize = 3;
 
-/// What a voxel holds.
+/// Value of a voxel.
 pub trait Value: Copy {
     /// How many numbers it is.
     const NUMBERS: usize;
-    /// Of as many numbers.
+    /// Value of as many numbers.
     fn of(numbers: &[f32]) -> Self;
     /// Less than 0 by as much.
     fn negated(self) -> Self;

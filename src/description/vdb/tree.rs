@@ -35,7 +35,7 @@ pub struct Tile<V = f32> {
     pub value: V,
 }
 
-/// What a tree holds that is active.
+/// Active values of a tree.
 #[derive(Debug)]
 pub struct Tree<V = f32> {
     /// Value of all else.

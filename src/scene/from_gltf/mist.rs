@@ -10,7 +10,7 @@ use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, Kept, usual_voxel_m};
 use crate::scene::{FogShape, Mist, MistShape, Motion, Node, NodeIndex, Track};
 use glam::{DAffine3, DVec3};
 
-/// What carries the billows is no faster, m/s.
+/// Fastest wind that carries billows, m/s.
 const FASTEST_M_PER_S: f64 = 1000.0;
 
 impl Builder<'_> {
@@ -101,7 +101,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Of the cube from -1 to 1 at a node, at the start: metres along its axes.
+    /// Half the size of a node's cube from -1 to 1, at the start: metres along its axes.
     fn half_size(&self, mut node: NodeIndex) -> DVec3 {
         let mut world_from_cube = self.scene.nodes[node].motion.parent_from_node(0.0);
         while let Some(parent) = self.scene.nodes[node].parent {

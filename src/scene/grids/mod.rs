@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What a grid of density is called unless one says otherwise.
+/// Default name of a grid of density.
 const USUAL_GRID: &str = "density";
 /// Frames of a sequence whose voxels are in memory: those about a time, and what lies between.
 const KEPT: usize = 3;
@@ -21,13 +21,13 @@ const KEPT: usize = 3;
 /// Fog by grids of a file, or of a file a frame.
 #[derive(Clone, Debug)]
 pub struct GridFrames {
-    /// Of the file; of a sequence with signs in the number's place.
+    /// Path of the file; of a sequence with signs in the number's place.
     pub path: PathBuf,
     /// Which of its grids count.
     pub names: GridNames,
     /// At least one, by time.
     pub frames: Vec<GridFrame>,
-    /// What they shine where the grid of emission is 1, W m^-3 sr^-1.
+    /// Emission where its grid is 1, W m^-3 sr^-1.
     pub emission: Track<Rgb>,
     /// Whether every file says velocities, by which what lies between two is known.
     is_carried: bool,
@@ -37,11 +37,11 @@ pub struct GridFrames {
 /// Names of grids.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridNames {
-    /// What is multiplied by the fog's density.
+    /// Grid that is multiplied by the fog's density.
     pub density: String,
     /// Colours that are multiplied by its albedo.
     pub albedo: Option<String>,
-    /// What shines.
+    /// Grid that shines.
     pub emission: Option<String>,
     /// So many kelvin it has where it is 1, if it shines as a black body.
     pub kelvin: Option<f64>,
@@ -71,11 +71,11 @@ pub struct FogVoxels {
     pub shape_from_voxel: DAffine3,
     /// Fogs that lie in one another and are the whole together; one, unless albedo differs by voxel.
     pub parts: Vec<FogPart>,
-    /// The same of what shines, from its own coordinates.
+    /// Transform from the emission grid's own coordinates.
     pub shape_from_shining: DAffine3,
     /// Its light by what each is multiplied with.
     pub shining: Vec<(Rgb, Arc<Voxels>)>,
-    /// What carries it, in its own coordinates and metres a second of the shape's space.
+    /// Velocities, in their own coordinates and metres a second of the shape's space.
     velocities: Option<(DAffine3, Arc<VectorVoxels>)>,
 }
 
@@ -129,14 +129,14 @@ impl FogVoxels {
 }
 
 impl GridFrames {
-    /// Of the grids of one name; they do not shine.
+    /// Frames of grids of one name, without emission.
     pub fn new(path: PathBuf, density: &str, frames: Vec<GridFrame>) -> Self {
         let names = GridNames { density: density.to_owned(), albedo: None, emission: None, kelvin: None };
         let emission = Track::from(Rgb::ZERO);
         Self { path, names, frames, emission, is_carried: false, kept: Kept::default() }
     }
 
-    /// What is there at a time: between files carried from both by their velocities, or, without, that of
+    /// Grids at a time: between files carried from both by their velocities, or, without, those of
     /// the nearer. `None` where nothing is.
     pub fn at(&self, time_s: f64) -> Option<Arc<FogVoxels>> {
         let after = self.frames.partition_point(|frame| frame.time_s <= time_s);

@@ -9,7 +9,7 @@ use crate::math::{BRICK, VectorVoxels, Voxels, VoxelsBuilder, VoxelsError};
 use glam::{IVec3, Vec3};
 use std::sync::Arc;
 
-/// What grids of velocities are called.
+/// Usual names of grids of velocities.
 const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
 /// Albedos may be more than 1 by so much, by rounding.
 const MOST_ALBEDO: f32 = 1.001;
@@ -126,7 +126,7 @@ fn vector_voxels(vectors: &Vectors) -> VectorVoxels {
     voxels
 }
 
-/// What scatters all light of a channel and what absorbs it; of all channels at once where they are alike.
+/// Grids that scatter all light of a channel, and that absorb it; one for all channels where they are alike.
 fn by_albedo(
     (of_density, density): (&str, &Floats),
     (name, colors): (&str, &Vectors),
@@ -196,7 +196,7 @@ fn built_with(
     builder.built()
 }
 
-/// What shines: as a grid says, or as a black body of so many kelvin where it is 1.
+/// Emitters: as a grid says, or as a black body of so many kelvin where it is 1.
 fn shining_parts(name: &str, grid: &Floats, kelvin: Option<f64>) -> Result<Vec<(Rgb, Arc<Voxels>)>, Refused> {
     let part = |color: Rgb, voxels: Result<Voxels, VoxelsError>| match voxels {
         Ok(voxels) => Some(Ok((color, Arc::new(voxels)))),
