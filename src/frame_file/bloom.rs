@@ -51,9 +51,12 @@ const BRIGHTEST: f32 = 1e9;
 /// which the plane may be a part: what lies beyond it scatters nothing into it.
 pub(super) fn bloom(plane: &mut [f32], width: usize, height_px: usize, scatter: Scatter) {
     let Scatter { share, above } = scatter;
+    if share == 0.0 {
+        return;
+    }
     let excess = |value: &f32| if value.is_nan() { 0.0 } else { (value - above).clamp(0.0, BRIGHTEST) };
     let light: Vec<f32> = plane.par_iter().map(excess).collect();
-    if share == 0.0 || light.par_iter().all(|excess| *excess == 0.0) {
+    if light.par_iter().all(|excess| *excess == 0.0) {
         return;
     }
     plane.iter_mut().zip(&light).for_each(|(value, light)| *value -= share as f32 * light);

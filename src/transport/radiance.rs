@@ -174,8 +174,7 @@ impl Path<'_> {
         } else {
             let indirect = indirect::in_scattered(self, ray, &way, from);
             let scattered = self.scattered_once((ray, from), &way) + indirect;
-            let shafts = scattered + fog_glow::on_the_way(self, ray, &way);
-            (shafts, indirect, self.through_fog((ray, from), distance))
+            (scattered, indirect, self.through_fog((ray, from), distance))
         };
         let (in_front, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
         let transmittance = fog * seen_through;
@@ -201,7 +200,9 @@ impl Path<'_> {
         if self.light.indirect_alone {
             return Rgb::ZERO;
         }
-        shafts::in_scattered(self, (ray, from), way) + sky_light::in_scattered(self, (ray, from), way)
+        shafts::in_scattered(self, (ray, from), way)
+            + sky_light::in_scattered(self, (ray, from), way)
+            + fog_glow::on_the_way(self, ray, way)
     }
 
     /// The share of a ray that ends at blended holdouts.

@@ -36,14 +36,14 @@ fn rendered(
     scene: &Scene,
     settings: &RenderSettings,
     bounces: Bounces,
-    (method, samples): (Method, u32),
+    (method, sampling): (Method, Sampling),
 ) -> Vec<[f32; 4]> {
     let size = Size { width: 48, height: 27 };
     let job = Job {
         size,
         window: Window::whole(size),
         passes: Vec::new(),
-        sampling: Sampling::Exactly(samples),
+        sampling,
         filter: settings.filter,
         seed: settings.seed,
         mirror_depth: settings.mirror_depth,
@@ -58,7 +58,7 @@ fn rendered(
 }
 
 fn pixels(scene: &Scene, settings: &RenderSettings, bounces: Bounces) -> Vec<[f32; 4]> {
-    rendered(scene, settings, bounces, (Method::Auto, 4))
+    rendered(scene, settings, bounces, (Method::Auto, Sampling::Exactly(4)))
 }
 
 /// Where light is in proportion to extinction, a ray has as much of it as fog takes of what is behind.
@@ -103,7 +103,7 @@ fn a_black_body_has_the_colour_of_its_temperature() {
     assert!(hot[1] > 10.0 * cold[1], "{cold:?} {hot:?}");
 }
 
-/// Light of what shines is scattered: on grids as by random walks.
+/// Light of what shines is scattered: on grids as by random walks, and as walks correct it.
 #[test]
 fn what_shines_lights_fog() {
     let folder = tempfile::tempdir().unwrap();
@@ -114,11 +114,14 @@ fn what_shines_lights_fog() {
         let pixels = rendered(&scene, &settings, bounces, way);
         pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / pixels.len() as f64
     };
-    let once = mean(Bounces::NONE, (Method::Segments, 4));
-    let all = mean(Bounces::All, (Method::Segments, 4));
-    let walked = mean(Bounces::All, (Method::Paths, 256));
+    let once = mean(Bounces::NONE, (Method::Segments, Sampling::Exactly(4)));
+    let all = mean(Bounces::All, (Method::Segments, Sampling::Exactly(4)));
+    let corrected = mean(Bounces::All, (Method::Segments, Sampling::Until { tolerance: 0.02, most: 4 }));
+    let walked = mean(Bounces::All, (Method::Paths, Sampling::Exactly(256)));
     assert!(all > 1.3 * once, "{all} {once}");
-    assert!((all / walked - 1.0).abs() < 0.03, "{all} {walked}");
+    for found in [all, corrected] {
+        assert!((found / walked - 1.0).abs() < 0.03, "{found} {walked}");
+    }
 }
 
 #[test]
