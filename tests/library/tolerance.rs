@@ -150,7 +150,7 @@ fn a_canopy_has_the_error_that_is_estimated() {
     assert_honest(&judge(&load("canopy20k/scene.ron"), &Job { window, ..until(0.1) }, 512, 2), 0.1);
 }
 
-/// The leaf of `one_leaf` before its fractal sun, with halves as bright as each other in the set's place.
+/// A leaf before a wide sun, with halves as bright as each other.
 fn leaf_before_two_hues() -> Scene {
     let [red, cyan] = [Rgb::new(0.9, 0.09, 0.09), Rgb::new(0.04, 0.32, 0.4)];
     let [red, cyan] = [red, cyan].map(|color| 0.2 / luminance(color) * color);
@@ -163,13 +163,9 @@ fn leaf_before_two_hues() -> Scene {
         texels: (0..size * size).map(|texel| half(texel).as_vec3().extend(1.0).to_array()).collect(),
         wrap: [Wrap::Clamp; 2],
     };
-    let mut scene = load("../../scenes/one_leaf/scene.ron");
+    let mut scene = load("leaf_before_sun.ron");
     let LightKind::SunDisc(disc) = &mut scene.lights[0].kind else { panic!("a disc") };
     disc.picture = SunPicture::new(SunShows::Image(Arc::new(image)), 0.0);
-    disc.picture_rotation = 0.0.into();
-    // Its own fog, so that nothing here depends on how the picture is lit.
-    scene.fogs[0].density_per_m = Rgb::splat(0.22).into();
-    scene.fogs[0].albedo = Rgb::new(0.98, 0.93, 0.85).into();
     scene
 }
 
