@@ -4,6 +4,7 @@
 mod agx;
 mod blackbody;
 mod display;
+mod look;
 mod primaries;
 mod space;
 mod texels;
@@ -12,6 +13,7 @@ use glam::DVec3;
 
 pub use blackbody::Blackbody;
 pub use display::{Bloom, Curve, Display, dithered};
+pub use look::Look;
 pub use primaries::Primaries;
 pub use space::{ColorSpace, NamedSpace};
 pub use texels::{CodeCurve, Texels};

@@ -4,7 +4,7 @@
 use super::arrays::Array;
 use super::error::RenderError;
 use super::plan::Plan;
-use crate::color::Display;
+use crate::color::{Display, Look};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::film::{self, Channel};
 use crate::frame_file::{self, Provenance};
@@ -25,6 +25,7 @@ pub struct Frame {
     provenance: Provenance,
     /// Exposure of the scene, if it has one.
     exposure_stops: Option<f64>,
+    look: Look,
     remarks: Diagnostics,
 }
 
@@ -36,6 +37,7 @@ impl Frame {
             statistics: rendered.statistics,
             provenance: plan.provenance(number),
             exposure_stops: plan.settings.exposure_stops,
+            look: plan.settings.look,
             remarks: plan.remarks.clone(),
         }
     }
@@ -107,7 +109,8 @@ impl Frame {
         Ok(frame_file::write(path.as_ref(), &self.picture, &self.provenance)?)
     }
 
-    /// Writes a PNG for eyes, as bright as the scene says, or else as a camera would expose this frame.
+    /// Writes a PNG for eyes, in the scene's look and as bright as it says, or else as a camera would expose
+    /// this frame.
     ///
     /// # Errors
     /// If the picture is too large for a PNG or the disk says no.
@@ -121,7 +124,7 @@ impl Frame {
     /// # Errors
     /// If the picture is too large for a PNG or the disk says no.
     pub fn write_png_at(&self, path: impl AsRef<Path>, exposure_stops: f64) -> Result<(), RenderError> {
-        let display = Display { exposure_stops, ..Display::default() };
+        let display = Display { exposure_stops, look: self.look, ..Display::default() };
         Ok(frame_file::write_preview(path.as_ref(), &self.picture, &display)?)
     }
 

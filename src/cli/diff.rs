@@ -16,6 +16,7 @@ use sunfleck::frame_file::{
     self, CompareError, Comparison, FrameFileError, Limit, Measure, compare, difference_picture, exceeded,
     frames_in, net_rmse,
 };
+use sunfleck::scene::RenderSettings;
 use sunfleck::sequence::OutputPattern;
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
@@ -129,7 +130,8 @@ impl Pictures {
         let measured = || frame_file::read(frame).map(|file| file.shown().auto_exposure_stops());
         Ok(Some(Self {
             pattern,
-            display: exposure::display(&arguments.display, None, measured).map_err(failure)?,
+            display: exposure::display(&arguments.display, &RenderSettings::default(), measured)
+                .map_err(failure)?,
         }))
     }
 }

@@ -9,7 +9,7 @@ use super::plan::Plan;
 use super::tell;
 use std::ops::RangeInclusive;
 use sunfleck::color::Display;
-use sunfleck::scene::Size;
+use sunfleck::scene::{RenderSettings, Size};
 
 /// Rows of the picture by which an exposure is chosen, and samples a pixel.
 const ROWS: usize = 36;
@@ -23,10 +23,10 @@ const LONGEST: f64 = 8.0;
 /// nobody has said one.
 pub(super) fn display<E>(
     arguments: &DisplayArguments,
-    of_input: Option<f64>,
+    of_input: &RenderSettings,
     measured: impl FnOnce() -> Result<f64, E>,
 ) -> Result<Display, E> {
-    let stops = match (arguments.exposure, of_input) {
+    let stops = match (arguments.exposure, of_input.exposure_stops) {
         (Some(ExposureArgument::Stops(stops)), _) | (None, Some(stops)) => stops,
         (Some(ExposureArgument::Auto), _) | (None, None) => {
             let stops = measured()?;
@@ -40,7 +40,7 @@ pub(super) fn display<E>(
             stops
         }
     };
-    Ok(arguments.display(stops))
+    Ok(arguments.display(stops, of_input.look))
 }
 
 /// The frame by which an exposure is chosen: in the middle, as many a sequence begins and ends in the dark.

@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     let frames = source.existing(&frames);
     let outputs = Outputs::new(arguments.out.as_deref(), &settings.name, frames.len())?;
     let measured = || pool.install(|| source.auto_exposure_stops(&settings)).map_err(failure);
-    let display = exposure::display(&arguments.display, settings.exposure_stops, measured)?;
+    let display = exposure::display(&arguments.display, &settings, measured)?;
     outputs.clear(&frames);
     let dark_frames = DarkFrames::default();
     let started = Instant::now();

@@ -127,8 +127,8 @@ impl Run<'_> {
     fn preview(&self) -> Result<Option<Display>, CliError> {
         let Self { arguments, plan, pool, .. } = *self;
         let measured = || Ok(pool.install(|| plan.auto_exposure_stops()));
-        let stops = plan.picture.settings.exposure_stops;
-        let display = |PreviewArgument::Png| exposure::display(&arguments.display, stops, measured);
+        let display =
+            |PreviewArgument::Png| exposure::display(&arguments.display, &plan.picture.settings, measured);
         arguments.preview.map(display).transpose()
     }
 

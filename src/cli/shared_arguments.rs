@@ -6,7 +6,7 @@ use super::parse::{ExposureArgument, SizeArgument, parse_bloom, parse_exposure};
 use super::words::{SkySunArgument, Switch};
 use clap::Args;
 use std::path::PathBuf;
-use sunfleck::color::{Bloom, Curve, Display};
+use sunfleck::color::{Bloom, Curve, Display, Look};
 use sunfleck::diagnostic::Diagnostics;
 use sunfleck::scene::{FrameRate, LightUnits, ResolveOptions};
 
@@ -49,6 +49,9 @@ pub(super) struct DisplayArguments {
     /// How light is brought into the range of a display, for pictures other than EXR.
     #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
     pub(super) display: Curve,
+    /// Contrast of those pictures under AgX, as Blender's look of this name [default: the input's, else none].
+    #[arg(long, value_enum, value_name = "LOOK")]
+    pub(super) look: Option<Look>,
     /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default:
     /// the input's, else auto].
     #[arg(long, value_parser = parse_exposure, value_name = "EV|auto", allow_negative_numbers = true)]
@@ -60,9 +63,10 @@ pub(super) struct DisplayArguments {
 }
 
 impl DisplayArguments {
-    /// Display with an exposure in powers of two.
-    pub(super) fn display(self, exposure_stops: f64) -> Display {
-        Display { curve: self.display, exposure_stops, bloom: self.bloom.unwrap_or_default() }
+    /// Display with an exposure in powers of two, and with the input's look unless another is asked for.
+    pub(super) fn display(self, exposure_stops: f64, of_input: Look) -> Display {
+        let Self { display: curve, look, bloom, .. } = self;
+        Display { curve, look: look.unwrap_or(of_input), exposure_stops, bloom: bloom.unwrap_or_default() }
     }
 }
 

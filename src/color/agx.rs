@@ -7,6 +7,7 @@
 //! film. The channels are compressed one by one. Then the mix is taken back (the outset). docs/display.md has
 //! the constants and how close this is.
 
+use super::Look;
 use glam::{Mat3, Vec3};
 use std::sync::LazyLock;
 
@@ -55,8 +56,8 @@ const fn from_rows([a, b, c]: [[f32; 3]; 3]) -> Mat3 {
 }
 
 /// Light as a display is to show it.
-pub(super) fn agx(light: Vec3) -> Vec3 {
-    let mixed = INSET * (REC_2020_FROM_REC_709 * light);
+pub(super) fn agx(light: Vec3, look: Look) -> Vec3 {
+    let mixed = look.graded(INSET * (REC_2020_FROM_REC_709 * light), MIDDLE_GREY);
     let formed = Vec3::from(mixed.to_array().map(|channel| encoded(channel).powf(GAMMA)));
     let turned = with_hue(formed, between_hues(hue(mixed), hue(formed), HUE_SHIFT_KEPT));
     // What the display cannot show is cut off; Blender lifts it a little first.

@@ -2,7 +2,7 @@
 //! values. Invariant: a byte is a function of colour and place alone, and its mean over a place of 8 by 8
 //! pixels is the value.
 
-use super::{Rgb, agx::agx, srgb_from_linear};
+use super::{Look, Rgb, agx::agx, srgb_from_linear};
 
 /// How scene light is brought into the range of a display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,6 +32,8 @@ pub enum Bloom {
 pub struct Display {
     /// Brings the light into range.
     pub curve: Curve,
+    /// Contrast, under AgX.
+    pub look: Look,
     /// Brightens by powers of two before that.
     pub exposure_stops: f64,
     /// Light that a lens scatters before all that; of a single colour nothing is known of it.
@@ -59,7 +61,7 @@ impl Display {
     pub fn encode(&self, color: Rgb) -> Rgb {
         let light = (color * self.exposure_stops.exp2()).clamp(Rgb::ZERO, Rgb::splat(GLARE));
         match self.curve {
-            Curve::Agx => agx(light.as_vec3()).as_dvec3().map(srgb_from_linear),
+            Curve::Agx => agx(light.as_vec3(), self.look).as_dvec3().map(srgb_from_linear),
             Curve::Srgb => light.min(Rgb::ONE).map(srgb_from_linear),
             Curve::Raw => light.min(Rgb::ONE),
         }
@@ -83,7 +85,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const AGX: Display = Display { curve: Curve::Agx, exposure_stops: 0.0, bloom: Bloom::Auto };
+    const AGX: Display =
+        Display { curve: Curve::Agx, look: Look::None, exposure_stops: 0.0, bloom: Bloom::Auto };
 
     /// Colours, and what Blender 5.0.1 shows of them: view AgX, display sRGB, saved with 16 bits
     /// (`tools/display/against_blender.py` prints these).

@@ -2,7 +2,7 @@
 //! Invariant: the names are those that `scene/from_gltf/extras.rs` reads.
 
 use super::{Writer, beside};
-use crate::color::Rgb;
+use crate::color::{Look, Rgb};
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Bounces, Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture, Texture};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
@@ -133,6 +133,9 @@ impl Writer<'_> {
         }
         if let Some(stops) = settings.exposure_stops {
             sunfleck["exposure"] = json!(stops);
+        }
+        if settings.look != Look::None {
+            sunfleck["look"] = json!(settings.look.name());
         }
         match settings.sampling {
             Sampling::Exactly(samples) => sunfleck["samples"] = json!(samples),

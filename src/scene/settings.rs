@@ -1,6 +1,7 @@
 //! Render settings of a scene: frames, rate, size, passes, samples. Invariant: frame times are computed
 //! from integers, never accumulated.
 
+use crate::color::Look;
 pub use crate::description::ron::{Bounces, FrameRate, PixelFilter};
 use crate::passes::Pass;
 use std::fmt;
@@ -200,6 +201,8 @@ pub struct RenderSettings {
     /// Exposure of pictures for eyes in powers of two, -100 to 100; `None` leaves it to what they show.
     /// Frames know nothing of it.
     pub exposure_stops: Option<f64>,
+    /// Contrast of pictures for eyes.
+    pub look: Look,
     /// Maximum number of reflections by mirrors, `0..`.
     pub mirror_depth: u32,
     /// Number of scatterings beyond the first.
@@ -234,6 +237,7 @@ impl Default for RenderSettings {
             shutter: 0.0,
             shutter_position: 0.0,
             exposure_stops: None,
+            look: Look::None,
             mirror_depth: 4,
             bounces: Bounces::All,
             march_depth_m: 10.0,

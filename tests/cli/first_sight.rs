@@ -238,6 +238,29 @@ fn pictures_get_an_exposure_and_frames_do_not() {
     assert_eq!(picture(&studio, "e/x.png"), auto);
 }
 
+/// The look of the input, and the flag's before it; frames know nothing of either.
+#[test]
+fn pictures_get_a_look_and_frames_do_not() {
+    let studio = Studio::new();
+    let render = "render tiny.ron --frames 3 --preview png --exposure 0";
+    studio.succeed(&format!("{render} --out a/x.exr"));
+    studio.succeed(&format!("{render} --look high-contrast --out b/x.exr"));
+    let sequence = String::from_utf8(studio.bytes("tiny.ron")).unwrap();
+    std::fs::write(studio.path("tiny.ron"), sequence.replace("samples: 2", "samples: 2, look: HighContrast"))
+        .unwrap();
+    studio.succeed(&format!("{render} --out c/x.exr"));
+    studio.succeed(&format!("{render} --look none --out d/x.exr"));
+    let [plain, high, said, none] =
+        ["a/x.png", "b/x.png", "c/x.png", "d/x.png"].map(|name| picture(&studio, name));
+    assert!(plain != high && high == said && plain == none);
+    assert_eq!(studio.bytes("a/x.exr"), studio.bytes("b/x.exr"));
+    // A glTF file keeps it.
+    studio.succeed("export tiny.ron kept.glb");
+    assert!(String::from_utf8_lossy(&studio.bytes("kept.glb")).contains("\"look\":\"high-contrast\""));
+    studio.succeed("render kept.glb --frames 3 --preview png --exposure 0 --out e/x.exr");
+    assert!(picture(&studio, "e/x.png") != plain);
+}
+
 #[test]
 fn previews_get_an_exposure_too_of_scenes_and_of_frames() {
     let studio = Studio::new();

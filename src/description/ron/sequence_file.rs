@@ -3,6 +3,7 @@
 
 use super::number::{Finite, NonNegative, Number, Positive, RelativeError, Stops, Whole};
 use super::version::Version;
+use crate::color::Look;
 use crate::passes::Pass;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use std::fmt;
@@ -42,6 +43,8 @@ pub struct SequenceFields {
     pub shutter_position: Option<Number<Finite>>,
     /// Brightens pictures for eyes by so many powers of two.
     pub exposure: Option<Number<Stops>>,
+    /// Contrast of pictures for eyes.
+    pub look: Option<Look>,
     /// Maximum number of reflections by mirrors.
     pub mirror_depth: Option<Whole<0, 64>>,
     /// Number of scatterings beyond the first: a number, or `"all"`.

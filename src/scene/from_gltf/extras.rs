@@ -37,6 +37,8 @@ pub(super) struct Sunfleck {
     pub(super) filter: Option<String>,
     /// Exposure in powers of two, of pictures for eyes.
     pub(super) exposure: Option<f64>,
+    /// Look, as the command line names it.
+    pub(super) look: Option<String>,
     pub(super) seed: Option<f64>,
     pub(super) mirror_depth: Option<f64>,
     /// A number, or `all`.

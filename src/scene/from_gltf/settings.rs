@@ -3,6 +3,7 @@
 
 use super::clock::Clock;
 use super::extras::Sunfleck;
+use crate::color::Look;
 use crate::description::gltf::GltfScene;
 use crate::description::gltf::report::Report;
 use crate::description::ron::{MAX_FRAME, Range, RelativeError, Stops};
@@ -111,6 +112,15 @@ impl Reading<'_> {
             sunfleck.tolerance.filter(|&tolerance| self.is_usable::<RelativeError>("tolerance", tolerance));
         settings.exposure_stops =
             sunfleck.exposure.filter(|&stops| self.is_usable::<Stops>("exposure", stops));
+        if let Some(name) = &sunfleck.look {
+            match Look::ALL.into_iter().find(|look| look.name() == name) {
+                Some(look) => settings.look = look,
+                None => {
+                    let expected = format!("one of {}", Look::ALL.map(Look::name).join(", "));
+                    self.error("look", format!("`{name}` is no look"), &expected);
+                }
+            }
+        }
         settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
         if let Some(name) = &sunfleck.filter {
             match PixelFilter::ALL.into_iter().find(|filter| filter.name() == name) {

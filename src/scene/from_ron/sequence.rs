@@ -58,6 +58,7 @@ pub(in crate::inside::scene) fn apply_sequence(
     settings.shutter = fields.shutter_frames.map_or(settings.shutter, |shutter| shutter.si());
     settings.shutter_position = fields.shutter_position.map_or(settings.shutter_position, |at| at.si());
     settings.exposure_stops = fields.exposure.map(|stops| stops.si()).or(settings.exposure_stops);
+    settings.look = fields.look.unwrap_or(settings.look);
     settings.mirror_depth = fields.mirror_depth.map_or(settings.mirror_depth, |Whole(depth)| depth);
     settings.bounces = fields.bounces.unwrap_or(settings.bounces);
     problems.unless_any(settings)

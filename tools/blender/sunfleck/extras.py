@@ -16,6 +16,15 @@ from .materials.colours import rec709
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
 
 
+LOOKS = {f"AgX - {contrast.replace('-', ' ').title()}": contrast for contrast in (
+    "very-high-contrast", "high-contrast", "medium-high-contrast", "medium-low-contrast", "low-contrast", "very-low-contrast")}
+
+
+def look(view):
+    """sunfleck's name of the look of pictures for eyes. What has no contrast alone, such as AgX - Punchy, is none."""
+    return LOOKS.get(view.look, "none") if view.view_transform == "AgX" else "none"
+
+
 def of_scene(scene, path=None):
     """What the scene's own custom properties are to be; what images they name lies beside `path`."""
     own, render = scene.sunfleck_settings, scene.render
@@ -31,6 +40,7 @@ def of_scene(scene, path=None):
         "light_units": "spec",
         "filter": own.filter,
         "exposure": scene.view_settings.exposure,
+        "look": look(scene.view_settings),
         "seed": own.seed,
         "passes": sorted(own.passes),
         "bounces": "all" if own.all_bounces else own.bounces,

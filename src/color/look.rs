@@ -1,0 +1,152 @@
+//! Looks of pictures for eyes: how much contrast a display transform gives. In goes light on its way to the AgX
+//! curve, out comes the same with other contrast. Invariant: middle grey stays, and a look of no change
+//! changes no bit.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+/// Look of the AgX curve, as Blender calls it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "program", derive(clap::ValueEnum))]
+#[non_exhaustive]
+pub enum Look {
+    /// The curve as it is.
+    #[default]
+    None,
+    /// 1.57 times the contrast.
+    VeryHighContrast,
+    /// 1.4 times.
+    HighContrast,
+    /// 1.2 times.
+    MediumHighContrast,
+    /// 0.9 times.
+    MediumLowContrast,
+    /// 0.8 times.
+    LowContrast,
+    /// 0.7 times.
+    VeryLowContrast,
+}
+
+/// Weights of saturation in OpenColorIO's primary grading.
+const LUMA: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+/// Stops about middle grey that `AgX Log` has.
+const STOPS: [f32; 2] = [-10.0, 15.0];
+
+impl Look {
+    /// Every look there is.
+    pub const ALL: [Self; 7] = [
+        Self::None,
+        Self::VeryHighContrast,
+        Self::HighContrast,
+        Self::MediumHighContrast,
+        Self::MediumLowContrast,
+        Self::LowContrast,
+        Self::VeryLowContrast,
+    ];
+
+    /// Name that a person gives it by.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::VeryHighContrast => "very-high-contrast",
+            Self::HighContrast => "high-contrast",
+            Self::MediumHighContrast => "medium-high-contrast",
+            Self::MediumLowContrast => "medium-low-contrast",
+            Self::LowContrast => "low-contrast",
+            Self::VeryLowContrast => "very-low-contrast",
+        }
+    }
+
+    /// Contrast and saturation, as `GradingPrimaryTransform` of Blender's `config.ocio` has them.
+    fn contrast_and_saturation(self) -> Option<(f32, f32)> {
+        match self {
+            Self::None => None,
+            Self::VeryHighContrast => Some((1.57, 0.9)),
+            Self::HighContrast => Some((1.4, 0.95)),
+            Self::MediumHighContrast => Some((1.2, 1.0)),
+            Self::MediumLowContrast => Some((0.9, 1.05)),
+            Self::LowContrast => Some((0.8, 1.1)),
+            Self::VeryLowContrast => Some((0.7, 1.15)),
+        }
+    }
+
+    /// Grades light that the inset has mixed: its stops about middle grey are stretched, and then their distance
+    /// from their luma. `AgX Log` is linear in stops and has its pivot of contrast at middle grey.
+    pub(super) fn graded(self, mixed: Vec3, middle_grey: f32) -> Vec3 {
+        let Some((contrast, saturation)) = self.contrast_and_saturation() else { return mixed };
+        let [least, most] = STOPS;
+        let stops = mixed.to_array().map(|light| (light / middle_grey).log2().clamp(least, most));
+        let stretched = contrast * Vec3::from(stops);
+        let luma = Vec3::splat(LUMA.dot(stretched));
+        let graded = luma + saturation * (stretched - luma);
+        middle_grey * Vec3::from(graded.to_array().map(f32::exp2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::{Display, Rgb};
+
+    const COLORS: [[f64; 3]; 6] =
+        [[0.0; 3], [1.0; 3], [0.02; 3], [0.4, 0.15, 0.02], [0.8, 0.5, 0.05], [0.0, 1.0, 0.0]];
+
+    /// What Blender 5.0.1 shows of these colours: view AgX, display sRGB, saved with 16 bits.
+    const BLENDER: [(Look, [[f64; 3]; 6]); 3] = [
+        (
+            Look::HighContrast,
+            [
+                [0.0; 3],
+                [0.8511; 3],
+                [0.06137; 3],
+                [0.68215, 0.39464, 0.0],
+                [0.84285, 0.69296, 0.35204],
+                [0.41573, 0.85579, 0.28603],
+            ],
+        ),
+        (
+            Look::MediumHighContrast,
+            [
+                [0.0; 3],
+                [0.81379; 3],
+                [0.08974; 3],
+                [0.67002, 0.39902, 0.00894],
+                [0.80649, 0.66711, 0.3433],
+                [0.40838, 0.81886, 0.2822],
+            ],
+        ),
+        (
+            Look::LowContrast,
+            [
+                [0.00165; 3],
+                [0.72197; 3],
+                [0.16835; 3],
+                [0.62434, 0.41671, 0.18088],
+                [0.71604, 0.60888, 0.35781],
+                [0.41767, 0.72755, 0.31049],
+            ],
+        ),
+    ];
+
+    #[test]
+    fn looks_are_blenders() {
+        for (look, shown) in BLENDER {
+            for (light, shown) in COLORS.into_iter().zip(shown) {
+                let ours = Display { look, ..Display::default() }.encode(light.into());
+                // Where a channel ends near black the nodes of Blender's table lie far apart.
+                let is_near = (ours - Rgb::from(shown)).abs().max_element() < 4.0 / 255.0;
+                assert!(is_near, "{look:?} {light:?}: {ours}, in Blender {shown:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn middle_grey_stays_and_no_look_changes_nothing() {
+        for look in Look::ALL {
+            assert!(look.graded(Vec3::splat(0.18), 0.18).abs_diff_eq(Vec3::splat(0.18), 1e-6), "{look:?}");
+        }
+        let light = Vec3::new(0.1, 7.0, 1e-9);
+        assert_eq!(Look::None.graded(light, 0.18), light);
+    }
+}
