@@ -49,7 +49,8 @@ pub(super) struct DisplayArguments {
     /// How light is brought into the range of a display, for pictures other than EXR.
     #[arg(long, value_enum, default_value_t, value_name = "CURVE")]
     pub(super) display: Curve,
-    /// Contrast of those pictures under AgX, as Blender's look of this name [default: the input's, else none].
+    /// Contrast of those pictures under AgX, by Blender's look of this name [default: the input's, else
+    /// none].
     #[arg(long, value_enum, value_name = "LOOK")]
     pub(super) look: Option<Look>,
     /// Brightens those pictures by so many powers of two, -100 to 100, or by what they need, auto [default:

@@ -1,6 +1,5 @@
-//! Looks of pictures for eyes: how much contrast a display transform gives. In goes light on its way to the AgX
-//! curve, out comes the same with other contrast. Invariant: middle grey stays, and a look of no change
-//! changes no bit.
+//! Looks of pictures for eyes. In goes light on its way to the AgX curve, out comes the same with more or
+//! less contrast. Invariant: middle grey stays, and `None` changes no bit.
 
 use glam::Vec3;
 use serde::Deserialize;
@@ -71,8 +70,8 @@ impl Look {
         }
     }
 
-    /// Grades light that the inset has mixed: its stops about middle grey are stretched, and then their distance
-    /// from their luma. `AgX Log` is linear in stops and has its pivot of contrast at middle grey.
+    /// Light, mixed by the inset, with its stops about middle grey stretched, and then their distance from
+    /// their luma. `AgX Log` is linear in stops and has its pivot of contrast at middle grey.
     pub(super) fn graded(self, mixed: Vec3, middle_grey: f32) -> Vec3 {
         let Some((contrast, saturation)) = self.contrast_and_saturation() else { return mixed };
         let [least, most] = STOPS;
