@@ -8,6 +8,9 @@ use crate::ordinates::surface_optics::SurfaceOptics;
 use crate::snapshot::{Snapshot, SurfacePoint};
 use glam::DVec3;
 
+/// Cosine about which most light falls and most is seen.
+const COS: f64 = 0.6;
+
 /// Optics on the side that `normal` faces, at a place of world space.
 pub(crate) fn optics_at(
     snapshot: &Snapshot,
@@ -23,7 +26,7 @@ pub(crate) fn optics_at(
 pub(crate) fn optics_of(point: &SurfacePoint) -> SurfaceOptics {
     SurfaceOptics {
         reflectance: reflectance(point),
-        transmittance: point.transmission,
+        transmittance: point.transmission + of_thin(point)[1],
         emission: point.emission,
         cover: 1.0 - (1.0 - point.alpha).clamp(0.0, 1.0),
     }
@@ -31,8 +34,13 @@ pub(crate) fn optics_of(point: &SurfacePoint) -> SurfaceOptics {
 
 /// Reflectance of all kinds together: shine counts as matte.
 pub(crate) fn reflectance(point: &SurfacePoint) -> Rgb {
-    /// About where most light falls and most is seen.
-    const COS: f64 = 0.6;
-    let coat = point.gloss.as_ref().map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));
-    (point.albedo * (Rgb::ONE - coat) + coat + point.mirror).clamp(Rgb::ZERO, Rgb::ONE)
+    let gloss = point.gloss.as_ref();
+    let coat = gloss.map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));
+    let beneath = point.albedo * gloss.map_or(Rgb::ONE, |gloss| gloss.leaves(COS));
+    (beneath + coat + point.mirror + of_thin(point)[0]).clamp(Rgb::ZERO, Rgb::ONE)
+}
+
+/// What a thin dielectric reflects and lets through.
+fn of_thin(point: &SurfacePoint) -> [Rgb; 2] {
+    point.thin.as_ref().map_or([Rgb::ZERO; 2], |thin| thin.albedos(COS))
 }

@@ -106,16 +106,22 @@ impl Indirect {
         const MOST: Range<f64> = 0.3..0.5;
         let share =
             |range: Range<f64>, of: f64| ((of - range.start) / (range.end - range.start)).clamp(0.0, 1.0);
-        let Some(gloss) = &point.gloss else { return 0.0 };
-        let shine = gloss.albedo(point.shading_normal.dot(point.to_eye).max(0.0)).max_element();
-        share(SEEN, shine) * (1.0 - share(BLURRED, gloss.alpha())).max(share(MOST, shine))
+        let cos = point.shading_normal.dot(point.to_eye).max(0.0);
+        let of_gloss = point.gloss.as_ref().map(|gloss| (gloss.albedo(cos), gloss.alpha()));
+        let of_thin = point.thin.as_ref().map(|thin| (thin.albedos(cos).iter().sum(), thin.alphas()[1]));
+        let all = [of_gloss, of_thin].into_iter().flatten();
+        let (shine, alpha) = all.fold((Rgb::ZERO, 1.0_f64), |all, one| (all.0 + one.0, all.1.min(one.1)));
+        let shine = shine.max_element();
+        share(SEEN, shine) * (1.0 - share(BLURRED, alpha)).max(share(MOST, shine))
     }
 
     /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1, with a share of what it shows in its
     /// shine.
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
-        let sent = point.albedo + point.transmission;
+        let cos_eye = point.shading_normal.dot(point.to_eye).max(0.0);
+        let of_thin = point.thin.as_ref().map_or([Rgb::ZERO; 2], |thin| thin.albedos(cos_eye));
+        let sent = point.albedo + point.transmission + of_thin[0] + of_thin[1];
         let leaf = self.solved.leaves.of(&self.solved.field, snapshot, point.primitive);
         let gathered = |lobe: Lobe| match &leaf {
             Some(leaf) => leaf.gathered_by(&self.solved.field, &lobe, sent),
@@ -123,20 +129,26 @@ impl Indirect {
         };
         let normal = point.shading_normal;
         let mut radiance = Rgb::ZERO;
-        let shine = point.gloss.as_ref().map(|gloss| gloss.albedo(normal.dot(point.to_eye).max(0.0)));
-        let beneath = Rgb::ONE - shine.unwrap_or(Rgb::ZERO);
+        let beneath = point.gloss.as_ref().map_or(Rgb::ONE, |gloss| gloss.leaves(cos_eye));
         if point.albedo != Rgb::ZERO {
             radiance += FRAC_1_PI * beneath * point.albedo * gathered(Lobe::cosine(normal));
         }
         if point.transmission != Rgb::ZERO {
             radiance += FRAC_1_PI * beneath * point.transmission * gathered(Lobe::cosine(-normal));
         }
-        if let (Some(shine), Some(gloss)) = (shine, &point.gloss)
-            && share_of_shine > 0.0
-        {
-            let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
+        if share_of_shine == 0.0 {
+            return radiance;
+        }
+        let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
+        if let Some(gloss) = &point.gloss {
             let lobe = Lobe::glossy(mirrored, normal, gloss.alpha());
-            radiance += share_of_shine * FRAC_1_PI * shine * gathered(lobe);
+            radiance += share_of_shine * FRAC_1_PI * gloss.albedo(cos_eye) * gathered(lobe);
+        }
+        if let Some(thin) = &point.thin {
+            let ([reflected, through], [alpha, alpha_through]) = (of_thin, thin.alphas());
+            let seen = reflected * gathered(Lobe::glossy(mirrored, normal, alpha))
+                + through * gathered(Lobe::glossy(-point.to_eye, -normal, alpha_through));
+            radiance += share_of_shine * FRAC_1_PI * seen;
         }
         radiance
     }

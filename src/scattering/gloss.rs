@@ -19,12 +19,11 @@
 //! term, and shadowing is correlated. What lies beneath is weighed by what the coat leaves towards the eye
 //! alone, which is not reciprocal.
 
-use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};
 use super::fresnel::{Fresnel, schlick};
-use super::ggx::{Shadowing, distribution, smith, visible_normal};
+use super::ggx::Shadowing;
+use super::microfacets::{Microfacets, lacking};
 use crate::color::Rgb;
 use glam::{DVec2, DVec3};
-use std::f64::consts::PI;
 
 /// A coat.
 #[derive(Clone, Copy, Debug)]
@@ -36,10 +35,9 @@ pub struct Gloss {
     /// Reflectance of multiple scattering, to be scaled by `(1 - E) / E` of a white coat's albedo `E`.
     repeated: Option<Reflectance>,
     principled: Option<Principled>,
-    /// glTF's alpha, the square of its roughness.
-    alpha: f64,
-    shadowing: Shadowing,
-    albedos: CoatAlbedos,
+    microfacets: Microfacets,
+    /// Share of the surface that it covers.
+    cover: f64,
 }
 
 /// Properties of a Principled BSDF's coat beyond glTF's.
@@ -77,29 +75,25 @@ impl Gloss {
     /// A coat with the reflectances `f0` along the normal and `f90` at grazing angles; `roughness` as in
     /// glTF, `0..=1`.
     pub fn new(f0: Rgb, f90: Rgb, roughness: f64) -> Self {
-        let roughness = roughness.clamp(LEAST_ROUGHNESS, 1.0);
         let coat = Reflectance { f0, f90 };
-        let shadowing = Shadowing::Separable;
-        Self {
-            all: coat,
-            coat,
-            repeated: None,
-            principled: None,
-            alpha: roughness * roughness,
-            shadowing,
-            albedos: CoatAlbedos::new(roughness, shadowing),
-        }
+        let microfacets = Microfacets::new(roughness, Shadowing::Separable);
+        Self { all: coat, coat, repeated: None, principled: None, microfacets, cover: 1.0 }
     }
 
     /// glTF's alpha, the square of its roughness.
     pub fn alpha(&self) -> f64 {
-        self.alpha
+        self.microfacets.alpha
     }
 
     /// Coat with a lobe at least as wide as that of an alpha, for its shape alone: it no longer reflects
     /// as much as [`Gloss::albedo`] says.
     pub fn widened(self, least_alpha: f64) -> Self {
-        Self { alpha: self.alpha.max(least_alpha), ..self }
+        Self { microfacets: self.microfacets.widened(least_alpha), ..self }
+    }
+
+    /// Coat on a share of the surface, `0..=1`.
+    pub fn covering(self, cover: f64) -> Self {
+        Self { cover, ..self }
     }
 
     /// Coat as Cycles' Principled BSDF has it, of the refractive index that the reflectance along the
@@ -107,8 +101,7 @@ impl Gloss {
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;
         let fresnel = Fresnel::of_reflectance(f0.max_element());
-        let shadowing = Shadowing::Correlated;
-        let own = Self { shadowing, albedos: self.albedos.under(shadowing), ..self };
+        let own = Self { microfacets: self.microfacets.under(Shadowing::Correlated), ..self };
         let further = own.further(f0 + (f90 - f0) * fresnel.mean());
         let repeated = Some(Reflectance { f0: further * f0, f90: further * f90 });
         Self { principled: Some(Principled { share: 1.0, fresnel, further }), repeated, ..own }
@@ -137,7 +130,7 @@ impl Gloss {
     /// E_mean meets another microfacet, a geometric series (Kulla and Conty 2017, "Revisiting physically
     /// based shading at Imageworks", appendix; without its first bounce, which is the BRDF).
     fn further(&self, one_bounce: Rgb) -> Rgb {
-        let [mean0, mean90] = self.albedos.mean();
+        let [mean0, mean90] = self.microfacets.albedos.mean();
         let mean = mean0 + mean90;
         one_bounce * mean / (Rgb::ONE - one_bounce * (1.0 - mean))
     }
@@ -149,7 +142,6 @@ impl Gloss {
         if cos_eye <= 0.0 || cos_light <= 0.0 {
             return Rgb::ZERO;
         }
-        let alpha2 = self.alpha * self.alpha;
         let cos_half = to_eye.dot(half);
         let schlick = schlick(cos_half);
         let mut reflected = self.all.at(schlick);
@@ -157,33 +149,21 @@ impl Gloss {
             reflected += own.share * (self.coat.f90 - self.coat.f0) * (own.fresnel.at(cos_half) - schlick);
         }
         if let Some(repeated) = self.repeated {
-            reflected += repeated.at(schlick) * lacking(self.albedos.towards(cos_eye));
+            reflected += repeated.at(schlick) * lacking(self.microfacets.albedos.towards(cos_eye));
         }
-        // B.3.2: G / (4 n.v n.l).
-        let smith_of_light = self.shadowing.smith_of_light(alpha2, cos_eye, cos_light);
-        reflected * distribution(alpha2, normal, half) / (smith(alpha2, cos_eye) * smith_of_light)
+        self.cover * reflected * self.microfacets.distribution(normal, half)
+            / self.microfacets.smith(cos_eye, cos_light)
     }
 
     /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine:
     /// where a visible microfacet mirrors the eye. It may lie below the surface.
     pub fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
-        let across = normal.any_orthonormal_vector();
-        let up = normal.cross(across);
-        let local = DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal));
-        let half = visible_normal(self.alpha, local, DVec2::from_angle(2.0 * PI * u.x), u.y);
-        let to_light = 2.0 * local.dot(half) * half - local;
-        to_light.x * across + to_light.y * up + to_light.z * normal
+        self.microfacets.pick(normal, to_eye, u)
     }
 
-    /// Probability density of [`Gloss::pick`] for a direction, 1/sr (Heitz 2018, equations 2, 3 and 17).
+    /// Probability density of [`Gloss::pick`] for a direction, 1/sr.
     pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
-        // No microfacet faces down.
-        let half = (to_eye + to_light).try_normalize().filter(|half| half.dot(normal) > 0.0);
-        let Some(half) = half else { return 0.0 };
-        let alpha2 = self.alpha * self.alpha;
-        let cos_eye = normal.dot(to_eye).max(0.0);
-        // G1(v) D(h) / (4 n.v), with G1(v) = 2 n.v / smith(n.v).
-        0.5 * distribution(alpha2, normal, half) / smith(alpha2, cos_eye)
+        self.microfacets.picked(normal, to_eye, to_light)
     }
 
     /// Factor of the BRDF of the matte surface beneath, for the cosines of both directions. It is of the
@@ -192,10 +172,10 @@ impl Gloss {
         if let Some(own) = self.principled {
             return Rgb::splat(self.let_out(own, cos_eye));
         }
-        let [mean0, mean90] = self.albedos.mean();
+        let [mean0, mean90] = self.microfacets.albedos.mean();
         let left = Rgb::ONE - self.coat.albedo(mean0, mean90);
         let lets = |cos: f64| {
-            let [part0, part90] = self.albedos.towards(cos);
+            let [part0, part90] = self.microfacets.albedos.towards(cos);
             Rgb::ONE - self.coat.albedo(part0, part90)
         };
         // A coat that reflects all leaves nothing.
@@ -208,33 +188,40 @@ impl Gloss {
     /// microfacets count alike, however much of their light others hide, and the hidden part is taken off
     /// all of it (`bsdf_microfacet_estimate_albedo`).
     fn let_out(&self, own: Principled, cos: f64) -> f64 {
-        let [part0, part90] = self.albedos.towards(cos);
+        let albedos = &self.microfacets.albedos;
+        let [part0, part90] = albedos.towards(cos);
         let white = part0 + part90;
         let reflected =
-            self.coat.at(self.albedos.risen(cos, &own.fresnel)) * (white + own.further * (1.0 - white));
+            self.coat.at(albedos.risen(cos, &own.fresnel)) * (white + own.further * (1.0 - white));
         (1.0 - reflected.max_element()).max(0.0)
     }
 
     /// Share of the light from a direction that the coat reflects, all directions together.
     pub fn albedo(&self, cos: f64) -> Rgb {
-        let parts @ [part0, part90] = self.albedos.towards(cos);
+        self.cover * self.albedo_where_it_is(cos)
+    }
+
+    /// About the share of it that the coat leaves to what lies beneath.
+    pub fn leaves(&self, cos: f64) -> Rgb {
+        Rgb::ONE - self.albedo_where_it_is(cos)
+    }
+
+    fn albedo_where_it_is(&self, cos: f64) -> Rgb {
+        let albedos = &self.microfacets.albedos;
+        let parts @ [part0, part90] = albedos.towards(cos);
         let mut once = self.all.albedo(part0, part90);
         if let Some(own) = self.principled {
-            let beyond = self.albedos.beyond_schlick(cos, &own.fresnel);
+            let beyond = albedos.beyond_schlick(cos, &own.fresnel);
             once += own.share * (self.coat.f90 - self.coat.f0) * beyond;
         }
         self.repeated.map_or(once, |repeated| once + repeated.albedo(part0, part90) * lacking(parts))
     }
 }
 
-/// Energy that a white coat lacks over its albedo, `(1 - E) / E`.
-fn lacking([part0, part90]: [f64; 2]) -> f64 {
-    (1.0 - part0 - part90) / (part0 + part90)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     fn direction(cos: f64, angle: f64) -> DVec3 {
         DVec2::from_angle(angle).extend(0.0) * (1.0 - cos * cos).sqrt() + cos * DVec3::Z

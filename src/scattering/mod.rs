@@ -1,4 +1,4 @@
-//! Specular reflection of surfaces: coats, cloth and rough mirrors. In go directions, out come shares of
+//! Specular scattering of surfaces: coats, cloth, rough mirrors and thin glass. In go directions, out come shares of
 //! light. Invariant: nothing here knows visibility, cameras or pixels.
 
 mod albedos;
@@ -6,9 +6,12 @@ mod fresnel;
 mod ggx;
 mod gloss;
 mod layers;
+mod microfacets;
 mod sheen;
+mod thin_dielectric;
 
 pub use albedos::LEAST_ROUGHNESS;
 pub use gloss::Gloss;
 pub use layers::{Clearcoat, Layers};
 pub use sheen::Sheen;
+pub use thin_dielectric::ThinDielectric;

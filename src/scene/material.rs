@@ -34,6 +34,8 @@ pub struct Material {
     pub is_principled: bool,
     /// Reflectance of metal along the normal, if it is not `base_color`: nothing goes through metal.
     pub metal_color: Option<Rgb>,
+    /// A thin dielectric of the coat's roughness, whose inside has the metal's colour.
+    pub thin: Option<ThinDielectric>,
     /// A clear coat over all.
     pub clearcoat: Option<Clearcoat>,
     /// Sheen of cloth, beneath the clear coat.
@@ -81,6 +83,15 @@ pub struct Coat {
     pub f0_texture: Option<TextureMap>,
     /// Reflectance at grazing angles of what is no metal.
     pub f90: f64,
+}
+
+/// A thin sheet of a rough dielectric (`scattering::ThinDielectric`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinDielectric {
+    /// Share of what is no metal that it is, coat and all, `0..=1`.
+    pub share: f64,
+    /// Refractive index, 1 or more.
+    pub ior: f64,
 }
 
 /// glTF's alpha modes; what a mask hides is cut out of the mesh instead (`scene/outline`).
@@ -166,6 +177,7 @@ impl Default for Material {
             coat: None,
             is_principled: false,
             metal_color: None,
+            thin: None,
             clearcoat: None,
             sheen: None,
             normal_map: None,

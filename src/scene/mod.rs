@@ -53,7 +53,9 @@ pub use grids::{FogPart, FogVoxels, GridFrame, GridFrames, GridNames};
 pub use julia::Julia;
 pub use keyed::Keyed;
 pub use light::{AreaShape, Light, LightKind, SunDisc};
-pub use material::{AlphaMode, Clearcoat, Coat, Material, MaterialNumbers, Painted, Sheen, TextureMap};
+pub use material::{
+    AlphaMode, Clearcoat, Coat, Material, MaterialNumbers, Painted, Sheen, TextureMap, ThinDielectric,
+};
 pub use matte::{matte_id, murmur3};
 pub use mesh::{Mesh, Triangle};
 pub use mist::{GroundHeights, MOST_MIST_VOXELS, Mist, MistShape};

@@ -8,10 +8,10 @@ use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::scattering::{Gloss, Layers};
+use crate::scattering::{Gloss, Layers, ThinDielectric};
 use crate::scene::{Material, Mesh, Painted, Texture, TextureMap};
 use glam::{DMat3, DVec3, Vec3, Vec4};
-use texels::FacetTexels;
+use texels::{FacetTexels, Shine};
 
 /// A point of a surface, ready for shading.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +28,8 @@ pub struct SurfacePoint {
     pub transmission: Rgb,
     /// Glossy coat, if it shines.
     pub gloss: Option<Gloss>,
+    /// Thin dielectric that is a share of it.
+    pub thin: Option<ThinDielectric>,
     /// Layers over it.
     pub layers: Option<Layers>,
     /// Unit vector to where it is seen from.
@@ -191,7 +193,8 @@ impl Facet<'_> {
         let paint = texels.paint();
         let painted = |what: Painted, own: Rgb| if material.painted == what { own * paint } else { own };
         let base_color = material.base_color * paint;
-        let (gloss, matte) = texels.gloss(material.metal_color.map_or(base_color, |color| color * paint));
+        let Shine { gloss, thin, matte } =
+            texels.shine(material.metal_color.map_or(base_color, |color| color * paint));
         let transmission = material.transmission * texels.of(material.transmission_texture);
         let emission = match material.emission {
             Rgb::ZERO => Rgb::ZERO,
@@ -205,6 +208,7 @@ impl Facet<'_> {
             albedo: base_color * matte,
             transmission: transmission * matte,
             gloss,
+            thin,
             layers,
             to_eye: -ray.direction,
             mirror: let_out * painted(Painted::Mirror, material.mirror),

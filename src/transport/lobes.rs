@@ -9,16 +9,23 @@ use crate::snapshot::SurfacePoint;
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_PI;
 
-/// The ways that a surface scatters. Shares of 1.
+/// A way that a surface scatters.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// Matte on the eye's side.
+    Reflected,
+    Coated,
+    /// Matte on the other side.
+    Transmitted,
+    Shone,
+    /// Reflected by a thin dielectric.
+    ThinReflected,
+    ThinTransmitted,
+}
+
+/// The ways that a surface scatters, with their shares of 1.
 pub(super) struct Lobes {
-    /// Share on the eye's side.
-    reflected: f64,
-    /// Share on the other side.
-    transmitted: f64,
-    /// Share of its clear coat.
-    coated: f64,
-    /// Share of its gloss.
-    shone: f64,
+    shares: [(Way, f64); 6],
     /// Albedo of all lobes together, approximate.
     pub(super) all: f64,
 }
@@ -28,7 +35,7 @@ impl Lobes {
     pub(super) fn of(point: &SurfacePoint) -> Option<Self> {
         let cos_eye = point.shading_normal.dot(point.to_eye);
         let gloss = point.gloss.as_ref().filter(|_| cos_eye > 0.0);
-        let beneath = gloss.map_or(Rgb::ONE, |gloss| Rgb::ONE - gloss.albedo(cos_eye));
+        let beneath = gloss.map_or(Rgb::ONE, |gloss| gloss.leaves(cos_eye));
         // Cloth is picked as if it were matte.
         let sheen = point
             .layers
@@ -38,53 +45,66 @@ impl Lobes {
         let reflected = luminance(point.albedo * beneath) + sheen;
         let transmitted = luminance(point.transmission * beneath);
         let shone = gloss.map_or(0.0, |gloss| luminance(gloss.albedo(cos_eye)));
-        let all = reflected + transmitted + shone + coated;
-        let [reflected, transmitted, coated, shone] =
-            [reflected, transmitted, coated, shone].map(|share| share / all);
-        (all > 0.0).then_some(Self { reflected, transmitted, coated, shone, all })
+        let [thin_reflected, thin_transmitted] =
+            point.thin.as_ref().map_or([0.0; 2], |thin| thin.albedos(cos_eye).map(luminance));
+        let all = reflected + transmitted + shone + coated + thin_reflected + thin_transmitted;
+        let shares = [
+            (Way::Reflected, reflected),
+            (Way::Coated, coated),
+            (Way::Transmitted, transmitted),
+            (Way::Shone, shone),
+            (Way::ThinReflected, thin_reflected),
+            (Way::ThinTransmitted, thin_transmitted),
+        ];
+        (all > 0.0).then(|| Self { shares: shares.map(|(way, share)| (way, share / all)), all })
     }
 
     /// A direction to the light that two uniform numbers pick, about as densely as the surface
     /// scatters towards the eye.
     pub(super) fn pick(&self, point: &SurfacePoint, mut u: DVec2) -> DVec3 {
-        let normal = point.shading_normal;
-        let lambert = |u: DVec2, normal: DVec3| {
+        let (normal, to_eye) = (point.shading_normal, point.to_eye);
+        let mut picked = Way::Reflected;
+        for (way, share) in self.shares.into_iter().filter(|(_, share)| *share > 0.0) {
+            picked = way;
+            if u.x < share {
+                u.x /= share;
+                break;
+            }
+            u.x -= share;
+        }
+        let lambert = |normal: DVec3| {
             // Malley's method: a uniform disc, projected up.
             let disc = disc_from_square(u);
             about(normal, disc, (1.0 - disc.length_squared()).max(0.0).sqrt())
         };
-        if u.x < self.reflected {
-            u.x /= self.reflected;
-            return lambert(u, normal);
-        }
-        u.x -= self.reflected;
-        if let Some(coat) = coat(point).filter(|_| u.x < self.coated) {
-            u.x /= self.coated;
-            return coat.gloss.pick(coat.normal, point.to_eye, u);
-        }
-        u.x -= self.coated;
-        match &point.gloss {
-            Some(gloss) if u.x >= self.transmitted => {
-                u.x = (u.x - self.transmitted) / self.shone;
-                gloss.pick(normal, point.to_eye, u)
-            }
-            _ => {
-                u.x /= self.transmitted;
-                lambert(u, -normal)
-            }
+        match (picked, coat(point), &point.gloss, &point.thin) {
+            (Way::Transmitted, ..) => lambert(-normal),
+            (Way::Coated, Some(coat), ..) => coat.gloss.pick(coat.normal, to_eye, u),
+            (Way::Shone, _, Some(gloss), _) => gloss.pick(normal, to_eye, u),
+            (Way::ThinReflected, .., Some(thin)) => thin.pick(normal, to_eye, false, u),
+            (Way::ThinTransmitted, .., Some(thin)) => thin.pick(normal, to_eye, true, u),
+            _ => lambert(normal),
         }
     }
 
     /// Probability density of [`Lobes::pick`] for a direction, 1/sr.
     pub(super) fn picked(&self, point: &SurfacePoint, direction: DVec3) -> f64 {
-        let cos = point.shading_normal.dot(direction);
-        let matte = if cos > 0.0 { self.reflected } else { self.transmitted } * FRAC_1_PI * cos.abs();
+        let (normal, to_eye) = (point.shading_normal, point.to_eye);
+        let cos = normal.dot(direction);
+        let share = |way: Way| self.shares[way as usize].1;
+        let matte = share(if cos > 0.0 { Way::Reflected } else { Way::Transmitted });
+        let mut density = matte * FRAC_1_PI * cos.abs();
         // Some of what is picked for gloss and coat lies behind the surface, where light may come through.
-        let gloss = point.gloss.as_ref().filter(|_| self.shone > 0.0);
-        let gloss = gloss.map_or(0.0, |gloss| gloss.picked(point.shading_normal, point.to_eye, direction));
-        let coat = coat(point).filter(|_| self.coated > 0.0);
-        let coat = coat.map_or(0.0, |coat| coat.gloss.picked(coat.normal, point.to_eye, direction));
-        matte + self.shone * gloss + self.coated * coat
+        let gloss = point.gloss.as_ref().filter(|_| share(Way::Shone) > 0.0);
+        density += share(Way::Shone) * gloss.map_or(0.0, |gloss| gloss.picked(normal, to_eye, direction));
+        let coat = coat(point).filter(|_| share(Way::Coated) > 0.0);
+        density +=
+            share(Way::Coated) * coat.map_or(0.0, |coat| coat.gloss.picked(coat.normal, to_eye, direction));
+        if let Some(thin) = point.thin.as_ref().filter(|_| share(Way::ThinTransmitted) > 0.0) {
+            let [reflected, through] = thin.picked(normal, to_eye, direction);
+            density += share(Way::ThinReflected) * reflected + share(Way::ThinTransmitted) * through;
+        }
+        density
     }
 }
 

@@ -6,7 +6,7 @@ use super::extras::{self, Channels};
 use crate::color::Rgb;
 use crate::description::gltf;
 use crate::diagnostic::Loss;
-use crate::scene::{Material, Painted, TextureMap};
+use crate::scene::{Coat, Material, Painted, TextureMap, ThinDielectric};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -28,19 +28,40 @@ pub(super) struct MaterialExtras {
     /// Whether Blender's Principled BSDF is meant.
     #[serde(default)]
     principled: bool,
+    thin_dielectric: Option<Thin>,
     #[serde(flatten)]
     unknown: BTreeMap<String, Value>,
 }
 
+/// `thin_dielectric` of it.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Thin {
+    share: f64,
+    #[serde(default = "glass")]
+    ior: f64,
+}
+
+fn glass() -> f64 {
+    1.5
+}
+
 impl MaterialExtras {
     /// Puts it on top of what `sunfleck_leaf` made of a material.
-    pub(super) fn apply(&self, material: &mut Material) {
+    pub(super) fn apply(&self, material: &mut Material, source: &gltf::Material) {
         if let Some(mirror) = self.mirror {
             (material.mirror, material.painted) = (mirror.into(), Painted::BaseColor);
         }
         material.is_principled = self.principled;
         material.metal_color = self.metal.map_or(material.metal_color, |metal| Some(metal.into()));
         material.filter_color = self.filter_color.map_or(material.filter_color, Rgb::from);
+        if let Some(Thin { share, ior }) = self.thin_dielectric {
+            material.thin = Some(ThinDielectric { share, ior });
+            // One that reflects nothing has the roughness alone.
+            let (roughness, texture) = (source.roughness, source.metallic_roughness_texture);
+            let plain = Coat { metallic: 0.0, roughness, texture, f0: Rgb::ZERO, f0_texture: None, f90: 0.0 };
+            material.coat.get_or_insert(plain);
+        }
         if let Some(transmission) = self.transmission {
             material.transmission = transmission.into();
             let of_base = material.base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
@@ -57,11 +78,22 @@ impl Builder<'_> {
         source: &gltf::Material,
     ) -> Option<MaterialExtras> {
         let path = format!("materials[{index}]");
-        let extras: MaterialExtras =
+        let mut extras: MaterialExtras =
             extras::read(&source.extras, "sunfleck_material", &path, &mut self.report)?;
         for field in extras.unknown.keys() {
             let field = format!("sunfleck_material.{field}` of `{}", source.name);
             self.report.not_honoured(Loss::UnknownField, &field);
+        }
+        if let Some(thin) = &mut extras.thin_dielectric {
+            let path = format!("{path}.extras.sunfleck_material.thin_dielectric");
+            for (name, value, range) in
+                [("share", &mut thin.share, 0.0..=1.0), ("ior", &mut thin.ior, 1.0..=3.0)]
+            {
+                if !range.contains(value) {
+                    self.report.put_right(Loss::ValueOutOfRange, &format!("{path}.{name}"), *value);
+                    *value = value.clamp(*range.start(), *range.end());
+                }
+            }
         }
         Some(extras)
     }

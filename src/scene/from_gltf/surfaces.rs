@@ -19,7 +19,7 @@ impl Builder<'_> {
             let converted = |source: &gltf::Material| {
                 let mut material = material(source, keeps_coat);
                 leaf.iter().for_each(|leaf| become_leaf(&mut material, source, leaf));
-                extras.iter().for_each(|extras| extras.apply(&mut material));
+                extras.iter().for_each(|extras| extras.apply(&mut material, source));
                 material
             };
             let changes = self.material_changes(index, |source| converted(source).numbers());

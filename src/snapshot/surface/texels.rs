@@ -3,7 +3,7 @@
 
 use super::Facet;
 use crate::color::Rgb;
-use crate::scattering::Gloss;
+use crate::scattering::{Gloss, ThinDielectric};
 use crate::scene::{AlphaMode, Mesh, Texture, TextureMap};
 use glam::{DVec3, Vec2};
 
@@ -14,6 +14,14 @@ pub(super) struct FacetTexels<'a> {
     /// The image of the base colour, and where in it.
     base: Option<(&'a Texture, Vec2)>,
     color: Rgb,
+}
+
+/// How a surface shines.
+pub(super) struct Shine {
+    pub(super) gloss: Option<Gloss>,
+    pub(super) thin: Option<ThinDielectric>,
+    /// Share that is matte.
+    pub(super) matte: f64,
 }
 
 impl<'a> FacetTexels<'a> {
@@ -47,16 +55,28 @@ impl<'a> FacetTexels<'a> {
         self.color * (0..3).map(corner).sum::<DVec3>()
     }
 
-    /// The coat of a surface, if it has one, of which metal has such a colour, and the share that is matte.
-    pub(super) fn gloss(&self, metal: Rgb) -> (Option<Gloss>, f64) {
-        let Some(coat) = self.facet.material.coat else { return (None, 1.0) };
+    /// Shine of a surface whose metal and whose thin dielectric have such a colour.
+    pub(super) fn shine(&self, color: Rgb) -> Shine {
+        let Some(coat) = self.facet.material.coat else {
+            return Shine { gloss: None, thin: None, matte: 1.0 };
+        };
         let texel = coat.texture.and_then(|map| self.facet.texel(map, self.weights)).unwrap_or(Rgb::ONE);
         let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
         let f0 = coat.f0 * self.of(coat.f0_texture);
         // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
         let plain = Gloss::new(f0, Rgb::splat(coat.f90), roughness);
         let gloss = if self.facet.material.is_principled { plain.principled() } else { plain };
-        (Some(gloss.with_metal(metallic, metal)), 1.0 - metallic)
+        let matte = 1.0 - metallic;
+        let Some(thin) = self.facet.material.thin else {
+            return Shine { gloss: Some(gloss.with_metal(metallic, color)), thin: None, matte };
+        };
+        // Of what is no metal it takes its share, coat and all.
+        let share = matte * thin.share;
+        let cover = 1.0 - share;
+        let is_left = cover > 0.0;
+        let gloss = is_left.then(|| gloss.with_metal(metallic / cover, color).covering(cover));
+        let thin = ThinDielectric::new(share, color, thin.ior, roughness);
+        Shine { gloss, thin: Some(thin), matte: matte - share }
     }
 
     /// Coverage of the surface, and its transmittance for what lies behind.

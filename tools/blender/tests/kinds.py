@@ -307,7 +307,9 @@ BESIDE = {
     "two-sided by shaders": (surfaces.two_sided_by_shaders, 1, EXACT),
     "hair": (hair, 1, BAKED), "hair from the side": (hair_from_the_side, 1, BAKED),
     "thin wall": (surfaces.thin_wall, 1, EXACT),
-    "thin metal": (surfaces.thin_metal, 1, EXACT), "fog box": (surfaces.fog_box, 6, EXACT),
+    "thin wall, frosted": (surfaces.frosted, 1, EXACT), "thin wall, frosted metal": (surfaces.frosted_metal, 1, EXACT),
+    "thin metal": (surfaces.thin_metal, 1, EXACT), "thin metal in colours": (surfaces.thin_metal_in_colours, 1, BAKED),
+    "fog box": (surfaces.fog_box, 6, EXACT),
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT),
@@ -331,5 +333,6 @@ SAID = {
 }
 # What came after Blender 5.0.
 LATER = {
-    "thin wall": (5, 2), "thin wall of a texture": (5, 2), "thin metal": (5, 2), "thin metal of a texture": (5, 2), "light info": (5, 1),
+    "light info": (5, 1),
+    **dict.fromkeys((name for name in (*BESIDE, *SAID) if name.startswith("thin ")), (5, 2)),
 }

@@ -30,10 +30,38 @@ def thin_metal(scene):
     shader.inputs["Metallic"].default_value = 0.5
 
 
+def thin_metal_in_colours(scene):
+    thin_metal(scene)
+    tree = bpy.data.materials["shade"].node_tree
+    base = tree.nodes["Principled BSDF"].inputs["Base Color"]
+    tree.links.new(tree.nodes.new("ShaderNodeTexChecker").outputs["Color"], base)
+
+
 def thin_metal_of_a_texture(scene):
     thin_wall_of_a_texture(scene)
     shader = bpy.data.materials["shade"].node_tree.nodes["Principled BSDF"]
     shader.inputs["Metallic"].default_value = 0.5
+
+
+def frosted(scene, weight=0.6, roughness=0.5):
+    """Light goes through a rough thin wall."""
+    thin_wall(scene)
+    inputs = bpy.data.materials["shade"].node_tree.nodes["Principled BSDF"].inputs
+    inputs["Transmission Weight"].default_value, inputs["Roughness"].default_value = weight, roughness
+    inputs["Specular IOR Level"].default_value = 0.5
+
+
+def frosted_before_a_wall(scene):
+    """What stands behind shows, blurred, and is lit by what comes through."""
+    frosted(scene, 0.9, 0.6)
+    wall = scenes.quad(scene, "wall", 6.0, scenes.material("wall", (0.7, 0.4, 0.2)), (0.0, 0.8, 1.0))
+    wall.rotation_euler = (1.5, 0.0, 0.0)
+    scenes.quad(scene, "floor", 6.0, scenes.material("floor", (0.2, 0.5, 0.7)), (0.0, 0.0, 0.3))
+
+
+def frosted_metal(scene):
+    frosted(scene, 1.0, 0.8)
+    bpy.data.materials["shade"].node_tree.nodes["Principled BSDF"].inputs["Metallic"].default_value = 0.3
 
 
 def sheen(scene):

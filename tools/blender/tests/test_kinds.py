@@ -62,6 +62,23 @@ class Beside(Case):
             self.assertLessEqual(warned, {"hair"}, name)
 
 
+@unittest.skipIf(bpy.app.version < (5, 2), "there are no thin walls")
+class Frosted(Case):
+    def test_light_bounces_as_in_cycles(self):
+        """By random walks, and on the grid."""
+        scene = kinds.stage()
+        kinds.surfaces.frosted_before_a_wall(scene)
+        wish = beside.Wish(PROGRAM, 1, (scene.render.resolution_x, scene.render.resolution_y), 256, 512, bounces=3)
+        beside.exported(scene, wish, self.folder)
+        theirs = beside.theirs(scene, wish, self.folder)
+        for volume, bar in (("paths", kinds.EXACT), ("auto", kinds.BAKED)):
+            ours = beside.ours(scene, wish, self.folder, volume)
+            ratio = ours.mean() / theirs.mean()
+            apart = numpy.abs(blocks(ours) - blocks(theirs)).mean() / theirs.mean()
+            print(f"frosted, {volume:8} {theirs.mean():9.5f} {ratio:9.5f} blocks {apart:8.5f}", flush=True)
+            self.assertLess(abs(ratio - 1.0), bar, volume)
+
+
 class Said(Case):
     def test_as_warnings(self):
         for name, scene, id in self.each(kinds.SAID):

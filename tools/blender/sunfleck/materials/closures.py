@@ -71,6 +71,8 @@ def glows(surface):
 
 def is_matte(surface):
     """Neither a shine nor a light, and opaque."""
+    if "thin" in surface.sources:
+        return False
     specular, metallic = surface.sources.get("specular"), surface.sources.get("metallic", BLACK)
     has_shine = (
         specular is None

@@ -58,9 +58,9 @@ def does_nothing(node, loss):
     if loss == "subsurface":
         return sheets.is_sheet(node)
     if loss == "thin-wall":
-        # Metal has the base colour, of which a baked sheet knows what is left.
-        is_told = not any(node.inputs[name].is_linked for name in ("Base Color", "Subsurface Weight"))
-        is_exact = sheets.is_sheet(node) and (is_told or sheets.is_zero(node, "Metallic"))
+        # Metal has the base colour, of which the same share is left everywhere.
+        is_even = not node.inputs["Subsurface Weight"].is_linked
+        is_exact = sheets.is_sheet(node) and (is_even or sheets.is_zero(node, "Metallic"))
         return sheets.is_zero(node, "Subsurface Weight") or is_exact
     if loss == "dispersion":
         return sheets.is_zero(node, "Transmission Weight")

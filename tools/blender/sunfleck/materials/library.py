@@ -14,7 +14,7 @@ import numpy
 from .. import extras, keys
 from ..losses import Finding
 from ..evaluated.geometry import ATLAS
-from . import bake, closures, dependence, inputs, instances, principled, sockets
+from . import bake, closures, dependence, inputs, instances, principled, sheets, sockets
 from .images import Images
 from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
@@ -205,8 +205,11 @@ class Library:
         said = writer.material(material.name if material else "default", surface)
         look.losses = sorted({*look.losses, *writer.losses})
         written = {**custom(material), **extras.of_material(material)} if material is not None else {}
-        if shines(surface):
-            written["sunfleck_material"] = {**written.get("sunfleck_material", {}), "principled": True}
+        ours = {"principled": True} if shines(surface) else {}
+        if "thin" in surface.sources:
+            ours["thin_dielectric"] = {"share": sheets.unit(writer.number("thin")), "ior": max(1.0, writer.number("ior"))}
+        if ours:
+            written["sunfleck_material"] = {**written.get("sunfleck_material", {}), **ours}
         if written:
             said["extras"] = written
         number = self.document.add("materials", said)
@@ -325,7 +328,7 @@ def looked_at(material):
     try:
         surface = closures.read(link)
         check_attributes(surface)
-        return Look(surface, losses)
+        return Look(surface, [loss for loss in losses if loss != "transmission" or "thin" not in surface.sources])
     except NotSimple as more:
         node = more.args[0] if more.args else None
         return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")

@@ -74,8 +74,22 @@ def read(shader):
             raise NotSimple(shader)
         share = sheets.unit(weight.number()) * sheets.through(shader)
         surface.sources["base"], surface.sources["through"] = scaled(base, 1.0 - share), scaled(base, share)
+    if sheets.is_thin_wall(shader):
+        frost(surface)
     scatter(surface)
     return surface
+
+
+def frost(surface):
+    """What goes through a thin wall that is rough, where numbers say how."""
+    transmission, ior, roughness, tint = (
+        surface.sources[name] for name in ("transmission", "ior", "roughness", "specular_tint")
+    )
+    if not (transmission.is_constant() and ior.is_constant() and tint == WHITE):
+        return
+    is_rough = not roughness.is_constant() or sheets.is_frosted(roughness.number(), ior.number())
+    if transmission.number() > 0.0 and is_rough:
+        surface.sources["thin"], surface.sources["transmission"] = transmission, Source((0.0,) * 3)
 
 
 def scatter(surface):

@@ -15,7 +15,7 @@ BLACK = Source((0.0, 0.0, 0.0))
 DEFAULTS = {
     "base": WHITE, "metallic": BLACK, "roughness": Source((0.5,) * 3), "ior": Source((1.5,) * 3), "specular": Source((0.5,) * 3),
     "specular_tint": WHITE, "transmission": BLACK, "coat": BLACK, "coat_roughness": BLACK, "sheen": BLACK, "sheen_roughness": BLACK,
-    "sheen_tint": WHITE, "emission": WHITE, "emission_strength": BLACK,
+    "sheen_tint": WHITE, "emission": WHITE, "emission_strength": BLACK, "thin": BLACK,
 }
 
 

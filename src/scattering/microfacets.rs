@@ -1,0 +1,74 @@
+//! Microfacets of one roughness: how densely they mirror one direction into another. In go unit vectors, out
+//! come factors of a BRDF, and directions to pick. Invariant: [`Microfacets::picked`] is the density of
+//! [`Microfacets::pick`].
+
+use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};
+use super::ggx::{self, Shadowing, visible_normal};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// GGX microfacets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Microfacets {
+    /// glTF's alpha, the square of its roughness.
+    pub(super) alpha: f64,
+    shadowing: Shadowing,
+    /// Albedos of microfacets that reflect all, each light once.
+    pub(super) albedos: CoatAlbedos,
+}
+
+impl Microfacets {
+    /// Microfacets of glTF's roughness, `0..=1`.
+    pub(super) fn new(roughness: f64, shadowing: Shadowing) -> Self {
+        let roughness = roughness.clamp(LEAST_ROUGHNESS, 1.0);
+        Self { alpha: roughness * roughness, shadowing, albedos: CoatAlbedos::new(roughness, shadowing) }
+    }
+
+    /// Microfacets of the same roughness under another shadowing.
+    pub(super) fn under(self, shadowing: Shadowing) -> Self {
+        Self { shadowing, albedos: self.albedos.under(shadowing), ..self }
+    }
+
+    /// Microfacets at least as rough as an alpha, with the albedos that they had.
+    pub(super) fn widened(self, least_alpha: f64) -> Self {
+        Self { alpha: self.alpha.max(least_alpha), ..self }
+    }
+
+    /// Density of microfacets that face `half`.
+    pub(super) fn distribution(&self, normal: DVec3, half: DVec3) -> f64 {
+        ggx::distribution(self.alpha * self.alpha, normal, half)
+    }
+
+    /// What the distribution is divided by in a BRDF, for the cosines of both directions. B.3.2:
+    /// `G / (4 n.v n.l)`.
+    pub(super) fn smith(&self, cos_eye: f64, cos_light: f64) -> f64 {
+        let alpha2 = self.alpha * self.alpha;
+        ggx::smith(alpha2, cos_eye) * self.shadowing.smith_of_light(alpha2, cos_eye, cos_light)
+    }
+
+    /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine:
+    /// where a visible microfacet mirrors the eye. It may lie below the surface.
+    pub(super) fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
+        let across = normal.any_orthonormal_vector();
+        let up = normal.cross(across);
+        let local = DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal));
+        let half = visible_normal(self.alpha, local, DVec2::from_angle(2.0 * PI * u.x), u.y);
+        let to_light = 2.0 * local.dot(half) * half - local;
+        to_light.x * across + to_light.y * up + to_light.z * normal
+    }
+
+    /// Probability density of [`Microfacets::pick`] for a direction, 1/sr (Heitz 2018, equations 2, 3 and 17).
+    pub(super) fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
+        // No microfacet faces down.
+        let half = (to_eye + to_light).try_normalize().filter(|half| half.dot(normal) > 0.0);
+        let Some(half) = half else { return 0.0 };
+        let cos_eye = normal.dot(to_eye).max(0.0);
+        // G1(v) D(h) / (4 n.v), with G1(v) = 2 n.v / smith(n.v).
+        0.5 * self.distribution(normal, half) / ggx::smith(self.alpha * self.alpha, cos_eye)
+    }
+}
+
+/// Energy that microfacets which reflect all lack over their albedo, `(1 - E) / E`.
+pub(super) fn lacking([part0, part90]: [f64; 2]) -> f64 {
+    (1.0 - part0 - part90) / (part0 + part90)
+}
