@@ -15,14 +15,30 @@ const STEP_NM: f64 = 10.0;
 #[derive(Clone, Copy, Debug)]
 pub struct Blackbody {
     rec_709_from_xyz: DMat3,
-    per_luminance: f64,
+    brightness: Brightness,
+}
+
+/// Luminance by temperature.
+#[derive(Clone, Copy, Debug)]
+enum Brightness {
+    /// As Planck's law has it, times a number.
+    Planck(f64),
+    /// As all wavelengths together have it (Stefan and Boltzmann's law), beside that of so many kelvin.
+    FourthPower(f64),
 }
 
 impl Blackbody {
     /// Luminance is 1 at so many kelvin.
     pub fn of_luminance_1_at(kelvin: f64) -> Self {
-        let raw = Self { rec_709_from_xyz: xyz_from_rec_709().inverse(), per_luminance: 1.0 };
-        Self { per_luminance: luminance(raw.at(kelvin)).recip(), ..raw }
+        let raw =
+            Self { rec_709_from_xyz: xyz_from_rec_709().inverse(), brightness: Brightness::Planck(1.0) };
+        Self { brightness: Brightness::Planck(luminance(raw.at(kelvin)).recip()), ..raw }
+    }
+
+    /// Luminance is 1 at so many kelvin, and grows with the fourth power of the temperature, as in Blender's
+    /// Principled Volume.
+    pub fn by_fourth_power(kelvin: f64) -> Self {
+        Self { brightness: Brightness::FourthPower(kelvin), ..Self::of_luminance_1_at(kelvin) }
     }
 
     /// Its light; colours that Rec. 709 does not have lose what would be negative.
@@ -39,7 +55,12 @@ impl Blackbody {
                 planck * color_matching(nm)
             })
             .sum();
-        let color = (self.per_luminance * (self.rec_709_from_xyz * xyz)).max(Rgb::ZERO);
+        let color = self.rec_709_from_xyz * xyz;
+        let factor = match self.brightness {
+            Brightness::Planck(per_luminance) => per_luminance,
+            Brightness::FourthPower(of) => (kelvin / of).powi(4) / luminance(color),
+        };
+        let color = (factor * color).max(Rgb::ZERO);
         if color.is_finite() { color } else { Rgb::ZERO }
     }
 }
@@ -93,5 +114,9 @@ mod tests {
             before = luminance(color);
         }
         assert_eq!(blackbody.at(-1.0), Rgb::ZERO);
+        // Red loses what would be negative of blue.
+        let bright = luminance(Blackbody::by_fourth_power(3000.0).at(6000.0));
+        assert!((bright - 16.0).abs() < 1e-9, "{bright}");
+        assert_eq!(Blackbody::by_fourth_power(1000.0).at(1.0), Rgb::ZERO);
     }
 }

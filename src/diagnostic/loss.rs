@@ -111,7 +111,7 @@ losses! {
     ApertureOrthographic "aperture-orthographic" "an aperture of orthographic cameras is not honoured, all is in focus"
     ShutterInstant "shutter-instant" "a shutter that opens for an instant does so at the frame"
     MotionBlurMoments "motion-blur-moments" "motion blur is drawn from fewer moments of the shutter"
-    FogHeld "fog-held" "fog of numbered files without velocities jumps from one to the next while the shutter is open"
+    FogHeld "fog-held" "fog of numbered files without velocities, or with such as carry it over 64 voxels, jumps from one to the next while the shutter is open"
     FogBounds "fog-bounds" "`bounds` of a `sunfleck_fog_volume` is passed over, the node is the box"
     UnknownField "unknown-field" "unknown fields of sunfleck's properties are passed over"
     UnknownProperty "unknown-property" "unknown properties are passed over"

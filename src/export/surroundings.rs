@@ -65,6 +65,9 @@ impl Writer<'_> {
                 }
                 if let Some(kelvin) = grids.names.kelvin {
                     written["emission_kelvin"] = json!(kelvin);
+                    if grids.names.is_principled {
+                        written["emission_principled"] = json!(true);
+                    }
                 }
             }
         }

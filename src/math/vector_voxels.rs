@@ -35,6 +35,12 @@ impl VectorVoxels {
         self.even.entry(edge).or_default().insert(first, vector);
     }
 
+    /// Every vector that there is.
+    pub fn all(&self) -> impl Iterator<Item = Vec3> + '_ {
+        let even = self.even.values().flat_map(|cubes| cubes.values());
+        std::iter::once(&self.background).chain(&self.vectors).chain(even).copied()
+    }
+
     /// At a whole place.
     pub fn voxel(&self, voxel: IVec3) -> Vec3 {
         if let Some(number) = self.bricks.get(&(voxel >> 3)) {

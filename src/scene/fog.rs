@@ -1,6 +1,7 @@
 //! Banks of fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| <= 0.9999`, scale heights
 //! above 0; fog without bounds thins out with height, or no sunlight would come through it.
 
+use super::grids::Between;
 use super::{GridFrames, Mist, NodeIndex, Scene, Track};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Loss, Place};
@@ -69,14 +70,23 @@ impl FogShape {
 impl Scene {
     /// Warning where a shutter that opens shows fog of files without velocities.
     pub fn held_fog(&self, shutter_frames: f64) -> Option<Diagnostic> {
-        let is_held = |fog: &&Fog| {
-            let FogShape::Voxels(grids) = &fog.shape else { return false };
-            grids.frames.len() > 1 && !grids.is_carried()
+        let held = |fog: &Fog| {
+            let FogShape::Voxels(grids) = &fog.shape else { return None };
+            let (why, remedy) = match grids.between() {
+                Between::Carried => return None,
+                Between::Held => (
+                    "they have no velocities",
+                    "write a grid of vectors `velocity`, m/s, into each file, or close the shutter",
+                ),
+                Between::CarriedTooFar => (
+                    "velocities would carry it over 64 voxels",
+                    "write files more often, with larger voxels or velocities in m/s, or close the shutter",
+                ),
+            };
+            let found = format!("fog `{}` stays as it is half way to the next file: {why}", fog.name);
+            (grids.frames.len() > 1).then_some((found, remedy))
         };
-        let fog = self.fogs.iter().find(is_held).filter(|_| shutter_frames > 0.0)?;
-        let found =
-            format!("fog `{}` stays as it is half way to the next file: they have no velocities", fog.name);
-        let remedy = "write a grid of vectors `velocity`, m/s, into each file, or close the shutter";
+        let (found, remedy) = self.fogs.iter().find_map(held).filter(|_| shutter_frames > 0.0)?;
         Some(Diagnostic::warning(Loss::FogHeld, Place::Nowhere, found).remedy(remedy))
     }
 }

@@ -145,10 +145,16 @@ fn colours_of_one_value_are_that_albedo() {
 /// A block that has gone half of its way lies half way between its files.
 #[test]
 fn velocities_carry_fog_between_files() {
+    for name in ["moving", "split", "staggered"] {
+        carry_fog_between(&[1, 2].map(|number| format!("{name}.{number}.vdb")), name);
+    }
+}
+
+fn carry_fog_between(files: &[String; 2], name: &str) {
     let folder = tempfile::tempdir().unwrap();
-    let fog = r#"vdb: "moving.#.vdb", density_per_m: 1.0"#;
-    let files = ["moving.1.vdb", "moving.2.vdb"];
-    let (scene, settings) = loaded(&scene_with(folder.path(), fog, SUN, &files)).unwrap();
+    let fog = format!(r#"vdb: "{name}.#.vdb", density_per_m: 1.0"#);
+    let files: [&str; 2] = std::array::from_fn(|index| files[index].as_str());
+    let (scene, settings) = loaded(&scene_with(folder.path(), &fog, SUN, &files)).unwrap();
     assert!(scene.held_fog(0.5).is_none());
     let FogShape::Voxels(grids) = &scene.fogs[0].shape else { panic!("it has voxels") };
     for (frame, middle) in [(1.0, 9.5), (1.25, 11.5), (1.5, 13.5), (2.0, 17.5), (3.0, 17.5)] {
@@ -158,6 +164,23 @@ fn velocities_carry_fog_between_files() {
         let at_middle = voxels.parts[0].voxels.voxels.at(DVec3::new(middle, 1.5, 1.5));
         assert!((at_middle - 1.0).abs() < 1e-5, "{frame}: {at_middle}");
     }
+}
+
+/// Frames so long that fog would fly out of sight between two files.
+#[test]
+fn fog_that_is_too_fast_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let fog = r#"vdb: "moving.#.vdb", density_per_m: 1.0"#;
+    scene_with(folder.path(), fog, SUN, &["moving.1.vdb", "moving.2.vdb"]);
+    let path = folder.path().join("slow.ron");
+    let said = |frame_rate: u32| {
+        let text = format!(r#"Sequence(version: 1, scene: "scene.ron", frame_rate: {frame_rate})"#);
+        fs::write(&path, text).unwrap();
+        loaded(&path).unwrap().0.held_fog(0.5).map(|said| said.to_string())
+    };
+    assert_eq!(said(4), None);
+    let said = said(2).unwrap();
+    assert!(said.contains("fog-held") && said.contains("over 64 voxels"), "{said}");
 }
 
 /// Where files have none, an open shutter says so.

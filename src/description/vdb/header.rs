@@ -35,7 +35,7 @@ pub(super) fn read(bytes: &mut Bytes) -> Read<Vec<Entry>> {
     let _library = (bytes.u32()?, bytes.u32()?);
     let has_places = bytes.u8()? != 0;
     let _identifier = bytes.take(36)?;
-    skip_metadata(bytes)?;
+    is_staggered(bytes)?;
     if !has_places {
         return Err(bytes.fault("it was written as a stream, without the places of its grids"));
     }
@@ -56,11 +56,13 @@ fn entry(bytes: &mut Bytes) -> Read<Entry> {
     Ok(Entry { name, kind: kind.trim_end_matches(HALF).to_owned(), is_half, parent, start })
 }
 
-/// Names, types and values that say nothing of where voxels are.
-pub(super) fn skip_metadata(bytes: &mut Bytes) -> Read<()> {
+/// Passes names, types and values of metadata. Out comes whether they say that vectors are staggered: each
+/// number is of its voxel's face.
+pub(super) fn is_staggered(bytes: &mut Bytes) -> Read<bool> {
+    let mut is_staggered = false;
     for _ in 0..bytes.u32()? {
-        let (_name, _kind, size) = (bytes.text()?, bytes.text()?, bytes.u32()?);
-        bytes.take(size as usize)?;
+        let (name, _kind, size) = (bytes.text()?, bytes.text()?, bytes.u32()?);
+        is_staggered |= bytes.take(size as usize)? == b"staggered" && name == "class";
     }
-    Ok(())
+    Ok(is_staggered)
 }

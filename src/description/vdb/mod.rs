@@ -33,6 +33,8 @@ pub struct Grid {
     pub floats: Option<Floats>,
     /// Its vectors, if it holds such.
     pub vectors: Option<Vectors>,
+    /// Whether each number of a vector is of the face before its voxel.
+    pub is_staggered: bool,
 }
 
 /// A grid of values.
@@ -93,14 +95,14 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
     // Each byte counts once, though a damaged file may name one tree many times.
     let mut behind = 0;
     for entry in entries {
-        let (mut floats, mut vectors) = (None, None);
+        let (mut floats, mut vectors, mut is_staggered) = (None, None, false);
         if [FLOATS, VECTORS].contains(&&*entry.kind) && entry.parent.is_empty() {
             let mut at = bytes.from(entry.start)?;
             if entry.start < behind {
                 return Err(at.fault("a grid begins inside the one before it"));
             }
             let flags = at.u32()?;
-            header::skip_metadata(&mut at)?;
+            is_staggered = header::is_staggered(&mut at)?;
             let transform = transform::read(&mut at)?;
             if entry.kind == FLOATS {
                 floats = Some(Values { transform, tree: tree::read(&mut at, flags, entry.is_half)? });
@@ -109,7 +111,7 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
             }
             behind = at.place();
         }
-        grids.push(Grid { name: entry.name, kind: entry.kind, floats, vectors });
+        grids.push(Grid { name: entry.name, kind: entry.kind, floats, vectors, is_staggered });
     }
     Ok(grids)
 }

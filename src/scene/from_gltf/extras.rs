@@ -82,6 +82,9 @@ pub(super) struct Fog {
     pub(super) emission: Option<Channels>,
     /// Kelvin that it has there, if it shines as a black body.
     pub(super) emission_kelvin: Option<f64>,
+    /// Whether such a body is that of Blender's Principled Volume.
+    #[serde(default)]
+    pub(super) emission_principled: bool,
     /// Billows that drift in the box of a node.
     pub(super) mist: Option<Mist>,
     #[serde(flatten)]

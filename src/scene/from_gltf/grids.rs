@@ -38,6 +38,7 @@ impl Builder<'_> {
             albedo: fog.albedo_grid.as_deref(),
             emission: fog.emission_grid.as_deref(),
             kelvin,
+            is_principled: fog.emission_principled,
             shines: Track::from(emission.unwrap_or(Rgb::ZERO)),
         };
         let grids = grid_frames(self.source.grids.get(uri)?, wanted, frame_rate);
@@ -56,6 +57,7 @@ impl Builder<'_> {
             ("emission_grid", fog.emission_grid.is_some()),
             ("emission", fog.emission.is_some()),
             ("emission_kelvin", fog.emission_kelvin.is_some()),
+            ("emission_principled", fog.emission_principled),
         ];
         for (field, _) in names.into_iter().filter(|(_, is_said)| *is_said) {
             let what = if field.ends_with("grid") { "names one" } else { "is" };

@@ -37,6 +37,7 @@ impl Resolver<'_> {
             albedo: fog.albedo_grid.as_deref(),
             emission,
             kelvin: fog.emission_kelvin.map(ron::Number::si),
+            is_principled: false,
             shines: shines.unwrap_or_else(|| Track::from(Rgb::ZERO)),
         };
         let grids = grid_frames(self.grids.get(path)?, wanted, self.frame_rate);

@@ -4,15 +4,16 @@
 //! Semi-Lagrangian from both sides: what was, or will be, where the velocity of a place leads back or on
 //! (Stam 1999, "Stable fluids", section 3.2), mixed by how near each file is.
 
+use super::velocities::Velocities;
 use super::{FogPart, FogVoxels};
-use crate::math::{BRICK, VectorVoxels, Voxels, VoxelsBuilder};
+use crate::math::{BRICK, Voxels, VoxelsBuilder};
 use glam::{DAffine3, DVec3, IVec3};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Voxels that a velocity may carry anything between two files; where one carries farther, none does.
-const FARTHEST: f64 = 64.0;
+pub(super) const FARTHEST: f64 = 64.0;
 /// Places along an edge of a brick that tell where velocities carry it, and voxels about it.
 const PLACES: i32 = 3;
 const MARGIN: f64 = 2.0;
@@ -25,11 +26,9 @@ pub(super) fn between(
 ) -> Option<FogVoxels> {
     let weight = (time_s - earlier_s) / (later_s - earlier_s);
     let carry = |file: &FogVoxels, shape_from_voxel: DAffine3, seconds: f64, weight: f64| {
-        let (shape_from_velocity, velocities) = file.velocities.clone()?;
         Some(Carry {
             voxel_from_shape: shape_from_voxel.inverse(),
-            velocity_from_shape: shape_from_velocity.inverse(),
-            velocities,
+            velocities: Arc::clone(file.velocities.as_ref()?),
             seconds,
             weight,
         })
@@ -78,8 +77,7 @@ fn parts_of(files: [&FogVoxels; 2]) -> Vec<FogPart> {
 /// How a file's voxels are carried to a time.
 struct Carry {
     voxel_from_shape: DAffine3,
-    velocity_from_shape: DAffine3,
-    velocities: Arc<VectorVoxels>,
+    velocities: Arc<Velocities>,
     /// From its time to that; negative of the later file.
     seconds: f64,
     /// How much it counts.
@@ -89,8 +87,7 @@ struct Carry {
 impl Carry {
     /// How far a place of the shape is carried.
     fn way(&self, place: DVec3) -> DVec3 {
-        let velocity = self.velocities.at(self.velocity_from_shape.transform_point3(place));
-        self.seconds * velocity.as_dvec3()
+        self.seconds * self.velocities.at(place)
     }
 
     fn at(&self, voxels: &Voxels, place: DVec3) -> f64 {

@@ -3,15 +3,17 @@
 
 mod advection;
 mod parts;
+mod velocities;
 
 use super::{FrameRate, Track};
 use crate::color::Rgb;
 use crate::description::vdb::{GridFile, GridFiles};
-use crate::math::{SunlitVoxels, VectorVoxels, Voxels};
+use crate::math::{SunlitVoxels, Voxels};
 use glam::DAffine3;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use velocities::Velocities;
 
 /// Default name of a grid of density.
 const USUAL_GRID: &str = "density";
@@ -29,9 +31,19 @@ pub struct GridFrames {
     pub frames: Vec<GridFrame>,
     /// Emission where its grid is 1, W m^-3 sr^-1.
     pub emission: Track<Rgb>,
-    /// Whether every file says velocities, by which what lies between two is known.
-    is_carried: bool,
+    between: Between,
     kept: Kept,
+}
+
+/// What lies between two files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// What is of the nearer.
+    Held,
+    /// What velocities of both carry there.
+    Carried,
+    /// The same, but for places that are so fast that all of it is held.
+    CarriedTooFar,
 }
 
 /// Names of grids.
@@ -45,6 +57,8 @@ pub struct GridNames {
     pub emission: Option<String>,
     /// So many kelvin it has where it is 1, if it shines as a black body.
     pub kelvin: Option<f64>,
+    /// Whether that is one of Blender's Principled Volume.
+    pub is_principled: bool,
 }
 
 /// Grids about a time.
@@ -75,8 +89,8 @@ pub struct FogVoxels {
     pub shape_from_shining: DAffine3,
     /// Its light by what each is multiplied with.
     pub shining: Vec<(Rgb, Arc<Voxels>)>,
-    /// Velocities, in their own coordinates and metres a second of the shape's space.
-    velocities: Option<(DAffine3, Arc<VectorVoxels>)>,
+    /// Velocities in the shape's space.
+    velocities: Option<Arc<Velocities>>,
 }
 
 /// Fog of which all scatters alike.
@@ -131,9 +145,15 @@ impl FogVoxels {
 impl GridFrames {
     /// Frames of grids of one name, without emission.
     pub fn new(path: PathBuf, density: &str, frames: Vec<GridFrame>) -> Self {
-        let names = GridNames { density: density.to_owned(), albedo: None, emission: None, kelvin: None };
+        let names = GridNames {
+            density: density.to_owned(),
+            albedo: None,
+            emission: None,
+            kelvin: None,
+            is_principled: false,
+        };
         let emission = Track::from(Rgb::ZERO);
-        Self { path, names, frames, emission, is_carried: false, kept: Kept::default() }
+        Self { path, names, frames, emission, between: Between::Held, kept: Kept::default() }
     }
 
     /// Grids at a time: between files carried from both by their velocities, or, without, those of
@@ -146,7 +166,7 @@ impl GridFrames {
         };
         let times_s = [from.time_s, to.time_s];
         let nearer = if 2.0 * time_s < times_s[0] + times_s[1] { before } else { after };
-        if !self.is_carried || time_s <= from.time_s {
+        if !self.is_carried() || time_s <= from.time_s {
             return self.frame(nearer);
         }
         self.keeping((before, time_s.to_bits()), || {
@@ -156,9 +176,14 @@ impl GridFrames {
         })
     }
 
-    /// Whether it is carried between its files.
+    /// Whether anything is carried between its files.
     pub fn is_carried(&self) -> bool {
-        self.is_carried
+        self.between != Between::Held
+    }
+
+    /// What lies between its files.
+    pub fn between(&self) -> Between {
+        self.between
     }
 
     fn frame(&self, number: usize) -> Option<Arc<FogVoxels>> {
@@ -206,6 +231,7 @@ pub(super) struct Wanted<'a> {
     pub(super) albedo: Option<&'a str>,
     pub(super) emission: Option<&'a str>,
     pub(super) kelvin: Option<f64>,
+    pub(super) is_principled: bool,
     pub(super) shines: Track<Rgb>,
 }
 
@@ -221,6 +247,7 @@ pub(super) fn grid_frames(
         albedo: owned(wanted.albedo),
         emission: owned(wanted.emission),
         kelvin: wanted.kelvin,
+        is_principled: wanted.is_principled,
     };
     let is_sequence = files.frames.len() > 1;
     let frames = files.frames.par_iter().enumerate().map(|(index, file)| {
@@ -229,21 +256,26 @@ pub(super) fn grid_frames(
         let in_file = |found: String| format!("{}{}: {found}", files.path.display(), of_frame());
         let voxels = parts::fog_voxels(&file.grids(), &names)
             .map_err(|refused| Refused { found: in_file(refused.found), ..refused })?;
-        let says_velocities = voxels.velocities.is_some();
+        let most = voxels.velocities.as_ref().map(|of| of.most(voxels.shape_from_voxel.matrix3.inverse()));
         let source =
             if is_sequence { Source::File(Arc::clone(file)) } else { Source::Made(Arc::new(voxels)) };
-        Ok((GridFrame { time_s: frame_rate.seconds(number as f64), source }, says_velocities))
+        Ok((GridFrame { time_s: frame_rate.seconds(number as f64), source }, most))
     });
     // Of several errors the first.
     let frames: Vec<_> = frames.collect();
     let frames = frames.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let is_carried = is_sequence && frames.iter().all(|(_, says_velocities)| *says_velocities);
+    let most_a_second = frames.iter().map(|(_, most)| *most).try_fold(0.0, |all, most| Some(most?.max(all)));
+    let between = match most_a_second.filter(|_| is_sequence) {
+        None => Between::Held,
+        Some(most) if most * frame_rate.seconds(1.0) > advection::FARTHEST => Between::CarriedTooFar,
+        Some(_) => Between::Carried,
+    };
     Ok(GridFrames {
         path: files.path.clone(),
         names,
         frames: frames.into_iter().map(|(frame, _)| frame).collect(),
         emission: wanted.shines,
-        is_carried,
+        between,
         kept: Kept::default(),
     })
 }

@@ -2,6 +2,7 @@
 //! Invariant: between voxels all is linear. So fog whose albedo differs by voxel is told by two of one albedo
 //! each, what scatters and what absorbs.
 
+use super::velocities::Velocities;
 use super::{FogPart, FogVoxels, GridNames, Refused};
 use crate::color::{Blackbody, Rgb};
 use crate::description::vdb::{Floats, Grid, Value, Values, Vectors};
@@ -9,8 +10,6 @@ use crate::math::{BRICK, VectorVoxels, Voxels, VoxelsBuilder, VoxelsError};
 use glam::{IVec3, Vec3};
 use std::sync::Arc;
 
-/// Usual names of grids of velocities.
-const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
 /// Albedos may be more than 1 by so much, by rounding.
 const MOST_ALBEDO: f32 = 1.001;
 /// Colours of black bodies are found for so many temperatures, and linear between them.
@@ -36,11 +35,10 @@ pub(super) fn fog_voxels(grids: &[Grid], names: &GridNames) -> Result<FogVoxels,
     if let Some(name) = &names.emission {
         let shining = floats(grids, name)?;
         fog.shape_from_shining = shining.transform;
-        fog.shining = shining_parts(name, shining, names.kelvin)?;
+        let blackbody = names.kelvin.map(|kelvin| (kelvin, blackbody(names, kelvin)));
+        fog.shining = shining_parts(name, shining, blackbody)?;
     }
-    let named = |name: &&str| grids.iter().find(|grid| grid.name == **name)?.vectors.as_ref();
-    let velocities = VELOCITIES.iter().find_map(named);
-    fog.velocities = velocities.map(|vectors| (vectors.transform, Arc::new(vector_voxels(vectors))));
+    fog.velocities = Velocities::of(grids).map(Arc::new);
     Ok(fog)
 }
 
@@ -115,13 +113,14 @@ fn leaves<V: Value>(values: &Values<V>, off: V) -> impl Iterator<Item = (IVec3, 
     })
 }
 
-fn vector_voxels(vectors: &Vectors) -> VectorVoxels {
-    let mut voxels = VectorVoxels::new(Vec3::from(vectors.tree.background));
-    for tile in &vectors.tree.tiles {
-        voxels.add_even(IVec3::from(tile.origin), tile.edge, Vec3::from(tile.value));
+/// Vectors that the values of a grid stand for.
+pub(super) fn vector_voxels<V: Value>(grid: &Values<V>, of: impl Fn(V) -> Vec3) -> VectorVoxels {
+    let mut voxels = VectorVoxels::new(of(grid.tree.background));
+    for tile in &grid.tree.tiles {
+        voxels.add_even(IVec3::from(tile.origin), tile.edge, of(tile.value));
     }
-    for (origin, values) in leaves(vectors, vectors.tree.background) {
-        voxels.add(origin, values.into_iter().map(Vec3::from));
+    for (origin, values) in leaves(grid, grid.tree.background) {
+        voxels.add(origin, values.into_iter().map(&of));
     }
     voxels
 }
@@ -145,7 +144,7 @@ fn by_albedo(
             return refused(found, "albedos from 0 to 1", "scale it where it is made, or name another");
         }
     }
-    let colors = vector_voxels(colors);
+    let colors = vector_voxels(colors, Vec3::from);
     let all = [Rgb::ONE];
     let mut parts = Vec::new();
     for (channel, &extinction) in (if is_grey { &all[..] } else { &CHANNELS }).iter().enumerate() {
@@ -196,18 +195,29 @@ fn built_with(
     builder.built()
 }
 
+fn blackbody(names: &GridNames, kelvin: f64) -> Blackbody {
+    if names.is_principled {
+        Blackbody::by_fourth_power(kelvin)
+    } else {
+        Blackbody::of_luminance_1_at(kelvin)
+    }
+}
+
 /// Emitters: as a grid says, or as a black body of so many kelvin where it is 1.
-fn shining_parts(name: &str, grid: &Floats, kelvin: Option<f64>) -> Result<Vec<(Rgb, Arc<Voxels>)>, Refused> {
+fn shining_parts(
+    name: &str,
+    grid: &Floats,
+    blackbody: Option<(f64, Blackbody)>,
+) -> Result<Vec<(Rgb, Arc<Voxels>)>, Refused> {
     let part = |color: Rgb, voxels: Result<Voxels, VoxelsError>| match voxels {
         Ok(voxels) => Some(Ok((color, Arc::new(voxels)))),
         // All of it is cold.
         Err(VoxelsError::Empty) => None,
         Err(error) => Some(Err(unbuilt(name, error))),
     };
-    let Some(kelvin) = kelvin else {
+    let Some((kelvin, blackbody)) = blackbody else {
         return part(Rgb::ONE, built(grid, |value| value)).into_iter().collect();
     };
-    let blackbody = Blackbody::of_luminance_1_at(kelvin);
     let most = grid.extent().map_or(0.0, |extent| extent.most);
     let hottest = kelvin * f64::from(most);
     // As a comparison of what is no number fails too.

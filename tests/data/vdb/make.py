@@ -6,7 +6,8 @@
 floats; `velocity` holds vectors; `nothing` has no voxels. `billion.vdb`: 1024^3 voxels of .5, as tiles. `thin.vdb`:
 12 x 6 x 9 voxels of .25 where the lines of `several.vdb` are. `colours.vdb`: the same, with colours (.25, .5, 1) in
 `Cd`. `moving.1.vdb` and `moving.2.vdb`: a block of 4 voxels, 8 voxels of half a metre apart, and their velocity of 96
-metres a second in `vel`.
+metres a second in `vel`; `split.1.vdb`, `split.2.vdb`, `staggered.1.vdb` and `staggered.2.vdb`: the same, by a grid
+an axis and on the faces of voxels.
 """
 
 from pathlib import Path
@@ -68,6 +69,15 @@ for number in (1, 2):
     velocity = openvdb.Vec3SGrid()
     velocity.name = "vel"
     velocity.fill((-16, -16, -16), (47, 15, 15), (96.0, 0.0, 0.0), True)
-    for grid in (block, velocity):
+    axes = [openvdb.FloatGrid() for _ in "xyz"]
+    for grid, axis, speed in zip(axes, "xyz", (96.0, 0.0, 0.0)):
+        grid.name = f"vel_{axis}"
+        grid.fill((0, 0, 0), (31, 7, 7), speed, True)
+    for grid in (block, velocity, *axes):
         grid.transform = openvdb.createLinearTransform(0.5)
     openvdb.write(str(HERE / f"moving.{number}.vdb"), [block, velocity])
+    openvdb.write(str(HERE / f"split.{number}.vdb"), [block, *axes])
+    faces = openvdb.Vec3SGrid()
+    faces.name, faces.gridClass, faces.transform = "vel", openvdb.GridClass.STAGGERED, velocity.transform
+    faces.fill((0, 0, 0), (31, 7, 7), (96.0, 0.0, 0.0), True)
+    openvdb.write(str(HERE / f"staggered.{number}.vdb"), [block, faces])
