@@ -46,6 +46,17 @@ class Grids(unittest.TestCase):
         with self.assertRaisesRegex(SceneError, "no sequences of grids"):
             read_scene(self.scene("a.##.vdb", "a.01.vdb", "a.02.vdb"), program=PROGRAM)
 
+    def test_colours_go_along_and_light_is_refused(self):
+        shutil.copyfile(GRIDS / "colours.vdb", self.folder / "a.vdb")
+        scene = self.scene("a.vdb")
+        text = scene.read_text()
+        scene.write_text(text.replace("albedo: 0.9", 'albedo: 0.9, albedo_grid: "Cd"'))
+        self.assertEqual(read_scene(scene, program=PROGRAM).fog.albedo_grid, "Cd")
+        shining = 'emission_grid: "density", emission_w_per_m3_sr: 1'
+        scene.write_text(text.replace("albedo: 0.9", f"albedo: 0.9, {shining}"))
+        with self.assertRaisesRegex(SceneError, "grids of density and albedo alone"):
+            read_scene(scene, program=PROGRAM)
+
     def check(self, renderer: str, samples: int) -> None:
         ours, theirs = test_peers.Rendered.both(self, self.scene("a.vdb", "a.vdb"), renderer, samples, 64)
         self.assertGreater(np.abs(ours - np.median(ours, axis=(0, 1))).max(), 0.1 * ours.mean())

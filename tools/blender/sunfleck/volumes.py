@@ -4,7 +4,8 @@ In go volumes, out come custom properties of fog. Invariant: what Cycles would s
 told: as `NotFog` where nothing is left of it, else among what is lost.
 """
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 
 import numpy
 
@@ -17,18 +18,59 @@ class NotFog(Exception):
     """Why a volume is not rendered."""
 
 
+# Of Stefan and Boltzmann's law, as Cycles has it in its own units: W m^-2 sr^-1 K^-4 times 1e-6.
+RADIANCE = 5.670373e-14 / math.pi
+
+
+@dataclass
+class Glow:
+    """Light where a grid is 1, per unit of length; as of a black body of so many kelvin if it says any."""
+
+    color: numpy.ndarray
+    grid: str
+    kelvin: float | None = None
+
+    def said(self, share):
+        found = {"emission_grid": self.grid, "emission": (share * self.color).tolist()}
+        return found if self.kelvin is None else {**found, "emission_kelvin": self.kelvin, "emission_principled": True}
+
+
 @dataclass
 class Look:
     """What is where a grid is 1, by Blender's units of the object."""
 
     coefficients: fog.Coefficients
     grid: str
+    # By name, of colours that its own is multiplied by.
+    colors: str = ""
+    glow: Glow | None = None
     # What else the material shows, in words.
     lost: list = field(default_factory=list)
 
     def fog(self, thing):
         """Custom properties of an evaluated object, but for the file."""
-        return {**fog.said(self.coefficients.times(scale(thing))), "grid": self.grid}
+        share = scale(thing)
+        found = {**fog.said(self.coefficients.times(share)), "grid": self.grid}
+        if self.colors:
+            found["albedo_grid"] = self.colors
+        return found | self.glow.said(share) if self.glow else found
+
+    def within(self, kinds):
+        """What is left of it where a file has grids of these kinds, by name; what is lost by that is added."""
+        glow, colors, lost = self.glow, self.colors, list(self.lost)
+        if glow and kinds.get(glow.grid) != "FLOAT":
+            # Nothing glows by a grid that is not there, but for a black body: it is as hot everywhere.
+            if glow.kelvin is not None or glow.grid in kinds:
+                lost.append(LIGHT)
+            glow = None
+        if colors and kinds.get(colors) != "VECTOR_FLOAT":
+            if colors in kinds:
+                lost.append(f"its colours by the grid `{colors}`")
+            colors = ""
+        return replace(self, glow=glow, colors=colors, lost=lost)
+
+
+LIGHT = "the light that it gives off"
 
 
 def look(thing):
@@ -42,53 +84,88 @@ def look(thing):
     if not link:
         raise NotFog(f"its material `{material.name}` has no volume")
     try:
-        lost = []
-        parts = read(link, lost)
-        return Look(fog.total(link.from_node, [part for part, _ in parts]), only_grid(link, parts), lost)
+        found = Reader()
+        found.read(link)
+        return found.look(link)
     except NotSimple as problem:
         node = problem.args[0]
         raise NotFog(f"of its material `{material.name}` the node `{node.name}` is not read") from problem
 
 
-def only_grid(link, parts):
-    grids = {grid for _, grid in parts}
-    if len(grids) != 1 or not (grid := grids.pop()):
-        raise NotSimple(link.from_node)
-    return grid
+class Reader:
+    """Reads shaders that are added up."""
 
+    def __init__(self):
+        # Coefficients, each with the name of the grid that they are multiplied by.
+        self.parts, self.glows, self.colors, self.lost = [], [], "", []
 
-def read(link, lost):
-    """Coefficients, each with the name of the grid that they are multiplied by."""
-    node = link.from_node
-    if node.mute or getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
-        raise NotSimple(node)
-    if node.type == "EMISSION":
-        lost.append("the light that it gives off")
-        return []
-    if node.type == "ADD_SHADER":
-        links = [link for socket in node.inputs if (link := sockets.link_to(socket))]
-        return [part for one in links for part in read(one, lost)]
-    if node.type == "PRINCIPLED_VOLUME":
-        return [of_principled(node, lost)]
-    if node.type not in {"VOLUME_SCATTER", "VOLUME_ABSORPTION"}:
-        raise NotSimple(node)
-    density, grid = factor(node.inputs["Density"])
-    return [(fog.READERS[node.type](node, density), grid)]
+    def look(self, link):
+        grids = {grid for _, grid in self.parts}
+        if len(grids) != 1 or not (grid := grids.pop()):
+            raise NotSimple(link.from_node)
+        if len(self.glows) > 1:
+            self.lost.append(LIGHT)
+        if self.colors and len(self.parts) > 1:
+            self.lost.append(f"its colours by the grid `{self.colors}`")
+            self.colors = ""
+        coefficients = fog.total(link.from_node, [part for part, _ in self.parts])
+        return Look(coefficients, grid, self.colors, self.glows[0] if self.glows else None, self.lost)
 
+    def read(self, link):
+        node = link.from_node
+        if node.mute or getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
+            raise NotSimple(node)
+        if node.type == "EMISSION":
+            self.shine(node, "Strength", "Color")
+        elif node.type == "ADD_SHADER":
+            for socket in node.inputs:
+                if one := sockets.link_to(socket):
+                    self.read(one)
+        elif node.type == "PRINCIPLED_VOLUME":
+            self.read_principled(node)
+        elif node.type in {"VOLUME_SCATTER", "VOLUME_ABSORPTION"}:
+            density, grid = factor(node.inputs["Density"])
+            self.parts.append((fog.READERS[node.type](node, density), grid))
+        else:
+            raise NotSimple(node)
 
-def of_principled(node, lost):
-    names = {name: node.inputs[f"{name} Attribute"] for name in ("Density", "Color")}
-    if any(sockets.link_to(socket) for socket in names.values()):
-        raise NotSimple(node)
-    if any(fog.number(node, name) > 0.0 for name in ("Emission Strength", "Blackbody Intensity")):
-        lost.append("the light that it gives off")
-    if names["Color"].default_value:
-        lost.append(f"its colours by the grid `{names['Color'].default_value}`")
-    grid = names["Density"].default_value
-    if grid:
-        return fog.principled_numbers(node, fog.number(node, "Density")), grid
-    density, grid = factor(node.inputs["Density"])
-    return fog.principled_numbers(node, density), grid
+    def read_principled(self, node):
+        named = {name: node.inputs[f"{name} Attribute"] for name in ("Density", "Color", "Temperature")}
+        if any(sockets.link_to(socket) for socket in named.values()):
+            raise NotSimple(node)
+        self.shine(node, "Emission Strength", "Emission Color")
+        self.burn(node, named["Temperature"].default_value)
+        self.colors = named["Color"].default_value
+        if self.colors and fog.value(node, "Absorption Color").any():
+            self.lost.append(f"its colours by the grid `{self.colors}`")
+            self.colors = ""
+        grid = named["Density"].default_value
+        density, grid = (fog.number(node, "Density"), grid) if grid else factor(node.inputs["Density"])
+        self.parts.append((fog.principled_numbers(node, density), grid))
+
+    def shine(self, node, strength, color):
+        """Light by a grid; without one it shines everywhere alike, as far as there are voxels."""
+        try:
+            (number, grid), light = factor(node.inputs[strength]), fog.value(node, color)
+        except NotSimple:
+            number, grid, light = 1.0, "", numpy.ones(3)
+        self.add_light(number * light, grid, None)
+
+    def burn(self, node, grid):
+        try:
+            share, kelvin = fog.number(node, "Blackbody Intensity"), fog.number(node, "Temperature")
+            light = min(1.0, max(0.0, share)) * RADIANCE * max(0.0, kelvin) ** 4 * fog.value(node, "Blackbody Tint")
+        except NotSimple:
+            light, grid, kelvin = numpy.ones(3), "", 0.0
+        self.add_light(light, grid, kelvin)
+
+    def add_light(self, light, grid, kelvin):
+        if not light.any():
+            return
+        if grid:
+            self.glows.append(Glow(light, grid, kelvin))
+        else:
+            self.lost.append(LIGHT)
 
 
 def factor(socket):

@@ -30,12 +30,20 @@ SIZE = (16, 16, 16)
 
 def write_grid(path, values, edge=0.1, name="density"):
     """Voxels about the origin."""
-    grid = openvdb.FloatGrid()
-    grid.name, grid.gridClass = name, openvdb.GridClass.FOG_VOLUME
-    grid.copyFromArray(numpy.ascontiguousarray(values, "f4"))
-    low = [-0.5 * edge * (side - 1) for side in values.shape]
-    grid.transform = openvdb.createLinearTransform([[edge, 0, 0, 0], [0, edge, 0, 0], [0, 0, edge, 0], [*low, 1]])
-    openvdb.write(str(path), grid)
+    return write_grids(path, {name: values}, edge)
+
+
+def write_grids(path, by_name, edge=0.1):
+    """Numbers or colours, of names."""
+    made = []
+    for name, values in by_name.items():
+        grid = openvdb.FloatGrid() if values.ndim == 3 else openvdb.Vec3SGrid()
+        grid.name, grid.gridClass = name, openvdb.GridClass.FOG_VOLUME
+        grid.copyFromArray(numpy.ascontiguousarray(values, "f4"))
+        low = [-0.5 * edge * (side - 1) for side in values.shape[:3]]
+        grid.transform = openvdb.createLinearTransform([[edge, 0, 0, 0], [0, edge, 0, 0], [0, 0, edge, 0], [*low, 1]])
+        made.append(grid)
+    openvdb.write(str(path), made)
     return path
 
 
@@ -51,6 +59,13 @@ def rimmed(values):
 
 def uneven():
     return numpy.random.default_rng(7).uniform(0.0, 2.0, SIZE)
+
+
+def flame():
+    """Hottest in the middle."""
+    apart = numpy.linspace(-1.0, 1.0, SIZE[0])
+    squares = sum(axis**2 for axis in numpy.meshgrid(apart, apart, apart, indexing="ij"))
+    return rimmed(numpy.maximum(0.0, 1.0 - squares))
 
 
 def principled(name="mist", **inputs):
@@ -278,6 +293,45 @@ class Volumes(Case):
             mean = depths[0][deep].mean() / depths[1][deep].mean()
             print(f"{name}: depth {depths[1].max():.4f} at most, mean {mean:.5f}, blocks off {off.max():.5f}, {off.mean():.5f}")
             self.assertLess(abs(mean - 1.0), 0.01, name)
+
+    def beside_cycles(self, bounces=0):
+        """Means, and what the export found."""
+        wish = beside.Wish(PROGRAM, 1, (48, 36), 64, 256, bounces)
+        with mock.patch.dict(os.environ, {"SUNFLECK_BAKES": str(self.folder)}):
+            ours, theirs, findings = beside.pictures(self.scene, wish, self.folder)
+        self.assertEqual([finding for finding in findings if finding.id.startswith("volume")], [])
+        ratio = ours.mean(axis=(0, 1)) / theirs.mean(axis=(0, 1))
+        print(f"mean {theirs.mean():.5f}, ratio {ours.mean() / theirs.mean():.5f}, by channel {ratio.round(4)}")
+        return ratio
+
+    def test_fire_is_that_of_cycles(self):
+        """By a black body, and by numbers of a grid: on their own voxels, between which temperatures are linear
+        there and light is here."""
+        for name, bar in (("temperature", 0.02), ("flame", 0.005)):
+            self.scene = scenes.empty()
+            path = write_grids(self.folder / f"{name}.vdb", {"density": flame(), name: flame()})
+            material = principled(name, Density=0.5, Color=(0.2, 0.2, 0.2, 1.0))
+            nodes, links = material.node_tree.nodes, material.node_tree.links
+            shader = nodes["Principled Volume"]
+            if name == "temperature":
+                shader.inputs["Blackbody Intensity"].default_value, shader.inputs["Temperature"].default_value = 0.7, 2500.0
+            else:
+                source, times = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeMath")
+                source.attribute_name, times.operation, times.inputs[1].default_value = name, "MULTIPLY", 3.0
+                links.new(next(one for one in source.outputs if one.name in {"Fac", "Factor"}), times.inputs[0])
+                links.new(times.outputs[0], shader.inputs["Emission Strength"])
+                shader.inputs["Emission Color"].default_value = (1.0, 0.4, 0.1, 1.0)
+            scenes.camera(self.scene, (0.0, -4.0, 1.0), (0.0, 0.0, 1.0), 30.0)
+            volume(self.scene, path, material)
+            self.assertLess(numpy.abs(self.beside_cycles() - 1.0)[:2].max(), bar, name)
+
+    def test_colours_by_a_grid_are_those_of_cycles(self):
+        colors = numpy.stack([flame(), 0.5 * flame(), 0.2 * flame()], axis=-1)
+        path = write_grids(self.folder / "a.vdb", {"density": rimmed(uneven()), "Cd": colors})
+        scenes.camera(self.scene, (0.0, -4.0, 1.0), (0.0, 0.0, 1.0), 30.0)
+        scenes.sun(self.scene)
+        volume(self.scene, path, principled(Density=1.0, Color=(1.0, 1.0, 1.0, 1.0), Color_Attribute="Cd"))
+        self.assertLess(numpy.abs(self.beside_cycles() - 1.0).max(), 0.02)
 
     def test_the_engine_shows_it(self):
         self.stage(write_grid(self.folder / "a.vdb", even()), Density=2.0, Color=(1.0, 1.0, 1.0, 1.0))

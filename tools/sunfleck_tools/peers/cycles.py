@@ -167,6 +167,10 @@ def add_fog(made, fog):
         if fog.grid is not None:
             links.new(density_of_grid(nodes, links, fog), node.inputs["Density"])
         node.inputs["Color"].default_value = (*fog.albedo, 1.0)
+        if fog.albedo_grid is not None:
+            read = nodes.new("ShaderNodeAttribute")
+            read.attribute_name = fog.albedo_grid
+            links.new(scaled(nodes, links, read.outputs["Color"], fog.albedo), node.inputs["Color"])
         links.new(node.outputs[0], both.inputs[0 if node is scatter else 1])
     scatter.inputs["Anisotropy"].default_value = fog.anisotropy
     links.new(both.outputs[0], out.inputs["Volume"])

@@ -54,6 +54,8 @@ class Fog:
     anisotropy: float
     # An OpenVDB file and its grid.
     grid: tuple[Path, str] | None = None
+    # Another of its grids, of colours that albedo is multiplied by.
+    albedo_grid: str | None = None
 
 
 @dataclass
@@ -148,8 +150,8 @@ class _Reader:
             if not path.is_file():
                 vdb.fail(f"leads to {path}, which is no file: other renderers get no sequences of grids")
             grid = path, fog.text_at("grid", "density")
-        if fog.member("albedo_grid") is not None or fog.member("emission_grid") is not None:
-            fog.fail("other renderers get grids of density alone")
+        if fog.member("emission_grid") is not None:
+            fog.fail("other renderers get grids of density and albedo alone")
         if fog.text_at("shape", "box") != "box" or any(fog.number_at(name, 0.0) > 0 for name in THINNING):
             fog.fail("other renderers get fog that fills a box evenly")
 
@@ -164,6 +166,7 @@ class _Reader:
             channels("albedo", [1.0] * 3 if albedo is None else albedo.channels()),
             channels("anisotropy", [anisotropy])[0],
             grid,
+            fog.text_at("albedo_grid", "") or None,
         )
 
     def _camera(self, cameras: list[tuple[Node, np.ndarray]]) -> tuple[np.ndarray, float]:

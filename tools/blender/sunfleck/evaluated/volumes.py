@@ -21,6 +21,8 @@ from ..losses import Finding
 
 # An OpenVDB file begins with a name of its own, that no other has.
 HEAD_BYTES = 57
+# Custom properties whose values may change.
+CHANGING = {"density", "albedo", "anisotropy", "emission"}
 
 
 @dataclass
@@ -57,19 +59,20 @@ class Volumes:
             return {}
         seen = self.seen.setdefault(key, Seen(thing.name, said))
         seen.files[frame] = self.file(thing)
-        return {field: value for field, value in said.items() if field != "grid"}
+        return {field: value for field, value in said.items() if field in CHANGING}
 
     def looked_at(self, thing):
-        look, grids = volumes.look(thing), thing.data.grids
-        grid = next((grid for grid in grids if grid.name == look.grid), None)
-        if grid is None or grid.data_type != "FLOAT":
+        data = thing.data
+        kinds = {grid.name: grid.data_type for grid in data.grids}
+        look = volumes.look(thing).within(kinds)
+        if kinds.get(look.grid) != "FLOAT":
             raise volumes.NotFog(f"it has no grid of floats `{look.grid}`")
         for lost in look.lost:
             # Only what is there is lost.
             colors = re.search("`(.*)`", lost)
-            if colors is None or colors[1] in {grid.name for grid in grids}:
+            if colors is None or colors[1] in kinds:
                 self.say("volume-lost", thing.name, lost)
-        if self.is_blurred and thing.data.velocity_grid in {grid.name for grid in grids}:
+        if self.is_blurred and data.velocity_grid in kinds:
             self.say("volume-lost", thing.name, "its blur by velocities")
         return look.fog(thing)
 
