@@ -57,7 +57,7 @@ impl Microfacets {
         to_light.x * across + to_light.y * up + to_light.z * normal
     }
 
-    /// Probability density of [`Microfacets::pick`] for a direction, 1/sr (Heitz 2018, equations 2, 3 and 17).
+    /// Probability density of [`Microfacets::pick`], 1/sr (Heitz 2018, equations 2, 3 and 17).
     pub(super) fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
         // No microfacet faces down.
         let half = (to_eye + to_light).try_normalize().filter(|half| half.dot(normal) > 0.0);

@@ -2,6 +2,7 @@
 //! negative or without bounds, is refused before it is asked for.
 
 mod advection;
+mod leaves;
 mod parts;
 mod velocities;
 

@@ -2,10 +2,11 @@
 //! Invariant: between voxels all is linear. So fog whose albedo differs by voxel is told by two of one albedo
 //! each, what scatters and what absorbs.
 
+use super::leaves::{leaves, vector_voxels};
 use super::velocities::Velocities;
 use super::{FogPart, FogVoxels, GridNames, Refused};
 use crate::color::{Blackbody, Rgb};
-use crate::description::vdb::{Floats, Grid, Value, Values, Vectors};
+use crate::description::vdb::{Floats, Grid, Vectors};
 use crate::math::{BRICK, VectorVoxels, Voxels, VoxelsBuilder, VoxelsError};
 use glam::{IVec3, Vec3};
 use std::sync::Arc;
@@ -102,27 +103,6 @@ fn built(floats: &Floats, of: impl Fn(f32) -> f32) -> Result<Voxels, VoxelsError
         builder.add(origin, values.into_iter().map(&of));
     }
     builder.built()
-}
-
-/// Leaves with a value for what is not active.
-fn leaves<V: Value>(values: &Values<V>, off: V) -> impl Iterator<Item = (IVec3, Vec<V>)> + '_ {
-    values.tree.leaves.iter().map(move |leaf| {
-        let is_active = |place: usize| leaf.active[place / 8] >> (place % 8) & 1 == 1;
-        let value = |place| if is_active(place) { leaf.values[place] } else { off };
-        (IVec3::from(leaf.origin), (0..BRICK).map(value).collect())
-    })
-}
-
-/// Vectors that the values of a grid stand for.
-pub(super) fn vector_voxels<V: Value>(grid: &Values<V>, of: impl Fn(V) -> Vec3) -> VectorVoxels {
-    let mut voxels = VectorVoxels::new(of(grid.tree.background));
-    for tile in &grid.tree.tiles {
-        voxels.add_even(IVec3::from(tile.origin), tile.edge, of(tile.value));
-    }
-    for (origin, values) in leaves(grid, grid.tree.background) {
-        voxels.add(origin, values.into_iter().map(&of));
-    }
-    voxels
 }
 
 /// Grids that scatter all light of a channel, and that absorb it; one for all channels where they are alike.

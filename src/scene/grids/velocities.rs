@@ -1,7 +1,7 @@
-//! Velocities of a file: one grid of vectors, also staggered, or a grid of numbers for each axis. In go grids,
-//! out come velocities of places. Invariant: without a grid by a usual name there are none.
+//! Velocities of a file: one grid of vectors, also staggered, or a grid of numbers for each axis. In go
+//! grids, out come velocities of places. Invariant: without a grid by a usual name there are none.
 
-use super::parts::vector_voxels;
+use super::leaves::vector_voxels;
 use crate::description::vdb::{Floats, Grid};
 use crate::math::VectorVoxels;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
