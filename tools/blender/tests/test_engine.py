@@ -22,7 +22,7 @@ from sunfleck import engine, export, render
 from sunfleck.engine import cryptomatte, exporting, looking, picture
 from sunfleck.engine.viewport import STAGES, View, Viewport
 from sunfleck.evaluated.document import Document
-from sunfleck.materials import inputs
+from sunfleck.materials import bake, inputs
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
 SIZE = 32, 18
@@ -456,6 +456,24 @@ class Engine(unittest.TestCase):
         with mock.patch.object(engine.SUNFLECK_RENDER_engine, "is_stopped", lambda _: times.append(time.thread_time())):
             self.still()
         self.assertLess(max(numpy.diff(times)), 0.1)
+
+    def test_esc_is_heard_between_bakes(self):
+        """Nothing that was made for them is left."""
+        tree = self.scene.objects["quad"].data.materials[0].node_tree
+        shader, noise = tree.nodes["Principled BSDF"], tree.nodes.new("ShaderNodeTexNoise")
+        for name in ("Base Color", "Roughness", "Emission Color"):
+            tree.links.new(noise.outputs[0], shader.inputs[name])
+        shader.inputs["Emission Strength"].default_value = 1.0
+        there = lambda: {
+            one.name for kind in ("materials", "meshes", "images", "scenes") for one in getattr(bpy.data, kind)
+        } - {"Render Result"}
+        before, baked, one = there(), [], numpy.zeros((256, 256, 3))
+        with mock.patch.object(bake.Stage, "bake", lambda _, kind: baked.append(kind) or one):
+            with mock.patch.object(engine.SUNFLECK_RENDER_engine, "is_stopped", lambda _: baked != []):
+                with mock.patch.object(exporting, "started") as started:
+                    bpy.ops.render.render()
+        started.assert_not_called()
+        self.assertEqual((len(baked), there()), (1, before))
 
     def test_a_viewport_sees_shifted_as_its_camera_does(self):
         camera = self.scene.camera

@@ -68,6 +68,7 @@ class Assembly:
         """All things, in the order in which they were first seen; objects before instances,
         whose names give way."""
         self.meshes, self.materials = Meshes(self.document, materials, self.record.heed), materials
+        materials.heed = self.record.heed
         things = sorted(self.record.things.items(), key=lambda item: item[1].instancer is not None)
         materials.prepare(Counter(
             (material, facts)

@@ -13,6 +13,7 @@ import numpy
 
 from ..evaluated.attributes import MADE
 from ..evaluated.geometry import digest
+from ..evaluated.heeding import nobody
 from . import principled, sockets
 from .colours import rec709, working_space
 from .channels import COLORS, NUMBERS, Channels, is_socket
@@ -36,10 +37,10 @@ class Pixels:
 
 
 class Baker:
-    """Bakes materials of a document; `target` is a mesh made for it, or None for the unit square."""
+    """Bakes a material on a geometry, or on the unit square without one; `heed` raises if nobody wants it."""
 
-    def __init__(self, material, geometry, size, uv):
-        self.material, self.geometry, self.size, self.uv = material, geometry, size, uv
+    def __init__(self, material, geometry, size, uv, heed=nobody):
+        self.material, self.geometry, self.size, self.uv, self.heed = material, geometry, size, uv, heed
         self.losses = []
 
     def surface(self):
@@ -95,6 +96,7 @@ class Baker:
         return {**found, **made}
 
     def baked(self, stage, copy, name, parts):
+        self.heed()
         if name == "normal":
             return stage.bake("NORMAL")
         tree = copy.node_tree

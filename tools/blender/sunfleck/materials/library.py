@@ -14,6 +14,7 @@ import numpy
 from .. import extras, keys
 from ..losses import Finding
 from ..evaluated.geometry import ATLAS
+from ..evaluated.heeding import nobody
 from . import bake, closures, dependence, inputs, instances, principled, sheets, sockets
 from .images import Images
 from .principled import WHITE, Surface
@@ -56,6 +57,8 @@ class Library:
     def __init__(self, exposure=1.0):
         # What materials emit is multiplied by the exposure.
         self.exposure = exposure
+        # Raises if nobody wants what is made any more.
+        self.heed = nobody
         self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
         # Of materials that differ from instance to instance: copies by facts, and how many levels
         # facts are rounded to.
@@ -226,7 +229,7 @@ class Library:
         size = bake.size_on(on_mesh) if on_mesh else bake.size_of(dependence.largest_image(material))
         uv = ATLAS if on_mesh else dependence.uv_of(material)
         try:
-            surface = bake.Baker(material, on_mesh, size, uv).surface()
+            surface = bake.Baker(material, on_mesh, size, uv, self.heed).surface()
         except (NotSimple, RuntimeError, TypeError) as error:
             look.failed = str(error.args[0].type if error.args and hasattr(error.args[0], "type") else error)
             return DEFAULT
