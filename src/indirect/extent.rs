@@ -9,7 +9,7 @@ use crate::canopy::surroundings::Surroundings;
 use crate::math::Ray;
 use crate::ordinates::grid::Grid;
 use crate::snapshot::Snapshot;
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 
 /// Nodes of the innermost grid, about, and of each about it.
 const NODES: f64 = 30_000.0;
@@ -76,6 +76,15 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, layers: O
     };
     let finest = (LEAVES_PER_CELL * leaf_m).min(side.max_element() / FEWEST_CELLS);
     let mut cell_m = fine.max(finest);
+    let ends = |(low, high): Bounds| {
+        let [at_low, at_high] = [low.cmple(world.0), high.cmpge(world.1)];
+        match layers {
+            None => [at_low, at_high],
+            // Layers lie about all other sides.
+            Some(layers) => [at_low & BVec3::new(false, layers.end_below(), false), BVec3::FALSE],
+        }
+    };
+    let grid = |bounds, cell_m| grid(bounds, cell_m).map(|grid| grid.closed(ends(bounds)));
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
     let mut bounds = inner;
     while grids.len() < MOST_LEVELS && diagonal(world) > LARGER * diagonal(bounds) {

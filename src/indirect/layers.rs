@@ -270,6 +270,11 @@ impl Layers {
         self.heights.up.dot(DVec3::Y) > 1.0 - 1e-9
     }
 
+    /// Whether nothing lies beneath them but level ground.
+    pub(super) fn end_below(&self) -> bool {
+        self.are_level() && self.ground_m().is_some()
+    }
+
     /// Height of the ground, if there is any, metres.
     pub(super) fn ground_m(&self) -> Option<f64> {
         self.heights.ground_m()

@@ -3,7 +3,7 @@
 //! moves and wherever the camera is; so a field never pulses with either.
 
 use crate::math::Ray;
-use glam::{DVec3, I64Vec3};
+use glam::{BVec3, DVec3, I64Vec3};
 
 /// Offset from the world's origin to a corner of a cell, in cells. Walls are built at round places, and
 /// one that lies on nodes, or halfway between them, is on both sides of a link at once.
@@ -18,6 +18,8 @@ pub(crate) struct Grid {
     pub(crate) size: [usize; 3],
     /// Distance of two nodes, metres.
     pub(crate) cell_m: f64,
+    /// Low and high sides beyond which there is more: there it goes over into what lies about it.
+    open_sides: [BVec3; 2],
 }
 
 /// Eight nodes about a place, and what each counts: trilinear interpolation.
@@ -54,7 +56,13 @@ impl Grid {
         let first = (low / cell_m - PHASE).floor().as_i64vec3() - 1;
         let end = (high / cell_m - PHASE).ceil().as_i64vec3() + 1;
         let size = (end - first).to_array().map(|count| count as usize);
-        Self { first, size, cell_m }
+        Self { first, size, cell_m, open_sides: [BVec3::TRUE; 2] }
+    }
+
+    /// The same with nothing beyond some of its low and high sides.
+    pub(crate) fn closed(self, [low, high]: [BVec3; 2]) -> Self {
+        let [open_low, open_high] = self.open_sides;
+        Self { open_sides: [open_low & !low, open_high & !high], ..self }
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -101,12 +109,14 @@ impl Grid {
         world.cmpge(low).all() && world.cmple(high).all()
     }
 
-    /// Weight of this grid at a place, where there is a larger one: 0 from the outermost nodes on, 1 from
-    /// two cells inside.
+    /// Weight of this grid at a place, where there is a larger one: 0 from the outermost nodes of open sides
+    /// on, 1 from two cells inside.
     pub(crate) fn share(&self, world: DVec3) -> f64 {
         const CELLS: f64 = 2.0;
-        let (low, high) = self.bounds();
-        ((world - low).min(high - world).min_element() / (CELLS * self.cell_m)).clamp(0.0, 1.0)
+        let ((low, high), [open_low, open_high]) = (self.bounds(), self.open_sides);
+        let within = |open: BVec3, inside: DVec3| DVec3::select(open, inside, DVec3::INFINITY);
+        let inside = within(open_low, world - low).min(within(open_high, high - world));
+        (inside.min_element() / (CELLS * self.cell_m)).clamp(0.0, 1.0)
     }
 
     /// The lowest of the eight nodes about a place in cells along each axis, and how far beyond it lies;
@@ -257,6 +267,15 @@ mod tests {
             }
             assert!((at - 0.8).abs() < 1e-12, "{at}");
         }
+    }
+
+    #[test]
+    fn a_grid_goes_over_into_others_at_open_sides_alone() {
+        let open = Grid::covering(DVec3::ZERO, DVec3::splat(8.0), 0.5);
+        let on_ground = open.closed([BVec3::new(false, true, false), BVec3::FALSE]);
+        let (ground, side) = (DVec3::new(4.0, 0.0, 4.0), DVec3::new(0.0, 4.0, 4.0));
+        assert!(open.share(ground) < 1.0 && open.share(side) < 1.0);
+        assert_eq!((on_ground.share(ground), on_ground.share(side)), (1.0, open.share(side)));
     }
 
     #[test]
