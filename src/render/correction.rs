@@ -16,7 +16,7 @@ use crate::film::Frame;
 use glam::DVec2;
 
 /// Standard deviations of the surroundings, in cells.
-const LEVELS: [f64; 5] = [f64::INFINITY, 12.0, 6.0, 3.0, 1.5];
+const LEVELS: [f64; 6] = [f64::INFINITY, 12.0, 6.0, 3.0, 1.5, 0.6];
 /// Standard deviation of the surroundings over which signal and noise are compared, over that of the
 /// means.
 const COMPARED: f64 = 4.0;
