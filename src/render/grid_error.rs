@@ -31,12 +31,12 @@ const BATCH: u32 = 1 << 14;
 /// Walks side by side that are of the same half.
 const RUN: u32 = 1 << 9;
 
-/// Standard deviation of what errors are means over, in cells.
-const SURROUNDINGS: f64 = 2.0;
+/// Standard deviation of what errors are means over, in cells: no wider than blocks of a small picture.
+const SURROUNDINGS: f64 = 1.0;
 /// Standard deviation of the surroundings over which errors are told apart from those elsewhere, in cells.
 const LOCAL: f64 = 4.0;
 /// Errors in blocks of pixels by those in surroundings, which are larger.
-const FINER: f64 = 1.3;
+const FINER: f64 = 1.15;
 /// Width of the error that is told, in standard errors: nineteen of twenty blocks are within it.
 const TOLD: f64 = 2.0;
 /// Relative error of indirect light that is assumed before any is known.
