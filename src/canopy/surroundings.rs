@@ -14,6 +14,7 @@ use crate::snapshot::{DrawnMesh, MeshPart, PartPlace, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// A piece of a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -64,9 +65,8 @@ type Looks = ((usize, Option<usize>), bool, usize);
 /// Parts that are longer, in cells, are looked at in all of their places.
 const SMALL_CELLS: f64 = 1.0;
 
-/// A part of a mesh where it is placed.
+/// A part of a mesh where it is placed. There may be a million.
 struct PlacedPart<'a> {
-    mesh: DrawnMesh<'a>,
     mesh_number: usize,
     part: &'a MeshPart,
     number: usize,
@@ -76,6 +76,7 @@ struct PlacedPart<'a> {
     width_m: f64,
     /// The longest.
     length_m: f64,
+    is_blended: bool,
     /// Whether it is a plain under layers of fog, which end in it.
     is_plain: bool,
 }
@@ -83,7 +84,7 @@ struct PlacedPart<'a> {
 impl PlacedPart<'_> {
     /// Whether it stops light as a wall does: what one sees through is matter however large it is.
     fn is_wall(&self, width_m: f64) -> bool {
-        self.is_large(width_m) && !self.mesh.is_blended
+        self.is_large(width_m) && !self.is_blended
     }
 
     fn is_large(&self, width_m: f64) -> bool {
@@ -105,10 +106,6 @@ impl PlacedPart<'_> {
     fn exposed(&self) -> f64 {
         if self.part.is_closed { 1.0 } else { self.part.exposed.max(LEAST_EXPOSED) }
     }
-
-    fn looks(&self) -> Looks {
-        (self.mesh.looks(), self.mesh.is_blended, self.number)
-    }
 }
 
 /// A small part that has two sides.
@@ -123,14 +120,17 @@ pub(crate) struct Leaf {
     pub(crate) area_m2: f64,
     /// Share of light from all sides that the leaf itself does not hide.
     pub(crate) exposed: f64,
-    /// Mean optics.
-    pub(crate) optics: SurfaceOptics,
+    /// Mean optics, of all that look alike.
+    pub(crate) optics: Arc<SurfaceOptics>,
 }
 
 /// Share of a leaf's area that faces one way, at least; a body's faces all ways.
 const FLAT: f64 = 0.5;
 /// A leaf that is rolled up hides next to all of itself.
 const LEAST_EXPOSED: f64 = 0.1;
+
+/// Leaves that are looked at before their surfels are put together.
+const AT_ONCE: usize = 1 << 14;
 
 /// Points of a part that looks like no other, and of all of them together.
 const POINTS: usize = 64;
@@ -154,18 +154,26 @@ impl<'a> Surroundings<'a> {
                 sides.sort_by(f64::total_cmp);
                 let [thickness_m, width_m, length_m] = sides;
                 PlacedPart {
-                    mesh,
                     mesh_number,
                     part,
                     number,
                     thickness_m,
                     width_m,
                     length_m,
+                    is_blended: mesh.is_blended,
                     is_plain: false,
                 }
             })
         };
         Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
+    }
+
+    fn mesh(&self, part: &PlacedPart) -> DrawnMesh<'a> {
+        self.snapshot.mesh(part.mesh_number)
+    }
+
+    fn looks(&self, part: &PlacedPart) -> Looks {
+        (self.mesh(part).looks(), part.is_blended, part.number)
     }
 
     /// Width of leaves: the mean by their area over all parts narrower than `widest_m`; 0 if there are
@@ -189,15 +197,15 @@ impl<'a> Surroundings<'a> {
         // Of parts that look alike those of the mean, then those of each place.
         let (mut first, mut optics): (HashMap<Looks, u32>, _) = (HashMap::new(), Vec::new());
         for leaf in &leaves {
-            first.entry(leaf.looks()).or_insert_with(|| {
+            first.entry(self.looks(leaf)).or_insert_with(|| {
                 let first = optics.len() as u32;
-                let all = std::iter::once(means[&leaf.looks()]).chain(self.optics_of_places(leaf));
+                let all = std::iter::once(means[&self.looks(leaf)]).chain(self.optics_of_places(leaf));
                 optics.extend(all.map(|part| bent(&part, leaf.exposed())));
                 first
             });
         }
         let surfels_of = |leaf: &&PlacedPart| {
-            let mean = first[&leaf.looks()];
+            let mean = first[&self.looks(leaf)];
             if leaf.is_large(width_m) {
                 return self.pane(leaf, (mean, &optics), cell_m);
             }
@@ -214,20 +222,22 @@ impl<'a> Surroundings<'a> {
             }
             surfels
         };
-        let by_leaf: Vec<Vec<Surfel>> = leaves.par_iter().map(surfels_of).collect();
-        let leaf_area_m2 =
-            by_leaf.iter().flatten().map(|surfel| surfel.area).sum::<f64>() / by_leaf.len().max(1) as f64;
-        Surfels { all: by_leaf.into_iter().flatten().collect(), leaf_area_m2, optics }
+        let mut all = Vec::new();
+        for leaves in leaves.chunks(AT_ONCE) {
+            let by_leaf: Vec<Vec<Surfel>> = leaves.par_iter().map(surfels_of).collect();
+            all.extend(by_leaf.into_iter().flatten());
+        }
+        let area_m2: f64 = all.iter().map(|surfel| surfel.area).sum();
+        Surfels { leaf_area_m2: area_m2 / leaves.len().max(1) as f64, all, optics }
     }
 
     /// A large part that one sees through: all of its triangles, in pieces no longer than a cell.
     fn pane(&self, leaf: &PlacedPart, optics: (u32, &[SurfaceOptics]), cell_m: f64) -> Vec<Surfel> {
         const MOST_PIECES: f64 = 64.0;
-        let mut surfels = Vec::new();
+        let (mesh, mut surfels) = (self.mesh(leaf), Vec::new());
         for &triangle in &leaf.part.triangles {
             let place = PartPlace { triangle, share: 1.0, area: 1.0 };
-            let Some((primitive, whole)) =
-                leaf.mesh.primitive(triangle).zip(self.surfel(leaf, &place, optics))
+            let Some((primitive, whole)) = mesh.primitive(triangle).zip(self.surfel(leaf, &place, optics))
             else {
                 continue;
             };
@@ -246,14 +256,16 @@ impl<'a> Surroundings<'a> {
     pub(crate) fn leaves(&self, cell_m: f64) -> Vec<Leaf> {
         let is_small = |part: &&PlacedPart| part.length_m < SMALL_CELLS * cell_m && !part.part.is_closed;
         let means = self.means(self.parts.iter().filter(is_small));
+        let means: HashMap<Looks, Arc<SurfaceOptics>> =
+            means.into_iter().map(|(looks, optics)| (looks, Arc::new(optics))).collect();
         let small = self.parts.par_iter().filter(is_small);
-        small.filter_map(|part| self.leaf(part, means[&part.looks()])).collect()
+        small.filter_map(|part| self.leaf(part, &means[&self.looks(part)])).collect()
     }
 
-    fn leaf(&self, part: &PlacedPart, optics: SurfaceOptics) -> Option<Leaf> {
+    fn leaf(&self, part: &PlacedPart, optics: &Arc<SurfaceOptics>) -> Option<Leaf> {
         let (mut places, mut facing, mut all) = (Vec::with_capacity(2), DVec3::ZERO, 0.0);
         for place in &part.part.few_places {
-            let [a, b, c] = self.world_corners(part.mesh.primitive(place.triangle)?);
+            let [a, b, c] = self.world_corners(self.mesh(part).primitive(place.triangle)?);
             let area_normal = place.share * 0.5 * (b - a).cross(c - a);
             let area = area_normal.length();
             places.push((area, (a + b + c) / 3.0));
@@ -268,7 +280,7 @@ impl<'a> Surroundings<'a> {
             normal: facing.normalize(),
             area_m2: all * optics.cover,
             exposed: part.exposed(),
-            optics,
+            optics: Arc::clone(optics),
         })
     }
 
@@ -279,7 +291,7 @@ impl<'a> Surroundings<'a> {
     {
         let mut one_of: HashMap<Looks, &PlacedPart> = HashMap::new();
         for part in parts {
-            one_of.entry(part.looks()).or_insert(part);
+            one_of.entry(self.looks(part)).or_insert(part);
         }
         let points = points_of_each(one_of.len());
         let mean = |(looks, part): (Looks, &PlacedPart)| (looks, self.mean_optics(part, points));
@@ -289,12 +301,12 @@ impl<'a> Surroundings<'a> {
     /// Mean optics at points that are spread evenly over a part: a picture of a leaf differs from place to
     /// place.
     fn mean_optics(&self, leaf: &PlacedPart, points: usize) -> SurfaceOptics {
-        let corners_of = |triangle: u32| Some(self.world_corners(leaf.mesh.primitive(triangle)?));
+        let corners_of = |triangle: u32| Some(self.world_corners(self.mesh(leaf).primitive(triangle)?));
         let area_of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
         let triangles = || {
             leaf.part.triangles.iter().filter_map(|&triangle| {
                 let corners = corners_of(triangle)?;
-                Some((leaf.mesh.primitive(triangle)?, corners, area_of(corners)))
+                Some((self.mesh(leaf).primitive(triangle)?, corners, area_of(corners)))
             })
         };
         let step = triangles().map(|(.., area)| area).sum::<f64>() / points as f64;
@@ -315,7 +327,7 @@ impl<'a> Surroundings<'a> {
     /// Optics at each place of a part.
     fn optics_of_places(&self, leaf: &PlacedPart) -> impl Iterator<Item = SurfaceOptics> {
         leaf.part.places.iter().map(|place| {
-            let Some(primitive) = leaf.mesh.primitive(place.triangle) else {
+            let Some(primitive) = self.mesh(leaf).primitive(place.triangle) else {
                 return SurfaceOptics::default();
             };
             let [a, b, c] = self.world_corners(primitive);
@@ -328,7 +340,7 @@ impl<'a> Surroundings<'a> {
     pub(crate) fn walls(&self, width_m: f64) -> Vec<WallTriangle> {
         let walls = self.parts.iter().filter(|part| part.is_wall(width_m));
         let triangle = |wall: &PlacedPart<'a>, triangle: u32| {
-            let primitive = wall.mesh.primitive(triangle)?;
+            let primitive = self.mesh(wall).primitive(triangle)?;
             let corners = self.world_corners(primitive);
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
             Some(WallTriangle { triangle: Triangle { corners, normal }, primitive })
@@ -348,7 +360,7 @@ impl<'a> Surroundings<'a> {
         place: &PartPlace,
         (number, optics): (u32, &[SurfaceOptics]),
     ) -> Option<Surfel> {
-        let primitive = leaf.mesh.primitive(place.triangle)?;
+        let primitive = self.mesh(leaf).primitive(place.triangle)?;
         let [a, b, c] = self.world_corners(primitive);
         let area_normal = 0.5 * (b - a).cross(c - a);
         let normal = area_normal.try_normalize()?;

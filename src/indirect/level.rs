@@ -33,6 +33,7 @@ use crate::ordinates::walls::Walls;
 use crate::snapshot::FrozenSky;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Away from a surface, in cells, light is gathered.
 const AWAY: f64 = 0.25;
@@ -180,9 +181,11 @@ impl Level {
     /// Radiance at the two sides of a leaf, without its own.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         // What it emits itself is not in the light where that of all that glows is apart.
-        let optics = SurfaceOptics { emission: Rgb::ZERO, ..leaf.optics };
-        let dark = Leaf { optics, ..*leaf };
-        let leaf = if self.of_glow.is_some() { &dark } else { leaf };
+        let dark = self.of_glow.as_ref().map(|_| {
+            let optics = Arc::new(SurfaceOptics { emission: Rgb::ZERO, ..*leaf.optics });
+            Leaf { optics, ..*leaf }
+        });
+        let leaf = dark.as_ref().unwrap_or(leaf);
         let unmet = self.on_leaves.scattered(number, leaf);
         let alone = Alone::new(
             CutGrid { grid: &self.grid, occluders: &self.walls.occluders },

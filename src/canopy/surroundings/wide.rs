@@ -21,7 +21,7 @@ impl Surroundings<'_> {
     /// Walls of at least a width, by their parts that face up or down; of bodies by those that face up.
     pub(crate) fn wide_parts(&self, width_m: f64, up: DVec3) -> Vec<WidePart> {
         let parts = self.parts.iter().enumerate();
-        let wide = parts.filter(|(_, part)| part.width_m >= width_m && !part.mesh.is_blended);
+        let wide = parts.filter(|(_, part)| part.width_m >= width_m && !part.is_blended);
         let tell = |(number, part): (usize, &PlacedPart)| {
             let corners = self.level_corners(part, up);
             let area_m2 = part.width_m * part.length_m;
@@ -31,9 +31,10 @@ impl Surroundings<'_> {
     }
 
     /// Corners of a part's triangles that are no steeper than a bank.
-    fn level_corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart, up: DVec3) -> Vec<DVec3> {
+    fn level_corners(&self, placed: &PlacedPart, up: DVec3) -> Vec<DVec3> {
         /// Part of the normal along the way up.
         const STEEPEST: f64 = 0.3;
+        let (mesh, part) = (self.mesh(placed), placed.part);
         let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
         let corners = primitives.map(|primitive| self.world_corners(primitive));
         let is_level = |[a, b, c]: &[DVec3; 3]| {
@@ -66,7 +67,8 @@ impl Surroundings<'_> {
     }
 
     /// Places that a part lies between.
-    fn corners(&self, PlacedPart { mesh, part, .. }: &PlacedPart) -> Vec<DVec3> {
+    fn corners(&self, placed: &PlacedPart) -> Vec<DVec3> {
+        let (mesh, part) = (self.mesh(placed), placed.part);
         if mesh.is_bent {
             let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
             return primitives.flat_map(|primitive| self.world_corners(primitive)).collect();
