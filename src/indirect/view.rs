@@ -224,10 +224,13 @@ struct Walk<'a> {
     middle: f64,
     /// Steps for which a wall was just passed.
     behind_wall: u32,
+    has_passed_wall: bool,
 }
 
 /// Rays that end at a wall read up to two steps beyond it, as the rays about them may end later.
 const STEPS_BEHIND_WALL: u32 = 2;
+/// Weight of what is farther behind it, beside rays that no wall has stopped.
+const BEHIND_WALL: f32 = 1e-3;
 
 impl<'a> Walk<'a> {
     fn new(field: &'a Field, snapshot: &'a Snapshot, ray: Ray) -> Self {
@@ -245,6 +248,7 @@ impl<'a> Walk<'a> {
             source,
             middle: 0.0,
             behind_wall: 0,
+            has_passed_wall: false,
         }
     }
 
@@ -267,14 +271,16 @@ impl<'a> Walk<'a> {
         let weighed = |channel: usize| {
             if lost[channel] > 0.0 { (weight * self.light[channel] / lost[channel]) as f32 } else { 0.0 }
         };
-        Seen(Vec4::new(weighed(0), weighed(1), weighed(2), weight as f32))
+        let is_behind = self.has_passed_wall && self.behind_wall == 0;
+        let say = if is_behind { BEHIND_WALL } else { 1.0 };
+        Seen(say * Vec4::new(weighed(0), weighed(1), weighed(2), weight as f32))
     }
 
     /// The source in the middle of a step; just behind a wall that before it.
     fn look(&mut self, middle: f64) {
         let world = |t: f64| self.snapshot.world_from_relative(self.ray.at(t));
         if self.middle > 0.0 && self.field.has_wall_between(world(self.middle), world(middle)) {
-            self.behind_wall = STEPS_BEHIND_WALL;
+            (self.behind_wall, self.has_passed_wall) = (STEPS_BEHIND_WALL, true);
         }
         self.middle = middle;
         if self.behind_wall > 0 {
