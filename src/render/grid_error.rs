@@ -36,7 +36,7 @@ const SURROUNDINGS: f64 = 1.0;
 /// Standard deviation of the surroundings over which errors are told apart from those elsewhere, in cells.
 const LOCAL: f64 = 4.0;
 /// Errors in blocks of pixels by those in surroundings, which are larger.
-const FINER: f64 = 1.15;
+const FINER: f64 = 1.1;
 /// Width of the error that is told, in standard errors: nineteen of twenty blocks are within it.
 const TOLD: f64 = 2.0;
 /// Relative error of indirect light that is assumed before any is known.
@@ -213,7 +213,9 @@ impl Left {
             (products / pairs, variances / (pairs * pairs))
         };
         let (product, variance) = found(products.sum(), pairs.sum(), variances.sum());
-        let whole = judged(product - noise.sum() / cells, variance, EXPECTED.powi(2) * square_of_light);
+        let expected = EXPECTED.powi(2) * square_of_light;
+        // As long as little is known, no more than that is hoped for.
+        let whole = judged(product - noise.sum() / cells, variance, expected) + doubt(variance, expected);
         let [products, pairs, noise] = [products, pairs, noise].map(|map| map.smoothed(LOCAL));
         let variances = variances.smoothed(LOCAL * 0.5_f64.sqrt());
         let ones = Map::filled(1.0).smoothed(LOCAL);
@@ -231,4 +233,10 @@ impl Left {
 fn judged(found: f64, variance: f64, expected: f64) -> f64 {
     let precision = expected * expected / (expected * expected + variance).max(f64::MIN_POSITIVE);
     expected + precision * (found.max(0.0) - expected)
+}
+
+/// Standard deviation of what is judged so.
+fn doubt(variance: f64, expected: f64) -> f64 {
+    let square = expected * expected;
+    (square * variance / (square + variance).max(f64::MIN_POSITIVE)).sqrt()
 }

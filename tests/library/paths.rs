@@ -407,6 +407,24 @@ fn morning_mist() -> Scene {
     scene
 }
 
+/// Mist in a court whose walls shade a plain that is in the sun elsewhere.
+fn court_in_mist() -> Scene {
+    let mut scene = camera_at(DVec3::new(0.0, 1.0, 4.0));
+    for (low, high) in [
+        ([-90.0, -0.5, -90.0], [90.0, 0.0, 90.0]),
+        ([-5.0, 0.0, -9.0], [-2.0, 9.0, 9.0]),
+        ([2.0, 0.0, -9.0], [5.0, 9.0, 9.0]),
+        ([-5.0, 0.0, -9.0], [5.0, 9.0, -6.0]),
+        ([-5.0, 0.0, 6.0], [5.0, 9.0, 9.0]),
+    ] {
+        add_box(&mut scene, low.into(), high.into(), matte(0.5, 0.0));
+    }
+    add_layer(&mut scene, 0.0, 3.0, Rgb::splat(0.05), Rgb::splat(0.9), 0.3);
+    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(-0.6, -0.7, 0.2).normalize(), SUNLIGHT);
+    scene.sky = Sky::new(EVEN_SKY);
+    scene
+}
+
 fn metal() -> Material {
     Material { base_color: Rgb::splat(0.9), ..with_coat(Coat { metallic: 1.0, ..coat(0.6) }) }
 }
@@ -445,6 +463,7 @@ fn the_grid_has_the_same_light() {
         ("hill in mist", hill_in_mist(), 16, 0.05),
         ("mist on a plain", mist_on_a_plain(), 32, 0.03),
         ("morning mist", morning_mist(), 16, 0.02),
+        ("court in mist", court_in_mist(), 16, 0.04),
         ("even haze", haze(0.0), 8, 0.01),
         ("haze", haze(0.5), 8, 0.01),
         ("haze ahead", haze(0.8), 8, 0.02),
