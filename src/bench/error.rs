@@ -35,13 +35,13 @@ impl RelativeErrors {
 }
 
 /// Mean over all pixels and colours.
-pub(super) fn mean(frame: &Frame) -> f64 {
+pub fn mean(frame: &Frame) -> f64 {
     let (sum, count) = colors(frame).fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     sum / count
 }
 
 /// All values of the colour channels.
-pub(super) fn colors(frame: &Frame) -> impl Iterator<Item = f64> {
+pub fn colors(frame: &Frame) -> impl Iterator<Item = f64> {
     let channels = ["R", "G", "B"].into_iter().filter_map(|name| frame.channel(name));
     channels.flat_map(|channel| channel.pixels.iter().map(|&value| f64::from(value)))
 }

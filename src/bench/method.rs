@@ -155,7 +155,7 @@ impl Method {
 }
 
 /// Result of `work`, and the processor time that the whole process spent meanwhile, seconds.
-pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let started = ProcessTime::now();
     let result = work();
     (result, started.elapsed().as_secs_f64())

@@ -159,7 +159,7 @@ fn told(cost: Cost) -> String {
 }
 
 /// Three digits that count.
-pub(super) fn seconds(value: f64) -> String {
+pub fn seconds(value: f64) -> String {
     let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 4.0) as usize;
     if value < 1000.0 { format!("{value:.digits$}") } else { number(value.round()) }
 }

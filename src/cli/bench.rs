@@ -1,10 +1,6 @@
 //! `sunfleck bench`: error against run time. In go a file and an effort, out come a table, CSV and
 //! a plot. Invariant: loading and building are told, but count for no method.
 
-mod all_light;
-mod scaling;
-mod skips;
-
 use super::arguments::BenchArguments;
 use super::error::usage;
 use super::parse::SizeArgument;
@@ -86,18 +82,10 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
     let started = Instant::now();
     let scene = pool(arguments.threads)?.install(|| load(arguments))?;
     let subject = Subject::new(&scene, arguments, started.elapsed().as_secs_f64())?;
-    if !arguments.skips && subject.settings.filter != PixelFilter::Box {
+    if subject.settings.filter != PixelFilter::Box {
         tell(&format!("pixels are boxes here, not filtered by `{}`", subject.settings.filter.name()));
     }
-    if arguments.skips {
-        skips::run(arguments, &subject)
-    } else if arguments.all_light {
-        all_light::run(arguments, &subject)
-    } else if let Some(quantities) = &arguments.scaling {
-        scaling::run(arguments, &subject, quantities)
-    } else {
-        study(arguments, &subject)
-    }
+    study(arguments, &subject)
 }
 
 /// Every method at many efforts.
@@ -206,16 +194,12 @@ fn create_folder(path: &Path) -> Result<(), CliError> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    save(path, text)?;
-    answer(&format!("{} was written", shown(path)))
-}
-
-fn save(path: &Path, text: &str) -> Result<(), CliError> {
     clear(path);
     frame_file::write_whole(path, &[text.as_bytes()]).map_err(|error| {
         let reason = error.source().map_or_else(|| error.to_string(), ToString::to_string);
         cannot_write(path, reason)
-    })
+    })?;
+    answer(&format!("{} was written", shown(path)))
 }
 
 fn cannot_write(path: &Path, error: impl std::fmt::Display) -> CliError {

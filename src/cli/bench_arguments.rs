@@ -4,7 +4,7 @@ use super::parse::{SizeArgument, parse_noise, parse_seconds, parse_size};
 use super::shared_arguments::SceneArguments;
 use clap::Args;
 use std::path::PathBuf;
-use sunfleck::bench::{Method, Quantity};
+use sunfleck::bench::Method;
 
 #[derive(Args, Debug)]
 pub(super) struct BenchArguments {
@@ -31,8 +31,7 @@ pub(super) struct BenchArguments {
     pub(super) longest: Option<f64>,
     /// Nor more than so many samples a pixel, however fast they are [default: as many as --longest lets it].
     #[arg(
-        long, value_parser = clap::value_parser!(u32).range(1..=65536), value_name = "N", allow_negative_numbers = true,
-        conflicts_with_all = ["skips", "scaling"]
+        long, value_parser = clap::value_parser!(u32).range(1..=65536), value_name = "N", allow_negative_numbers = true
     )]
     pub(super) most_samples: Option<u32>,
     /// Samples a pixel of the reference [default: 256, with --quick 32].
@@ -53,18 +52,6 @@ pub(super) struct BenchArguments {
     /// Where the plot goes as SVG [default: out/bench/NAME.svg].
     #[arg(long, value_name = "FILE")]
     pub(super) svg: Option<PathBuf>,
-    /// Instead: how the time grows with all of these, or with those in LIST.
-    #[arg(
-        long, value_enum, value_delimiter = ',', value_name = "LIST", num_args = 0.., require_equals = true,
-        conflicts_with_all = ["skips", "peers", "reference", "reference_samples"]
-    )]
-    pub(super) scaling: Option<Vec<Quantity>>,
-    /// Instead: what the renderer leaves out where the scene does not need it, with and without.
-    #[arg(long, conflicts_with_all = ["peers", "reference", "reference_samples", "longest", "csv", "svg"])]
-    pub(super) skips: bool,
-    /// Instead: light of all orders on a grid and by random walks, error against time.
-    #[arg(long, conflicts_with_all = ["skips", "scaling", "peers", "reference", "longest", "csv", "svg"])]
-    pub(super) all_light: bool,
     /// Less of everything: a first look.
     #[arg(long)]
     pub(super) quick: bool,

@@ -99,77 +99,6 @@ fn a_picture_from_elsewhere_can_be_the_reference() {
 }
 
 #[test]
-fn whatever_is_skipped_changes_no_bit() {
-    let studio = Studio::new();
-    let answer = studio.succeed("bench scene.ron --size 8x6 --skips --rounds 1").out;
-    let rows: Vec<&str> =
-        answer.lines().skip(1).take_while(|line| !line.starts_with("not skipped")).collect();
-    assert!(rows.len() >= 14, "{answer}");
-    for row in rows {
-        let bound = if row.starts_with("samples of pixels that are good enough") {
-            0.02
-        } else if ["grey fog", "lights without extent", "nothing to see through"]
-            .iter()
-            .any(|name| row.starts_with(name))
-        {
-            // Numbers that differ in the last bit; a light of a picometre; rays by
-            // themselves, not from slices.
-            1e-5
-        } else {
-            0.0
-        };
-        let difference = row.split_once("within ").map(|(_, rest)| rest.split_whitespace().next().unwrap());
-        let difference: f64 = difference.map_or(0.0, |text| text.parse().unwrap());
-        assert!(difference <= bound, "{row}");
-    }
-}
-
-/// Walks come to their own reference with more samples; the grid is as near as grids are.
-#[test]
-fn all_light_comes_both_ways() {
-    let studio = Studio::new();
-    let flags = "--size 24x18 --rounds 1 --reference-samples 512 --most-samples 64";
-    let answer = studio.succeed(&format!("bench scene.ron --all-light {flags}")).out;
-    let row = |start: &str| -> Vec<f64> {
-        let line = answer.lines().find(|line| line.split_whitespace().take(2).eq(start.split(' ')));
-        let numbers =
-            line.unwrap_or_else(|| panic!("{start} is not in\n{answer}")).split_whitespace().skip(2);
-        numbers.map(|number| number.parse().unwrap()).collect()
-    };
-    let (few, many, grid) = (row("paths 1"), row("paths 64"), row("grid 64"));
-    assert!(many[2] < 0.5 * few[2], "{answer}");
-    assert!(many[0] > few[0] && few[0] > 0.0, "{answer}");
-    assert!((many[1] - 1.0).abs() < 0.02 && (grid[1] - 1.0).abs() < 0.1, "{answer}");
-}
-
-#[test]
-fn growth_has_an_exponent_and_a_plot_for_each_quantity() {
-    let studio = Studio::new();
-    studio.succeed("bench scene.ron --size 8x6 --scaling --longest 0.02 --rounds 1 --csv s.csv --svg s.svg");
-    let rows = rows(&studio, "s.csv");
-    // A second size of the picture would take too long here.
-    assert!(rows.iter().any(|row| row["quantity"] == "pixels"));
-    for quantity in ["leaves", "lights", "accuracy", "fog"] {
-        let own: Vec<_> = rows.iter().filter(|row| row["quantity"] == quantity).collect();
-        assert!(own.len() >= 2, "{quantity}: {rows:?}");
-        assert!(own.iter().all(|row| number(row, "seconds") > 0.0 && number(row, "exponent").is_finite()));
-        assert!(studio.path(&format!("s.{quantity}.svg")).is_file());
-    }
-}
-
-#[test]
-fn growth_of_one_quantity_alone() {
-    let studio = Studio::new();
-    let flags = "--size 8x6 --longest 0.02 --rounds 1 --csv s.csv --svg s.svg";
-    studio.succeed(&format!("bench scene.ron --scaling=fog,lights {flags}"));
-    let rows = rows(&studio, "s.csv");
-    assert!(rows.iter().any(|row| row["quantity"] == "fog"));
-    assert!(rows.iter().all(|row| ["fog", "lights"].contains(&row["quantity"].as_str())), "{rows:?}");
-    let refusal = studio.fail(&format!("bench scene.ron --scaling=love {flags}"), 2);
-    assert!(refusal.contains("leaves") && refusal.contains("love"), "{refusal}");
-}
-
-#[test]
 fn what_cannot_be_measured_is_refused_with_a_remedy() {
     let studio = Studio::new();
     for (flags, code, told) in [
@@ -181,20 +110,8 @@ fn what_cannot_be_measured_is_refused_with_a_remedy() {
         ("--peers nowhere.csv", 4, "nowhere.csv"),
         ("--peers tiny.ron", 3, "tiny.ron:1:1: error: the column `renderer` is missing"),
         ("--csv /proc/nothing/b.csv", 4, "/proc/nothing/b.csv"),
-        ("--skips --scaling", 2, "cannot be used with"),
-        ("--all-light --skips", 2, "cannot be used with"),
     ] {
         let refusal = studio.fail(&format!("bench tiny.ron {flags}"), code);
         assert!(refusal.contains(told), "{flags}: {refusal}");
     }
-}
-
-/// However long one thread takes: more of them take no longer.
-#[test]
-fn threads_are_counted_to_the_last() {
-    let studio = Studio::new();
-    let line = "bench scene.ron --size 8x6 --rounds 1 --longest 1e-9 --scaling=threads";
-    studio.succeed(&format!("{line} --csv threads.csv --svg threads.svg"));
-    let most = std::thread::available_parallelism().map_or(1, usize::from);
-    assert_eq!(number(rows(&studio, "threads.csv").last().unwrap(), "value"), most as f64);
 }

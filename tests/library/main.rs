@@ -22,6 +22,7 @@ mod export_meshes;
 mod exposure;
 mod face;
 mod falling;
+mod figures;
 mod frame_file;
 mod fuzzed;
 mod gltf;
@@ -63,3 +64,19 @@ mod tolerance;
 mod translucent;
 mod vdb;
 mod voxel_fog;
+
+// What measures figures, held here.
+#[path = "../../benches/figures/all_light.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod all_light;
+#[path = "../../benches/figures/growth.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod growth;
+#[path = "../../benches/figures/inputs.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod inputs;
+#[path = "../../benches/figures/skips.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod skips;
+#[path = "../../benches/figures/skips_on_disk.rs"]
+mod skips_on_disk;

@@ -1,16 +1,43 @@
-//! Growth of a picture's cost. In go a scene and a quantity, out come times of pictures in which that
-//! quantity alone was changed, and the exponent that fits them. Invariant: points take turns; of each the
-//! least time counts.
+//! Growth of a picture's cost. In go a scene and a quantity, out come times of pictures in which that quantity
+//! alone was changed, and the exponent that fits them. Invariants: points take turns, and of each the least
+//! time counts; an exponent never stands without its standard error.
 
-use super::method::timed;
-use super::{Effort, Method, PowerLaw, RelativeErrors, Stage};
-use crate::math::Sampler;
-use crate::scene::{Instance, Motion, Node, Scene, Size, Track};
-use crate::snapshot::{Exposure, MeshTrees, Shutter};
+use crate::{checkout, inputs};
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+use std::fmt::Write;
 use std::time::Instant;
+use sunfleck::bench::{Effort, Method, Plot, PowerLaw, RelativeErrors, Series, Stage, Style, seconds, timed};
+use sunfleck::math::Sampler;
+use sunfleck::scene::{self, Instance, Motion, Node, Scene, Size, Track};
+use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
+
+/// Growth with each quantity of `leaves500`, or with one of them: a table, and plots into docs/images/growth.
+pub fn run(asked: Option<&String>) {
+    let scene = inputs::load("leaves500/leaves500.glb");
+    let mut growths = Vec::new();
+    for quantity in Quantity::ALL {
+        if asked.is_some_and(|asked| asked != quantity.name()) {
+            continue;
+        }
+        eprintln!("{}", quantity.name());
+        let plan = Plan { scene: &scene, size: Size { width: 480, height: 270 }, rounds: 2, longest_s: 30.0 };
+        let plan = match quantity {
+            Quantity::Accuracy => {
+                Plan { size: Size { width: 240, height: 135 }, rounds: 1, longest_s: 60.0, ..plan }
+            }
+            _ => plan,
+        };
+        let growth = measure(&plan, quantity);
+        let Size { width, height } = plan.size;
+        let title = format!("leaves500, {width} x {height} pixels, slices, {} samples", SAMPLES);
+        let path = checkout::file("docs/images/growth").join(format!("{}.svg", quantity.name()));
+        std::fs::write(path, growth_plot(&growth, &title).to_svg()).unwrap();
+        growths.push(growth);
+    }
+    println!("{}", growth_table(&growths));
+}
 
 /// The golden angle: lights turned by it never stand behind one another.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
@@ -18,29 +45,28 @@ const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// Maximum time of a point with all that comes before it, in times of the longest picture.
 const PATIENCE: f64 = 20.0;
 
-/// Plan of the measurement, and how long it may take.
-pub struct ScalingPlan<'a> {
+/// Frame that is rendered, and how.
+const SHUTTER: Shutter = Shutter { open_s: 0.0, close_s: 0.0 };
+const CAMERA: usize = 0;
+const MIRROR_DEPTH: u32 = 4;
+/// Samples a pixel, but where the error is what shrinks.
+const SAMPLES: u32 = 4;
+
+/// What is measured, and how long it may take.
+pub(crate) struct Plan<'a> {
     /// The scene to start from.
-    pub scene: &'a Scene,
-    /// Index of its camera.
-    pub camera: usize,
-    /// Shutter.
-    pub shutter: Shutter,
+    pub(crate) scene: &'a Scene,
     /// Picture size, but where that is what grows.
-    pub size: Size,
-    /// Maximum number of reflections of a ray.
-    pub mirror_depth: u32,
-    /// Samples a pixel, but where the error is what shrinks.
-    pub samples: u32,
+    pub(crate) size: Size,
     /// Number of measurements of each point, at least one.
-    pub rounds: usize,
+    pub(crate) rounds: usize,
     /// A ladder ends before a point that would take longer, seconds.
-    pub longest_s: f64,
+    pub(crate) longest_s: f64,
 }
 
 /// Quantity that grows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Quantity {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quantity {
     /// Instances of the mesh that is placed most often, their whole area kept.
     Leaves,
     /// Pixels of the picture.
@@ -57,22 +83,22 @@ pub enum Quantity {
 
 /// Times over a quantity.
 #[derive(Clone, Debug)]
-pub struct Growth {
+struct Growth {
     /// Quantity that grew.
-    pub quantity: Quantity,
+    quantity: Quantity,
     /// Values of the quantity and seconds, in order.
-    pub points: Vec<(f64, f64)>,
+    points: Vec<(f64, f64)>,
     /// The line through them in logarithms.
-    pub law: Option<PowerLaw>,
+    law: Option<PowerLaw>,
 }
 
 impl Quantity {
     /// All, in the order of tables.
-    pub const ALL: [Self; 6] =
+    const ALL: [Self; 6] =
         [Self::Leaves, Self::Pixels, Self::Lights, Self::Accuracy, Self::Fog, Self::Threads];
 
     /// Name for tables and files.
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Leaves => "leaves",
             Self::Pixels => "pixels",
@@ -84,7 +110,7 @@ impl Quantity {
     }
 
     /// Label of the axis.
-    pub fn label(self) -> &'static str {
+    fn label(self) -> &'static str {
         match self {
             Self::Leaves => "instances of the leaf, their whole area kept",
             Self::Pixels => "pixels",
@@ -104,13 +130,13 @@ impl Growth {
 }
 
 /// Measures one quantity. Pictures have one thread, but where threads are what grows.
-pub fn measure(plan: &ScalingPlan, quantity: Quantity) -> Growth {
+fn measure(plan: &Plan, quantity: Quantity) -> Growth {
     let one = match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
         Ok(one) => one,
         // Without threads there is nothing to time.
         Err(_) => return Growth::new(quantity, Vec::new()),
     };
-    let alone = |scene: &Scene, size: Size| one.install(|| picture_s(plan, scene, size));
+    let alone = |scene: &Scene, size: Size| one.install(|| picture_s(scene, size));
     // The first picture of all takes up to twice its time: it finds neither memory nor caches ready.
     alone(plan.scene, plan.size);
     let points = match quantity {
@@ -144,7 +170,7 @@ pub fn measure(plan: &ScalingPlan, quantity: Quantity) -> Growth {
                 (0..).map(|n| 1_usize << n).take_while(|&n| n < most).map(|n| n as f64).collect();
             ladder.push(most as f64);
             // More threads take no longer than the first, which is waited for anyway.
-            let patient = ScalingPlan { longest_s: f64::INFINITY, ..*plan };
+            let patient = Plan { longest_s: f64::INFINITY, ..*plan };
             ladder_of(&patient, &ladder, |count| wall_s(plan, count as usize))
         }
     };
@@ -152,7 +178,7 @@ pub fn measure(plan: &ScalingPlan, quantity: Quantity) -> Growth {
 }
 
 /// Times of each rung in turn, as long as the next one is expected in time.
-fn ladder_of(plan: &ScalingPlan, ladder: &[f64], mut time_s: impl FnMut(f64) -> f64) -> Vec<(f64, f64)> {
+pub(crate) fn ladder_of(plan: &Plan, ladder: &[f64], mut time_s: impl FnMut(f64) -> f64) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     let mut whole_s = 0.0;
     for &value in ladder {
@@ -175,35 +201,35 @@ fn ladder_of(plan: &ScalingPlan, ladder: &[f64], mut time_s: impl FnMut(f64) -> 
 }
 
 /// Processor time of a picture by slices, without what comes before.
-fn picture_s(plan: &ScalingPlan, scene: &Scene, size: Size) -> f64 {
+fn picture_s(scene: &Scene, size: Size) -> f64 {
     let trees = MeshTrees::new(scene);
-    let exposure = exposure(plan, scene, &trees, size);
-    let stage = stage(plan, &exposure, size);
-    timed(|| Method::Slices.picture(&stage, Effort::of_samples(plan.samples), 0)).1
+    let exposure = exposure(scene, &trees, size);
+    let stage = stage(&exposure, size);
+    timed(|| Method::Slices.picture(&stage, Effort::of_samples(SAMPLES), 0)).1
 }
 
 /// Wall time of the same with several threads.
-fn wall_s(plan: &ScalingPlan, threads: usize) -> f64 {
+fn wall_s(plan: &Plan, threads: usize) -> f64 {
     let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else { return f64::NAN };
     let trees = MeshTrees::new(plan.scene);
-    let exposure = exposure(plan, plan.scene, &trees, plan.size);
-    let stage = stage(plan, &exposure, plan.size);
+    let exposure = exposure(plan.scene, &trees, plan.size);
+    let stage = stage(&exposure, plan.size);
     let started = Instant::now();
-    pool.install(|| Method::Slices.picture(&stage, Effort::of_samples(plan.samples), 0));
+    pool.install(|| Method::Slices.picture(&stage, Effort::of_samples(SAMPLES), 0));
     started.elapsed().as_secs_f64()
 }
 
 /// Time over one / error: pictures with more and more samples against one with four times
 /// as many as the last.
-fn accuracy(plan: &ScalingPlan) -> Vec<(f64, f64)> {
+fn accuracy(plan: &Plan) -> Vec<(f64, f64)> {
     let trees = MeshTrees::new(plan.scene);
-    let exposure = exposure(plan, plan.scene, &trees, plan.size);
-    let stage = stage(plan, &exposure, plan.size);
+    let exposure = exposure(plan.scene, &trees, plan.size);
+    let stage = stage(&exposure, plan.size);
     let picture = |samples: f64, seed: u32| {
         timed(|| Method::Slices.picture(&stage, Effort::of_samples(samples as u32), seed))
     };
     // The reference counts too: the ladder ends early enough for it.
-    let shorter = ScalingPlan { longest_s: plan.longest_s / 4.0, rounds: 1, ..*plan };
+    let shorter = Plan { longest_s: plan.longest_s / 4.0, rounds: 1, ..*plan };
     let mut pictures = Vec::new();
     let ladder = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0];
     let mut times = ladder_of(&shorter, &ladder, |samples| {
@@ -222,19 +248,19 @@ fn accuracy(plan: &ScalingPlan) -> Vec<(f64, f64)> {
     errors.zip(&times).map(|(error, &(_, seconds))| (1.0 / error, seconds)).collect()
 }
 
-fn exposure<'a>(plan: &ScalingPlan, scene: &'a Scene, trees: &'a MeshTrees, size: Size) -> Exposure<'a> {
-    Exposure::new(scene, trees, plan.camera, size.width as f64 / size.height as f64, plan.shutter)
+fn exposure<'a>(scene: &'a Scene, trees: &'a MeshTrees, size: Size) -> Exposure<'a> {
+    Exposure::new(scene, trees, CAMERA, size.width as f64 / size.height as f64, SHUTTER)
 }
 
-fn stage<'a>(plan: &ScalingPlan, exposure: &'a Exposure<'a>, size: Size) -> Stage<'a> {
-    Stage { exposure, size, mirror_depth: plan.mirror_depth, planes: (1.0, 1.0) }
+fn stage<'a>(exposure: &'a Exposure<'a>, size: Size) -> Stage<'a> {
+    Stage { exposure, size, mirror_depth: MIRROR_DEPTH, planes: (1.0, 1.0) }
 }
 
 /// The scene with `count` instances of the mesh that is placed most often, anywhere among those that there
 /// were and turned any way, each so small that their whole area stays.
-fn with_leaves(plan: &ScalingPlan, count: u32) -> Scene {
+pub(crate) fn with_leaves(plan: &Plan, count: u32) -> Scene {
     let mut scene = plan.scene.clone();
-    let placements = scene.placements(plan.shutter.middle_s());
+    let placements = scene.placements(SHUTTER.middle_s());
     let mut uses: BTreeMap<usize, usize> = BTreeMap::new();
     for instance in scene.instances.iter().filter(|instance| placements[instance.node].visible) {
         *uses.entry(instance.mesh).or_default() += 1;
@@ -269,9 +295,9 @@ fn with_leaves(plan: &ScalingPlan, count: u32) -> Scene {
 }
 
 /// The scene with its first light `count` times, each turned about the vertical in front of the camera.
-fn with_lights(plan: &ScalingPlan, count: u32) -> Scene {
+pub(crate) fn with_lights(plan: &Plan, count: u32) -> Scene {
     let mut scene = plan.scene.clone();
-    let time_s = plan.shutter.middle_s();
+    let time_s = SHUTTER.middle_s();
     let placements = scene.placements(time_s);
     let Some(first) = scene.lights.iter().find(|light| placements[light.node].visible).cloned() else {
         return scene;
@@ -285,15 +311,15 @@ fn with_lights(plan: &ScalingPlan, count: u32) -> Scene {
         let about = DAffine3::from_translation(centre) * turn * DAffine3::from_translation(-centre);
         let node = add_node(&mut scene, about * placements[first.node].world_from_node);
         let power = Track::from(first.power.at(time_s) / f64::from(count));
-        scene.lights.push(crate::scene::Light { node, power, ..first.clone() });
+        scene.lights.push(scene::Light { node, power, ..first.clone() });
     }
     scene
 }
 
-fn with_fog(plan: &ScalingPlan, factor: f64) -> Scene {
+fn with_fog(plan: &Plan, factor: f64) -> Scene {
     let mut scene = plan.scene.clone();
     for fog in &mut scene.fogs {
-        fog.density_per_m = Track::from(fog.density_per_m.at(plan.shutter.middle_s()) * factor);
+        fog.density_per_m = Track::from(fog.density_per_m.at(SHUTTER.middle_s()) * factor);
     }
     scene
 }
@@ -308,74 +334,60 @@ fn add_node(scene: &mut Scene, world_from_node: DAffine3) -> usize {
     scene.nodes.len() - 1
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{checkout, description, scene};
-
-    fn leaf_scene() -> Scene {
-        let path = checkout::file("tests/data/leaves500/leaves500.glb");
-        scene::resolve(description::load(&path).expect("a good file"), None).expect("a good scene").0
+/// Exponents, then the points that they were fitted to.
+fn growth_table(growths: &[Growth]) -> String {
+    let mut text =
+        format!("{:<10} {:>20}   {:<17} {}\n", "quantity", "from, to", "time grows with", "seconds");
+    for growth in growths {
+        let (Some(first), Some(last)) = (growth.points.first(), growth.points.last()) else { continue };
+        let range = format!("{}, {}", seconds(first.0), seconds(last.0));
+        let times: Vec<String> = growth.points.iter().map(|point| seconds(point.1)).collect();
+        let name = growth.quantity.name();
+        let _ = writeln!(text, "{name:<10} {range:>20}   {:<17} {}", exponent(growth.law), times.join("  "));
     }
+    text
+}
 
-    fn plan(scene: &Scene) -> ScalingPlan<'_> {
-        let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
-        let size = Size { width: 8, height: 6 };
-        ScalingPlan {
-            scene,
-            camera: 0,
-            shutter,
-            size,
-            mirror_depth: 0,
-            samples: 1,
-            rounds: 1,
-            longest_s: 1.0,
+/// Such as `^0.52 +- 0.03`.
+fn exponent(law: Option<PowerLaw>) -> String {
+    match law {
+        Some(law) if law.standard_error.is_finite() => {
+            format!("^{:.2} +- {:.2}", law.exponent, law.standard_error)
         }
+        Some(law) => format!("^{:.2} (2 points)", law.exponent),
+        None => String::from("-"),
     }
+}
 
-    /// Sum of the squares of the scales of the mesh that is placed most often.
-    fn area(scene: &Scene) -> (usize, f64) {
-        let placements = scene.placements(0.0);
-        let mesh = scene.instances[1].mesh;
-        let leaves = scene.instances.iter().filter(|instance| instance.mesh == mesh);
-        leaves.fold((0, 0.0), |(count, sum), leaf| {
-            let scale = placements[leaf.node].world_from_node.matrix3.determinant().cbrt();
-            (count + 1, sum + scale * scale)
-        })
-    }
-
-    #[test]
-    fn more_leaves_have_the_same_area_and_leave_the_rest_alone() {
-        let scene = leaf_scene();
-        let (few, before) = area(&scene);
-        let grown = with_leaves(&plan(&scene), 3000);
-        let instances = grown.instances.len();
-        let (_, after) =
-            area(&Scene { instances: grown.instances[instances - 3000..].to_vec(), ..grown.clone() });
-        assert_eq!(instances, scene.instances.len() - few + 3000);
-        assert!((after / before - 1.0).abs() < 1e-9, "{before} {after}");
-    }
-
-    #[test]
-    fn lights_share_the_power_of_one() {
-        let scene = leaf_scene();
-        let many = with_lights(&plan(&scene), 5);
-        let power = |scene: &Scene| scene.lights.iter().map(|light| light.power.at(0.0).x).sum::<f64>();
-        assert_eq!(many.lights.len(), 5);
-        assert!((power(&many) / power(&scene) - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn ladders_end_in_time() {
-        let scene = leaf_scene();
-        let mut asked = Vec::new();
-        let plan = ScalingPlan { longest_s: 5.0, rounds: 2, ..plan(&scene) };
-        let points = ladder_of(&plan, &[1.0, 2.0, 4.0, 8.0], |value| {
-            asked.push(value);
-            value + if asked.len() < 4 { 1.0 } else { 0.0 }
+/// The points and the line that fits them.
+fn growth_plot(growth: &Growth, title: &str) -> Plot {
+    let wall = growth.quantity == Quantity::Threads;
+    let mut series = Vec::new();
+    if let (Some(law), Some(first), Some(last)) = (growth.law, growth.points.first(), growth.points.last()) {
+        let line = [first.0, last.0].map(|value| (value, law.at(value))).to_vec();
+        series.push(Series {
+            name: exponent(growth.law),
+            style: Style::Fit,
+            points: line,
+            aside: Vec::new(),
         });
-        // 4 would take 3 * 4 / 2 = 6 seconds.
-        assert_eq!(asked, [1.0, 2.0, 1.0, 2.0]);
-        assert_eq!(points, [(1.0, 2.0), (2.0, 2.0)]);
+    }
+    let measured = Series {
+        name: String::new(),
+        style: Style::Line(0),
+        points: growth.points.clone(),
+        aside: Vec::new(),
+    };
+    series.push(measured);
+    Plot {
+        title: title.to_owned(),
+        subtitle: format!("time over {}, {}", growth.quantity.name(), exponent(growth.law)),
+        x_label: growth.quantity.label().to_owned(),
+        y_label: String::from(if wall {
+            "seconds by the clock"
+        } else {
+            "processor time of the picture, seconds"
+        }),
+        series,
     }
 }

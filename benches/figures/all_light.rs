@@ -2,14 +2,29 @@
 //! a stage, out come rows. Invariant: the reference is by random walks, which are unbiased, from numbers that
 //! no row uses; its own noise is taken out of every error.
 
-use super::Stage;
-use super::error::{colors, mean};
-use super::method::timed;
-use super::report::seconds;
-use crate::film::Frame;
-use crate::render::{Job, Method, Watch, render};
-use crate::scene::{Bounces, PixelFilter, Sampling, Window};
+use crate::inputs;
 use std::fmt::Write;
+use sunfleck::bench::{Stage, colors, depth_m, mean, seconds, timed};
+use sunfleck::film::Frame;
+use sunfleck::render::{Job, Method, Watch, render};
+use sunfleck::scene::{Bounces, PixelFilter, Sampling, Size, Window};
+use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
+
+/// Prints the errors of `leaves500`.
+pub fn run(rounds: usize) {
+    let scene = inputs::load("leaves500/leaves500.glb");
+    let trees = MeshTrees::new(&scene);
+    let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
+    let exposure = Exposure::new(&scene, &trees, 0, 16.0 / 9.0, shutter);
+    let stage = Stage {
+        exposure: &exposure,
+        size: Size { width: 240, height: 135 },
+        mirror_depth: 4,
+        planes: (depth_m(exposure.middle()), 0.1),
+    };
+    let plan = Plan { stage, bounces: Bounces::All, reference_samples: 64, most_samples: 16, rounds };
+    println!("{}", table(&measure(&plan)));
+}
 
 /// Seeds of the reference's halves.
 const HALVES: [u32; 2] = [0x5eed_0d44, 0x5eed_0e55];
@@ -18,45 +33,43 @@ const HALVES: [u32; 2] = [0x5eed_0d44, 0x5eed_0e55];
 const BLOCK: usize = 10;
 
 /// Plan of the measurement.
-pub struct AllLightPlan<'a> {
+pub(crate) struct Plan<'a> {
     /// The picture.
-    pub stage: Stage<'a>,
+    pub(crate) stage: Stage<'a>,
     /// Number of scatterings beyond the first.
-    pub bounces: Bounces,
+    pub(crate) bounces: Bounces,
     /// Samples a pixel of the reference, at least 2.
-    pub reference_samples: u32,
+    pub(crate) reference_samples: u32,
     /// Samples a pixel of the dearest row, at least 1.
-    pub most_samples: u32,
+    pub(crate) most_samples: u32,
     /// Number of measurements of each row, at least one.
-    pub rounds: usize,
-    /// Seed of the measured pictures.
-    pub seed: u32,
+    pub(crate) rounds: usize,
 }
 
 /// A picture by one of the ways.
 #[derive(Clone, Debug)]
-pub struct AllLightRow {
+pub(crate) struct Row {
     /// Method.
-    pub way: &'static str,
+    pub(crate) way: &'static str,
     /// Samples a pixel.
-    pub samples: u32,
+    pub(crate) samples: u32,
     /// Processor time of one thread: the least of all rounds.
-    pub cpu_s: f64,
+    pub(crate) cpu_s: f64,
     /// Mean of the picture over that of the reference.
-    pub mean_ratio: f64,
+    pub(crate) mean_ratio: f64,
     /// Root mean square error of pixels and of means of blocks, as shares of the mean.
-    pub errors: [f64; 2],
+    pub(crate) errors: [f64; 2],
 }
 
 /// Results of the measurement.
-pub struct AllLight {
+pub(crate) struct AllLight {
     /// The grid's rows, then those of random walks.
-    pub rows: Vec<AllLightRow>,
+    pub(crate) rows: Vec<Row>,
     /// Samples a pixel of the reference.
-    pub reference_samples: u32,
+    pub(crate) reference_samples: u32,
     /// Standard error: of its mean, and in the root mean square of its pixels and blocks, as shares of the
     /// mean.
-    pub noise: [f64; 3],
+    pub(crate) noise: [f64; 3],
 }
 
 /// The picture of both halves together, and what it errs by itself.
@@ -66,20 +79,21 @@ struct Reference {
     noise: [f64; 3],
 }
 
-/// Measures on the current rayon pool, which should have one thread; the reference is made on `many`.
-pub fn measure(plan: &AllLightPlan, many: &rayon::ThreadPool, report: &dyn Fn(&str)) -> AllLight {
-    report(&format!("the reference: {} samples a pixel by random walks", plan.reference_samples));
-    let reference = many.install(|| Reference::render(plan));
+/// Measures with one thread; the reference is made on the current rayon pool.
+pub(crate) fn measure(plan: &Plan) -> AllLight {
+    eprintln!("the reference: {} samples a pixel by random walks", plan.reference_samples);
+    let reference = Reference::render(plan);
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let ladder = |way, method| {
         let samples = (0..).map(|power| 4_u32.pow(power)).take_while(|samples| *samples <= plan.most_samples);
         samples.map(move |samples| (way, method, samples))
     };
     let points: Vec<_> = ladder("grid", Method::Auto).chain(ladder("paths", Method::Paths)).collect();
-    let mut rows: Vec<AllLightRow> = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
     for round in 0..plan.rounds.max(1) {
-        report(&format!("round {} of {}", round + 1, plan.rounds.max(1)));
+        eprintln!("round {} of {}", round + 1, plan.rounds.max(1));
         for (number, &(way, method, samples)) in points.iter().enumerate() {
-            let (frame, cpu_s) = timed(|| picture(plan, method, samples, plan.seed));
+            let (frame, cpu_s) = one.install(|| timed(|| picture(plan, method, samples, 0)));
             match rows.get_mut(number) {
                 Some(row) => row.cpu_s = row.cpu_s.min(cpu_s),
                 None => rows.push(reference.row(&frame, way, samples, cpu_s)),
@@ -90,11 +104,11 @@ pub fn measure(plan: &AllLightPlan, many: &rayon::ThreadPool, report: &dyn Fn(&s
 }
 
 /// Samples of each half of the reference.
-fn half(plan: &AllLightPlan) -> u32 {
+fn half(plan: &Plan) -> u32 {
     (plan.reference_samples / 2).max(1)
 }
 
-fn picture(plan: &AllLightPlan, method: Method, samples: u32, seed: u32) -> Frame {
+fn picture(plan: &Plan, method: Method, samples: u32, seed: u32) -> Frame {
     let job = Job {
         size: plan.stage.size,
         window: Window::whole(plan.stage.size),
@@ -110,7 +124,7 @@ fn picture(plan: &AllLightPlan, method: Method, samples: u32, seed: u32) -> Fram
 }
 
 impl Reference {
-    fn render(plan: &AllLightPlan) -> Self {
+    fn render(plan: &Plan) -> Self {
         let halves = HALVES.map(|seed| picture(plan, Method::Paths, half(plan), seed));
         let values = [pixels, blocks].map(|of| halves.each_ref().map(of));
         let mean = 0.5 * (mean(&halves[0]) + mean(&halves[1]));
@@ -123,7 +137,7 @@ impl Reference {
         Self { values: values.each_ref().map(both), mean, noise: [of_mean, of_pixels, of_blocks] }
     }
 
-    fn row(&self, frame: &Frame, way: &'static str, samples: u32, cpu_s: f64) -> AllLightRow {
+    fn row(&self, frame: &Frame, way: &'static str, samples: u32, cpu_s: f64) -> Row {
         let net = |found: &[f64], wanted: &[f64], noise: f64| {
             let rmse = root_mean_square(found, wanted) / self.mean;
             (rmse * rmse - noise * noise).max(0.0).sqrt()
@@ -132,7 +146,7 @@ impl Reference {
             net(&pixels(frame), &self.values[0], self.noise[1]),
             net(&blocks(frame), &self.values[1], self.noise[2]),
         ];
-        AllLightRow { way, samples, cpu_s, mean_ratio: mean(frame) / self.mean, errors }
+        Row { way, samples, cpu_s, mean_ratio: mean(frame) / self.mean, errors }
     }
 }
 
@@ -161,7 +175,7 @@ fn root_mean_square(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Table for people.
-pub fn table(measured: &AllLight) -> String {
+fn table(measured: &AllLight) -> String {
     let [of_mean, of_pixels, of_blocks] = measured.noise.map(|noise| 100.0 * noise);
     let mut text = format!(
         "reference: {} samples a pixel by random walks; its noise {of_mean:.3} % of the mean, {of_pixels:.2} % a pixel, {of_blocks:.2} % a block of {BLOCK}x{BLOCK}\n\n",
@@ -184,21 +198,4 @@ pub fn table(measured: &AllLight) -> String {
         );
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::film::{Channel, Precision};
-    use crate::scene::Size;
-
-    #[test]
-    fn blocks_are_means_and_leave_rims_out() {
-        let size = Size { width: 23, height: 11 };
-        let values = |factor: f32| (0..23 * 11).map(|number| factor * (number % 23) as f32).collect();
-        let channel = |name, factor| Channel::new(name, Precision::Float, values(factor));
-        let channels = vec![channel("R", 1.0), channel("G", 2.0), channel("B", 0.0)];
-        let frame = Frame { full: size, window: Window::whole(size), channels };
-        assert_eq!(blocks(&frame), [4.5, 14.5, 9.0, 29.0, 0.0, 0.0]);
-    }
 }

@@ -1,18 +1,17 @@
 //! Work that is left out because of what lies on the disk: files not read, frames not rendered. In goes
 //! the plan, out come rows. Invariant: what is written lies in the folder of the plan.
 
-use super::{AddRow, SkipsPlan, picture};
-use crate::bench::method::timed;
-use crate::description;
-use crate::film::Frame;
-use crate::frame_file::{self, Provenance};
-use crate::math::Sampler;
-use crate::scene;
+use crate::skips::{AddRow, Plan, picture};
 use std::collections::BTreeMap;
 use std::path::Path;
+use sunfleck::bench::timed;
+use sunfleck::film::Frame;
+use sunfleck::frame_file::{self, Provenance};
+use sunfleck::math::Sampler;
+use sunfleck::{description, scene};
 
 /// Measures these skips.
-pub(super) fn measure(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+pub(crate) fn measure(plan: &Plan, row: &mut AddRow) -> Result<(), String> {
     let (whole, _) = picture(plan, plan.scene, &[]);
     let path = plan.folder.join("frame.exr");
     let provenance = Provenance {
@@ -71,13 +70,13 @@ pub(super) fn measure(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> 
 }
 
 /// The picture of a scene file by its own first camera, and the time of loading it.
-fn loaded(plan: &SkipsPlan, path: &Path) -> Result<(Frame, f64), String> {
+fn loaded(plan: &Plan, path: &Path) -> Result<(Frame, f64), String> {
     let (scene, seconds) = timed(|| {
         let description = description::load(path).map_err(|error| error.to_string())?;
         scene::resolve(description, None).map(|(scene, _)| scene).map_err(|error| error.to_string())
     });
     let scene = scene?;
-    let plan = SkipsPlan { scene: &scene, camera: 0, job: plan.job.clone(), ..*plan };
+    let plan = Plan { scene: &scene, job: plan.job.clone(), ..*plan };
     Ok((picture(&plan, &scene, &[]).0, seconds))
 }
 

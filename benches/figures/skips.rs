@@ -1,25 +1,52 @@
-//! Work that the renderer leaves out where a scene does not need it, each time with and without. In go a
-//! scene and a moment, out comes a row for each such skip. Invariant: the skipped work is brought back
-//! through the public interface alone. A scene or a job that needs the work, but shows the same picture,
-//! does that. So no inner loop has a switch for it.
+//! Work that the renderer leaves out where a scene does not need it, each time with and without. In goes a
+//! scene, out comes a row for each such skip. Invariant: the skipped work is brought back through the public
+//! interface alone. A scene or a job that needs the work, but shows the same picture, does that. So no inner
+//! loop has a switch for it.
 
-mod on_disk;
-
-use super::RelativeErrors;
-use super::method::timed;
-use super::report::seconds;
-use crate::accel::MeshTree;
-use crate::color::Rgb;
-use crate::film::Frame;
-use crate::passes::Pass;
-use crate::render::{Job, Method, Watch, render};
-use crate::scene::{
-    self, AlphaMode, Clearcoat, Coat, LightKind, Material, Sampling, Scene, Sheen, Sky, SkyLight, SkyPicture,
-    SunDisc, Track,
-};
-use crate::snapshot::{Exposure, MeshTrees, Shutter};
+use crate::{inputs, skips_on_disk};
 use std::fmt::Write;
 use std::path::Path;
+use sunfleck::accel::MeshTree;
+use sunfleck::bench::{RelativeErrors, seconds, timed};
+use sunfleck::color::Rgb;
+use sunfleck::film::Frame;
+use sunfleck::passes::Pass;
+use sunfleck::render::{Job, Method, Watch, render};
+use sunfleck::scene::{
+    self, AlphaMode, Bounces, Clearcoat, Coat, LightKind, Material, PixelFilter, Sampling, Scene, Sheen,
+    Size, Sky, SkyLight, SkyPicture, SunDisc, Track, Window,
+};
+use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
+
+/// Index of the scene's camera.
+const CAMERA: usize = 0;
+
+/// Prints the skips of `leaves500`.
+pub fn run(rounds: usize) {
+    let scene = inputs::load("leaves500/leaves500.glb");
+    let folder = tempfile::tempdir().unwrap();
+    let plan = Plan::new(&scene, Size { width: 480, height: 270 }, rounds, folder.path());
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    println!("{}", table(&one.install(|| measure(&plan)).unwrap()));
+}
+
+impl<'a> Plan<'a> {
+    /// Slices of four samples a pixel at the start of a scene.
+    pub(crate) fn new(scene: &'a Scene, size: Size, rounds: usize, folder: &'a Path) -> Self {
+        let job = Job {
+            size,
+            window: Window::whole(size),
+            passes: Vec::new(),
+            sampling: Sampling::Exactly(4),
+            filter: PixelFilter::Box,
+            seed: 0,
+            mirror_depth: 4,
+            bounces: Bounces::NONE,
+            method: Method::Slices,
+        };
+        Self { scene, shutter: Shutter { open_s: 0.0, close_s: 0.0 }, job, rounds, folder }
+    }
+}
 
 /// A number that changes no picture: far below what single precision can tell from nothing.
 const NEXT_TO_NOTHING: f64 = 1e-300;
@@ -50,46 +77,42 @@ const THIN_SHEEN: Sheen = Sheen {
 /// Work that could be left out, and is not: docs/decisions/measuring.md has the figures.
 const NOT_SKIPPED: &str = "not skipped: geometry that can neither be seen nor cast a shadow into view; building all of it takes 1 % of a frame\n";
 
-/// Plan of the measurement.
-pub struct SkipsPlan<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Index of its camera.
-    pub camera: usize,
-    /// Shutter.
-    pub shutter: Shutter,
+/// What is measured.
+pub(crate) struct Plan<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) shutter: Shutter,
     /// The picture; its passes are left aside.
-    pub job: Job,
+    pub(crate) job: Job,
     /// Number of measurements of each side, at least one.
-    pub rounds: usize,
+    pub(crate) rounds: usize,
     /// A folder for what goes by the disk.
-    pub folder: &'a Path,
+    pub(crate) folder: &'a Path,
 }
 
 /// One thing that is skipped.
 #[derive(Clone, Debug)]
-pub struct Skip {
+pub(crate) struct Skip {
     /// Name.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Way in which the work was brought back.
-    pub without: &'static str,
+    pub(crate) without: &'static str,
     /// Seconds of processor time with the skip, and without.
-    pub seconds: (f64, f64),
+    pub(crate) seconds: (f64, f64),
     /// Root mean square difference of the two pictures, relative to the mean; 0 is the same bits.
-    pub difference: f64,
+    pub(crate) difference: f64,
 }
 
 /// A way to a picture, and the seconds of the part that counts.
-type Side<'a> = &'a dyn Fn() -> Result<(Frame, f64), String>;
+pub(crate) type Side<'a> = &'a dyn Fn() -> Result<(Frame, f64), String>;
 
 /// Measures a row: its name, how the work is brought back, the picture with the skip and without.
-type AddRow<'a> = dyn FnMut(&'static str, &'static str, Side, Side) -> Result<(), String> + 'a;
+pub(crate) type AddRow<'a> = dyn FnMut(&'static str, &'static str, Side, Side) -> Result<(), String> + 'a;
 
 /// Measures every skip on the current rayon pool.
 ///
 /// # Errors
 /// If the folder cannot be written to; the reason, for people.
-pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
+pub(crate) fn measure(plan: &Plan) -> Result<Vec<Skip>, String> {
     let mut skips = Vec::new();
     let mut row = |name, without, with_skip: Side, without_skip: Side| {
         compare(plan.rounds, with_skip, without_skip).map(|(seconds, difference)| {
@@ -102,11 +125,11 @@ pub fn measure(plan: &SkipsPlan) -> Result<Vec<Skip>, String> {
     sky(plan, &mut row)?;
     passes_and_samples(plan, &mut row)?;
     meshes(plan, &mut row)?;
-    on_disk::measure(plan, &mut row)?;
+    skips_on_disk::measure(plan, &mut row)?;
     Ok(skips)
 }
 
-fn fog(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+fn fog(plan: &Plan, row: &mut AddRow) -> Result<(), String> {
     let clear = changed(plan, &|scene| scene.fogs.clear());
     let thin = changed(plan, &|scene| {
         for fog in &mut scene.fogs {
@@ -126,7 +149,7 @@ fn fog(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     })
 }
 
-fn lights(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+fn lights(plan: &Plan, row: &mut AddRow) -> Result<(), String> {
     let with_light = |power: f64| {
         changed(plan, &|scene| {
             if let Some(mut light) = scene.lights.first().cloned() {
@@ -138,7 +161,7 @@ fn lights(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     let (dark, dim) = (with_light(0.0), with_light(NEXT_TO_NOTHING));
     row("lights that are out", "a light of power 1e-300", &|| shown(plan, &dark), &|| shown(plan, &dim))?;
     // Both sides go ray by ray: with an extent each slice has a draw of its own, and so another picture.
-    let by_rays = SkipsPlan { job: Job { method: Method::Segments, ..plan.job.clone() }, ..*plan };
+    let by_rays = Plan { job: Job { method: Method::Segments, ..plan.job.clone() }, ..*plan };
     let extended = changed(plan, &|scene| {
         for light in &mut scene.lights {
             light.kind = with_extent(&light.kind);
@@ -152,7 +175,7 @@ fn lights(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     )
 }
 
-fn surfaces(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+fn surfaces(plan: &Plan, row: &mut AddRow) -> Result<(), String> {
     let of_material =
         |change: &dyn Fn(&mut Material)| changed(plan, &|scene| scene.materials.iter_mut().for_each(change));
     let mut pair =
@@ -187,7 +210,7 @@ fn surfaces(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     )
 }
 
-fn sky(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+fn sky(plan: &Plan, row: &mut AddRow) -> Result<(), String> {
     let under_sky = |strength: f64| {
         changed(plan, &|scene| {
             let sky = Sky::new(SkyPicture::Even(Rgb::ONE));
@@ -200,13 +223,13 @@ fn sky(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     row("no sky, no rays to it", "a sky of 1e-300", &|| shown(plan, &black), &|| shown(plan, &dim))
 }
 
-fn passes_and_samples(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+fn passes_and_samples(plan: &Plan, row: &mut AddRow) -> Result<(), String> {
     // Not that of the error, which is estimated from more and smaller passes over the picture.
     let passes: Vec<Pass> = Pass::ALL.iter().copied().filter(|pass| *pass != Pass::Error).collect();
     row("passes not asked for", "all of them", &|| shown(plan, plan.scene), &|| {
         Ok(picture(plan, plan.scene, &passes))
     })?;
-    let sampled = |sampling: Sampling| SkipsPlan { job: Job { sampling, ..plan.job.clone() }, ..*plan };
+    let sampled = |sampling: Sampling| Plan { job: Job { sampling, ..plan.job.clone() }, ..*plan };
     let (tolerant, uniform) =
         (sampled(Sampling::Until { tolerance: 0.02, most: 64 }), sampled(Sampling::Exactly(64)));
     row(
@@ -217,7 +240,7 @@ fn passes_and_samples(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> 
     )
 }
 
-fn meshes(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
+fn meshes(plan: &Plan, row: &mut AddRow) -> Result<(), String> {
     let scene = plan.scene;
     let kept = MeshTrees::new(scene);
     let next_frame = |trees: &MeshTrees| {
@@ -234,7 +257,7 @@ fn meshes(plan: &SkipsPlan, row: &mut AddRow) -> Result<(), String> {
     })
 }
 
-fn changed(plan: &SkipsPlan, change: &dyn Fn(&mut Scene)) -> Scene {
+fn changed(plan: &Plan, change: &dyn Fn(&mut Scene)) -> Scene {
     let mut scene = plan.scene.clone();
     change(&mut scene);
     scene
@@ -250,7 +273,7 @@ fn with_extent(kind: &LightKind) -> LightKind {
     }
 }
 
-fn set_density(scene: &mut Scene, plan: &SkipsPlan, factor: Rgb) {
+fn set_density(scene: &mut Scene, plan: &Plan, factor: Rgb) {
     for fog in &mut scene.fogs {
         let mean = fog.density_per_m.at(plan.shutter.middle_s()).element_sum() / 3.0;
         fog.density_per_m = Track::from(mean * factor);
@@ -262,25 +285,25 @@ fn tree(mesh: &scene::Mesh) -> MeshTree {
     MeshTree::new(&mesh.positions, &triangles)
 }
 
-fn exposure<'a>(plan: &SkipsPlan, scene: &'a Scene, trees: &'a MeshTrees) -> Exposure<'a> {
+fn exposure<'a>(plan: &Plan, scene: &'a Scene, trees: &'a MeshTrees) -> Exposure<'a> {
     let aspect = plan.job.size.width as f64 / plan.job.size.height as f64;
-    Exposure::new(scene, trees, plan.camera, aspect, plan.shutter)
+    Exposure::new(scene, trees, CAMERA, aspect, plan.shutter)
 }
 
-fn rendered(plan: &SkipsPlan, exposure: &Exposure, passes: &[Pass]) -> Frame {
+fn rendered(plan: &Plan, exposure: &Exposure, passes: &[Pass]) -> Frame {
     let job = Job { passes: passes.to_vec(), ..plan.job.clone() };
     render(exposure, &job, &Watch::NOBODY).frame
 }
 
 /// The picture of a scene, and the time of rendering alone.
-fn picture(plan: &SkipsPlan, scene: &Scene, passes: &[Pass]) -> (Frame, f64) {
+pub(crate) fn picture(plan: &Plan, scene: &Scene, passes: &[Pass]) -> (Frame, f64) {
     let trees = MeshTrees::new(scene);
     let exposure = exposure(plan, scene, &trees);
     timed(|| rendered(plan, &exposure, passes))
 }
 
 /// Picture without passes, and its time.
-fn shown(plan: &SkipsPlan, scene: &Scene) -> Result<(Frame, f64), String> {
+fn shown(plan: &Plan, scene: &Scene) -> Result<(Frame, f64), String> {
     Ok(picture(plan, scene, &[]))
 }
 
@@ -296,7 +319,7 @@ fn compare(rounds: usize, with_skip: Side, without_skip: Side) -> Result<((f64, 
 }
 
 /// The rows, and below them what there is no row for.
-pub fn table(skips: &[Skip]) -> String {
+fn table(skips: &[Skip]) -> String {
     let mut text = format!(
         "{:<42} {:>10} {:>10} {:>7}   {:<16} {}\n",
         "skipped", "CPU s", "without", "times", "picture", "brought back by"
