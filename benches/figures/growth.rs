@@ -1,6 +1,6 @@
-//! Growth of a picture's cost. In go a scene and a quantity, out come times of pictures in which that quantity
-//! alone was changed, and the exponent that fits them. Invariants: points take turns, and of each the least
-//! time counts; an exponent never stands without its standard error.
+//! Growth of a picture's cost. In go a scene and a quantity, out come times of pictures in which that
+//! quantity alone was changed, and the exponent that fits them. Invariants: points take turns, and of each
+//! the least time counts; an exponent never stands without its standard error.
 
 use crate::{checkout, inputs};
 use glam::{DAffine3, DQuat, DVec3};

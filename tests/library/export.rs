@@ -232,7 +232,7 @@ fn skins_and_morph_targets_look_the_same() {
         let (node, power) = (scene.nodes.len() - 1, Track::from(Rgb::splat(3.0)));
         scene.lights.push(Light { name: "sun".into(), node, power, kind: LightKind::Sun });
         let mut small = settings.clone();
-        (small.size.width, small.size.height) = (settings.size.width / 4, settings.size.height / 4);
+        (small.size.width, small.size.height) = (settings.size.width / 2, settings.size.height / 2);
         let [first, later] = [28, 36].map(|frame| picture(&scene, &small, frame));
         let mut moved = Difference::default();
         moved.add(&first, &later);

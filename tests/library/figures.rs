@@ -4,14 +4,35 @@ use crate::growth::{self, ladder_of, with_leaves, with_lights};
 use crate::skips::{self, measure};
 use crate::{all_light, inputs};
 use sunfleck::bench::Stage;
-use sunfleck::scene::{Bounces, Scene, Size};
+use sunfleck::description;
+use sunfleck::scene::{self, Bounces, Scene, Size};
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
+
+/// A leaf in the sun above the ground, in fog.
+fn leaf_in_fog() -> Scene {
+    const SCENE: &str = r#"Scene(
+        version: 1,
+        meshes: { "leaf": Leaf(length_m: 0.8, width_m: 0.5, curl_deg: 30.0), "ground": Quad(size_m: 8.0) },
+        objects: {
+            "leaf": (mesh: "leaf", translation_m: (0.0, 1.4, 0.0), rotation_deg: (20.0, 7.5, 10.0)),
+            "ground": (mesh: "ground"),
+        },
+        cameras: { "main": (position_m: (0.0, 1.2, 4.5), look_at_m: (0.0, 1.1, 0.0), fov_deg: 40.0) },
+        lights: { "sun": Sun(to_sun: (0.4, 1.0, -0.6), irradiance_w_per_m2: (8.0, 7.2, 6.0)) },
+        fog: { "haze": (min_m: (-4.0, 0.0, -4.0), max_m: (4.0, 3.0, 4.0), density_per_m: 0.15, anisotropy: 0.5) },
+    )"#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, SCENE).unwrap();
+    scene::resolve(description::load(&path).unwrap(), None).unwrap().0
+}
 
 #[test]
 fn whatever_is_skipped_changes_no_bit() {
-    let scene = inputs::load("leaves500/leaves500.glb");
+    let scene = leaf_in_fog();
     let folder = tempfile::tempdir().unwrap();
-    let found = measure(&skips::Plan::new(&scene, Size { width: 8, height: 6 }, 1, folder.path())).unwrap();
+    let plan = skips::Plan::new(&scene, Size { width: 8, height: 6 }, 1, folder.path());
+    let found = measure(&plan).unwrap();
     assert!(found.len() >= 14, "{found:?}");
     for skip in found {
         let bound = match skip.name {
@@ -33,7 +54,7 @@ fn whatever_is_skipped_changes_no_bit() {
 /// Walks come to their own reference with more samples; the grid is as near as grids are.
 #[test]
 fn all_light_comes_both_ways() {
-    let scene = inputs::load("leaves500/leaves500.glb");
+    let scene = leaf_in_fog();
     let trees = MeshTrees::new(&scene);
     let shutter = Shutter { open_s: 0.0, close_s: 0.0 };
     let exposure = Exposure::new(&scene, &trees, 0, 4.0 / 3.0, shutter);
