@@ -35,11 +35,6 @@ class Curve:
             found = values[before] + share * (values[after] - values[before])
         return unit(found) if self.turns else found
 
-    @property
-    def first_row(self) -> np.ndarray:
-        """The first key's value."""
-        return self.values[1 if self.interpolation == "CUBICSPLINE" else 0].astype(np.float64)
-
 
 def _hermite(values, before, after, s, span):
     start, leave = values[3 * before + 1], values[3 * before + 2] * span
