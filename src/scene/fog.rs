@@ -38,7 +38,7 @@ pub enum FogShape {
     /// Everywhere, thinner with height.
     Layer(HeightFalloff),
     /// Grids of files, whose own space is the shape's.
-    Voxels(GridFrames),
+    Voxels(Box<GridFrames>),
     /// Billows that drift, within a box of the shape's own space.
     Mist(Box<Mist>),
 }

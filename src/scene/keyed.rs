@@ -119,7 +119,7 @@ impl Scene {
                 tracks.push(&falloff.scale_height_m);
             }
             match &fog.shape {
-                FogShape::Voxels(grids) => tracks.extend([grids as &dyn Keyed, &grids.emission]),
+                FogShape::Voxels(grids) => tracks.extend([&**grids as &dyn Keyed, &grids.emission]),
                 FogShape::Mist(mist) => tracks.push(&**mist),
                 FogShape::EvenBox | FogShape::ThinningBox(_) | FogShape::Layer(_) => {}
             }

@@ -46,7 +46,7 @@ impl Builder<'_> {
             let place = self.report.at(format!("{path}.vdb"));
             self.report.push(Diagnostic::error(place, found).expected(expected).remedy(remedy));
         };
-        grids.map_err(told).ok().map(FogShape::Voxels)
+        grids.map_err(told).ok().map(|grids| FogShape::Voxels(Box::new(grids)))
     }
 
     /// Whether fog that names no file names a grid, which is an error then.

@@ -30,7 +30,7 @@ impl Resolver<'_> {
             let anisotropy = track(&fog.anisotropy, &format!("{owner}.anisotropy"), problems);
             let shape = match (bounds, falloff) {
                 (None, None) if let Some(Some(mist)) = mist => FogShape::Mist(Box::new(mist)),
-                (None, None) if let Some(Some(grids)) = grids => FogShape::Voxels(grids),
+                (None, None) if let Some(Some(grids)) = grids => FogShape::Voxels(Box::new(grids)),
                 (Some(_), None) => FogShape::EvenBox,
                 (Some(_), Some(falloff)) => FogShape::ThinningBox(falloff),
                 (None, Some(falloff)) => FogShape::Layer(falloff),

@@ -91,7 +91,7 @@ mod tests {
             vectors: Some(Values { transform, tree }),
             is_staggered: true,
         };
-        let velocities = Velocities::of(&[grid]).unwrap();
+        let velocities = Velocities::of(&[grid]).expect("a grid of vectors");
         let found = velocities.at(DVec3::new(1.0, 2.0, 1.5));
         assert!((found - DVec3::new(2.5, 4.5, 3.5)).length() < 1e-6, "{found}");
         assert_eq!(velocities.most(DMat3::IDENTITY), 3.0 * 7.0);
