@@ -6,19 +6,22 @@ use super::ground::Ground;
 use super::outline::Outline;
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// Squares along a leaf of middling length, and along the longest at most.
 const SQUARES_ALONG: f64 = 20.0;
 const MOST_SQUARES_ALONG: f64 = 64.0;
-/// Squares along one side of a tile.
-const TILE: i32 = 32;
+/// Squares along one side of a tile: with more, leaves that lie alone would take most of the memory.
+const TILE: i32 = 8;
 /// Height where nothing lies.
 const BARE: f32 = f32::NEG_INFINITY;
 
 /// Heights by squares; tiles exist where something lies.
 pub(super) struct Heap {
     square_m: f64,
-    tiles: HashMap<[i32; 2], Tile>,
+    tiles: Vec<Tile>,
+    /// Places of tiles among them, by [`key`].
+    numbers: HashMap<u64, usize, BuildHasherDefault<OfKeys>>,
 }
 
 #[derive(Clone)]
@@ -47,7 +50,7 @@ impl Heap {
             (sum, count, longest) = (sum + 0.5 * (low + high), count + 1.0, longest.max(high));
         }
         let square_m = (sum / (count * SQUARES_ALONG)).max(longest / MOST_SQUARES_ALONG);
-        Self { square_m, tiles: HashMap::new() }
+        Self { square_m, tiles: Vec::new(), numbers: HashMap::default() }
     }
 
     /// Sheet of a mesh that is scaled by `scale` at most.
@@ -62,7 +65,11 @@ impl Heap {
         let [high_x, high_z] =
             self.square(place.x + within_m, place.z + within_m).map(|at| at.div_euclid(TILE));
         let mut tiles = (low_x..=high_x).flat_map(|x| (low_z..=high_z).map(move |z| [x, z]));
-        tiles.any(|tile| self.tiles.get(&tile).is_some_and(|tile| f64::from(tile.highest_m) >= height_m))
+        tiles.any(|place| self.tile(place).is_some_and(|tile| f64::from(tile.highest_m) >= height_m))
+    }
+
+    fn tile(&self, place: [i32; 2]) -> Option<&Tile> {
+        self.numbers.get(&key(place)).map(|&number| &self.tiles[number])
     }
 
     /// Height under each of the sheet's points, in their order; `None` where the ground is bare.
@@ -74,7 +81,7 @@ impl Heap {
             let place = square.map(|at| at.div_euclid(TILE));
             let tile = match last {
                 Some((at, tile)) if at == place => tile,
-                _ => self.tiles.get(&place),
+                _ => self.tile(place),
             };
             last = Some((place, tile));
             tile.map(|tile| tile.tops_m[within_tile(square)]).filter(|&top| top > BARE).map(f64::from)
@@ -105,13 +112,22 @@ impl Heap {
     /// Puts a leaf down.
     pub(super) fn lay(&mut self, sheet: &Sheet, lie: Lie) {
         let half = 0.5 * self.square_m;
+        let mut last: Option<([i32; 2], usize)> = None;
         for point in sheet.at(lie) {
             let top_m = point.y as f32;
             let [low_x, low_z] = self.square(point.x - half, point.z - half);
             let [high_x, high_z] = self.square(point.x + half, point.z + half);
             for square in (low_x..=high_x).flat_map(|x| (low_z..=high_z).map(move |z| [x, z])) {
-                let bare = || Tile { highest_m: BARE, tops_m: vec![BARE; (TILE * TILE) as usize] };
-                let tile = self.tiles.entry(square.map(|at| at.div_euclid(TILE))).or_insert_with(bare);
+                let place = square.map(|at| at.div_euclid(TILE));
+                let number = match last {
+                    Some((at, number)) if at == place => number,
+                    _ => *self.numbers.entry(key(place)).or_insert(self.tiles.len()),
+                };
+                last = Some((place, number));
+                if number == self.tiles.len() {
+                    self.tiles.push(Tile { highest_m: BARE, tops_m: vec![BARE; (TILE * TILE) as usize] });
+                }
+                let tile = &mut self.tiles[number];
                 tile.highest_m = tile.highest_m.max(top_m);
                 let top = &mut tile.tops_m[within_tile(square)];
                 *top = top.max(top_m);
@@ -138,6 +154,30 @@ impl Sheet {
     /// Points in the world.
     fn at(&self, lie: Lie) -> Vec<DVec3> {
         self.points.iter().map(|&point| lie.middle + lie.turn * point).collect()
+    }
+}
+
+/// Name of a tile.
+fn key([x, z]: [i32; 2]) -> u64 {
+    (u64::from(x as u32) << 32) | u64::from(z as u32)
+}
+
+/// Hash of keys that nobody chooses to make trouble: a multiplication (Knuth, volume 3, 6.4).
+#[derive(Default)]
+struct OfKeys(u64);
+
+impl Hasher for OfKeys {
+    fn write_u64(&mut self, key: u64) {
+        let mixed = (key ^ (key >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed ^ (mixed >> 32);
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64((self.0 << 8) | u64::from(byte)));
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
     }
 }
 
