@@ -24,8 +24,6 @@ pub(super) struct Instance {
     pub(super) mesh: Arc<MeshTree>,
     pub(super) relative_from_mesh: DAffine3,
     pub(super) mesh_from_relative: DAffine3,
-    /// Middle of the mesh's box, in the mesh's space.
-    pub(super) mesh_centre: DVec3,
     /// Whether shadows and slices cut it in double precision.
     pub(super) needs_doubles: bool,
     /// Position in the list of placed meshes.
@@ -39,12 +37,12 @@ const NEAR: f64 = 0.25;
 /// Maximum number of blocks of such meshes: double precision is slower.
 const FEW_BLOCKS: usize = 64;
 
-impl Instance {
-    pub(super) fn new(index: u32, placed: PlacedMesh) -> Option<Self> {
-        let PlacedMesh { mesh, relative_from_mesh } = placed;
-        let bounds = mesh.tree.bounds;
+impl PlacedMesh {
+    /// Its inverse transform; `None` where nothing can ever hit it: its matrix is singular, or it is empty.
+    pub fn mesh_from_relative(&self) -> Option<DAffine3> {
+        let Self { mesh, relative_from_mesh } = self;
         let determinant = relative_from_mesh.matrix3.determinant();
-        if bounds.is_empty() || determinant == 0.0 {
+        if mesh.tree.bounds.is_empty() || determinant == 0.0 {
             return None;
         }
         let mesh_from_relative = relative_from_mesh.inverse();
@@ -52,15 +50,20 @@ impl Instance {
             affine.to_cols_array().iter().all(|entry| entry.is_finite())
                 && affine.matrix3.to_cols_array().iter().all(|entry| entry.abs() < LARGEST_SCALE)
         };
-        if !is_sane(&relative_from_mesh) || !is_sane(&mesh_from_relative) {
-            return None;
-        }
-        let mesh_centre = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) / 2.0;
+        (is_sane(relative_from_mesh) && is_sane(&mesh_from_relative)).then_some(mesh_from_relative)
+    }
+}
+
+impl Instance {
+    pub(super) fn new(index: u32, placed: PlacedMesh) -> Option<Self> {
+        let mesh_from_relative = placed.mesh_from_relative()?;
+        let PlacedMesh { mesh, relative_from_mesh } = placed;
+        let bounds = mesh.tree.bounds;
         let nearest = mesh_from_relative.translation.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let distance = relative_from_mesh.transform_point3(nearest).length();
-        let half_size = relative_from_mesh.transform_vector3(bounds.max.as_dvec3() - mesh_centre).length();
+        let half_size = relative_from_mesh.transform_vector3(bounds.max.as_dvec3() - mesh.centre).length();
         let needs_doubles = mesh.blocks.len() <= FEW_BLOCKS && distance < NEAR * half_size;
-        Some(Self { mesh, relative_from_mesh, mesh_from_relative, mesh_centre, needs_doubles, index })
+        Some(Self { mesh, relative_from_mesh, mesh_from_relative, needs_doubles, index })
     }
 
     /// Around it, in relative space: the boxes of its tree's uppermost nodes, placed.

@@ -14,13 +14,16 @@ use super::simd::{Kernel, Portable};
 use super::slice_query::{AddCuts, Cut, HalfPlane};
 use super::wide_tree::{Bounds, WideTree};
 use crate::math::{IntervalSet, Ray};
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 
 /// All placed meshes of a frame.
 #[derive(Debug)]
 pub struct InstanceTree {
     tree: WideTree,
     instances: Vec<Instance>,
+    /// Positions in `instances`, by number; nowhere what nothing can hit.
+    positions: Vec<u32>,
+    first_number: u32,
     bounds: Option<(DVec3, DVec3)>,
     level: Level,
 }
@@ -41,13 +44,14 @@ impl InstanceTree {
         // As many as there may be: a million take hundreds of megabytes, and growing would double that.
         let mut instances = Vec::with_capacity(placed.size_hint().1.unwrap_or_default());
         instances.extend(placed.filter_map(|(index, placed)| Instance::new(index, placed)));
-        let boxes: Vec<(DVec3, DVec3)> = instances.iter().map(Instance::bounds).collect();
-        let bounds = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let rounded: Vec<Bounds> = boxes
-            .iter()
-            .map(|(min, max)| Bounds {
-                min: Vec3::from_array(min.to_array().map(round_down)),
-                max: Vec3::from_array(max.to_array().map(round_up)),
+        let mut bounds: Option<(DVec3, DVec3)> = None;
+        let rounded: Vec<Bounds> = (instances.iter())
+            .map(|instance| {
+                let (min, max) = instance.bounds();
+                let (low, high) = bounds.unwrap_or((min, max));
+                bounds = Some((low.min(min), high.max(max)));
+                let min = Vec3::from_array(min.to_array().map(round_down));
+                Bounds { min, max: Vec3::from_array(max.to_array().map(round_up)) }
             })
             .collect();
         let mut order = Vec::with_capacity(instances.len());
@@ -67,7 +71,14 @@ impl InstanceTree {
                 goes_to.swap(at, to);
             }
         }
-        Self { tree, instances, bounds, level }
+        let numbers = || instances.iter().map(|instance| instance.index);
+        let first_number = numbers().min().unwrap_or_default();
+        let count = numbers().max().map_or(0, |last| last - first_number + 1);
+        let mut positions = vec![u32::MAX; count as usize];
+        for (number, position) in numbers().zip(0..) {
+            positions[(number - first_number) as usize] = position;
+        }
+        Self { tree, instances, positions, first_number, bounds, level }
     }
 
     /// The nearest hit with `0 < t < t_max` (metres), on either side of a triangle, `skip` left out:
@@ -103,6 +114,12 @@ impl InstanceTree {
         self.instances.is_empty()
     }
 
+    /// Where the mesh of a number is, relative from mesh, and the inverse. It must be one that can be hit.
+    pub fn transforms(&self, number: u32) -> (&DAffine3, &DAffine3) {
+        let instance = &self.instances[self.positions[(number - self.first_number) as usize] as usize];
+        (&instance.relative_from_mesh, &instance.mesh_from_relative)
+    }
+
     fn instances(&self) -> Instances<'_> {
         Instances { tree: &self.tree, list: &self.instances }
     }
@@ -119,7 +136,7 @@ mod tests {
     use super::super::mesh_tree::MeshTree;
     use super::*;
     use crate::math::Sampler;
-    use glam::{DAffine3, DQuat};
+    use glam::DQuat;
     use std::sync::Arc;
 
     fn vector(sampler: &mut Sampler) -> DVec3 {

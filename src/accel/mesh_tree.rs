@@ -5,13 +5,15 @@ use super::{
     simd::WIDTH,
     wide_tree::{Bounds, WideTree},
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// A mesh's triangles, built once and shared by its instances.
 #[derive(Debug)]
 pub struct MeshTree {
     pub(super) tree: WideTree,
     pub(super) blocks: Vec<Block>,
+    /// Middle of its box.
+    pub(super) centre: DVec3,
 }
 
 impl MeshTree {
@@ -32,6 +34,7 @@ impl MeshTree {
             blocks.push(Block::new(primitives.iter().map(|&primitive| usable[primitive as usize])));
             blocks.len() as u32 - 1
         });
-        Self { tree, blocks }
+        let centre = (tree.bounds.min.as_dvec3() + tree.bounds.max.as_dvec3()) / 2.0;
+        Self { tree, blocks, centre }
     }
 }

@@ -65,7 +65,7 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
         let origin = instance.mesh_from_relative.transform_point3(self.ray.origin);
         let direction = instance.mesh_from_relative.transform_vector3(self.ray.direction);
         // Re-centre on the point next to the mesh's middle: what is left has the mesh's magnitude.
-        let to_centre = instance.mesh_centre - origin;
+        let to_centre = mesh.centre - origin;
         let t_centre = to_centre.dot(direction) / direction.length_squared();
         let centred = origin + t_centre * direction;
         let from_origin = centred.abs().max_element();

@@ -73,7 +73,7 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
         // Distances are counted from where the middle of the mesh throws its shadow: what is left has
         // the mesh's magnitude.
         let (t0, t1) = self.plane.t_range;
-        let at_centre = here.along.at(instance.mesh_centre) / here.depth.at(instance.mesh_centre);
+        let at_centre = here.along.at(mesh.centre) / here.depth.at(mesh.centre);
         let t_centre = if at_centre > t0 && at_centre < t1 { at_centre } else { (t0 + t1) / 2.0 };
         let cut = PlaneFunctions { along: here.at_or_after(t_centre), ..here };
         let limits = (t0 - t_centre, t1 - t_centre);

@@ -130,8 +130,7 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
             return;
         }
         // Coordinates are counted from the middle of the mesh: single precision has to resolve a leaf.
-        let centre =
-            DVec2::new(region.reach.at(instance.mesh_centre), region.height.at(instance.mesh_centre));
+        let centre = DVec2::new(region.reach.at(mesh.centre), region.height.at(mesh.centre));
         let from_centre = |functional: &Functional, at_centre: f64| {
             LaneFunctional::new(simd, &Functional { offset: functional.offset - at_centre, ..*functional })
         };

@@ -165,7 +165,10 @@ impl<'a> Surroundings<'a> {
                 }
             })
         };
-        Self { snapshot, parts: (0..snapshot.mesh_count()).flat_map(placed).collect() }
+        // Most meshes are a leaf: one part.
+        let mut parts = Vec::with_capacity(snapshot.mesh_count());
+        parts.extend((0..snapshot.mesh_count()).flat_map(placed));
+        Self { snapshot, parts }
     }
 
     fn mesh(&self, part: &PlacedPart) -> DrawnMesh<'a> {

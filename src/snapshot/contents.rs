@@ -107,9 +107,9 @@ impl<'scene> Contents<'scene> {
         let mut hash = Sha256::new();
         let mut numbers: Vec<f64> = Vec::new();
         for class in &self.classes {
-            for placed in &class.placed {
+            for (placed, mesh) in class.placed.iter().zip(&class.meshes) {
                 numbers.push(placed.instance as f64);
-                push(&mut numbers, &placed.relative_from_mesh);
+                push(&mut numbers, &mesh.relative_from_mesh);
                 if let Some(bent) = &placed.bent {
                     let Pose { weights, shape_from_rest } = &bent.pose;
                     numbers.extend([weights.len(), shape_from_rest.len()].map(|count| count as f64));

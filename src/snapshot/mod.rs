@@ -26,7 +26,7 @@ use crate::accel::{InstanceTree, PrimitiveId};
 use crate::color::Rgb;
 use crate::fog::Medium;
 use crate::scene::{Material, RenderSettings, Scene};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use moment::{Moment, Placed, shining};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -159,7 +159,15 @@ impl<'scene> Snapshot<'scene> {
         let camera = &scene.cameras[camera];
         let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
         let moment = Moment { scene, time_s, frame_s, placements, eye: view.eye };
-        Contents::of(&moment, trees, shining).seen_by(view)
+        let contents = Contents::of(&moment, trees, shining);
+        drop(moment);
+        contents.seen_by(view)
+    }
+
+    /// Where an instance is, relative from mesh, and the inverse.
+    fn transforms(&self, number: usize) -> (&DAffine3, &DAffine3) {
+        let tree = if number < self.first_blended { &self.tree } else { &self.blended };
+        tree.transforms(number as u32)
     }
 
     /// Whether anything shines.

@@ -8,7 +8,7 @@ use super::{Luminaire, MeshTrees};
 use crate::accel::PlacedMesh;
 use crate::fog::{Emitter, Falloff, FogBank, Medium};
 use crate::scene::{Fog, FogShape, GridFrames, HeightFalloff, Light, Material, NodeIndex, Placement, Scene};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -29,12 +29,9 @@ pub(super) struct Placed {
     pub(super) instance: usize,
     /// Bent shape of its mesh, if it bends.
     pub(super) bent: Option<Arc<BentMesh>>,
-    pub(super) relative_from_mesh: DAffine3,
-    /// Inverse transpose, for normals.
-    pub(super) relative_from_mesh_normal: DMat3,
 }
 
-/// Instances, and what a tree is built of for them, in the same order.
+/// Instances that rays can meet, and what a tree is built of for them, in the same order.
 #[derive(Default)]
 pub(super) struct PlacedInstances {
     pub(super) placed: Vec<Placed>,
@@ -66,23 +63,16 @@ impl<'scene> Moment<'scene> {
                     (Some(bent), self.relative(shape))
                 }
             };
-            // A leaf scaled to nothing is a leaf that is not there.
-            if relative_from_mesh.matrix3.determinant() == 0.0 {
-                continue;
-            }
             let own = bent.as_ref().map(|bent| bent.trees.clone());
             let own = own.unwrap_or_else(|| trees.of(self.scene, instance));
             for (class, mesh) in classes.iter_mut().zip(own) {
                 let Some(mesh) = mesh else { continue };
-                let relative_from_mesh_normal = relative_from_mesh.matrix3.inverse().transpose();
-                let bent = bent.clone();
-                class.placed.push(Placed {
-                    instance: index,
-                    bent,
-                    relative_from_mesh,
-                    relative_from_mesh_normal,
-                });
-                class.meshes.push(PlacedMesh { mesh, relative_from_mesh });
+                let mesh = PlacedMesh { mesh, relative_from_mesh };
+                // A leaf scaled to nothing is a leaf that is not there.
+                if mesh.mesh_from_relative().is_some() {
+                    class.placed.push(Placed { instance: index, bent: bent.clone() });
+                    class.meshes.push(mesh);
+                }
             }
         }
         classes

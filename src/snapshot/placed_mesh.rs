@@ -11,7 +11,7 @@ use glam::{DAffine3, Vec3};
 #[derive(Clone, Copy)]
 pub struct DrawnMesh<'a> {
     /// Transform.
-    pub relative_from_mesh: DAffine3,
+    pub relative_from_mesh: &'a DAffine3,
     /// Vertices as they are bent, in its own space.
     pub positions: &'a [Vec3],
     /// Whether they are not where they are in the file.
@@ -56,7 +56,7 @@ impl Snapshot<'_> {
         let placed = &self.placed[number];
         let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
         DrawnMesh {
-            relative_from_mesh: placed.relative_from_mesh,
+            relative_from_mesh: self.transforms(number).0,
             positions: placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions),
             is_bent: placed.bent.is_some(),
             is_blended: number >= self.first_blended,

@@ -10,7 +10,7 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scattering::{Gloss, Layers, ThinDielectric};
 use crate::scene::{Material, Mesh, Painted, Texture, TextureMap};
-use glam::{DMat3, DVec3, Vec3, Vec4};
+use glam::{DAffine3, DVec3, Vec3, Vec4};
 use texels::{FacetTexels, Shine};
 
 /// A point of a surface, ready for shading.
@@ -77,7 +77,7 @@ struct Bending<'a> {
     /// None in flat meshes.
     normals: &'a [Vec3],
     tangents: &'a [Vec4],
-    relative_from_mesh_normal: &'a DMat3,
+    mesh_from_relative: &'a DAffine3,
 }
 
 /// A place that is seen so near to a plane, in radians, lies within it.
@@ -96,8 +96,9 @@ impl Snapshot<'_> {
             None => (&mesh.positions, &mesh.normals, &mesh.tangents),
             Some(bent) => (&bent.shape.positions, &bent.shape.normals, &bent.shape.tangents),
         };
+        let (relative_from_mesh, mesh_from_relative) = self.transforms(primitive.instance as usize);
         let [a, b, c] =
-            corners.map(|corner| placed.relative_from_mesh.transform_point3(positions[corner].as_dvec3()));
+            corners.map(|corner| relative_from_mesh.transform_point3(positions[corner].as_dvec3()));
         let (ab, ac) = (b - a, c - a);
         let area_normal = ab.cross(ac);
         let texture = material.base_color_texture.filter(|_| !mesh.uvs.is_empty());
@@ -111,7 +112,7 @@ impl Snapshot<'_> {
                 positions,
                 normals,
                 tangents,
-                relative_from_mesh_normal: &placed.relative_from_mesh_normal,
+                mesh_from_relative,
             }),
             leaf_id: instance.leaf_id,
             corners,
@@ -119,8 +120,10 @@ impl Snapshot<'_> {
             normal: area_normal.normalize_or_zero(),
             gradients: [ac.cross(area_normal), area_normal.cross(ab)]
                 .map(|gradient| gradient / area_normal.length_squared()),
-            corner_normals: (!normals.is_empty())
-                .then(|| corners.map(|corner| placed.relative_from_mesh_normal * normals[corner].as_dvec3())),
+            corner_normals: (!normals.is_empty()).then(|| {
+                let relative_from_mesh_normal = mesh_from_relative.matrix3.transpose();
+                corners.map(|corner| relative_from_mesh_normal * normals[corner].as_dvec3())
+            }),
         }
     }
 
@@ -130,8 +133,8 @@ impl Snapshot<'_> {
         let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
         let positions = placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions);
         let vertices = mesh.triangles[primitive.triangle as usize].vertices;
-        vertices
-            .map(|vertex| placed.relative_from_mesh.transform_point3(positions[vertex as usize].as_dvec3()))
+        let (relative_from_mesh, _) = self.transforms(primitive.instance as usize);
+        vertices.map(|vertex| relative_from_mesh.transform_point3(positions[vertex as usize].as_dvec3()))
     }
 
     /// Whether alpha may differ from place to place on a triangle.
@@ -271,6 +274,7 @@ impl Bending<'_> {
         let tangent = between(&|corner| self.tangents[corner].truncate());
         let bitangent = f64::from(self.tangents[corners[0]].w) * normal.cross(tangent);
         let bent = scale * (texel.x * tangent + texel.y * bitangent) + texel.z * normal;
-        [bent, normal].map(|direction| *self.relative_from_mesh_normal * direction)
+        let relative_from_mesh_normal = self.mesh_from_relative.matrix3.transpose();
+        [bent, normal].map(|direction| relative_from_mesh_normal * direction)
     }
 }
