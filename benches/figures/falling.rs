@@ -3,6 +3,7 @@
 
 use cpu_time::ProcessTime;
 use std::cell::RefCell;
+use std::io::{Cursor, Read};
 use std::time::Instant;
 use sunfleck::description;
 use sunfleck::scene::{self, Baking, Motion, ResolveOptions, Rotation};
@@ -28,8 +29,11 @@ pub fn run(rounds: usize) {
         std::fs::write(&path, SCENE.replace("WIND", wind)).unwrap();
         for _ in 0..rounds {
             let kept = RefCell::new(None);
-            let keep = |_: &str, bytes: &[u8]| *kept.borrow_mut() = Some(bytes.to_vec());
-            let recall = |_: &str| kept.borrow().clone();
+            let keep = |_: &str, parts: &[&[u8]]| *kept.borrow_mut() = Some(parts.concat());
+            let recall = |_: &str| {
+                let bytes: Vec<u8> = kept.borrow().clone()?;
+                Some(Box::new(Cursor::new(bytes)) as Box<dyn Read>)
+            };
             let baking = Baking { recall: &recall, keep: &keep, ..Baking::ALONE };
             let resolve = || {
                 let (started, processor) = (Instant::now(), ProcessTime::now());
@@ -43,8 +47,8 @@ pub fn run(rounds: usize) {
             for node in &scene.nodes {
                 if let Motion::Keyed { translation, rotation: Rotation::Quaternion(rotation), .. } =
                     &node.motion
-                    && let [first_s, .., last_s] = translation.times_s()
                 {
+                    let (first_s, last_s) = translation.span_s();
                     places += translation.times_s().len();
                     turns += rotation.times_s().len();
                     in_the_air_s += last_s - first_s;
@@ -56,7 +60,7 @@ pub fn run(rounds: usize) {
                 places as f64 / in_the_air_s,
                 turns as f64 / in_the_air_s,
                 // Of a place and of a turn: time, value and slope.
-                (places as f64 * (8.0 + 6.0 * 4.0) + turns as f64 * (8.0 + 8.0 * 4.0)) / 1e6,
+                (places as f64 * 22.0 + turns as f64 * 20.0) / 1e6,
                 kept.borrow().as_ref().map_or(0, Vec::len) as f64 / 1e6
             );
         }

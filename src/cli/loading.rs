@@ -9,12 +9,12 @@ use super::saving::clear_folder;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::env;
 use std::fs::{self, DirEntry};
-use std::io::IsTerminal as _;
+use std::io::{BufReader, IsTerminal as _, Read};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::SystemTime;
 use sunfleck::api::Scene;
-use sunfleck::description::{Description, read_regular};
+use sunfleck::description::{Description, open_regular};
 use sunfleck::diagnostic::{readable, shown};
 use sunfleck::frame_file;
 use sunfleck::scene::{Baking, ResolveOptions};
@@ -53,19 +53,19 @@ pub(super) fn resolve(
     };
     let recall = |name: &str| {
         let path = path(name)?;
-        let bytes = read_regular(&path).ok()?;
+        let bake = open_regular(&path).ok()?;
         // The oldest go first: this one is in use.
         let _ = fs::File::options()
             .append(true)
             .open(&path)
             .and_then(|file| file.set_modified(SystemTime::now()));
-        Some(bytes)
+        Some(Box::new(BufReader::new(bake)) as Box<dyn Read>)
     };
-    let keep = |name: &str, bytes: &[u8]| {
+    let keep = |name: &str, parts: &[&[u8]]| {
         let (Some(folder), Some(path)) = (&folder, path(name)) else { return };
         clear_folder(folder, is_bake);
-        make_room(folder, bytes.len() as u64);
-        let _ = frame_file::write_whole(&path, &[bytes]);
+        make_room(folder, parts.iter().map(|part| part.len() as u64).sum());
+        let _ = frame_file::write_whole(&path, parts);
     };
     let scene = Scene::resolve(description, options, &Baking { tell: &tell, recall: &recall, keep: &keep });
     if let Some(bar) = bar.get() {

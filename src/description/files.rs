@@ -14,21 +14,31 @@ pub struct Files {
     read: Vec<PathBuf>,
 }
 
-/// The bytes of a regular file. A pipe or a device may never begin or never end, so it is not even opened.
+/// A regular file, to be read as far as it is long now. A pipe or a device may never begin or never end, so
+/// it is not even opened.
 ///
 /// # Errors
-/// If there is no such file, it is no regular one, or its bytes do not fit into memory.
-pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+/// If there is no such file, or it is no regular one.
+pub fn open_regular(path: &Path) -> io::Result<io::Take<File>> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() && !metadata.is_dir() {
         return Err(io::Error::new(ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));
     }
+    // What is added while it is read is not of this file.
+    Ok(File::open(path)?.take(metadata.len()))
+}
+
+/// The bytes of a regular file.
+///
+/// # Errors
+/// If there is no such file, it is no regular one, or its bytes do not fit into memory.
+pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let mut file = open_regular(path)?;
     let mut bytes = Vec::new();
     let out_of_memory =
         |_| io::Error::new(ErrorKind::OutOfMemory, "it is larger than the memory that can be had");
-    bytes.try_reserve_exact(metadata.len() as usize).map_err(out_of_memory)?;
-    // What is added while it is read is not of this file.
-    File::open(path)?.take(metadata.len()).read_to_end(&mut bytes)?;
+    bytes.try_reserve_exact(file.limit() as usize).map_err(out_of_memory)?;
+    file.read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

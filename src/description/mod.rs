@@ -19,7 +19,7 @@ pub mod vdb;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable, shown};
 use std::path::{Path, PathBuf};
 
-pub use files::{Files, read_regular};
+pub use files::{Files, open_regular, read_regular};
 #[cfg(feature = "program")]
 pub use peers::{PeerRow, load_peers};
 

@@ -242,7 +242,7 @@ fn own_keys<T: Stored>(rate: FrameRate, track: &Track<T>) -> Option<Keys<T>> {
         let rounded = time_s as f32;
         if are_steps && rounded > 0.0 { rounded.next_down() } else { rounded }
     };
-    let usable = keys[0].time_s >= 0.0 && key_times::are_apart(rate, track.times_s());
+    let usable = keys[0].time_s >= 0.0 && key_times::are_apart(rate, &track.times_s());
     if !(are_steps || are_straight) || track.extend() == Extend::Cycle || !usable {
         return None;
     }

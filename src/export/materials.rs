@@ -58,8 +58,8 @@ impl Writer<'_> {
         }
         self.add_layers(material, &mut extensions);
         // The factor itself is at most 1.
-        let times_s = material.changes.iter().flat_map(|changes| changes.times_s());
-        let brightest = times_s.map(|&time_s| material.at(time_s).emission.max_element());
+        let times_s = material.changes.iter().flat_map(|changes| changes.times_s().into_owned());
+        let brightest = times_s.map(|time_s| material.at(time_s).emission.max_element());
         let emission = if is_unlit { Rgb::ZERO } else { material.emission };
         let strength = brightest.fold(emission.max_element().max(1.0), f64::max);
         self.carry_changes(index, material, &Written { is_metal, is_unlit, emission_strength: strength });

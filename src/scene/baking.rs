@@ -2,6 +2,7 @@
 //! changes the bakes, and kept ones are not trusted.
 
 use std::fmt;
+use std::io::Read;
 
 /// Hears how many leaves of a fall are done, of how many. From any thread.
 type Ear<'a> = &'a (dyn Fn(u32, u32) + Sync);
@@ -12,9 +13,9 @@ pub struct Baking<'a> {
     /// Hears of progress.
     pub tell: Ear<'a>,
     /// Bytes kept under a name, if they are still there.
-    pub recall: &'a dyn Fn(&str) -> Option<Vec<u8>>,
-    /// Keeps bytes under a name, or does not.
-    pub keep: &'a dyn Fn(&str, &[u8]),
+    pub recall: &'a dyn Fn(&str) -> Option<Box<dyn Read>>,
+    /// Keeps bytes, in parts, under a name, or does not.
+    pub keep: &'a dyn Fn(&str, &[&[u8]]),
 }
 
 impl Baking<'_> {

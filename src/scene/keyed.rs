@@ -20,7 +20,7 @@ impl<T: Animate> Keyed for Track<T> {
     }
 
     fn span_s(&self) -> Option<(f64, f64)> {
-        Track::span_s(self)
+        Some(Track::span_s(self))
     }
 
     fn is_endless(&self) -> bool {
@@ -50,7 +50,7 @@ impl Keyed for Mist {
 
     fn span_s(&self) -> Option<(f64, f64)> {
         let spans = self.tracks().map(Track::span_s).chain([self.wind.track().span_s()]);
-        spans.flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        spans.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
     fn is_endless(&self) -> bool {

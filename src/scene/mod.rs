@@ -68,6 +68,7 @@ pub use settings::{Bounces, FrameRate, PixelFilter, RenderSettings, Sampling, Si
 pub use sky::{Sky, SkyLight, SkyPicture, SkySun};
 pub use sun_picture::{MOST_SUN_PICTURES, SunPicture, SunShows};
 pub use texture::{Texture, Wrap};
+use track::SmoothKey;
 pub use track::{Animate, Extend, Handle, Key, Segment, Track};
 
 /// Everything there is, at every time. Immutable once built.

@@ -9,7 +9,7 @@ use super::number::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Maximum number of leaves in all blocks of a scene: each has keys of its own, some 24 kilobytes.
+/// Maximum number of leaves in all blocks of a scene: each has keys of its own, some 12 kilobytes.
 pub const MOST_FALLING: u32 = 50_000;
 
 /// Leaves that fall as leaves fall.

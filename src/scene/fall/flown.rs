@@ -29,9 +29,10 @@ impl Flown {
     /// A flight's, of a node whose own point `middle` is the leaf's; `None` of a way without a pose.
     pub(super) fn new(flight: Flight, middle: DVec3, tolerance: Tolerance) -> Option<Self> {
         let Flight { mut poses, touches_with } = flight;
+        let start_s = poses.first()?.time_s;
         keys::to_one_side(&mut poses, DQuat::IDENTITY);
         let Some(velocity) = touches_with else {
-            let head = Some(keys::keyed(&keys::knots(&poses, None, middle), tolerance)?);
+            let head = Some(keys::keyed(&keys::knots(&poses, None, middle), start_s, tolerance)?);
             return Some(Self { head, tail: Vec::new(), velocity: DVec3::ZERO });
         };
         let from_s = poses.last()?.time_s - TAIL_S;
@@ -40,7 +41,7 @@ impl Flown {
             return Some(Self { head: None, tail: poses, velocity });
         }
         let knots = keys::knots(&poses, None, middle);
-        let head = Some(keys::keyed(&knots[..=from], tolerance)?);
+        let head = Some(keys::keyed(&knots[..=from], start_s, tolerance)?);
         Some(Self { head, tail: poses.split_off(from - CONTEXT), velocity })
     }
 
@@ -57,7 +58,7 @@ impl Flown {
 
     /// All of its way: up to that pose of the tail, from there through a touch to its rest.
     pub(super) fn to_rest(
-        &self,
+        self,
         until: usize,
         touch: Pose,
         settling: Vec<Pose>,
@@ -70,8 +71,9 @@ impl Flown {
         poses.extend(settling);
         keys::to_one_side(&mut poses, self.tail[0].turn);
         let knots = keys::knots(&poses, Some(landed_at), middle);
-        let (places, turns) = keys::keyed(&knots[self.first()..], tolerance)?;
-        let Some((head_places, head_turns)) = &self.head else { return Some((places, turns)) };
-        Some((keys::joined(head_places, &places)?, keys::joined(head_turns, &turns)?))
+        let start_s = self.head.as_ref().map_or(self.tail[0].time_s, |(places, _)| places.span_s().0);
+        let (places, turns) = keys::keyed(&knots[self.first()..], start_s, tolerance)?;
+        let Some((head_places, head_turns)) = self.head else { return Some((places, turns)) };
+        Some((head_places.then(places)?, head_turns.then(turns)?))
     }
 }

@@ -2,23 +2,23 @@
 //! there. Invariant: what comes from there is what baking gives, to the last bit, or it is not taken. Its
 //! name says what was baked and by which edition of this code. Its checksum says that nothing is damaged.
 //!
-//! Little-endian: `MAGIC`, number of leaves, of each leaf where it ends; the leaves'
-//! flights; CRC-32 of all that.
+//! Little-endian: `MAGIC`, number of leaves, of each leaf its number of bytes and its flight; CRC-32 of all
+//! that. Nothing is in memory twice: flights are read one after another.
 
 use super::Fall;
 use super::flown::Flown;
 use super::leaf::Pose;
+use crate::scene::Track;
 use crate::scene::baking::Baking;
-use crate::scene::{Animate, Extend, Key, Segment, Track};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::fmt::{self, Write};
+use std::io::Read;
 
 /// Edition, to be raised with every change of what falls give: old bakes have old names then.
-pub(super) const EDITION: u32 = 3;
-const MAGIC: &[u8; 16] = b"sunfleck bake 3\n";
-const CHECKSUM_BYTES: usize = 4;
+pub(super) const EDITION: u32 = 4;
+const MAGIC: &[u8; 16] = b"sunfleck bake 4\n";
 /// Fewer leaves are baked before a file is found.
 const FEWEST: u32 = 1000;
 
@@ -30,12 +30,14 @@ impl Fall {
             return self.fly(&tell);
         }
         let name = self.name();
-        let recalled = (baking.recall)(&name).and_then(|bytes| decode(&bytes));
+        let recalled = (baking.recall)(&name).and_then(decode);
         if let Some(flown) = recalled.filter(|flown| flown.len() == self.count as usize) {
             return flown;
         }
         let flown = self.fly(&tell);
-        (baking.keep)(&name, &encode(&flown));
+        if let Some(parts) = encode(&flown) {
+            (baking.keep)(&name, &parts.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        }
         flown
     }
 
@@ -58,45 +60,64 @@ impl Write for Hashed {
     }
 }
 
-pub(super) fn encode(leaves: &[Flown]) -> Vec<u8> {
-    let bodies: Vec<Vec<u8>> = leaves.par_iter().map(leaf_bytes).collect();
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend((leaves.len() as u64).to_le_bytes());
-    let mut end = 0;
-    for body in &bodies {
-        end += body.len() as u64;
-        bytes.extend(end.to_le_bytes());
-    }
-    for body in &bodies {
-        bytes.extend_from_slice(body);
+/// Parts of a file; `None` if a flight has keys beyond what tracks keep in few bytes.
+pub(super) fn encode(leaves: &[Flown]) -> Option<Vec<Vec<u8>>> {
+    let head = [MAGIC.as_slice(), &(leaves.len() as u64).to_le_bytes()].concat();
+    let mut parts = vec![head];
+    parts.par_extend(leaves.par_iter().map(|leaf| leaf_bytes(leaf).unwrap_or_default()));
+    if parts.iter().any(Vec::is_empty) {
+        return None;
     }
     // Against damage, not against forgers, who may write their own leaves.
-    let checksum = crc32fast::hash(&bytes);
-    bytes.extend(checksum.to_le_bytes());
-    bytes
+    let mut hash = crc32fast::Hasher::new();
+    parts.iter().for_each(|part| hash.update(part));
+    parts.push(hash.finalize().to_le_bytes().to_vec());
+    Some(parts)
 }
 
 /// `None` of anything that `encode` did not write.
-pub(super) fn decode(bytes: &[u8]) -> Option<Vec<Flown>> {
-    let (content, checksum) = bytes.split_at_checked(bytes.len().checked_sub(CHECKSUM_BYTES)?)?;
-    if crc32fast::hash(content).to_le_bytes() != *checksum {
+pub(super) fn decode(file: impl Read) -> Option<Vec<Flown>> {
+    let mut file = Hashing { file, hash: crc32fast::Hasher::new() };
+    if &file.take::<16>()? != MAGIC {
         return None;
     }
-    let mut reader = Reader(content.strip_prefix(MAGIC)?);
-    let count = usize::try_from(reader.integer()?).ok()?;
-    let (ends, bodies) = reader.0.split_at_checked(count.checked_mul(8)?)?;
-    let end = |leaf: usize| Reader(&ends[8 * leaf..]).integer().and_then(|end| usize::try_from(end).ok());
-    (0..count)
-        .into_par_iter()
-        .map(|leaf| {
-            let start = if leaf == 0 { 0 } else { end(leaf - 1)? };
-            leaf_of(bodies.get(start..end(leaf)?)?)
-        })
-        .collect()
+    let (mut leaves, mut bytes) = (Vec::new(), Vec::new());
+    for _ in 0..u64::from_le_bytes(file.take()?) {
+        let length = u64::from_le_bytes(file.take()?);
+        file.read(length, &mut bytes)?;
+        leaves.push(leaf_of(&bytes)?);
+    }
+    let found = file.hash.clone().finalize();
+    let whole = u32::from_le_bytes(file.take()?) == found && file.take::<1>().is_none();
+    whole.then_some(leaves)
 }
 
-fn leaf_bytes(leaf: &Flown) -> Vec<u8> {
-    let mut bytes = Vec::new();
+/// A file, and the CRC-32 of what has been read of it.
+struct Hashing<R> {
+    file: R,
+    hash: crc32fast::Hasher,
+}
+
+impl<R: Read> Hashing<R> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let mut bytes = [0; N];
+        self.file.read_exact(&mut bytes).ok()?;
+        self.hash.update(&bytes);
+        Some(bytes)
+    }
+
+    /// Replaces `bytes` by the next so many: no more room is made than there are.
+    fn read(&mut self, length: u64, bytes: &mut Vec<u8>) -> Option<()> {
+        bytes.clear();
+        let read = self.file.by_ref().take(length).read_to_end(bytes).ok()?;
+        self.hash.update(bytes);
+        (read as u64 == length).then_some(())
+    }
+}
+
+/// Its number of bytes and those; `None` of a flight that is not kept.
+fn leaf_bytes(leaf: &Flown) -> Option<Vec<u8>> {
+    let mut bytes = vec![0; LENGTH];
     bytes.extend((leaf.tail.len() as u64).to_le_bytes());
     for pose in &leaf.tail {
         let numbers = [[pose.time_s].as_slice(), &pose.middle.to_array(), &pose.turn.to_array()].concat();
@@ -104,37 +125,28 @@ fn leaf_bytes(leaf: &Flown) -> Vec<u8> {
     }
     bytes.extend(leaf.velocity.to_array().into_iter().flat_map(f64::to_le_bytes));
     if let Some((places, turns)) = &leaf.head {
-        push_track(places, &mut bytes);
-        push_track(turns, &mut bytes);
+        places.write(&mut bytes)?;
+        turns.write(&mut bytes)?;
     }
-    bytes
+    let length = (bytes.len() - LENGTH) as u64;
+    bytes[..LENGTH].copy_from_slice(&length.to_le_bytes());
+    Some(bytes)
 }
+
+const LENGTH: usize = size_of::<u64>();
 
 fn leaf_of(bytes: &[u8]) -> Option<Flown> {
     let mut reader = Reader(bytes);
     let mut tail = Vec::new();
-    for _ in 0..reader.integer()? {
+    for _ in 0..u64::from_le_bytes(reader.take()?) {
         let (time_s, middle) = (reader.number()?, DVec3::from_array(reader.numbers()?));
         tail.push(Pose { time_s, middle, turn: DQuat::from_array(reader.numbers()?) });
     }
+    tail.shrink_to_fit();
     let velocity = DVec3::from_array(reader.numbers()?);
-    let head = if reader.0.is_empty() { None } else { Some((reader.track()?, reader.track()?)) };
+    let mut rest = reader.0;
+    let head = if rest.is_empty() { None } else { Some((Track::read(&mut rest)?, Track::read(&mut rest)?)) };
     Flown { head, tail, velocity }.checked()
-}
-
-/// Times, values and slopes of a smooth track whose numbers are of single precision.
-fn push_track<T: Animate>(track: &Track<T>, bytes: &mut Vec<u8>) {
-    let keys = track.keys();
-    bytes.extend((keys.len() as u64).to_le_bytes());
-    let mut singles = Vec::with_capacity(2 * T::SINGLES);
-    for key in keys {
-        singles.clear();
-        key.value.push_singles(&mut singles);
-        let leave = if let Segment::Hermite { leave, .. } = key.to_next { leave } else { T::ZERO };
-        leave.push_singles(&mut singles);
-        bytes.extend(key.time_s.to_le_bytes());
-        bytes.extend(singles.iter().flat_map(|single| single.to_le_bytes()));
-    }
 }
 
 struct Reader<'a>(&'a [u8]);
@@ -144,10 +156,6 @@ impl Reader<'_> {
         let (first, rest) = self.0.split_first_chunk()?;
         self.0 = rest;
         Some(*first)
-    }
-
-    fn integer(&mut self) -> Option<u64> {
-        self.take().map(u64::from_le_bytes)
     }
 
     fn number(&mut self) -> Option<f64> {
@@ -161,27 +169,6 @@ impl Reader<'_> {
         }
         Some(numbers)
     }
-
-    fn value<T: Animate>(&mut self) -> Option<T> {
-        let mut singles = [0.0; 4];
-        for single in &mut singles[..T::SINGLES] {
-            *single = f32::from_le_bytes(self.take()?);
-        }
-        Some(T::from_singles(&singles[..T::SINGLES]))
-    }
-
-    fn track<T: Animate>(&mut self) -> Option<Track<T>> {
-        let count = usize::try_from(self.integer()?).ok()?;
-        let mut keys: Vec<Key<T>> = Vec::new();
-        for _ in 0..count {
-            let (time_s, value, leave) = (self.number()?, self.value()?, self.value()?);
-            if let Some(Key { to_next: Segment::Hermite { arrive, .. }, .. }) = keys.last_mut() {
-                *arrive = leave;
-            }
-            keys.push(Key { time_s, value, to_next: Segment::Hermite { leave, arrive: T::ZERO } });
-        }
-        Track::new(keys, Extend::Hold)
-    }
 }
 
 #[cfg(test)]
@@ -191,20 +178,25 @@ mod tests {
     use super::*;
     use std::cell::{Cell, RefCell};
     use std::collections::BTreeMap;
+    use std::io::Cursor;
 
     fn few() -> Vec<Flown> {
         Fall { count: 20, ..fall(every_way(), storm(), level()) }.fly(&|_| {})
     }
 
+    fn bytes_of(leaves: &[Flown]) -> Vec<u8> {
+        encode(leaves).unwrap().concat()
+    }
+
     #[test]
     fn what_is_kept_comes_back_to_the_last_bit() {
         let leaves = few();
-        let bytes = encode(&leaves);
-        assert_eq!(decode(&bytes).unwrap(), leaves);
-        assert_eq!(decode(&encode(&[])).unwrap(), []);
-        // Single precision: nothing is kept twice as large as need be.
+        let bytes = bytes_of(&leaves);
+        assert_eq!(decode(&bytes[..]).unwrap(), leaves);
+        assert_eq!(decode(&bytes_of(&[])[..]).unwrap(), []);
+        // Nothing is kept twice as large as need be.
         let keys = |leaf: &Flown| match &leaf.head {
-            Some((places, turns)) => places.times_s().len() * 32 + turns.times_s().len() * 40,
+            Some((places, turns)) => places.times_s().len() * 22 + turns.times_s().len() * 20,
             None => 0,
         };
         let most = leaves.iter().map(|leaf| keys(leaf) + leaf.tail.len() * 64 + 100).sum::<usize>();
@@ -213,22 +205,22 @@ mod tests {
 
     #[test]
     fn no_damaged_byte_is_trusted() {
-        let bytes = encode(&few()[..2]);
+        let bytes = bytes_of(&few()[..2]);
         for place in (0..bytes.len()).step_by(7) {
             let mut damaged = bytes.clone();
             damaged[place] ^= 1;
-            assert!(decode(&damaged).is_none(), "byte {place}");
+            assert!(decode(&damaged[..]).is_none(), "byte {place}");
         }
         for length in (0..bytes.len()).step_by(13) {
             assert!(decode(&bytes[..length]).is_none(), "{length} bytes");
         }
         // Nor is what has a checksum and does not hold together.
         for count in [3_u64, u64::MAX] {
-            let mut content = bytes[..bytes.len() - CHECKSUM_BYTES].to_vec();
+            let mut content = bytes[..bytes.len() - 4].to_vec();
             content[MAGIC.len()..MAGIC.len() + 8].copy_from_slice(&count.to_le_bytes());
             let checksum = crc32fast::hash(&content);
             content.extend(checksum.to_le_bytes());
-            assert!(decode(&content).is_none(), "{count} leaves");
+            assert!(decode(&content[..]).is_none(), "{count} leaves");
         }
     }
 
@@ -253,11 +245,14 @@ mod tests {
             Fall { count: FEWEST, release_s: (0.0, 0.0), ..fall(every_way(), calm(), level()) },
             Fall { count: FEWEST - 1, ..fall(every_way(), calm(), level()) },
         );
-        let (kept, baked) = (RefCell::new(BTreeMap::new()), Cell::new(0));
-        let recall = |name: &str| kept.borrow().get(name).cloned();
-        let keep = |name: &str, bytes: &[u8]| {
+        let (kept, baked) = (RefCell::new(BTreeMap::<String, Vec<u8>>::new()), Cell::new(0));
+        let recall = |name: &str| {
+            let bytes = kept.borrow().get(name)?.clone();
+            Some(Box::new(Cursor::new(bytes)) as Box<dyn Read>)
+        };
+        let keep = |name: &str, parts: &[&[u8]]| {
             baked.set(baked.get() + 1);
-            kept.borrow_mut().insert(name.to_owned(), bytes.to_vec());
+            kept.borrow_mut().insert(name.to_owned(), parts.concat());
         };
         let baking = Baking { tell: &|_, _| {}, recall: &recall, keep: &keep };
         let flown = many.fly_or_recall(&baking);
@@ -269,7 +264,7 @@ mod tests {
         let nowhere: Vec<Flown> =
             flown.iter().map(|leaf| Flown { head: None, tail: Vec::new(), ..leaf.clone() }).collect();
         for (foreign, bakes) in [(nowhere, 2), (flown[1..].to_vec(), 3)] {
-            kept.borrow_mut().insert(many.name(), encode(&foreign));
+            kept.borrow_mut().insert(many.name(), bytes_of(&foreign));
             assert_eq!((many.fly_or_recall(&baking), baked.get()), (flown.clone(), bakes));
         }
     }

@@ -2,7 +2,7 @@
 //! the tolerance.
 
 use super::leaf::Pose;
-use crate::scene::{Animate, Extend, Key, Segment, Track};
+use crate::scene::{Animate, SmoothKey, Track};
 use glam::{DQuat, DVec3};
 
 /// Maximum number of poses between two keys that are tried.
@@ -29,55 +29,39 @@ pub(crate) struct Knot {
 /// Care once a leaf has touched the ground.
 const CARE_ON_GROUND: f64 = 1.0 / 3.0;
 
-/// Place and turn of a node; `None` without a knot.
-pub(crate) fn keyed(knots: &[Knot], tolerance: Tolerance) -> Option<(Track<DVec3>, Track<DQuat>)> {
+/// Place and turn of a node whose tracks start at a time; `None` without a knot.
+pub(crate) fn keyed(
+    knots: &[Knot],
+    start_s: f64,
+    tolerance: Tolerance,
+) -> Option<(Track<DVec3>, Track<DQuat>)> {
     let near = |knot: &Knot, place: DVec3| place.distance(knot.place) <= knot.care * tolerance.place_m;
-    let places = smooth(knots, |knot| (knot.place, knot.velocity), near);
+    let places = smooth(knots, start_s, |knot| (knot.place, knot.velocity), near);
     // The chord between two rotations is half the angle.
     let near = |knot: &Knot, turn: DQuat| (turn - knot.turn).length() <= knot.care * 0.5 * tolerance.turn_rad;
-    let turns = smooth(knots, |knot| (knot.turn, knot.turning), near);
+    let turns = smooth(knots, start_s, |knot| (knot.turn, knot.turning), near);
     Some((places?, turns?))
 }
 
-/// A track of one slope a key, through as few knots as `near` allows, in numbers of single precision,
-/// which tracks keep in half the memory.
+/// A track of one slope a key, through as few knots as `near` allows, in the short numbers that tracks keep
+/// in a fraction of the memory.
 fn smooth<T: Animate>(
     knots: &[Knot],
+    start_s: f64,
     value: impl Fn(&Knot) -> (T, T),
     near: impl Fn(&Knot, T) -> bool,
 ) -> Option<Track<T>> {
-    let mut singles = Vec::with_capacity(T::SINGLES);
-    let mut in_single = |value: T| {
-        singles.clear();
-        value.push_singles(&mut singles);
-        T::from_singles(&singles)
+    let key = |knot: &Knot| {
+        let (value, slope) = value(knot);
+        SmoothKey { time_s: knot.time_s, value, slope }.shortened(start_s)
     };
-    let mut kept = vec![0];
-    let mut from = 0;
-    while from + 1 < knots.len() {
-        from = farthest(knots, from, |from, to| fits(&knots[from..=to], &value, &near));
-        kept.push(from);
+    let keys: Vec<SmoothKey<T>> = knots.iter().map(key).collect();
+    let (mut kept, mut from) = (vec![*keys.first()?], 0);
+    while from + 1 < keys.len() {
+        from = farthest(keys.len(), from, |from, to| fits(&knots[from..=to], &keys[from..=to], &near));
+        kept.push(keys[from]);
     }
-    let key = |place: usize| {
-        let (here, leave) = value(&knots[kept[place]]);
-        let arrive = kept.get(place + 1).map_or(T::ZERO, |&next| value(&knots[next]).1);
-        let (here, leave, arrive) = (in_single(here), in_single(leave), in_single(arrive));
-        Key { time_s: knots[kept[place]].time_s, value: here, to_next: Segment::Hermite { leave, arrive } }
-    };
-    Track::new((0..kept.len()).map(key).collect(), Extend::Hold)
-}
-
-/// One track, then another that starts where it ends; the slope there is the second one's.
-pub(crate) fn joined<T: Animate>(first: &Track<T>, second: &Track<T>) -> Option<Track<T>> {
-    let (mut keys, more) = (first.keys(), second.keys());
-    keys.pop();
-    if let (Some(Key { to_next: Segment::Hermite { arrive, .. }, .. }), Segment::Hermite { leave, .. }) =
-        (keys.last_mut(), more.first()?.to_next)
-    {
-        *arrive = leave;
-    }
-    keys.extend(more);
-    Track::new(keys, Extend::Hold)
+    Track::smooth(start_s, &kept)
 }
 
 /// Picks of the two quaternions of each rotation the one on the side of the one before.
@@ -134,9 +118,9 @@ fn monotone(before: &Pose, here: &Pose, after: &Pose) -> f64 {
     if rise * next_rise <= 0.0 { 0.0 } else { rise.signum() * rise.abs().min(next_rise.abs()) }
 }
 
-/// The knot farthest from `from` that can be the next key.
-fn farthest(knots: &[Knot], from: usize, fits: impl Fn(usize, usize) -> bool) -> usize {
-    let most = (from + MOST_BETWEEN).min(knots.len() - 1);
+/// The knot farthest from `from`, of `count`, that can be the next key.
+fn farthest(count: usize, from: usize, fits: impl Fn(usize, usize) -> bool) -> usize {
+    let most = (from + MOST_BETWEEN).min(count - 1);
     // Twice as far while that goes well, then by halves between what does and what does not.
     let (mut near, mut far, mut reach) = (from + 1, most + 1, 2);
     while near < far && from + reach <= most {
@@ -153,19 +137,14 @@ fn farthest(knots: &[Knot], from: usize, fits: impl Fn(usize, usize) -> bool) ->
     near
 }
 
-/// Whether the curve from the first knot to the last passes all between them.
-fn fits<T: Animate>(
-    knots: &[Knot],
-    value: impl Fn(&Knot) -> (T, T),
-    near: impl Fn(&Knot, T) -> bool,
-) -> bool {
-    let (a, b) = (&knots[0], &knots[knots.len() - 1]);
-    let ((start, leave), (end, arrive)) = (value(a), value(b));
+/// Whether the curve from the first key to the last passes near all knots between them.
+fn fits<T: Animate>(knots: &[Knot], keys: &[SmoothKey<T>], near: impl Fn(&Knot, T) -> bool) -> bool {
+    let (a, b) = (&keys[0], &keys[keys.len() - 1]);
     let duration_s = b.time_s - a.time_s;
     // From the end, where curves part first where they do.
     knots[1..knots.len() - 1].iter().rev().all(|knot| {
         let weights = hermite((knot.time_s - a.time_s) / duration_s, duration_s);
-        near(knot, T::blend([start, leave, end, arrive], weights))
+        near(knot, T::blend([a.value, a.slope, b.value, b.slope], weights))
     })
 }
 

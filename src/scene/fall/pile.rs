@@ -5,7 +5,7 @@
 //! Leaves are stiff, and lie on heights over a grid ([`Heap`]): docs/decisions/falling.md says
 //! what that leaves undone.
 
-use super::flown::Flown;
+use super::flown::{Flown, Tracks};
 use super::ground::Ground;
 use super::heap::{Heap, Lie, Sheet};
 use super::landing::{self, LEAST_INTERVAL_S, Settling};
@@ -13,11 +13,15 @@ use super::leaf::{Leaf, Pose};
 use super::{Fall, Fallen, Look, lean};
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
+use std::mem;
 
 /// Number of times that a leaf's lean is found anew with the heights under it as it leans.
 const LEANS: usize = 3;
 /// No leaf leans more than with this slope against how it would lie on bare ground.
 const MOST_LEAN: f64 = 0.8;
+
+/// Leaves that land before their tracks are put together: few, so that hardly anything is in memory twice.
+const LANDINGS_AT_A_TIME: usize = 256;
 
 /// Landing of a leaf: the poses of its tail that are left, where it touches, what then.
 struct Landing {
@@ -27,7 +31,7 @@ struct Landing {
 }
 
 /// All leaves of each fall, in their order. `falls` lie on one ground.
-pub(in crate::inside::scene) fn come_to_rest(falls: &[(&Fall, Vec<Flown>)]) -> Vec<Vec<Fallen>> {
+pub(in crate::inside::scene) fn come_to_rest(mut falls: Vec<(&Fall, Vec<Flown>)>) -> Vec<Vec<Fallen>> {
     let mut heap =
         Heap::new(falls.iter().flat_map(|(fall, _)| fall.species.iter().map(|kind| kind.length_m)));
     let sheets: Vec<Vec<Vec<Sheet>>> = (falls.iter())
@@ -45,37 +49,52 @@ pub(in crate::inside::scene) fn come_to_rest(falls: &[(&Fall, Vec<Flown>)]) -> V
         order.extend(touches.filter_map(|(number, flown)| Some((flown.tail.last()?.time_s, block, number))));
     }
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let mut landings: Vec<Vec<Option<Landing>>> =
-        falls.iter().map(|(_, flown)| flown.iter().map(|_| None).collect()).collect();
-    for (_, block, number) in order {
-        let (fall, flown) = &falls[block];
-        let Look { species, outline, scale, .. } = fall.look(number as u32);
-        let sheet = sheets[block][species][outline].scaled(scale);
-        let landing = land(fall, &fall.leaf(number as u32), &sheet, &flown[number], &heap);
-        heap.lay(&sheet, lie(&landing.settling.rest));
-        landings[block][number] = Some(landing);
+    let mut fallen: Vec<Vec<Option<Fallen>>> = (falls.iter_mut())
+        .map(|(fall, flown)| {
+            let leaves = flown.par_iter_mut().enumerate();
+            leaves.map(|(number, flown)| fall.never_landed(number as u32, flown)).collect()
+        })
+        .collect();
+    for part in order.chunks(LANDINGS_AT_A_TIME) {
+        let landed = part.iter().map(|&(_, block, number)| {
+            let fall = falls[block].0;
+            let flown = mem::take(&mut falls[block].1[number]);
+            let Look { species, outline, scale, .. } = fall.look(number as u32);
+            let sheet = sheets[block][species][outline].scaled(scale);
+            let landing = land(fall, &fall.leaf(number as u32), &sheet, &flown, &heap);
+            heap.lay(&sheet, lie(&landing.settling.rest));
+            (block, number, flown, landing)
+        });
+        let landed: Vec<_> = landed.collect();
+        let leaves: Vec<_> = (landed.into_par_iter())
+            .map(|(block, number, flown, landing)| {
+                (block, number, falls[block].0.landed(number as u32, flown, landing))
+            })
+            .collect();
+        for (block, number, leaf) in leaves {
+            fallen[block][number] = leaf;
+        }
     }
-    let settled = falls.iter().zip(landings).map(|((fall, flown), landings)| {
-        let leaves = flown.par_iter().zip(landings).enumerate();
-        leaves.filter_map(|(number, (flown, landing))| fall.fallen(number as u32, flown, landing)).collect()
-    });
-    settled.collect()
+    fallen.into_iter().map(|leaves| leaves.into_iter().flatten().collect()).collect()
 }
 
 impl Fall {
-    /// The leaf that went this way; `None` of a way without a pose.
-    fn fallen(&self, number: u32, flown: &Flown, landing: Option<Landing>) -> Option<Fallen> {
+    /// The leaf that went this way and is still in the air; `None` if it is not, or of a way without a pose.
+    fn never_landed(&self, number: u32, flown: &mut Flown) -> Option<Fallen> {
+        if flown.tail.is_empty() { Some(self.fallen(number, flown.head.take()?, false)) } else { None }
+    }
+
+    /// The leaf that went this way and landed; `None` of a way without a pose.
+    fn landed(&self, number: u32, flown: Flown, landing: Landing) -> Option<Fallen> {
+        let Landing { until, touch, settling } = landing;
+        let settling = settling.poses(&self.leaf(number), &self.ground);
+        let (middle, tolerance) = self.keyed_as(number);
+        Some(self.fallen(number, flown.to_rest(until, touch, settling, middle, tolerance)?, true))
+    }
+
+    fn fallen(&self, number: u32, (translation, rotation): Tracks, landed: bool) -> Fallen {
         let Look { species, outline, material, scale, release_s, .. } = self.look(number);
-        let landed = landing.is_some();
-        let (translation, rotation) = match landing {
-            None => flown.head.clone()?,
-            Some(Landing { until, touch, settling }) => {
-                let settling = settling.poses(&self.leaf(number), &self.ground);
-                let (middle, tolerance) = self.keyed_as(number);
-                flown.to_rest(until, touch, settling, middle, tolerance)?
-            }
-        };
-        Some(Fallen { species, outline, material, scale, translation, rotation, release_s, landed })
+        Fallen { species, outline, material, scale, translation, rotation, release_s, landed }
     }
 }
 
@@ -214,13 +233,13 @@ mod tests {
     fn leaves_lie_on_each_other_and_not_through() {
         let falls = crowd();
         let together = flown(&falls);
-        let (deepest_together, pairs) = deepest(&together, &come_to_rest(&together));
+        let (deepest_together, pairs) = deepest(&together, &come_to_rest(together.clone()));
         // Each as if there were no others.
         let apart: Vec<Vec<Fallen>> = (together.iter())
             .map(|(fall, flown)| {
                 let alone = |number: usize| {
                     let others = up_in_the_air(flown, |other| other == number);
-                    come_to_rest(&[(*fall, others)]).remove(0).swap_remove(number)
+                    come_to_rest(vec![(*fall, others)]).remove(0).swap_remove(number)
                 };
                 (0..flown.len()).map(alone).collect()
             })
@@ -234,14 +253,14 @@ mod tests {
     fn later_leaves_move_none_that_lies() {
         let falls = crowd();
         let all = flown(&falls);
-        let lying = come_to_rest(&all);
+        let lying = come_to_rest(all.clone());
         let until_s = 4.0;
         let early = |flown: &Flown| flown.tail.last().unwrap().time_s < until_s;
         let fewer: Vec<(&Fall, Vec<Flown>)> = (all.iter())
             .map(|(fall, flown)| (*fall, up_in_the_air(flown, |number| early(&flown[number]))))
             .collect();
         let mut compared = 0;
-        for ((then, now), (_, flown)) in come_to_rest(&fewer).iter().zip(&lying).zip(&all) {
+        for ((then, now), (_, flown)) in come_to_rest(fewer).iter().zip(&lying).zip(&all) {
             for ((then, now), _) in then.iter().zip(now).zip(flown).filter(|(_, flown)| early(flown)) {
                 assert_eq!(then, now);
                 compared += 1;
@@ -255,7 +274,7 @@ mod tests {
         for (wind, bar_m_per_s) in [(calm(), 4.0), (storm(), 10.0)] {
             let falls = crowd().map(|fall| Fall { wind: wind.clone(), ..fall });
             let all = flown(&falls);
-            for (fallen, (_, flown)) in come_to_rest(&all).iter().zip(&all) {
+            for (fallen, (_, flown)) in come_to_rest(all.clone()).iter().zip(&all) {
                 for (leaf, flown) in fallen.iter().zip(flown) {
                     let lands_s = flown.tail.last().unwrap().time_s;
                     let place = |moment: i32| leaf.translation.at(lands_s + f64::from(moment) / 480.0);
@@ -274,7 +293,7 @@ mod tests {
         let falls = crowd();
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| come_to_rest(&flown(&falls)))
+            pool.install(|| come_to_rest(flown(&falls)))
         };
         assert_eq!(on(1), on(3));
     }

@@ -82,7 +82,7 @@ fn hills() -> Ground {
 
 /// All leaves of a fall, which has its ground for itself.
 fn bake(fall: &Fall) -> Vec<Fallen> {
-    come_to_rest(&[(fall, fall.fly(&|_| {}))]).remove(0)
+    come_to_rest(vec![(fall, fall.fly(&|_| {}))]).remove(0)
 }
 
 /// Points of the leaf's outline in the world.
@@ -269,7 +269,8 @@ fn curves_go_through_all_poses() {
         keys::to_one_side(&mut flight.poses, DQuat::IDENTITY);
         let fine = lone_flight(inertia, damping, interval_s / 4.0, &calm());
         let tolerance = keys::Tolerance { place_m: 0.0008, turn_rad: TOLERANCE };
-        let (places, turns) = keys::keyed(&keys::knots(&flight.poses, None, DVec3::ZERO), tolerance).unwrap();
+        let (places, turns) =
+            keys::keyed(&keys::knots(&flight.poses, None, DVec3::ZERO), 0.0, tolerance).unwrap();
         let most = |flight: &Flight, until: usize| {
             let apart = flight.poses[..until].iter().map(|pose| {
                 let turn = turns.at(pose.time_s);

@@ -5,7 +5,7 @@ use super::extras::{self, Leaf};
 use crate::color::Rgb;
 use crate::description::gltf::{self, Property};
 use crate::diagnostic::Loss;
-use crate::scene::{AlphaMode, Coat, Material, MaterialIndex, Painted, Texture, TextureMap, Track};
+use crate::scene::{AlphaMode, Coat, Material, MaterialIndex, Painted, Texture, TextureMap};
 
 impl Builder<'_> {
     /// Adds every material, under the file's numbers, and their textures.
@@ -26,11 +26,8 @@ impl Builder<'_> {
             let mut material = converted(source);
             material.changes = changes.filter(|changes| !changes.is_constant());
             if extras.is_some() {
-                let times_s = material.changes.iter().flat_map(Track::times_s);
-                self.check_shares(
-                    index,
-                    times_s.map(|&time_s| material.at(time_s)).chain([material.clone()]),
-                );
+                let times_s = material.changes.iter().flat_map(|changes| changes.times_s().into_owned());
+                self.check_shares(index, times_s.map(|time_s| material.at(time_s)).chain([material.clone()]));
             }
             self.report_changes(index, source);
             self.scene.materials.push(material);

@@ -73,7 +73,7 @@ impl Resolver<'_> {
     fn come_to_rest(&mut self, mut flocks: Vec<Flock<'_>>) {
         let flown: Vec<Vec<Flown>> = flocks.iter_mut().map(|flock| mem::take(&mut flock.flown)).collect();
         let falls: Vec<(&Fall, Vec<Flown>)> = flocks.iter().map(|flock| &flock.fall).zip(flown).collect();
-        for (leaves, Flock { name, block, dresses, .. }) in come_to_rest(&falls).into_iter().zip(&flocks) {
+        for (leaves, Flock { name, block, dresses, .. }) in come_to_rest(falls).into_iter().zip(&flocks) {
             let in_the_air = leaves.iter().filter(|leaf| !leaf.landed).count();
             if in_the_air > 0 {
                 let found = format!(

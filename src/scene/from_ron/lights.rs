@@ -128,7 +128,8 @@ impl Resolver<'_> {
         let position = track(from.point, &format!("{owner}.{}", from.name), &mut self.problems);
         let target = track(to.point, &format!("{owner}.{}", to.name), &mut self.problems);
         let (position, target) = (position?, target?);
-        let mut times = position.times_s().iter().chain(target.times_s()).copied();
+        let times_s = [position.times_s(), target.times_s()].concat();
+        let mut times = times_s.into_iter();
         if let Some(time_s) = times.find(|&time_s| position.at(time_s) == target.at(time_s)) {
             self.problems.error(
                 &format!("{owner}.{}", to.name),

@@ -2,18 +2,19 @@
 //! them. Invariant: a value between two is valid if they are.
 
 use glam::{DQuat, DVec3};
+use half::f16;
 
 /// Value that can be keyed.
 pub trait Animate: Copy + PartialEq {
     /// The derivative of a value that does not change.
     const ZERO: Self;
-    /// Number of single-precision numbers that may stand for a value; 0 if that is not provided for.
-    const SINGLES: usize = 0;
-    /// Appends the value in single precision.
-    fn push_singles(self, _out: &mut Vec<f32>) {}
-    /// The value of so many of them.
-    fn from_singles(_singles: &[f32]) -> Self {
-        Self::ZERO
+    /// Bytes that may stand for a value and its derivative; 0 if that is not provided for.
+    const BYTES: usize = 0;
+    /// Appends them, with all numbers rounded to what they hold.
+    fn push_bytes(self, _derivative: Self, _out: &mut Vec<u8>) {}
+    /// Value and derivative of so many bytes.
+    fn from_bytes(_bytes: &[u8]) -> (Self, Self) {
+        (Self::ZERO, Self::ZERO)
     }
     /// Linear interpolation from `a` at 0 to `b` at 1.
     fn lerp(a: Self, b: Self, fraction: f64) -> Self;
@@ -33,13 +34,19 @@ impl Animate for f64 {
 
 impl Animate for DVec3 {
     const ZERO: Self = Self::ZERO;
-    const SINGLES: usize = 3;
-    fn push_singles(self, out: &mut Vec<f32>) {
-        out.extend(self.as_vec3().to_array());
+
+    // Places to 24 digits, velocities to 11: between keys, these matter less.
+    const BYTES: usize = 3 * (4 + 2);
+    fn push_bytes(self, derivative: Self, out: &mut Vec<u8>) {
+        out.extend(self.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
+        push_halves(&derivative.to_array(), out);
     }
-    fn from_singles(singles: &[f32]) -> Self {
-        glam::Vec3::from_slice(singles).as_dvec3()
+    fn from_bytes(bytes: &[u8]) -> (Self, Self) {
+        let (value, derivative) = bytes.split_at(3 * 4);
+        let single = |at: usize| f32::from_le_bytes(array(value, at));
+        (glam::Vec3::new(single(0), single(1), single(2)).as_dvec3(), Self::from_array(halves(derivative)))
     }
+
     fn lerp(a: Self, b: Self, fraction: f64) -> Self {
         a + (b - a) * fraction
     }
@@ -60,12 +67,17 @@ impl<const N: usize> Animate for [f64; N] {
 
 impl Animate for DQuat {
     const ZERO: Self = Self::from_xyzw(0.0, 0.0, 0.0, 0.0);
-    const SINGLES: usize = 4;
-    fn push_singles(self, out: &mut Vec<f32>) {
-        out.extend(self.as_quat().to_array());
+    // Of unit length: whole numbers of 16 bits are as fine for all of them.
+    const BYTES: usize = 4 * (2 + 2);
+    fn push_bytes(self, derivative: Self, out: &mut Vec<u8>) {
+        let whole = |number: f64| (number * FINENESS).round() as i16;
+        out.extend(self.to_array().into_iter().flat_map(|number| whole(number).to_le_bytes()));
+        push_halves(&derivative.to_array(), out);
     }
-    fn from_singles(singles: &[f32]) -> Self {
-        glam::Quat::from_slice(singles).as_dquat()
+    fn from_bytes(bytes: &[u8]) -> (Self, Self) {
+        let (value, derivative) = bytes.split_at(4 * 2);
+        let number = |at: usize| f64::from(i16::from_le_bytes(array(value, at))) / FINENESS;
+        (Self::from_array(std::array::from_fn(number)), Self::from_array(halves(derivative)))
     }
 
     /// Shoemake's slerp (SIGGRAPH 1985) along the shorter arc. The angle comes from an arc tangent:
@@ -83,6 +95,24 @@ impl Animate for DQuat {
     fn blend(v: [Self; 4], w: [f64; 4]) -> Self {
         unit(v[0] * w[0] + v[1] * w[1] + v[2] * w[2] + v[3] * w[3])
     }
+}
+
+/// Numbers from -1 to 1 in units of 16-bit numbers.
+const FINENESS: f64 = 32768.0;
+
+/// In half precision; none as large as infinity.
+fn push_halves(numbers: &[f64], out: &mut Vec<u8>) {
+    let most = f16::MAX.to_f64();
+    out.extend(numbers.iter().flat_map(|&number| f16::from_f64(number.clamp(-most, most)).to_le_bytes()));
+}
+
+fn halves<const N: usize>(bytes: &[u8]) -> [f64; N] {
+    std::array::from_fn(|at| f16::from_le_bytes(array(bytes, at)).to_f64())
+}
+
+/// Bytes of the number at a place among others that are as long.
+fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    std::array::from_fn(|byte| bytes[N * at + byte])
 }
 
 /// The quaternion at unit length; the identity where it has none (two opposite keys blended).

@@ -2,21 +2,38 @@
 //! so that every time has exactly one value.
 
 mod animate;
+mod compact;
 mod segment;
 #[cfg(test)]
 mod tests;
 
 pub use animate::Animate;
+use compact::Compact;
+pub(in crate::inside::scene) use compact::SmoothKey;
 use segment::between;
 pub use segment::{Handle, Segment};
+use std::borrow::Cow;
 
 pub use crate::description::ron::Extend;
 
 /// A keyed value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track<T> {
+pub struct Track<T>(Course<T>);
+
+/// Most tracks of a scene never change, and most others are smooth.
+#[derive(Clone, Debug, PartialEq)]
+enum Course<T> {
+    /// One key, at 0.
+    Still(T),
+    /// Smooth between keys, held beyond them.
+    Smooth(Box<Compact<T>>),
+    Keyed(Box<Keyed<T>>),
+}
+
+/// Any keys.
+#[derive(Clone, Debug, PartialEq)]
+struct Keyed<T> {
     times_s: Vec<f64>,
-    /// Values, as many as times, unless they are among [`Ways::SmoothSingle`].
     values: Vec<T>,
     to_next: Ways<T>,
     extend: Extend,
@@ -30,9 +47,6 @@ enum Ways<T> {
     Alike(Segment<T>),
     /// Splines with one slope at each key, on both its sides.
     Smooth(Vec<T>),
-    /// Splines where single precision holds all values and slopes as they are: of each key its value, then
-    /// its slope.
-    SmoothSingle(Vec<f32>),
     /// A way for each key.
     Each(Vec<Segment<T>>),
 }
@@ -48,10 +62,9 @@ pub struct Key<T> {
     pub to_next: Segment<T>,
 }
 
-impl<T: Copy> From<T> for Track<T> {
+impl<T> From<T> for Track<T> {
     fn from(value: T) -> Self {
-        let (times_s, values) = (vec![0.0], vec![value]);
-        Self { times_s, values, to_next: Ways::Alike(Segment::Step), extend: Extend::Hold }
+        Self(Course::Still(value))
     }
 }
 
@@ -59,7 +72,7 @@ impl<T: Animate> Track<T> {
     /// Track of a linear function of every value: keys and derivatives alike.
     pub fn map_linear<U>(&self, map: impl Fn(T) -> U) -> Track<U> {
         let handle = |handle: Handle<T>| Handle { time_s: handle.time_s, value: map(handle.value) };
-        let segment = |segment: &Segment<T>| match *segment {
+        let segment = |segment: Segment<T>| match segment {
             Segment::Step => Segment::Step,
             Segment::Linear => Segment::Linear,
             Segment::Hermite { leave, arrive } => Segment::Hermite { leave: map(leave), arrive: map(arrive) },
@@ -67,32 +80,14 @@ impl<T: Animate> Track<T> {
                 Segment::Bezier { leave: handle(leave), arrive: handle(arrive) }
             }
         };
-        Track {
-            times_s: self.times_s.clone(),
-            values: (0..self.times_s.len()).map(|index| map(self.value(index))).collect(),
-            to_next: match &self.to_next {
-                Ways::Alike(way) => Ways::Alike(segment(way)),
-                Ways::Smooth(slopes) => Ways::Smooth(slopes.iter().map(|&slope| map(slope)).collect()),
-                Ways::SmoothSingle(singles) => {
-                    let pairs = singles.chunks_exact(2 * T::SINGLES);
-                    Ways::Smooth(pairs.map(|pair| map(T::from_singles(&pair[T::SINGLES..]))).collect())
-                }
-                Ways::Each(ways) => Ways::Each(ways.iter().map(segment).collect()),
-            },
-            extend: self.extend,
+        if let Course::Still(value) = self.0 {
+            return Track::from(map(value));
         }
-    }
-}
-
-impl<T> Track<T> {
-    /// Times of the keys, seconds.
-    pub fn times_s(&self) -> &[f64] {
-        &self.times_s
-    }
-
-    /// Extension outside its keys.
-    pub fn extend(&self) -> Extend {
-        self.extend
+        let keys = self.keys();
+        let to_next = Ways::Each(keys.iter().map(|key| segment(key.to_next)).collect());
+        let times_s = keys.iter().map(|key| key.time_s).collect();
+        let values = keys.iter().map(|key| map(key.value)).collect();
+        Track(Course::Keyed(Box::new(Keyed { times_s, values, to_next, extend: self.extend() })))
     }
 }
 
@@ -105,17 +100,61 @@ impl<T: Animate> Track<T> {
         let first = keys.first().filter(|_| finite && increasing)?;
         let to_next = if keys.iter().all(|key| key.to_next == first.to_next) {
             Ways::Alike(first.to_next)
+        } else if let Some(smooth) = smooth(&keys) {
+            if let Some(compact) = Compact::new(first.time_s, &smooth).filter(|_| extend == Extend::Hold) {
+                return Some(Self(Course::Smooth(Box::new(compact))));
+            }
+            Ways::Smooth(smooth.iter().map(|key| key.slope).collect())
         } else {
-            smooth(&keys).unwrap_or_else(|| Ways::Each(keys.iter().map(|key| key.to_next).collect()))
+            Ways::Each(keys.iter().map(|key| key.to_next).collect())
         };
         let times_s = keys.iter().map(|key| key.time_s).collect();
-        let values: Vec<T> = keys.iter().map(|key| key.value).collect();
-        if let Ways::Smooth(slopes) = &to_next
-            && let Some(singles) = in_singles(&values, slopes)
-        {
-            return Some(Self { times_s, values: Vec::new(), to_next: Ways::SmoothSingle(singles), extend });
+        let values = keys.iter().map(|key| key.value).collect();
+        Some(Self(Course::Keyed(Box::new(Keyed { times_s, values, to_next, extend }))))
+    }
+
+    /// A smooth curve that starts at a time, or later.
+    pub(in crate::inside::scene) fn smooth(start_s: f64, keys: &[SmoothKey<T>]) -> Option<Self> {
+        if let Some(compact) = Compact::new(start_s, keys) {
+            return Some(Self(Course::Smooth(Box::new(compact))));
         }
-        Some(Self { times_s, values, to_next, extend })
+        let slope = |index: usize| keys.get(index).map_or(T::ZERO, |key| key.slope);
+        let key = |(index, &SmoothKey { time_s, value, slope: leave }): (usize, &SmoothKey<T>)| {
+            let arrive = slope(index + 1);
+            Key { time_s, value, to_next: Segment::Hermite { leave, arrive } }
+        };
+        Self::new(keys.iter().enumerate().map(key).collect(), Extend::Hold)
+    }
+
+    /// This smooth curve, then another that starts where it ends; the slope there is the other's.
+    pub(in crate::inside::scene) fn then(self, next: Self) -> Option<Self> {
+        let (first, next) = match (self.0, next.0) {
+            (Course::Smooth(first), Course::Smooth(next)) if first.can_precede(&next) => {
+                return Some(Self(Course::Smooth(Box::new(first.then(*next)))));
+            }
+            (first, next) => (Self(first), Self(next)),
+        };
+        let (mut keys, more) = (first.keys(), next.keys());
+        keys.pop();
+        if let (Some(Key { to_next: Segment::Hermite { arrive, .. }, .. }), Segment::Hermite { leave, .. }) =
+            (keys.last_mut(), more.first()?.to_next)
+        {
+            *arrive = leave;
+        }
+        keys.extend(more);
+        Self::new(keys, Extend::Hold)
+    }
+
+    /// Appends a compact curve's bytes; `None` of any other track.
+    pub(in crate::inside::scene) fn write(&self, out: &mut Vec<u8>) -> Option<()> {
+        let Course::Smooth(compact) = &self.0 else { return None };
+        compact.write(out);
+        Some(())
+    }
+
+    /// Reads what was written off the front of `bytes`; `None` of anything else.
+    pub(in crate::inside::scene) fn read(bytes: &mut &[u8]) -> Option<Self> {
+        Compact::read(bytes).map(|compact| Self(Course::Smooth(Box::new(compact))))
     }
 
     /// Values between which all lie that it ever takes.
@@ -127,62 +166,84 @@ impl<T: Animate> Track<T> {
 
     /// The keys, put together anew.
     pub fn keys(&self) -> Vec<Key<T>> {
-        (0..self.times_s.len()).map(|index| self.key(index)).collect()
+        (0..self.len()).map(|index| self.key(index)).collect()
     }
 
-    /// Times of the first and the last key, seconds; none without keys.
-    pub fn span_s(&self) -> Option<(f64, f64)> {
-        Some((*self.times_s.first()?, *self.times_s.last()?))
+    /// Times of the keys, seconds.
+    pub fn times_s(&self) -> Cow<'_, [f64]> {
+        match &self.0 {
+            Course::Still(_) => Cow::Borrowed(&[0.0]),
+            Course::Smooth(compact) => (0..compact.len()).map(|index| compact.time_s(index)).collect(),
+            Course::Keyed(keyed) => Cow::Borrowed(&keyed.times_s),
+        }
+    }
+
+    /// Times of the first and the last key, seconds.
+    pub fn span_s(&self) -> (f64, f64) {
+        (self.time_s(0), self.time_s(self.len() - 1))
+    }
+
+    /// Extension outside its keys.
+    pub fn extend(&self) -> Extend {
+        match &self.0 {
+            Course::Still(_) | Course::Smooth(_) => Extend::Hold,
+            Course::Keyed(keyed) => keyed.extend,
+        }
+    }
+
+    /// Number of keys, at least one.
+    fn len(&self) -> usize {
+        match &self.0 {
+            Course::Still(_) => 1,
+            Course::Smooth(compact) => compact.len(),
+            Course::Keyed(keyed) => keyed.times_s.len(),
+        }
+    }
+
+    fn time_s(&self, index: usize) -> f64 {
+        match &self.0 {
+            Course::Still(_) => 0.0,
+            Course::Smooth(compact) => compact.time_s(index),
+            Course::Keyed(keyed) => keyed.times_s[index],
+        }
     }
 
     fn key(&self, index: usize) -> Key<T> {
-        let to_next = match &self.to_next {
+        let keyed = match &self.0 {
+            Course::Still(value) => return Key { time_s: 0.0, value: *value, to_next: Segment::Step },
+            Course::Smooth(compact) => return compact.key(index),
+            Course::Keyed(keyed) => keyed,
+        };
+        let to_next = match &keyed.to_next {
             Ways::Alike(way) => *way,
             Ways::Smooth(slopes) => {
                 let arrive = slopes.get(index + 1).copied().unwrap_or(T::ZERO);
                 Segment::Hermite { leave: slopes[index], arrive }
             }
-            Ways::SmoothSingle(singles) => {
-                let slope = |index: usize| {
-                    let from = (2 * index + 1) * T::SINGLES;
-                    singles.get(from..from + T::SINGLES).map_or(T::ZERO, T::from_singles)
-                };
-                Segment::Hermite { leave: slope(index), arrive: slope(index + 1) }
-            }
             Ways::Each(ways) => ways[index],
         };
-        Key { time_s: self.times_s[index], value: self.value(index), to_next }
+        Key { time_s: keyed.times_s[index], value: keyed.values[index], to_next }
     }
 
-    fn value(&self, index: usize) -> T {
-        match &self.to_next {
-            Ways::SmoothSingle(singles) => {
-                let from = 2 * index * T::SINGLES;
-                T::from_singles(&singles[from..from + T::SINGLES])
-            }
-            _ => self.values[index],
-        }
-    }
-
-    /// The value of a key at rest; of rotations rounded to single precision the one that curves reach there.
+    /// The value of a key at rest; of rounded rotations the one that curves reach there.
     fn held(&self, index: usize) -> T {
-        let value = self.value(index);
-        match self.to_next {
-            Ways::SmoothSingle(_) => T::blend([value; 4], [1.0, 0.0, 0.0, 0.0]),
-            _ => value,
+        match &self.0 {
+            Course::Still(value) => *value,
+            Course::Smooth(compact) => T::blend([compact.value(index); 4], [1.0, 0.0, 0.0, 0.0]),
+            Course::Keyed(keyed) => keyed.values[index],
         }
     }
 
     /// True if the value is the same at all times.
     pub fn is_constant(&self) -> bool {
-        (1..self.times_s.len()).all(|next| {
+        (1..self.len()).all(|next| {
             let Key { value, to_next, .. } = self.key(next - 1);
             let stays = match to_next {
                 Segment::Step | Segment::Linear => true,
                 Segment::Hermite { leave, arrive } => leave == T::ZERO && arrive == T::ZERO,
                 Segment::Bezier { leave, arrive } => leave.value == value && arrive.value == value,
             };
-            stays && self.value(next) == value
+            stays && self.key(next).value == value
         })
     }
 
@@ -191,16 +252,26 @@ impl<T: Animate> Track<T> {
         let time_s = self.time_within_keys(time_s);
         // glTF stores key times in single precision: frame 13 at 24 a second is stored later than
         // 13/24, which must all the same find that key. Only the choice of key is rounded.
-        let after = self.times_s.partition_point(|&key_s| key_s as f32 <= time_s as f32);
-        if after == 0 || after == self.times_s.len() {
+        let after = self.keys_until(time_s as f32);
+        if after == 0 || after == self.len() {
             return self.held(after.saturating_sub(1));
         }
         between(&self.key(after - 1), &self.key(after), time_s)
     }
 
+    /// Number of keys that are not after a time.
+    fn keys_until(&self, time_s: f32) -> usize {
+        let (mut low, mut high) = (0, self.len());
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            if self.time_s(middle) as f32 <= time_s { low = middle + 1 } else { high = middle }
+        }
+        low
+    }
+
     fn time_within_keys(&self, time_s: f64) -> f64 {
-        let (first_s, last_s) = (self.times_s[0], self.times_s[self.times_s.len() - 1]);
-        if self.extend == Extend::Hold || first_s == last_s {
+        let (first_s, last_s) = self.span_s();
+        if self.extend() == Extend::Hold || first_s == last_s {
             return time_s;
         }
         let wrapped_s = first_s + (time_s - first_s).rem_euclid(last_s - first_s);
@@ -209,32 +280,17 @@ impl<T: Animate> Track<T> {
     }
 }
 
-/// Values and slopes in single precision, if nothing is lost.
-fn in_singles<T: Animate>(values: &[T], slopes: &[T]) -> Option<Vec<f32>> {
-    if T::SINGLES == 0 {
-        return None;
-    }
-    let mut singles = Vec::with_capacity(2 * values.len() * T::SINGLES);
-    for number in values.iter().zip(slopes).flat_map(|(&value, &slope)| [value, slope]) {
-        number.push_singles(&mut singles);
-        if T::from_singles(&singles[singles.len() - T::SINGLES..]) != number {
-            return None;
-        }
-    }
-    Some(singles)
-}
-
 /// Splines whose slopes go on through their keys, the last one towards nowhere; `None` of other keys.
-fn smooth<T: Animate>(keys: &[Key<T>]) -> Option<Ways<T>> {
-    let mut slopes = Vec::with_capacity(keys.len());
+fn smooth<T: Animate>(keys: &[Key<T>]) -> Option<Vec<SmoothKey<T>>> {
+    let mut smooth = Vec::with_capacity(keys.len());
     let mut expected = None;
-    for key in keys {
-        let Segment::Hermite { leave, arrive } = key.to_next else { return None };
-        if expected.is_some_and(|expected| expected != leave) {
+    for &Key { time_s, value, to_next } in keys {
+        let Segment::Hermite { leave: slope, arrive } = to_next else { return None };
+        if expected.is_some_and(|expected| expected != slope) {
             return None;
         }
         expected = Some(arrive);
-        slopes.push(leave);
+        smooth.push(SmoothKey { time_s, value, slope });
     }
-    (expected == Some(T::ZERO)).then_some(Ways::Smooth(slopes))
+    (expected == Some(T::ZERO)).then_some(smooth)
 }

@@ -184,8 +184,12 @@ fn one_slope_a_key_is_kept_once_and_given_back() {
     ];
     let mut kinked = smooth.clone();
     kinked[1].to_next = spline(-1.5, 3.0);
-    assert!(matches!(track(smooth.clone()).to_next, Ways::Smooth(_)));
-    assert!(matches!(track(kinked.clone()).to_next, Ways::Each(_)));
+    assert!(
+        matches!(track(smooth.clone()).0, Course::Keyed(keyed) if matches!(keyed.to_next, Ways::Smooth(_)))
+    );
+    assert!(
+        matches!(track(kinked.clone()).0, Course::Keyed(keyed) if matches!(keyed.to_next, Ways::Each(_)))
+    );
     for keys in [smooth, kinked] {
         let track = track(keys.clone());
         assert_eq!(track.keys(), keys);
@@ -195,19 +199,18 @@ fn one_slope_a_key_is_kept_once_and_given_back() {
 }
 
 #[test]
-fn splines_that_single_precision_holds_are_kept_in_it_and_given_back() {
+fn splines_of_short_numbers_are_kept_in_few_bytes_and_given_back() {
     let spline = |leave: DVec3, arrive: DVec3| Segment::Hermite { leave, arrive };
     let keys = |last: f64| {
         let (up, down) = (DVec3::new(0.5, 2.0, -0.25), DVec3::new(0.0, -4.0, last));
         vec![
-            key(0.1, DVec3::X, spline(up, down)),
+            key(0.25, DVec3::X, spline(up, down)),
             key(1.0, down, spline(down, up)),
             key(2.5, up, spline(up, DVec3::ZERO)),
         ]
     };
     let (kept, lost) = (track(keys(0.5)), track(keys(0.1)));
-    assert!(matches!(kept.to_next, Ways::SmoothSingle(_)) && kept.values.is_empty());
-    assert!(matches!(lost.to_next, Ways::Smooth(_)));
+    assert!(matches!(kept.0, Course::Smooth(_)) && matches!(lost.0, Course::Keyed(_)));
     for (track, keys) in [(&kept, keys(0.5)), (&lost, keys(0.1))] {
         assert_eq!(track.keys(), keys);
         assert_eq!((track.at(0.0), track.at(9.0)), (keys[0].value, keys[2].value));
@@ -215,6 +218,33 @@ fn splines_that_single_precision_holds_are_kept_in_it_and_given_back() {
         assert!((0..50).all(|at| doubled.at(0.05 * f64::from(at)) == 2.0 * track.at(0.05 * f64::from(at))));
     }
     assert!(!kept.is_constant() && !lost.is_constant());
+}
+
+#[test]
+fn shortened_curves_are_kept_in_few_bytes_written_and_joined() {
+    let start_s = 100.0 / 3.0;
+    let key = |time_s: f64| {
+        let turn = DQuat::from_rotation_y(time_s);
+        SmoothKey { time_s, value: turn, slope: turn * 0.3 }.shortened(start_s)
+    };
+    let keys = |times: std::ops::Range<u32>| -> Vec<_> {
+        times.map(|time| key(start_s + 0.07 * f64::from(time))).collect()
+    };
+    let [all, first, second] = [0..9, 0..5, 4..9].map(|times| Track::smooth(start_s, &keys(times)).unwrap());
+    assert!(matches!(all.0, Course::Smooth(_)));
+    assert_eq!(first.then(second).unwrap().keys(), all.keys());
+    for at in 0..=8 {
+        let time_s = start_s + 0.07 * f64::from(at);
+        assert!((all.at(time_s) - DQuat::from_rotation_y(time_s)).length() < 1e-4);
+    }
+    let mut bytes = Vec::new();
+    all.write(&mut bytes).unwrap();
+    assert_eq!(bytes.len(), 16 + 9 * 20);
+    assert_eq!(Track::read(&mut &bytes[..]).unwrap(), all);
+    assert!((0..bytes.len()).all(|length| Track::<DQuat>::read(&mut &bytes[..length]).is_none()));
+    // Times that do not increase.
+    bytes.copy_within(36..56, 16);
+    assert!(Track::<DQuat>::read(&mut &bytes[..]).is_none());
 }
 
 #[test]
