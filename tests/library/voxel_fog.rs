@@ -36,11 +36,11 @@ fn add_voxels(scene: &mut Scene, world_from_voxel: DAffine3, voxels: Voxels, den
     scene.fogs.push(Fog {
         name: "puff".into(),
         node,
-        shape: FogShape::Voxels(GridFrames::new(
+        shape: FogShape::Voxels(Box::new(GridFrames::new(
             "puff.vdb".into(),
             "density",
             vec![GridFrame::made(0.0, FogVoxels::plain(DAffine3::IDENTITY, voxels))],
-        )),
+        ))),
         density_per_m: Track::from(density_per_m),
         albedo: Track::from(Rgb::new(0.95, 0.9, 0.8)),
         anisotropy: Track::from(0.5),

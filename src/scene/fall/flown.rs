@@ -57,7 +57,7 @@ impl Flown {
     }
 
     /// All of its way: up to that pose of the tail, from there through a touch to its rest.
-    pub(super) fn to_rest(
+    pub(super) fn into_rest(
         self,
         until: usize,
         touch: Pose,

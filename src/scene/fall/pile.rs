@@ -89,7 +89,7 @@ impl Fall {
         let Landing { until, touch, settling } = landing;
         let settling = settling.poses(&self.leaf(number), &self.ground);
         let (middle, tolerance) = self.keyed_as(number);
-        Some(self.fallen(number, flown.to_rest(until, touch, settling, middle, tolerance)?, true))
+        Some(self.fallen(number, flown.into_rest(until, touch, settling, middle, tolerance)?, true))
     }
 
     fn fallen(&self, number: u32, (translation, rotation): Tracks, landed: bool) -> Fallen {
