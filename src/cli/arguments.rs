@@ -33,6 +33,8 @@ pub(super) enum Command {
     /// Say what an input holds, and what of it is not honoured.
     Inspect(InspectArguments),
     /// Measure what error each method reaches in which time.
+    ///
+    /// How time grows, what is skipped and both ways to all light: `cargo bench --bench figures`.
     Bench(BenchArguments),
     /// Write an input as glTF, which Blender and others open.
     Export(ExportArguments),
