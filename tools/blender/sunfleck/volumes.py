@@ -4,7 +4,6 @@ In go volumes, out come custom properties of fog. Invariant: what Cycles would s
 told: as `NotFog` where nothing is left of it, else among what is lost.
 """
 
-import math
 from dataclasses import dataclass, field, replace
 
 import numpy
@@ -18,21 +17,15 @@ class NotFog(Exception):
     """Why a volume is not rendered."""
 
 
-# Of Stefan and Boltzmann's law, as Cycles has it in its own units: W m^-2 sr^-1 K^-4 times 1e-6.
-RADIANCE = 5.670373e-14 / math.pi
-
-
 @dataclass
 class Glow:
-    """Light where a grid is 1, per unit of length; as of a black body of so many kelvin if it says any."""
+    """Light where a grid is 1, per unit of length."""
 
     color: numpy.ndarray
     grid: str
-    kelvin: float | None = None
 
     def said(self, share):
-        found = {"emission_grid": self.grid, "emission": (share * self.color).tolist()}
-        return found if self.kelvin is None else {**found, "emission_kelvin": self.kelvin, "emission_principled": True}
+        return {"emission_grid": self.grid, "emission": (share * self.color).tolist()}
 
 
 @dataclass
@@ -59,8 +52,8 @@ class Look:
         """What is left of it where a file has grids of these kinds, by name; what is lost by that is added."""
         glow, colors, lost = self.glow, self.colors, list(self.lost)
         if glow and kinds.get(glow.grid) != "FLOAT":
-            # Nothing glows by a grid that is not there, but for a black body: it is as hot everywhere.
-            if glow.kelvin is not None or glow.grid in kinds:
+            # Nothing glows by a grid that is not there.
+            if glow.grid in kinds:
                 lost.append(LIGHT)
             glow = None
         if colors and kinds.get(colors) != "VECTOR_FLOAT":
@@ -130,11 +123,12 @@ class Reader:
             raise NotSimple(node)
 
     def read_principled(self, node):
-        named = {name: node.inputs[f"{name} Attribute"] for name in ("Density", "Color", "Temperature")}
+        named = {name: node.inputs[f"{name} Attribute"] for name in ("Density", "Color")}
         if any(sockets.link_to(socket) for socket in named.values()):
             raise NotSimple(node)
         self.shine(node, "Emission Strength", "Emission Color")
-        self.burn(node, named["Temperature"].default_value)
+        if sockets.link_to(node.inputs["Blackbody Intensity"]) or fog.number(node, "Blackbody Intensity") > 0.0:
+            self.lost.append(LIGHT)
         self.colors = named["Color"].default_value
         if self.colors and fog.value(node, "Absorption Color").any():
             self.lost.append(f"its colours by the grid `{self.colors}`")
@@ -149,22 +143,9 @@ class Reader:
             (number, grid), light = factor(node.inputs[strength]), fog.value(node, color)
         except NotSimple:
             number, grid, light = 1.0, "", numpy.ones(3)
-        self.add_light(number * light, grid, None)
-
-    def burn(self, node, grid):
-        try:
-            share, kelvin = fog.number(node, "Blackbody Intensity"), fog.number(node, "Temperature")
-            light = min(1.0, max(0.0, share)) * RADIANCE * max(0.0, kelvin) ** 4 * fog.value(node, "Blackbody Tint")
-        except NotSimple:
-            light, grid, kelvin = numpy.ones(3), "", 0.0
-        self.add_light(light, grid, kelvin)
-
-    def add_light(self, light, grid, kelvin):
-        if not light.any():
-            return
-        if grid:
-            self.glows.append(Glow(light, grid, kelvin))
-        else:
+        if grid and (number * light).any():
+            self.glows.append(Glow(number * light, grid))
+        elif (number * light).any():
             self.lost.append(LIGHT)
 
 
