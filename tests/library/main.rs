@@ -67,16 +67,17 @@ mod voxel_fog;
 
 // What measures figures, held here.
 #[path = "../../benches/figures/all_light.rs"]
-#[allow(dead_code, unreachable_pub)]
+#[allow(dead_code, unreachable_pub, clippy::print_stderr)]
 mod all_light;
 #[path = "../../benches/figures/growth.rs"]
-#[allow(dead_code, unreachable_pub)]
+#[allow(dead_code, unreachable_pub, clippy::print_stderr)]
 mod growth;
 #[path = "../../benches/figures/inputs.rs"]
-#[allow(dead_code, unreachable_pub)]
+#[allow(dead_code, unreachable_pub, clippy::print_stderr)]
 mod inputs;
 #[path = "../../benches/figures/skips.rs"]
-#[allow(dead_code, unreachable_pub)]
+#[allow(dead_code, unreachable_pub, clippy::print_stderr)]
 mod skips;
 #[path = "../../benches/figures/skips_on_disk.rs"]
+#[allow(dead_code, unreachable_pub, clippy::print_stderr)]
 mod skips_on_disk;
