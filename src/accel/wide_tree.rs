@@ -141,6 +141,8 @@ impl WideTree {
                 tree.nodes[wide_node].set_child(lane, binary.bounds(child), reference);
             }
         }
+        // An open shutter has dozens of trees: what they grew by is a quarter of them.
+        tree.nodes.shrink_to_fit();
         tree
     }
 }
