@@ -34,7 +34,7 @@ pub(super) enum Command {
     Inspect(InspectArguments),
     /// Measure what error each method reaches in which time.
     ///
-    /// How time grows, what is skipped and both ways to all light: `cargo bench --bench figures`.
+    /// How time grows, what is skipped and both ways to all light: `cargo bench`, as docs/figures.md says.
     Bench(BenchArguments),
     /// Write an input as glTF, which Blender and others open.
     Export(ExportArguments),
