@@ -48,7 +48,7 @@ class Documents(unittest.TestCase):
         benches = (ROOT / "benches/figures/main.rs").read_text(encoding="utf-8")
         for command in sorted({row.command for row in figures.load()}):
             with self.subTest(command):
-                for bench in re.findall(r"--bench figures -- (\w+)", command):
+                for bench in re.findall(r"--bench figures -- ([\w-]+)", command):
                     self.assertIn(f'Some("{bench}")', benches)
                 for module in re.findall(r"-m (tests\.\w+)", command):
                     self.assertTrue((ROOT / "tools" / module.replace(".", "/")).with_suffix(".py").is_file())
