@@ -534,3 +534,41 @@ fn threads_do_not_reach_it() {
     };
     assert_eq!(by(1), by(3));
 }
+
+/// Leaves beyond any number get the same light as all others: 200,000 once were all whose light was kept.
+#[test]
+fn one_leaf_more_changes_no_light_however_many_there_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    let red = |count: u32| {
+        let text = format!(
+            r#"Scene(version: 1, meshes: {{ "leaf": Leaf(length_m: 0.1, width_m: 0.07) }},
+            materials: {{ "gold": (base_color: (0.5, 0.25, 0.02), transmission: (0.4, 0.2, 0.01)) }},
+            leaves: {{ "crown": (count: {count}, seed: 3, meshes: ["leaf"], materials: ["gold"],
+                min_m: (-15.0, -8.0, -15.0), max_m: (15.0, 8.0, 15.0)) }},
+            cameras: {{ "main": (position_m: (0.0, 0.0, 30.0), look_at_m: (0.0, 0.0, 0.0), fov_deg: 40.0) }},
+            lights: {{ "sun": Sun(to_sun: (0.5, 1.0, 0.4), irradiance_w_per_m2: 10.0) }})"#
+        );
+        std::fs::write(&path, text).unwrap();
+        let scene = scene::resolve(description::load(&path).unwrap(), None).unwrap().0;
+        let trees = MeshTrees::new(&scene);
+        let exposure = Exposure::new(&scene, &trees, 0, 16.0 / 9.0, INSTANT);
+        let size = Size { width: 32, height: 18 };
+        let job = Job {
+            size,
+            window: Window::whole(size),
+            passes: vec![Pass::Indirect],
+            sampling: Sampling::Exactly(4),
+            filter: PixelFilter::Box,
+            seed: 0,
+            mirror_depth: 0,
+            bounces: Bounces::UpTo(2),
+            method: Method::Auto,
+        };
+        let frame = render(&exposure, &job, &Watch::NOBODY).frame;
+        let pixels = &frame.channel("indirect.R").expect("a pass").pixels;
+        pixels.iter().map(|red| f64::from(*red)).sum::<f64>()
+    };
+    let (fewer, more) = (red(199_999), red(200_001));
+    assert!(fewer > 0.0 && (more / fewer - 1.0).abs() < 1e-3, "{fewer} {more}");
+}
