@@ -66,13 +66,22 @@ fn chunks<'a>(
         let found = format!("this is version {version} of the GLB container");
         return Err(whole_file(path, found).expected("version 2").remedy(OF_VERSION_1));
     }
+    // The crate subtracts the header from the length it finds without looking.
     if bytes.len() < GLB_HEADER_BYTES || length < GLB_HEADER_BYTES || length > bytes.len() {
         return Err(whole_file(
             path,
             format!("the file is cut short: it has {} bytes and says {length} in its header", bytes.len()),
         ));
     }
-    let Chunks { json, binary, unknown } = sorted(&bytes[GLB_HEADER_BYTES..length], path)?;
+    let Chunks { json, binary, unknown } = match gltf::Glb::from_slice(&bytes[..length]) {
+        Ok(glb) => {
+            let (json, binary) = (borrowed(glb.json), glb.bin.map(borrowed));
+            let chunk = |data: &[u8]| CHUNK_HEADER_BYTES + data.len().next_multiple_of(4);
+            let known = GLB_HEADER_BYTES + chunk(json) + binary.map_or(0, chunk);
+            Chunks { json, binary, unknown: length.saturating_sub(known) }
+        }
+        Err(_) => among_unknown(&bytes[GLB_HEADER_BYTES..length], path)?,
+    };
     let rests = [(unknown, "in chunks that glTF does not know"), (bytes.len() - length, "after the end")];
     for (count, place) in rests.into_iter().filter(|(count, _)| *count > 0) {
         report.not_honoured(Loss::ContainerRest, &format!("{count} bytes {place}"));
@@ -80,8 +89,17 @@ fn chunks<'a>(
     Ok((unpadded(json), binary))
 }
 
-/// JSON and binary data among chunks of any order and kind, and how many bytes the others have.
-fn sorted<'a>(mut rest: &'a [u8], path: &Path) -> Result<Chunks<'a>, Diagnostic> {
+/// The crate lends what it was lent.
+fn borrowed(bytes: std::borrow::Cow<'_, [u8]>) -> &[u8] {
+    match bytes {
+        std::borrow::Cow::Borrowed(bytes) => bytes,
+        std::borrow::Cow::Owned(_) => &[],
+    }
+}
+
+/// JSON and binary data among chunks of any order, and how many bytes the others have: the crate refuses
+/// chunks that it does not know before those that it does.
+fn among_unknown<'a>(mut rest: &'a [u8], path: &Path) -> Result<Chunks<'a>, Diagnostic> {
     let (mut json, mut binary, mut unknown) = (None, None, 0);
     while !rest.is_empty() {
         let (kind, data, after) = match next_chunk(rest) {

@@ -1,11 +1,11 @@
 //! Wavefront OBJ and MTL files in, indexed triangles out. Invariant: every index is in range, every number
 //! finite, and no triangle without area.
 //!
-//! Faults of an exporter are left out and said, so that the rest is seen.
+//! Faults of an exporter are left out and said, so that the rest is seen. tobj gets the text without them.
 
-mod faces;
 mod library;
 mod material;
+mod normalize;
 mod part;
 mod pictures;
 mod sequence;
@@ -18,9 +18,9 @@ mod triangulate;
 use super::numbered::Numbered;
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
-use faces::{Groups, Vertices};
 use glam::{Vec2, Vec3};
 use library::Library;
+use normalize::{Groups, Vertices};
 use part::Part;
 use std::mem;
 use std::path::Path;
@@ -128,20 +128,38 @@ fn open(
     let text = text::decoded(files.read(path, referrer)?);
     let vertices = Vertices::of(&text, path, tally);
     let mut library = Library::of(&text, path, files, tally);
-    let groups = faces::faces(&text, path, &vertices, |name| library.find(name), tally);
+    let groups = normalize::faces(&text, path, &vertices, |name| library.find(name), tally);
     drop(text);
     let mut model = ObjModel { materials: mem::take(&mut library.materials), ..ObjModel::default() };
     let mut parts = Vec::new();
-    for (group, faces) in &groups {
+    for (tobj::Model { mesh, .. }, group) in indexed(path, vertices, &groups)?.into_iter().zip(groups.keys())
+    {
         let material = model.materials.get(group.material);
         if let Some(material) = material.filter(|material| material.has_textures() && !group.has_uvs) {
             tally.add(Loss::TextureCoordinatesMissing, &material.name, Place::File(path.to_owned()));
         }
-        let mut part = Part::new(&vertices, faces, *group, material);
-        part.cut(faces, path, tally, &mut model);
+        let mut part = Part::new(&mesh, *group, material);
+        part.cut(&mesh, path, tally, &mut model);
         parts.push(part);
     }
     Ok(Opened { model, common: Common { library, groups }, parts })
+}
+
+/// A mesh a group, in the groups' order.
+fn indexed(path: &Path, vertices: Vertices, groups: &Groups) -> Result<Vec<tobj::Model>, Diagnostic> {
+    let mut text = vertices.text;
+    for faces in groups.values() {
+        text.push_str("g\n");
+        text.push_str(faces);
+    }
+    let options = tobj::LoadOptions { single_index: true, ..Default::default() };
+    let no_materials = |_: &Path| Err(tobj::LoadError::MaterialParseError);
+    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials).map_err(|error| {
+        Diagnostic::error(Place::File(path.to_owned()), format!("the mesh cannot be understood ({error})"))
+            .expected(EXPECTED)
+            .remedy(REMEDY)
+    })?;
+    Ok(models)
 }
 
 const EXPECTED: &str = "Wavefront OBJ: `v x y z`, `vt u v`, `vn x y z`, and at least one face (`f v/vt/vn ..`) with three corners and an area";

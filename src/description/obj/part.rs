@@ -1,7 +1,7 @@
-//! One group of a file in, triangles out. Invariant: every vertex has all of what the group has, and no
-//! triangle is without area.
+//! One group of a file as tobj indexes it in, triangles out. Invariant: every vertex has all of what the
+//! group has, and no triangle is without area.
 
-use super::faces::{Faces, Group, Vertices};
+use super::normalize::Group;
 use super::tally::Tally;
 use super::{ObjMaterial, ObjModel, ObjTriangle, triangulate};
 use crate::color::linear_from_srgb;
@@ -17,47 +17,28 @@ pub(super) struct Part {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     colors: Vec<Vec3>,
-    /// The vertices of its polygons' corners.
-    corners: Vec<u32>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
 impl Part {
     /// The material says where its images lie on the texture coordinates; without any, they show a corner.
-    pub(super) fn new(
-        vertices: &Vertices,
-        faces: &Faces,
-        group: Group,
-        material: Option<&ObjMaterial>,
-    ) -> Self {
-        // Corners that have all in common are one vertex.
-        let (mut numbers, mut own) = (HashMap::new(), Vec::new());
-        let corners = faces.corners.iter().map(|&corner| {
-            *numbers.entry(corner).or_insert_with(|| {
-                own.push(corner.map(|index| index as usize));
-                own.len() as u32 - 1
-            })
-        });
-        let corners = corners.collect();
+    pub(super) fn new(mesh: &tobj::Mesh, group: Group, material: Option<&ObjMaterial>) -> Self {
         let placement = material.map(ObjMaterial::placement).unwrap_or_default();
-        let uv = |&[_, uv, _]: &[usize; 3]| {
-            let placed = placement.apply(vertices.uvs[uv]);
-            // Their `v` points up, ours down.
-            Vec2::new(placed.x, 1.0 - placed.y)
-        };
-        let normal = |&[.., normal]: &[usize; 3]| vertices.normals[normal].as_dvec3().normalize().as_vec3();
+        let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
+        // Their `v` points up, ours down.
+        let down = |uv: Vec2| Vec2::new(uv.x, 1.0 - uv.y);
+        let uvs = mesh.texcoords.chunks_exact(2).map(|uv| down(placement.apply(Vec2::from_slice(uv))));
         // Colours of vertices are in sRGB, as to Blender.
         let linear = |value: f32| linear_from_srgb(f64::from(value.clamp(0.0, 1.0))) as f32;
-        let has_colors = !vertices.colors.is_empty();
         let mut part = Self {
             group,
-            positions: own.iter().map(|&[position, ..]| vertices.positions[position]).collect(),
-            normals: own.iter().filter(|_| group.has_normals).map(normal).collect(),
-            uvs: own.iter().filter(|_| group.has_uvs).map(uv).collect(),
-            colors: (own.iter().filter(|_| has_colors))
-                .map(|&[position, ..]| vertices.colors[position].map(linear))
+            positions: vectors(&mesh.positions),
+            normals: vectors(&mesh.normals)
+                .iter()
+                .map(|normal| normal.as_dvec3().normalize().as_vec3())
                 .collect(),
-            corners,
+            uvs: uvs.collect(),
+            colors: vectors(&mesh.vertex_color).iter().map(|color| color.map(linear)).collect(),
             triangles: Vec::new(),
         };
         if material.is_some_and(ObjMaterial::has_textures) && !group.has_uvs {
@@ -67,13 +48,13 @@ impl Part {
     }
 
     /// Cuts the group's faces into triangles; those without area are left out.
-    pub(super) fn cut(&mut self, faces: &Faces, path: &Path, tally: &mut Tally, model: &mut ObjModel) {
+    pub(super) fn cut(&mut self, mesh: &tobj::Mesh, path: &Path, tally: &mut Tally, model: &mut ObjModel) {
         let file = || Place::File(path.to_owned());
         let mut without_area = 0;
-        let corners = std::mem::take(&mut self.corners);
-        let mut rest = corners.as_slice();
-        for &count in &faces.counts {
-            let (polygon, after) = rest.split_at(count);
+        let all_triangles = vec![3; if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 }];
+        let mut rest = mesh.indices.as_slice();
+        for &arity in mesh.face_arities.iter().chain(&all_triangles) {
+            let (polygon, after) = rest.split_at((arity as usize).min(rest.len()));
             rest = after;
             let corners: Vec<DVec3> = polygon.iter().map(|&index| self.position(index)).collect();
             let Some(cut) = triangulate::triangulate(&corners) else {

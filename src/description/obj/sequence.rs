@@ -2,11 +2,11 @@
 //! those that have its faces, and a model more wherever others come. Invariant: every shape has a position,
 //! and a normal if there are any, for every vertex of its model.
 
-use super::faces::{self, Vertices};
 use super::library::Library;
+use super::normalize::{self, Vertices};
 use super::part::{self, Part};
 use super::tally::Tally;
-use super::{Common, Files, LoadError, ObjModel, Opened, nothing_left, open, text};
+use super::{Common, Files, LoadError, ObjModel, Opened, indexed, nothing_left, open, text};
 use crate::description::numbered::Numbered;
 use glam::Vec3;
 use std::ops::RangeInclusive;
@@ -106,14 +106,15 @@ impl Reader<'_> {
         let vertices = Vertices::of(&text, path, &mut unsaid);
         let materials = Library::of(&text, path, self.files, &mut unsaid).materials;
         let find = |name: &str| common.library.find(name);
-        let groups = faces::faces(&text, path, &vertices, find, &mut unsaid);
+        let groups = normalize::faces(&text, path, &vertices, find, &mut unsaid);
         drop(text);
         if groups != common.groups || materials != first.materials {
             return Ok(None);
         }
         let mut model = ObjModel::default();
-        let parts = groups.iter().zip(triangles).map(|((group, faces), triangles)| {
-            let mut part = Part::new(&vertices, faces, *group, first.materials.get(group.material));
+        let meshes = indexed(path, vertices, &groups)?;
+        let parts = meshes.iter().zip(groups.keys()).zip(triangles).map(|((mesh, group), triangles)| {
+            let mut part = Part::new(&mesh.mesh, *group, first.materials.get(group.material));
             part.triangles.clone_from(triangles);
             part
         });

@@ -1,11 +1,11 @@
-//! An OBJ file's text in, its vertices and its faces by groups out. Invariant: every number is finite, every
-//! index in range, and the corners of a group have all of the same parts.
+//! An OBJ file's text in, text that tobj takes as it stands out. Invariant: in what comes out every number is
+//! finite, every index in range and positive, and the corners of a group have all of the same parts.
 
 use super::tally::Tally;
 use super::text::{Statement, number, statements};
 use crate::diagnostic::Loss;
-use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::path::Path;
 
 /// A polygon with more corners is left out: cutting it up would take too long.
@@ -14,11 +14,8 @@ const MAX_CORNERS: usize = 2048;
 /// Vertices, texture coordinates and normals of a file, in its order.
 #[derive(Default)]
 pub(super) struct Vertices {
-    pub(super) positions: Vec<Vec3>,
-    /// In sRGB, one a position; none of a file without.
-    pub(super) colors: Vec<Vec3>,
-    pub(super) uvs: Vec<Vec2>,
-    pub(super) normals: Vec<Vec3>,
+    /// Their statements.
+    pub(super) text: String,
     /// Whether each of `v`, `vt` and `vn` is to be used: its numbers are numbers, and a normal has a length.
     is_good: [Vec<bool>; 3],
 }
@@ -38,30 +35,26 @@ impl Vertices {
             let Some(kind) = kind_of(&statement) else { continue };
             let (keyword, least) = KINDS[kind];
             // `w` is the weight of a curve's point, and no polygon's.
-            let numbers = statement.numbers().take(if kind == 0 { 6 } else { 3 }).map(number);
-            let numbers: Vec<Option<f32>> = numbers.collect();
-            let are_numbers = numbers.len() >= least && numbers.iter().all(Option::is_some);
-            let is_good = are_numbers && (kind != 2 || numbers.iter().any(|number| *number != Some(0.0)));
+            let numbers: Vec<&str> = statement.numbers().take(if kind == 0 { 6 } else { 3 }).collect();
+            let are_numbers = numbers.len() >= least && numbers.iter().all(|word| number(word).is_some());
+            let is_good = are_numbers && (kind != 2 || numbers.iter().any(|word| number(word) != Some(0.0)));
             if !are_numbers {
                 tally.add_at(Loss::ObjNumbers, keyword, (path, statement.line));
             }
-            let value = |index: usize| numbers.get(index).copied().flatten().filter(|_| is_good);
-            let [x, y, z] = [0, 1, 2].map(|index| value(index).unwrap_or(0.0));
-            match kind {
-                0 => vertices.positions.push(Vec3::new(x, y, z)),
-                1 => vertices.uvs.push(Vec2::new(x, y)),
-                _ => vertices.normals.push(Vec3::new(x, y, z)),
+            let word = |index: usize| numbers.get(index).copied().filter(|_| is_good).unwrap_or("0");
+            // Writing to a string has no way to fail.
+            let _ = write!(vertices.text, "{keyword} {} {}", word(0), word(1));
+            if kind != 1 {
+                let _ = write!(vertices.text, " {}", word(2));
             }
             if kind == 0 && has_colors {
-                let color = match [3, 4, 5].map(value) {
-                    [Some(red), Some(green), Some(blue)] => Vec3::new(red, green, blue),
-                    _ => Vec3::ONE,
-                };
-                if color != color.clamp(Vec3::ZERO, Vec3::ONE) {
+                let color = if is_good && numbers.len() == 6 { [3, 4, 5].map(word) } else { ["1"; 3] };
+                if color.iter().any(|word| number(word).is_none_or(|share| !(0.0..=1.0).contains(&share))) {
                     tally.add_at(Loss::ObjVertexColors, "", (path, statement.line));
                 }
-                vertices.colors.push(color);
+                let _ = write!(vertices.text, " {}", color.join(" "));
             }
+            vertices.text.push('\n');
             vertices.is_good[kind].push(is_good);
         }
         vertices
@@ -79,17 +72,8 @@ pub(super) struct Group {
     pub(super) smoothing: u32,
 }
 
-/// Polygons of a group.
-#[derive(Default, PartialEq)]
-pub(super) struct Faces {
-    /// Indices of their vertices, texture coordinates and normals; 0 of what the group has not.
-    pub(super) corners: Vec<[u32; 3]>,
-    /// Number of corners of each.
-    pub(super) counts: Vec<usize>,
-}
-
-/// Faces by what they share.
-pub(super) type Groups = BTreeMap<Group, Faces>;
+/// The faces of each group, as statements with indices from 1.
+pub(super) type Groups = BTreeMap<Group, String>;
 
 /// Sorts the faces; `find` says which material a name after `usemtl` is.
 pub(super) fn faces(
@@ -117,9 +101,7 @@ pub(super) fn faces(
                     let [_, has_uvs, has_normals] = face.has;
                     let smoothing = if has_normals { 0 } else { smoothing };
                     let group = Group { material, has_uvs, has_normals, smoothing };
-                    let faces = groups.entry(group).or_default();
-                    faces.counts.push(face.corners.len());
-                    faces.corners.extend(face.corners);
+                    face.write(groups.entry(group).or_default());
                 }
                 Err(loss) => tally.add_at(loss, "", at),
             },
@@ -147,9 +129,9 @@ fn smoothing_group(word: &str) -> u32 {
     }
 }
 
-/// The corners of a face, each with the indices of its vertex, texture coordinate and normal.
+/// The corners of a face, each with the indices of its vertex, texture coordinate and normal, from 1.
 struct Face {
-    corners: Vec<[u32; 3]>,
+    corners: Vec<[usize; 3]>,
     has: [bool; 3],
     /// Loss of the face.
     loss: Option<Loss>,
@@ -157,7 +139,7 @@ struct Face {
 
 impl Face {
     fn read(statement: &Statement<'_>, vertices: &Vertices, so_far: [usize; 3]) -> Result<Self, Loss> {
-        let (mut corners, mut has, mut any) = (Vec::<[u32; 3]>::new(), [true; 3], [false; 3]);
+        let (mut corners, mut has, mut any) = (Vec::new(), [true; 3], [false; 3]);
         for word in statement.numbers() {
             let mut corner = [0; 3];
             if word.split('/').count() > 3 {
@@ -171,18 +153,15 @@ impl Face {
                     "" => None,
                     part => resolved(part.parse().map_err(|_| Loss::ObjNumbers)?, so_far[kind]),
                 };
-                let is_good = index.and_then(|index| vertices.is_good[kind].get(index).copied());
+                let is_good = index.and_then(|index| vertices.is_good[kind].get(index - 1).copied());
                 match (kind, is_good) {
                     (0, None) => return Err(Loss::ObjFaceIndex),
                     (0, Some(false)) => return Err(Loss::ObjFaceVertex),
                     (_, None | Some(false)) => has[kind] = false,
-                    (_, Some(true)) => corner[kind] = index.unwrap_or_default() as u32,
+                    (_, Some(true)) => corner[kind] = index.unwrap_or_default(),
                 }
             }
             corners.push(corner);
-        }
-        for corner in &mut corners {
-            (0..3).filter(|&kind| !has[kind]).for_each(|kind| corner[kind] = 0);
         }
         let loss = match (has, any) {
             ([_, _, false], [_, _, true]) => Some(Loss::ObjNormals),
@@ -195,10 +174,24 @@ impl Face {
             _ => Err(Loss::ObjFaceCorners),
         }
     }
+
+    fn write(&self, text: &mut String) {
+        text.push('f');
+        for [vertex, uv, normal] in &self.corners {
+            // Writing to a string has no way to fail.
+            let _ = match self.has {
+                [_, false, false] => write!(text, " {vertex}"),
+                [_, true, false] => write!(text, " {vertex}/{uv}"),
+                [_, false, true] => write!(text, " {vertex}//{normal}"),
+                [_, true, true] => write!(text, " {vertex}/{uv}/{normal}"),
+            };
+        }
+        text.push('\n');
+    }
 }
 
-/// The index from 0 that is meant: they count from 1, negative ones back from where they stand.
+/// The index from 1 that is meant; negative ones count back from where they stand.
 fn resolved(index: i64, so_far: usize) -> Option<usize> {
-    let from_zero = if index < 0 { (so_far as i64).checked_add(index)? } else { index - 1 };
-    usize::try_from(from_zero).ok()
+    let from_one = if index < 0 { (so_far as i64).checked_add(index)?.checked_add(1)? } else { index };
+    usize::try_from(from_one).ok().filter(|&index| index > 0)
 }
