@@ -112,25 +112,27 @@ impl Reading<'_> {
             sunfleck.tolerance.filter(|&tolerance| self.is_usable::<RelativeError>("tolerance", tolerance));
         settings.exposure_stops =
             sunfleck.exposure.filter(|&stops| self.is_usable::<Stops>("exposure", stops));
-        if let Some(name) = &sunfleck.look {
-            match Look::ALL.into_iter().find(|look| look.name() == name) {
-                Some(look) => settings.look = look,
-                None => {
-                    let expected = format!("one of {}", Look::ALL.map(Look::name).join(", "));
-                    self.error("look", format!("`{name}` is no look"), &expected);
-                }
-            }
-        }
         settings.sampling = Sampling::said(samples, tolerance).unwrap_or(settings.sampling);
-        if let Some(name) = &sunfleck.filter {
-            match PixelFilter::ALL.into_iter().find(|filter| filter.name() == name) {
-                Some(filter) => settings.filter = filter,
-                None => {
-                    let expected = format!("one of {}", PixelFilter::ALL.map(PixelFilter::name).join(", "));
-                    self.error("filter", format!("`{name}` is no filter"), &expected);
-                }
-            }
+        let look = self.word("look", sunfleck.look.as_deref(), (&Look::ALL, Look::name));
+        settings.look = look.unwrap_or(settings.look);
+        let filter = self.word("filter", sunfleck.filter.as_deref(), (&PixelFilter::ALL, PixelFilter::name));
+        settings.filter = filter.unwrap_or(settings.filter);
+    }
+
+    /// What a word stands for among all words and what they stand for; an error if that is nothing.
+    fn word<T: Copy>(
+        &mut self,
+        field: &str,
+        said: Option<&str>,
+        (all, name): (&[T], fn(T) -> &'static str),
+    ) -> Option<T> {
+        let said = said?;
+        let found = all.iter().copied().find(|&one| name(one) == said);
+        if found.is_none() {
+            let names: Vec<&str> = all.iter().map(|&one| name(one)).collect();
+            self.error(field, format!("`{said}` is no {field}"), &format!("one of {}", names.join(", ")));
         }
+        found
     }
 
     /// Whether a number lies in its range, and if not says what would.
