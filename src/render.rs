@@ -31,6 +31,7 @@ use crate::scene::{Bounces, PixelFilter, Sampling, Size, Window};
 use crate::snapshot::{Exposure, Snapshot};
 use crate::transport::{Component, MarchSteps, OneLight, Transport, VolumeMethod};
 pub use choice::{Choice, Reason, choose};
+use correction::Correction;
 use glam::DVec2;
 use grid_error::GridError;
 use refine::{Budget, Goal, Refined};
@@ -222,12 +223,13 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
 
 /// Renders with light kept from other pictures of the scene, where it is the same.
 pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &Watch) -> Rendered {
+    // Before anything else is in memory: the exposure's moments are frozen once somebody asks for them.
+    let indirect = job.indirect(exposure, kept, watch);
+    let indirect = indirect.as_ref();
     let middle = exposure.middle();
     if job.method.volume(job.bounces) == VolumeMethod::Segments {
         exposure.see_fog(job.size);
     }
-    let indirect = job.indirect(exposure, kept, watch);
-    let indirect = indirect.as_ref();
     let components = components(exposure, indirect);
     if !job.is_judged() {
         let survey = Survey::omitted(components);
@@ -238,16 +240,7 @@ pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &
         return add_up(exposure, job, &Light { indirect, survey: &survey, error: None }, watch);
     };
     let error = GridError::found(middle, job, grid, &survey, watch.cancelled);
-    // What is corrected has to be known apart.
-    let parts = [Pass::Indirect, Pass::IndirectShafts];
-    let unasked: Vec<Pass> = parts.into_iter().filter(|pass| !job.passes.contains(pass)).collect();
-    let mut passes = [job.passes.as_slice(), &unasked].concat();
-    passes.sort_unstable();
-    let with_parts = Job { passes, ..job.clone() };
-    let mut rendered =
-        add_up(exposure, &with_parts, &Light { indirect, survey: &survey, error: Some(&error) }, watch);
-    rendered.frame.drop_passes(&unasked);
-    rendered
+    add_up(exposure, job, &Light { indirect, survey: &survey, error: Some(&error) }, watch)
 }
 
 /// Indirect light and estimates of a picture, found before any of it is rendered.
@@ -258,13 +251,16 @@ struct Light<'a> {
     error: Option<&'a GridError>,
 }
 
+impl<'a> Light<'a> {
+    /// What indirect light lacks, where that is known.
+    fn correction(&self) -> Option<&'a Correction> {
+        self.error.map(|error| &error.correction)
+    }
+}
+
 /// Renders the picture's components, and adds them up.
-fn add_up(
-    exposure: &Exposure,
-    job: &Job,
-    &Light { indirect, survey, error }: &Light,
-    watch: &Watch,
-) -> Rendered {
+fn add_up(exposure: &Exposure, job: &Job, light: &Light, watch: &Watch) -> Rendered {
+    let &Light { indirect, survey, error } = light;
     let mut sum = Sum::default();
     let from_slices = job.method.takes_slices(exposure);
     sum.statistics.from_slices = from_slices;
@@ -280,12 +276,12 @@ fn add_up(
             let budget = Budget { share, share_so_far, before: sum.estimates() };
             let before = sum.frame();
             let developed = watch.part(range, None, |watch| match component {
-                Component::Light(light) => {
-                    let picture = slices::LightPicture::new(exposure, job, indirect, light, &tally);
+                Component::Light(one) => {
+                    let picture = slices::LightPicture::new(exposure, job, light, one, &tally);
                     develop(&Watched { picture, job, before }, job, survey, &budget, watch)
                 }
                 component => {
-                    let picture = tiles::RayPicture::new(exposure, job, indirect, component);
+                    let picture = tiles::RayPicture::new(exposure, job, light, component);
                     develop(&Watched { picture, job, before }, job, survey, &budget, watch)
                 }
             });
@@ -293,7 +289,7 @@ fn add_up(
         }
         (sum.statistics.slices, sum.statistics.segments) = tally.totals();
     } else {
-        let picture = tiles::RayPicture::new(exposure, job, indirect, Component::All);
+        let picture = tiles::RayPicture::new(exposure, job, light, Component::All);
         let picture = Watched { picture, job, before: None };
         sum.add(develop(&picture, job, survey, &Budget::WHOLE, watch));
     }

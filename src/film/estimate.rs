@@ -27,17 +27,14 @@ pub struct BlockEstimate {
 }
 
 impl Film {
-    /// Estimate of each pixel, row by row; `None` where there are no samples.
+    /// Estimate of a pixel of the full picture; `None` where there are no samples.
     ///
     /// If a pixel's known and fresh samples have means A and B and their weights add up to a and b, then
     /// the pixel's value, (a A + b B) / (a + b), has the variance (A - B)^2 a b / (a + b)^2: exactly so if
     /// samples are independent, for then A - B varies by s^2 (1/a + 1/b) and the value by s^2 / (a + b).
     /// Halves that complete one another err in opposite directions, and the value is better than that.
-    pub fn estimates(&self) -> Vec<Option<PixelEstimate>> {
-        (0..self.weights.len()).map(|pixel| self.estimate(pixel)).collect()
-    }
-
-    fn estimate(&self, pixel: usize) -> Option<PixelEstimate> {
+    pub fn estimate(&self, (x, y): (usize, usize)) -> Option<PixelEstimate> {
+        let pixel = self.window.index(x, y)?;
         let (all, sums) = (self.weights[pixel], &self.sums[pixel * self.stride()..]);
         let [fresh, red, green, blue] = self.fresh[pixel];
         let (sum, fresh_sum) = (Rgb::new(sums[0], sums[1], sums[2]), Rgb::new(red, green, blue));
@@ -98,9 +95,8 @@ mod tests {
     }
 
     fn of_blocks(film: &Film, blocks: &Blocks) -> Vec<BlockEstimate> {
-        let pixels = film.estimates();
-        let known = |(x, y)| film.window().index(x, y).and_then(|pixel| pixels[pixel]);
-        let of_block = |block| BlockEstimate::of(blocks.pixels(block).pixels().filter_map(known));
+        let of_pixel = |pixel| film.estimate(pixel);
+        let of_block = |block| BlockEstimate::of(blocks.pixels(block).pixels().filter_map(of_pixel));
         (0..blocks.count()).map(of_block).collect()
     }
 
@@ -208,8 +204,7 @@ mod tests {
         film.add(&Splat { pixel: (3, 3), weight: 1.0, from_centre_px: 0.0 }, &grey(1.0));
         film.add_fresh(&Splat { pixel: (3, 3), weight: 1.0, from_centre_px: 0.0 }, &grey(2.0));
         film.let_fresh_be_known(&Mask::from_fn(film.window(), |x, _| x != 3));
-        let at = film.window().index(3, 3).expect("a pixel");
-        let estimate = film.estimates()[at].expect("has samples");
+        let estimate = film.estimate((3, 3)).expect("has samples");
         assert!((estimate.luminance - 1.5).abs() < 1e-12, "{estimate:?}");
         assert!(estimate.variance.is_some_and(|variance| (variance - 0.25).abs() < 1e-12), "{estimate:?}");
     }

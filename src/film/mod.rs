@@ -115,7 +115,7 @@ impl Film {
         self.add_to_half(false, splat, sample);
     }
 
-    /// Adds a sample of the fresh half, by which [`Film::estimates`] judges what was known without it.
+    /// Adds a sample of the fresh half, by which [`Film::estimate`] judges what was known without it.
     pub fn add_fresh(&mut self, splat: &Splat, sample: &Sample) {
         self.add_to_half(true, splat, sample);
     }

@@ -13,6 +13,12 @@ impl Film {
         pixels.filter(|(_, weight)| **weight == 0.0).map(|(pixel, _)| pixel).collect()
     }
 
+    /// The finished picture; see [`Film::resolve`]. Halves are given back before their frame takes memory.
+    pub fn into_frame(mut self) -> Frame {
+        self.fresh = Vec::new();
+        self.resolve()
+    }
+
     /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
     pub fn resolve(&self) -> Frame {
         let mut channels = self.means();

@@ -17,6 +17,7 @@ use super::walls::{CutNode, Walls, link_of};
 use super::wanted::Wanted;
 use crate::accel::vectorized;
 use glam::DVec3;
+use std::mem::take;
 
 /// Sources of a sweep.
 #[derive(Clone, Copy)]
@@ -37,14 +38,14 @@ pub(crate) struct AngleSet<'a> {
     pub(crate) axis: usize,
     pub(crate) channel: usize,
     /// Moments by harmonic, then by node.
-    pub(crate) moments: Vec<f32>,
+    moments: Vec<f32>,
     /// Moments of degrees 3 and 4, for the last scattering.
-    pub(crate) third: Vec<f32>,
-    pub(crate) fourth: Vec<f32>,
+    third: Vec<f32>,
+    fourth: Vec<f32>,
     /// And of degrees 5 and 6.
-    pub(crate) high: Vec<f32>,
+    high: Vec<f32>,
     /// Radiance that travels towards walls.
-    pub(crate) towards_faces: TowardsFaces,
+    towards_faces: TowardsFaces,
     /// Each ordinate's number and radiance, where a grid within this one needs it.
     pub(crate) radiances: Vec<(usize, Vec<f32>)>,
     cell_m: f64,
@@ -67,6 +68,17 @@ pub(crate) struct AngleSet<'a> {
     behind: Vec<f32>,
     /// Radiance that leaves walls along one ordinate.
     walls: Vec<f32>,
+}
+
+/// Moments that an angle set has found: of nodes, by harmonic, and of faces of walls.
+pub(super) struct SetMoments {
+    pub(super) axis: usize,
+    pub(super) channel: usize,
+    pub(super) moments: (Vec<f32>, Vec<[f32; COUNT]>),
+    pub(super) third: (Vec<f32>, Vec<[f32; COUNT]>),
+    pub(super) fourth: (Vec<f32>, Vec<[f32; COUNT]>),
+    /// Of nodes alone.
+    pub(super) high: Vec<f32>,
 }
 
 /// An ordinate that goes forwards along the axis, and its opposite.
@@ -177,10 +189,16 @@ impl<'a> AngleSet<'a> {
         }
     }
 
-    /// Has no moments any more.
-    pub(crate) fn clear(&mut self) {
-        for moments in [&mut self.moments, &mut self.third, &mut self.fourth, &mut self.high] {
-            *moments = Vec::new();
+    /// Gives away the moments that it has found.
+    pub(super) fn take(&mut self) -> SetMoments {
+        let towards = &mut self.towards_faces;
+        SetMoments {
+            axis: self.axis,
+            channel: self.channel,
+            moments: (take(&mut self.moments), take(&mut towards.moments)),
+            third: (take(&mut self.third), take(&mut towards.third)),
+            fourth: (take(&mut self.fourth), take(&mut towards.fourth)),
+            high: take(&mut self.high),
         }
     }
 

@@ -6,7 +6,7 @@
 //! the four cells upwind of it, half a cell of the medium, its own source, and half a cell again. This is a
 //! step scheme of second order (Lewis & Miller 1984, chapter 4).
 
-use super::angle_set::{AngleSet, SweepSource};
+use super::angle_set::{AngleSet, SetMoments, SweepSource};
 use super::angular_radiance::AngularRadiance;
 use super::domain::Domain;
 use super::first_collision_source::BeamSource;
@@ -18,6 +18,7 @@ use super::planes::Layout;
 use super::quadrature::Quadrature;
 use super::wanted::Wanted;
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Moments and radiances that a sweep finds.
 pub(crate) struct Swept {
@@ -99,47 +100,20 @@ impl<'a> Sweeper<'a> {
             .radiances
             .map(|places| places.iter().map(|corners| self.turned.corners(corners)).collect());
         let turned_wanted = Wanted { radiances: turned_places.as_deref(), ..*wanted };
-        self.angle_sets.par_iter_mut().for_each(|set| match set.axis {
-            0 => set.sweep(&turned, &turned_wanted, cancelled),
-            _ => set.sweep(sources, wanted, cancelled),
+        let sums = Mutex::new(Sums::new(self, wanted));
+        self.angle_sets.par_iter_mut().for_each(|set| {
+            match set.axis {
+                0 => set.sweep(&turned, &turned_wanted, cancelled),
+                _ => set.sweep(sources, wanted, cancelled),
+            }
+            sums.lock().unwrap_or_else(PoisonError::into_inner).add(set.take());
         });
-        let swept = Swept {
-            moments: self.sums(|set| (&set.moments, &set.towards_faces.moments)),
-            third: wanted.third.then(|| self.sums(|set| (&set.third, &set.towards_faces.third))),
-            fourth: self.sums(|set| (&set.fourth, &set.towards_faces.fourth)),
-            high: wanted.high.then(|| self.high()),
-            radiances: wanted.radiances.map(|_| self.radiances()),
-        };
-        self.angle_sets.iter_mut().for_each(AngleSet::clear);
-        swept
+        let swept = sums.into_inner().unwrap_or_else(PoisonError::into_inner).swept;
+        Swept { radiances: wanted.radiances.map(|_| self.radiances()), ..swept }
     }
 
     fn turned_beams(&self, sources: &SweepSource) -> Vec<BeamSource> {
         sources.beams.iter().map(|beam| beam.map(|values| self.turned.of_grid(values))).collect()
-    }
-
-    /// Sums over all angle sets.
-    fn sums(&self, of: impl for<'c> Fn(&'c AngleSet<'_>) -> (&'c [f32], &'c [[f32; COUNT]])) -> Moments {
-        let mut moments = Moments::zero(self.count_with_faces);
-        for set in &self.angle_sets {
-            let (of_nodes, of_faces) = of(set);
-            let sums = moments.of_channel_mut(set.channel).chunks_exact_mut(self.count_with_faces);
-            self.add_up(sums, set, of_nodes);
-            for index in 0..COUNT {
-                let sums = &mut moments.channel_mut(set.channel, index)[self.count..];
-                sums.iter_mut().zip(of_faces).for_each(|(sum, face)| *sum += face[index]);
-            }
-        }
-        moments
-    }
-
-    fn high(&self) -> HighSums {
-        let mut moments: HighSums = std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; self.count]));
-        for set in &self.angle_sets {
-            let sums = moments[set.channel].iter_mut().map(Vec::as_mut_slice);
-            self.add_up(sums, set, &set.high);
-        }
-        moments
     }
 
     fn radiances(&mut self) -> AngularRadiance {
@@ -155,13 +129,66 @@ impl<'a> Sweeper<'a> {
         }
         AngularRadiance(of_channels)
     }
+}
 
-    fn add_up<'s>(&self, sums: impl Iterator<Item = &'s mut [f32]>, set: &AngleSet, values: &[f32]) {
-        for (sums, values) in sums.zip(values.chunks_exact(self.count)) {
-            let laid = (set.axis == 0).then(|| self.turned.to_grid(values));
-            for (sum, value) in sums.iter_mut().zip(laid.as_deref().unwrap_or(values)) {
-                *sum += value;
+/// Sums over angle sets, added as these are done: nine at once take more memory than all the rest. Those of
+/// a channel come in the order of their axes, whichever is done first.
+struct Sums {
+    count: usize,
+    count_with_faces: usize,
+    turned: Layout,
+    swept: Swept,
+    /// Axis whose turn it is, by channel.
+    next: [usize; 3],
+    waiting: Vec<SetMoments>,
+}
+
+impl Sums {
+    fn new(&Sweeper { count, count_with_faces, turned, .. }: &Sweeper, wanted: &Wanted) -> Self {
+        let zero = || Moments::zero(count_with_faces);
+        let high = || std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; count]));
+        let swept = Swept {
+            moments: zero(),
+            third: wanted.third.then(zero),
+            fourth: zero(),
+            high: wanted.high.then(high),
+            radiances: None,
+        };
+        Self { count, count_with_faces, turned, swept, next: [0; 3], waiting: Vec::new() }
+    }
+
+    fn add(&mut self, set: SetMoments) {
+        self.waiting.push(set);
+        let is_next = |next: &[usize; 3], set: &SetMoments| set.axis == next[set.channel];
+        while let Some(number) = self.waiting.iter().position(|set| is_next(&self.next, set)) {
+            let set = self.waiting.swap_remove(number);
+            self.next[set.channel] += 1;
+            self.add_next(&set);
+        }
+    }
+
+    fn add_next(&mut self, set: &SetMoments) {
+        let &mut Self { count, count_with_faces, turned, ref mut swept, .. } = self;
+        let add_nodes = |sums: &mut dyn Iterator<Item = &mut [f32]>, values: &[f32]| {
+            for (sums, values) in sums.zip(values.chunks_exact(count)) {
+                let laid = (set.axis == 0).then(|| turned.to_grid(values));
+                let values = laid.as_deref().unwrap_or(values);
+                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             }
+        };
+        let Swept { moments, third, fourth, high, .. } = swept;
+        let of_degrees =
+            [(Some(moments), &set.moments), (third.as_mut(), &set.third), (Some(fourth), &set.fourth)];
+        for (sums, (of_nodes, of_faces)) in of_degrees {
+            let Some(sums) = sums else { continue };
+            add_nodes(&mut sums.of_channel_mut(set.channel).chunks_exact_mut(count_with_faces), of_nodes);
+            for index in 0..COUNT {
+                let sums = &mut sums.channel_mut(set.channel, index)[count..];
+                sums.iter_mut().zip(of_faces).for_each(|(sum, face)| *sum += face[index]);
+            }
+        }
+        if let Some(high) = high {
+            add_nodes(&mut high[set.channel].iter_mut().map(Vec::as_mut_slice), &set.high);
         }
     }
 }

@@ -12,7 +12,8 @@ use super::map::Map;
 use super::moments::Moments;
 use super::probes::PASSES;
 use crate::color::Rgb;
-use crate::film::Frame;
+use crate::scene::Size;
+use crate::transport::Sample;
 use glam::DVec2;
 
 /// Standard deviations of the surroundings, in cells.
@@ -103,35 +104,22 @@ pub(super) fn mean(value: Rgb) -> f64 {
 }
 
 /// Share of itself by which indirect light is to grow, by pass.
-pub(super) struct Correction(pub(super) [Map<Rgb>; PASSES]);
+pub(super) struct Correction {
+    /// The whole picture.
+    pub(super) size: Size,
+    pub(super) shares: [Map<Rgb>; PASSES],
+}
 
 impl Correction {
-    /// Puts it into a frame that has the passes of indirect light. What is added to a part of the light is
-    /// added to all that it is a part of.
-    pub(super) fn apply(&self, frame: &mut Frame) {
-        /// The first letters of a pass's channels, and of those that it is a part of.
-        const CHANNELS: [(&str, &[&str]); PASSES] =
-            [("indirect.", &[""]), ("indirect_shafts.", &["shafts.", ""])];
-        let (full, window) = (frame.full, frame.window);
-        for ((part, wholes), share) in CHANNELS.iter().zip(&self.0) {
-            let number = |first: &str, letter: &str| {
-                let name = format!("{first}{letter}");
-                frame.channels.iter().position(|channel| channel.name == name)
-            };
-            let parts = ["R", "G", "B"].map(|letter| number(part, letter));
-            let wholes = ["R", "G", "B"]
-                .map(|letter| wholes.iter().filter_map(|first| number(first, letter)).collect::<Vec<_>>());
-            for (pixel, (x, y)) in window.pixels().enumerate() {
-                let place = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                let share = share.at(place / DVec2::new(full.width as f64, full.height as f64));
-                for (index, (part, wholes)) in parts.iter().zip(&wholes).enumerate() {
-                    let Some(part) = *part else { continue };
-                    let added = (share[index] * f64::from(frame.channels[part].pixels[pixel])) as f32;
-                    for channel in wholes.iter().chain([&part]) {
-                        frame.channels[*channel].pixels[pixel] += added;
-                    }
-                }
-            }
-        }
+    /// Corrects the indirect light of a sample at a place of the picture, in pixels. What is added to a part
+    /// of the light is added to all that it is a part of.
+    pub(super) fn apply(&self, sample: &mut Sample, film_px: DVec2) {
+        let place = film_px / DVec2::new(self.size.width as f64, self.size.height as f64);
+        let [of_surfaces, of_fog] = self.shares.each_ref().map(|shares| shares.at(place));
+        let (on_surfaces, in_fog) = (of_surfaces * sample.indirect, of_fog * sample.indirect_shafts);
+        sample.radiance += on_surfaces + in_fog;
+        sample.indirect += on_surfaces;
+        sample.shafts += in_fog;
+        sample.indirect_shafts += in_fog;
     }
 }

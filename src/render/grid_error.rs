@@ -80,7 +80,7 @@ impl GridError {
                     break;
                 }
             }
-            let known = Self::of(&halves, survey);
+            let known = Self::of(&halves, survey, job.size);
             let walks = f64::from(numbers.end).max(drawn / POINTS_OF_A_WALK);
             if known.relative <= tolerance || 2.0 * walks > most || cancelled() {
                 return known;
@@ -90,7 +90,7 @@ impl GridError {
     }
 
     /// Error from the sums of two halves of the walks.
-    fn of(halves: &[Moments; 2], survey: &Survey) -> Self {
+    fn of(halves: &[Moments; 2], survey: &Survey, size: Size) -> Self {
         let all = halves[0].with(&halves[1]);
         let schemes: [Scheme; PASSES] = std::array::from_fn(|pass| Scheme::of(&all, pass));
         let shares = |moments: &Moments, times: f64| -> [Map<Rgb>; PASSES] {
@@ -114,7 +114,7 @@ impl GridError {
         let picture = (survey.mean + added).max(0.5 * (luminance(mean_light) + added));
         let told = TOLD * (squares.sum() / cells).sqrt();
         let relative = if told > 0.0 { told / picture.max(f64::MIN_POSITIVE) } else { 0.0 };
-        Self { correction: Correction(correction), squares, relative }
+        Self { correction: Correction { size, shares: correction }, squares, relative }
     }
 
     /// Luminance by which a block of pixels may be wrong.

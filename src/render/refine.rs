@@ -83,11 +83,8 @@ pub(super) fn once(picture: &impl Picture, job: &Job, watch: &Watch) -> Refined 
     let schedule = Schedule::of(job.sampling);
     picture.add_round(&Round { number: 0, schedule, wanted: &wanted }, &mut film, watch);
     picture.fill_holes(&mut film, watch);
-    let estimates = if job.is_judged() {
-        judge(&estimates(&film, picture.convergence()), &film, &blocks)
-    } else {
-        Vec::new()
-    };
+    let estimates =
+        if job.is_judged() { judge(&film, &blocks, completion(picture.convergence())) } else { Vec::new() };
     let variances = estimates.iter().map(|block| block.variance).collect();
     Refined { film, blocks, variances, rounds: 1 }
 }
@@ -137,7 +134,8 @@ struct Refinement<'a, P> {
 
 /// Estimates after a round, and what they ask for.
 struct Judgement {
-    pixels: Vec<Option<PixelEstimate>>,
+    /// Variance of each pixel of the film, where it has two halves.
+    variances: Vec<Option<f64>>,
     blocks: Vec<BlockEstimate>,
     /// The standard error of each block that goes on, by what it may be.
     excess: Vec<f64>,
@@ -177,8 +175,10 @@ impl<'a, P: Picture> Refinement<'a, P> {
 
     fn judge(&mut self, round: &Round) -> Judgement {
         let Self { picture, goal, film, blocks, .. } = self;
-        let pixels = estimates(film, picture.convergence());
-        let estimates = judge(&pixels, film, blocks);
+        let completion = completion(picture.convergence());
+        let estimates = judge(film, blocks, completion);
+        let variance = |pixel| estimate(film, pixel, completion)?.variance;
+        let variances = film.window().pixels().map(variance).collect();
         let excess = |block: usize| {
             if self.goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
         };
@@ -187,7 +187,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
         let decides = goal.tolerance >= LOOSE || samples >= picture.fewest_samples();
         self.worst = Some(goal.tolerance * excess.iter().copied().fold(0.0, f64::max));
         let is_first = !std::mem::replace(&mut self.was_judged, decides);
-        Judgement { pixels, blocks: estimates, excess, decides, is_first }
+        Judgement { variances, blocks: estimates, excess, decides, is_first }
     }
 
     /// A block goes on while it exceeds its goal. When first judged it also goes on if one next to it does:
@@ -224,7 +224,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
     /// one that has missed an edge by chance lies next to one that has not.
     fn choose_pixels(&mut self, judgement: &Judgement) {
         let Self { goal, film, blocks, goes_on, .. } = self;
-        let variance = |(x, y)| judgement.pixels[film.window().index(x, y)?]?.variance;
+        let variance = |(x, y)| judgement.variances[film.window().index(x, y)?];
         self.wanted = Mask::from_fn(blocks.window(), |x, y| {
             let Some(block) = blocks.index(x, y).filter(|&block| goes_on[block]) else { return false };
             let near = film.window().around(x, y);
@@ -245,25 +245,26 @@ impl<'a, P: Picture> Refinement<'a, P> {
     }
 }
 
-/// Estimate of each pixel by its samples.
+/// Factor on what halves of a pixel's samples say of its variance.
 ///
-/// Its halves complete one another: slices of the one lie between those of the other. If the error falls
+/// The halves complete one another: slices of the one lie between those of the other. If the error falls
 /// as samples to the power -p, the whole varies by 4^-p of what each half, A or B, does; then (A + B) / 2
 /// varies by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
-fn estimates(film: &Film, convergence: f64) -> Vec<Option<PixelEstimate>> {
-    let completion = (4.0_f64.powf(convergence) - 1.0).recip();
-    let completed = |PixelEstimate { luminance, variance }| PixelEstimate {
-        luminance,
-        variance: variance.map(|variance| completion * variance),
-    };
-    film.estimates().into_iter().map(|estimate| estimate.map(completed)).collect()
+fn completion(convergence: f64) -> f64 {
+    (4.0_f64.powf(convergence) - 1.0).recip()
+}
+
+/// Estimate of a pixel by its samples.
+fn estimate(film: &Film, pixel: (usize, usize), completion: f64) -> Option<PixelEstimate> {
+    let PixelEstimate { luminance, variance } = film.estimate(pixel)?;
+    Some(PixelEstimate { luminance, variance: variance.map(|variance| completion * variance) })
 }
 
 /// Estimate of each block by its pixels.
-fn judge(pixels: &[Option<PixelEstimate>], film: &Film, blocks: &Blocks) -> Vec<BlockEstimate> {
-    let known = |(x, y)| film.window().index(x, y).and_then(|pixel| pixels[pixel]);
+fn judge(film: &Film, blocks: &Blocks, completion: f64) -> Vec<BlockEstimate> {
+    let of_pixel = |pixel| estimate(film, pixel, completion);
     (0..blocks.count())
-        .map(|block| BlockEstimate::of(blocks.pixels(block).pixels().filter_map(known)))
+        .map(|block| BlockEstimate::of(blocks.pixels(block).pixels().filter_map(of_pixel)))
         .collect()
 }
 

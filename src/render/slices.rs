@@ -3,15 +3,15 @@
 //! them. They weigh as much as the area of the pixel that they stand for. So a pixel is the mean over
 //! what its slices see of it.
 
+use super::correction::Correction;
 use super::draws::{Draw, Draws};
 use super::lattice::{Differing, Lattice, PlacedSlice};
 use super::layout::Layout;
 use super::refine::{DRAWN, ORDERED};
 use super::rounds::{Picture, Round, Schedule};
 use super::shares::{PlacedPiece, Shares};
-use super::{Job, Watch, camera_ray};
+use super::{Job, Light, Watch, camera_ray};
 use crate::film::{Film, Mask, Splat, Splats};
-use crate::indirect::Indirect;
 use crate::light::LightPlace;
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Window};
@@ -32,13 +32,14 @@ const BATCH_PER_THREAD: usize = 16;
 const FEWEST_DRAWN_SAMPLES: u32 = 16;
 
 /// One light's component of a picture.
-pub(super) struct LightPicture<'a> {
-    exposure: &'a Exposure<'a>,
+pub(super) struct LightPicture<'a, 'scene> {
+    exposure: &'a Exposure<'scene>,
     job: &'a Job,
     transport: Transport<'a>,
+    correction: Option<&'a Correction>,
     light: OneLight,
     tally: &'a Tally,
-    draws: Draws<'a, 'a>,
+    draws: Draws<'a, 'scene>,
     /// Lattice of slices; `None` if the light is where the camera is.
     lattice: Option<Lattice>,
 }
@@ -70,18 +71,19 @@ struct SlicesScratch {
     pieces: Vec<PlacedPiece>,
 }
 
-impl<'a> LightPicture<'a> {
+impl<'a, 'scene> LightPicture<'a, 'scene> {
     /// Lays out the slices.
     pub(super) fn new(
-        exposure: &'a Exposure<'a>,
+        exposure: &'a Exposure<'scene>,
         job: &'a Job,
-        indirect: Option<&'a Indirect>,
+        found: &Light<'a>,
         light: OneLight,
         tally: &'a Tally,
     ) -> Self {
         let draws = Draws::new(exposure, light.number, job.seed);
         let lattice = lattice(exposure, job, light.number, &draws);
-        Self { exposure, job, transport: job.transport(indirect), light, tally, draws, lattice }
+        let (transport, correction) = (job.transport(found.indirect), found.correction());
+        Self { exposure, job, transport, correction, light, tally, draws, lattice }
     }
 
     /// Solves a slice and keeps its samples.
@@ -93,7 +95,7 @@ impl<'a> LightPicture<'a> {
         scratch: &mut SlicesScratch,
         samples: &mut Splats,
     ) {
-        let Self { job, light, .. } = *self;
+        let Self { job, light, correction, .. } = *self;
         let Placed { draw, fan, slice } = placed;
         let SlicesScratch { slices, outline, pieces } = scratch;
         let slice_job = SliceJob {
@@ -108,7 +110,10 @@ impl<'a> LightPicture<'a> {
         let chords = slice.chords(job.size, seen);
         pieces.clear();
         let has_outline = job.filter == PixelFilter::Box;
-        let add = |piece: &Piece, value: &Sample| {
+        let add = |piece: &Piece, value: &mut Sample| {
+            if let Some(correction) = correction {
+                correction.apply(value, piece.place.film_px);
+            }
             let sample = samples.keep(value);
             match job.filter {
                 PixelFilter::Box => pieces.push(PlacedPiece::new(piece, sample)),
@@ -129,8 +134,8 @@ impl<'a> LightPicture<'a> {
 }
 
 /// A slice in the fan of its draw.
-struct Placed<'a> {
-    draw: Draw<'a, 'a>,
+struct Placed<'a, 'scene> {
+    draw: Draw<'a, 'scene>,
     fan: Fan,
     slice: PlacedSlice,
 }
@@ -149,7 +154,7 @@ fn lattice(exposure: &Exposure, job: &Job, light: usize, draws: &Draws) -> Optio
     Some(Lattice::new(base, differing, Schedule::of(job.sampling), &segments, || sampler.next_2d()))
 }
 
-impl Picture for LightPicture<'_> {
+impl Picture for LightPicture<'_, '_> {
     fn film(&self, job: &Job, window: Window) -> Film {
         let has_hues = self.exposure.middle().lights[self.light.number].has_hues();
         let new = if has_hues { Film::with_hues } else { Film::new };
@@ -208,7 +213,7 @@ impl Picture for LightPicture<'_> {
 
     /// A ray of its own, through the pixel's centre.
     fn fill_holes(&self, film: &mut Film, watch: &Watch) {
-        let Self { exposure, job, light, .. } = *self;
+        let Self { exposure, job, light, correction, .. } = *self;
         let mut scratch = Scratch::default();
         for (x, y) in film.holes() {
             if (watch.cancelled)() {
@@ -218,7 +223,10 @@ impl Picture for LightPicture<'_> {
             let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let (snapshot, ray) = camera_ray(exposure, job.size, centre, &mut sampler);
             let component = Component::Light(light);
-            let value = self.transport.radiance_of(component, snapshot, &ray, &mut sampler, &mut scratch);
+            let mut value = self.transport.radiance_of(component, snapshot, &ray, &mut sampler, &mut scratch);
+            if let Some(correction) = correction {
+                correction.apply(&mut value, centre);
+            }
             film.add(&Splat { pixel: (x, y), weight: 1.0, from_centre_px: 0.0 }, &value);
         }
     }

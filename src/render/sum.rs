@@ -25,7 +25,7 @@ impl Sum {
         let Refined { film, blocks, variances, rounds } = picture;
         self.statistics.samples += film.weight() as u64;
         self.statistics.rounds = self.statistics.rounds.max(rounds);
-        let resolved = film.resolve();
+        let resolved = film.into_frame();
         match &mut self.frame {
             None => (self.frame, self.variances) = (Some(resolved), variances),
             Some(frame) => {
@@ -52,14 +52,11 @@ impl Sum {
     }
 
     pub(super) fn finish(mut self, job: &Job, survey: &Survey, grid: Option<&GridError>) -> Rendered {
-        let mut frame =
+        let frame =
             self.frame.take().unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve());
         let (Some(blocks), true) = (&self.blocks, job.is_judged()) else {
             return Rendered { frame, statistics: self.statistics };
         };
-        if let Some(grid) = grid {
-            grid.correction.apply(&mut frame);
-        }
         let errors: Vec<f64> = (0..blocks.count())
             .map(|block| relative_error(self.variances[block], mean_luminance(&frame, blocks, block), survey))
             .collect();

@@ -1,10 +1,10 @@
 //! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
 
+use super::correction::Correction;
 use super::refine::ORDERED;
 use super::rounds::{Picture, Round};
-use super::{Job, Watch, camera_ray};
+use super::{Job, Light, Watch, camera_ray};
 use crate::film::{Film, Splat, filter};
-use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::scene::{PixelFilter, Sampling, Window};
 use crate::snapshot::Exposure;
@@ -17,14 +17,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const TILE: usize = 32;
 
 /// A picture of a component of the light, each sample a ray of its own.
-pub(super) struct RayPicture<'a> {
-    exposure: &'a Exposure<'a>,
+pub(super) struct RayPicture<'a, 'scene> {
+    exposure: &'a Exposure<'scene>,
     job: &'a Job,
     transport: Transport<'a>,
+    correction: Option<&'a Correction>,
     component: Component,
 }
 
-impl Picture for RayPicture<'_> {
+impl Picture for RayPicture<'_, '_> {
     fn film(&self, job: &Job, window: Window) -> Film {
         Film::new(job.size, window, &job.passes)
     }
@@ -64,14 +65,15 @@ impl Picture for RayPicture<'_> {
     fn fill_holes(&self, _: &mut Film, _: &Watch) {}
 }
 
-impl<'a> RayPicture<'a> {
+impl<'a, 'scene> RayPicture<'a, 'scene> {
     pub(super) fn new(
-        exposure: &'a Exposure<'a>,
+        exposure: &'a Exposure<'scene>,
         job: &'a Job,
-        indirect: Option<&'a Indirect>,
+        light: &Light<'a>,
         component: Component,
     ) -> Self {
-        Self { exposure, job, transport: job.transport(indirect), component }
+        let (transport, correction) = (job.transport(light.indirect), light.correction());
+        Self { exposure, job, transport, correction, component }
     }
 
     fn render_tile(
@@ -82,7 +84,7 @@ impl<'a> RayPicture<'a> {
         film: &mut Film,
         watch: &Watch,
     ) {
-        let Self { exposure, job, ref transport, component } = *self;
+        let Self { exposure, job, ref transport, correction, component } = *self;
         for (x, y) in tile.pixels().filter(|&(x, y)| round.wanted.contains(x, y)) {
             if (watch.cancelled)() {
                 return;
@@ -96,7 +98,10 @@ impl<'a> RayPicture<'a> {
                 };
                 let film_px = DVec2::new(x as f64, y as f64) + 0.5 + from_centre;
                 let (snapshot, ray) = camera_ray(exposure, job.size, film_px, &mut sampler);
-                let value = transport.radiance_of(component, snapshot, &ray, &mut sampler, scratch);
+                let mut value = transport.radiance_of(component, snapshot, &ray, &mut sampler, scratch);
+                if let Some(correction) = correction {
+                    correction.apply(&mut value, film_px);
+                }
                 let splat = Splat { pixel: (x, y), weight: 1.0, from_centre_px: from_centre.length() };
                 // The sequence's first half is evenly spread, and so is its second; its even points are not.
                 let is_fresh = !round.is_first() || 2 * number >= round.samples();

@@ -1,13 +1,16 @@
 //! Exposure of a frame: snapshots of moments between the shutter's opening and closing. In go a scene and
 //! a shutter, out come as many moments as the motion needs. Invariants: a scene that keeps still, or a
 //! shutter that opens for an instant, has one; all moments have the same lights in the same order.
+//!
+//! Moments are frozen when the first of them is asked for: light of higher orders, which is solved before,
+//! has the memory until then.
 
 use super::moment::shining;
 use super::{Contents, Framing, Instant, MeshTrees, MotionField, SeenFog, Shutter, Snapshot};
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Scene, Size, matte_id};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Moments of a shutter that sees something move. A leaf that crosses 30 pixels meanwhile is drawn at
 /// steps of about a pixel; odd, so that one of them is the middle.
@@ -21,12 +24,17 @@ const FEWEST_MOMENTS: usize = 3;
 
 /// The moments of one frame.
 pub struct Exposure<'scene> {
-    moments: Vec<Snapshot<'scene>>,
     scene: &'scene Scene,
     trees: &'scene MeshTrees,
+    framing: Framing,
+    /// Times of its moments.
+    times_s: Vec<f64>,
     middle_s: f64,
-    /// Whether each of the scene's lights shines at any of the moments.
+    /// Whether each of the scene's lights shines at any moment of the shutter.
     shining: Vec<bool>,
+    motion: Option<Arc<MotionField>>,
+    mattes: Option<Arc<[u32]>>,
+    moments: OnceLock<Vec<Snapshot<'scene>>>,
 }
 
 impl<'scene> Exposure<'scene> {
@@ -70,20 +78,33 @@ impl<'scene> Exposure<'scene> {
             .collect();
         let either = |a: Vec<bool>, b: Vec<bool>| a.into_iter().zip(b).map(|(a, b)| a | b).collect();
         let shining = times_s.iter().map(|time_s| shining(scene, *time_s));
-        let shines = shining.reduce(either).unwrap_or_default();
+        let shining = shining.reduce(either).unwrap_or_default();
         let middle_s = times_s[moments / 2];
+        Self {
+            scene,
+            trees,
+            framing,
+            times_s: chosen(&times_s).to_vec(),
+            middle_s,
+            shining,
+            motion: None,
+            mattes: None,
+            moments: OnceLock::new(),
+        }
+    }
+
+    fn frozen(&self) -> Vec<Snapshot<'scene>> {
         let freeze = |&time_s: &f64| {
-            let instant = Instant { time_s, frame_s: middle_s };
-            Snapshot::at(scene, trees, framing, instant, &shines)
+            let instant = Instant { time_s, frame_s: self.middle_s };
+            let snapshot = Snapshot::at(self.scene, self.trees, self.framing, instant, &self.shining);
+            Snapshot { motion: self.motion.clone(), mattes: self.mattes.clone(), ..snapshot }
         };
-        let chosen = chosen(&times_s);
-        let middle = chosen.len() / 2;
+        let middle = self.times_s.len() / 2;
         // The middle first: what it makes and all others share is kept then.
-        let of_middle = freeze(&chosen[middle]);
-        let [before, after] =
-            [&chosen[..middle], &chosen[middle + 1..]].map(|times_s| times_s.par_iter().map(&freeze));
-        let frozen = before.chain(rayon::iter::once(of_middle)).chain(after).collect();
-        Self { moments: frozen, scene, trees, middle_s, shining: shines }
+        let of_middle = freeze(&self.times_s[middle]);
+        let [before, after] = [&self.times_s[..middle], &self.times_s[middle + 1..]]
+            .map(|times_s| times_s.par_iter().map(freeze));
+        before.chain(rayon::iter::once(of_middle)).chain(after).collect()
     }
 
     /// The moment in the middle, wherever the camera stands.
@@ -108,16 +129,15 @@ impl<'scene> Exposure<'scene> {
 
     /// Exposure with motion vectors.
     pub fn with_motion(mut self, motion: MotionField) -> Self {
-        let motion = Arc::new(motion);
-        self.moments.iter_mut().for_each(|moment| moment.motion = Some(Arc::clone(&motion)));
+        (self.motion, self.moments) = (Some(Arc::new(motion)), OnceLock::new());
         self
     }
 
     /// Exposure with Cryptomatte ids of the scene's objects.
     pub fn with_mattes(mut self, scene: &Scene) -> Self {
         let id = |instance: usize| matte_id(scene.matte_name(instance));
-        let ids: Arc<[u32]> = (0..scene.instances.len()).map(id).collect();
-        self.moments.iter_mut().for_each(|moment| moment.mattes = Some(Arc::clone(&ids)));
+        let ids = (0..scene.instances.len()).map(id).collect();
+        (self.mattes, self.moments) = (Some(ids), OnceLock::new());
         self
     }
 
@@ -126,11 +146,11 @@ impl<'scene> Exposure<'scene> {
         let middle = self.middle();
         let is_still =
             |moment: &Snapshot| moment.view == middle.view && moment.medium.is_same_voxels(&middle.medium);
-        if !self.moments.iter().all(is_still) {
+        if !self.moments().iter().all(is_still) {
             return;
         }
         let Some(seen) = SeenFog::new(middle, size).map(Arc::new) else { return };
-        for moment in &self.moments {
+        for moment in self.moments() {
             // Who asks again, asks for the same.
             let _ = moment.seen_fog.set(Arc::clone(&seen));
         }
@@ -138,28 +158,28 @@ impl<'scene> Exposure<'scene> {
 
     /// The moments, in order of time.
     pub fn moments(&self) -> &[Snapshot<'scene>] {
-        &self.moments
+        self.moments.get_or_init(|| self.frozen())
     }
 
     /// The moment in the middle.
     pub fn middle(&self) -> &Snapshot<'scene> {
-        &self.moments[self.moments.len() / 2]
+        &self.moments()[self.times_s.len() / 2]
     }
 
     /// The moment that a number in `[0, 1)` picks.
     pub fn at(&self, u: f64) -> &Snapshot<'scene> {
-        let last = self.moments.len() - 1;
-        &self.moments[((u * self.moments.len() as f64) as usize).min(last)]
+        let count = self.times_s.len();
+        &self.moments()[((u * count as f64) as usize).min(count - 1)]
     }
 
     /// Whether the sky lights anything at any of its moments.
     pub fn has_sky_light(&self) -> bool {
-        self.moments.iter().any(|moment| moment.sky.is_some_and(|sky| sky.lights_surfaces()))
+        self.moments().iter().any(|moment| moment.sky.is_some_and(|sky| sky.lights_surfaces()))
     }
 
     /// Whether there is nothing to average over but the picture's area and the lights'.
     pub fn is_instant(&self) -> bool {
-        self.moments.len() == 1
+        self.times_s.len() == 1
     }
 }
 

@@ -64,7 +64,7 @@ impl SliceJob<'_> {
         of_slice: impl Iterator<Item = Chord>,
         mut outline: Option<&mut Outline>,
         scratch: &mut SliceScratch,
-        mut sample: impl FnMut(&Piece, &Sample),
+        mut sample: impl FnMut(&Piece, &mut Sample),
     ) -> Option<usize> {
         let SliceScratch { chords, edges, of_rays } = scratch;
         chords.clear();
@@ -79,7 +79,7 @@ impl SliceJob<'_> {
             let ends = edges.pieces(chord, slice, rays.sweeps(), light_rays, highest_slope..lowest_slope);
             for (number, end) in ends.iter().enumerate() {
                 let piece = Piece::new(chord, slice, number, [piece_start, end.area]);
-                sample(&piece, &rays.value(&piece));
+                sample(&piece, &mut rays.value(&piece));
                 if let Some(outline) = &mut outline {
                     outline.add(chord.pixel, piece_slope, end.slope);
                     if number + 1 < ends.len() {
