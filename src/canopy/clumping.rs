@@ -15,7 +15,7 @@
 //! broadleaved and coniferous canopies").
 
 use super::recollision::escaped;
-use super::surroundings::Surfels;
+use super::surfels::Surfels;
 use crate::color::Rgb;
 use crate::ordinates::grid::{Corners, Grid};
 use crate::scene::Bounces;
@@ -52,8 +52,7 @@ impl Clumping {
         if across < 2 {
             return none;
         }
-        let columns = Columns::of(grid, surfels, across);
-        let by_chance = columns.indices_by_chance(surfels);
+        let (columns, by_chance) = Columns::of(grid, surfels, across);
         let (stopped, depths): (Vec<_>, Vec<_>) =
             (0..grid.count()).into_par_iter().map(|node| columns.of_node(grid, node)).unzip();
         let summed = |node: usize| {
@@ -111,17 +110,25 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(grid: &Grid, surfels: &Surfels, across: usize) -> Self {
+    /// Columns, and the indices that leaves seem to have that stand anywhere, along each axis: each is in a
+    /// column as a whole, and their number is Poisson's.
+    fn of(grid: &Grid, surfels: &Surfels, across: usize) -> (Self, Vec3) {
         let side_m = grid.cell_m / across as f64;
         let mut areas_m2 = vec![0.0; grid.count() * 3 * across * across];
-        for surfel in &surfels.all {
+        let leaf = surfels.leaf_area_m2 / side_m.powi(2);
+        let (mut taken, mut all) = (DVec3::ZERO, DVec3::ZERO);
+        surfels.for_each_in(grid, |surfel| {
             let (node, [x, y, z]) = grid.piece(surfel.position, across);
             for (axis, [u, v]) in [[y, z], [z, x], [x, y]].into_iter().enumerate() {
                 let seen = surfel.normal[axis].abs() * surfel.area;
                 areas_m2[((3 * node + axis) * across + u) * across + v] += surfel.exposed * seen as f32;
             }
-        }
-        Self { across, side_m, areas_m2 }
+            let depth = leaf * surfel.normal.abs();
+            taken += surfel.area * (DVec3::ONE - (-depth).exp());
+            all += surfel.area * depth;
+        });
+        let by_chance = DVec3::select(all.cmpgt(DVec3::ZERO), taken / all, DVec3::ONE).as_vec3();
+        (Self { across, side_m, areas_m2 }, by_chance)
     }
 
     fn of_cell(&self, node: usize, axis: usize) -> &[f32] {
@@ -155,19 +162,6 @@ impl Columns {
             depths[axis] = (sum / count as f64) as f32;
         }
         (stopped, depths)
-    }
-
-    /// Indices that leaves seem to have that stand anywhere, along each axis: each is in a column as
-    /// a whole, and their number is Poisson's.
-    fn indices_by_chance(&self, surfels: &Surfels) -> Vec3 {
-        let leaf = surfels.leaf_area_m2 / self.side_m.powi(2);
-        let (mut taken, mut all) = (DVec3::ZERO, DVec3::ZERO);
-        for surfel in &surfels.all {
-            let depth = leaf * surfel.normal.abs();
-            taken += surfel.area * (DVec3::ONE - (-depth).exp());
-            all += surfel.area * depth;
-        }
-        DVec3::select(all.cmpgt(DVec3::ZERO), taken / all, DVec3::ONE).as_vec3()
     }
 }
 

@@ -17,5 +17,6 @@ mod node_fog;
 mod recollision;
 pub(crate) mod self_interaction;
 pub(crate) mod surface_optics;
+pub(crate) mod surfels;
 pub(crate) mod surroundings;
 pub(crate) mod turbid_medium;

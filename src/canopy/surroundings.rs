@@ -6,6 +6,7 @@ pub(crate) mod wide;
 
 use super::recollision::bent;
 use super::surface_optics::optics_at;
+use super::surfels::{Surfel, Surfels};
 use crate::accel::PrimitiveId;
 use crate::math::kronecker;
 use crate::ordinates::occluders::Triangle;
@@ -15,41 +16,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// A piece of a leaf.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Surfel {
-    /// Position in world space.
-    pub(crate) position: DVec3,
-    pub(crate) normal: DVec3,
-    /// m^2.
-    pub(crate) area: f64,
-    /// Share of it that the part itself does not hide: of a ball half, as half of it is turned away.
-    pub(crate) exposed: f32,
-    /// The number of its optics.
-    optics: u32,
-}
-
-/// Small things; memory matters where there are a million of them.
-pub(crate) struct Surfels {
-    pub(crate) all: Vec<Surfel>,
-    /// Mean area of one of them, m^2.
-    pub(crate) leaf_area_m2: f64,
-    optics: Vec<SurfaceOptics>,
-}
-
-impl Surfels {
-    /// Leaves at places of world space, each of one surfel.
-    #[cfg(test)]
-    pub(crate) fn of_leaves(places: impl Iterator<Item = DVec3>, area: f64) -> Self {
-        let leaf = |position: DVec3| Surfel { position, normal: DVec3::Y, area, exposed: 1.0, optics: 0 };
-        Self { all: places.map(leaf).collect(), leaf_area_m2: area, optics: vec![SurfaceOptics::default()] }
-    }
-
-    pub(crate) fn optics(&self, surfel: &Surfel) -> &SurfaceOptics {
-        &self.optics[surfel.optics as usize]
-    }
-}
 
 /// A triangle of something that is larger than a cell.
 #[derive(Clone, Copy, Debug)]
@@ -129,7 +95,7 @@ const FLAT: f64 = 0.5;
 /// A leaf that is rolled up hides next to all of itself.
 const LEAST_EXPOSED: f64 = 0.1;
 
-/// Leaves that are looked at before their surfels are put together.
+/// Leaves that are looked at before what is found is put together.
 const AT_ONCE: usize = 1 << 14;
 
 /// Points of a part that looks like no other, and of all of them together.
@@ -194,7 +160,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Small things: parts narrower than `width_m`.
-    pub(crate) fn surfels(&self, width_m: f64, cell_m: f64) -> Surfels {
+    pub(crate) fn surfels(&self, width_m: f64, cell_m: f64) -> Surfels<'_> {
         let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
         let means = self.means(leaves.iter().copied());
         // Of parts that look alike those of the mean, then those of each place.
@@ -207,15 +173,17 @@ impl<'a> Surroundings<'a> {
                 first
             });
         }
-        let surfels_of = |leaf: &&PlacedPart| {
+        let (optics, count): (Arc<[SurfaceOptics]>, _) = (optics.into(), leaves.len());
+        let known = Arc::clone(&optics);
+        let surfels_of = move |leaf: &&PlacedPart| {
             let mean = first[&self.looks(leaf)];
             if leaf.is_large(width_m) {
-                return self.pane(leaf, (mean, &optics), cell_m);
+                return self.pane(leaf, (mean, &known), cell_m);
             }
             let is_small = leaf.length_m < SMALL_CELLS * cell_m;
             let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
             let surfel = |(place, number): (&PartPlace, u32)| {
-                self.surfel(leaf, place, (if is_small { mean } else { mean + 1 + number }, &optics))
+                self.surfel(leaf, place, (if is_small { mean } else { mean + 1 + number }, &known))
             };
             let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
             if is_small {
@@ -225,13 +193,12 @@ impl<'a> Surroundings<'a> {
             }
             surfels
         };
-        let mut all = Vec::new();
-        for leaves in leaves.chunks(AT_ONCE) {
-            let by_leaf: Vec<Vec<Surfel>> = leaves.par_iter().map(surfels_of).collect();
-            all.extend(by_leaf.into_iter().flatten());
-        }
-        let area_m2: f64 = all.iter().map(|surfel| surfel.area).sum();
-        Surfels { leaf_area_m2: area_m2 / leaves.len().max(1) as f64, all, optics }
+        let of_chunk = move |chunk: usize| {
+            let by_leaf: Vec<Vec<Surfel>> =
+                leaves.chunks(AT_ONCE).nth(chunk)?.par_iter().map(&surfels_of).collect();
+            Some(by_leaf.into_iter().flatten().collect())
+        };
+        Surfels::new(count, optics, Box::new(of_chunk))
     }
 
     /// A large part that one sees through: all of its triangles, in pieces no longer than a cell.
@@ -261,8 +228,15 @@ impl<'a> Surroundings<'a> {
         let means = self.means(self.parts.iter().filter(is_small));
         let means: HashMap<Looks, Arc<SurfaceOptics>> =
             means.into_iter().map(|(looks, optics)| (looks, Arc::new(optics))).collect();
-        let small = self.parts.par_iter().filter(is_small);
-        small.filter_map(|part| self.leaf(part, &means[&self.looks(part)])).collect()
+        let mut all = Vec::new();
+        // No more than there are: memory.
+        all.reserve_exact(self.parts.iter().filter(is_small).count());
+        for parts in self.parts.chunks(AT_ONCE) {
+            let small = parts.par_iter().filter(is_small);
+            let leaves = small.filter_map(|part| self.leaf(part, &means[&self.looks(part)]));
+            all.extend(leaves.collect::<Vec<_>>());
+        }
+        all
     }
 
     fn leaf(&self, part: &PlacedPart, optics: &Arc<SurfaceOptics>) -> Option<Leaf> {

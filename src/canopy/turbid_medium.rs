@@ -9,7 +9,7 @@ use super::clumping::Clumping;
 use super::clumps::Clumps;
 use super::delta_scaled_fog::{DeltaScaledFog, FogCoefficients};
 use super::node_fog::fog_of_nodes;
-use super::surroundings::{Surfel, Surfels};
+use super::surfels::{Surfel, Surfels};
 use crate::color::Rgb;
 use crate::ordinates::cross_sections::{
     CrossSections, EVEN, Extinction, LobePairs, OrientedExtinction, OrientedScattering,
@@ -232,8 +232,8 @@ impl TurbidMedium {
 /// Leaf area of the nodes about each surfel, on its side of walls.
 fn leaf_sums(cut: CutGrid, surfels: &Surfels) -> Vec<LeafSums> {
     const NO_LEAVES: usize = usize::MAX;
-    let (mut sums, mut number_of) = (Vec::new(), vec![NO_LEAVES; cut.grid.count()]);
-    for surfel in &surfels.all {
+    let (mut sums, mut number_of): (Vec<LeafSums>, _) = (Vec::new(), vec![NO_LEAVES; cut.grid.count()]);
+    surfels.for_each_in(cut.grid, |surfel| {
         let terms = SurfelTerms::of(surfel, surfels.optics(surfel));
         let off_wall = surfel.position + OFF_WALL * cut.grid.cell_m * surfel.normal;
         let corners = cut.corners(surfel.position, off_wall);
@@ -246,6 +246,6 @@ fn leaf_sums(cut: CutGrid, surfels: &Surfels) -> Vec<LeafSums> {
             let area = f64::from(surfel.exposed) * surfel.area;
             sums[*number].add(&terms, (weight * area / cut.grid.cell_volume()) as f32);
         }
-    }
+    });
     sums
 }

@@ -69,8 +69,7 @@ impl<'a> Contents<'a> {
         let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
         let walls = SnapshotWalls::new(grid, snapshot, &triangles);
         let fog = DeltaScaledFog::new(&snapshot.medium, snapshot.view.eye, bounces);
-        let mut surfels = surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m);
-        surfels.all.retain(|surfel| grid.holds(surfel.position));
+        let surfels = surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m);
         let medium =
             TurbidMedium::new(CutGrid { grid, occluders: &walls.walls.occluders }, &fog, &surfels, bounces);
         let are_walls = triangles.iter().map(|triangle| triangle.primitive).collect();

@@ -25,6 +25,7 @@ use crate::ordinates::{Boundaries, HARMONICS, Harmonics, PlaneParallel, harmonic
 use crate::scene::Bounces;
 use crate::snapshot::{FrozenSky, Snapshot};
 use glam::{DQuat, DVec3};
+use std::collections::HashMap;
 
 /// Light that differs with height alone.
 pub(super) struct Layers {
@@ -97,6 +98,27 @@ impl Between {
     }
 }
 
+/// Places about a grid: those at one height are alike.
+struct RimLevels {
+    levels: Vec<Between>,
+    /// Number of each place's level.
+    numbers: Vec<u32>,
+}
+
+impl RimLevels {
+    fn of(places: impl Iterator<Item = Between>) -> Self {
+        let (mut levels, mut known) = (Vec::new(), HashMap::new());
+        let number = |place: Between| {
+            *known.entry((place.above, place.below, place.share_below.to_bits())).or_insert_with(|| {
+                levels.push(place);
+                levels.len() as u32 - 1
+            })
+        };
+        let numbers = places.map(number).collect();
+        Self { levels, numbers }
+    }
+}
+
 impl Layers {
     /// `None` where no fog lacks bounds, or where what lies about it is no plain.
     pub(super) fn new(snapshot: &Snapshot, ground: Option<&Ground>, bounces: Bounces) -> Option<Self> {
@@ -145,7 +167,7 @@ impl Layers {
 
     /// Incident radiance on a grid within.
     pub(super) fn around(&self, grid: &Grid, sky: Option<FrozenSky>) -> Surrounding {
-        let places: Vec<Between> = rim_places(grid).into_iter().map(|place| self.between(place)).collect();
+        let places = RimLevels::of(rim_places(grid).into_iter().map(|place| self.between(place)));
         let quadrature = Quadrature::new();
         let scattered = Some(self.incident((grid, &places), &Quadrature::fine(), 0));
         let of_sky = sky_of(sky).map(|sky| {
@@ -160,7 +182,7 @@ impl Layers {
     /// nearest to it, on its side of the horizon, so that what goes up never comes down.
     fn incident(
         &self,
-        (grid, places): (&Grid, &[Between]),
+        (grid, places): (&Grid, &RimLevels),
         quadrature: &Quadrature,
         part: usize,
     ) -> IncidentRadiance {
@@ -197,11 +219,12 @@ impl Layers {
                         [place.above, place.below].map(|level| means[level][number][channel]);
                     (above + place.share_below * (below - above)) as f32
                 };
-                places.iter().map(at).collect::<Vec<f32>>()
+                places.levels.iter().map(at).collect::<Vec<f32>>()
             };
             (0..directions.len()).map(along).collect()
         };
-        IncidentRadiance::new(grid, AngularRadiance([0, 1, 2].map(of_channel)))
+        let radiances = AngularRadiance([0, 1, 2].map(of_channel));
+        IncidentRadiance::of_alike(grid, places.numbers.iter().copied(), radiances)
     }
 
     /// All that comes to a place of world space.

@@ -18,6 +18,7 @@ use super::wanted::Wanted;
 use crate::accel::vectorized;
 use glam::DVec3;
 use std::mem::take;
+use std::sync::Arc;
 
 /// Sources of a sweep.
 #[derive(Clone, Copy)]
@@ -52,10 +53,10 @@ pub(crate) struct AngleSet<'a> {
     planes: Planes,
     cross_sections: &'a CrossSections,
     /// Nodes with something oriented, in the order of the cross-sections.
-    oriented_nodes: Vec<usize>,
+    oriented_nodes: Arc<[usize]>,
     isotropic_extinction: Vec<f32>,
     /// Cut links by plane.
-    cut: Vec<Vec<Cut<'a>>>,
+    cut: Arc<[Vec<Cut<'a>>]>,
     pairs: Vec<Pair>,
     /// Half cells of each node for one pair: transmittance, radiance that they add, and the
     /// radiance in the middle.
@@ -125,49 +126,55 @@ impl UpwindStencil {
 }
 
 impl<'a> AngleSet<'a> {
-    pub(super) fn new(
+    /// Angle sets of an axis, by channel.
+    pub(super) fn of_axis(
         &Domain { grid, cross_sections, walls }: &Domain<'a>,
-        quadrature: &Quadrature,
         layout: Layout,
-        [axis, channel]: [usize; 2],
-    ) -> Self {
+        axis: usize,
+    ) -> [Self; 3] {
         let planes = Planes::new(layout, axis);
         let count = grid.count();
         let rim = vec![0.0; (planes.count[1] + 2) * planes.row()];
         let nodes = || vec![0.0; count];
-        Self {
+        let oriented_nodes: Arc<[usize]> =
+            cross_sections.oriented_nodes().map(|node| layout.node(node)).collect();
+        let faces = walls.faces.laid(|node| layout.node(node));
+        let cut: Arc<[Vec<Cut>]> = cut_by_plane((grid, walls), layout, &planes).into();
+        [0, 1, 2].map(|channel| Self {
             axis,
             channel,
             moments: Vec::new(),
             third: Vec::new(),
             fourth: Vec::new(),
             high: Vec::new(),
-            towards_faces: TowardsFaces::new(&walls.faces, |node| layout.node(node)),
+            towards_faces: TowardsFaces::new(Arc::clone(&faces)),
             radiances: Vec::new(),
             cell_m: grid.cell_m,
             planes,
             cross_sections,
-            oriented_nodes: cross_sections.oriented_nodes().map(|node| layout.node(node)).collect(),
+            oriented_nodes: Arc::clone(&oriented_nodes),
             isotropic_extinction: layout.of_grid(&cross_sections.extinction.isotropic[channel]),
-            cut: cut_by_plane((grid, walls), layout, &planes),
-            pairs: pairs(quadrature, axis),
+            cut: Arc::clone(&cut),
+            pairs: Vec::new(),
             oriented_extinction: nodes(),
             through: nodes(),
             added: [nodes(), nodes()],
             radiance: [nodes(), nodes()],
             before: rim.clone(),
-            behind: rim,
+            behind: rim.clone(),
             walls: Vec::new(),
-        }
+        })
     }
 
-    /// Along all of its ordinates.
+    /// Along all ordinates of a quadrature that are its own.
     pub(crate) fn sweep(
         &mut self,
+        quadrature: &Quadrature,
         sources: &SweepSource,
         wanted: &Wanted,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) {
+        self.pairs = pairs(quadrature, self.axis);
         let count = self.through.len();
         let room = |is_wanted: bool, moments: usize| vec![0.0; if is_wanted { moments * count } else { 0 }];
         self.moments = room(wanted.moments, COUNT);
@@ -245,7 +252,9 @@ impl<'a> AngleSet<'a> {
 
     fn half_cells(&mut self, direction: DVec3, sources: &SweepSource) {
         let products = OrientedExtinction::products(direction);
-        for (oriented, &node) in self.cross_sections.extinction.oriented().iter().zip(&self.oriented_nodes) {
+        for (oriented, &node) in
+            self.cross_sections.extinction.oriented().iter().zip(self.oriented_nodes.iter())
+        {
             self.oriented_extinction[node] = oriented.along(&products);
         }
         let [along, against] = &mut self.added;

@@ -94,11 +94,17 @@ pub(crate) struct IncidentRadiance {
 impl IncidentRadiance {
     /// `radiances` are of [`rim_places`] of the grid.
     pub(crate) fn new(grid: &Grid, radiances: AngularRadiance) -> Self {
-        let mut after = 0;
-        let number = |place: Option<DVec3>| {
-            after += u32::from(place.is_some());
-            after.saturating_sub(1)
-        };
+        Self::of_alike(grid, 0.., radiances)
+    }
+
+    /// Of places that are alike there is one radiance; `alike` has its number for each of [`rim_places`].
+    pub(crate) fn of_alike(
+        grid: &Grid,
+        alike: impl IntoIterator<Item = u32>,
+        radiances: AngularRadiance,
+    ) -> Self {
+        let mut alike = alike.into_iter();
+        let number = |place: Option<DVec3>| place.and_then(|_| alike.next()).unwrap_or(0);
         let numbers = all_about(grid).map(number).collect();
         let is_fine = radiances.0[0].len() == Quadrature::FINE;
         Self { size: grid.size.map(|count| count + 2), numbers, radiances, is_fine }

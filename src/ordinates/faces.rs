@@ -11,6 +11,7 @@ use super::quadrature::Ordinate;
 use super::wanted::Wanted;
 use crate::color::Rgb;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Patches whose normals differ by less than this cosine's angle are one face.
 const SAME: f64 = 0.95;
@@ -27,7 +28,7 @@ pub(crate) struct Faces {
 
 /// A side of a wall about a node.
 #[derive(Clone, Copy)]
-struct Face {
+pub(crate) struct Face {
     node: usize,
     normal: DVec3,
 }
@@ -48,6 +49,11 @@ impl Faces {
         all.sort_by_key(|face| face.node);
         let starts = (0..=nodes).map(|node| all.partition_point(|face| face.node < node) as u32).collect();
         Self { nodes, all, starts }
+    }
+
+    /// All of them; `laid` has the place of a node's values.
+    pub(crate) fn laid(&self, laid: impl Fn(usize) -> usize) -> Arc<[Face]> {
+        self.all.iter().map(|face| Face { node: laid(face.node), ..*face }).collect()
     }
 
     /// Number of nodes and faces together.
@@ -99,7 +105,7 @@ impl Faces {
 /// Moments of radiance that travels towards each face.
 pub(crate) struct TowardsFaces {
     /// Faces in the order of the nodes.
-    faces: Vec<Face>,
+    faces: Arc<[Face]>,
     pub(crate) moments: Vec<[f32; COUNT]>,
     /// Moments of degrees 3 and 4.
     pub(crate) third: Vec<[f32; COUNT]>,
@@ -107,9 +113,7 @@ pub(crate) struct TowardsFaces {
 }
 
 impl TowardsFaces {
-    /// `laid` has the place of a node's values.
-    pub(crate) fn new(faces: &Faces, laid: impl Fn(usize) -> usize) -> Self {
-        let faces = faces.all.iter().map(|face| Face { node: laid(face.node), ..*face }).collect();
+    pub(crate) fn new(faces: Arc<[Face]>) -> Self {
         Self { faces, moments: Vec::new(), third: Vec::new(), fourth: Vec::new() }
     }
 

@@ -89,7 +89,7 @@ impl Problem<'_> {
     /// Order after order.
     pub(crate) fn solved(&self, first: FirstCollisionSource) -> Solution {
         let FirstCollisionSource { volume, beams, walls, glossy, not_again, emission } = first;
-        let sweeper = Sweeper::new(&self.domain, self.quadrature);
+        let mut sweeper = Sweeper::new(&self.domain);
         let mut source = Source { volume, walls, has_first: true };
         let (mut later, mut emitted) = (source.emptied(), None);
         if let Some(Emission { volume, walls, scattered_by_walls, is_part }) = emission {
@@ -97,7 +97,7 @@ impl Problem<'_> {
             if is_part {
                 source.add(&emission, [1.0; 3]);
             } else {
-                let swept = self.sweep_emission(&emission);
+                let swept = self.sweep_emission(&mut sweeper, &emission);
                 later = self.scatter(&swept.moments, true);
                 later.walls = scattered_by_walls.unwrap_or(later.walls);
                 emitted = Some(swept);
@@ -110,8 +110,7 @@ impl Problem<'_> {
 
     /// Emission of the grid, and that which comes in from around it. It goes along finer ordinates than
     /// those of all orders, as it is small and bright.
-    fn sweep_emission(&self, emission: &Source) -> Swept {
-        let fine = Quadrature::fine();
+    fn sweep_emission(&self, sweeper: &mut Sweeper, emission: &Source) -> Swept {
         let incident = self.surrounding.emitted.as_ref();
         let sources = SweepSource {
             volume: &emission.volume,
@@ -121,7 +120,7 @@ impl Problem<'_> {
             incident: incident.map_or(BoundaryCondition::Vacuum, BoundaryCondition::Incident),
         };
         let wanted = Wanted { moments: true, ..self.last(true) };
-        Sweeper::new(&self.domain, &fine).sweep(&sources, &wanted, self.cancelled)
+        sweeper.sweep(&Quadrature::fine(), &sources, &wanted, self.cancelled)
     }
 
     /// The scattering operator: the source that the medium, or what is oriented of it, and walls make of
@@ -229,7 +228,7 @@ impl<'a> SourceIteration<'a> {
 
     /// Light of the first order where walls stand in each other's light: of the ordinates of all orders a
     /// quarter of the sphere, such as floor and wall share, has too many or too few.
-    fn sweep_finely(&self, source: &Source, wanted: &Wanted) -> Option<Swept> {
+    fn sweep_finely(&mut self, source: &Source, wanted: &Wanted) -> Option<Swept> {
         let fine = self.problem.fine?;
         let sources = SweepSource {
             volume: &source.volume,
@@ -238,7 +237,8 @@ impl<'a> SourceIteration<'a> {
             glossy: Some(&self.glossy),
             incident: BoundaryCondition::Vacuum,
         };
-        Some(self.to_orders(fine, self.sweep_along(fine, &sources, wanted)))
+        let swept = self.sweeper.sweep(fine, &sources, wanted, self.problem.cancelled);
+        Some(self.to_orders(fine, swept))
     }
 
     /// Light that is incident from about the grid.
@@ -275,12 +275,12 @@ impl<'a> SourceIteration<'a> {
         let beams = if source.has_first { self.beams.as_slice() } else { &[] };
         let glossy = source.has_first.then_some(&self.glossy);
         let sources = SweepSource { volume: &source.volume, beams, walls: &walls, glossy, incident };
-        self.sweeper.sweep(&sources, wanted, self.problem.cancelled)
+        self.sweeper.sweep(self.problem.quadrature, &sources, wanted, self.problem.cancelled)
     }
 
     /// Along other ordinates than those of all orders.
-    fn sweep_along(&self, fine: &Quadrature, sources: &SweepSource, wanted: &Wanted) -> Swept {
-        Sweeper::new(&self.problem.domain, fine).sweep(sources, wanted, self.problem.cancelled)
+    fn sweep_along(&mut self, fine: &Quadrature, sources: &SweepSource, wanted: &Wanted) -> Swept {
+        self.sweeper.sweep(fine, sources, wanted, self.problem.cancelled)
     }
 
     /// Radiance along the ordinates of all orders; a sweep that was cut short has not all of it.

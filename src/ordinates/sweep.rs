@@ -73,22 +73,22 @@ pub(crate) struct Sweeper<'a> {
 }
 
 impl<'a> Sweeper<'a> {
-    pub(crate) fn new(domain: &Domain<'a>, quadrature: &Quadrature) -> Self {
+    pub(crate) fn new(domain: &Domain<'a>) -> Self {
         let grid = domain.grid;
         let turned = Layout { size: grid.size, is_turned: true };
-        let angle_sets = (0..9).map(|number| {
+        let angle_sets = (0..3).flat_map(|axis| {
             // Rows never run along the ordinates.
-            let layout = Layout { is_turned: number / 3 == 0, ..turned };
-            AngleSet::new(domain, quadrature, layout, [number / 3, number % 3])
+            AngleSet::of_axis(domain, Layout { is_turned: axis == 0, ..turned }, axis)
         });
         let count_with_faces = domain.walls.faces.count_with_nodes();
         Self { count: grid.count(), count_with_faces, turned, angle_sets: angle_sets.collect() }
     }
 
-    /// Light of sources before anything scatters it. Once `cancelled` says true,
+    /// Light of sources along a quadrature, before anything scatters it. Once `cancelled` says true,
     /// what comes is of no use.
     pub(crate) fn sweep(
         &mut self,
+        quadrature: &Quadrature,
         sources: &SweepSource,
         wanted: &Wanted,
         cancelled: &(dyn Fn() -> bool + Sync),
@@ -103,8 +103,8 @@ impl<'a> Sweeper<'a> {
         let sums = Mutex::new(Sums::new(self, wanted));
         self.angle_sets.par_iter_mut().for_each(|set| {
             match set.axis {
-                0 => set.sweep(&turned, &turned_wanted, cancelled),
-                _ => set.sweep(sources, wanted, cancelled),
+                0 => set.sweep(quadrature, &turned, &turned_wanted, cancelled),
+                _ => set.sweep(quadrature, sources, wanted, cancelled),
             }
             sums.lock().unwrap_or_else(PoisonError::into_inner).add(set.take());
         });
