@@ -24,6 +24,10 @@ pub enum Look {
     LowContrast,
     /// 0.7 times.
     VeryLowContrast,
+    /// Darker, with deep shadows.
+    Punchy,
+    /// Black and white.
+    Greyscale,
 }
 
 /// Weights of saturation in OpenColorIO's primary grading.
@@ -32,9 +36,19 @@ const LUMA: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 /// Stops about middle grey that `AgX Log` has.
 const STOPS: [f32; 2] = [-10.0, 15.0];
 
+/// Weights of `AgX - Greyscale`.
+const GREY: Vec3 = Vec3::new(0.258_923_54, 0.610_498_55, 0.130_577_94);
+
+/// Where in `AgX Log` the shadows of `AgX - Punchy` begin and are deepest, and their slopes there: of each
+/// channel, and of all.
+const SHADOWS: [f32; 2] = [0.4, 0.1];
+const SHADOW_SLOPES: [f32; 2] = [0.2, 0.35];
+/// Its power, which darkens all.
+const POWER: f32 = 1.0912;
+
 impl Look {
     /// Every look there is.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::None,
         Self::VeryHighContrast,
         Self::HighContrast,
@@ -42,6 +56,8 @@ impl Look {
         Self::MediumLowContrast,
         Self::LowContrast,
         Self::VeryLowContrast,
+        Self::Punchy,
+        Self::Greyscale,
     ];
 
     /// Name that a person gives it by.
@@ -54,32 +70,63 @@ impl Look {
             Self::MediumLowContrast => "medium-low-contrast",
             Self::LowContrast => "low-contrast",
             Self::VeryLowContrast => "very-low-contrast",
+            Self::Punchy => "punchy",
+            Self::Greyscale => "greyscale",
         }
     }
 
-    /// Contrast and saturation, as `GradingPrimaryTransform` of Blender's `config.ocio` has them.
-    fn contrast_and_saturation(self) -> Option<(f32, f32)> {
-        match self {
-            Self::None => None,
-            Self::VeryHighContrast => Some((1.57, 0.9)),
-            Self::HighContrast => Some((1.4, 0.95)),
-            Self::MediumHighContrast => Some((1.2, 1.0)),
-            Self::MediumLowContrast => Some((0.9, 1.05)),
-            Self::LowContrast => Some((0.8, 1.1)),
-            Self::VeryLowContrast => Some((0.7, 1.15)),
-        }
-    }
-
-    /// Light, mixed by the inset, with its stops about middle grey stretched, and then their distance from
-    /// their luma. `AgX Log` is linear in stops and has its pivot of contrast at middle grey.
+    /// Light, mixed by the inset, as the look has it.
     pub(super) fn graded(self, mixed: Vec3, middle_grey: f32) -> Vec3 {
-        let Some((contrast, saturation)) = self.contrast_and_saturation() else { return mixed };
-        let [least, most] = STOPS;
-        let stops = mixed.to_array().map(|light| (light / middle_grey).log2().clamp(least, most));
-        let stretched = contrast * Vec3::from(stops);
-        let luma = Vec3::splat(LUMA.dot(stretched));
-        let graded = luma + saturation * (stretched - luma);
-        middle_grey * Vec3::from(graded.to_array().map(f32::exp2))
+        // Contrast and saturation, as `GradingPrimaryTransform` of Blender's `config.ocio` has them.
+        let (contrast, saturation) = match self {
+            Self::None => return mixed,
+            Self::Greyscale => return Vec3::splat(GREY.dot(mixed)),
+            Self::Punchy => return in_stops(mixed, middle_grey, punchy),
+            Self::VeryHighContrast => (1.57, 0.9),
+            Self::HighContrast => (1.4, 0.95),
+            Self::MediumHighContrast => (1.2, 1.0),
+            Self::MediumLowContrast => (0.9, 1.05),
+            Self::LowContrast => (0.8, 1.1),
+            Self::VeryLowContrast => (0.7, 1.15),
+        };
+        in_stops(mixed, middle_grey, |stops| {
+            let stretched = contrast * stops;
+            let luma = Vec3::splat(LUMA.dot(stretched));
+            luma + saturation * (stretched - luma)
+        })
+    }
+}
+
+/// Light whose stops about middle grey are changed. `AgX Log` is linear in stops.
+fn in_stops(light: Vec3, middle_grey: f32, change: impl Fn(Vec3) -> Vec3) -> Vec3 {
+    let [least, most] = STOPS;
+    let stops = light.to_array().map(|light| (light / middle_grey).log2().clamp(least, most));
+    middle_grey * Vec3::from(change(stops.into()).to_array().map(f32::exp2))
+}
+
+/// Deeper shadows, then a power, both in `AgX Log`, where stops from least to most are 0 to 1.
+fn punchy(stops: Vec3) -> Vec3 {
+    let [least, most] = STOPS;
+    let of_channel = |stops: f32| {
+        let log = SHADOW_SLOPES.into_iter().fold((stops - least) / (most - least), deepened);
+        least + (most - least) * log.powf(POWER)
+    };
+    Vec3::from(stops.to_array().map(of_channel))
+}
+
+/// OpenColorIO's shadows of `GradingToneTransform`: from a slope at the deepest to 1 where they begin by two
+/// parabolas that meet in the middle; below goes a line.
+fn deepened(log: f32, slope: f32) -> f32 {
+    let [start, deepest] = SHADOWS;
+    let half = 0.5 * (start - deepest);
+    let steepest = 0.5 * (3.0 - slope);
+    match log {
+        log if log >= start => log,
+        log if log >= start - half => log - (steepest - 1.0) / (2.0 * half) * (start - log).powi(2),
+        log => {
+            let above = log - deepest;
+            deepest + slope * above + (steepest - slope) / (2.0 * half) * above.max(0.0).powi(2)
+        }
     }
 }
 
@@ -92,7 +139,7 @@ mod tests {
         [[0.0; 3], [1.0; 3], [0.02; 3], [0.4, 0.15, 0.02], [0.8, 0.5, 0.05], [0.0, 1.0, 0.0]];
 
     /// What Blender 5.0.1 shows of these colours: view AgX, display sRGB, saved with 16 bits.
-    const BLENDER: [(Look, [[f64; 3]; 6]); 3] = [
+    const BLENDER: [(Look, [[f64; 3]; 6]); 5] = [
         (
             Look::HighContrast,
             [
@@ -126,6 +173,18 @@ mod tests {
                 [0.41767, 0.72755, 0.31049],
             ],
         ),
+        (
+            Look::Punchy,
+            [
+                [0.00136; 3],
+                [0.69235; 3],
+                [0.03952; 3],
+                [0.5104, 0.30698, 0.0],
+                [0.66847, 0.53866, 0.2014],
+                [0.27558, 0.68673, 0.11543],
+            ],
+        ),
+        (Look::Greyscale, [[0.0; 3], [0.77098; 3], [0.12502; 3], [0.4686; 3], [0.66163; 3], [0.69035; 3]]),
     ];
 
     #[test]
@@ -142,7 +201,7 @@ mod tests {
 
     #[test]
     fn middle_grey_stays_and_no_look_changes_nothing() {
-        for look in Look::ALL {
+        for look in Look::ALL.into_iter().filter(|look| *look != Look::Punchy) {
             assert!(look.graded(Vec3::splat(0.18), 0.18).abs_diff_eq(Vec3::splat(0.18), 1e-6), "{look:?}");
         }
         let light = Vec3::new(0.1, 7.0, 1e-9);

@@ -4,7 +4,7 @@ In goes a scene, out come findings (`losses`); what only the export itself finds
 whatever Blender renders and sunfleck does not is among them.
 """
 
-from . import film, fog, volumes, world
+from . import extras, film, fog, volumes, world
 from .evaluated import lights, walk
 from .film import of_cycles
 from .keys import curves_of
@@ -60,6 +60,7 @@ def of_scene(scene):
         "shutter-changes": render.use_motion_blur and any(curve.data_path.startswith("render.motion_blur") for curve in curves_of(scene)),
         "shutter-shape": render.use_motion_blur and not is_box(scene),
         "working-space": colours.working_space() != "Linear Rec.709",
+        "view-transform": not extras.is_shown_alike(scene.view_settings),
     }
     yield from (Finding(id) for id, is_so in said.items() if is_so)
     own = scene.sunfleck_settings

@@ -16,13 +16,22 @@ from .materials.colours import rec709
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
 
 
-LOOKS = {f"AgX - {contrast.replace('-', ' ').title()}": contrast for contrast in (
-    "very-high-contrast", "high-contrast", "medium-high-contrast", "medium-low-contrast", "low-contrast", "very-low-contrast")}
+LOOKS = {f"AgX - {look.replace('-', ' ').title()}": look for look in (
+    "very-high-contrast", "high-contrast", "medium-high-contrast", "medium-low-contrast", "low-contrast", "very-low-contrast",
+    "punchy", "greyscale")}
+# Those that change nothing.
+PLAIN_LOOKS = {"None", "AgX - Base Contrast"}
 
 
 def look(view):
-    """sunfleck's name of the look of pictures for eyes. What has no contrast alone, such as AgX - Punchy, is none."""
+    """sunfleck's name of the look of pictures for eyes."""
     return LOOKS.get(view.look, "none") if view.view_transform == "AgX" else "none"
+
+
+def is_shown_alike(view):
+    """Whether pictures for eyes are as Blender shows its own."""
+    plain = view.gamma == 1.0 and not view.use_curve_mapping and not getattr(view, "use_white_balance", False)
+    return plain and view.view_transform == "AgX" and view.look in {*PLAIN_LOOKS, *LOOKS}
 
 
 def of_scene(scene, path=None):

@@ -13,7 +13,7 @@ import leaf_scenes
 import numpy
 import scenes
 import stages
-from sunfleck import check, export, render
+from sunfleck import check, export, extras, render
 from sunfleck.evaluated.readback import File
 from test_addon import document, inspect
 from test_evaluated import Case
@@ -115,12 +115,22 @@ class Pictures(Case):
             "layer-filters": lambda: setattr(bpy.context.view_layer, "use_sky", False),
             "color-overrides": lambda: setattr(bpy.context.view_layer, "world_override", bpy.data.worlds.new("other")),
             "camera-culling": lambda: (setattr(render_settings, "use_simplify", True), setattr(scene.cycles, "use_camera_cull", True)),
+            "view-transform": lambda: setattr(scene.view_settings, "view_transform", "Standard"),
             "film-exposure-changes": lambda: (setattr(render_settings, "engine", "CYCLES"), scene.keyframe_insert("cycles.film_exposure")),
         }
         for id, switch in switches.items():
             self.assertNotIn(id, {finding.id for finding in check.check(scene)})
             switch()
             self.assertIn(id, {finding.id for finding in check.check(scene)}, id)
+
+    def test_every_look_of_agx_goes_along(self):
+        view = self.scene.view_settings
+        for look in ("None", *extras.LOOKS):
+            view.look = look
+            self.assertEqual(extras.of_scene(self.scene)["sunfleck"]["look"], extras.LOOKS.get(look, "none"))
+            self.assertTrue(extras.is_shown_alike(view), look)
+        view.gamma = 2.0
+        self.assertFalse(extras.is_shown_alike(view))
 
     def test_every_switch_of_things_that_is_not_honoured_is_said(self):
         thing, sun = bpy.data.objects["quad"], bpy.data.objects["sun"]

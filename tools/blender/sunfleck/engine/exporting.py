@@ -20,7 +20,7 @@ from ..materials.library import custom
 from . import passes, patching
 
 # Losses of files that are none here: Blender itself does these.
-DONE_BY_BLENDER = {"border", "view-layers", "frame-step", "compositor", "sequencer"}
+DONE_BY_BLENDER = {"border", "view-layers", "frame-step", "compositor", "sequencer", "view-transform"}
 
 
 class NotRendered(Exception):
