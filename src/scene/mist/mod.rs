@@ -81,7 +81,9 @@ pub(super) struct State {
 
 /// The usual distance between voxels for billows in a box.
 pub(super) fn usual_voxel_m(bounds: [DVec3; 2], size_m: f64, octaves: u32) -> f64 {
-    let mut voxel_m = size_m * 0.5_f64.powi(octaves as i32 - 1) / VOXELS_A_BILLOW;
+    // A row of more voxels is too many in any case: so it ends for billows next to nothing, too.
+    let least_m = (bounds[1] - bounds[0]).max_element() / USUAL_VOXELS;
+    let mut voxel_m = (size_m * 0.5_f64.powi(octaves as i32 - 1) / VOXELS_A_BILLOW).max(least_m);
     while voxel_count(bounds, voxel_m) > USUAL_VOXELS {
         voxel_m *= 1.05;
     }
