@@ -7,6 +7,8 @@ Renders the ten seconds of `falling_leaves_long` small, by a camera that stands 
 in pieces. What is there and whole is kept, so the same command goes on after an interruption. It prints the
 figures that docs/validate.md has. With `--bounces 0` it does so without indirect light, for comparison, and in
 a folder of its own. Exits with 1 where a leaf is not where it can be.
+
+Of another sequence, which has a camera `still` as well, `--sequence morning` asks the first question alone.
 """
 
 import argparse
@@ -24,7 +26,7 @@ from sunfleck_tools.gltf.scene import Gltf
 
 from .command import NO_PROGRAM, PROGRAM, SEQUENCES
 
-SEQUENCE = SEQUENCES / "falling_leaves_long.ron"
+SEQUENCE = "falling_leaves_long"
 FALLS = ("at hand.", "overhead.", "from ")
 GROUND = ("clearing", "ground left", "ground right", "ground beyond")
 FRAMES, SEEDS = 240, (1, 2)
@@ -39,7 +41,7 @@ SUNK_M = 0.01
 def render(folder: Path, seed: int, arguments: argparse.Namespace) -> None:
     """All frames of a seed that are not there yet."""
     command = [
-        os.path.abspath(str(PROGRAM)), "render", str(SEQUENCE), "--camera", "still", "--size", arguments.size,
+        os.path.abspath(str(PROGRAM)), "render", str(SEQUENCES / f"{arguments.sequence}.ron"), "--camera", "still", "--size", arguments.size,
         "--seed", str(seed), "--frames", f"{arguments.frames[0]}-{arguments.frames[1]}", "--bounces", arguments.bounces,
         "--passes", "depth,motion", "--skip", "valid", "--progress", "none", "--out", str(folder / f"{seed}.####.exr"),
     ]  # fmt: skip
@@ -154,7 +156,7 @@ def height(squares: dict[tuple[int, int], list[np.ndarray]], points: np.ndarray)
 
 def report_leaves() -> bool:
     """Where leaves are at every frame; false if one jumps, or is in the ground."""
-    scene = load(SEQUENCE, PROGRAM)
+    scene = load(SEQUENCES / f"{SEQUENCE}.ron", PROGRAM)
     meshes = Meshes(scene, [])
     leaves = [
         node for node in scene.nodes if node.name.startswith(FALLS) and node.source.member("mesh") is not None
@@ -234,8 +236,10 @@ def main() -> int:
         "folder",
         type=Path,
         nargs="?",
-        help="where the frames go (default: ../out/flicker, with --bounces 0 ../out/flicker.0)",
+        help="where the frames go (default: ../out/flicker, with --bounces 0 ../out/flicker.0, of another "
+        "sequence ../out/flicker.NAME)",
     )
+    parser.add_argument("--sequence", default=SEQUENCE, help="whose frames (default: %(default)s)")
     parser.add_argument("--bounces", default="all", help="as render has it (default: %(default)s)")
     parser.add_argument("--size", default="240x135", help="of the picture (default: %(default)s)")
     parser.add_argument(
@@ -245,8 +249,9 @@ def main() -> int:
     if PROGRAM is None:
         print(f"error: {NO_PROGRAM}", file=sys.stderr)
         return 2
-    good = report_leaves()
-    folder = arguments.folder or Path("../out/flicker" if arguments.bounces == "all" else f"../out/flicker.{arguments.bounces}")
+    good = arguments.sequence != SEQUENCE or report_leaves()
+    parts = [arguments.sequence] * (arguments.sequence != SEQUENCE) + [arguments.bounces] * (arguments.bounces != "all")
+    folder = arguments.folder or Path("../out", ".".join(["flicker", *parts]))
     folder.mkdir(parents=True, exist_ok=True)
     for seed in SEEDS:
         render(folder, seed, arguments)
