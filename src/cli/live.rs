@@ -1,17 +1,15 @@
-//! A look at frames while they are rendered, in the viewer tev. In go pictures as they come, out go packets
-//! of its protocol over TCP. Invariant: whatever the viewer does, rendering neither waits for it nor fails;
-//! what it misses are looks in between.
-
-mod packet;
+//! A look at frames while they are rendered, in the viewer tev. In go pictures as they come, `tev_client`
+//! sends them. Invariant: whatever the viewer does, rendering neither waits for it nor fails; what it misses
+//! are looks in between.
 
 use super::{CliError, tell};
 use std::collections::VecDeque;
-use std::io::Write;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use sunfleck::diagnostic::{Diagnostic, Place};
-use sunfleck::film::Frame;
+use sunfleck::film::{Channel, Frame};
+use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
 /// Port on which tev listens unless it is told otherwise.
 const PORT: u16 = 14158;
@@ -24,6 +22,9 @@ const MOST_WAITING: usize = 4;
 
 /// Pictures in between may take so much of the time.
 const SHARE: f64 = 0.03;
+
+/// Values a packet, at most about: the viewer takes a packet as a whole.
+const VALUES: usize = 1 << 20;
 
 /// The connection, if there is to be one.
 pub(super) struct Live {
@@ -158,17 +159,54 @@ fn send(address: &str, queue: &Queue) -> std::io::Result<()> {
             break;
         }
     }
-    let mut stream = connected?;
+    let stream = connected?;
     stream.set_write_timeout(Some(PATIENCE))?;
+    let mut viewer = TevClient::wrap(stream);
     let mut created: Option<String> = None;
     while let Some((name, frame)) = queue.next() {
-        if created.as_ref() != Some(&name) {
-            stream.write_all(&packet::create_image(&name, &frame))?;
-            created = Some(name.clone());
-        }
-        for update in packet::updates(&name, &frame) {
-            stream.write_all(&update)?;
-        }
+        let is_new = created.as_ref() != Some(&name);
+        // The client ends texts by a zero byte.
+        send_frame(&mut viewer, &name.replace('\0', ""), &frame, is_new)?;
+        created = Some(name);
+    }
+    Ok(())
+}
+
+/// Sends all pixels, some rows a packet; those of a new picture are black before.
+fn send_frame(viewer: &mut TevClient, name: &str, frame: &Frame, is_new: bool) -> std::io::Result<()> {
+    let channels: Vec<&Channel> =
+        ["R", "G", "B", "A"].into_iter().filter_map(|name| frame.channel(name)).collect();
+    let channel_names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
+    if is_new {
+        viewer.send(PacketCreateImage {
+            image_name: name,
+            grab_focus: true,
+            width: frame.full.width as u32,
+            height: frame.full.height as u32,
+            channel_names: &channel_names,
+        })?;
+    }
+    let window = frame.window;
+    let most_rows = (VALUES / (window.width * channels.len()).max(1)).max(1);
+    for first in (0..window.height).step_by(most_rows) {
+        let rows = most_rows.min(window.height - first);
+        let part = first * window.width..(first + rows) * window.width;
+        // Channel by channel.
+        let offsets: Vec<u64> = (0..channels.len()).map(|channel| (channel * part.len()) as u64).collect();
+        let data: Vec<f32> =
+            channels.iter().flat_map(|channel| &channel.pixels[part.clone()]).copied().collect();
+        viewer.send(PacketUpdateImage {
+            image_name: name,
+            grab_focus: false,
+            channel_names: &channel_names,
+            channel_offsets: &offsets,
+            channel_strides: &vec![1; channels.len()],
+            x: window.x as u32,
+            y: (window.y + first) as u32,
+            width: window.width as u32,
+            height: rows as u32,
+            data: &data,
+        })?;
     }
     Ok(())
 }
