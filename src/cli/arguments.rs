@@ -2,9 +2,9 @@
 
 pub(super) use super::bench_arguments::BenchArguments;
 use super::parse::{
-    ChannelsLimit, ChunkArgument, Crop, SizeArgument, parse_bounces, parse_chunk, parse_crop,
-    parse_frame_rate, parse_limit, parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position,
-    parse_size, parse_tolerance, parse_white,
+    ChannelsLimit, ChunkArgument, Crop, SizeArgument, parse_bounces, parse_chunk, parse_crop, parse_limit,
+    parse_seconds, parse_share_limit, parse_shutter, parse_shutter_position, parse_size, parse_tolerance,
+    parse_white,
 };
 pub(super) use super::shared_arguments::{BakeArguments, DisplayArguments, SceneArguments};
 pub(super) use super::words::{
@@ -98,9 +98,6 @@ pub(super) struct RenderArguments {
     /// Shafts alone in place of the beauty, with alpha for what fog hides: to be laid over other pictures.
     #[arg(long, value_enum)]
     pub(super) only: Option<OnlyArgument>,
-    /// Frames a second, such as 24 or 24000/1001 [default: the input's].
-    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Which frames that exist already are kept.
     #[arg(long, value_enum, default_value_t)]
     pub(super) skip: Skip,
@@ -152,9 +149,6 @@ pub(super) struct ServeArguments {
     /// Name of the camera [default: the sequence's, else the first].
     #[arg(long)]
     pub(super) camera: Option<String>,
-    /// Frames a second, such as 24 or 24000/1001 [default: the input's].
-    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Threads to render with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
@@ -181,9 +175,6 @@ pub(super) struct PreviewArguments {
     /// Name of the camera [default: the sequence's, else the first].
     #[arg(long)]
     pub(super) camera: Option<String>,
-    /// Frames a second, such as 24 or 24000/1001 [default: the input's; of EXR frames 24].
-    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Threads to draw with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
@@ -207,9 +198,6 @@ pub(super) struct InspectArguments {
     /// fractions are allowed [default: the first].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
-    /// Frames a second, such as 24 or 24000/1001 [default: the input's].
-    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     /// Picture size: 960x540, or a percentage of the sequence's, 50% [default: the sequence's, else 960x540].
     #[arg(long, value_parser = parse_size, value_name = "WxH|P%")]
     pub(super) size: Option<SizeArgument>,
@@ -233,9 +221,6 @@ pub(super) struct ExportArguments {
     /// First and last frame of the animation, such as 1-48 [default: the input's].
     #[arg(long, allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
-    /// Frames a second, such as 24 or 24000/1001 [default: the input's].
-    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
-    pub(super) fps: Option<sunfleck::scene::FrameRate>,
     #[command(flatten)]
     pub(super) scene: SceneArguments,
 }

@@ -24,7 +24,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     loading::check_not_read("OUT.glb", output, &description.files)?;
     // Whoever reads the file lights it if it has no light, so it gets none unless it is to have it.
     let no_default_light = arguments.scene.default_light != Some(Switch::On);
-    let options = ResolveOptions { frame_rate: arguments.fps, no_default_light, ..arguments.scene.options() };
+    let options = ResolveOptions { no_default_light, ..arguments.scene.options() };
     let scene = loading::resolve(description, &options, &arguments.scene.bakes, true)?;
     let frames = frames(arguments.frames.as_deref(), &scene)?;
     let (first, last) = (*frames.start(), *frames.end());

@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     }
     let scene = loading::resolve(
         description,
-        &arguments.scene.seen(arguments.size, arguments.fps, arguments.camera.as_ref()),
+        &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         true,
     )?;

@@ -34,7 +34,7 @@ pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, CliError> {
     }
     loading::resolve(
         description,
-        &arguments.scene.seen(arguments.size, arguments.fps, arguments.camera.as_ref()),
+        &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         matches!(arguments.progress, ProgressArgument::Auto),
     )

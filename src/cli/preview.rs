@@ -105,7 +105,7 @@ fn load(arguments: &PreviewArguments) -> Result<Scene, CliError> {
     let description = description::load(&arguments.input)?;
     loading::resolve(
         description,
-        &arguments.scene.seen(arguments.size, arguments.fps, arguments.camera.as_ref()),
+        &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         true,
     )
@@ -158,7 +158,7 @@ impl<'a> Source<'a> {
             name: name.unwrap_or_else(|| String::from("frames")),
             frames: first..=last,
             only_these_frames: true,
-            frame_rate: arguments.fps.unwrap_or(RenderSettings::default().frame_rate),
+            frame_rate: arguments.scene.fps.unwrap_or(RenderSettings::default().frame_rate),
             ..RenderSettings::default()
         };
         Ok((Self::Files { files, size: arguments.size, doubts: ColorDoubts::default() }, settings))

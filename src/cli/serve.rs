@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &ServeArguments) -> Result<(), CliError> {
         let description = description::load(&arguments.input)?;
         loading::resolve(
             description,
-            &arguments.scene.seen(arguments.size, arguments.fps, arguments.camera.as_ref()),
+            &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
             &arguments.scene.bakes,
             false,
         )
@@ -140,8 +140,8 @@ impl Server<'_> {
         let plain = Arguments::try_parse_from(["sunfleck", "render", "input"]).map(|plain| plain.command);
         let is_plain = matches!(&plain, Ok(Command::Render(plain))
             if plain.scene == arguments.scene);
-        if !is_plain || arguments.fps.is_some() || arguments.threads.is_some() {
-            return Err(String::from("flags of the scene, --fps and --threads are said to `serve` itself"));
+        if !is_plain || arguments.threads.is_some() {
+            return Err(String::from("flags of the scene and --threads are said to `serve` itself"));
         }
         let is_told = matches!(arguments.progress, ProgressArgument::Auto | ProgressArgument::Jsonl);
         if arguments.dry_run || !is_told {

@@ -2,7 +2,7 @@
 //! they mean the same in every command.
 
 use super::CliError;
-use super::parse::{ExposureArgument, SizeArgument, parse_bloom, parse_exposure};
+use super::parse::{ExposureArgument, SizeArgument, parse_bloom, parse_exposure, parse_frame_rate};
 use super::words::{SkySunArgument, Switch};
 use clap::Args;
 use std::path::PathBuf;
@@ -13,6 +13,9 @@ use sunfleck::scene::{FrameRate, LightUnits, ResolveOptions};
 /// How an input is read.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(super) struct SceneArguments {
+    /// Frames a second, such as 24 or 24000/1001 [default: the input's, else 24].
+    #[arg(long, value_parser = parse_frame_rate, allow_negative_numbers = true)]
+    pub(super) fps: Option<FrameRate>,
     /// Units of the lights of a glTF file [default: what it says, else spec].
     #[arg(long, value_enum)]
     pub(super) light_units: Option<LightUnits>,
@@ -75,6 +78,7 @@ impl SceneArguments {
     /// Options that the scene has to know.
     pub(super) fn options(&self) -> ResolveOptions {
         ResolveOptions {
+            frame_rate: self.fps,
             light_units: self.light_units,
             no_default_light: self.default_light == Some(Switch::Off),
             keep_sky_suns: self.sky_sun == Some(SkySunArgument::Off),
@@ -85,17 +89,12 @@ impl SceneArguments {
 
     /// Options of a command that looks at the scene through a camera: with all flags that change what a
     /// camera or light that is made up has to serve. A percentage keeps the input's own shape.
-    pub(super) fn seen(
-        &self,
-        size: Option<SizeArgument>,
-        frame_rate: Option<FrameRate>,
-        camera: Option<&String>,
-    ) -> ResolveOptions {
+    pub(super) fn seen(&self, size: Option<SizeArgument>, camera: Option<&String>) -> ResolveOptions {
         let size = match size {
             Some(SizeArgument::Pixels(size)) => Some(size),
             Some(SizeArgument::Percent(_)) | None => None,
         };
-        ResolveOptions { size, frame_rate, camera: camera.cloned(), ..self.options() }
+        ResolveOptions { size, camera: camera.cloned(), ..self.options() }
     }
 
     /// Refuses losses, if the user wants that.
