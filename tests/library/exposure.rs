@@ -105,7 +105,7 @@ fn mean_square(a: &[f64], b: &[f64]) -> f64 {
 /// Both ways see the same picture, with less error the more samples there are.
 fn assert_same_picture(scene: &Scene, shutter: Shutter) {
     // Two halves of the truth tell its own noise, which is taken off.
-    let halves = [1, 2].map(|seed| colours(&picture(scene, shutter, 96, seed, Method::Segments)));
+    let halves = [1, 2].map(|seed| colours(&picture(scene, shutter, 40, seed, Method::Segments)));
     let truth: Vec<f64> = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect();
     let noise = 0.25 * mean_square(&halves[0], &halves[1]);
     let errors = [4, 16, 64].map(|samples| {

@@ -95,13 +95,9 @@ fn on_leaf(mesh: &Mesh, at: Vec2) -> (DVec3, f64) {
     places.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
 }
 
-/// Reflected and let through, on the average.
-fn color(scene: &Scene, material: &Material) -> Rgb {
-    let mean = |texture: Option<TextureIndex>| {
-        let Some(texture) = texture.map(|index| &scene.textures[index]) else { return Rgb::ONE };
-        let sum: Rgb = texture.texels.iter().map(|[r, g, b, _]| Vec3::new(r, g, b).as_dvec3()).sum();
-        sum / texture.texels.len() as f64
-    };
+/// Reflected and let through, on the average, by the mean of each texture.
+fn color(means: &[Rgb], material: &Material) -> Rgb {
+    let mean = |texture: Option<TextureIndex>| texture.map_or(Rgb::ONE, |index| means[index]);
     material.base_color * mean(material.base_color_texture)
         + material.transmission * mean(material.transmission_texture.map(|map| map.texture))
 }
@@ -130,7 +126,16 @@ fn looks(scene: &Scene) -> Vec<Look> {
     let seen = seen(scene);
     let placements = scene.placements(seconds(FRAME));
     let camera_from_world = placements[scene.cameras[0].node].world_from_node.inverse();
-    let colors: Vec<Rgb> = scene.materials.iter().map(|material| color(scene, material)).collect();
+    // Many materials are tints of one texture.
+    let means: Vec<Rgb> = scene
+        .textures
+        .iter()
+        .map(|texture| {
+            let sum: Rgb = texture.texels.iter().map(|[r, g, b, _]| Vec3::new(r, g, b).as_dvec3()).sum();
+            sum / texture.texels.len() as f64
+        })
+        .collect();
+    let colors: Vec<Rgb> = scene.materials.iter().map(|material| color(&means, material)).collect();
     // Of each species, places in its texture that lie on it; of each mesh, where they are.
     let (mut places, mut points) = (BTreeMap::<&str, Vec<Vec2>>::new(), BTreeMap::<usize, Vec<DVec3>>::new());
     let mut looks = Vec::new();
