@@ -44,7 +44,7 @@ fn load(arguments: &BenchArguments) -> Result<api::Scene, CliError> {
     }
     loading::resolve(
         description,
-        &arguments.scene.seen(arguments.size, None, arguments.camera.as_ref()),
+        &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
         &arguments.scene.bakes,
         true,
     )
