@@ -149,6 +149,83 @@ def thick() -> str:
     )
 
 
+def slits() -> str:
+    """A hall of 6 x 3 x 4 m that three slits of 12 cm light, with thin fog in it."""
+    edges = (-3.0, -1.6, -1.48, 0.0, 0.12, 1.5, 1.62, 3.0)
+    piers = {f"pier {i}": block((edges[2 * i], 0, 2), (edges[2 * i + 1], 3, 2.3)) for i in range(4)}
+    walls = {
+        "floor": block((-3, -0.2, -2), (3, 0, 2.3)),
+        "ceiling": block((-3, 3, -2), (3, 3.2, 2.3)),
+        "back": block((-3, 0, -2.2), (3, 3, -2)),
+        "left": block((-3.2, 0, -2.2), (-3, 3, 2.3)),
+        "right": block((3, 0, -2.2), (3.2, 3, 2.3)),
+        "ground": '(mesh: "ground", material: "soil", translation_m: (0.0, -0.3, 0.0))',
+    }
+    return scene(
+        objects={**walls, **piers},
+        leaves=None,
+        cameras={"main": "(position_m: (-2.6, 1.6, 1.6), look_at_m: (1.5, 1.1, -1.4), fov_deg: 72.0)"},
+        lights={"sun": "Sun(to_sun: (0.35, 0.6, 1.0), irradiance_w_per_m2: (12.0, 9.0, 5.5))"},
+        fog={"haze": "(min_m: (-3.0, 0.0, -2.0), max_m: (3.0, 3.0, 2.0), density_per_m: 0.08, anisotropy: 0.5)"},
+    )
+
+
+def canyon() -> str:
+    """A bent street between walls of 8 m in mist without bounds, a low sun along it."""
+    return scene(
+        meshes={**BASE["meshes"], "ground": "Quad(size_m: 120.0)"},
+        objects={
+            **BASE["objects"],
+            "left": block((-4, 0, -14), (-2, 8, 6)),
+            "right": block((2, 0, -9), (4, 7, 6)),
+            "end": block((-2, 0, -16), (9, 6, -14)),
+        },
+        leaves={
+            "ivy": '(count: 300, seed: 9, meshes: ["leaf"], materials: ["gold"], min_m: (1.6, 0.5, -8.0), max_m: (2.0, 5.0, 2.0), scale: 2.0)'
+        },
+        cameras={"main": "(position_m: (-0.8, 1.7, 5.5), look_at_m: (0.4, 2.6, -8.0), fov_deg: 55.0)"},
+        lights={"sun": "Sun(to_sun: (0.55, 0.3, -0.8), irradiance_w_per_m2: (12.0, 7.0, 3.0))"},
+        fog={"mist": "(scale_height_m: 3.0, density_per_m: 0.08, anisotropy: 0.6)"},
+    )
+
+
+def night() -> str:
+    """Lamps beneath a canopy at night, in mist that lies on the ground."""
+    lamps = {
+        f"lamp {i}": f"Point(position_m: ({x}, {y}, {z}), intensity_w_per_sr: ({red}, {0.7 * red:.2f}, {0.4 * red:.2f}))"
+        for i, (x, y, z, red) in enumerate([(-1.2, 1.6, -0.5, 3.0), (1.4, 2.1, -2.5, 5.0), (0.2, 0.6, 1.0, 1.0)])
+    }
+    return scene(
+        "Constant(radiance_w_per_m2_sr: (0.002, 0.003, 0.006))",
+        meshes={**BASE["meshes"], "ground": "Quad(size_m: 100.0)"},
+        objects={**BASE["objects"], "trunk": block((-0.6, 0, -1.8), (-0.2, 3, -1.4), "bark")},
+        leaves={
+            "crown": '(count: 1500, seed: 6, meshes: ["leaf"], materials: ["gold"], min_m: (-3.0, 2.3, -4.0), max_m: (3.0, 3.6, 2.0), scale: (1.0, 2.0))'
+        },
+        lights=lamps,
+        fog={"mist": "(scale_height_m: 0.6, density_per_m: 0.4, anisotropy: 0.7)"},
+    )
+
+
+def dome() -> str:
+    """Leaves that close over snow, with a gap towards the sky."""
+    return scene(
+        materials={**BASE["materials"], "snow": "(base_color: (0.92, 0.93, 0.95))"},
+        objects={"ground": '(mesh: "ground", material: "snow")'},
+        leaves={
+            name: f'(count: {count}, seed: {seed}, meshes: ["leaf"], materials: ["gold"], min_m: {low}, max_m: {high}, scale: 2.0)'
+            for name, count, seed, low, high in [
+                ("roof", 1500, 1, "(-2.5, 2.2, -2.5)", "(2.5, 2.8, 1.2)"),
+                ("left", 700, 2, "(-2.8, 0.1, -2.5)", "(-2.2, 2.6, 2.5)"),
+                ("right", 700, 3, "(2.2, 0.1, -2.5)", "(2.8, 2.6, 2.5)"),
+                ("back", 700, 4, "(-2.5, 0.1, -2.8)", "(2.5, 2.6, -2.2)"),
+            ]
+        },
+        cameras={"main": "(position_m: (0.4, 1.1, 2.4), look_at_m: (-0.2, 0.9, -2.0), fov_deg: 70.0)"},
+        fog={"haze": "(min_m: (-3.0, 0.0, -3.0), max_m: (3.0, 3.0, 3.0), density_per_m: 0.05, anisotropy: 0.4)"},
+    )
+
+
 SUN_SKY = "sun_sky.exr"
 
 
@@ -190,6 +267,10 @@ SCENES = {
     "trunks": trunks,
     "wall": wall,
     "thick": thick,
+    "slits": slits,
+    "canyon": canyon,
+    "night": night,
+    "dome": dome,
     "sun in the sky": sun_sky,
     **{f"lamp {mm} mm": lambda mm=mm: lamp_room(mm / 1000) for mm in (100, 10, 1)},
     **{f"dense {density}": lambda density=density: dense(density) for density in (0.5, 2, 5, 30)},
