@@ -4,6 +4,7 @@
 use super::LoadError;
 use crate::diagnostic::{Diagnostic, Place};
 use std::fs;
+use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +12,8 @@ use std::path::{Path, PathBuf};
 const FARTHEST: u64 = 1_000_000_000;
 /// Maximum number of signs: more are no number's.
 const MOST_DIGITS: usize = 20;
+/// Minimum number of digits of frames: with fewer they are as often kinds of one thing, `oak1.obj`.
+const FEWEST_DIGITS: usize = 3;
 
 /// A name with signs in a number's place.
 #[derive(Debug, PartialEq)]
@@ -35,23 +38,28 @@ impl<'a> Numbered<'a> {
         self.before.trim_end_matches(['.', '_', '-', ' '])
     }
 
+    /// The sequence that a file is one of, by the last digits of its name, if it is not alone.
+    pub(super) fn around(path: &Path) -> Option<PathBuf> {
+        let name = path.file_name()?.to_str()?;
+        let (upto, after) = name.split_at(name.rfind(|letter: char| letter.is_ascii_digit())? + 1);
+        let before = upto.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        let digits = upto.len() - before.len();
+        let name = format!("{before}{}{after}", "#".repeat(digits));
+        let path = path.with_file_name(&name);
+        let is_sequence = digits >= FEWEST_DIGITS && Numbered::of(&path)?.there().ok()?.len() > 1;
+        is_sequence.then_some(path)
+    }
+
     /// The numbers of the files that are there; `referrer` asks for them.
     ///
     /// # Errors
     /// If there are none, or one between the first and the last is missing.
     pub(super) fn numbers(&self, referrer: &str) -> Result<RangeInclusive<i64>, LoadError> {
-        let folder = match self.path.parent() {
-            Some(folder) if folder != Path::new("") => folder,
-            _ => Path::new("."),
-        };
-        let entries = fs::read_dir(folder).map_err(|source| LoadError::Io {
-            path: folder.to_owned(),
+        let numbers = self.there().map_err(|source| LoadError::Io {
+            path: self.folder().to_owned(),
             referrer: Some(referrer.to_owned()),
             source,
         })?;
-        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-        let mut numbers: Vec<i64> = names.filter_map(|name| self.number(&name)).collect();
-        numbers.sort_unstable();
         let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else {
             let found = "no file is called so, with a number in the place of the signs";
             let expected = format!("files such as `{}` and `{}`", self.file_name(1), self.file_name(2));
@@ -68,6 +76,18 @@ impl<'a> Numbered<'a> {
                 .into());
         }
         Ok(first..=last)
+    }
+
+    fn folder(&self) -> &Path {
+        self.path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
+    }
+
+    fn there(&self) -> io::Result<Vec<i64>> {
+        let names =
+            fs::read_dir(self.folder())?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        let mut numbers: Vec<i64> = names.filter_map(|name| self.number(&name)).collect();
+        numbers.sort_unstable();
+        Ok(numbers)
     }
 
     /// The file of a number.
@@ -147,6 +167,19 @@ mod tests {
         let far = ["a.-1000000000.obj", "a.1000000000.obj", "a.-9223372036854775808.obj"];
         let told = numbers(&far, "a.#.obj").unwrap_err();
         assert!(told.contains("is missing") && told.contains("to 1000000000"), "{told}");
+    }
+
+    #[test]
+    fn a_file_stands_in_a_sequence_or_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.0001.obj", "a.0002.obj", "b.0001.obj", "oak1.obj", "oak2.obj", "x.obj", "7"] {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let around = |name: &str| Numbered::around(&folder.path().join(name));
+        assert_eq!(around("a.0002.obj"), Some(folder.path().join("a.####.obj")));
+        for name in ["b.0001.obj", "oak1.obj", "x.obj", "7", "none/a.0001.obj"] {
+            assert_eq!(around(name), None, "{name}");
+        }
     }
 
     #[test]

@@ -17,7 +17,7 @@ mod triangulate;
 
 use super::numbered::Numbered;
 use super::{Files, LoadError};
-use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
+use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place, shown};
 use glam::{Vec2, Vec3};
 use library::Library;
 use normalize::{Groups, Vertices};
@@ -85,7 +85,17 @@ pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, 
 pub fn load_alone(path: &Path, files: &mut Files) -> Result<ObjModel, LoadError> {
     match Numbered::of(path) {
         Some(numbered) => sequence::read(&numbered, "the command line", files),
-        None => read(path, None, files),
+        None => {
+            let mut model = read(path, None, files)?;
+            if let Some(sequence) = Numbered::around(path) {
+                let found = format!(
+                    "this file alone is drawn, in every frame: `{}` is all that are numbered so",
+                    shown(&sequence)
+                );
+                model.remarks.push(Diagnostic::choice(Place::File(path.to_owned()), found));
+            }
+            Ok(model)
+        }
     }
 }
 
