@@ -18,6 +18,13 @@ pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Opt
                      emitter: Box(min_m: .., max_m: ..), release_s: -1.0) }`",
                 )
         }
+        Error::NoSuchStructField { found, outer: Some(outer), .. }
+            if found == "materials" && outer == "Object" =>
+        {
+            Diagnostic::error(place.clone(), "an object has no `materials`: its mesh has them by name")
+                .expected("`material`, for all of the mesh, or other materials where the mesh is")
+                .remedy("write `ObjWith(file: \"tree.obj\", materials: { \"leaf\": .. })` in `meshes`")
+        }
         Error::ExpectedFloat | Error::ExpectedInteger => told(place, at(text, error), "a number"),
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
             told(place, at(text, error), "fields in round brackets, `(field: value, ..)`")
