@@ -26,7 +26,7 @@ pub(crate) fn optics_at(
 pub(crate) fn optics_of(point: &SurfacePoint) -> SurfaceOptics {
     SurfaceOptics {
         reflectance: reflectance(point),
-        transmittance: point.transmission + of_thin(point)[1],
+        transmittance: point.transmission + of_dielectric(point)[1],
         emission: point.emission,
         cover: 1.0 - (1.0 - point.alpha).clamp(0.0, 1.0),
     }
@@ -37,10 +37,10 @@ pub(crate) fn reflectance(point: &SurfacePoint) -> Rgb {
     let gloss = point.gloss.as_ref();
     let coat = gloss.map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));
     let beneath = point.albedo * gloss.map_or(Rgb::ONE, |gloss| gloss.leaves(COS));
-    (beneath + coat + point.mirror + of_thin(point)[0]).clamp(Rgb::ZERO, Rgb::ONE)
+    (beneath + coat + point.mirror + of_dielectric(point)[0]).clamp(Rgb::ZERO, Rgb::ONE)
 }
 
-/// What a thin dielectric reflects and lets through.
-fn of_thin(point: &SurfacePoint) -> [Rgb; 2] {
-    point.thin.as_ref().map_or([Rgb::ZERO; 2], |thin| thin.albedos(COS))
+/// What a dielectric reflects and lets through.
+fn of_dielectric(point: &SurfacePoint) -> [Rgb; 2] {
+    point.dielectric.as_ref().map_or([Rgb::ZERO; 2], |own| own.albedos(COS))
 }

@@ -6,7 +6,7 @@ use super::layers::{self, texture_info};
 use super::material_changes::Written;
 use crate::color::{Rgb, srgb_from_linear};
 use crate::diagnostic::{Diagnostic, Loss, Place};
-use crate::scene::{AlphaMode, Coat, Material, Painted, Texture, TextureMap, ThinDielectric, Wrap};
+use crate::scene::{AlphaMode, Coat, Dielectric, Material, Painted, Texture, TextureMap, Wrap};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use serde_json::{Value, json};
@@ -102,9 +102,15 @@ impl Writer<'_> {
         }
         if let (Some(metal), Some(_)) = (material.metal_color, material.coat) {
             ours["metal"] = json!(metal.to_array());
+            if material.has_plain_metal {
+                ours["plain_metal"] = json!(true);
+            }
         }
-        if let Some(ThinDielectric { share, ior }) = material.thin {
+        if let Some(Dielectric { share, ior, has_one_face }) = material.dielectric {
             ours["thin_dielectric"] = json!({ "share": share, "ior": ior });
+            if has_one_face {
+                ours["thin_dielectric"]["one_face"] = json!(true);
+            }
         }
         if material.filter_color != Rgb::ZERO {
             ours["filter_color"] = json!(material.filter_color.to_array());

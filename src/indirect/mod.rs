@@ -108,8 +108,9 @@ impl Indirect {
             |range: Range<f64>, of: f64| ((of - range.start) / (range.end - range.start)).clamp(0.0, 1.0);
         let cos = point.shading_normal.dot(point.to_eye).max(0.0);
         let of_gloss = point.gloss.as_ref().map(|gloss| (gloss.albedo(cos), gloss.alpha()));
-        let of_thin = point.thin.as_ref().map(|thin| (thin.albedos(cos).iter().sum(), thin.alphas()[1]));
-        let all = [of_gloss, of_thin].into_iter().flatten();
+        let of_dielectric =
+            point.dielectric.as_ref().map(|own| (own.albedos(cos).iter().sum(), own.alphas()[1]));
+        let all = [of_gloss, of_dielectric].into_iter().flatten();
         let (shine, alpha) = all.fold((Rgb::ZERO, 1.0_f64), |all, one| (all.0 + one.0, all.1.min(one.1)));
         let shine = shine.max_element();
         share(SEEN, shine) * (1.0 - share(BLURRED, alpha)).max(share(MOST, shine))
@@ -120,8 +121,8 @@ impl Indirect {
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
         let cos_eye = point.shading_normal.dot(point.to_eye).max(0.0);
-        let of_thin = point.thin.as_ref().map_or([Rgb::ZERO; 2], |thin| thin.albedos(cos_eye));
-        let sent = point.albedo + point.transmission + of_thin[0] + of_thin[1];
+        let of_dielectric = point.dielectric.as_ref().map_or([Rgb::ZERO; 2], |own| own.albedos(cos_eye));
+        let sent = point.albedo + point.transmission + of_dielectric[0] + of_dielectric[1];
         let leaf = self.solved.leaves.of(&self.solved.field, snapshot, point.primitive);
         let gathered = |lobe: Lobe| match &leaf {
             Some(leaf) => leaf.gathered_by(&self.solved.field, &lobe, sent),
@@ -144,10 +145,15 @@ impl Indirect {
             let lobe = Lobe::glossy(mirrored, normal, gloss.alpha());
             radiance += share_of_shine * FRAC_1_PI * gloss.albedo(cos_eye) * gathered(lobe);
         }
-        if let Some(thin) = &point.thin {
-            let ([reflected, through], [alpha, alpha_through]) = (of_thin, thin.alphas());
+        if let Some(dielectric) = &point.dielectric {
+            let ([reflected, through], [alpha, alpha_through]) = (of_dielectric, dielectric.alphas());
             let seen = reflected * gathered(Lobe::glossy(mirrored, normal, alpha))
-                + through * gathered(Lobe::glossy(-point.to_eye, -normal, alpha_through));
+                + through
+                    * gathered(Lobe::glossy(
+                        dielectric.straight(normal, point.to_eye),
+                        -normal,
+                        alpha_through,
+                    ));
             radiance += share_of_shine * FRAC_1_PI * seen;
         }
         radiance

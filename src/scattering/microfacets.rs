@@ -49,12 +49,22 @@ impl Microfacets {
     /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine:
     /// where a visible microfacet mirrors the eye. It may lie below the surface.
     pub(super) fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
-        let across = normal.any_orthonormal_vector();
-        let up = normal.cross(across);
+        let [across, up] = across(normal);
         let local = DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal));
-        let half = visible_normal(self.alpha, local, DVec2::from_angle(2.0 * PI * u.x), u.y);
+        let half = self.visible(local, u);
         let to_light = 2.0 * local.dot(half) * half - local;
         to_light.x * across + to_light.y * up + to_light.z * normal
+    }
+
+    /// The normal of a microfacet that the eye sees, that two uniform numbers pick.
+    pub(super) fn pick_facet(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
+        let [across, up] = across(normal);
+        let half = self.visible(DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal)), u);
+        half.x * across + half.y * up + half.z * normal
+    }
+
+    fn visible(&self, local: DVec3, u: DVec2) -> DVec3 {
+        visible_normal(self.alpha, local, DVec2::from_angle(2.0 * PI * u.x), u.y)
     }
 
     /// Probability density of [`Microfacets::pick`], 1/sr (Heitz 2018, equations 2, 3 and 17).
@@ -66,6 +76,12 @@ impl Microfacets {
         // G1(v) D(h) / (4 n.v), with G1(v) = 2 n.v / smith(n.v).
         0.5 * self.distribution(normal, half) / ggx::smith(self.alpha * self.alpha, cos_eye)
     }
+}
+
+/// Two unit vectors across a normal.
+fn across(normal: DVec3) -> [DVec3; 2] {
+    let across = normal.any_orthonormal_vector();
+    [across, normal.cross(across)]
 }
 
 /// Energy that microfacets which reflect all lack over their albedo, `(1 - E) / E`.

@@ -2,16 +2,20 @@
 //! shares of light. Invariant: nothing here knows visibility, cameras or pixels.
 
 mod albedos;
+mod dielectric;
 mod fresnel;
 mod ggx;
 mod gloss;
+mod interface;
 mod layers;
 mod microfacets;
 mod sheen;
 mod thin_dielectric;
 
 pub use albedos::LEAST_ROUGHNESS;
+pub use dielectric::Dielectric;
 pub use gloss::Gloss;
+pub use interface::Interface;
 pub use layers::{Clearcoat, Layers};
 pub use sheen::Sheen;
 pub use thin_dielectric::ThinDielectric;

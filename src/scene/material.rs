@@ -34,8 +34,10 @@ pub struct Material {
     pub is_principled: bool,
     /// Reflectance of metal along the normal, if it is not `base_color`: nothing goes through metal.
     pub metal_color: Option<Rgb>,
-    /// A thin dielectric of the coat's roughness, whose inside has the metal's colour.
-    pub thin: Option<ThinDielectric>,
+    /// Whether no texture multiplies that.
+    pub has_plain_metal: bool,
+    /// A dielectric of the coat's roughness, whose inside has the metal's colour.
+    pub dielectric: Option<Dielectric>,
     /// A clear coat over all.
     pub clearcoat: Option<Clearcoat>,
     /// Sheen of cloth, beneath the clear coat.
@@ -85,13 +87,15 @@ pub struct Coat {
     pub f90: f64,
 }
 
-/// A thin sheet of a rough dielectric (`scattering::ThinDielectric`).
+/// A rough dielectric (`scattering::Dielectric`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ThinDielectric {
+pub struct Dielectric {
     /// Share of what is no metal that it is, coat and all, `0..=1`.
     pub share: f64,
     /// Refractive index, 1 or more.
     pub ior: f64,
+    /// Whether it is one face of a body, and no thin sheet.
+    pub has_one_face: bool,
 }
 
 /// glTF's alpha modes; what a mask hides is cut out of the mesh instead (`scene/outline`).
@@ -110,7 +114,9 @@ impl Material {
         let mut tinted = self.clone();
         tinted.base_color *= color;
         tinted.transmission *= color;
-        tinted.metal_color = tinted.metal_color.map(|metal| metal * color);
+        if !tinted.has_plain_metal {
+            tinted.metal_color = tinted.metal_color.map(|metal| metal * color);
+        }
         match self.painted {
             Painted::BaseColor => {}
             Painted::Mirror => tinted.mirror *= color,
@@ -156,6 +162,11 @@ impl Material {
         self.normal_map.is_some() || self.clearcoat.is_some_and(|coat| coat.normal_map.is_some())
     }
 
+    /// Whether front and back differ.
+    pub fn has_front(&self) -> bool {
+        self.dielectric.is_some_and(|dielectric| dielectric.has_one_face)
+    }
+
     /// True if it is the same at all times.
     pub fn is_constant(&self) -> bool {
         self.changes.as_ref().is_none_or(Track::is_constant)
@@ -177,7 +188,8 @@ impl Default for Material {
             coat: None,
             is_principled: false,
             metal_color: None,
-            thin: None,
+            has_plain_metal: false,
+            dielectric: None,
             clearcoat: None,
             sheen: None,
             normal_map: None,

@@ -54,7 +54,7 @@ pub use julia::Julia;
 pub use keyed::Keyed;
 pub use light::{AreaShape, Light, LightKind, SunDisc};
 pub use material::{
-    AlphaMode, Clearcoat, Coat, Material, MaterialNumbers, Painted, Sheen, TextureMap, ThinDielectric,
+    AlphaMode, Clearcoat, Coat, Dielectric, Material, MaterialNumbers, Painted, Sheen, TextureMap,
 };
 pub use matte::{matte_id, murmur3};
 pub use mesh::{Mesh, Triangle};

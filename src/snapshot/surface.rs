@@ -8,7 +8,7 @@ use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::scattering::{Gloss, Layers, ThinDielectric};
+use crate::scattering::{Dielectric, Gloss, Layers};
 use crate::scene::{Material, Mesh, Painted, Texture, TextureMap};
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 use texels::{FacetTexels, Shine};
@@ -28,8 +28,8 @@ pub struct SurfacePoint {
     pub transmission: Rgb,
     /// Glossy coat, if it shines.
     pub gloss: Option<Gloss>,
-    /// Thin dielectric that is a share of it.
-    pub thin: Option<ThinDielectric>,
+    /// Rough dielectric that is a share of it.
+    pub dielectric: Option<Dielectric>,
     /// Layers over it.
     pub layers: Option<Layers>,
     /// Unit vector to where it is seen from.
@@ -60,6 +60,8 @@ pub struct Facet<'a> {
     /// Attributes by which a normal map bends its normals.
     bending: Option<Bending<'a>>,
     leaf_id: u32,
+    /// Whether its normal points into its body: its instance is mirrored.
+    is_turned: bool,
     corners: [usize; 3],
     first_corner: DVec3,
     /// Unit length; zero if the triangle has no area.
@@ -115,6 +117,7 @@ impl Snapshot<'_> {
                 mesh_from_relative,
             }),
             leaf_id: instance.leaf_id,
+            is_turned: material.has_front() && relative_from_mesh.matrix3.determinant() < 0.0,
             corners,
             first_corner: a,
             normal: area_normal.normalize_or_zero(),
@@ -196,8 +199,10 @@ impl Facet<'_> {
         let paint = texels.paint();
         let painted = |what: Painted, own: Rgb| if material.painted == what { own * paint } else { own };
         let base_color = material.base_color * paint;
-        let Shine { gloss, thin, matte } =
-            texels.shine(material.metal_color.map_or(base_color, |color| color * paint));
+        let is_within = (self.normal.dot(ray.direction) > 0.0) != self.is_turned;
+        let metal_paint = if material.has_plain_metal { Rgb::ONE } else { paint };
+        let color = material.metal_color.map_or(base_color, |color| color * metal_paint);
+        let Shine { gloss, dielectric, matte } = texels.shine(color, is_within);
         let transmission = material.transmission * texels.of(material.transmission_texture);
         let emission = match material.emission {
             Rgb::ZERO => Rgb::ZERO,
@@ -211,7 +216,7 @@ impl Facet<'_> {
             albedo: base_color * matte,
             transmission: transmission * matte,
             gloss,
-            thin,
+            dielectric,
             layers,
             to_eye: -ray.direction,
             mirror: let_out * painted(Painted::Mirror, material.mirror),

@@ -103,8 +103,8 @@ fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
             scattered += cos * gloss.brdf(point.shading_normal, point.to_eye, to_light);
         }
     }
-    if let Some(thin) = &point.thin {
-        scattered += cos.abs() * thin.bsdf(point.shading_normal, point.to_eye, to_light);
+    if let Some(dielectric) = &point.dielectric {
+        scattered += cos.abs() * dielectric.bsdf(point.shading_normal, point.to_eye, to_light);
     }
     scattered
 }

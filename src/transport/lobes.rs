@@ -18,9 +18,9 @@ enum Way {
     /// Matte on the other side.
     Transmitted,
     Shone,
-    /// Reflected by a thin dielectric.
-    ThinReflected,
-    ThinTransmitted,
+    /// Reflected by a dielectric.
+    Mirrored,
+    Refracted,
 }
 
 /// The ways that a surface scatters, with their shares of 1.
@@ -45,16 +45,16 @@ impl Lobes {
         let reflected = luminance(point.albedo * beneath) + sheen;
         let transmitted = luminance(point.transmission * beneath);
         let shone = gloss.map_or(0.0, |gloss| luminance(gloss.albedo(cos_eye)));
-        let [thin_reflected, thin_transmitted] =
-            point.thin.as_ref().map_or([0.0; 2], |thin| thin.albedos(cos_eye).map(luminance));
-        let all = reflected + transmitted + shone + coated + thin_reflected + thin_transmitted;
+        let [mirrored, refracted] =
+            point.dielectric.as_ref().map_or([0.0; 2], |own| own.albedos(cos_eye).map(luminance));
+        let all = reflected + transmitted + shone + coated + mirrored + refracted;
         let shares = [
             (Way::Reflected, reflected),
             (Way::Coated, coated),
             (Way::Transmitted, transmitted),
             (Way::Shone, shone),
-            (Way::ThinReflected, thin_reflected),
-            (Way::ThinTransmitted, thin_transmitted),
+            (Way::Mirrored, mirrored),
+            (Way::Refracted, refracted),
         ];
         (all > 0.0).then(|| Self { shares: shares.map(|(way, share)| (way, share / all)), all })
     }
@@ -77,12 +77,12 @@ impl Lobes {
             let disc = disc_from_square(u);
             about(normal, disc, (1.0 - disc.length_squared()).max(0.0).sqrt())
         };
-        match (picked, coat(point), &point.gloss, &point.thin) {
+        match (picked, coat(point), &point.gloss, &point.dielectric) {
             (Way::Transmitted, ..) => lambert(-normal),
             (Way::Coated, Some(coat), ..) => coat.gloss.pick(coat.normal, to_eye, u),
             (Way::Shone, _, Some(gloss), _) => gloss.pick(normal, to_eye, u),
-            (Way::ThinReflected, .., Some(thin)) => thin.pick(normal, to_eye, false, u),
-            (Way::ThinTransmitted, .., Some(thin)) => thin.pick(normal, to_eye, true, u),
+            (Way::Mirrored, .., Some(dielectric)) => dielectric.pick(normal, to_eye, false, u),
+            (Way::Refracted, .., Some(dielectric)) => dielectric.pick(normal, to_eye, true, u),
             _ => lambert(normal),
         }
     }
@@ -100,9 +100,9 @@ impl Lobes {
         let coat = coat(point).filter(|_| share(Way::Coated) > 0.0);
         density +=
             share(Way::Coated) * coat.map_or(0.0, |coat| coat.gloss.picked(coat.normal, to_eye, direction));
-        if let Some(thin) = point.thin.as_ref().filter(|_| share(Way::ThinTransmitted) > 0.0) {
-            let [reflected, through] = thin.picked(normal, to_eye, direction);
-            density += share(Way::ThinReflected) * reflected + share(Way::ThinTransmitted) * through;
+        if let Some(dielectric) = point.dielectric.as_ref().filter(|_| share(Way::Refracted) > 0.0) {
+            let [reflected, through] = dielectric.picked(normal, to_eye, direction);
+            density += share(Way::Mirrored) * reflected + share(Way::Refracted) * through;
         }
         density
     }

@@ -6,7 +6,7 @@ use super::extras::{self, Channels};
 use crate::color::Rgb;
 use crate::description::gltf;
 use crate::diagnostic::Loss;
-use crate::scene::{Coat, Material, Painted, TextureMap, ThinDielectric};
+use crate::scene::{Coat, Dielectric, Material, Painted, TextureMap};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -22,6 +22,9 @@ pub(super) struct MaterialExtras {
     filter_color: Option<Channels>,
     transmission: Option<Channels>,
     metal: Option<Channels>,
+    /// Whether the base colour's texture does not multiply `metal`.
+    #[serde(default)]
+    plain_metal: bool,
     /// Whether the base colour's texture multiplies `transmission` too.
     #[serde(default)]
     transmission_textured: bool,
@@ -40,6 +43,9 @@ struct Thin {
     share: f64,
     #[serde(default = "glass")]
     ior: f64,
+    /// Whether it is no sheet, but one face of a body.
+    #[serde(default)]
+    one_face: bool,
 }
 
 fn glass() -> f64 {
@@ -54,9 +60,10 @@ impl MaterialExtras {
         }
         material.is_principled = self.principled;
         material.metal_color = self.metal.map_or(material.metal_color, |metal| Some(metal.into()));
+        material.has_plain_metal = self.metal.is_some() && self.plain_metal;
         material.filter_color = self.filter_color.map_or(material.filter_color, Rgb::from);
-        if let Some(Thin { share, ior }) = self.thin_dielectric {
-            material.thin = Some(ThinDielectric { share, ior });
+        if let Some(Thin { share, ior, one_face }) = self.thin_dielectric {
+            material.dielectric = Some(Dielectric { share, ior, has_one_face: one_face });
             // One that reflects nothing has the roughness alone.
             let (roughness, texture) = (source.roughness, source.metallic_roughness_texture);
             let plain = Coat { metallic: 0.0, roughness, texture, f0: Rgb::ZERO, f0_texture: None, f90: 0.0 };

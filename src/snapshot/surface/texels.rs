@@ -3,7 +3,7 @@
 
 use super::Facet;
 use crate::color::Rgb;
-use crate::scattering::{Gloss, ThinDielectric};
+use crate::scattering::{Dielectric, Gloss, Interface, ThinDielectric};
 use crate::scene::{AlphaMode, Mesh, Texture, TextureMap};
 use glam::{DVec3, Vec2};
 
@@ -19,7 +19,7 @@ pub(super) struct FacetTexels<'a> {
 /// How a surface shines.
 pub(super) struct Shine {
     pub(super) gloss: Option<Gloss>,
-    pub(super) thin: Option<ThinDielectric>,
+    pub(super) dielectric: Option<Dielectric>,
     /// Share that is matte.
     pub(super) matte: f64,
 }
@@ -55,10 +55,11 @@ impl<'a> FacetTexels<'a> {
         self.color * (0..3).map(corner).sum::<DVec3>()
     }
 
-    /// Shine of a surface whose metal and whose thin dielectric have such a colour.
-    pub(super) fn shine(&self, color: Rgb) -> Shine {
+    /// Shine of a surface whose metal and whose dielectric have such a colour; `is_within` says that the eye
+    /// sees its back.
+    pub(super) fn shine(&self, color: Rgb, is_within: bool) -> Shine {
         let Some(coat) = self.facet.material.coat else {
-            return Shine { gloss: None, thin: None, matte: 1.0 };
+            return Shine { gloss: None, dielectric: None, matte: 1.0 };
         };
         let texel = coat.texture.and_then(|map| self.facet.texel(map, self.weights)).unwrap_or(Rgb::ONE);
         let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
@@ -67,16 +68,20 @@ impl<'a> FacetTexels<'a> {
         let plain = Gloss::new(f0, Rgb::splat(coat.f90), roughness);
         let gloss = if self.facet.material.is_principled { plain.principled() } else { plain };
         let matte = 1.0 - metallic;
-        let Some(thin) = self.facet.material.thin else {
-            return Shine { gloss: Some(gloss.with_metal(metallic, color)), thin: None, matte };
+        let Some(own) = self.facet.material.dielectric else {
+            return Shine { gloss: Some(gloss.with_metal(metallic, color)), dielectric: None, matte };
         };
         // Of what is no metal it takes its share, coat and all.
-        let share = matte * thin.share;
+        let share = matte * own.share;
         let cover = 1.0 - share;
         let is_left = cover > 0.0;
         let gloss = is_left.then(|| gloss.with_metal(metallic / cover, color).covering(cover));
-        let thin = ThinDielectric::new(share, color, thin.ior, roughness);
-        Shine { gloss, thin: Some(thin), matte: matte - share }
+        let dielectric = if own.has_one_face {
+            Dielectric::Interface(Interface::new(share, color, own.ior, roughness, is_within))
+        } else {
+            Dielectric::Thin(ThinDielectric::new(share, color, own.ior, roughness))
+        };
+        Shine { gloss, dielectric: Some(dielectric), matte: matte - share }
     }
 
     /// Coverage of the surface, and its transmittance for what lies behind.

@@ -1,0 +1,66 @@
+//! A dielectric that is a share of a surface: a thin sheet, or one face of a body. In go directions and the
+//! normal on the side of the eye, out comes a BSDF. Invariant: shares of what is reflected and of what goes
+//! through are those that directions are picked by.
+
+use super::{Interface, ThinDielectric};
+use crate::color::Rgb;
+use glam::{DVec2, DVec3};
+
+/// A rough dielectric.
+#[derive(Clone, Copy, Debug)]
+pub enum Dielectric {
+    /// Two faces at one place.
+    Thin(ThinDielectric),
+    /// One face.
+    Interface(Interface),
+}
+
+impl Dielectric {
+    /// glTF's alpha of what it reflects, and of what goes through.
+    pub fn alphas(&self) -> [f64; 2] {
+        match self {
+            Self::Thin(sheet) => sheet.alphas(),
+            Self::Interface(face) => face.alphas(),
+        }
+    }
+
+    /// Shares of light that it reflects and lets through, for the cosine of the eye.
+    pub fn albedos(&self, cos: f64) -> [Rgb; 2] {
+        match self {
+            Self::Thin(sheet) => sheet.albedos(cos),
+            Self::Interface(face) => face.albedos(cos),
+        }
+    }
+
+    /// BSDF, 1/sr; both directions lead away from the surface, that to the eye on the normal's side.
+    pub fn bsdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> Rgb {
+        match self {
+            Self::Thin(sheet) => sheet.bsdf(normal, to_eye, to_light),
+            Self::Interface(face) => face.bsdf(normal, to_eye, to_light),
+        }
+    }
+
+    /// A direction to the light that two uniform numbers pick, of what is reflected or of what goes through.
+    pub fn pick(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
+        match self {
+            Self::Thin(sheet) => sheet.pick(normal, to_eye, is_through, u),
+            Self::Interface(face) => face.pick(normal, to_eye, is_through, u),
+        }
+    }
+
+    /// Probability densities of [`Dielectric::pick`] for a direction, 1/sr: reflected, through.
+    pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
+        match self {
+            Self::Thin(sheet) => sheet.picked(normal, to_eye, to_light),
+            Self::Interface(face) => face.picked(normal, to_eye, to_light),
+        }
+    }
+
+    /// The direction from which light comes through where it is smooth.
+    pub fn straight(&self, normal: DVec3, to_eye: DVec3) -> DVec3 {
+        match self {
+            Self::Thin(_) => -to_eye,
+            Self::Interface(face) => face.straight(normal, to_eye),
+        }
+    }
+}
