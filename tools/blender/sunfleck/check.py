@@ -179,6 +179,7 @@ def of_light(name, thing):
         "light-power": light.energy < 0.0,
         "light-spread": light.type == "AREA" and light.spread < 3.14,
         "light-square": light.type == "SPOT" and light.use_square,
+        "light-uneven": light.type in {"AREA", "SPOT"} and is_uneven(thing.matrix_world, light.type == "SPOT"),
         "light-soft-falloff": light.type in {"POINT", "SPOT"} and has_size and light.use_soft_falloff,
         "light-nodes": lights.of_nodes(light) is None,
         "light-shadowless": not light.use_shadow,
@@ -188,6 +189,14 @@ def of_light(name, thing):
         "light-portal": is_portal,
     }
     yield from (Finding(id, name) for id, is_so in said.items() if is_so)
+
+
+def is_uneven(place, is_round):
+    """Whether a light's axes are not at right angles or, if it is round, not of one length."""
+    turned = place.to_3x3()
+    lengths = [axis.length for axis in turned.col]
+    straight = all(abs(turned.col[a].dot(turned.col[b])) <= 1e-4 * lengths[a] * lengths[b] for a, b in ((0, 1), (0, 2), (1, 2)))
+    return not straight or (is_round and max(lengths) - min(lengths) > 1e-3 * max(lengths))
 
 
 def of_material(material):

@@ -53,6 +53,7 @@ LOSSES = {
     "light-power": (ERROR, "a light's power is negative"),
     "light-spread": (WARNING, "the spread of an area light is not honoured"),
     "light-square": (WARNING, "a square spot is round"),
+    "light-uneven": (WARNING, "a spot under an uneven scale is round, and a sheared area light has right angles"),
     "light-soft-falloff": (INFO, "a light with soft falloff is a sphere, and no disc that turns to what it "
                                  "lights"),
     "light-nodes": (WARNING, "light nodes are more than an Emission of one colour and strength: the light's "

@@ -35,6 +35,27 @@ def sky_with_a_disc(scene):
     background.inputs["Strength"].default_value = 0.1
 
 
+def lamp(scene, kind):
+    data = bpy.data.lights.new("lamp", kind)
+    data.energy, data.use_soft_falloff = 200.0, False
+    thing = scenes.add(scene, "lamp", data, (1.0, -2.0, 2.0))
+    thing.visible_camera = False
+    bpy.data.objects.remove(scene.objects["sun"])
+    return thing
+
+
+def lamp_for_its_size(scene):
+    """A sphere that is the brighter the larger it is."""
+    leaves(scene, matte())
+    data = lamp(scene, "POINT").data
+    data.normalize, data.shadow_soft_size = False, 0.2
+
+
+def uneven_spot(scene):
+    leaves(scene, matte())
+    lamp(scene, "SPOT").scale = (2.0, 0.5, 1.0)
+
+
 # What differs from leaf to leaf, and changes.
 
 
@@ -310,6 +331,9 @@ BESIDE = {
     "thin wall, frosted": (surfaces.frosted, 1, EXACT), "thin wall, frosted metal": (surfaces.frosted_metal, 1, EXACT),
     "thin metal": (surfaces.thin_metal, 1, EXACT), "thin metal in colours": (surfaces.thin_metal_in_colours, 1, BAKED),
     "fog box": (surfaces.fog_box, 6, EXACT),
+    "face of glass": (surfaces.rough_transmission, 1, EXACT), "face of smoother glass": (lambda scene: surfaces.rough_transmission(scene, 0.2), 1, EXACT),
+    "face of glass, textured": (surfaces.textured_transmission, 1, EXACT), "glossy leaf": (surfaces.glossy_leaf, 1, EXACT),
+    "picture with alpha": (surfaces.picture_with_alpha, 1, EXACT), "lamp for its size": (lamp_for_its_size, 1, EXACT),
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT),
@@ -323,7 +347,9 @@ SAID = {
     "velocities at the start": (lambda scene: velocities(scene, "START"), "velocity-blur"),
     "volume of nodes": (nodes_volume, "volume"), "pencil of nodes": (nodes_pencil, "grease-pencil"),
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hair, "hair"),
-    "rough transmission": (surfaces.rough_transmission, "material-lost"),
+    "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
+    "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"),
+    "uneven spot": (uneven_spot, "light-uneven"),
     "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
     "window": (surfaces.window, "material-lost"), "added translucence": (surfaces.added_translucence, "material-lost"),
     "light info": (surfaces.light_info, "material-lost"), "hues": (surfaces.hues, "instance-colors"),

@@ -3,6 +3,7 @@
 import math
 
 import bpy
+import numpy
 import scenes
 from kinds_parts import GREEN, RED, between, group_of, keyed, leaves, matte, output
 from test_materials import Tree
@@ -70,9 +71,68 @@ def sheen(scene):
     leaves(scene, tree)
 
 
-def rough_transmission(scene):
+def rough_transmission(scene, roughness=0.5):
+    """Sheets without a thickness: each is one face, which some show from within."""
     tree = matte()
-    tree.shader.inputs["Transmission Weight"].default_value = 0.6
+    inputs = tree.shader.inputs
+    inputs["Transmission Weight"].default_value, inputs["Roughness"].default_value = 0.6, roughness
+    inputs["Base Color"].default_value, inputs["Specular IOR Level"].default_value = GREEN, 0.5
+    for number, leaf in enumerate(leaves(scene, tree)):
+        leaf.rotation_euler.x += math.pi * (number % 2)
+        leaf.scale.x = -1.0 if number % 3 else 1.0
+
+
+def textured_transmission(scene):
+    rough_transmission(scene)
+    tree = bpy.data.materials["shade"].node_tree
+    tree.links.new(soft_picture(tree, 1.0).outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+
+
+def soft_picture(tree, alpha):
+    """A picture without edges, whose alpha goes from `alpha` to 1."""
+    image = bpy.data.images.new("soft", 64, 64, alpha=True)
+    across = numpy.linspace(0.0, 1.0, 64)
+    pixels = numpy.ones((64, 64, 4), "f4")
+    pixels[..., 0] = 0.5 + 0.4 * numpy.sin(2.0 * math.pi * across)
+    pixels[..., 3] = (1.0 - (1.0 - alpha) * numpy.sin(math.pi * across))[:, None]
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    return node
+
+
+def picture_with_alpha(scene):
+    """Nobody asks for its alpha, so Cycles multiplies colours by it."""
+    tree = matte()
+    tree.link(soft_picture(tree.material.node_tree, 0.2).outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def glossy_leaf(scene):
+    """As leaves were made before: a picture on what is matte and lets light through, under a little gloss."""
+    tree = matte()
+    picture = soft_picture(tree.material.node_tree, 1.0)
+    diffuse, through, gloss = (tree.node(kind) for kind in ("BsdfDiffuse", "BsdfTranslucent", "BsdfAnisotropic"))
+    for shader in (diffuse, through):
+        tree.link(picture.outputs["Color"], shader.inputs["Color"])
+    gloss.inputs["Roughness"].default_value = 0.3
+    tree.mixed(0.4, diffuse, through)
+    tree.mixed(0.1, tree.output.inputs["Surface"].links[0].from_node, gloss)
+
+
+def keyed_coat(scene):
+    tree = matte()
+    keyed(tree.shader.inputs["Coat Weight"], "default_value", (0.0, 1.0))
+    leaves(scene, tree)
+
+
+def stained(scene):
+    """Transparent in a colour."""
+    tree = matte()
+    glass = tree.node("BsdfTransparent")
+    glass.inputs["Color"].default_value = GREEN
+    tree.mixed(0.4, tree.shader, glass)
     leaves(scene, tree)
 
 

@@ -42,7 +42,7 @@ class Case(unittest.TestCase):
         for name, (build, *wanted) in of.items():
             if os.environ.get("SUNFLECK_BESIDE", "") not in name or bpy.app.version < kinds.LATER.get(name, ()):
                 continue
-            scene = kinds.stage(kinds.BACK) if name.startswith("thin wall") else kinds.stage()
+            scene = kinds.stage(kinds.BACK) if name.startswith(("thin wall", "face")) else kinds.stage()
             build(scene)
             yield name, scene, *wanted
 

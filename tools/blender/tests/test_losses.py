@@ -22,6 +22,8 @@ PARTS = {
     "input-...",
     "more-than-all",
     "attribute-above-one",
+    "mixed-shine",
+    "through-by-a-mask",
     "transmission",
     "sheen",
     "thin-wall",

@@ -123,17 +123,16 @@ class Baker:
         if (pictures["reflected"] + pictures["through"] - cover).max() > 2e-3:
             self.losses.append("more-than-all")
         strength = float(emission.max()) or 0.0
+        base, through = self.shared(*(numpy.minimum(pictures[name] / there, 1.0) for name in ("reflected", "through")))
         surface = Surface({
-            "base": self.source("base", numpy.minimum(pictures["reflected"] / there, 1.0)),
+            "base": self.source("base", base),
             "roughness": self.source("roughness", pictures["roughness"] / there),
             "metallic": self.source("metallic", pictures["metallic"] / there),
             "emission": self.source("emission", emission / strength if strength else emission),
             "emission_strength": Source((strength,) * 3),
         })
         if pictures["through"].max() > 1e-4:
-            surface.sources["through"] = self.source(
-                "through", numpy.minimum(pictures["through"] / there, 1.0)
-            )
+            surface.sources["through"] = self.source("through", through)
         surface.alpha = self.source("alpha", cover)
         if not surface.alpha.is_constant() and float(((cover > 0.02) & (cover < 0.98)).mean()) < SOFT_SHARE:
             surface.cutoff = 0.5
@@ -144,18 +143,32 @@ class Baker:
         surface.losses = list(self.losses)
         return surface
 
+    def shared(self, base, through):
+        """Both, cut off where the largest of each add up to more than 1: a file has one share of them for all texels."""
+        both = base.max() + through.max()
+        if both <= 1.0:
+            return base, through
+        cut = numpy.minimum(base, base.max() / both), numpy.minimum(through, through.max() / both)
+        if sum(one.mean() for one in cut) < 0.99 * (base.mean() + through.mean()):
+            self.losses.append("through-by-a-mask")
+        return cut
+
     def add_shine(self, surface, shaders):
-        if len(shaders) != 1:
+        if not shaders:
             metallic = surface.sources["metallic"]
             is_metal = not metallic.is_constant() or metallic.number() > 0.0
-            surface.sources["specular"] = Source((0.5 if shaders or is_metal else 0.0,) * 3)
+            surface.sources["specular"] = Source((0.5 if is_metal else 0.0,) * 3)
+            if is_metal and metallic != WHITE:
+                self.losses.append("mixed-shine")
             return
         for name, socket in principled.SOCKETS.items():
             if name in surface.sources:
                 continue
             try:
-                source = sockets.of(shaders[0].inputs[socket])
+                source, *others = [sockets.of(shader.inputs[socket]) for shader in shaders]
                 surface.sources[name] = source if source.is_constant() else DEFAULTS[name]
+                if any(other != source for other in others):
+                    self.losses.append("mixed-shine")
             except NotSimple:
                 source = None
             if source is None or not source.is_constant():

@@ -84,6 +84,20 @@ def is_matte(surface):
     return not has_shine and not glows(surface) and surface.alpha == WHITE
 
 
+def is_mirror(surface):
+    """Metal alone, of one colour."""
+    metallic, base = surface.sources.get("metallic", BLACK), surface.sources["base"]
+    return metallic == WHITE and base.is_constant() and not glows(surface) and surface.alpha == WHITE and not surface.losses
+
+
+def shining(node, share, matte, mirror):
+    """A share of a surface mirrors in a colour of its own."""
+    if "metal" in matte.sources or "thin" in mirror.sources or max(mirror.sources["base"].factor) > 1.0:
+        raise NotSimple(node)
+    added = {"metallic": Source((share,) * 3), "roughness": mirror.sources["roughness"], "metal": mirror.sources["base"]}
+    return replace(matte, sources={**matte.sources, **added})
+
+
 def mixed(node):
     share = sockets.of(node.inputs[0])
     a, b = of_input(node, 1), of_input(node, 2)
@@ -93,9 +107,15 @@ def mixed(node):
             return b if value else a
     if is_nothing(a) or is_nothing(b):
         return covered(node, share, a, b)
-    if not share.is_constant() or a.normal != b.normal or not (is_matte(a) and is_matte(b)):
+    if not share.is_constant() or a.normal != b.normal:
         raise NotSimple(node)
-    return matte(node, value, a, b)
+    if is_matte(a) and is_matte(b):
+        return matte(node, value, a, b)
+    if is_matte(a) and is_mirror(b):
+        return shining(node, value, a, b)
+    if is_mirror(a) and is_matte(b):
+        return shining(node, 1.0 - value, b, a)
+    raise NotSimple(node)
 
 
 def covered(node, share, a, b):

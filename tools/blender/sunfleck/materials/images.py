@@ -6,6 +6,7 @@ as they are; what is written anew has 16 bits a channel unless its source has 8.
 
 import struct
 import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -27,14 +28,15 @@ class Images:
     def __init__(self, document: Document):
         self.document, self.known, self.pixels_of = document, {}, {}
 
-    def whole(self, image, is_color):
+    def whole(self, picture, is_color):
         """An image with all its channels, colours or numbers; None if it cannot be read."""
-        key = (image, is_color)
+        image, is_as_it_is = picture.image, self.is_as_it_is(picture)
+        key = (image, is_color, is_as_it_is or picture.by_alpha)
         if key not in self.known:
             is_baked = hasattr(image, "values_of_texels")
-            data = None if is_baked else self.own_bytes(image, is_color)
+            data = None if is_baked or not is_as_it_is else self.own_bytes(image, is_color)
             if data is None:
-                pixels = self.pixels(image)
+                pixels = self.pixels(picture)
                 data = (
                     None
                     if pixels is None
@@ -73,24 +75,39 @@ class Images:
         data = packed(image)
         return data if data and (any(map(data.startswith, KINDS)) or data[8:12] == b"WEBP") else None
 
-    def pixels(self, image):
+    def is_as_it_is(self, picture):
+        """Whether alpha does nothing to its colours."""
+        if not picture.by_alpha:
+            return True
+        pixels = self.pixels(replace(picture, by_alpha=""))
+        return pixels is None or bool(numpy.all(pixels[..., 3] >= 1.0))
+
+    def pixels(self, picture):
         """Scene-linear or plain values, rows from the bottom; None if there are none."""
+        image = picture.image
         if hasattr(image, "values_of_texels"):
             return image.values_of_texels
-        if image not in self.pixels_of:
+        key = (image, picture.by_alpha)
+        if key not in self.pixels_of:
             width, height = image.size
             found = None
             if width and height and image.channels:
                 found = numpy.empty(width * height * 4, "f4")
                 image.pixels.foreach_get(found)
                 found = found.reshape(height, width, 4)
+                if image.alpha_mode == "NONE":
+                    found[..., 3] = 1.0
+                if picture.by_alpha == "times":
+                    found[..., :3] *= found[..., 3:]
+                elif picture.by_alpha == "over":
+                    found[..., :3] /= numpy.where(found[..., 3:] > 0.0, found[..., 3:], 1.0)
                 # Byte images are given as they are stored.
                 if not image.is_float and image.colorspace_settings.name in IN_SRGB:
                     found = numpy.concatenate([linear(found[..., :3]), found[..., 3:]], axis=-1)
                 elif image.is_float and image.colorspace_settings.name not in PLAIN:
                     found = numpy.concatenate([rec709(found[..., :3]), found[..., 3:]], axis=-1)
-            self.pixels_of[image] = found
-        return self.pixels_of[image]
+            self.pixels_of[key] = found
+        return self.pixels_of[key]
 
     def encoded(self, pixels, is_color, deep):
         values = numpy.concatenate([srgb(pixels[..., :3]), pixels[..., 3:]], axis=-1) if is_color else pixels

@@ -25,7 +25,7 @@ KNOWN = {
     "BSDF_PRINCIPLED": OF_PRINCIPLED,
     "BSDF_DIFFUSE": {**PLAIN, "Roughness": "diffuse-roughness"},
     "BSDF_TRANSLUCENT": PLAIN,
-    "BSDF_TRANSPARENT": PLAIN,
+    "BSDF_TRANSPARENT": {**PLAIN, "Color": "transparent-tint"},
     "EMISSION": {**PLAIN, "Strength": None},
     "BSDF_GLOSSY": {**PLAIN, "Roughness": None, "Rotation": None, "Tangent": None, "Anisotropy": "anisotropy"},
 }

@@ -16,6 +16,7 @@ from ..losses import Finding
 from ..evaluated.geometry import ATLAS
 from ..evaluated.heeding import nobody
 from . import bake, closures, dependence, inputs, instances, principled, sheets, sockets
+from .colours import rec709
 from .images import Images
 from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
@@ -60,6 +61,8 @@ class Library:
         # Raises if nobody wants what is made any more.
         self.heed = nobody
         self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
+        # Numbers that have no pointer, and materials of which they change.
+        self.still, self.moved = {}, set()
         # Of materials that differ from instance to instance: copies by facts, and how many levels
         # facts are rounded to.
         self.of_instances, self.copies, self.levels = {}, {}, {}
@@ -210,7 +213,11 @@ class Library:
         written = {**custom(material), **extras.of_material(material)} if material is not None else {}
         ours = {"principled": True} if shines(surface) else {}
         if "thin" in surface.sources:
-            ours["thin_dielectric"] = {"share": sheets.unit(writer.number("thin")), "ior": max(1.0, writer.number("ior"))}
+            share, ior = sheets.unit(writer.number("thin")), max(1.0, writer.number("ior"))
+            one_face = {"one_face": True} if surface.has_one_face else {}
+            ours["thin_dielectric"] = {"share": share, "ior": ior, **one_face}
+        if "metal" in surface.sources:
+            ours["plain_metal"], ours["metal"] = True, list(rec709(surface.sources["metal"].factor))
         if ours:
             written["sunfleck_material"] = {**written.get("sunfleck_material", {}), **ours}
         if written:
@@ -274,7 +281,7 @@ class Library:
                 yield Finding("material-glows", name)
             if look.losses:
                 yield Finding("material-lost", name, ", ".join(look.losses))
-            if material in self.changing and (look.baked or material not in self.tracks):
+            if material in self.moved or (material in self.changing and (look.baked or material not in self.tracks)):
                 yield Finding("material-changes", name)
         for material in self.changing:
             if any(one == material and self.is_shown(made) for (one, _), made in self.copies.items()):
@@ -293,10 +300,14 @@ class Library:
         for material in self.changing:
             try:
                 link = principled.surface_link(material.evaluated_get(graph))
-                numbers = of_surface(closures.read(link), self.exposure) if link else None
+                surface = closures.read(link) if link else None
             except NotSimple:
-                numbers = None
-            if numbers:
+                surface = None
+            if surface:
+                numbers = of_surface(surface, self.exposure)
+                others = {name: source.factor for name, source in surface.sources.items() if name not in POINTERS}
+                if self.still.setdefault(material, others) != others:
+                    self.moved.add(material)
                 self.tracks.setdefault(material, []).append((frame, numbers))
 
     def animate(self, number, said, track):

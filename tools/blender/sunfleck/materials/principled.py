@@ -30,6 +30,8 @@ class Surface:
     # Picture and strength.
     normal: tuple | None = None
     coat_normal: tuple | None = None
+    # Whether a dielectric is one face of a body, and no thin wall.
+    has_one_face: bool = False
     losses: list = field(default_factory=list)
 
     def share_through(self):
@@ -58,6 +60,8 @@ def read(shader):
         return diffuse(shader)
     if shader.type == "EMISSION":
         return emission(shader)
+    if shader.type == "BSDF_GLOSSY":
+        return glossy(shader)
     if shader.type != "BSDF_PRINCIPLED" or shader.mute:
         raise NotSimple(shader)
     surface = Surface({name: sockets.of(shader.inputs[socket]) for name, socket in SOCKETS.items()})
@@ -74,22 +78,24 @@ def read(shader):
             raise NotSimple(shader)
         share = sheets.unit(weight.number()) * sheets.through(shader)
         surface.sources["base"], surface.sources["through"] = scaled(base, 1.0 - share), scaled(base, share)
-    if sheets.is_thin_wall(shader):
-        frost(surface)
+    if surface.sources["ior"].is_constant() and surface.sources["ior"].number() < 1.0:
+        surface.losses.append("ior-below-one")
+    frost(surface, sheets.is_thin_wall(shader))
     scatter(surface)
     return surface
 
 
-def frost(surface):
-    """What goes through a thin wall that is rough, where numbers say how."""
+def frost(surface, is_thin):
+    """What goes through a thin wall, or refracts at a face, that is rough, where numbers say how."""
     transmission, ior, roughness, tint = (
         surface.sources[name] for name in ("transmission", "ior", "roughness", "specular_tint")
     )
     if not (transmission.is_constant() and ior.is_constant() and tint == WHITE):
         return
-    is_rough = not roughness.is_constant() or sheets.is_frosted(roughness.number(), ior.number())
-    if transmission.number() > 0.0 and is_rough:
+    is_rough = sheets.is_frosted if is_thin else sheets.is_rough
+    if transmission.number() > 0.0 and (not roughness.is_constant() or is_rough(roughness.number(), ior.number())):
         surface.sources["thin"], surface.sources["transmission"] = transmission, Source((0.0,) * 3)
+        surface.has_one_face = not is_thin
 
 
 def scatter(surface):
@@ -119,6 +125,17 @@ def diffuse(shader):
     )
     surface.normal = normal(shader.inputs["Normal"])
     return surface
+
+
+def glossy(shader):
+    """A mirror of microfacets, whatever the angle: metal."""
+    if shader.mute or shader.distribution != "MULTI_GGX" or sockets.link_to(shader.inputs["Normal"]):
+        raise NotSimple(shader)
+    black = Source((0.0,) * 3)
+    return Surface({
+        "base": sockets.of(shader.inputs["Color"]), "metallic": WHITE, "specular": black,
+        "roughness": sockets.of(shader.inputs["Roughness"]),
+    })
 
 
 def emission(shader):

@@ -32,5 +32,10 @@ def is_frosted(roughness: float, ior: float) -> bool:
     return roughness**2 * 3.4 * (ior - 1.0) * (ior - 0.5) ** 2 / ior**3 > 0.03**2
 
 
+def is_rough(roughness: float, ior: float) -> bool:
+    """Whether a face that refracts is rougher than the program's least roughness, and bends light at all."""
+    return roughness >= 0.03 and 1.0 + 1e-3 < ior <= 3.0
+
+
 def unit(value: float) -> float:
     return min(1.0, max(0.0, value))

@@ -32,6 +32,8 @@ class Picture:
     scale: tuple = (1.0, 1.0)
     extension: str = "REPEAT"
     interpolation: str = "Linear"
+    # What Cycles does to its colours by its alpha: "times", "over" or nothing.
+    by_alpha: str = ""
 
     def place(self):
         return (self.uv, self.offset, self.rotation, self.scale, self.extension, self.interpolation)
@@ -135,9 +137,20 @@ def read_image(node, output):
         node.image,
         extension=node.extension,
         interpolation=node.interpolation,
+        by_alpha=by_alpha(node) if output.name == "Color" else "",
         **coordinates(node.inputs["Vector"]),
     )
     return Source((1.0, 1.0, 1.0), picture, 3 if output.name == "Alpha" else "rgb")
+
+
+def by_alpha(node):
+    """Colours are multiplied by alpha where nobody asks for it, and where someone does they are not."""
+    image, is_asked = node.image, node.outputs["Alpha"].is_linked
+    if image.depth not in {32, 64, 128} or image.colorspace_settings.is_data:
+        return ""
+    if is_asked:
+        return "over" if image.alpha_mode == "PREMUL" else ""
+    return "times" if image.alpha_mode == "STRAIGHT" else ""
 
 
 def coordinates(socket):

@@ -32,6 +32,8 @@ class Writer:
         self.surface = surface
         self.losses = list(surface.losses)
         numbers = of_surface(surface, self.exposure)
+        if max(rec709(self.source("base").factor)) > 1.0 + 1e-4:
+            self.losses.append("base-above-one")
         pbr = {
             "baseColorFactor": numbers["base"],
             "metallicFactor": numbers["metallic"],
@@ -68,7 +70,7 @@ class Writer:
         self.losses.append(f"texture-of-{name.replace('_', '-')}")
         mean = 1.0
         if source.picture:
-            pixels = self.images.pixels(source.picture.image)
+            pixels = self.images.pixels(source.picture)
             mean = 1.0 if pixels is None else channel_of(pixels, source.channel).mean(axis=(0, 1))
         return Source(tuple(numpy.broadcast_to(numpy.array(source.factor) * mean, 3).tolist()))
 
@@ -101,7 +103,8 @@ class Writer:
             alpha.picture is None or (alpha.picture == base.picture and alpha.channel == 3)
         )
         if base.picture and fits:
-            return self.info(base.picture, self.images.whole(base.picture.image, is_color=True))
+            self.check_range(base.picture)
+            return self.info(base.picture, self.images.whole(base.picture, is_color=True))
         width, height = self.common_size(base, alpha)
         pixels = numpy.ones((height, width, 4), "f4")
         if base.picture:
@@ -110,6 +113,13 @@ class Writer:
             pixels[..., 3] = self.texels(alpha, width, height, is_number=True)[..., 0]
         picture = base.picture or alpha.picture
         return self.info(picture, self.images.composed("base", pixels if alpha.picture else pixels[..., :3]))
+
+    def check_range(self, picture):
+        """Colours of floats may be above 1, where the file's end."""
+        is_float = getattr(picture.image, "is_float", False)
+        pixels = self.images.pixels(picture) if is_float else None
+        if pixels is not None and pixels[..., :3].max() > 1.0 + 1e-4:
+            self.losses.append("picture-above-one")
 
     def metallic_roughness(self):
         metallic, roughness = self.source("metallic"), self.source("roughness")
@@ -121,7 +131,7 @@ class Writer:
         )
         same = metallic.picture is None or roughness.picture is None or metallic.picture == roughness.picture
         if usual and same and metallic.picture and roughness.picture and files.is_plain(picture.image):
-            return self.info(picture, self.images.whole(picture.image, is_color=False))
+            return self.info(picture, self.images.whole(picture, is_color=False))
         width, height = self.common_size(metallic, roughness)
         pixels = numpy.ones((height, width, 3), "f4")
         for channel, source in ((1, roughness), (2, metallic)):
@@ -140,10 +150,12 @@ class Writer:
 
     def texels(self, source, width, height, is_number=False):
         """A source's picture at a size: each texel the nearest one."""
-        pixels = self.images.pixels(source.picture.image)
+        pixels = self.images.pixels(source.picture)
         if pixels is None:
             return numpy.ones((height, width, 3), "f4")
         found = channel_of(pixels, source.channel)
+        if found.size and found.max() > 1.0 + 1e-4:
+            self.losses.append("picture-above-one")
         if is_number and found.shape[-1] == 3:
             found = (found @ numpy.array([0.2126, 0.7152, 0.0722], "f4"))[..., None]
         rows = ((numpy.arange(height) + 0.5) * found.shape[0] / height).astype(int)
@@ -154,7 +166,7 @@ class Writer:
         if found is None:
             return None
         picture, strength = found
-        return self.info(picture, self.images.whole(picture.image, is_color=False), scale=strength)
+        return self.info(picture, self.images.whole(picture, is_color=False), scale=strength)
 
     # The rest.
 
@@ -169,8 +181,9 @@ class Writer:
             picture = source.picture
             if source.channel != "rgb":
                 raise NotSimple(None)
+            self.check_range(picture)
             self.put(
-                said, "emissiveTexture", self.info(picture, self.images.whole(picture.image, is_color=True))
+                said, "emissiveTexture", self.info(picture, self.images.whole(picture, is_color=True))
             )
         said["emissiveFactor"] = emission
 
@@ -251,6 +264,8 @@ class Writer:
         if through is None:
             return
         share = self.surface.share_through()
+        if max(through.factor) + max(self.source("base").factor) > 1.0 + 1e-3:
+            self.losses.append("through-by-a-mask")
         said = {
             "diffuseTransmissionFactor": share,
             "diffuseTransmissionColorFactor": [unit(c / share) for c in rec709(through.factor)],
@@ -258,7 +273,7 @@ class Writer:
         if through.attribute is not None or through.channel != "rgb":
             raise NotSimple(None)
         if through.picture:
-            image = self.images.whole(through.picture.image, is_color=True)
+            image = self.images.whole(through.picture, is_color=True)
             self.put(said, "diffuseTransmissionColorTexture", self.info(through.picture, image))
         yield "KHR_materials_diffuse_transmission", said
 
