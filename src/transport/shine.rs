@@ -27,8 +27,8 @@ pub(super) fn seen(path: &mut Path, indirect: &Indirect, point: &SurfacePoint) -
 fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rgb {
     let Some(lobes) = Lobes::of(shining) else { return Rgb::ZERO };
     let direction = lobes.pick(shining, DVec2::from(path.sampler.next_2d()));
-    let scattered = scattered_per_radiance(shining, direction);
-    if scattered == Rgb::ZERO {
+    let (scattered, density) = (scattered_per_radiance(shining, direction), lobes.picked(shining, direction));
+    if scattered == Rgb::ZERO || density <= 0.0 {
         return Rgb::ZERO;
     }
     // What is seen has been scattered once less than what it shows. The ray is one of chance, so exact shafts
@@ -46,5 +46,5 @@ fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rg
     let ray = Ray { origin: shining.position, direction };
     let start = Start::Shine(shining.primitive);
     let (leg, _) = seen_from_there.follow(&ray, start, transport.mirror_depth);
-    scattered * leg.shown.radiance / lobes.picked(shining, direction)
+    scattered * leg.shown.radiance / density
 }

@@ -40,7 +40,7 @@ pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let (to_sky, density) =
         picked(sky, u, |u| lobes.pick(point, u), |direction| lobes.picked(point, direction));
     let scattered = scattered_per_radiance(point, to_sky) * sky.along_beside_suns(to_sky);
-    if scattered == Rgb::ZERO {
+    if scattered == Rgb::ZERO || density <= 0.0 {
         return Rgb::ZERO;
     }
     let shadow_ray = Ray { origin: point.position, direction: to_sky };

@@ -119,6 +119,7 @@ def glossy_leaf(scene):
     gloss.inputs["Roughness"].default_value = 0.3
     tree.mixed(0.4, diffuse, through)
     tree.mixed(0.1, tree.output.inputs["Surface"].links[0].from_node, gloss)
+    leaves(scene, tree)
 
 
 def keyed_coat(scene):
