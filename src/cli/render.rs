@@ -154,8 +154,8 @@ impl Run<'_> {
         let look: Option<&render::Look> = if live.is_on() { Some(&look) } else { None };
         let rendered = self.pool.install(|| {
             let exposure = plan.picture.exposure(frame);
-            self.stats.snapshot_took(frame, started.elapsed().as_secs_f64());
             let rendered = plan.picture.render(&exposure, &Watch { progress, cancelled: &cancelled, look });
+            self.stats.snapshot_took(frame, exposure.took().as_secs_f64());
             live.show(&name, &rendered.frame);
             rendered
         });

@@ -83,10 +83,10 @@ impl FogBank {
         Some(Self { density: Density::Voxels(VoxelFog::new(relative_from_voxel, grid)), ..bank })
     }
 
-    /// Fog with optical depths ready for suns in these directions.
-    pub fn lit_by(self, to_lights: &[DVec3]) -> Self {
+    /// Fog with optical depths ready for lights at these places.
+    pub fn lit_by(self, lights: &[LightPlace]) -> Self {
         match self.density {
-            Density::Voxels(voxels) => Self { density: Density::Voxels(voxels.lit_by(to_lights)), ..self },
+            Density::Voxels(voxels) => Self { density: Density::Voxels(voxels.lit_by(lights)), ..self },
             _ => self,
         }
     }
@@ -255,6 +255,15 @@ impl FogBank {
             LightPlace::Towards(to_light) => self.length(point, to_light, f64::INFINITY),
             LightPlace::At(position) => self.length_between(point, position),
         }
+    }
+
+    /// Metres as [`FogBank::metres_to`] has them, of a lamp by a lattice of voxels where there is one.
+    pub(super) fn known_metres_to(&self, point: DVec3, light: LightPlace) -> f64 {
+        let known = match (self.voxels(), light) {
+            (Some(voxels), LightPlace::At(position)) => voxels.metres_to_lamp(point, position),
+            _ => None,
+        };
+        known.unwrap_or_else(|| self.metres_to(point, light))
     }
 
     /// Metres as [`FogBank::length`] has them, where voxels count by their means over up to `DEEPEST` of

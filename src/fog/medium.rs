@@ -115,9 +115,15 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t * fog.metres_to(point, light)).sum()
     }
 
-    /// Medium with optical depths ready for suns in these directions.
-    pub fn lit_by(self, to_lights: &[DVec3]) -> Self {
-        Self { banks: self.banks.into_iter().map(|bank| bank.lit_by(to_lights)).collect(), ..self }
+    /// Optical depth as [`Medium::optical_depth_to`] has it, of a lamp by lattices of voxels where there are
+    /// some.
+    pub(super) fn known_depth_to(&self, point: DVec3, light: LightPlace) -> Rgb {
+        self.banks.iter().map(|fog| fog.sigma_t * fog.known_metres_to(point, light)).sum()
+    }
+
+    /// Medium with optical depths ready for lights at these places.
+    pub fn lit_by(self, lights: &[LightPlace]) -> Self {
+        Self { banks: self.banks.into_iter().map(|bank| bank.lit_by(lights)).collect(), ..self }
     }
 
     /// First and last fog to be seen on the ray within `[0, t_max]`; `None` if there is none. Finite, also

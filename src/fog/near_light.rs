@@ -104,7 +104,9 @@ impl<'a> NearLight<'a> {
         }
         let is_deep = self.densest_per_m * (hull.end - hull.start) > DEEPEST;
         let mut sum = Rgb::ZERO;
-        if parts < MANY_PARTS && !is_deep && self.stretch.medium.is_even() {
+        // A cell is short, and depths to the lamp are no smoother than their lattice.
+        let is_smooth = self.stretch.medium.is_even() || self.stretch.is_in_a_cell();
+        if parts < MANY_PARTS && !is_deep && is_smooth {
             lit.for_each_part(range, |start, end, share| sum += share * self.part(start, end));
         } else {
             let mut fitted = Antiderivative::default();
@@ -160,7 +162,7 @@ impl<'a> NearLight<'a> {
         }
         // Near a pole the way through the fog grows by more than the way.
         let Stretch { medium, ray, light, .. } = *self.stretch;
-        let to_light = |t: f64| medium.optical_depth_to(ray.at(t), light);
+        let to_light = |t: f64| medium.known_depth_to(ray.at(t), light);
         along + (to_light(to) - to_light(from)).abs().max_element()
     }
 

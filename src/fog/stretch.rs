@@ -75,6 +75,11 @@ impl<'a> Stretch<'a> {
         self.inside >> bank & 1 == 1
     }
 
+    /// Whether it lies in a cell of voxels.
+    pub(super) fn is_in_a_cell(&self) -> bool {
+        self.members(self.inside).any(|(number, _)| self.along.cells(number).is_some())
+    }
+
     /// Whether it lies in one of some banks.
     pub(super) fn is_inside_of(&self, banks: u64) -> bool {
         self.inside & banks != 0
@@ -82,7 +87,7 @@ impl<'a> Stretch<'a> {
 
     /// Optical depth from the ray's origin over a `t` to the light.
     pub(super) fn tau(&self, t: f64) -> Rgb {
-        self.tau_to_eye(t) + self.medium.optical_depth_to(self.ray.at(t), self.light)
+        self.tau_to_eye(t) + self.medium.known_depth_to(self.ray.at(t), self.light)
     }
 
     fn tau_to_eye(&self, t: f64) -> Rgb {

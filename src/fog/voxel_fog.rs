@@ -1,7 +1,8 @@
 //! Fog as dense as the voxels of a grid. In go rays of relative space, out come metres and densities.
-//! Invariant: metres along a ray are exact; towards suns they are interpolated where fog gathers light.
+//! Invariant: metres along a ray are exact; towards lights they are interpolated where fog gathers light.
 
-use crate::math::{Cubic, Ray, SunlitVoxels, VoxelDepths};
+use crate::light::LightPlace;
+use crate::math::{Cubic, Ray, SunlitVoxels, VoxelDepths, VoxelMeans};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -14,6 +15,7 @@ pub(super) struct VoxelFog {
     widest_voxel_m: f64,
     /// Suns: where they are, and depths in metres by those in voxels.
     suns: Vec<Sun>,
+    lamps: Vec<Lamp>,
 }
 
 #[derive(Clone, Debug)]
@@ -22,6 +24,22 @@ struct Sun {
     metres_per_voxel: f64,
     depths: Arc<VoxelDepths>,
 }
+
+#[derive(Clone, Debug)]
+struct Lamp {
+    /// In the voxels' own space.
+    place: DVec3,
+    means: Arc<VoxelMeans>,
+}
+
+/// Lamps that have a lattice: others' rays are walked.
+const MOST_LAMPS: usize = 8;
+
+/// Voxels by which a point of a lamp may lie off the middle that means are for.
+const BESIDE: f64 = 0.5;
+
+/// Steps of a voxel in which lamps stand for their lattices: so they are the same seen from anywhere.
+const STEPS: f64 = 4096.0;
 
 /// Cosine of how far a point of a sun's disc may lie from the middle that depths are for: a degree.
 const NEAR: f64 = 0.999_85;
@@ -32,17 +50,28 @@ impl VoxelFog {
         let widest_voxel_m =
             [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max);
         let voxel_from_relative = relative_from_voxel.inverse();
-        Self { grid, voxel_from_relative, widest_voxel_m, suns: Vec::new() }
+        Self { grid, voxel_from_relative, widest_voxel_m, suns: Vec::new(), lamps: Vec::new() }
     }
 
-    pub(super) fn lit_by(self, to_lights: &[DVec3]) -> Self {
-        let sun = |&to_light: &DVec3| {
+    pub(super) fn lit_by(self, lights: &[LightPlace]) -> Self {
+        let sun = |to_light: DVec3| {
             let direction = self.voxel_from_relative.transform_vector3(to_light);
             let depths = self.grid.depths_towards(direction);
             Sun { to_light, metres_per_voxel: direction.length().recip(), depths }
         };
-        let suns = to_lights.iter().map(sun).collect();
-        Self { suns, ..self }
+        let lamp = |position: DVec3| {
+            let place = (STEPS * self.voxel_from_relative.transform_point3(position)).round() / STEPS;
+            Lamp { place, means: self.grid.means_to(place) }
+        };
+        let (mut suns, mut lamps) = (Vec::new(), Vec::new());
+        for light in lights {
+            match *light {
+                LightPlace::Towards(to_light) => suns.push(sun(to_light)),
+                LightPlace::At(position) if lamps.len() < MOST_LAMPS => lamps.push(lamp(position)),
+                LightPlace::At(_) => {}
+            }
+        }
+        Self { suns, lamps, ..self }
     }
 
     fn line(&self, ray: &Ray) -> Ray {
@@ -87,6 +116,16 @@ impl VoxelFog {
         let sun = self.suns.iter().find(|sun| sun.to_light.dot(to_light) > NEAR)?;
         let line = sun.depths.line(&self.line(ray));
         Some(MetresToSun { depths: Arc::clone(&sun.depths), line, metres_per_voxel: sun.metres_per_voxel })
+    }
+
+    /// Metres between a place and a lamp; `None` if no lattice has them.
+    pub(super) fn metres_to_lamp(&self, point: DVec3, position: DVec3) -> Option<f64> {
+        if self.lamps.is_empty() {
+            return None;
+        }
+        let [from, to] = [point, position].map(|place| self.voxel_from_relative.transform_point3(place));
+        let lamp = self.lamps.iter().find(|lamp| lamp.place.distance(to) < BESIDE)?;
+        Some(lamp.means.of(from)? * point.distance(position))
     }
 
     /// Length of a voxel along a ray, metres.

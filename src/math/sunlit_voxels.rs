@@ -1,31 +1,32 @@
-//! Voxels that suns and a sky shine through. In go voxels, out come depths towards lights and rough
+//! Voxels that suns, lamps and a sky shine through. In go voxels, out come depths towards lights and rough
 //! integrals. Invariant: what lights know of the voxels is found once.
 
 use super::coarse_voxels::CoarseVoxels;
-use super::{Ray, VoxelDepths, Voxels};
+use super::{Ray, VoxelDepths, VoxelMeans, Voxels};
 use glam::DVec3;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Spacing of the nodes of a sun's lattice, in voxels.
 const SPACING: f64 = 0.5;
 
-/// Suns whose depths are kept.
-const MOST_SUNS: usize = 8;
+/// Lights of a kind whose depths are kept.
+pub(super) const MOST_LIGHTS: usize = 8;
 
-/// Voxels that suns shine through.
+/// Voxels that light shines through.
 #[derive(Debug)]
 pub struct SunlitVoxels {
     /// Them.
     pub voxels: Voxels,
-    /// The last suns: directions of the voxels' own space.
-    suns: Mutex<Vec<(DVec3, Arc<VoxelDepths>)>>,
+    /// By directions and by places of the voxels' own space.
+    suns: Kept<VoxelDepths>,
+    lamps: Kept<VoxelMeans>,
     /// Twice, four and eight times as wide, once they have been asked for.
     coarse: [OnceLock<Option<CoarseVoxels>>; 3],
 }
 
 impl From<Voxels> for SunlitVoxels {
     fn from(voxels: Voxels) -> Self {
-        Self { voxels, suns: Mutex::default(), coarse: Default::default() }
+        Self { voxels, suns: Kept::default(), lamps: Kept::default(), coarse: Default::default() }
     }
 }
 
@@ -50,16 +51,37 @@ impl SunlitVoxels {
 
     /// Depths towards a direction of its own space, found once.
     pub fn depths_towards(&self, to_light: DVec3) -> Arc<VoxelDepths> {
-        let suns = || self.suns.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, depths)) = suns().iter().find(|(direction, _)| *direction == to_light) {
-            return Arc::clone(depths);
+        self.suns.of(to_light, || VoxelDepths::new(&self.voxels, to_light, SPACING))
+    }
+
+    /// Mean densities on the ways to a place of its own space, found once.
+    pub fn means_to(&self, lamp: DVec3) -> Arc<VoxelMeans> {
+        self.lamps.of(lamp, || VoxelMeans::new(&self.voxels, lamp))
+    }
+}
+
+/// The last of what was found for some lights.
+#[derive(Debug)]
+struct Kept<T>(Mutex<Vec<(DVec3, Arc<T>)>>);
+
+impl<T> Default for Kept<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T> Kept<T> {
+    fn of(&self, light: DVec3, found: impl FnOnce() -> T) -> Arc<T> {
+        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = all().iter().find(|(other, _)| *other == light) {
+            return Arc::clone(found);
         }
-        let depths = Arc::new(VoxelDepths::new(&self.voxels, to_light, SPACING));
-        let mut suns = suns();
-        if suns.len() == MOST_SUNS {
-            suns.remove(0);
+        let found = Arc::new(found());
+        let mut all = all();
+        if all.len() == MOST_LIGHTS {
+            all.remove(0);
         }
-        suns.push((to_light, Arc::clone(&depths)));
-        depths
+        all.push((light, Arc::clone(&found)));
+        found
     }
 }

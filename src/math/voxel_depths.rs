@@ -1,6 +1,7 @@
 //! Depths of voxels towards a sun. In go voxels and a direction, out come depths of any place by a lattice
 //! of lines along it. Invariant: at the lattice's nodes they are exact; between them they are linear.
 
+use super::lattice::Lattice;
 use super::{Ray, Voxels};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,10 +16,7 @@ pub struct VoxelDepths {
     axes: [DVec3; 3],
     low: DVec3,
     spacing: f64,
-    /// Nodes along each of them.
-    size: [usize; 3],
-    /// Node by node, towards the sun fastest.
-    depths: Vec<f32>,
+    depths: Lattice,
 }
 
 /// Addresses alone: depths never change.
@@ -56,7 +54,7 @@ impl VoxelDepths {
                 *value = ((all - before) / voxels.most()) as f32;
             }
         });
-        Self { axes, low: from, spacing, size, depths }
+        Self { axes, low: from, spacing, depths: Lattice { size, values: depths } }
     }
 
     /// A line of the voxels' own space in the lattice's.
@@ -67,27 +65,10 @@ impl VoxelDepths {
 
     /// Depth at a place of the lattice's space.
     pub fn of(&self, at: DVec3) -> f64 {
-        let last = DVec3::from_array(self.size.map(|count| (count - 1) as f64));
-        if at.cmplt(DVec3::ZERO).any() || at.cmpgt(last).any() {
-            // Before the lattice, seen from the sun, there is nothing; behind it all.
-            return if at.z < 0.0 { self.of(at.with_z(0.0)) } else { 0.0 };
+        if self.depths.holds(at) {
+            return self.depths.at(at);
         }
-        let node = at.to_array().map(|along| along as usize);
-        let share = at - DVec3::from_array(node.map(|index| index as f64));
-        let [_, rows, row] = self.size;
-        let start = (node[0] * rows + node[1]) * row + node[2];
-        // Beyond the last node lies none, and nothing counts there.
-        let to_next = |axis: usize, step: usize| if node[axis] + 1 < self.size[axis] { step } else { 0 };
-        let (right, across, up) = (to_next(0, rows * row), to_next(1, row), to_next(2, 1));
-        let depth = |start: usize| {
-            let (here, next) = (f64::from(self.depths[start]), f64::from(self.depths[start + up]));
-            here + share.z * (next - here)
-        };
-        let between = |start: usize| {
-            let near = depth(start);
-            near + share.y * (depth(start + across) - near)
-        };
-        let near = between(start);
-        near + share.x * (between(start + right) - near)
+        // Before the lattice, seen from the sun, there is nothing; behind it all.
+        if at.z < 0.0 { self.of(at.with_z(0.0)) } else { 0.0 }
     }
 }

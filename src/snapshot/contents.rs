@@ -8,7 +8,6 @@ use super::ray_visibility::{casting, rays_of};
 use super::{FrozenSky, Luminaire, MeshTrees, Snapshot, View};
 use crate::accel::InstanceTree;
 use crate::fog::Medium;
-use crate::light::FrozenLight;
 use crate::scene::{Material, Pose, Scene};
 use glam::{DAffine3, DVec3};
 use sha2::{Digest, Sha256};
@@ -43,7 +42,7 @@ impl<'scene> Contents<'scene> {
             origin,
             classes: moment.instances(trees),
             materials: moment.materials(),
-            medium: medium.lit_by(&towards_suns(&lights)),
+            medium: medium.lit_by(&lights.iter().map(|light| light.centre().place()).collect::<Vec<_>>()),
             lights,
             sky: scene.sky.as_ref().and_then(|sky| FrozenSky::new(sky, time_s)),
         }
@@ -128,14 +127,6 @@ impl<'scene> Contents<'scene> {
         }
         hash.finalize().into()
     }
-}
-
-fn towards_suns(lights: &[Luminaire]) -> Vec<DVec3> {
-    let towards = |light: &Luminaire| match light.centre() {
-        FrozenLight::Sun { to_light, .. } => Some(to_light),
-        FrozenLight::Point { .. } => None,
-    };
-    lights.iter().filter_map(towards).collect()
 }
 
 fn push(numbers: &mut Vec<f64>, place: &DAffine3) {

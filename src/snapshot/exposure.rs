@@ -11,6 +11,7 @@ use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Scene, Size, matte_id};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant as Clock};
 
 /// Moments of a shutter that sees something move. A leaf that crosses 30 pixels meanwhile is drawn at
 /// steps of about a pixel; odd, so that one of them is the middle.
@@ -34,11 +35,17 @@ pub struct Exposure<'scene> {
     shining: Vec<bool>,
     motion: Option<Arc<MotionField>>,
     mattes: Option<Arc<[u32]>>,
-    moments: OnceLock<Vec<Snapshot<'scene>>>,
+    frozen: OnceLock<Frozen<'scene>>,
+}
+
+/// Moments, and how long it took to freeze them.
+struct Frozen<'scene> {
+    moments: Vec<Snapshot<'scene>>,
+    took: Duration,
 }
 
 impl<'scene> Exposure<'scene> {
-    /// Freezes the moments of `shutter`; for the rest see [`Snapshot::new`].
+    /// Exposure by the moments of `shutter`; for the rest see [`Snapshot::new`].
     pub fn new(
         scene: &'scene Scene,
         trees: &'scene MeshTrees,
@@ -89,11 +96,12 @@ impl<'scene> Exposure<'scene> {
             shining,
             motion: None,
             mattes: None,
-            moments: OnceLock::new(),
+            frozen: OnceLock::new(),
         }
     }
 
-    fn frozen(&self) -> Vec<Snapshot<'scene>> {
+    fn freeze(&self) -> Frozen<'scene> {
+        let started = Clock::now();
         let freeze = |&time_s: &f64| {
             let instant = Instant { time_s, frame_s: self.middle_s };
             let snapshot = Snapshot::at(self.scene, self.trees, self.framing, instant, &self.shining);
@@ -104,7 +112,8 @@ impl<'scene> Exposure<'scene> {
         let of_middle = freeze(&self.times_s[middle]);
         let [before, after] = [&self.times_s[..middle], &self.times_s[middle + 1..]]
             .map(|times_s| times_s.par_iter().map(freeze));
-        before.chain(rayon::iter::once(of_middle)).chain(after).collect()
+        let moments = before.chain(rayon::iter::once(of_middle)).chain(after).collect();
+        Frozen { moments, took: started.elapsed() }
     }
 
     /// The moment in the middle, wherever the camera stands.
@@ -129,7 +138,7 @@ impl<'scene> Exposure<'scene> {
 
     /// Exposure with motion vectors.
     pub fn with_motion(mut self, motion: MotionField) -> Self {
-        (self.motion, self.moments) = (Some(Arc::new(motion)), OnceLock::new());
+        (self.motion, self.frozen) = (Some(Arc::new(motion)), OnceLock::new());
         self
     }
 
@@ -137,7 +146,7 @@ impl<'scene> Exposure<'scene> {
     pub fn with_mattes(mut self, scene: &Scene) -> Self {
         let id = |instance: usize| matte_id(scene.matte_name(instance));
         let ids = (0..scene.instances.len()).map(id).collect();
-        (self.mattes, self.moments) = (Some(ids), OnceLock::new());
+        (self.mattes, self.frozen) = (Some(ids), OnceLock::new());
         self
     }
 
@@ -158,7 +167,12 @@ impl<'scene> Exposure<'scene> {
 
     /// The moments, in order of time.
     pub fn moments(&self) -> &[Snapshot<'scene>] {
-        self.moments.get_or_init(|| self.frozen())
+        &self.frozen.get_or_init(|| self.freeze()).moments
+    }
+
+    /// Time that it took to freeze the moments; none before anybody asks for them.
+    pub fn took(&self) -> Duration {
+        self.frozen.get().map_or(Duration::ZERO, |frozen| frozen.took)
     }
 
     /// The moment in the middle.

@@ -57,9 +57,13 @@ fn turned() -> DAffine3 {
 }
 
 fn lit_puff() -> Scene {
+    puff_by(LightKind::Sun, DVec3::ZERO)
+}
+
+fn puff_by(light: LightKind, position: DVec3) -> Scene {
     let mut scene = camera_at(DVec3::ZERO);
     add_voxels(&mut scene, turned(), puff(), Rgb::new(0.6, 0.8, 1.2));
-    add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.5, -0.7, -0.3), Rgb::new(3.0, 2.0, 1.0));
+    add_light(&mut scene, light, position, DVec3::new(0.5, -0.7, -0.3), Rgb::new(3.0, 2.0, 1.0));
     scene
 }
 
@@ -123,13 +127,17 @@ fn even_voxels_are_even_fog() {
 /// Rules cell by cell beside a march of so many steps that it is the truth.
 #[test]
 fn a_march_of_many_steps_finds_the_same_light() {
-    let scene = lit_puff();
     let march = Transport { volume: VolumeMethod::March(MarchSteps::Count(20_000)), ..EXACT };
-    for place in [[0.5, 0.5], [0.42, 0.55], [0.53, 0.46]] {
-        let (expected, found) = (seen(&scene, &march, place, 0), seen(&scene, &EXACT, place, 0));
-        assert!(found.radiance.min_element() > 0.005, "{place:?}: {}", found.radiance);
-        let off = (found.radiance / expected.radiance - 1.0).abs().max_element();
-        assert!(off < 2e-3, "{place:?}: {} {}", found.radiance, expected.radiance);
+    // A lamp within the puff, one beside and one behind it.
+    let lamps = [DVec3::new(0.4, 0.3, -5.2), DVec3::new(-1.0, 2.5, -4.0), DVec3::new(1.0, -1.0, -9.0)];
+    let by_lamps = lamps.map(|position| puff_by(LightKind::Point, position));
+    for scene in [lit_puff()].iter().chain(&by_lamps) {
+        for place in [[0.5, 0.5], [0.42, 0.55], [0.53, 0.46]] {
+            let (expected, found) = (seen(scene, &march, place, 0), seen(scene, &EXACT, place, 0));
+            assert!(found.radiance.min_element() > 0.003, "{place:?}: {}", found.radiance);
+            let off = (found.radiance / expected.radiance - 1.0).abs().max_element();
+            assert!(off < 2e-3, "{:?}, {place:?}: {} {}", scene.lights, found.radiance, expected.radiance);
+        }
     }
 }
 

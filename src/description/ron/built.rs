@@ -2,7 +2,7 @@
 //! it had been read. Invariant: nothing can be built that a file could not hold: a number out of its range
 //! and a name that occurs twice are refused.
 
-use super::{LoadedScene, Named, SceneFile, Shape, references};
+use super::{LoadedScene, Named, SceneFile, Shape, references, walk};
 use crate::description::obj::{ObjModel, Triangles};
 use crate::description::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
@@ -50,12 +50,6 @@ pub fn load_built(built: BuiltScene, files: &mut Files) -> Result<LoadedScene, L
     references::load(Path::new(BUILT), file, models, files)
 }
 
-/// The path of the first field that refuses to be written, as `Sun.fractal.real`, and what it says.
-fn fault(part: &impl Serialize) -> Option<(String, String)> {
-    let error = serde_path_to_error::serialize(part, serde_json::value::Serializer).err()?;
-    Some((error.path().to_string(), error.inner().to_string()))
-}
-
 /// Goes on after invalid parts, so that all of them are reported.
 #[derive(Default)]
 struct Check {
@@ -78,8 +72,8 @@ impl Check {
     }
 
     fn part(&mut self, path: &str, part: &impl Serialize) {
-        let Some((field, said)) = fault(part) else { return };
-        let path = if field == "." { path.to_owned() } else { format!("{path}.{field}") };
+        let Some((field, said)) = walk::fault(part) else { return };
+        let path = if field.is_empty() { path.to_owned() } else { format!("{path}.{field}") };
         let (found, expected) = said.split_once(", expected ").unwrap_or((&said, "what the format allows"));
         self.refuse(&path, found, expected);
     }
@@ -95,22 +89,5 @@ impl Check {
         let place = Place::Field { file: PathBuf::from(BUILT), path: path.to_owned() };
         let remedy = "change the value; docs/scene-format.md has every field's unit and range";
         self.problems.push(Diagnostic::error(place, found).expected(expected).remedy(remedy));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{Animated, Camera, Julia, Light, Sun};
-    use super::*;
-
-    #[test]
-    fn the_path_leads_to_the_first_fault() {
-        let julia = Julia { real: 0.0.into(), imaginary: 3.0.into(), iterations: 10.into() };
-        let light = Light::Sun(Sun { fractal: Some(julia), ..Sun::default() });
-        assert_eq!(fault(&light).map(|(path, _)| path).as_deref(), Some("Sun.fractal.imaginary"));
-        let keyed = Some(Animated::keys([(0.0, 40.0), (f64::NAN, 50.0)]));
-        let camera = Camera { fov_deg: keyed, ..Camera::default() };
-        assert_eq!(fault(&camera).map(|(path, _)| path).as_deref(), Some("fov_deg.keys[1].at_s"));
-        assert_eq!(fault(&Camera::default()), None);
     }
 }

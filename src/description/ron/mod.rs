@@ -29,6 +29,7 @@ mod shape;
 mod sky;
 pub(crate) mod suggest;
 mod version;
+mod walk;
 
 use super::image::DecodedImage;
 use super::obj::{self, ObjModel, ObjPictures};

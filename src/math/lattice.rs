@@ -1,0 +1,41 @@
+//! Numbers at the nodes of a lattice, trilinear between them. In go places in the lattice's own space, out
+//! come values. Invariant: at a node the value is the node's.
+
+use glam::DVec3;
+
+/// Numbers at whole places from 0 on.
+pub(super) struct Lattice {
+    /// Nodes along each axis.
+    pub(super) size: [usize; 3],
+    /// Node by node, z fastest.
+    pub(super) values: Vec<f32>,
+}
+
+impl Lattice {
+    /// Whether a place lies between its nodes.
+    pub(super) fn holds(&self, at: DVec3) -> bool {
+        let last = DVec3::from_array(self.size.map(|count| (count - 1) as f64));
+        at.cmpge(DVec3::ZERO).all() && at.cmple(last).all()
+    }
+
+    /// Value at a place that it holds.
+    pub(super) fn at(&self, at: DVec3) -> f64 {
+        let node = at.to_array().map(|along| along as usize);
+        let share = at - DVec3::from_array(node.map(|index| index as f64));
+        let [_, rows, row] = self.size;
+        let start = (node[0] * rows + node[1]) * row + node[2];
+        // Beyond the last node lies none, and nothing counts there.
+        let to_next = |axis: usize, step: usize| if node[axis] + 1 < self.size[axis] { step } else { 0 };
+        let (right, across, up) = (to_next(0, rows * row), to_next(1, row), to_next(2, 1));
+        let value = |start: usize| {
+            let (here, next) = (f64::from(self.values[start]), f64::from(self.values[start + up]));
+            here + share.z * (next - here)
+        };
+        let between = |start: usize| {
+            let near = value(start);
+            near + share.y * (value(start + across) - near)
+        };
+        let near = between(start);
+        near + share.x * (between(start + right) - near)
+    }
+}
