@@ -20,7 +20,7 @@ what is told of sunfleck is a mean.
 degrees, and for one in the middle of the picture. For suns that are not the scene's own the reference is the
 mean of two pictures of 512 samples by sunfleck. Its noise is half their difference. That such pictures are
 true, and those of Cycles the same, is shown elsewhere: `cargo bench --bench figures -- bias` and
-`tools/blender/tests/test_beside.py`. What Cycles takes for the scene's own sun is set against all. So seconds
+`tools/peers/compare_cycles.py`. What Cycles takes for the scene's own sun is set against all. So seconds
 under another sun can be told in those of another machine on which Cycles was timed.
 
 Cycles' settings are those of `sunfleck_tools/peers/cycles.py`: no bounces, which is direct light and single
