@@ -9,7 +9,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
 
-/// Nodes lie a voxel apart, or farther where there would be more.
+/// Spacing of the nodes, in voxels.
+const SPACING: f64 = 0.5;
+
+/// They lie farther apart where there would be more.
 const MOST_NODES: f64 = (1 << 20) as f64;
 
 /// Means by the densest voxel, towards one place.
@@ -30,7 +33,8 @@ impl VoxelMeans {
     /// `lamp` is a place of the voxels' own space.
     pub(super) fn new(voxels: &Voxels, lamp: DVec3) -> Self {
         let (low, high) = voxels.bounds();
-        let spacing = ((high - low).element_product() / MOST_NODES).cbrt().max(1.0);
+        let nodes = (high - low).element_product() / SPACING.powi(3);
+        let spacing = SPACING * (nodes / MOST_NODES).cbrt().max(1.0);
         let size = (high - low).to_array().map(|side| (side / spacing).ceil() as usize + 1);
         let [_, rows, row] = size;
         let mut values = vec![0.0; size.iter().product()];

@@ -57,13 +57,13 @@ fn turned() -> DAffine3 {
 }
 
 fn lit_puff() -> Scene {
-    puff_by(LightKind::Sun, DVec3::ZERO)
+    puff_by(LightKind::Sun, DVec3::ZERO, Rgb::new(3.0, 2.0, 1.0))
 }
 
-fn puff_by(light: LightKind, position: DVec3) -> Scene {
+fn puff_by(light: LightKind, position: DVec3, power: Rgb) -> Scene {
     let mut scene = camera_at(DVec3::ZERO);
     add_voxels(&mut scene, turned(), puff(), Rgb::new(0.6, 0.8, 1.2));
-    add_light(&mut scene, light, position, DVec3::new(0.5, -0.7, -0.3), Rgb::new(3.0, 2.0, 1.0));
+    add_light(&mut scene, light, position, DVec3::new(0.5, -0.7, -0.3), power);
     scene
 }
 
@@ -130,11 +130,11 @@ fn a_march_of_many_steps_finds_the_same_light() {
     let march = Transport { volume: VolumeMethod::March(MarchSteps::Count(20_000)), ..EXACT };
     // A lamp within the puff, one beside and one behind it.
     let lamps = [DVec3::new(0.4, 0.3, -5.2), DVec3::new(-1.0, 2.5, -4.0), DVec3::new(1.0, -1.0, -9.0)];
-    let by_lamps = lamps.map(|position| puff_by(LightKind::Point, position));
+    let by_lamps = lamps.map(|position| puff_by(LightKind::Point, position, Rgb::new(60.0, 40.0, 20.0)));
     for scene in [lit_puff()].iter().chain(&by_lamps) {
         for place in [[0.5, 0.5], [0.42, 0.55], [0.53, 0.46]] {
             let (expected, found) = (seen(scene, &march, place, 0), seen(scene, &EXACT, place, 0));
-            assert!(found.radiance.min_element() > 0.003, "{place:?}: {}", found.radiance);
+            assert!(found.radiance.min_element() > 0.005, "{place:?}: {}", found.radiance);
             let off = (found.radiance / expected.radiance - 1.0).abs().max_element();
             assert!(off < 2e-3, "{:?}, {place:?}: {} {}", scene.lights, found.radiance, expected.radiance);
         }
