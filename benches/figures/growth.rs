@@ -249,7 +249,10 @@ fn accuracy(plan: &Plan) -> Vec<(f64, f64)> {
 }
 
 fn exposure<'a>(scene: &'a Scene, trees: &'a MeshTrees, size: Size) -> Exposure<'a> {
-    Exposure::new(scene, trees, CAMERA, size.width as f64 / size.height as f64, SHUTTER)
+    let exposure = Exposure::new(scene, trees, CAMERA, size.width as f64 / size.height as f64, SHUTTER);
+    // Frozen before anything is timed.
+    exposure.moments();
+    exposure
 }
 
 fn stage<'a>(exposure: &'a Exposure<'a>, size: Size) -> Stage<'a> {

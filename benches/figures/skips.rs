@@ -287,7 +287,10 @@ fn tree(mesh: &scene::Mesh) -> MeshTree {
 
 fn exposure<'a>(plan: &Plan, scene: &'a Scene, trees: &'a MeshTrees) -> Exposure<'a> {
     let aspect = plan.job.size.width as f64 / plan.job.size.height as f64;
-    Exposure::new(scene, trees, CAMERA, aspect, plan.shutter)
+    let exposure = Exposure::new(scene, trees, CAMERA, aspect, plan.shutter);
+    // Frozen here, where that is timed, or before anything is.
+    exposure.moments();
+    exposure
 }
 
 fn rendered(plan: &Plan, exposure: &Exposure, passes: &[Pass]) -> Frame {

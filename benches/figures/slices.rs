@@ -45,7 +45,7 @@ pub fn run_canopy(rounds: usize) {
         let description = description::load(&path).expect("a good file");
         let scene = scene::resolve(description, None).expect("a good scene").0;
         let trees = MeshTrees::new(&scene);
-        let _ = Exposure::new(&scene, &trees, 0, aspect(), INSTANT);
+        Exposure::new(&scene, &trees, 0, aspect(), INSTANT).moments();
         fastest = fastest.min(started.elapsed().as_secs_f64());
     }
     println!("canopy20k, {} x {}, one thread; loaded and built in {fastest:.3} s", SIZE.width, SIZE.height);

@@ -7,7 +7,7 @@ use super::falloff::{Climb, Falloff};
 use super::voxel_fog::VoxelFog;
 use crate::color::Rgb;
 use crate::light::LightPlace;
-use crate::math::{Ray, SunlitVoxels};
+use crate::math::{LitVoxels, Ray};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ impl FogBank {
     /// Fog as dense as voxels are, of which 1 stands for `sigma_t`; `None` if it does nothing.
     pub fn of_voxels(
         relative_from_voxel: DAffine3,
-        grid: Arc<SunlitVoxels>,
+        grid: Arc<LitVoxels>,
         sigma_t: Rgb,
         albedo: Rgb,
         g: f64,

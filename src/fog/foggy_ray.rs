@@ -24,8 +24,7 @@ impl Medium {
             let span = fog.visible_span(ray, t_max);
             Some(span.map_or_else(VoxelCells::default, |span| VoxelCells::new(voxels, ray, span)))
         };
-        let has_voxels = self.banks().iter().any(|fog| fog.voxels().is_some());
-        let cells = if has_voxels { self.banks().iter().map(cells_of).collect() } else { Vec::new() };
+        let cells = if self.has_voxels() { self.banks().iter().map(cells_of).collect() } else { Vec::new() };
         FoggyRay { medium: self, ray, t_max, cells }
     }
 }

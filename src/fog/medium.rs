@@ -44,6 +44,11 @@ impl Medium {
         self.banks.iter().all(FogBank::is_even)
     }
 
+    /// Whether some of it is fog by voxels.
+    pub(super) fn has_voxels(&self) -> bool {
+        self.banks.iter().any(|fog| fog.voxels().is_some())
+    }
+
     /// Extinction where all fog is densest, of the colour of which it takes most, 1/m.
     pub fn most_extinction_per_m(&self) -> f64 {
         self.banks.iter().map(|fog| fog.sigma_t.max_element()).sum()

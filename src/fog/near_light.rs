@@ -45,6 +45,9 @@ const SMALLEST_SHARE: f64 = 1e-18;
 /// Tolerance of a fit, as a share of the whole that it is fitted to.
 const FIT_TOLERANCE: f64 = 1e-8;
 
+/// Where voxels lie about: depths to the lamp are no better, nor smoother, than their lattice.
+const VOXEL_TOLERANCE: f64 = 1e-4;
+
 /// Number of parts from which a fit costs no more than the parts one by one (`cargo bench --bench figures
 /// -- near`).
 const MANY_PARTS: usize = 20;
@@ -104,14 +107,16 @@ impl<'a> NearLight<'a> {
         }
         let is_deep = self.densest_per_m * (hull.end - hull.start) > DEEPEST;
         let mut sum = Rgb::ZERO;
-        // A cell is short, and depths to the lamp are no smoother than their lattice.
+        // A cell is short.
         let is_smooth = self.stretch.medium.is_even() || self.stretch.is_in_a_cell();
         if parts < MANY_PARTS && !is_deep && is_smooth {
             lit.for_each_part(range, |start, end, share| sum += share * self.part(start, end));
         } else {
             let mut fitted = Antiderivative::default();
             let integrand = |x: f64| self.integrand(x, &hull);
-            fitted.fit(integrand, self.x(hull.start), self.x(hull.end), FIT_TOLERANCE);
+            let has_voxels = self.stretch.medium.has_voxels();
+            let tolerance = if has_voxels { VOXEL_TOLERANCE } else { FIT_TOLERANCE };
+            fitted.fit(integrand, self.x(hull.start), self.x(hull.end), tolerance);
             lit.for_each_part(range, |start, end, share| {
                 sum += share * fitted.between(self.x(start), self.x(end));
             });

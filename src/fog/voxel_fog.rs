@@ -2,14 +2,14 @@
 //! Invariant: metres along a ray are exact; towards lights they are interpolated where fog gathers light.
 
 use crate::light::LightPlace;
-use crate::math::{Cubic, Ray, SunlitVoxels, VoxelDepths, VoxelMeans};
+use crate::math::{Cubic, LitVoxels, Ray, VoxelDepths, VoxelMeans};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
 /// The grid of a bank.
 #[derive(Clone, Debug)]
 pub(super) struct VoxelFog {
-    grid: Arc<SunlitVoxels>,
+    grid: Arc<LitVoxels>,
     voxel_from_relative: DAffine3,
     /// Along the axis in which they are longest.
     widest_voxel_m: f64,
@@ -33,7 +33,7 @@ struct Lamp {
 }
 
 /// Lamps that have a lattice: others' rays are walked.
-const MOST_LAMPS: usize = 8;
+const MOST_LAMPS: usize = 32;
 
 /// Voxels by which a point of a lamp may lie off the middle that means are for.
 const BESIDE: f64 = 0.5;
@@ -45,7 +45,7 @@ const STEPS: f64 = 4096.0;
 const NEAR: f64 = 0.999_85;
 
 impl VoxelFog {
-    pub(super) fn new(relative_from_voxel: DAffine3, grid: Arc<SunlitVoxels>) -> Self {
+    pub(super) fn new(relative_from_voxel: DAffine3, grid: Arc<LitVoxels>) -> Self {
         let axes = relative_from_voxel.matrix3;
         let widest_voxel_m =
             [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max);
@@ -125,7 +125,7 @@ impl VoxelFog {
         }
         let [from, to] = [point, position].map(|place| self.voxel_from_relative.transform_point3(place));
         let lamp = self.lamps.iter().find(|lamp| lamp.place.distance(to) < BESIDE)?;
-        Some(lamp.means.of(from)? * point.distance(position))
+        Some(lamp.means.of(&self.grid.voxels, from) * point.distance(position))
     }
 
     /// Length of a voxel along a ray, metres.

@@ -1,25 +1,39 @@
-//! Numbers at the nodes of a lattice, trilinear between them. In go places in the lattice's own space, out
-//! come values. Invariant: at a node the value is the node's.
+//! Lattice of numbers, trilinear between its nodes. In go places in the lattice's own space, out come values.
+//! Invariant: at a node the value is the node's.
 
 use glam::DVec3;
 
-/// Numbers at whole places from 0 on.
+/// Nodes at whole places from 0 on, counted with z fastest.
 pub(super) struct Lattice {
     /// Nodes along each axis.
     pub(super) size: [usize; 3],
-    /// Node by node, z fastest.
-    pub(super) values: Vec<f32>,
 }
 
 impl Lattice {
-    /// Whether a place lies between its nodes.
-    pub(super) fn holds(&self, at: DVec3) -> bool {
-        let last = DVec3::from_array(self.size.map(|count| (count - 1) as f64));
-        at.cmpge(DVec3::ZERO).all() && at.cmple(last).all()
+    /// Number of nodes.
+    pub(super) fn count(&self) -> usize {
+        self.size.iter().product()
     }
 
-    /// Value at a place that it holds.
-    pub(super) fn at(&self, at: DVec3) -> f64 {
+    /// Place of a node by its number.
+    pub(super) fn place(&self, number: usize) -> DVec3 {
+        let [_, rows, row] = self.size;
+        let [x, y, z] = [number / (rows * row), number / row % rows, number % row];
+        DVec3::new(x as f64, y as f64, z as f64)
+    }
+
+    /// Place of its last node.
+    pub(super) fn last(&self) -> DVec3 {
+        DVec3::from_array(self.size.map(|count| (count - 1) as f64))
+    }
+
+    /// Whether a place lies between its nodes.
+    pub(super) fn holds(&self, at: DVec3) -> bool {
+        at.cmpge(DVec3::ZERO).all() && at.cmple(self.last()).all()
+    }
+
+    /// Value at a place that it holds, by that of each node.
+    pub(super) fn at(&self, at: DVec3, of_node: impl Fn(usize) -> f64) -> f64 {
         let node = at.to_array().map(|along| along as usize);
         let share = at - DVec3::from_array(node.map(|index| index as f64));
         let [_, rows, row] = self.size;
@@ -28,7 +42,7 @@ impl Lattice {
         let to_next = |axis: usize, step: usize| if node[axis] + 1 < self.size[axis] { step } else { 0 };
         let (right, across, up) = (to_next(0, rows * row), to_next(1, row), to_next(2, 1));
         let value = |start: usize| {
-            let (here, next) = (f64::from(self.values[start]), f64::from(self.values[start + up]));
+            let (here, next) = (of_node(start), of_node(start + up));
             here + share.z * (next - here)
         };
         let between = |start: usize| {

@@ -16,7 +16,9 @@ pub struct VoxelDepths {
     axes: [DVec3; 3],
     low: DVec3,
     spacing: f64,
-    depths: Lattice,
+    /// Towards the sun fastest.
+    lattice: Lattice,
+    depths: Vec<f32>,
 }
 
 /// Addresses alone: depths never change.
@@ -54,7 +56,7 @@ impl VoxelDepths {
                 *value = ((all - before) / voxels.most()) as f32;
             }
         });
-        Self { axes, low: from, spacing, depths: Lattice { size, values: depths } }
+        Self { axes, low: from, spacing, lattice: Lattice { size }, depths }
     }
 
     /// A line of the voxels' own space in the lattice's.
@@ -65,8 +67,8 @@ impl VoxelDepths {
 
     /// Depth at a place of the lattice's space.
     pub fn of(&self, at: DVec3) -> f64 {
-        if self.depths.holds(at) {
-            return self.depths.at(at);
+        if self.lattice.holds(at) {
+            return self.lattice.at(at, |node| f64::from(self.depths[node]));
         }
         // Before the lattice, seen from the sun, there is nothing; behind it all.
         if at.z < 0.0 { self.of(at.with_z(0.0)) } else { 0.0 }

@@ -1,25 +1,32 @@
-//! Mean densities of voxels on the ways to a lamp. In go voxels and its place, out come means from any place
-//! among them, by a lattice. Invariant: at the lattice's nodes they are exact; between them they are linear.
+//! Mean densities of voxels on the ways to a lamp. In go voxels and its place, out come means from any place,
+//! by a lattice among them. Invariant: at the lattice's nodes they are exact; between them they are linear.
 //!
-//! Depths have the tip of a cone at the lamp, which no lattice shows. Means have none.
+//! Depths have the tip of a cone at the lamp, which no lattice shows. Means have none. A node's is found once
+//! somebody asks: whoever it is, it is the same.
 
 use super::lattice::Lattice;
 use super::{Ray, Voxels};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::fmt;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Spacing of the nodes, in voxels.
 const SPACING: f64 = 0.5;
 
-/// They lie farther apart where there would be more.
-const MOST_NODES: f64 = (1 << 20) as f64;
+/// They lie farther apart where there would be more: means over many voxels change little.
+const MOST_NODES: f64 = (1 << 18) as f64;
+
+/// Bits of no mean.
+const UNKNOWN: u32 = u32::MAX;
 
 /// Means by the densest voxel, towards one place.
 pub struct VoxelMeans {
+    lamp: DVec3,
     low: DVec3,
     spacing: f64,
-    means: Lattice,
+    lattice: Lattice,
+    /// Bits of each node's mean.
+    means: Vec<AtomicU32>,
 }
 
 /// Addresses alone: means never change.
@@ -36,24 +43,39 @@ impl VoxelMeans {
         let nodes = (high - low).element_product() / SPACING.powi(3);
         let spacing = SPACING * (nodes / MOST_NODES).cbrt().max(1.0);
         let size = (high - low).to_array().map(|side| (side / spacing).ceil() as usize + 1);
-        let [_, rows, row] = size;
-        let mut values = vec![0.0; size.iter().product()];
-        values.par_chunks_mut(row).enumerate().for_each(|(number, means)| {
-            for (up, mean) in means.iter_mut().enumerate() {
-                let node = [number / rows, number % rows, up].map(|index| spacing * index as f64);
-                let origin = low + DVec3::from_array(node);
-                let way = Ray { origin, direction: lamp - origin };
-                let is_there = way.direction == DVec3::ZERO;
-                let of_way = if is_there { voxels.at(lamp) } else { voxels.integral(&way, (0.0, 1.0)) };
-                *mean = (of_way / voxels.most()) as f32;
-            }
-        });
-        Self { low, spacing, means: Lattice { size, values } }
+        let lattice = Lattice { size };
+        let means = (0..lattice.count()).map(|_| AtomicU32::new(UNKNOWN)).collect();
+        Self { lamp, low, spacing, lattice, means }
     }
 
-    /// The mean from a place; `None` beyond the voxels.
-    pub fn of(&self, place: DVec3) -> Option<f64> {
-        let at = (place - self.low) / self.spacing;
-        self.means.holds(at).then(|| self.means.at(at))
+    /// The mean from a place, of the voxels that it was made for.
+    pub fn of(&self, voxels: &Voxels, place: DVec3) -> f64 {
+        let [at, lamp] = [place, self.lamp].map(|place| (place - self.low) / self.spacing);
+        let mean = |at: DVec3| self.lattice.at(at, |node| self.of_node(voxels, node));
+        if self.lattice.holds(at) {
+            return mean(at);
+        }
+        // From beyond the voxels there is nothing up to where the way enters them.
+        let (way, last) = (lamp - at, self.lattice.last());
+        let (a, b) = (-at / way, (last - at) / way);
+        let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+        if !(0.0 < enter && enter < leave.min(1.0)) {
+            return 0.0;
+        }
+        (1.0 - enter) * mean((at + enter * way).clamp(DVec3::ZERO, last))
+    }
+
+    fn of_node(&self, voxels: &Voxels, node: usize) -> f64 {
+        let known = self.means[node].load(Ordering::Relaxed);
+        if known != UNKNOWN {
+            return f64::from(f32::from_bits(known));
+        }
+        let origin = self.low + self.spacing * self.lattice.place(node);
+        let way = Ray { origin, direction: self.lamp - origin };
+        let is_there = way.direction == DVec3::ZERO;
+        let of_way = if is_there { voxels.at(self.lamp) } else { voxels.integral(&way, (0.0, 1.0)) };
+        let mean = (of_way / voxels.most()) as f32;
+        self.means[node].store(mean.to_bits(), Ordering::Relaxed);
+        f64::from(mean)
     }
 }

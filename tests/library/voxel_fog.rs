@@ -8,7 +8,7 @@ use std::sync::Arc;
 use sunfleck::color::Rgb;
 use sunfleck::description;
 use sunfleck::fog::{FogBank, Medium};
-use sunfleck::math::{Sampler, SunlitVoxels, Voxels, VoxelsBuilder};
+use sunfleck::math::{LitVoxels, Sampler, Voxels, VoxelsBuilder};
 use sunfleck::scene::{
     self, Bounces, Fog, FogShape, FogVoxels, GridFrame, GridFrames, LightKind, Scene, Size, Track,
 };
@@ -81,7 +81,7 @@ fn optical_depths_are_those_of_many_steps() {
     let voxels = puff();
     let voxel_from_relative = relative_from_voxel.inverse();
     let at = |point: DVec3| voxels.at(voxel_from_relative.transform_point3(point));
-    let grid = Arc::new(SunlitVoxels::from(puff()));
+    let grid = Arc::new(LitVoxels::from(puff()));
     let bank = FogBank::of_voxels(relative_from_voxel, grid, Rgb::splat(1.2), Rgb::ONE, 0.0);
     let medium = Medium::new(vec![bank.expect("fog")]);
     let mut deepest = 0.0_f64;
@@ -130,8 +130,15 @@ fn a_march_of_many_steps_finds_the_same_light() {
     let march = Transport { volume: VolumeMethod::March(MarchSteps::Count(20_000)), ..EXACT };
     // A lamp within the puff, one beside and one behind it.
     let lamps = [DVec3::new(0.4, 0.3, -5.2), DVec3::new(-1.0, 2.5, -4.0), DVec3::new(1.0, -1.0, -9.0)];
-    let by_lamps = lamps.map(|position| puff_by(LightKind::Point, position, Rgb::new(60.0, 40.0, 20.0)));
-    for scene in [lit_puff()].iter().chain(&by_lamps) {
+    let by_lamp = |position| puff_by(LightKind::Point, position, Rgb::new(60.0, 40.0, 20.0));
+    let by_lamps = lamps.map(by_lamp);
+    // And in other fog about it, which it shadows.
+    let [mut about, mut behind] = [lamps[1], lamps[2]].map(by_lamp);
+    let (low, high) = (DVec3::new(-3.0, -3.0, -11.0), DVec3::new(3.0, 3.0, -1.0));
+    for scene in [&mut about, &mut behind] {
+        add_fog(scene, low, high, Rgb::splat(0.05), Rgb::splat(0.9), 0.3);
+    }
+    for scene in [lit_puff(), about, behind].iter().chain(&by_lamps) {
         for place in [[0.5, 0.5], [0.42, 0.55], [0.53, 0.46]] {
             let (expected, found) = (seen(scene, &march, place, 0), seen(scene, &EXACT, place, 0));
             assert!(found.radiance.min_element() > 0.005, "{place:?}: {}", found.radiance);

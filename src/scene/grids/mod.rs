@@ -9,7 +9,7 @@ mod velocities;
 use super::{FrameRate, Track};
 use crate::color::Rgb;
 use crate::description::vdb::{GridFile, GridFiles};
-use crate::math::{SunlitVoxels, Voxels};
+use crate::math::{LitVoxels, Voxels};
 use glam::DAffine3;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -102,7 +102,7 @@ pub struct FogPart {
     /// How much of that scatters, as a share of the fog's albedo.
     pub albedo: Rgb,
     /// Its numbers.
-    pub voxels: Arc<SunlitVoxels>,
+    pub voxels: Arc<LitVoxels>,
 }
 
 /// Voxels of the last times; of a copy there are none.

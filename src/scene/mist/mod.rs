@@ -9,7 +9,7 @@ pub use ground::GroundHeights;
 use super::Track;
 use super::drift::Drift;
 pub use crate::description::ron::MistShape;
-use crate::math::{BRICK, FLOW_NOISE_DEVIATION, FlowNoise, NoiseWithin, SunlitVoxels, Voxels, VoxelsBuilder};
+use crate::math::{BRICK, FLOW_NOISE_DEVIATION, FlowNoise, LitVoxels, NoiseWithin, Voxels, VoxelsBuilder};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -68,7 +68,7 @@ impl Clone for Kept {
 }
 
 /// Nothing where there is no mist at all.
-type MistVoxels = Option<Arc<SunlitVoxels>>;
+type MistVoxels = Option<Arc<LitVoxels>>;
 
 /// All that changes in time.
 #[derive(Clone, Copy, Debug, PartialEq)]

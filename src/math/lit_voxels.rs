@@ -9,12 +9,13 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// Spacing of the nodes of a sun's lattice, in voxels.
 const SPACING: f64 = 0.5;
 
-/// Lights of a kind whose depths are kept.
-pub(super) const MOST_LIGHTS: usize = 8;
+/// Suns and lamps whose depths are kept.
+const MOST_SUNS: usize = 8;
+const MOST_LAMPS: usize = 32;
 
 /// Voxels that light shines through.
 #[derive(Debug)]
-pub struct SunlitVoxels {
+pub struct LitVoxels {
     /// Them.
     pub voxels: Voxels,
     /// By directions and by places of the voxels' own space.
@@ -24,13 +25,13 @@ pub struct SunlitVoxels {
     coarse: [OnceLock<Option<CoarseVoxels>>; 3],
 }
 
-impl From<Voxels> for SunlitVoxels {
+impl From<Voxels> for LitVoxels {
     fn from(voxels: Voxels) -> Self {
         Self { voxels, suns: Kept::default(), lamps: Kept::default(), coarse: Default::default() }
     }
 }
 
-impl SunlitVoxels {
+impl LitVoxels {
     /// The integral over a part of a line, in units of `t`, where voxels may count as wider ones: at most
     /// `times` as wide.
     pub fn rough_integral(&self, line: &Ray, range: (f64, f64), times: f64) -> f64 {
@@ -51,12 +52,12 @@ impl SunlitVoxels {
 
     /// Depths towards a direction of its own space, found once.
     pub fn depths_towards(&self, to_light: DVec3) -> Arc<VoxelDepths> {
-        self.suns.of(to_light, || VoxelDepths::new(&self.voxels, to_light, SPACING))
+        self.suns.of(to_light, MOST_SUNS, || VoxelDepths::new(&self.voxels, to_light, SPACING))
     }
 
     /// Mean densities on the ways to a place of its own space, found once.
     pub fn means_to(&self, lamp: DVec3) -> Arc<VoxelMeans> {
-        self.lamps.of(lamp, || VoxelMeans::new(&self.voxels, lamp))
+        self.lamps.of(lamp, MOST_LAMPS, || VoxelMeans::new(&self.voxels, lamp))
     }
 }
 
@@ -71,14 +72,14 @@ impl<T> Default for Kept<T> {
 }
 
 impl<T> Kept<T> {
-    fn of(&self, light: DVec3, found: impl FnOnce() -> T) -> Arc<T> {
+    fn of(&self, light: DVec3, most: usize, found: impl FnOnce() -> T) -> Arc<T> {
         let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, found)) = all().iter().find(|(other, _)| *other == light) {
             return Arc::clone(found);
         }
         let found = Arc::new(found());
         let mut all = all();
-        if all.len() == MOST_LIGHTS {
+        if all.len() == most {
             all.remove(0);
         }
         all.push((light, Arc::clone(&found)));
