@@ -31,6 +31,7 @@ mod shared_arguments;
 mod signals;
 mod stats;
 mod threads;
+mod unshown;
 mod words;
 
 use arguments::{Arguments, Command};
@@ -78,6 +79,15 @@ pub(crate) fn run() -> ExitCode {
         }
     };
     ExitCode::from(stop.code(result))
+}
+
+/// Ends a program whose thread cannot be started.
+pub(crate) fn no_stack(error: &std::io::Error) -> ExitCode {
+    tell(&format!(
+        "error: a thread with 8 MB of stack cannot be started: {error}\n  expected: room for it\n  \
+         remedy: raise the limits of memory and processes (ulimit -v, -u)"
+    ));
+    ExitCode::from(error::INPUT_OUTPUT)
 }
 
 /// Passes for reading, as `--passes` takes them.

@@ -11,6 +11,7 @@ use super::parse::SizeArgument;
 use super::plan::{find_frames, resized};
 use super::saving::{clear, clear_folder, failure};
 use super::threads;
+use super::unshown::Unshown;
 use super::{CliError, exposure, loading, tell};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
@@ -32,7 +33,14 @@ enum Source<'a> {
     /// Drawn.
     Scene { input: &'a Path, plan: Box<Plan<'a>> },
     /// Read.
-    Files { files: BTreeMap<i64, PathBuf>, size: Option<SizeArgument>, doubts: ColorDoubts },
+    Files { files: BTreeMap<i64, PathBuf>, size: Option<SizeArgument>, doubts: Doubts },
+}
+
+/// What is in doubt of files.
+#[derive(Default)]
+struct Doubts {
+    colors: ColorDoubts,
+    pixels: Unshown,
 }
 
 /// Files that the pictures go to.
@@ -91,6 +99,9 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
         size.width,
         size.height
     ));
+    if let Source::Files { doubts, .. } = &source {
+        doubts.pixels.tell();
+    }
     // Light in fog is not drawn, so where there is some nobody can tell.
     if let Source::Scene { plan, .. } = &source
         && plan.scene.resolved().fogs.is_empty()
@@ -161,7 +172,7 @@ impl<'a> Source<'a> {
             frame_rate: arguments.scene.fps.unwrap_or(RenderSettings::default().frame_rate),
             ..RenderSettings::default()
         };
-        Ok((Self::Files { files, size: arguments.size, doubts: ColorDoubts::default() }, settings))
+        Ok((Self::Files { files, size: arguments.size, doubts: Doubts::default() }, settings))
     }
 
     /// Frames that exist, among those that were asked for.
@@ -209,8 +220,11 @@ impl<'a> Source<'a> {
             Self::Scene { plan, .. } => Ok(plan.draw(frame, plan.job.size)),
             Self::Files { files, doubts, .. } => {
                 let file = frame_file::read(&files[&frame])?;
-                doubts.tell(&files[&frame], &file);
-                Ok(file.shown())
+                doubts.colors.tell(&files[&frame], &file);
+                let has_pixels = file.frame.window.width > 0;
+                let shown = file.shown();
+                doubts.pixels.count(&files[&frame], has_pixels, &shown);
+                Ok(shown)
             }
         }
     }
@@ -259,6 +273,7 @@ impl Outputs {
 impl std::fmt::Display for Outputs {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (&self.pictures, self.sheet.as_ref().or(self.animation.as_ref())) {
+            (Some(pictures), _) if pictures.check(2).is_err() => write!(f, "{}", shown(&pictures.path(0))),
             (Some(pictures), _) => write!(f, "{}", shown(pictures.folder())),
             (None, file) => write!(f, "{}", shown(file.map_or(Path::new(""), PathBuf::as_path))),
         }

@@ -12,6 +12,7 @@ mod deformation;
 mod disc_picture;
 mod drift;
 mod fall;
+mod flatness;
 mod fog;
 mod from_gltf;
 mod from_ron;

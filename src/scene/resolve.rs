@@ -3,7 +3,7 @@
 
 use super::{
     Baking, LightUnits, MOST_FOGS, RenderSettings, ResolveOptions, Scene, darkness, default_light,
-    default_view, from_gltf, from_ron, limits,
+    default_view, flatness, from_gltf, from_ron, limits,
 };
 use crate::description::{Description, SceneSource};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
@@ -63,6 +63,7 @@ pub fn resolve_telling(
         set_suns_apart(&mut scene, &scene_file);
     }
     let first_s = rendered.frame_rate.seconds(*rendered.frames.start() as f64);
+    scene.remarks.0.extend(flatness::remark(&scene, first_s, scene_file.clone()));
     scene.remarks.0.extend(darkness::remark(&scene, first_s, scene_file));
     let banks: usize = scene.fogs.iter().map(|fog| fog.shape.most_banks()).sum();
     if banks > MOST_FOGS {

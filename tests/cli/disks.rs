@@ -46,6 +46,15 @@ fn memory_that_cannot_be_had_is_said() {
     }
 }
 
+/// A small stack is no reason to end: the program has one of its own.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_limit_of_the_stack_changes_nothing() {
+    let studio = Studio::new();
+    let shell = "ulimit -s 64; exec sunfleck render tiny.ron --frames 1 --size 16x9 --samples 1 --out a/";
+    assert_eq!(outcome(studio.shell(shell).output().unwrap()).code, 0);
+}
+
 /// The disk is full after a few bytes, in the middle of the file, or near its end.
 #[test]
 fn a_full_disk_cuts_no_older_file() {

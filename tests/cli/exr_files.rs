@@ -365,3 +365,23 @@ fn luminance_and_chroma_are_read_as_colors() {
         studio.fail(line, SCENE);
     }
 }
+
+/// What no picture can show is said, once a kind.
+#[test]
+fn previews_say_which_pixels_they_cannot_show() {
+    let studio = Studio::new();
+    std::fs::create_dir(studio.path("frames")).unwrap();
+    let damaged = Made::of(vec![("", vec![("R", f32::NAN), ("G", 0.5), ("B", 0.1)])]);
+    let outside = Made { corner: Vec2(100, 100), ..Made::new() };
+    for (number, made) in [&damaged, &damaged, &outside, &Made::new()].into_iter().enumerate() {
+        made.write(&studio.path(&format!("frames/f.000{number}.exr")));
+    }
+    let told = studio.succeed("preview frames --out p.####.png").err;
+    for word in
+        ["f.0000.exr: warning: pixels are not finite", "(and 1 more)", "f.0002.exr: warning: all pixels"]
+    {
+        assert!(told.contains(word), "{told}");
+    }
+    let told = studio.succeed("preview frames/f.0003.exr --out p.png").err;
+    assert!(!told.contains("warning") && told.contains("written to p.png"), "{told}");
+}

@@ -192,6 +192,17 @@ fn the_corpus_of_bad_scenes_is_well_refused() {
 }
 
 #[test]
+fn a_unit_behind_a_number_is_named() {
+    let studio = Studio::new();
+    for unit in ["m", " deg", "%"] {
+        let camera = format!(r#"Scene(version: 1, cameras: {{ "c": (fov_deg: 40.0{unit}) }})"#);
+        std::fs::write(studio.path("unit.ron"), camera).unwrap();
+        let told = studio.fail("render --dry-run unit.ron", SCENE);
+        assert_helps(&told, &[&format!("`{}` does not belong here, behind a number", unit.trim())]);
+    }
+}
+
+#[test]
 fn the_corpus_of_bad_meshes_and_images_is_well_refused() {
     let studio = Studio::new();
     let meshes = corpus("obj", &["obj"]).into_iter().map(|file| {

@@ -159,6 +159,19 @@ fn a_mesh_of_points_alone_is_an_empty_picture_and_says_so() {
     assert!(studio.fail(&format!("render names_it.ron {DIRECT}"), 3).contains("no triangles"));
 }
 
+/// Scaled to nothing: an object that hides that way, or by mistake.
+#[test]
+fn an_object_of_scale_0_is_said() {
+    let studio = Studio::new();
+    for (scale, is_told) in [("(0.0, 0.0, 0.0)", true), ("(1.0, 0.0, 1.0)", false), ("1.0", false)] {
+        let object = format!(r#"objects: {{ "o": (mesh: "m", scale: {scale}) }}"#);
+        let rest = r#"meshes: { "m": Cube(size_m: 1.0) }, cameras: { "c": (position_m: (0.0, 2.0, 4.0)) }"#;
+        std::fs::write(studio.path("scaled.ron"), format!("Scene(version: 1, {object}, {rest})")).unwrap();
+        let told = studio.succeed(&format!("render scaled.ron {DIRECT}")).err;
+        assert_eq!(told.contains("`o` is scaled by 0"), is_told, "{scale}: {told}");
+    }
+}
+
 /// The made-up camera and light depend on the whole range, so a frame is the same alone and in it.
 #[test]
 fn frames_are_the_same_alone_and_in_a_range() {

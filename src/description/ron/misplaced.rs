@@ -25,6 +25,7 @@ pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Opt
                 .expected("`material`, for all of the mesh, or other materials where the mesh is")
                 .remedy("write `ObjWith(file: \"tree.obj\", materials: { \"leaf\": .. })` in `meshes`")
         }
+        Error::ExpectedComma => told_unit(place, text, error)?,
         Error::ExpectedFloat | Error::ExpectedInteger => told(place, at(text, error), "a number"),
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
             told(place, at(text, error), "fields in round brackets, `(field: value, ..)`")
@@ -42,6 +43,23 @@ pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Opt
             told(place, at(text, error), if expected == "f64" { "a number" } else { expected })
         }
         _ => return None,
+    })
+}
+
+/// Says that a number has its unit behind it; `None` of any other comma that is missing.
+fn told_unit(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnostic> {
+    let rest = at(text, error);
+    let before = text[..text.len() - rest.len()].trim_end();
+    let is_after_number = before.ends_with(|last: char| last.is_ascii_digit() || last == '.');
+    let is_unit =
+        |letter: char| letter.is_alphabetic() || matches!(letter, '%' | '\u{b0}' | '"' | '\'' | '/' | '^');
+    let unit = rest.split(|letter: char| !is_unit(letter)).next().filter(|unit| !unit.is_empty())?;
+    is_after_number.then(|| {
+        Diagnostic::error(place.clone(), format!("`{unit}` does not belong here, behind a number"))
+            .expected("a number alone: its unit is in the field's name, such as `_m`, `_s` or `_deg`")
+            .remedy(format!(
+                "take `{unit}` out, and give the number in the unit of the field; or add a comma"
+            ))
     })
 }
 

@@ -1,0 +1,78 @@
+//! Objects that are scaled to nothing. In goes a scene, out comes a word on those of which no frame can show
+//! anything. Invariant: what grows at some time is none of them.
+
+use super::{Motion, Node, Scene};
+use crate::diagnostic::{Diagnostic, Place};
+use glam::{DAffine3, DMat3, Vec3};
+
+/// Share of an object's largest area that counts as none: what rounding leaves of a zero.
+const NOTHING: f64 = 1e-12;
+
+/// Says how many objects are lines or points, with the first's name.
+pub(super) fn remark(scene: &Scene, time_s: f64, place: Place) -> Option<Diagnostic> {
+    let placements = scene.placements(time_s);
+    let is_flat = |node: usize, mesh: usize| {
+        !grows(scene, node) && is_line(placements[node].world_from_node, &scene.meshes[mesh].positions)
+    };
+    let mut flat = scene
+        .instances
+        .iter()
+        .filter(|instance| instance.deformation.is_none() && is_flat(instance.node, instance.mesh));
+    let name = &scene.nodes[flat.next()?.node].name;
+    let more = match flat.count() {
+        0 => String::new(),
+        more => format!(" (and {more} more)"),
+    };
+    let found = format!("`{name}`{more} is scaled by 0 to a line or a point: nothing of it is seen");
+    Some(Diagnostic::choice(place, found).remedy("give it a scale other than 0, or take it out"))
+}
+
+/// True if the scale of a node, or of one above it, changes.
+fn grows(scene: &Scene, node: usize) -> bool {
+    let changes = |node: &Node| matches!(&node.motion, Motion::Keyed { scale, .. } if !scale.is_constant());
+    std::iter::successors(Some(node), |&node| scene.nodes[node].parent)
+        .any(|node| changes(&scene.nodes[node]))
+}
+
+/// True if the box around vertices has no area in the world, but has some by itself.
+fn is_line(world_from_mesh: DAffine3, positions: &[Vec3]) -> bool {
+    let linear = world_from_mesh.matrix3;
+    // Few are: the box is asked for these alone.
+    if linear.determinant().abs() > f64::MIN_POSITIVE {
+        return false;
+    }
+    let bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let (low, high) = positions.iter().fold(bounds, |(low, high), at| (low.min(*at), high.max(*at)));
+    let sides = DMat3::from_diagonal((high - low).as_dvec3());
+    let own = largest_area(sides);
+    let longest = [linear.x_axis, linear.y_axis, linear.z_axis].map(|axis| axis.length_squared());
+    let scale = longest.into_iter().fold(0.0, f64::max);
+    own > 0.0 && largest_area(linear * sides) <= NOTHING * own * scale
+}
+
+/// The largest face of a box, by its edges.
+fn largest_area(edges: DMat3) -> f64 {
+    let [x, y, z] = [edges.x_axis, edges.y_axis, edges.z_axis];
+    [x.cross(y), y.cross(z), z.cross(x)].map(|normal| normal.length()).into_iter().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    const TRIANGLE: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+
+    fn is_line_by(x: f64, y: f64, z: f64) -> bool {
+        let turn = glam::DQuat::from_rotation_x(1.0) * glam::DQuat::from_rotation_z(2.0);
+        let scale = DAffine3::from_scale(DVec3::new(x, y, z));
+        is_line(DAffine3::from_quat(turn) * scale, &TRIANGLE)
+    }
+
+    #[test]
+    fn only_what_has_no_area_left_is_a_line() {
+        assert!(is_line_by(0.0, 0.0, 0.0) && is_line_by(1.0, 0.0, 1.0) && is_line_by(0.0, 0.0, 1.0));
+        assert!(!is_line_by(1.0, 1.0, 0.0) && !is_line_by(1e-9, 1e-9, 1e-9) && !is_line_by(-1.0, 2.0, 0.0));
+    }
+}
