@@ -480,6 +480,19 @@ class Colors(SurfaceCase):
         material = self.load(stage).document.raw["materials"][0]
         self.assertEqual(material["pbrMetallicRoughness"]["baseColorFactor"], [0.18, 0.18, 0.18, 1.0])
 
+    def test_subsets_show_them_as_their_materials_say(self):
+        stage = self.stage()
+        mesh = quad(stage, "/leaf")
+        mesh.CreateDisplayColorAttr([(0.1, 0.2, 0.3)])
+        faces = len(mesh.GetFaceVertexCountsAttr().Get())
+        subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(
+            "all", list(range(faces))
+        )
+        painted = self.surface(stage, diffuseColor=(0.5, 0.5, 0.5))
+        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(painted)
+        attributes = self.load(stage).document.raw["meshes"][0]["primitives"][0]["attributes"]
+        self.assertNotIn("COLOR_0", attributes)
+
     def test_a_material_may_read_them(self):
         stage = self.stage()
         reader = UsdShade.Shader.Define(stage, "/reader")

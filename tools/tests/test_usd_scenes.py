@@ -536,3 +536,14 @@ class Subdivision(SceneCase):
 
 if __name__ == "__main__":
     unittest.main()
+
+    def test_caps_of_differing_radii_are_tangent(self):
+        stage = self.stage()
+        prim = UsdGeom.Capsule_1.Define(stage, "/a")
+        for attribute, value in (("RadiusTop", 0.5), ("RadiusBottom", 2.0), ("Height", 3.0)):
+            getattr(prim, f"Create{attribute}Attr")(value)
+        gltf = self.load(stage)
+        _, mesh = Meshes(gltf, []).of(gltf.nodes[0])
+        extent = np.array(UsdGeom.Boundable.ComputeExtentFromPlugins(UsdGeom.Boundable(prim.GetPrim()), Usd.TimeCode(1)))
+        heights = mesh.primitives[0].positions[:, 2]
+        np.testing.assert_allclose([heights.min(), heights.max()], extent[:, 2], atol=3e-3)

@@ -74,6 +74,10 @@ class _Outline:
         return self.finer.stream(stream).rows(self.finer.faces)
 
 
+Masked = tuple[Usd.Prim | None, np.ndarray | None]
+"""A material and a mask of its faces; None for all."""
+
+
 def is_shape(prim: Usd.Prim) -> bool:
     """True for what has faces here."""
     return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in SOLIDS
@@ -93,17 +97,18 @@ class ShapeReader:
         normals = outline.normals_at(span.rests_at)
         if normals is not None:
             outline.rows["NORMAL"] = normals
-        looks = path_of(bound.material)
-        if looks not in self._shows:
-            self._shows[looks] = shows_colors(bound.material, self.source)
-        if self._shows[looks]:
-            self._color(prim, bound.material, outline, span.rests_at)
-        shapes = Shapes(_parts(prim, bound, outline, span.rests_at))
+        masks = _masks(bound, outline.faces.count, span.rests_at)
+        colored = [material for material, _ in masks if self._shows_colors(material)]
+        if colored:
+            self._color(prim, colored[0], outline, span.rests_at)
+        shapes = Shapes(_parts(prim, masks, outline))
         for subset, _ in bound.subsets:
             say_if_it_changes(UsdGeom.Subset(subset).GetIndicesAttr(), self.source, self.lost, "list of faces")
-        if "COLOR_0" not in outline.rows:
-            for part in shapes.parts:
-                part.takes_tint = shows_colors(part.material, self.source)
+        for part in shapes.parts:
+            is_colored = self._shows_colors(part.material)
+            if not is_colored:
+                part.attributes.pop("COLOR_0", None)
+            part.takes_tint = is_colored and "COLOR_0" not in part.attributes
         if len(span.codes) > 1 and shapes.parts:
             shapes.bend = read_bend(prim.GetPath(), outline.points_at, span.codes, outline.points)
         if prim.IsA(UsdGeom.Mesh) and span.points_at is None:
@@ -116,6 +121,12 @@ class ShapeReader:
         if shapes.bend is not None and outline.finer is not None:
             shapes.bend.targets = [outline.finer.points(target) for target in shapes.bend.targets]
         return shapes
+
+    def _shows_colors(self, material: Usd.Prim | None) -> bool:
+        looks = path_of(material)
+        if looks not in self._shows:
+            self._shows[looks] = shows_colors(material, self.source)
+        return self._shows[looks]
 
     def _mesh(self, prim: Usd.Prim, span: Span) -> _Outline:
         code = span.rests_at
@@ -176,7 +187,7 @@ class ShapeReader:
         return self._refiner if self._refiner.depth > 0 else None
 
 
-def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list[Shape]:
+def _parts(prim: Usd.Prim, masks: list[Masked], outline: _Outline) -> list[Shape]:
     """Triangles by their materials. Raises `SceneError`."""
     finer = outline.finer
     if finer is not None and outline.finer_points is not None:
@@ -189,7 +200,7 @@ def _parts(prim: Usd.Prim, bound: Bound, outline: _Outline, code: float) -> list
     if len(faces.holes):
         triangles = triangles[~np.isin(triangles[:, 3], faces.holes)]
     found = []
-    for material, mask in _masks(bound, outline.faces.count, code):
+    for material, mask in masks:
         if mask is not None:
             chosen = triangles[(mask if finer is None else mask[finer.parents])[triangles[:, 3]]]
         else:
@@ -233,8 +244,8 @@ def _cage_faces(source: Source) -> tuple[int, int]:
     return sum(found), max(found)
 
 
-def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None, np.ndarray | None]]:
-    """Materials, and a mask of the faces that have each; None for all."""
+def _masks(bound: Bound, faces: int, code: float) -> list[Masked]:
+    """Materials that faces have, and which."""
     if not bound.subsets:
         return [(bound.material, None)]
     found, left = [], np.ones(faces, bool)
@@ -248,7 +259,7 @@ def _masks(bound: Bound, faces: int, code: float) -> list[tuple[Usd.Prim | None,
         mask[chosen] = True
         left &= ~mask
         found.append((material, mask))
-    return [*found, (bound.material, left)]
+    return [each for each in (*found, (bound.material, left)) if each[1].any()]
 
 
 def _part(

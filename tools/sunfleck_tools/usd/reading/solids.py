@@ -67,13 +67,25 @@ def read_solid(prim: Usd.Prim, code: float) -> Solid:
     if kind == "Sphere":
         profiles = [_arc(top, 0.0, -90, 90)]
     elif kind.startswith("Capsule"):
-        profiles = [_arc(bottom, -half, -90, 0), _slope(bottom, top, half), _arc(top, half, 0, 90)]
+        profiles = _capsule(bottom, top, half)
     elif kind == "Cone":
         profiles = [_cap(bottom, -half), _slope(bottom, 0.0, half)]
     else:
         profiles = [_cap(bottom, -half), _slope(bottom, top, half), _cap(top, half)]
     solid = _joined([_turned(profile) for profile in profiles])
     return Solid(solid.points[:, TURNS[axis]], solid.faces, solid.normals[:, TURNS[axis]])
+
+
+def _capsule(bottom: float, top: float, half: float) -> list[_Profile]:
+    """Caps go on from the slope without an edge, as USD has it: they are less or more than half spheres
+    where radii differ."""
+    rise = (bottom - top) / (2 * half) if half > 0 else 0.0
+    larger, angle = math.hypot(1.0, rise), math.degrees(math.atan(rise))
+    return [
+        _arc(bottom * larger, -half - bottom * rise, -90, angle),
+        _slope(bottom, top, half),
+        _arc(top * larger, half - top * rise, angle, 90),
+    ]
 
 
 def _arc(radius: float, height: float, first_deg: float, last_deg: float) -> _Profile:
