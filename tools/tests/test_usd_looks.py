@@ -480,6 +480,24 @@ class Colors(SurfaceCase):
         material = self.load(stage).document.raw["materials"][0]
         self.assertEqual(material["pbrMetallicRoughness"]["baseColorFactor"], [0.18, 0.18, 0.18, 1.0])
 
+    def test_what_is_no_share_is_clipped_and_said(self):
+        stage = self.stage()
+        quad(stage, "/leaf").CreateDisplayColorAttr([(1.5, -0.2, 0.3)])
+        gltf = self.load(stage)
+        np.testing.assert_allclose(self.colors(gltf), [[1, 0, 0.3]] * 4, rtol=1e-6)
+        self.assertIn("its displayColor goes from -0.2 to 1.5", self.said()["usd-material-value"])
+
+    def test_a_face_in_two_subsets_is_drawn_once(self):
+        stage = self.stage()
+        mesh = quad(stage, "/leaf")
+        for name in "ab":
+            api = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
+            subset = api.CreateMaterialBindSubset(name, [0])
+            UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(self.surface(stage, f"/{name}"))
+        gltf = self.load(stage)
+        self.assertEqual(len(gltf.document.raw["meshes"][0]["primitives"]), 1)
+        self.assertIn("/leaf/b: has faces of a subset before it", self.said()["usd-primvar"])
+
     def test_subsets_show_them_as_their_materials_say(self):
         stage = self.stage()
         mesh = quad(stage, "/leaf")

@@ -14,6 +14,7 @@ Spread = Callable[[object, str, int], "np.ndarray | None"]
 """Values, their interpolation and width to a row a corner; None where they do not fit the mesh."""
 GREY = (0.18,) * 3
 """Of what has neither material nor colour: the diffuse colour that UsdPreviewSurface has by default."""
+ROUNDING = 1e-4
 READERS = {"diffuseColor": "displayColor", "opacity": "displayOpacity"}
 
 
@@ -44,13 +45,21 @@ def vertex_colors(
             lost.add(
                 "usd-material-value", prim.GetPath(), f"its {name} does not fit the mesh, and is left out"
             )
-        rows.append(found)
+        rows.append(None if found is None else within(found, prim, name, lost))
     colors, opacity = rows
     if opacity is None or (opacity >= 1).all():
-        return None if colors is None else np.clip(colors, 0, 1)
+        return colors
     # What a material shows is multiplied; without one it is what is shown.
     plain = np.tile(GREY if material is None else (1.0,) * 3, (len(opacity), 1))
-    return np.clip(np.concatenate([plain if colors is None else colors, opacity], axis=1), 0, 1)
+    return np.concatenate([plain if colors is None else colors, opacity], axis=1)
+
+
+def within(values: np.ndarray, prim: Usd.Prim, name: str, lost: Losses) -> np.ndarray:
+    """Values put between 0 and 1, which is said of more than rounding."""
+    if values.size and (values.min() < -ROUNDING or values.max() > 1 + ROUNDING):
+        said = f"its {name} goes from {values.min():.4g} to {values.max():.4g}, and is clipped to 0 and 1"
+        lost.add("usd-material-value", prim.GetPath(), said)
+    return np.clip(values, 0, 1)
 
 
 def reads_colors(material: Usd.Prim) -> bool:

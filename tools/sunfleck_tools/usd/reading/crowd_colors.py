@@ -6,6 +6,7 @@ Invariant: every instance has a colour, or none has.
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .colors import within
 from .losses import Losses
 
 BY_INSTANCE = ("vertex", "varying", "uniform", "faceVarying")
@@ -27,7 +28,7 @@ def instance_colors(prim: Usd.Prim, code: float, count: int, lost: Losses) -> np
         if len(array) < count or not np.isfinite(array[:count]).all():
             lost.add("usd-primvar", prim.GetPath(), f"its {name} has {len(array)} values for {count} instances, or is not finite")
             continue
-        rows[:, columns] = np.clip(array[:count], 0, 1)
+        rows[:, columns] = within(array[:count], prim, name, lost)
         is_found = True
     return rows if is_found else None
 

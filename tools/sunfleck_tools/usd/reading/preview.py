@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Usd
 
 from .bakes import Bakery
+from .colors import within
 from .networks import Fed, Network
 from .numbers import numbers_in
 from .places import codes_of
@@ -73,7 +74,7 @@ class Preview:
             return
         factor = looks.material["pbrMetallicRoughness"]["baseColorFactor"]
         codes, (colors, shares) = self._rows([(color, factor[:3]), (opacity, factor[3:])])
-        rows = np.clip(np.concatenate([colors, shares], axis=1), 0, 1)
+        rows = self._shares(np.concatenate([colors, shares], axis=1), "diffuseColor")
         if rows[:, 3].min() < 1:
             looks.material.setdefault("alphaMode", "BLEND")
         looks.changing["pbrMetallicRoughness/baseColorFactor"] = codes, rows
@@ -90,7 +91,7 @@ class Preview:
         for name, fed in inputs.items():
             if fed.changing is not None:
                 codes, (rows,) = self._rows([(fed, [pbr[f"{name}Factor"]])])
-                looks.changing[f"pbrMetallicRoughness/{name}Factor"] = codes, np.clip(rows, 0, 1)
+                looks.changing[f"pbrMetallicRoughness/{name}Factor"] = codes, self._shares(rows, name)
 
     def _read_emission(self, looks: Looks) -> None:
         fed = self.network.fed("emissiveColor")
@@ -147,6 +148,10 @@ class Preview:
         if texture is not None:
             values.update(clearcoatTexture=texture, clearcoatRoughnessTexture=texture)
         _extend(looks, "KHR_materials_clearcoat", values)
+
+    def _shares(self, rows: np.ndarray, name: str) -> np.ndarray:
+        """Rows of what changes, between 0 and 1."""
+        return within(rows, self.network.shader.GetPrim(), name, self.network.lost)
 
     def _rows(self, inputs: list[tuple[Fed, list[float]]]) -> tuple[np.ndarray, list[np.ndarray]]:
         """Numbers of inputs at all codes at which any changes; of one that does not, those given."""

@@ -97,7 +97,7 @@ class ShapeReader:
         normals = outline.normals_at(span.rests_at)
         if normals is not None:
             outline.rows["NORMAL"] = normals
-        masks = _masks(bound, outline.faces.count, span.rests_at)
+        masks = _masks(bound, outline.faces.count, span.rests_at, self.lost)
         colored = [material for material, _ in masks if self._shows_colors(material)]
         if colored:
             self._color(prim, colored[0], outline, span.rests_at)
@@ -244,7 +244,7 @@ def _cage_faces(source: Source) -> tuple[int, int]:
     return sum(found), max(found)
 
 
-def _masks(bound: Bound, faces: int, code: float) -> list[Masked]:
+def _masks(bound: Bound, faces: int, code: float, lost: Losses) -> list[Masked]:
     """Materials that faces have, and which."""
     if not bound.subsets:
         return [(bound.material, None)]
@@ -257,6 +257,9 @@ def _masks(bound: Bound, faces: int, code: float) -> list[Masked]:
             )
         mask = np.zeros(faces, bool)
         mask[chosen] = True
+        if (mask & ~left).any():
+            lost.add("usd-primvar", subset.GetPath(), "has faces of a subset before it, whose material they keep")
+        mask &= left
         left &= ~mask
         found.append((material, mask))
     return [each for each in (*found, (bound.material, left)) if each[1].any()]
