@@ -27,7 +27,7 @@ pub(super) enum CliError {
     #[error("{0}")]
     Frame(String),
     /// A signal ended the work (128 + its number).
-    #[error("stopped by signal {0}: whole frames are kept; the same command with --skip valid goes on")]
+    #[error("stopped by signal {0}: what is whole is kept; `render` goes on with --skip valid")]
     Signal(u8),
 }
 

@@ -9,8 +9,7 @@ pub const WITHIN_LIMIT: &str =
     "a file within the limit of file sizes (`ulimit -f`, and what the file system takes)";
 
 /// Remedy for a file that may not grow.
-pub const RAISE_LIMIT: &str =
-    "allow larger files (`ulimit -f unlimited`), then run the same command with --skip valid";
+pub const RAISE_LIMIT: &str = "allow larger files (`ulimit -f unlimited`), then run the command again; `render --skip valid` keeps whole frames";
 
 /// Why a file could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -126,7 +125,7 @@ impl FrameFileError {
             Self::IsFolder { .. } => "the name of a file",
             Self::CreateFolder { .. } => "a folder, or a place where one can be made",
             Self::Write { source, .. } if source.kind() == io::ErrorKind::FileTooLarge => WITHIN_LIMIT,
-            Self::Write { .. } => "a folder that can be written to, with room for the frame",
+            Self::Write { .. } => "a folder that can be written to, with room for the file",
             Self::Encode { .. } => "a frame that a file of this kind can hold",
             Self::Animation { .. } => "pictures that an animation of this format can hold",
             Self::SameNumber { .. } => "a folder of one sequence",
@@ -144,19 +143,21 @@ impl FrameFileError {
             Self::IsFolder { .. } => "end --out with / to write into the folder, or give a file name",
             Self::CreateFolder { source, .. } | Self::Write { source, .. } => match source.kind() {
                 io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-                    "free some space or choose another place with --out, then run the same command with --skip valid"
+                    "free some space or choose another place, then run the command again; `render --skip valid` keeps whole frames"
                 }
                 io::ErrorKind::FileTooLarge => RAISE_LIMIT,
                 io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-                    "make the folder writable or choose another place with --out"
+                    "make the folder writable or choose another place"
                 }
                 io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
-                    "a part of the path is a file: move it away or choose another place with --out"
+                    "a part of the path is a file: move it away or choose another place"
                 }
                 io::ErrorKind::NotFound => {
                     "see that nothing else removes files there, such as a second run of the same frames"
                 }
-                _ => "see that the disk is there and writable, then run the same command with --skip valid",
+                _ => {
+                    "see that the disk is there and writable, then run the command again; `render --skip valid` keeps whole frames"
+                }
             },
             Self::Encode { .. } => "report this: a frame that was rendered should be one that can be written",
             Self::SameNumber { .. } => "name one file, or give each sequence a folder of its own",

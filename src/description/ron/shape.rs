@@ -25,6 +25,13 @@ pub enum Shape {
         /// Length of an edge.
         size_m: Number<Positive>,
     },
+    /// A rectangle in the x-z plane, centred, facing +y: a leaf that is a picture, its top towards -z.
+    Card {
+        /// Along z, from bottom to top.
+        length_m: Number<Positive>,
+        /// Along x.
+        width_m: Number<Positive>,
+    },
     /// A cube, centred.
     Cube {
         /// Length of an edge.
@@ -56,7 +63,11 @@ impl Shape {
         match self {
             Self::Obj(file) => Some((file, None)),
             Self::ObjWith { file, materials } => Some((file, Some(materials))),
-            Self::Quad { .. } | Self::Cube { .. } | Self::Sphere { .. } | Self::Leaf { .. } => None,
+            Self::Quad { .. }
+            | Self::Card { .. }
+            | Self::Cube { .. }
+            | Self::Sphere { .. }
+            | Self::Leaf { .. } => None,
         }
     }
 }

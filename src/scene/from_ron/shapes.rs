@@ -10,7 +10,8 @@ use std::f64::consts::{PI, TAU};
 pub(super) fn built_in(name: &str, shape: &ron::Shape) -> Option<Mesh> {
     let mesh = match shape {
         ron::Shape::Obj(_) | ron::Shape::ObjWith { .. } => return None,
-        ron::Shape::Quad { size_m } => quad(size_m.si() as f32),
+        ron::Shape::Quad { size_m } => card(size_m.si() as f32, size_m.si() as f32),
+        ron::Shape::Card { length_m, width_m } => card(width_m.si() as f32, length_m.si() as f32),
         ron::Shape::Cube { size_m } => cube(size_m.si() as f32),
         ron::Shape::Sphere { radius_m } => sphere(radius_m.si()),
         ron::Shape::Leaf { length_m, width_m, curl_deg, fold_deg } => {
@@ -25,10 +26,10 @@ fn triangle(a: usize, b: usize, c: usize) -> Triangle {
     Triangle { vertices: [a as u32, b as u32, c as u32], material: 0 }
 }
 
-fn quad(size: f32) -> Mesh {
+fn card(width: f32, length: f32) -> Mesh {
     let corners = [(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)];
     Mesh {
-        positions: corners.map(|(u, v)| Vec3::new(u - 0.5, 0.0, v - 0.5) * size).to_vec(),
+        positions: corners.map(|(u, v)| Vec3::new((u - 0.5) * width, 0.0, (v - 0.5) * length)).to_vec(),
         uvs: corners.map(|(u, v)| Vec2::new(u, v)).to_vec(),
         triangles: vec![triangle(0, 1, 2), triangle(0, 2, 3)],
         ..Mesh::default()
@@ -194,10 +195,12 @@ mod tests {
 
     #[test]
     fn quad_faces_up_with_its_texture_upright_from_above() {
-        let quad = quad(3.0);
+        let quad = card(3.0, 3.0);
         let (area, normal) = area_and_mean_normal(&quad);
         assert!((area - 9.0).abs() < 1e-5);
         assert!(normal.normalize().abs_diff_eq(Vec3::Y, 1e-6));
+        let top = card(0.3, 0.5).positions[3];
+        assert!(top.abs_diff_eq(Vec3::new(-0.15, 0.0, -0.25), 1e-6), "its picture's upper left is {top}");
     }
 
     #[test]

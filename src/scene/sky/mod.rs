@@ -63,6 +63,9 @@ pub enum SkyPicture {
 /// Cells for means: of even height, and of even longitude, so that all are of one size.
 const MEAN_ROWS: usize = 64;
 const MEAN_COLUMNS: usize = 32;
+/// How far below 0 lossy codecs (B44, DWA, JPEG 2000) take what is next to black, as a share of pictures that
+/// are nowhere brighter than 1.
+const ROUNDING: f32 = 1.0 / 4096.0;
 
 /// The direction of a place within a cell, `[0, 1]^2`.
 fn direction_in(cell: usize, within: DVec2) -> DVec3 {
@@ -210,15 +213,15 @@ impl Sky {
 }
 
 impl SkyPicture {
-    /// An image of longitudes and latitudes, and in how many of its texels a radiance was below 0, which
-    /// filters leave behind and which counts as 0.
+    /// An image of longitudes and latitudes, and in how many of its texels a radiance was below 0 by more
+    /// than lossy codecs leave. Filters do so; all count as 0.
     pub fn of_image(name: String, [width, height]: [usize; 2], texels: Texels) -> (Self, usize) {
         let mut texels = texels.into_floats();
-        let is_negative = |texel: &&mut [f32; 4]| texel[..3].iter().any(|value| *value < 0.0);
-        let negative = texels.iter_mut().filter(is_negative).map(|texel| {
-            texel.iter_mut().for_each(|value| *value = value.max(0.0));
-        });
-        let negative = negative.count();
+        let brightest = texels.iter().flat_map(|texel| &texel[..3]).copied().fold(0.0, f32::max);
+        let least = -ROUNDING * brightest.min(1.0);
+        let is_negative = |texel: &&[f32; 4]| texel[..3].iter().any(|value| *value < least);
+        let negative = texels.iter().filter(is_negative).count();
+        texels.iter_mut().flatten().for_each(|value| *value = value.max(0.0));
         let wrap = [Wrap::Repeat, Wrap::Clamp];
         (Self::Image(Texture { name, width, height, texels: texels.into(), wrap }), negative)
     }
@@ -274,6 +277,17 @@ mod tests {
         let texels = (0..width * height).map(pixel).collect();
         let wrap = [Wrap::Repeat, Wrap::Clamp];
         SkyPicture::Image(Texture { name: String::new(), width, height, texels, wrap })
+    }
+
+    #[test]
+    fn light_below_0_is_told_from_what_lossy_codecs_leave() {
+        for (value, expected) in [(-1.6e-5, 0), (-1e-3, 1)] {
+            let texels: Vec<[f32; 4]> = vec![[1.26, 0.5, 0.2, 1.0], [value, 0.0, 0.1, 1.0]];
+            let (picture, negative) = SkyPicture::of_image(String::new(), [2, 1], texels.into());
+            assert_eq!(negative, expected);
+            let SkyPicture::Image(texture) = picture else { panic!("an image") };
+            assert_eq!(texture.texels.into_floats()[1], [0.0, 0.0, 0.1, 1.0]);
+        }
     }
 
     /// Irradiance of a plane that faces up, by directions that are picked.

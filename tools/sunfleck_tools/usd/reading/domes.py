@@ -82,7 +82,8 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
     try:
         image = picture_uri(asset, str(prim.GetPath()))
     except SceneError as error:
-        lost.add("usd-texture", prim.GetPath(), f"{error}: the sky has its colour alone")
+        said = str(error).removeprefix(f"{prim.GetPath()}: ")
+        lost.add("usd-texture", prim.GetPath(), f"{said}: the sky has its colour alone")
         return even
     # The picture's middle is +z of the dome, and -z of the sky.
     rotation = math.atan2(-axes[0, 2], -axes[2, 2])
