@@ -51,6 +51,9 @@ pub fn resolve_telling(
     if let Some(sequence) = description.sequence {
         settings = from_ron::apply_sequence(sequence, &scene, settings)?;
     }
+    // Files that are hidden are no frames to other programs.
+    let visible = settings.name.trim_start_matches('.');
+    settings.name = String::from(if visible.is_empty() { "scene" } else { visible });
     let rendered = options.overrule(&settings);
     if has_made_up_camera {
         default_view::aim(&mut scene, &rendered);

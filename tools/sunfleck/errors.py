@@ -8,6 +8,7 @@ import signal
 from .diagnostic import Diagnostic, diagnostics
 
 STOPPED = {130, 143}
+HELP = "`sunfleck render --help` has every setting and what it takes, with - for _"
 
 
 class SunfleckWarning(UserWarning):
@@ -44,6 +45,12 @@ class ProgramError(SunfleckError):
 
 class UsageError(SunfleckError):
     """A setting cannot be used, or does not suit the input (exit code 2)."""
+
+    @property
+    def remedy(self) -> str:
+        said = super().remedy
+        # What the parser of command lines says for want of a better word serves nobody here.
+        return HELP if not said or said.startswith("to pass '") else said
 
 
 class WrongType(UsageError, TypeError):

@@ -145,7 +145,8 @@ class Inputs(Failing):
     def test_settings_that_cannot_be(self):
         self.fails(sunfleck.UsageError, "frame 900 is not part of the sequence", frame=900)
         self.fails(sunfleck.UsageError, "--tolerance", tolerance=7)
-        self.assertTrue(self.fails(sunfleck.UsageError, "unexpected argument '--nonsense'", nonsense=3).remedy)
+        for said, setting in (("'--nonsense'", {"nonsense": 3}), ("'x'", {"tolerance": "x"}), ("--strict", {"strict": "yes"})):
+            self.assertIn("--help", self.fails(sunfleck.UsageError, said, **setting).remedy)
         for setting in ("frames", "dry_run", "skip"):
             with self.assertRaisesRegex(TypeError, f"{setting} is no setting from Python: "):
                 sunfleck.render(FIRST_LEAF, **{setting: "1"})

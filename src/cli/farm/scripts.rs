@@ -22,11 +22,11 @@ pub(super) struct Lines {
 
 /// Refuses what cannot be said in a line.
 pub(super) fn lines(job: &Job) -> Result<Lines, CliError> {
-    let all = [&job.input, &job.folder].into_iter().chain(&job.flags);
-    for text in all {
+    let flags = job.flags.iter().map(|flag| (FLAGS, flag));
+    for (owner, text) in [("INPUT", &job.input), ("--out", &job.folder)].into_iter().chain(flags) {
         if text.contains(char::is_control) {
             let found = format!("`{}` has a control character", text.escape_debug());
-            return Err(usage(FLAGS, found, "paths and names without them, for scripts"));
+            return Err(usage(owner, found, "paths and names without them, for scripts"));
         }
     }
     let steps = job.steps(&Names {
