@@ -172,6 +172,15 @@ fn an_object_of_scale_0_is_said() {
     }
 }
 
+/// Files that are hidden are no frames to other programs.
+#[test]
+fn frames_of_a_hidden_scene_are_seen() {
+    let studio = Studio::new();
+    std::fs::copy(studio.path("tiny.ron"), studio.path(".tiny.old.ron")).unwrap();
+    studio.succeed("render .tiny.old.ron --frames 1 --size 16x9 --samples 1 --out a/");
+    assert_eq!(studio.names("a"), ["tiny.old.0001.exr"]);
+}
+
 /// The made-up camera and light depend on the whole range, so a frame is the same alone and in it.
 #[test]
 fn frames_are_the_same_alone_and_in_a_range() {

@@ -3,9 +3,9 @@
 
 use super::super::CliError;
 use super::super::error::usage;
+use super::JobFile;
 use super::job::{BAKES, FRAMES, Job, Names, Step, ranges};
 use super::quoting::quoted;
-use super::JobFile;
 
 pub(super) fn files(job: &Job) -> Result<Vec<JobFile>, CliError> {
     let output = format!("{}/{FRAMES}", job.folder);
@@ -69,7 +69,11 @@ fn plugin_info(step: &Step) -> Result<String, CliError> {
     for argument in &step.arguments {
         if argument.contains(['"', '\n', '\r']) {
             let found = format!("`{}` has a quotation mark or a line break", argument.escape_debug());
-            return Err(usage("the job's paths and flags", found, "paths and names without them, for Deadline"));
+            return Err(usage(
+                "the job's paths and flags",
+                found,
+                "paths and names without them, for Deadline",
+            ));
         }
         arguments.push(format!("<QUOTE>{argument}<QUOTE>"));
     }

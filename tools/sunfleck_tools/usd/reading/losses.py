@@ -36,7 +36,7 @@ KINDS = {
     "usd-motion": "a word on how far things move while a shutter is open",
     "usd-normal-map": "a normal map that does not say how it is to be read",
     "usd-prim": "a prim that cannot be read, or of a type that USD does not know",
-    "usd-primvar": "values that do not fit their mesh",
+    "usd-primvar": "values, or subsets, that do not fit their mesh",
     "usd-purpose": "a shape of a purpose that is not drawn",
     "usd-render-settings": "what a RenderSettings asks for and is not carried",
     "usd-shape": "a shape without faces, or a drawMode",
