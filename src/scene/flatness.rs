@@ -12,7 +12,10 @@ const NOTHING: f64 = 1e-12;
 pub(super) fn remark(scene: &Scene, time_s: f64, place: Place) -> Option<Diagnostic> {
     let placements = scene.placements(time_s);
     let is_flat = |node: usize, mesh: usize| {
-        !grows(scene, node) && is_line(placements[node].world_from_node, &scene.meshes[mesh].positions)
+        let placement = &placements[node];
+        placement.visible
+            && is_line(placement.world_from_node, &scene.meshes[mesh].positions)
+            && !grows(scene, node)
     };
     let mut flat = scene
         .instances
@@ -37,17 +40,17 @@ fn grows(scene: &Scene, node: usize) -> bool {
 /// True if the box around vertices has no area in the world, but has some by itself.
 fn is_line(world_from_mesh: DAffine3, positions: &[Vec3]) -> bool {
     let linear = world_from_mesh.matrix3;
+    let axes = [linear.x_axis, linear.y_axis, linear.z_axis].map(|axis| axis.length());
+    let longest = axes.into_iter().fold(0.0, f64::max);
     // Few are: the box is asked for these alone.
-    if linear.determinant().abs() > f64::MIN_POSITIVE {
+    if linear.determinant().abs() > NOTHING * longest.powi(3) {
         return false;
     }
     let bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     let (low, high) = positions.iter().fold(bounds, |(low, high), at| (low.min(*at), high.max(*at)));
     let sides = DMat3::from_diagonal((high - low).as_dvec3());
     let own = largest_area(sides);
-    let longest = [linear.x_axis, linear.y_axis, linear.z_axis].map(|axis| axis.length_squared());
-    let scale = longest.into_iter().fold(0.0, f64::max);
-    own > 0.0 && largest_area(linear * sides) <= NOTHING * own * scale
+    own > 0.0 && largest_area(linear * sides) <= NOTHING * own * longest.powi(2)
 }
 
 /// The largest face of a box, by its edges.
@@ -73,6 +76,9 @@ mod tests {
     #[test]
     fn only_what_has_no_area_left_is_a_line() {
         assert!(is_line_by(0.0, 0.0, 0.0) && is_line_by(1.0, 0.0, 1.0) && is_line_by(0.0, 0.0, 1.0));
+        let turn = DAffine3::from_quat(glam::DQuat::from_rotation_y(0.7) * glam::DQuat::from_rotation_x(0.3));
+        let flat = DAffine3::from_scale(DVec3::new(3.0, 0.0, 0.0));
+        assert!(is_line(turn * flat * turn, &TRIANGLE));
         assert!(!is_line_by(1.0, 1.0, 0.0) && !is_line_by(1e-9, 1e-9, 1e-9) && !is_line_by(-1.0, 2.0, 0.0));
     }
 }
