@@ -23,7 +23,7 @@ mod survey;
 mod tiles;
 mod watch;
 
-use crate::film::{Film, Frame};
+use crate::film::{self, Film, Frame};
 use crate::indirect::{Indirect, KeptLight};
 use crate::math::{Ray, Sampler};
 use crate::passes::{Needs, Pass, any_needs};
@@ -208,6 +208,11 @@ impl Job {
         let wants_grid = self.bounces != Bounces::NONE && self.method != Method::Paths;
         let aspect = self.size.width as f64 / self.size.height as f64;
         if wants_grid { Indirect::new(exposure, self.bounces, aspect, kept, watch.cancelled) } else { None }
+    }
+
+    /// The part of the picture that the wanted one depends on.
+    fn needed_window(&self) -> Window {
+        self.window.grown(film::REACH_PX, self.size)
     }
 
     /// Whether errors are estimated.

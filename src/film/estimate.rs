@@ -3,7 +3,10 @@
 //! pixels alone, and by all of them together. A pixel's two halves may agree by chance.
 
 use super::Film;
+use super::smooth::{self, Smoothed};
+use super::splats::BEAUTY;
 use crate::color::{Rgb, luminance};
+use crate::scene::Window;
 
 /// Estimate of a pixel by its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +49,51 @@ impl Film {
             luminance(difference * difference) * known * fresh / (all * all)
         });
         (all > 0.0).then(|| PixelEstimate { luminance: luminance(sum + hues.missing(all)) / all, variance })
+    }
+}
+
+impl Film {
+    /// Estimates of a part of the picture by that part alone, one a pixel that has samples. `completion` is the
+    /// factor on variances by which halves complete one another.
+    pub fn estimates(&self, part: Window, completion: f64) -> Vec<((usize, usize), PixelEstimate)> {
+        let of_pixel = |pixel| {
+            let PixelEstimate { luminance, variance } = self.estimate(pixel)?;
+            Some((
+                pixel,
+                PixelEstimate { luminance, variance: variance.map(|variance| completion * variance) },
+            ))
+        };
+        let mut estimates: Vec<_> = part.pixels().filter_map(of_pixel).collect();
+        if let Some(smoothed) = self.smoothed(part, completion) {
+            for (pixel, estimate) in &mut estimates {
+                let left = part.index(pixel.0, pixel.1).map_or(1.0, |index| smoothed.left(index));
+                estimate.variance = estimate.variance.map(|variance| left * variance);
+            }
+        }
+        estimates
+    }
+
+    /// A part with its shafts smoothed, if they are.
+    fn smoothed(&self, part: Window, completion: f64) -> Option<Smoothed> {
+        self.smoothed_by.as_ref()?;
+        let [shafts, through] = smooth::NEEDED.map(|needed| {
+            self.passes.mean.iter().position(|&pass| pass == needed).map(|number| BEAUTY.len() + 3 * number)
+        });
+        let (shafts, through) = (shafts?, through?);
+        let mean = |(x, y): (usize, usize), sum: usize| {
+            self.window.index(x, y).map_or(0.0, |pixel| {
+                let weight = self.weights[pixel];
+                if weight > 0.0 { self.sums[pixel * self.stride() + sum] / weight } else { 0.0 }
+            })
+        };
+        let plane = |of: &dyn Fn((usize, usize)) -> f64| -> Vec<f32> {
+            part.pixels().map(|pixel| of(pixel) as f32).collect()
+        };
+        let through = plane(&|pixel| (0..3).map(|channel| mean(pixel, through + channel)).sum::<f64>() / 3.0);
+        let shafts = [0, 1, 2].map(|channel| plane(&|pixel| mean(pixel, shafts + channel)));
+        let variance = |pixel| self.estimate(pixel)?.variance;
+        let variances = plane(&|pixel| variance(pixel).map_or(f64::NAN, |variance| completion * variance));
+        Some(Smoothed::new(part, &through, &shafts.each_ref().map(|plane| &plane[..]), &variances))
     }
 }
 

@@ -14,6 +14,7 @@ mod mask;
 mod mattes;
 mod pass_value;
 mod resolve;
+mod smooth;
 mod splats;
 #[cfg(test)]
 mod tests;
@@ -32,6 +33,7 @@ pub use brightness::Dark;
 pub use estimate::{BlockEstimate, PixelEstimate};
 pub use frame::{Channel, DefectCount, Frame, FrameDefects, HALF_MAX, PixelPlace};
 pub use mask::Mask;
+pub use smooth::REACH_PX;
 pub use splats::{Splat, Splats};
 
 /// Sums over the samples of a rectangle of the picture, for the beauty and the passes asked for.
@@ -54,6 +56,8 @@ pub struct Film {
     hues: Vec<[HueSums; 2]>,
     /// Objects that cover each pixel; empty unless somebody asks.
     mattes: Vec<MatteList>,
+    /// Passes that nobody asks for, by which shafts are smoothed; `None` if they are not.
+    smoothed_by: Option<Vec<Pass>>,
 }
 
 /// Zeros in memory that has been written to: a sum reads its memory first, for which the system would show a
@@ -93,7 +97,15 @@ impl Film {
             hues: vec![[HueSums::default(); 2]; if passes.hues { pixels } else { 0 }],
             mattes: vec![MatteList::default(); if passes.mattes { pixels } else { 0 }],
             passes,
+            smoothed_by: None,
         }
+    }
+
+    /// Film whose picture has [smoothed shafts](smooth), where its samples come in halves.
+    pub fn with_smooth_shafts(full: Size, window: Window, passes: &[Pass], has_hues: bool) -> Self {
+        let unasked: Vec<Pass> = smooth::NEEDED.into_iter().filter(|pass| !passes.contains(pass)).collect();
+        let kept = KeptPasses::new(&[passes, &unasked].concat(), has_hues);
+        Self { smoothed_by: Some(unasked), ..Self::of(full, window, kept) }
     }
 
     /// About what a pixel of a film with these passes takes in memory.

@@ -2,7 +2,7 @@
 //! keep their passes. Invariant: sums are divided by weights once, here.
 
 use super::splats::BEAUTY;
-use super::{Channel, Film, Frame, Precision, holes, hues, mattes};
+use super::{Channel, Film, Frame, Precision, holes, hues, mattes, smooth};
 use crate::passes::Pass;
 
 impl Film {
@@ -15,7 +15,9 @@ impl Film {
 
     /// The finished picture; see [`Film::resolve`]. Halves are given back before their frame takes memory.
     pub fn into_frame(mut self) -> Frame {
-        self.fresh = Vec::new();
+        if self.smoothed_by.is_none() {
+            self.fresh = Vec::new();
+        }
         self.resolve()
     }
 
@@ -32,7 +34,14 @@ impl Film {
         }
         let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
         holes::fill(self.window, known, &mut channels, mean_channels);
-        Frame { full: self.full, window: self.window, channels }
+        let mut frame = Frame { full: self.full, window: self.window, channels };
+        if let Some(unasked) = &self.smoothed_by {
+            let variance = |pixel| self.estimate(pixel).and_then(|estimate| estimate.variance);
+            let variances = self.window.pixels().map(|pixel| variance(pixel).unwrap_or(f64::NAN) as f32);
+            smooth::smooth(&mut frame, &variances.collect::<Vec<f32>>());
+            frame.drop_passes(unasked);
+        }
+        frame
     }
 
     /// The beauty, and the passes that are averaged.

@@ -5,6 +5,16 @@
 use super::sampler::mix;
 use sobol_burley::parts::{hash, owen_scramble_rev, sobol_rev, u32_to_f32_norm};
 
+/// Steps from row to row of a point in its stratum: powers of the inverse of the root of x^6 = x + 1, an additive
+/// recurrence in five dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+const ROW_STEPS: [f64; 5] = [
+    0.881_271_461_633_569_6,
+    0.776_639_389_089_768_3,
+    0.684_430_129_585_342_7,
+    0.603_168_740_685_728_3,
+    0.531_555_397_715_791_4,
+];
+
 /// Number of places that share a sequence, as a power of two: the library keeps sixteen bits of a point's
 /// number.
 const SEQUENCE_BITS: u32 = 16;
@@ -19,6 +29,15 @@ pub struct PlacedPoints {
     place: u32,
     seed: u32,
     next_dimension: u32,
+    strata: Option<Strata>,
+}
+
+/// Strata of as many points as come again, row after row.
+#[derive(Clone, Copy)]
+struct Strata {
+    /// Their number, as a power of two.
+    bits: u32,
+    row: usize,
 }
 
 impl PlacedPoints {
@@ -26,16 +45,30 @@ impl PlacedPoints {
     pub fn new(seed: u32, stream: u32, place: usize) -> Self {
         let sequence = (place >> SEQUENCE_BITS) as u32;
         let place = (place as u32) << (u32::BITS - SEQUENCE_BITS);
-        Self { place, seed: mix(seed ^ mix(stream ^ mix(sequence))), next_dimension: 1 }
+        Self { place, seed: mix(seed ^ mix(stream ^ mix(sequence))), next_dimension: 1, strata: None }
+    }
+
+    /// The coordinates of a place where the first `period` places come again and again, each time elsewhere in
+    /// the cells that they divide the space into: every run of so many places is as even as the first.
+    pub fn in_strata(seed: u32, stream: u32, place: usize, period: usize) -> Self {
+        let strata = Strata { bits: period.max(1).ilog2(), row: place / period.max(1) };
+        Self { strata: Some(strata), ..Self::new(seed, stream, place % period.max(1)) }
     }
 
     /// The next so many coordinates, each in `[0, 1)`.
     pub fn take<const N: usize>(&mut self) -> [f64; N] {
-        [(); N].map(|()| {
+        std::array::from_fn(|coordinate| {
             let dimension = self.next_dimension;
             self.next_dimension += 1;
             let point = owen_scramble_rev(sobol_rev(self.place, dimension), hash(self.seed ^ mix(dimension)));
-            f64::from(u32_to_f32_norm(point.reverse_bits()))
+            let point = f64::from(u32_to_f32_norm(point.reverse_bits()));
+            let Some(Strata { bits, row }) = self.strata else { return point };
+            // Cells have the same number of digits in each of the first two coordinates, or one more.
+            let digits = [bits.div_ceil(2), bits / 2].get(coordinate).copied().unwrap_or(0);
+            let cells = f64::from(1_u32 << digits);
+            let start = f64::from(mix(self.seed ^ mix(dimension ^ mix(self.place)))) / 2.0_f64.powi(32);
+            let step = ROW_STEPS[(dimension as usize - 1) % ROW_STEPS.len()];
+            ((point * cells).floor() + (start + row as f64 * step).fract()) / cells
         })
     }
 }
@@ -66,6 +99,22 @@ mod tests {
             assert_even((0..16).map(|number| number * distance));
             assert_even((0..16).map(|number| number * distance + distance / 2));
         }
+    }
+
+    /// Every run, and rows one above the other where the whole is finer than the strata.
+    #[test]
+    fn strata_come_again_with_other_points() {
+        let point = |place| PlacedPoints::in_strata(7, 3, place, 16).take::<2>();
+        for start in (0..1600).step_by(16) {
+            let mut hits = [0; 16];
+            for [u, v] in (start..start + 16).map(point) {
+                hits[(u * 4.0) as usize * 4 + (v * 4.0) as usize] += 1;
+            }
+            assert_eq!(hits, [1; 16]);
+        }
+        let mut firsts: Vec<f64> = (0..64).map(|row| point(16 * row + 5)[0] * 4.0).map(f64::fract).collect();
+        firsts.sort_by(f64::total_cmp);
+        assert!(firsts.windows(2).all(|pair| pair[1] - pair[0] < 2.5 / 64.0), "{firsts:?}");
     }
 
     #[test]

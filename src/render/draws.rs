@@ -60,14 +60,18 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         Draw { snapshot, lens_point: DVec2::ZERO, light: snapshot.lights[self.light].centre(), hue: Rgb::ONE }
     }
 
-    /// The draw of that place, which slices in others may share.
-    pub(super) fn get(&self, place: usize) -> Draw<'a, 'scene> {
+    /// The draw of that place. With a period, places so far apart have theirs in the same strata.
+    pub(super) fn get(&self, place: usize, period: Option<usize>) -> Draw<'a, 'scene> {
         if self.is_single() {
             return self.middle();
         }
         let Snapshot { view, lights, .. } = self.exposure.middle();
         // What there is not to draw takes no coordinates: the first are the most even.
-        let mut points = PlacedPoints::new(self.seed, self.light as u32, place);
+        let (seed, light) = (self.seed, self.light as u32);
+        let mut points = match period {
+            Some(period) => PlacedPoints::in_strata(seed, light, place, period),
+            None => PlacedPoints::new(seed, light, place),
+        };
         let [time] = if self.exposure.is_instant() { [0.5] } else { points.take() };
         let of_lens = if view.has_lens() { points.take() } else { [0.5; 2] };
         let of_light = if lights[self.light].is_delta() { [0.5; 3] } else { points.take() };
@@ -82,8 +86,8 @@ impl<'a, 'scene> Draws<'a, 'scene> {
     /// `None` if the light is where the camera is.
     pub(super) fn deviation_rad(&self, size: Size) -> Option<f64> {
         let base = self.middle().fan(size)?;
-        let probes =
-            (0..if self.is_single() { 0 } else { PROBES }).filter_map(|place| self.get(place).fan(size));
+        let probes = (0..if self.is_single() { 0 } else { PROBES })
+            .filter_map(|place| self.get(place, None).fan(size));
         Some(probes.map(|fan| base.deviation(&fan)).fold(0.0, f64::max))
     }
 }

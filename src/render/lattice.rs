@@ -9,8 +9,8 @@
 //! it passes through its place half way across its ring (`rings.rs`). It stays as it is about the axis,
 //! and about its far side, where fans deviate too far for that.
 //!
-//! Where slices share draws, a draw comes again every so many places. Each draw then has slices over all
-//! of the picture, a pixel apart, whose swaths reach to each other.
+//! Where draws are in strata, a stratum comes again every so many places. Each stratum then has slices over
+//! all of the picture, a pixel apart, whose swaths reach to each other.
 
 use super::bearings::Bearings;
 use super::layout::{Facts, Layout};
@@ -40,7 +40,7 @@ const FEWEST_DRAWS_PER_PX: f64 = 1.0;
 /// than so many pixels.
 const WIDE_SWATH_PX: f64 = 0.8;
 
-/// Swaths of shared draws are no wider: what counts in a pixel must not lie farther away than a crop
+/// Swaths of strata are no wider: what counts in a pixel must not lie farther away than a crop
 /// looks (`rounds.rs`).
 const WIDEST_SWATH_PX: f64 = 2.0;
 
@@ -62,8 +62,8 @@ pub(super) struct Lattice {
     base: Fan,
     layout: Layout,
     rings: Vec<RingLattice>,
-    /// Number of places after which draws come again, if slices share them.
-    draws: Option<usize>,
+    /// Number of places after which the strata of draws come again, if they do.
+    period: Option<usize>,
     per_row: usize,
     deviation_rad: f64,
 }
@@ -112,16 +112,16 @@ impl Lattice {
         let facts = Facts { is_drawn, are_ordered, rings: count, in_time, in_brightness, samples };
         let layout = Layout::choose(&facts);
         let per_row = per_row(schedule);
-        // Each draw has a slice to a pixel's width, when all rounds are done.
+        // Each stratum has a slice to a pixel's width, when all rounds are done.
         let rows_per_px = slices_per_px.round() as usize;
-        let draws = (layout == Layout::SharedDraws).then_some(rows_per_px * per_row);
+        let period = (layout == Layout::InStrata).then_some(rows_per_px * per_row);
         let first_shift = shift();
         let mut rings: Vec<RingLattice> = Vec::new();
         for ring in ring_facts.cut(&base, count) {
             let from = rings.last().map_or(0, |ring| ring.to);
             let rows = Rows {
                 per_rad: ring_facts.slices_per_rad(&base, ring),
-                multiple: if draws.is_some() { rows_per_px } else { 1 },
+                multiple: if period.is_some() { rows_per_px } else { 1 },
                 per_row,
                 from,
             };
@@ -131,7 +131,7 @@ impl Lattice {
             let weight_per_area = f64::from(schedule.first) * ring.weight_per_area;
             rings.push(RingLattice { weight_per_area, ..ring });
         }
-        Self { base, layout, rings, draws, per_row, deviation_rad }
+        Self { base, layout, rings, period, per_row, deviation_rad }
     }
 
     /// Layout of the draws.
@@ -178,7 +178,7 @@ impl RingLattice {
         };
         let width = (base.angles.1 + 2.0 * margin_rad).min(TAU);
         let Rows { per_rad, multiple, per_row, from } = *rows;
-        // All the way round the last slice of a draw lies as far from its first one as from the one before.
+        // All the way round the last slice of a stratum lies as far from its first one as from the one before.
         let count = ((width * per_rad).ceil().max(1.0) as usize).next_multiple_of(multiple);
         let row_rad = width / count as f64;
         Self {
@@ -224,15 +224,19 @@ impl RoundLattice<'_> {
         bearings.is_none_or(|bearings| bearings.hold(self.lattice.rings[ring].angle(place)))
     }
 
-    /// Number of the draw that slice `number` is seen with.
-    pub(super) fn draw(&self, number: usize) -> usize {
-        let place = self.places.of(number);
-        self.lattice.draws.map_or(place, |draws| place % draws)
+    /// Place of slice `number`.
+    pub(super) fn place(&self, number: usize) -> usize {
+        self.places.of(number)
+    }
+
+    /// Number of places after which the strata of draws come again, if they do.
+    pub(super) fn period(&self) -> Option<usize> {
+        self.lattice.period
     }
 
     /// Slice `number`, in the fan of its draw; `None` if it misses the picture.
     pub(super) fn slice(&self, drawn: &Fan, number: usize) -> Option<PlacedSlice> {
-        let Lattice { base, draws, per_row, .. } = self.lattice;
+        let Lattice { base, period, per_row, .. } = self.lattice;
         let place = self.places.of(number);
         let ring = &self.lattice.rings[self.lattice.ring(place)?];
         let angle = ring.angle(place);
@@ -242,11 +246,11 @@ impl RoundLattice<'_> {
             ring.anchor.map_or((angle, 1.0), |anchor| drawn.angle_through(base, angle, anchor));
         let slice = drawn.slice(angle, ring.ring)?;
         let place_rad = spread * ring.place_rad;
-        let swath_rad = match draws {
-            // To the next slice of the same draw.
-            Some(draws) => {
+        let swath_rad = match period {
+            // To the next slice of the same stratum.
+            Some(period) => {
                 let widest_rad = WIDEST_SWATH_PX / slice.greatest_separation_px_per_rad();
-                (place_rad * *draws as f64).min(widest_rad)
+                (place_rad * *period as f64).min(widest_rad)
             }
             None => place_rad * self.places.step as f64,
         };
@@ -276,7 +280,7 @@ pub(super) struct PlacedSlice {
     phase: f64,
     /// Weight of a sample for each unit of area per radian that it stands for.
     pub(super) weight_per_area: f64,
-    /// Angle from the middle between it and the slice before, of its round or its draw, to the middle
+    /// Angle from the middle between it and the slice before, of its round or its stratum, to the middle
     /// between it and the next.
     swath_rad: f64,
     /// See [`Chord::random`].
@@ -334,7 +338,7 @@ mod tests {
 
     const SIZE: Size = Size { width: 480, height: 270 };
 
-    /// The draws and the widest swaths, pixels, of rounds of 6, 6 and 12 samples under a light that deviates
+    /// The strata of draws and the widest swaths, pixels, of rounds of 6, 6 and 12 samples under a light that deviates
     /// far, where gathering is dear.
     fn drawn(differing: Differing) -> (BTreeSet<usize>, Vec<f64>) {
         let (sin, cos) = 50_f64.to_radians().sin_cos();
@@ -345,7 +349,8 @@ mod tests {
         let (mut draws, mut swaths) = (BTreeSet::new(), Vec::new());
         for number in 0..3 {
             let lattice = lattice.of_round(&schedule.round(number, &wanted).expect("not the last"), &wanted);
-            draws.extend((0..lattice.count()).map(|number| lattice.draw(number)));
+            let stratum = |place: usize| lattice.period().map_or(place, |period| place % period);
+            draws.extend((0..lattice.count()).map(|number| stratum(lattice.place(number))));
             let slices = (0..lattice.count()).filter_map(|number| lattice.slice(&base, number));
             let width_px =
                 |placed: PlacedSlice| placed.swath_rad * placed.slice.greatest_separation_px_per_rad();
@@ -354,9 +359,9 @@ mod tests {
         (draws, swaths)
     }
 
-    /// The rounds together have 12 slices to a pixel's width, and each of 12 draws has one.
+    /// The rounds together have 12 slices to a pixel's width, and each of 12 strata has one.
     #[test]
-    fn slices_that_deviate_far_share_draws_a_pixel_apart() {
+    fn slices_that_deviate_far_share_strata_a_pixel_apart() {
         let (draws, swaths) = drawn(Differing { deviation_rad: 0.016, ..Differing::default() });
         assert!(draws.into_iter().eq(0..12));
         // By the mean one, at the widest place somewhat more.

@@ -10,9 +10,9 @@ pub(super) enum Layout {
     Common,
     /// Each has its own, but their fans differ so little that slices keep their places between one another.
     InRings,
-    /// Slices a pixel apart share one, so that pixels side by side have seen the same points of light and
-    /// lens: what these have wrong is as smooth as what they light.
-    SharedDraws,
+    /// Slices a pixel apart draw from the same stratum of light and lens, so that each pixel has seen all
+    /// strata, and each at points of its own.
+    InStrata,
     /// Each has its own, and knows nothing of its neighbours.
     OwnDraws,
 }
@@ -26,7 +26,7 @@ pub(super) struct Facts {
     pub(super) are_ordered: bool,
     /// Number of rings.
     pub(super) rings: u32,
-    /// Whether draws differ in time: a few shared moments would show a moving thing as so many copies.
+    /// Whether draws differ in time: a few strata would show a moving thing as so many copies.
     pub(super) in_time: bool,
     /// Whether points of the light are not all as bright as each other: those of a lamp
     /// lie nearer or farther.
@@ -35,9 +35,9 @@ pub(super) struct Facts {
     pub(super) samples: u32,
 }
 
-/// Maximum number of samples a pixel for shared draws. Beyond it most of the error would be the blur of
+/// Maximum number of samples a pixel for draws in strata. Beyond it most of the error would be the blur of
 /// swaths of a pixel's width.
-const SHARED_DRAWS_TO: u32 = 128;
+const STRATA_TO: u32 = 128;
 
 impl Layout {
     /// The one for a picture. Figures of the alternatives: docs/decisions/slices.md#layouts.
@@ -47,8 +47,8 @@ impl Layout {
             Self::Common
         } else if are_ordered {
             Self::InRings
-        } else if rings == 1 && !(in_time || in_brightness) && samples <= SHARED_DRAWS_TO {
-            Self::SharedDraws
+        } else if rings == 1 && !(in_time || in_brightness) && samples <= STRATA_TO {
+            Self::InStrata
         } else {
             Self::OwnDraws
         }
@@ -84,10 +84,8 @@ mod tests {
     }
 
     #[test]
-    fn suns_that_deviate_far_share_draws_unless_samples_are_many() {
-        for (samples, layout) in
-            [(1, Layout::SharedDraws), (128, Layout::SharedDraws), (256, Layout::OwnDraws)]
-        {
+    fn suns_that_deviate_far_are_in_strata_unless_samples_are_many() {
+        for (samples, layout) in [(1, Layout::InStrata), (128, Layout::InStrata), (256, Layout::OwnDraws)] {
             assert_eq!(Layout::choose(&Facts { samples, ..DRAWN }), layout, "{samples}");
         }
     }

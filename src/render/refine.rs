@@ -6,7 +6,8 @@
 use super::rounds::{LOOSE, Picture, Round, Schedule};
 use super::survey::Survey;
 use super::{Job, Watch};
-use crate::film::{BlockEstimate, Blocks, Film, Mask, PixelEstimate};
+use crate::film::{BlockEstimate, Blocks, Film, Mask};
+use rayon::prelude::*;
 
 /// Blocks darker than this part of the picture's mean are judged as if they were that bright: nobody sees
 /// their errors, and where there is hardly any light, relative errors have no end.
@@ -15,6 +16,9 @@ const DARKEST: f64 = 0.1;
 /// A pixel with less than this part of the variance that its block may have, in itself and next to it, has
 /// samples enough: most of a block's error is that of the few pixels in which edges lie.
 const NEGLIGIBLE: f64 = 0.25;
+
+/// Number of blocks that are judged at once.
+const JUDGED_AT_ONCE: usize = 1024;
 
 /// Power of the number of samples by which a block's error falls: with edges faster than by the root.
 pub(super) const ORDERED: f64 = 0.75;
@@ -76,15 +80,16 @@ fn visible(luminance: f64, survey: &Survey) -> f64 {
 
 /// Renders exactly so many samples a pixel, as one round.
 pub(super) fn once(picture: &impl Picture, job: &Job, watch: &Watch) -> Refined {
-    let blocks = Blocks::covering(job.window, job.size);
-    let window = if job.is_judged() { blocks.window() } else { job.window };
+    let needed = job.needed_window();
+    let blocks = Blocks::covering(needed, job.size);
+    let window = if job.is_judged() { blocks.window() } else { needed };
     let mut film = picture.film(job, window);
     let wanted = Mask::all(window);
     let schedule = Schedule::of(job.sampling);
     picture.add_round(&Round { number: 0, schedule, wanted: &wanted }, &mut film, watch);
     picture.fill_holes(&mut film, watch);
     let estimates =
-        if job.is_judged() { judge(&film, &blocks, completion(picture.convergence())) } else { Vec::new() };
+        if job.is_judged() { judge(&film, &blocks, completion(picture.convergence())).0 } else { Vec::new() };
     let variances = estimates.iter().map(|block| block.variance).collect();
     Refined { film, blocks, variances, rounds: 1 }
 }
@@ -147,7 +152,7 @@ struct Judgement {
 
 impl<'a, P: Picture> Refinement<'a, P> {
     fn new(picture: &'a P, job: &Job, goal: &'a Goal) -> Self {
-        let window_blocks = Blocks::covering(job.window, job.size);
+        let window_blocks = Blocks::covering(job.needed_window(), job.size);
         let blocks = window_blocks.with_neighbours();
         Self {
             picture,
@@ -175,10 +180,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
 
     fn judge(&mut self, round: &Round) -> Judgement {
         let Self { picture, goal, film, blocks, .. } = self;
-        let completion = completion(picture.convergence());
-        let estimates = judge(film, blocks, completion);
-        let variance = |pixel| estimate(film, pixel, completion)?.variance;
-        let variances = film.window().pixels().map(variance).collect();
+        let (estimates, variances) = judge(film, blocks, completion(picture.convergence()));
         let excess = |block: usize| {
             if self.goes_on[block] { goal.excess(&estimates[block], block) } else { 0.0 }
         };
@@ -254,18 +256,25 @@ fn completion(convergence: f64) -> f64 {
     (4.0_f64.powf(convergence) - 1.0).recip()
 }
 
-/// Estimate of a pixel by its samples.
-fn estimate(film: &Film, pixel: (usize, usize), completion: f64) -> Option<PixelEstimate> {
-    let PixelEstimate { luminance, variance } = film.estimate(pixel)?;
-    Some(PixelEstimate { luminance, variance: variance.map(|variance| completion * variance) })
-}
-
-/// Estimate of each block by its pixels.
-fn judge(film: &Film, blocks: &Blocks, completion: f64) -> Vec<BlockEstimate> {
-    let of_pixel = |pixel| estimate(film, pixel, completion);
-    (0..blocks.count())
-        .map(|block| BlockEstimate::of(blocks.pixels(block).pixels().filter_map(of_pixel)))
-        .collect()
+/// Estimate of each block by its pixels, and the variance of each pixel of the film that has two halves.
+fn judge(film: &Film, blocks: &Blocks, completion: f64) -> (Vec<BlockEstimate>, Vec<Option<f64>>) {
+    let window = film.window();
+    let mut variances = vec![None; window.width * window.height];
+    let of_block = |block: usize| film.estimates(blocks.pixels(block), completion);
+    let mut estimates = Vec::with_capacity(blocks.count());
+    // A few at a time, as estimates of all pixels would be as much as the film.
+    for first in (0..blocks.count()).step_by(JUDGED_AT_ONCE) {
+        let some = first..blocks.count().min(first + JUDGED_AT_ONCE);
+        for pixels in some.into_par_iter().map(of_block).collect::<Vec<_>>() {
+            for &((x, y), estimate) in &pixels {
+                if let Some(index) = window.index(x, y) {
+                    variances[index] = estimate.variance;
+                }
+            }
+            estimates.push(BlockEstimate::of(pixels.into_iter().map(|(_, estimate)| estimate)));
+        }
+    }
+    (estimates, variances)
 }
 
 impl Goal<'_> {

@@ -86,6 +86,10 @@ impl<'a, 'scene> LightPicture<'a, 'scene> {
         Self { exposure, job, transport, correction, light, tally, draws, lattice }
     }
 
+    fn draws_in_strata(&self) -> bool {
+        self.lattice.as_ref().is_some_and(|lattice| lattice.layout() == Layout::InStrata)
+    }
+
     /// Solves a slice and keeps its samples.
     fn solve(
         &self,
@@ -157,6 +161,9 @@ fn lattice(exposure: &Exposure, job: &Job, light: usize, draws: &Draws) -> Optio
 impl Picture for LightPicture<'_, '_> {
     fn film(&self, job: &Job, window: Window) -> Film {
         let has_hues = self.exposure.middle().lights[self.light.number].has_hues();
+        if self.draws_in_strata() {
+            return Film::with_smooth_shafts(job.size, window, &job.passes, has_hues);
+        }
         let new = if has_hues { Film::with_hues } else { Film::new };
         new(job.size, window, &job.passes)
     }
@@ -170,7 +177,8 @@ impl Picture for LightPicture<'_, '_> {
     }
 
     fn fewest_samples(&self) -> u32 {
-        if self.convergence() == ORDERED { 1 } else { FEWEST_DRAWN_SAMPLES }
+        // In strata pixels side by side have points of their own, and differ if these are few.
+        if self.convergence() == ORDERED || self.draws_in_strata() { 1 } else { FEWEST_DRAWN_SAMPLES }
     }
 
     fn add_round(&self, round: &Round, film: &mut Film, watch: &Watch) {
@@ -179,11 +187,12 @@ impl Picture for LightPicture<'_, '_> {
         let seen = round.seen(job.size, job.filter);
         let lattice = lattice.of_round(round, &seen);
         let placed = |number: usize| {
-            let draw = draws.get(lattice.draw(number));
+            let draw = draws.get(lattice.place(number), lattice.period());
             let fan = draw.fan(job.size)?;
             let slice = lattice.slice(&fan, number)?;
             Some(Placed { draw, fan, slice })
         };
+        let has_halves = job.is_judged() || self.draws_in_strata();
         let count = lattice.count();
         // Kept from batch to batch: giving so much memory back and asking for it again costs
         // a tenth of the time.
@@ -197,9 +206,9 @@ impl Picture for LightPicture<'_, '_> {
                 SlicesScratch::default,
                 |scratch, (index, samples)| {
                     let number = first + index;
-                    // Of a lattice's slices every other one is a lattice too; what nobody
-                    // judges has no halves.
-                    samples.start(job.is_judged() && (!round.is_first() || number % 2 == 1));
+                    // Of a lattice's slices every other one is a lattice too; halves without a use
+                    // are not kept.
+                    samples.start(has_halves && (!round.is_first() || number % 2 == 1));
                     let is_wanted = lattice.is_wanted(number) && !(watch.cancelled)();
                     if let Some(placed) = is_wanted.then(|| placed(number)).flatten() {
                         self.solve(round, &seen, &placed, scratch, samples);

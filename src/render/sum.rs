@@ -55,7 +55,7 @@ impl Sum {
         let frame =
             self.frame.take().unwrap_or_else(|| Film::new(job.size, job.window, &job.passes).resolve());
         let (Some(blocks), true) = (&self.blocks, job.is_judged()) else {
-            return Rendered { frame, statistics: self.statistics };
+            return Rendered { frame: frame.part(job.window), statistics: self.statistics };
         };
         let errors: Vec<f64> = (0..blocks.count())
             .map(|block| relative_error(self.variances[block], mean_luminance(&frame, blocks, block), survey))

@@ -84,6 +84,11 @@ impl Window {
         Self { x, y, width, height }
     }
 
+    /// Window with all pixels that far away, as far as the picture reaches.
+    pub fn grown(self, px: usize, full: Size) -> Self {
+        (0..px).fold(self, |window, _| window.with_rim(full))
+    }
+
     /// Pixels in the order of a channel's values.
     pub fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.width * self.height).map(move |index| self.pixel(index))

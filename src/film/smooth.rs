@@ -1,0 +1,217 @@
+//! Shafts smoothed over the picture, where each pixel has points of the light and the lens of its own. In go
+//! a frame and how noisy its pixels are, out come its shafts with less noise, in the beauty as well.
+//! Invariants: what a pixel has depends on those within [`REACH_PX`]. As noise falls, shafts become what
+//! they were.
+//!
+//! A shaft is as wide as the light's half shadow, and noise is as narrow as a slice. Where things of several
+//! distances lie in a pixel, its shafts go with its transmittance, which has no noise but theirs. So shafts
+//! are a straight line over transmittance in the surroundings of each pixel (He, Sun & Tang 2010, "Guided
+//! image filtering", with weights). What they then lack is added back by how much of it is no noise (James &
+//! Stein 1961).
+
+use super::Frame;
+use crate::passes::Pass;
+use crate::scene::Window;
+use rayon::prelude::*;
+
+/// Radius of the surroundings that a line is fitted to.
+const FITTED_PX: usize = 2;
+/// Radius of the surroundings over which signal and noise are compared.
+const COMPARED_PX: usize = 4;
+/// Maximum distance of pixels that a smoothed one depends on.
+pub const REACH_PX: usize = FITTED_PX + COMPARED_PX;
+/// Share of the variance of noise as narrow as a slice that the weights leave: the sum of their squares across it.
+const LEFT: f64 = 19.0 / 81.0;
+/// Share of that variance by which values lie off their means, of which they are a third themselves.
+const LACKING: f64 = 1.0 - 2.0 / 3.0 + LEFT;
+/// Variance of transmittance that tells nothing of shafts.
+const SAME_DISTANCE: f64 = 1e-5;
+
+/// The passes that it needs.
+pub(super) const NEEDED: [Pass; 2] = [Pass::Shafts, Pass::Transmittance];
+
+/// Smooths the shafts of a frame that has the passes [`NEEDED`]; `variances` are those of its pixels, the mean
+/// over the channels, NaN where nothing is known.
+pub(super) fn smooth(frame: &mut Frame, variances: &[f32]) {
+    let planes = |pass: Pass| -> Option<Vec<usize>> {
+        let at = |name: &&str| frame.channels.iter().position(|channel| channel.name == *name);
+        pass.row().channels.iter().map(at).collect()
+    };
+    let (Some(shafts), Some(through)) = (planes(Pass::Shafts), planes(Pass::Transmittance)) else { return };
+    let of = |plane: usize| &frame.channels[plane].pixels;
+    let mean =
+        |pixel: usize| through.iter().map(|&plane| of(plane)[pixel]).sum::<f32>() / through.len() as f32;
+    let through: Vec<f32> = (0..variances.len()).map(mean).collect();
+    let values: Vec<&[f32]> = shafts.iter().map(|&plane| &of(plane)[..]).collect();
+    let smoothed = Smoothed::new(frame.window, &through, &values, variances);
+    for ((&plane, fitted), beauty) in shafts.iter().zip(&smoothed.fitted).zip(["R", "G", "B"]) {
+        let gained: Vec<f32> = (0..variances.len())
+            .map(|pixel| {
+                (1.0 - smoothed.signal(pixel)) * (fitted[pixel] - frame.channels[plane].pixels[pixel])
+            })
+            .collect();
+        for (number, channel) in frame.channels.iter_mut().enumerate() {
+            if number == plane || channel.name == beauty {
+                channel.pixels.iter_mut().zip(&gained).for_each(|(value, gained)| *value += gained);
+            }
+        }
+    }
+}
+
+/// Shafts of a part of the picture as lines fit them, and how far they are from them.
+pub(super) struct Smoothed {
+    fitted: Vec<Vec<f32>>,
+    /// Mean square of what shafts lack when they are fitted, around each pixel.
+    lacking: Vec<f32>,
+    /// Mean variance around each pixel.
+    noise: Vec<f32>,
+}
+
+impl Smoothed {
+    /// From the transmittance, the shafts by channel, and variances.
+    pub(super) fn new(window: Window, through: &[f32], shafts: &[&[f32]], variances: &[f32]) -> Self {
+        let fitted: Vec<Vec<f32>> = shafts.iter().map(|values| fit(window, through, values)).collect();
+        let lacking = |pixel: usize| {
+            let squares =
+                shafts.iter().zip(&fitted).map(|(values, fit)| (values[pixel] - fit[pixel]).powi(2));
+            squares.sum::<f32>() / shafts.len() as f32
+        };
+        let lacking: Vec<f32> = (0..variances.len()).map(lacking).collect();
+        let around = |values: &[f32]| tent(window, COMPARED_PX, values);
+        Self { fitted, lacking: around(&lacking), noise: around(variances) }
+    }
+
+    /// Share of what a pixel's shafts lack that is no noise.
+    fn signal(&self, pixel: usize) -> f32 {
+        let (lacking, noise) = (self.lacking[pixel], self.noise[pixel]);
+        if lacking > noise { 1.0 - noise / lacking } else { 0.0 }
+    }
+
+    /// Share of a pixel's variance that is left, its bias squared included.
+    pub(super) fn left(&self, pixel: usize) -> f64 {
+        let [lacking, noise, signal] =
+            [self.lacking[pixel], self.noise[pixel], self.signal(pixel)].map(f64::from);
+        if noise.is_nan() || noise <= 0.0 {
+            return 1.0;
+        }
+        let of_shafts = (lacking / LACKING).min(noise);
+        let smooth = 1.0 - signal;
+        let taken = of_shafts * (1.0 - signal * signal - smooth * smooth * LEFT) - signal * smooth * noise;
+        (1.0 - taken / noise).clamp(0.0, 1.0)
+    }
+}
+
+/// Value of each pixel by the line over `guide` that fits the values around it best.
+fn fit(window: Window, guide: &[f32], values: &[f32]) -> Vec<f32> {
+    (0..values.len())
+        .into_par_iter()
+        .map(|pixel| {
+            // About the pixel's own, so that no digits are lost.
+            let (g, v) = (f64::from(guide[pixel]), f64::from(values[pixel]));
+            let mut sums = [0.0; 5];
+            for (near, weight) in around(window, FITTED_PX, pixel) {
+                let (g, v) = (f64::from(guide[near]) - g, f64::from(values[near]) - v);
+                for (sum, term) in sums.iter_mut().zip([1.0, g, v, g * g, g * v]) {
+                    *sum += weight * term;
+                }
+            }
+            let [all, g_mean, v_mean, gg, gv] = sums.map(|sum| sum / sums[0]);
+            debug_assert!(all == 1.0);
+            let slope = (gv - g_mean * v_mean) / ((gg - g_mean * g_mean).max(0.0) + SAME_DISTANCE);
+            // No light is negative.
+            (v + v_mean - slope * g_mean).max(0.0) as f32
+        })
+        .collect()
+}
+
+/// Mean of the numbers around each pixel, with weights that fall off evenly; NaN where there are none.
+fn tent(window: Window, radius: usize, values: &[f32]) -> Vec<f32> {
+    let mean = |pixel: usize| {
+        let known = around(window, radius, pixel).filter(|&(near, _)| !values[near].is_nan());
+        let (sum, all) = known.fold((0.0, 0.0), |(sum, all), (near, weight)| {
+            (sum + weight * f64::from(values[near]), all + weight)
+        });
+        (sum / all) as f32
+    };
+    (0..values.len()).into_par_iter().map(mean).collect()
+}
+
+/// Pixels of a window within a radius of one, with their weights.
+fn around(window: Window, radius: usize, pixel: usize) -> impl Iterator<Item = (usize, f64)> {
+    let (column, row) = (pixel % window.width, pixel / window.width);
+    let near = move |at: usize, count: usize| at.saturating_sub(radius)..(at + radius + 1).min(count);
+    let weight = move |at: usize, other: usize| (radius + 1 - at.abs_diff(other)) as f64;
+    near(row, window.height).flat_map(move |y| {
+        near(column, window.width).map(move |x| (y * window.width + x, weight(row, y) * weight(column, x)))
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::{Channel, Precision};
+    use super::*;
+    use crate::math::Sampler;
+    use crate::scene::Size;
+
+    const SIZE: Size = Size { width: 48, height: 40 };
+
+    /// A frame with a leaf in fog, whose shafts are `truth` of the transmittance and the row, and noise.
+    fn frame(truth: impl Fn(f32, usize) -> f32, noise: f32) -> Frame {
+        let window = Window::whole(SIZE);
+        let through = |(x, _): (usize, usize)| [0.9, 0.6, 0.2][(x / 7) % 3];
+        let error = |(x, y): (usize, usize)| {
+            noise * (Sampler::new(1, x as u32, y as u32, 0).next_1d() as f32 - 0.5) * 12.0_f32.sqrt()
+        };
+        let shafts = |pixel| truth(through(pixel), pixel.1) + error(pixel);
+        let channel = |name: &str, of: &dyn Fn((usize, usize)) -> f32| {
+            Channel::new(name, Precision::Half, window.pixels().map(of).collect())
+        };
+        let mut channels = Vec::new();
+        for color in ["R", "G", "B"] {
+            channels.push(channel(color, &|pixel| 3.0 + shafts(pixel)));
+            channels.push(channel(&format!("shafts.{color}"), &shafts));
+            channels.push(channel(&format!("transmittance.{color}"), &through));
+        }
+        Frame { full: SIZE, window, channels }
+    }
+
+    fn error(frame: &Frame, truth: &Frame) -> f32 {
+        let of = |frame: &Frame| frame.channel("R").unwrap().pixels.clone();
+        let squares = of(frame).iter().zip(of(truth)).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
+        (squares / (SIZE.width * SIZE.height) as f32).sqrt()
+    }
+
+    #[test]
+    fn noise_falls_and_rims_stay() {
+        let shaft = |through: f32, y: usize| 5.0 * (1.0 - through) * (1.0 + 0.02 * y as f32);
+        let (truth, mut noisy) = (frame(shaft, 0.0), frame(shaft, 0.1));
+        let before = error(&noisy, &truth);
+        smooth(&mut noisy, &vec![0.01; SIZE.width * SIZE.height]);
+        assert!(error(&noisy, &truth) < 0.4 * before, "{} of {before}", error(&noisy, &truth));
+    }
+
+    #[test]
+    fn without_noise_shafts_are_as_they_were() {
+        let stripes = |through: f32, y: usize| (1.0 - through) * (y % 3) as f32;
+        let (truth, mut smoothed) = (frame(stripes, 0.0), frame(stripes, 0.0));
+        smooth(&mut smoothed, &vec![0.0; SIZE.width * SIZE.height]);
+        assert!(error(&smoothed, &truth) < 1e-6);
+    }
+
+    #[test]
+    fn pixels_see_no_farther_than_they_reach() {
+        let shaft = |through: f32, _| 1.0 - through;
+        let (mut near, mut far) = (frame(shaft, 0.1), frame(shaft, 0.1));
+        let variances = vec![0.01; SIZE.width * SIZE.height];
+        let (column, row) = (20, 20);
+        for channel in &mut far.channels {
+            channel.pixels[row * SIZE.width + column + REACH_PX + 1] *= 2.0;
+        }
+        smooth(&mut near, &variances);
+        smooth(&mut far, &variances);
+        let of = |frame: &Frame, x| frame.channel("R").unwrap().pixels[row * SIZE.width + x];
+        assert_eq!(of(&near, column), of(&far, column));
+        assert_ne!(of(&near, column + REACH_PX + 1), of(&far, column + REACH_PX + 1));
+    }
+}
