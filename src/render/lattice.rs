@@ -109,8 +109,10 @@ impl Lattice {
         let ring_facts = RingFacts { is_drawn, deviation_rad, samples, slices_per_px, segments };
         let (count, are_ordered) = ring_facts.choose(&base);
         let samples = schedule.in_all();
-        let facts = Facts { is_drawn, are_ordered, rings: count, in_time, in_brightness, samples };
+        let facts = Facts { is_drawn, are_ordered, in_time, in_brightness, samples };
         let layout = Layout::choose(&facts);
+        // Rings only keep slices in order, and those that share a draw are so anyway.
+        let count = if layout == Layout::SharedDraws { 1 } else { count };
         let per_row = per_row(schedule);
         // Each stratum has a slice to a pixel's width, when all rounds are done.
         let rows_per_px = slices_per_px.round() as usize;
