@@ -118,12 +118,12 @@ class Habit:
 
 HABITS = {
     # In a wood trees are bare far up; what stands alone or at its edge is not.
-    "oak": Habit(15.0, 0.36, 0.22, 13, 5.4, 0.40, 0.30, 6, 4, 0.85, 0.0, 14),
-    "maple": Habit(17.0, 0.24, 0.24, 16, 4.4, 0.50, 0.20, 6, 4, 0.80, 0.08, 12),
+    "oak": Habit(15.0, 0.36, 0.22, 13, 5.4, 0.40, 0.30, 6, 4, 0.85, 0.0, 20),
+    "maple": Habit(17.0, 0.24, 0.24, 16, 4.4, 0.50, 0.20, 6, 4, 0.80, 0.08, 20),
     # Its crown takes more than 12,000 leaves; what carries them is hardly seen.
-    "beech": Habit(19.0, 0.40, 0.17, 24, 5.6, 0.42, 0.22, 8, 5, 0.95, 0.05, 14, 2, 3, 2),
-    "birch": Habit(13.0, 0.13, 0.26, 16, 2.8, 0.72, 0.16, 5, 4, 0.85, 0.45, 10),
-    "sapling": Habit(3.6, 0.035, 0.22, 9, 1.1, 0.75, 0.24, 3, 3, 0.36, 0.05, 6),
+    "beech": Habit(19.0, 0.40, 0.17, 24, 5.6, 0.42, 0.22, 8, 5, 0.95, 0.05, 20, 2, 3, 2),
+    "birch": Habit(13.0, 0.13, 0.26, 16, 2.8, 0.72, 0.16, 5, 4, 0.85, 0.45, 15),
+    "sapling": Habit(3.6, 0.035, 0.22, 9, 1.1, 0.75, 0.24, 3, 3, 0.36, 0.05, 10),
 }
 
 
@@ -141,11 +141,15 @@ def shape_of_crown(t: float) -> float:
     return (0.55 + 0.45 * math.sin(math.pi * min(1.0, t * 1.5))) * (1.0 - 0.62 * t)
 
 
+# Heights of the rings where a trunk enters the ground, by its girth: there it bends most.
+FOOT = (-0.3, 0.0, 0.2, 0.45, 0.8, 1.3, 2.0, 3.0)
+
+
 def make_trunk(habit: Habit, rng: random.Random) -> tuple[list[Vector], list[float], Mesh]:
     """Path, radii and mesh of a trunk, whose foot flares into roots."""
-    steps = 12
+    steps, depth = 12, 0.4
     path = wander(
-        (0.0, -0.4, 0.0),
+        (0.0, -depth, 0.0),
         (rng.uniform(-0.08, 0.08), 1.0, rng.uniform(-0.08, 0.08)),
         habit.height_m,
         steps,
@@ -153,26 +157,49 @@ def make_trunk(habit: Habit, rng: random.Random) -> tuple[list[Vector], list[flo
         0.10,
         rng,
     )
-    # Two more rings near the ground, where the flare bends most.
+    # Two more points near the ground; limbs start at shares of the number of points.
     path[1:1] = [tuple(a + (b - a) * t for a, b in zip(path[0], path[1])) for t in (0.35, 0.65)]
     shares = [0.0, 0.35 / steps, 0.65 / steps] + [i / steps for i in range(1, steps + 1)]
-    radii = [habit.girth_m * (1.0 - 0.93 * s**0.85) for s in shares]
-    mesh = tube(path, radii, habit.sides, (max(1, round(habit.girth_m * 8)), 2.0))
+    foot = [(depth + height * habit.girth_m) / habit.height_m for height in FOOT]
+    rings = [0.0, *foot, *(share for share in shares if share > 1.2 * foot[-1])]
+    mesh = tube(
+        [within(path, shares, share) for share in rings],
+        [radius(habit, share) for share in rings],
+        habit.sides,
+        (max(1, round(habit.girth_m * 8)), 2.0),
+    )
     phase, row = rng.uniform(0, math.tau), habit.sides + 1
-    for ring, share in enumerate(shares):
-        height = share * habit.height_m
-        for k in range(row):
-            i = ring * row + k
-            angle = math.tau * (k % habit.sides) / habit.sides
-            ridges = 0.5 + 0.5 * math.cos(4 * angle + phase + 0.8 * math.sin(2 * angle))
-            flare = math.exp(-height / (2.2 * habit.girth_m)) * (0.25 + 0.75 * ridges)
-            fluting = 0.045 * math.sin(3 * angle + 0.5 * height + phase)
-            out = 1.0 + 0.9 * flare + fluting
-            center, position = path[ring], mesh.positions[i]
-            mesh.positions[i] = tuple(
-                c + (p - c) * (1.0 if axis == 1 else out) for axis, (c, p) in enumerate(zip(center, position))
-            )
-    return path, radii, mesh
+    for i, position in enumerate(mesh.positions):
+        share, angle = rings[i // row], math.tau * (i % row % habit.sides) / habit.sides
+        center = within(path, shares, share)
+        out = 1.0 + flare(share * habit.height_m - depth, habit.girth_m, angle, phase)
+        mesh.positions[i] = tuple(
+            c + (p - c) * (1.0 if axis == 1 else out) for axis, (c, p) in enumerate(zip(center, position))
+        )
+    return path, [radius(habit, share) for share in shares], mesh
+
+
+def radius(habit: Habit, share: float) -> float:
+    """Radius of a trunk at a share of its height, without its roots."""
+    return habit.girth_m * (1.0 - 0.93 * share**0.85)
+
+
+def within(path: list[Vector], shares: list[float], share: float) -> Vector:
+    """The point of a path at a share of its height."""
+    step = max(i for i, start in enumerate(shares[:-1]) if start <= share)
+    t = (share - shares[step]) / (shares[step + 1] - shares[step])
+    return tuple(a + (b - a) * t for a, b in zip(path[step], path[step + 1]))
+
+
+def flare(height: float, girth: float, angle: float, phase: float) -> float:
+    """How far a trunk swells at a height above the ground, by its radius: into roots, of which
+    some are stronger, and a little all round."""
+    turned = angle + 0.5 * math.sin(2 * angle + phase)
+    root = (0.5 + 0.5 * math.cos(5 * turned + phase)) ** 1.5 * (0.75 + 0.25 * math.cos(angle - 2 * phase))
+    strides = max(height / girth, FOOT[0])
+    fluting = 0.045 * math.sin(3 * angle + 0.5 * height + phase)
+    spread = 1.3 * min(1.0, girth / 0.24)  # Slender trees have slender roots.
+    return 0.35 * math.exp(-strides / 2.5) + spread * root * math.exp(-strides / 0.6) + fluting
 
 
 def at(path: list[Vector], values: list[float], share: float) -> tuple[Vector, Vector, float]:
