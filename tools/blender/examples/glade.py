@@ -139,14 +139,14 @@ def falling(twigs, solid, shades, rng):
 def light_and_fog(scene):
     """A low sun from the side, morning fog that thins out, a dim sky behind."""
     data = bpy.data.lights.new("sun", "SUN")
-    data.energy, data.color, data.angle = 28.0, (1.0, 0.62, 0.28), math.radians(1.2)
+    data.energy, data.color, data.angle = 20.0, (1.0, 0.56, 0.18), math.radians(1.2)
     sun = place("sun", data)
     sun.rotation_euler = mathutils.Vector((0.30, -0.80, -0.36)).to_track_quat("-Z", "Y").to_euler()
     settings = scene.sunfleck_settings
     fog = place("fog", None, (0.0, 20.0, 10.0))
     fog.scale = (24.0, 32.0, 13.0)
     holds = fog.sunfleck_settings
-    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.007, (0.96, 0.92, 0.84), 0.75
+    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.011, (0.92, 0.86, 0.74), 0.75
     holds.thins_out, holds.scale_height = True, 4.5
     settings.background_color, settings.background_strength = (0.50, 0.60, 0.72), 0.06
     settings.tolerance, settings.passes = 0.04, set()
@@ -174,11 +174,11 @@ def main(output):
     """Builds the scene and exports it."""
     rng = random.Random("glade")
     scene = start()
-    litter, bark = material("litter", "litter.png", factor=0.5), material("bark", "bark_oak.png")
-    yellow, amber = (
-        material("yellow maple", "maple_yellow.png", 0.6),
-        material("amber maple", "maple_amber.png", 0.6),
+    litter, bark = material("litter", "litter.png", factor=0.4), material("bark", "bark_oak.png")
+    yellow, amber, red = (
+        material(f"{age} maple", f"maple_{age}.png", 0.6, 0.8) for age in ("yellow", "amber", "red")
     )
+    brown = material("brown maple", "maple_brown.png", 0.15, 0.5)
     solid = [
         place(f"ground {name}", mesh(f"ground_{name}", litter))
         for name in ("clearing", "left", "right", "beyond")
@@ -190,8 +190,13 @@ def main(output):
     oak = mathutils.Matrix.Translation((-2.6, 2.6, 0.0)) @ mathutils.Matrix.Rotation(0.9, 4, "Z")
     trunk, fine = place("oak", wood), place("oak twigs", twigs)
     trunk.matrix_world = fine.matrix_world = oak
-    hanging = [mesh("maple_canopy_hanging", shade) for shade in (amber, yellow)]
-    crown("crown", Twigs(twigs, oak), 4200, (hanging, (0.20, 0.34)), rng)
+    hanging = [mesh("maple_canopy_hanging", shade) for shade in (amber, yellow, red)]
+    crown("crown", Twigs(twigs, oak), 6500, (hanging, (0.18, 0.30)), rng)
+    # Nearer than the light, so dark: what frames the picture.
+    frame = mathutils.Matrix.Translation((5.4, -0.9, -0.3)) @ mathutils.Matrix.Rotation(2.6, 4, "Z")
+    place("oak 2", wood).matrix_world = place("oak 2 twigs", twigs).matrix_world = frame
+    dark = [mesh("maple_canopy_hanging", brown)]
+    crown("crown 2", Twigs(twigs, frame), 2500, (dark, (0.18, 0.30)), rng)
     maple_bark = material("maple bark", "bark_maple.png")
     far_wood, far_twigs = mesh("birch_wood", maple_bark), mesh("birch_twigs", twig)
     for i, (x, y) in enumerate(
@@ -199,15 +204,13 @@ def main(output):
     ):
         turn, size = (0.0, 0.0, rng.uniform(0, math.tau)), rng.uniform(1.2, 1.5)
         tree = place(f"far tree {i + 1}", far_wood, (x, y, 0.0), turn, size)
-        if x < 5.0:
-            place(f"far twigs {i + 1}", far_twigs, (x, y, 0.0), turn, size)
-            far = Twigs(far_twigs, tree.matrix_basis)
-            crown(f"far crown {i + 1}", far, 600, (hanging, (0.35, 0.6)), rng)
-    leaves = [mesh("maple_far", yellow), mesh("maple_far", amber)]
-    for number in range(420):
+        place(f"far twigs {i + 1}", far_twigs, (x, y, 0.0), turn, size)
+        crown(f"far crown {i + 1}", Twigs(far_twigs, tree.matrix_basis), 1000, (hanging, (0.22, 0.36)), rng)
+    leaves = [mesh("maple_far", shade) for shade in (brown, amber, brown, yellow)]
+    for number in range(620):
         x, y = rng.uniform(-7, 7), rng.uniform(-7, 8)
         turn = (rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4), rng.uniform(0, math.tau))
-        place(f"litter {number}", leaves[number % 2], (x, y, 0.03), turn, rng.uniform(0.14, 0.24))
+        place(f"litter {number}", leaves[number % 4], (x, y, 0.03), turn, rng.uniform(0.12, 0.20))
     falling(fine, [*solid, trunk], (yellow, amber), rng)
     light_and_fog(scene)
     camera(scene)
