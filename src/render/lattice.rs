@@ -109,10 +109,12 @@ impl Lattice {
         let ring_facts = RingFacts { is_drawn, deviation_rad, samples, slices_per_px, segments };
         let (count, are_ordered) = ring_facts.choose(&base);
         let samples = schedule.in_all();
-        let facts = Facts { is_drawn, are_ordered, in_time, in_brightness, samples };
+        // They are those for the first round. Slices of further ones lie too close to be kept in order.
+        let rings = if schedule.doublings > 0 { 1 } else { count };
+        let facts = Facts { is_drawn, are_ordered, rings, in_time, in_brightness, samples };
         let layout = Layout::choose(&facts);
-        // Rings only keep slices in order, and those that share a draw are so anyway.
-        let count = if layout == Layout::SharedDraws { 1 } else { count };
+        // Slices of a stratum are in order without rings.
+        let count = if layout == Layout::InStrata { 1 } else { count };
         let per_row = per_row(schedule);
         // Each stratum has a slice to a pixel's width, when all rounds are done.
         let rows_per_px = slices_per_px.round() as usize;
