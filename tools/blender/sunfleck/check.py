@@ -93,6 +93,9 @@ def is_box(scene):
 
 def of_cameras(scene):
     bound = [marker.camera for marker in scene.timeline_markers if marker.camera]
+    for eye in dict.fromkeys([scene.camera, *bound]):
+        if eye and eye.type == "CAMERA" and eye.data.type not in {"PERSP", "ORTHO"}:
+            yield Finding("camera-panoramic", f"`{eye.name}`")
     lenses = {
         (eye.data.type, eye.data.shift_x, eye.data.shift_y, eye.data.clip_start, eye.data.clip_end)
         for eye in bound
@@ -111,8 +114,6 @@ def of_object(thing, scene):
         yield from of_light(name, thing)
         return
     if thing.type == "CAMERA":
-        if thing.data.type not in {"PERSP", "ORTHO"}:
-            yield Finding("camera-panoramic", name)
         if any(
             curve.data_path in {"shift_x", "shift_y", "clip_start", "clip_end"}
             for curve in curves_of(thing.data)
@@ -134,6 +135,8 @@ def of_object(thing, scene):
             yield Finding("fog-material", name)
         if fog.is_clipped(thing, scene.camera):
             yield Finding("fog-clipped", name)
+        if fog.touches(thing, scene.objects):
+            yield Finding("fog-touches", name)
         if not all(getattr(thing, rays) for rays in (*RAYS, "visible_camera", "visible_shadow")):
             yield Finding("ray-visibility", name)
         return

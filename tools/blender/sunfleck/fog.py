@@ -7,6 +7,7 @@ than numbers is not half read: then it is the panel that counts, and check says 
 from dataclasses import dataclass
 
 import numpy
+from mathutils import Vector
 
 from .materials import principled, sockets
 from .materials.colours import rec709
@@ -98,6 +99,33 @@ def is_clipped(thing, eye):
     within = thing.matrix_world.inverted_safe() @ eye.matrix_world.translation
     depth = eye.data.clip_start * float(numpy.max(numbers(thing)["density"]))
     return depth > LEAST_DEPTH and max(map(abs, within)) <= 1.0
+
+
+# Of the fog's cube: so near is one and the same place.
+TOUCHING = 1e-6
+
+
+def touches(thing, others):
+    """Whether a side of fog that is a mesh lies within a flat thing: Cycles meets one of them first, by chance."""
+    if thing.type != "MESH" or not volume_of(thing):
+        return False
+    into_cube = thing.matrix_world.inverted_safe()
+    return any(is_in_side(other, into_cube @ other.matrix_world) for other in others if other.type == "MESH" and is_flat(other))
+
+
+def is_flat(thing):
+    return not thing.hide_render and min(thing.dimensions) == 0.0 and max(thing.dimensions) > 0.0
+
+
+def is_in_side(thing, cube_from_thing):
+    # Most are not even near one.
+    if all(abs(abs(along) - 1.0) > TOUCHING for along in cube_from_thing @ Vector(thing.bound_box[0])):
+        return False
+    corners = numpy.array([*thing.bound_box]) @ numpy.array(cube_from_thing.to_3x3()).T + cube_from_thing.translation
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    is_near = (low < 1.0 + TOUCHING) & (high > -1.0 - TOUCHING)
+    is_in_it = numpy.abs(numpy.abs([low, high]) - 1.0).max(axis=0) < TOUCHING
+    return bool(is_near.all() and (is_in_it & (high - low < TOUCHING)).any())
 
 
 def read(link):

@@ -18,7 +18,8 @@ LOSSES = {
     "world-baked": (INFO, "the world's nodes are baked to a picture of 1024 x 512 texels"),
     "sky-disc": (WARNING, "the disc of a Sky Texture is a sun of its own only if there is one such disc, looked up "
                           "as usual, whose sky lights something: else it is smeared over texels"),
-    "world-changes": (WARNING, "the world changes: it is exported as it is now"),
+    "world-changes": (WARNING, "the world changes, and a file has it as it is now: the render engine has it in each "
+                               "frame"),
     "world-lights-nothing": (WARNING, "the sky is seen and lights nothing: choose in the panel what it lights"),
     "world-rays": (WARNING, "the sky is seen and lights, whatever the world's ray visibility says"),
     "world-depends-on-rays": (WARNING, "the world's nodes tell rays apart: it is and lights as the camera sees it"),
@@ -40,7 +41,7 @@ LOSSES = {
     "layer-filters": (WARNING, "surfaces, hair, sky and blur that a view layer leaves out are rendered"),
     "camera-culling": (WARNING, "what Cycles would cull, far away or beside the picture, is there"),
     # Cameras.
-    "camera-panoramic": (WARNING, "panoramic cameras are not exported"),
+    "camera-panoramic": (ERROR, "the camera that renders is panoramic or custom: make it perspective or orthographic"),
     "camera-cuts": (WARNING, "markers switch between cameras whose kind, shift or clipping differs: those "
                              "of the first camera stay"),
     "camera-values": (WARNING, "shift and clipping of a camera do not change: they stay as in the first "
@@ -92,6 +93,8 @@ LOSSES = {
     "fog-material": (WARNING, "the fog's own volume material is more than numbers: those of its panel count"),
     "fog-clipped": (WARNING, "the camera is in fog, which begins at the camera here and at its clip start in "
                              "Cycles: make that smaller"),
+    "fog-touches": (WARNING, "a side of the fog lies in a surface, and Cycles' picture depends on which of them its "
+                             "rays happen to meet first: move one by a millimetre"),
     "velocity-blur": (WARNING, "what is blurred by velocities moves from where it is at the frame, and not in "
                                "the middle of the shutter"),
     # Materials.

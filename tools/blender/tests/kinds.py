@@ -349,12 +349,13 @@ SAID = {
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hair, "hair"),
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"),
-    "uneven spot": (uneven_spot, "light-uneven"),
+    "uneven spot": (uneven_spot, "light-uneven"), "scrolled": (surfaces.scrolled, "material-changes"),
     "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
     "window": (surfaces.window, "material-lost"), "added translucence": (surfaces.added_translucence, "material-lost"),
     "light info": (surfaces.light_info, "material-lost"), "hues": (surfaces.hues, "instance-colors"),
     "fog of noise": (surfaces.fog_of_noise, "fog-material"),
     "fog about the camera": (surfaces.fog_about_the_camera, "fog-clipped"),
+    "fog on the ground": (surfaces.fog_on_the_ground, "fog-touches"),
     "fog unseen": (lambda scene: surfaces.fog_box(scene, visible_camera=False), "ray-visibility"),
 }
 # What came after Blender 5.0.

@@ -128,6 +128,17 @@ def keyed_coat(scene):
     leaves(scene, tree)
 
 
+def scrolled(scene):
+    """A picture that moves over the leaves."""
+    tree = matte()
+    image, place = tree.node("TexImage"), tree.node("Mapping")
+    image.image = bpy.data.images.new("picture", 8, 8)
+    tree.link(tree.node("TexCoord").outputs["UV"], place.inputs["Vector"]).link(place.outputs["Vector"], image.inputs["Vector"])
+    tree.link(image.outputs["Color"], tree.shader.inputs["Base Color"])
+    keyed(place.inputs["Location"], "default_value", ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
+    leaves(scene, tree)
+
+
 def stained(scene):
     """Transparent in a colour."""
     tree = matte()
@@ -231,6 +242,12 @@ def fog_in_a_group(scene):
 def fog_about_the_camera(scene):
     fog_box(scene)
     scene.camera.location.y, scene.camera.data.clip_start = 0.0, 0.1
+
+
+def fog_on_the_ground(scene):
+    """Its lower side lies in it."""
+    fog_box(scene)
+    bpy.context.active_object.location.z = 1.0
 
 
 def fog_of_noise(scene):

@@ -14,6 +14,7 @@ from unittest import mock
 import bpy
 import kinds
 import numpy
+import scenes
 import sunfleck
 from sunfleck import export, losses, render
 from sunfleck.materials import instances
@@ -84,6 +85,19 @@ class Said(Case):
         for name, scene, id in self.each(kinds.SAID):
             warnings = export.export(scene, self.folder / "scene.glb")
             self.assertTrue(any(warning.startswith(f"[{id}]") for warning in warnings), f"{name}: {warnings}")
+
+    def test_a_panoramic_camera_is_refused_where_it_renders(self):
+        scene = kinds.stage()
+        scene.camera.data.type = "PANO"
+        with self.assertRaisesRegex(export.NotExportable, "camera-panoramic.*`camera`"):
+            export.export(scene, self.folder / "scene.glb")
+        scenes.camera(scene)
+        self.assertEqual(export.export(scene, self.folder / "scene.glb"), [])
+
+    def test_fog_above_the_ground_does_not_touch_it(self):
+        scene = kinds.stage()
+        kinds.surfaces.fog_box(scene)
+        self.assertEqual(export.export(scene, self.folder / "scene.glb"), [])
 
 
 class Rounded(unittest.TestCase):

@@ -19,8 +19,9 @@ from ..losses import ordered
 from ..materials.library import custom
 from . import passes, patching
 
-# Losses of files that are none here: Blender itself does these.
+# Losses of files that are none here: Blender itself does these, or each frame has its own.
 DONE_BY_BLENDER = {"border", "view-layers", "frame-step", "compositor", "sequencer", "view-transform"}
+OF_EACH_FRAME = {"world-changes", "film-exposure-changes", "shutter-changes", "camera-cuts", "visibility-changes"}
 
 
 class NotRendered(Exception):
@@ -118,7 +119,7 @@ def refuse(findings):
 
 def anew(engine, graph, path):
     scene, frame = graph.scene, graph.scene.frame_current
-    findings = [one for one in check.check(scene) if one.id not in DONE_BY_BLENDER]
+    findings = [one for one in check.check(scene) if one.id not in DONE_BY_BLENDER | OF_EACH_FRAME]
     refuse(findings)
     try:
         with scenes.Job(scene, frame) as job:

@@ -61,7 +61,7 @@ class Library:
         # Raises if nobody wants what is made any more.
         self.heed = nobody
         self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
-        # Numbers that have no pointer, and materials of which they change.
+        # What of each has no pointer, and materials of which it changes.
         self.still, self.moved = {}, set()
         # Of materials that differ from instance to instance: copies by facts, and how many levels
         # facts are rounded to.
@@ -305,8 +305,8 @@ class Library:
                 surface = None
             if surface:
                 numbers = of_surface(surface, self.exposure)
-                others = {name: source.factor for name, source in surface.sources.items() if name not in POINTERS}
-                if self.still.setdefault(material, others) != others:
+                still = what_stays(surface)
+                if self.still.setdefault(material, still) != still:
                     self.moved.add(material)
                 self.tracks.setdefault(material, []).append((frame, numbers))
 
@@ -328,6 +328,14 @@ class Library:
             self.document.pointer_channel(
                 f"/materials/{number}/{POINTERS[name]}", self.clock.seconds(frames), values
             )
+
+
+def what_stays(surface):
+    """Numbers of a surface that no pointer changes, and where its pictures lie."""
+    numbers = {name: source.factor for name, source in surface.sources.items() if name not in POINTERS}
+    pictures = [source.picture for source in (*surface.sources.values(), surface.alpha)]
+    pictures += [bent[0] for bent in (surface.normal, surface.coat_normal) if bent]
+    return numbers, [picture and picture.place() for picture in pictures]
 
 
 def looked_at(material):
