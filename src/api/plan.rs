@@ -19,6 +19,9 @@ use std::collections::BTreeMap;
 /// 16384 x 8192.
 const MOST_PIXELS: usize = 1 << 27;
 
+/// Pixels along a side of what one ray of a rough look stands for.
+const ROUGH_PX: usize = 8;
+
 /// Everything that frames of a picture have in common.
 pub struct Plan<'scene> {
     /// Scene to render.
@@ -92,15 +95,39 @@ impl<'scene> Plan<'scene> {
 
     /// Renders an exposure of this plan on the current rayon pool.
     pub fn render(&self, exposure: &Exposure, watch: &Watch) -> Rendered {
+        self.carry_out(&self.job, exposure, watch)
+    }
+
+    /// A rough look at an exposure of this plan: a ray for each square of [`ROUGH_PX`] pixels.
+    pub fn rough(&self, exposure: &Exposure, watch: &Watch) -> film::Frame {
+        let Size { width, height } = self.job.size;
+        let size = Size { width: width.div_ceil(ROUGH_PX), height: height.div_ceil(ROUGH_PX) };
+        let rendered = self.carry_out(&self.small(size, 1), exposure, watch);
+        rendered.frame.enlarged(self.job.size, self.job.window)
+    }
+
+    /// Job for a small picture of a frame, of `size` pixels and `samples` a pixel.
+    fn small(&self, size: Size, samples: u32) -> Job {
+        Job {
+            size,
+            window: Window::whole(size),
+            passes: Vec::new(),
+            sampling: Sampling::Exactly(samples),
+            method: self.job.method.by_rays(),
+            ..self.job.clone()
+        }
+    }
+
+    fn carry_out(&self, job: &Job, exposure: &Exposure, watch: &Watch) -> Rendered {
         if !self.settings.shafts_alone {
-            return render::render_keeping(exposure, &self.job, self.scene.light(), watch);
+            return render::render_keeping(exposure, job, self.scene.light(), watch);
         }
         let mut needed = vec![Pass::Shafts, Pass::Transmittance];
-        needed.retain(|pass| !self.job.passes.contains(pass));
-        let mut passes = [&self.job.passes[..], &needed].concat();
+        needed.retain(|pass| !job.passes.contains(pass));
+        let mut passes = [&job.passes[..], &needed].concat();
         passes.sort_unstable();
-        let mut rendered =
-            render::render_keeping(exposure, &Job { passes, ..self.job.clone() }, self.scene.light(), watch);
+        let job = Job { passes, ..job.clone() };
+        let mut rendered = render::render_keeping(exposure, &job, self.scene.light(), watch);
         rendered.frame.show_shafts_alone();
         rendered.frame.drop_passes(&needed);
         rendered
@@ -126,15 +153,7 @@ impl<'scene> Plan<'scene> {
         let shutter = Shutter::instant(self.shutter(frame).middle_s());
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
         let exposure = Exposure::middle_of(scene, self.scene.trees(), self.camera, aspect, shutter);
-        let job = Job {
-            size,
-            window: Window::whole(size),
-            passes: Vec::new(),
-            sampling: Sampling::Exactly(samples),
-            method: self.job.method.by_rays(),
-            ..self.job.clone()
-        };
-        render::render_keeping(&exposure, &job, self.scene.light(), &Watch::NOBODY)
+        render::render_keeping(&exposure, &self.small(size, samples), self.scene.light(), &Watch::NOBODY)
             .frame
             .auto_exposure_stops()
     }

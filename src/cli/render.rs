@@ -154,6 +154,10 @@ impl Run<'_> {
         let look: Option<&render::Look> = if live.is_on() { Some(&look) } else { None };
         let rendered = self.pool.install(|| {
             let exposure = plan.picture.exposure(frame);
+            if live.is_on() {
+                let watch = Watch { cancelled: &cancelled, ..Watch::NOBODY };
+                live.show(&name, &plan.picture.rough(&exposure, &watch));
+            }
             let rendered = plan.picture.render(&exposure, &Watch { progress, cancelled: &cancelled, look });
             self.stats.snapshot_took(frame, exposure.took().as_secs_f64());
             live.show(&name, &rendered.frame);

@@ -132,6 +132,20 @@ impl Frame {
         Self { full: self.full, window, channels: self.channels.iter().map(part_of).collect() }
     }
 
+    /// A whole picture at a larger size, or the part of that inside a window: each pixel is the one that it
+    /// lies in.
+    pub fn enlarged(&self, full: Size, window: Window) -> Self {
+        let own = self.full;
+        let pixel_of =
+            |(x, y): (usize, usize)| y * own.height / full.height * own.width + x * own.width / full.width;
+        let pixels: Vec<usize> = window.pixels().map(pixel_of).collect();
+        let channels = self.channels.iter().map(|channel| Channel {
+            pixels: pixels.iter().map(|&pixel| channel.pixels[pixel]).collect(),
+            ..channel.clone()
+        });
+        Self { full, window, channels: channels.collect() }
+    }
+
     /// The channel of that name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
@@ -214,6 +228,16 @@ impl fmt::Display for FrameDefects {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn enlarged_pixels_lie_where_they_lay() {
+        let (size, full) = (Size { width: 2, height: 1 }, Size { width: 5, height: 3 });
+        let channels = vec![Channel::new("R", Precision::Half, vec![1.0, 2.0])];
+        let frame = Frame { full: size, window: Window::whole(size), channels };
+        let part = frame.enlarged(full, Window { x: 1, y: 1, width: 4, height: 2 });
+        assert_eq!(part.channels[0].pixels, [1.0, 1.0, 2.0, 2.0, 1.0, 1.0, 2.0, 2.0]);
+        assert_eq!((part.full, part.window.x), (full, 1));
+    }
 
     #[test]
     fn defects_are_told_apart_and_placed_in_the_full_picture() {
