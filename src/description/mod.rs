@@ -67,6 +67,11 @@ impl SceneSource {
             Self::Gltf(_) => true,
         }
     }
+
+    /// Whether such a file says what is around: a black sky is dark on purpose.
+    pub fn says_surroundings(&self) -> bool {
+        matches!(self, Self::Gltf(scene) if scene.extras.get("sunfleck_env").is_some())
+    }
 }
 
 impl Description {

@@ -32,6 +32,7 @@ pub fn resolve_telling(
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let file = Place::File(description.path);
     let (is_bare, scene_path) = (description.scene.is_bare(), description.scene.path().to_owned());
+    let has_default_light = !options.no_default_light && !description.scene.says_surroundings();
     let scene_file = Place::File(scene_path.clone());
     let of_sequence = || description.sequence.as_ref()?.fields.animation.clone();
     let animation = options.animation.clone().or_else(of_sequence);
@@ -60,7 +61,7 @@ pub fn resolve_telling(
         scene.remarks.push(camera_made_up(&scene_file, holds_cameras));
     }
     if is_bare {
-        light_up(&mut scene, &rendered, options, &scene_file);
+        light_up(&mut scene, &rendered, has_default_light, &scene_file);
     }
     if !options.keep_sky_suns {
         set_suns_apart(&mut scene, &scene_file);
@@ -105,9 +106,9 @@ fn camera_made_up(file: &Place, holds_cameras: bool) -> Diagnostic {
 }
 
 /// Lights an input of a format in which most files have no light.
-fn light_up(scene: &mut Scene, settings: &RenderSettings, options: &ResolveOptions, file: &Place) {
+fn light_up(scene: &mut Scene, settings: &RenderSettings, has_default: bool, file: &Place) {
     if default_light::is_wanted(scene) {
-        if !options.no_default_light {
+        if has_default {
             default_light::add(scene, settings);
             let found = "the scene has no light: a sun behind the camera and an even sky light it (--default-light off leaves it dark)";
             scene.remarks.push(Diagnostic::choice(file.clone(), found));

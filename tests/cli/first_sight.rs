@@ -4,7 +4,7 @@
 use crate::checkout;
 use crate::program::Studio;
 use image::RgbImage;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// A word of a command line.
 fn input(name: &str) -> String {
@@ -72,6 +72,19 @@ fn the_default_light_can_be_switched_off_which_makes_other_frames() {
     );
     let beauty = studio.frame("a/x.exr").frame;
     assert!(beauty.channel("R").unwrap().pixels.iter().all(|red| *red == 0.0));
+}
+
+/// Blender's scenes that are dark there.
+#[test]
+fn a_file_that_says_its_sky_gets_no_default_light() {
+    let studio = Studio::new();
+    let text = std::fs::read_to_string(checkout::file("tests/data/first/no_light_no_camera.gltf")).unwrap();
+    let mut file: Value = serde_json::from_str(&text).unwrap();
+    file["scenes"][0]["extras"]["sunfleck_env"] = json!({ "color": [0.0, 0.0, 0.0] });
+    std::fs::write(studio.path("dark.gltf"), file.to_string()).unwrap();
+    let described = studio.succeed("inspect dark.gltf --json").out;
+    let described: Value = serde_json::from_str(&described).unwrap();
+    assert_eq!(described["frames"][0]["lights"].as_object().unwrap().len(), 0);
 }
 
 /// What is exported is lit by whoever reads it, and then is the same picture.

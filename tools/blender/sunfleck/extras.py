@@ -77,6 +77,9 @@ def of_scene(scene, path=None):
         sky = world.of_world(scene, path)
     elif own.background_strength > 0.0:
         sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
+    if sky is None and (world.is_sky(scene) or not (world.shines(scene) or world.is_baked(scene))):
+        # Else the program lights what has no light.
+        sky = {"color": [0.0] * 3, "strength": 0.0}
     if sky:
         sky["strength"] *= film.exposure(scene)
         unseen = {"visible_to_camera": False} if scene.render.film_transparent else {}

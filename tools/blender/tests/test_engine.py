@@ -91,6 +91,15 @@ class Engine(unittest.TestCase):
         self.scene.sunfleck_settings.use_world = False
         self.assertEqual(self.still().of("RGB").max(), 0.0)
 
+    def test_what_has_no_light_is_dark(self):
+        """Though the program lights files that say nothing of any light."""
+        bpy.data.objects.remove(self.scene.objects["sun"])
+        for world in (None, bpy.data.worlds.new("black")):
+            self.scene.world = world
+            if world:
+                world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+            self.assertEqual(self.still().of("RGB").max(), 0.0)
+
     def test_a_transparent_film_does_not_see_the_sky(self):
         world = self.scene.world = bpy.data.worlds.new("grey")
         world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.25, 0.5, 0.75, 1.0)
@@ -404,11 +413,14 @@ class Engine(unittest.TestCase):
     def test_pictures_come_while_the_program_renders(self):
         self.scene.sunfleck_settings.samples = 64
         with mock.patch.object(picture, "show", side_effect=picture.show) as shown:
-            with mock.patch.object(engine, "LOOK_S", 0.0):
+            with mock.patch.multiple(engine, LOOK_S=0.0, SHOWN_SHARE=1.0):
                 whole = self.still()
-        self.assertGreater(shown.call_count, 0)
-        for _, layer, so_far in (call.args for call in shown.call_args_list):
-            self.assertEqual((layer, so_far.pixels.shape), ("ViewLayer", (*SIZE[::-1], 4)))
+        looks = [call.args for call in shown.call_args_list]
+        self.assertEqual({(layer, so_far.pixels.shape) for _, layer, so_far in looks}, {("ViewLayer", (*SIZE[::-1], 4))})
+        # The first is rough: squares of 8 pixels.
+        finer = [so_far for _, _, so_far in looks if (so_far.pixels[::8] != so_far.pixels[1::8]).any()]
+        self.assertGreater(len(finer), 0)
+        for so_far in finer:
             self.assertAlmostEqual(so_far.of("RGB").mean() / whole.of("RGB").mean(), 1.0, delta=0.1)
         self.assert_same(whole, self.frame())
 
