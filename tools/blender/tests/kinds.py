@@ -174,6 +174,14 @@ def numbers_of(domain):
     return build
 
 
+def vertex_group(scene):
+    tree = matte()
+    for leaf in leaves(scene, between(tree, output(tree.node("Attribute", attribute_name="tips"), "Factor", "Fac"))):
+        group = leaf.vertex_groups.new(name="tips")
+        group.add([1, 2], 1.0, "REPLACE")
+        group.add([3], 0.3, "REPLACE")
+
+
 def missing_attribute(scene):
     tree = matte()
     tree.shader.inputs["Emission Strength"].default_value = 0.2
@@ -323,7 +331,7 @@ BESIDE = {
     "places": (places, 10, EXACT), "particles, random": (particles_random, 8, EXACT), "particles, age": (particles_age, 8, EXACT),
     "from instancer": (from_instancer, 1, EXACT), "colours of faces": (colors_of_faces, 1, EXACT),
     "numbers of points": (numbers_of("POINT"), 1, BAKED), "numbers of faces": (numbers_of("FACE"), 1, BAKED),
-    "missing attribute": (missing_attribute, 1, EXACT), "strips": (strips, 10, EXACT), "velocities": (velocities, 6, EXACT),
+    "vertex group": (vertex_group, 1, BAKED), "missing attribute": (missing_attribute, 1, EXACT), "strips": (strips, 10, EXACT), "velocities": (velocities, 6, EXACT),
     "two-sided": (surfaces.two_sided, 1, EXACT),
     "two-sided by shaders": (surfaces.two_sided_by_shaders, 1, EXACT),
     "hair": (hair, 1, BAKED), "hair from the side": (hair_from_the_side, 1, BAKED),

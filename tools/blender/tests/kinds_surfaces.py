@@ -156,10 +156,11 @@ def two_sided(scene):
 
 
 def two_sided_by_shaders(scene):
+    """The front of each leaf has a colour of its own."""
     tree = matte()
     other = tree.node("BsdfDiffuse")
     other.inputs["Color"].default_value = GREEN
-    tree.shader.inputs["Base Color"].default_value = RED
+    between(tree, tree.node("ObjectInfo").outputs["Random"])
     tree.mixed(tree.node("NewGeometry").outputs["Backfacing"], tree.shader, other)
     for leaf in leaves(scene, tree)[::2]:
         leaf.rotation_euler.x += math.pi

@@ -4,6 +4,7 @@ In go evaluated meshes, out come rows of one to four numbers a corner: what Blen
 colours are linear; what a mesh lacks is Cycles' black, opaque.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import bpy
@@ -20,12 +21,15 @@ TYPES = {
 }
 # What Blender calls these when they are made anew.
 MADE = {1: ("FLOAT", "value"), 2: ("FLOAT2", "vector"), 3: ("FLOAT_VECTOR", "vector"), 4: ("FLOAT_COLOR", "color")}
+NO_GROUPS: Mapping[str, int] = {}
 MISSING = (0.0, 0.0, 0.0, 1.0)
 
 
-def of_corners(mesh: bpy.types.Mesh, name: str) -> Array:
-    """The empty name is the colours that render."""
+def of_corners(mesh: bpy.types.Mesh, name: str, groups: Mapping[str, int] = NO_GROUPS) -> Array:
+    """The empty name is the colours that render. `groups` are vertex groups by name: their weights are attributes."""
     name = name or mesh.attributes.default_color_name
+    if name in groups and name not in mesh.attributes:
+        return weights(mesh, groups[name])[numbers(mesh.loops, "vertex_index", len(mesh.loops), "i4")]
     values = values_of(mesh.attributes.get(name) if name else None)
     count = len(mesh.loops)
     if values is None:
@@ -36,6 +40,12 @@ def of_corners(mesh: bpy.types.Mesh, name: str) -> Array:
     if domain == "FACE":
         return numpy.repeat(values, numbers(mesh.polygons, "loop_total", len(mesh.polygons), "i4"), axis=0)
     return values
+
+
+def weights(mesh: bpy.types.Mesh, group: int) -> Array:
+    """Of each vertex in a vertex group; nought of what is not in it."""
+    found = (next((one.weight for one in vertex.groups if one.group == group), 0.0) for vertex in mesh.vertices)
+    return numpy.fromiter(found, "f4", len(mesh.vertices))[:, None]
 
 
 def values_of(attribute: bpy.types.Attribute | None) -> Array | None:

@@ -99,7 +99,8 @@ class Capture:
             found = strands.of_points(data, colors)
         else:
             uvs = {name for material in materials for name in self.library.uvs_of(material)}
-            found = geometry.of_mesh(data, colors, sorted(uvs), self.heed)
+            groups = {group.name: group.index for group in thing.vertex_groups} if colors else {}
+            found = geometry.of_mesh(data, colors, sorted(uvs), groups, self.heed)
         if found is None or not has_velocities:
             return found, None
         velocities = found.colors[VELOCITY] if VELOCITY in asked else found.colors.pop(VELOCITY)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy
 
-from .attributes import numbers, of_corners, uv_of_corners
+from .attributes import NO_GROUPS, numbers, of_corners, uv_of_corners
 from .heeding import heeding, nobody
 
 # The name of texture coordinates that are made for baking.
@@ -109,9 +109,9 @@ def digest(*pieces):
     return made.digest()
 
 
-def of_mesh(mesh, colors=(), uvs=(), heed=nobody):
+def of_mesh(mesh, colors=(), uvs=(), groups=NO_GROUPS, heed=nobody):
     """What there is to see of a mesh, with the attributes that its materials ask for as colours and as
-    texture coordinates; None without a face."""
+    texture coordinates; None without a face. `groups` are its vertex groups by name."""
     if not mesh.polygons:
         return None
     mesh.calc_loop_triangles()
@@ -130,7 +130,7 @@ def of_mesh(mesh, colors=(), uvs=(), heed=nobody):
         normals_of=normals_of,
         normals=normals,
         uvs={**layers, **{name: heeded(uv_of_corners, mesh, name) for name in uvs if name not in layers}},
-        colors={name: heeded(of_corners, mesh, name) for name in colors},
+        colors={name: heeded(of_corners, mesh, name, groups) for name in colors},
     )
     return heeding(heed, corners, found.fingerprint)
 

@@ -147,7 +147,8 @@ def fixed(tree, facts, index):
         if node.type == "GROUP" and node.node_tree:
             node.node_tree = node.node_tree.copy()
             fixed(node.node_tree, facts, index)
-        for output, question in dependence.questions_of_node(node):
+        # Of a copy for one side the instances still ask.
+        for output, question in dependence.questions_of_node(node) if SIDE not in facts else ():
             value = (index,) * 4 if output.name == "Material Index" else facts.get(question, UNKNOWN)
             replaced(tree, output, value)
         for output in dependence.backfacing(node) if SIDE in facts else ():

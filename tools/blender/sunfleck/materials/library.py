@@ -284,8 +284,14 @@ class Library:
             if material in self.moved or (material in self.changing and (look.baked or material not in self.tracks)):
                 yield Finding("material-changes", name)
         for material in self.changing:
-            if any(one == material and self.is_shown(made) for (one, _), made in self.copies.items()):
+            if any(map(self.is_shown, self.copies_of(material))):
                 yield Finding("material-changes", f"the material `{material.name}`")
+
+    def copies_of(self, material):
+        """For sides and instances, and those of these."""
+        for made in [made for (one, _), made in self.copies.items() if one == material]:
+            yield made
+            yield from self.copies_of(made)
 
     def is_shown(self, material):
         return any(key[0] == material for key in self.numbers)
