@@ -53,8 +53,8 @@ impl Film {
 }
 
 impl Film {
-    /// Estimates of a part of the picture by that part alone, one a pixel that has samples. `completion` is the
-    /// factor on variances by which halves complete one another.
+    /// Estimates of a part of the picture by that part alone, one a pixel that has samples. `completion` is
+    /// the factor on variances by which halves complete one another.
     pub fn estimates(&self, part: Window, completion: f64) -> Vec<((usize, usize), PixelEstimate)> {
         let of_pixel = |pixel| {
             let PixelEstimate { luminance, variance } = self.estimate(pixel)?;

@@ -20,7 +20,7 @@ const FITTED_PX: usize = 2;
 const COMPARED_PX: usize = 4;
 /// Maximum distance of pixels that a smoothed one depends on.
 pub const REACH_PX: usize = FITTED_PX + COMPARED_PX;
-/// Share of the variance of noise as narrow as a slice that the weights leave: the sum of their squares across it.
+/// Share of the variance of noise as narrow as a slice that weights leave: the sum of their squares across.
 const LEFT: f64 = 19.0 / 81.0;
 /// Share of that variance by which values lie off their means, of which they are a third themselves.
 const LACKING: f64 = 1.0 - 2.0 / 3.0 + LEFT;
@@ -30,7 +30,7 @@ const SAME_DISTANCE: f64 = 1e-5;
 /// The passes that it needs.
 pub(super) const NEEDED: [Pass; 2] = [Pass::Shafts, Pass::Transmittance];
 
-/// Smooths the shafts of a frame that has the passes [`NEEDED`]; `variances` are those of its pixels, the mean
+/// Smooths the shafts of a frame that has the passes [`NEEDED`]. Variances are those of its pixels, the mean
 /// over the channels, NaN where nothing is known.
 pub(super) fn smooth(frame: &mut Frame, variances: &[f32]) {
     let planes = |pass: Pass| -> Option<Vec<usize>> {

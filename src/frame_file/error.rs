@@ -143,14 +143,14 @@ impl FrameFileError {
             Self::IsFolder { .. } => "end --out with / to write into the folder, or give a file name",
             Self::CreateFolder { source, .. } | Self::Write { source, .. } => match source.kind() {
                 io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-                    "free some space or choose another place, then run the command again; `render --skip valid` keeps whole frames"
+                    "free some space or choose another place (`--out`), then run the command again; `render --skip valid` keeps whole frames"
                 }
                 io::ErrorKind::FileTooLarge => RAISE_LIMIT,
                 io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-                    "make the folder writable or choose another place"
+                    "make the folder writable or choose another place (`--out`)"
                 }
                 io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
-                    "a part of the path is a file: move it away or choose another place"
+                    "a part of the path is a file: move it away or choose another place (`--out`)"
                 }
                 io::ErrorKind::NotFound => {
                     "see that nothing else removes files there, such as a second run of the same frames"

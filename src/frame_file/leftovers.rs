@@ -40,7 +40,7 @@ fn claimed(mut create: impl FnMut() -> io::Result<NamedTempFile>) -> io::Result<
             Err(TryLockError::WouldBlock) => continue,
             // Removed already.
             Ok(()) if !temporary.path().exists() => continue,
-            // Where files cannot be locked their age tells (see `is_abandoned`).
+            // Where files cannot be locked their age tells (see `abandoned`).
             Ok(()) | Err(TryLockError::Error(_)) => return Ok(temporary),
         }
     }
@@ -57,7 +57,7 @@ pub fn remove_abandoned(folder: &Path, is_wanted: impl Fn(&[u8]) -> bool) -> Vec
         .filter_map(Result::ok)
         .filter(|entry| final_name(entry.file_name().as_encoded_bytes()).is_some_and(&is_wanted))
         .map(|entry| entry.path())
-        .filter(|temporary| is_abandoned(temporary) && fs::remove_file(temporary).is_ok())
+        .filter(|temporary| abandoned(temporary).is_some_and(|_locked| fs::remove_file(temporary).is_ok()))
         .collect()
 }
 
@@ -68,20 +68,21 @@ pub fn final_name(temporary: &[u8]) -> Option<&[u8]> {
     letters.iter().all(u8::is_ascii_alphanumeric).then(|| name.strip_suffix(b"."))?
 }
 
-/// Whether no process is at work on a temporary file: its lock is free, or, where there are
-/// no locks, it is old.
-fn is_abandoned(temporary: &Path) -> bool {
+/// A temporary file that no process is at work on: its lock was free, or, where there are no locks, it is
+/// old.
+/// Whoever has just made it sees it locked, as long as this is kept.
+fn abandoned(temporary: &Path) -> Option<fs::File> {
     // A pipe of such a name is none of ours, and would be waited for.
-    let is_file = fs::symlink_metadata(temporary).is_ok_and(|metadata| metadata.is_file());
-    let Some(file) = is_file.then(|| fs::File::open(temporary).ok()).flatten() else { return false };
-    match file.try_lock() {
+    fs::symlink_metadata(temporary).ok().filter(fs::Metadata::is_file)?;
+    let file = fs::File::open(temporary).ok()?;
+    let is_old =
+        || -> Option<bool> { Some(file.metadata().ok()?.modified().ok()?.elapsed().ok()? > ABANDONED_AFTER) };
+    let is_free = match file.try_lock() {
         Ok(()) => true,
         Err(TryLockError::WouldBlock) => false,
-        Err(TryLockError::Error(_)) => file
-            .metadata()
-            .and_then(|metadata| metadata.modified())
-            .is_ok_and(|modified| modified.elapsed().is_ok_and(|age| age > ABANDONED_AFTER)),
-    }
+        Err(TryLockError::Error(_)) => is_old().unwrap_or(false),
+    };
+    is_free.then_some(file)
 }
 
 #[cfg(test)]

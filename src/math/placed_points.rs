@@ -5,8 +5,9 @@
 use super::sampler::mix;
 use sobol_burley::parts::{hash, owen_scramble_rev, sobol_rev, u32_to_f32_norm};
 
-/// Steps from row to row of a point in its stratum: powers of the inverse of the root of x^6 = x + 1, an additive
-/// recurrence in five dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+/// Steps from row to row of a point in its stratum: powers of the inverse of the root of x^6 = x + 1, an
+/// additive recurrence in five dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom
+/// sequences").
 const ROW_STEPS: [f64; 5] = [
     0.881_271_461_633_569_6,
     0.776_639_389_089_768_3,
@@ -48,8 +49,8 @@ impl PlacedPoints {
         Self { place, seed: mix(seed ^ mix(stream ^ mix(sequence))), next_dimension: 1, strata: None }
     }
 
-    /// The coordinates of a place where the first `period` places come again and again, each time elsewhere in
-    /// the cells that they divide the space into: every run of so many places is as even as the first.
+    /// The coordinates of a place where the first `period` places come again and again, each time elsewhere
+    /// in the cells that they divide the space into: every run of so many places is as even as the first.
     pub fn in_strata(seed: u32, stream: u32, place: usize, period: usize) -> Self {
         let strata = Strata { bits: period.max(1).ilog2(), row: place / period.max(1) };
         Self { strata: Some(strata), ..Self::new(seed, stream, place % period.max(1)) }

@@ -182,7 +182,7 @@ impl RingLattice {
         };
         let width = (base.angles.1 + 2.0 * margin_rad).min(TAU);
         let Rows { per_rad, multiple, per_row, from } = *rows;
-        // All the way round the last slice of a stratum lies as far from its first one as from the one before.
+        // All the way round the last slice of a stratum lies as far from its first as from the one before.
         let count = ((width * per_rad).ceil().max(1.0) as usize).next_multiple_of(multiple);
         let row_rad = width / count as f64;
         Self {
@@ -342,8 +342,8 @@ mod tests {
 
     const SIZE: Size = Size { width: 480, height: 270 };
 
-    /// The strata of draws and the widest swaths, pixels, of rounds of 6, 6 and 12 samples under a light that deviates
-    /// far, where gathering is dear.
+    /// The strata of draws and the widest swaths, pixels, of rounds of 6, 6 and 12 samples under a light that
+    /// deviates far, where gathering is dear.
     fn drawn(differing: Differing) -> (BTreeSet<usize>, Vec<f64>) {
         let (sin, cos) = 50_f64.to_radians().sin_cos();
         let base = Fan::of_pinhole(0.7, SIZE, DVec3::new(0.0, sin, -cos));

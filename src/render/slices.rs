@@ -177,8 +177,7 @@ impl Picture for LightPicture<'_, '_> {
     }
 
     fn fewest_samples(&self) -> u32 {
-        // In strata pixels side by side have points of their own, and differ if these are few.
-        if self.convergence() == ORDERED || self.draws_in_strata() { 1 } else { FEWEST_DRAWN_SAMPLES }
+        if self.convergence() == ORDERED { 1 } else { FEWEST_DRAWN_SAMPLES }
     }
 
     fn add_round(&self, round: &Round, film: &mut Film, watch: &Watch) {

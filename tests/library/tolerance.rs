@@ -137,6 +137,39 @@ fn leaves_have_the_error_that_is_estimated() {
     assert_honest(&judge(&leaves500(), &until(0.05), 512, 4), 0.05);
 }
 
+/// Leaves under a sun as wide as four: slices are out of order, and shafts are smoothed.
+fn leaves_under_a_wide_sun() -> Scene {
+    let mut scene = leaves500();
+    scene.lights[0].kind = LightKind::SunDisc(SunDisc::even(2_f64.to_radians().into()));
+    scene
+}
+
+#[test]
+fn half_shadows_have_the_error_that_is_estimated() {
+    let judged = judge(&leaves_under_a_wide_sun(), &until(0.05), 1024, 2);
+    assert_honest(&judged, 0.05);
+}
+
+/// By rays, which smooth nothing, the picture has the same light in each part of it.
+#[test]
+fn smoothed_shafts_have_the_light_that_rays_find() {
+    let scene = leaves_under_a_wide_sun();
+    let window = Window { x: 40, y: 16, width: 48, height: 40 };
+    let rays = Job { method: Method::Segments, sampling: Sampling::Exactly(256), window, ..until(0.05) };
+    let truth = luminances(&picture(&scene, &rays).frame);
+    let smoothed: Vec<Vec<f64>> =
+        (0..8).map(|seed| luminances(&picture(&scene, &Job { seed, window, ..until(0.05) }).frame)).collect();
+    let all = mean(&truth);
+    for (x, y) in (0..6).flat_map(|x| (0..5).map(move |y| (8 * x, 8 * y))) {
+        let part = Window { x, y, width: 8, height: 8 };
+        let of = |values: &[f64]| {
+            mean(&part.pixels().map(|(x, y)| values[y * window.width + x]).collect::<Vec<_>>())
+        };
+        let found = mean(&smoothed.iter().map(|values| of(values)).collect::<Vec<_>>());
+        assert!((found - of(&truth)).abs() < 0.02 * all, "({x}, {y}): {found} for {}", of(&truth));
+    }
+}
+
 #[test]
 fn rays_have_the_error_that_is_estimated() {
     let window = Window { x: 40, y: 16, width: 48, height: 32 };
@@ -330,7 +363,15 @@ fn no_pixel_has_more_samples_than_it_may() {
 /// Of one light or several, each judged by those before.
 #[test]
 fn a_part_has_the_pixels_of_the_whole() {
-    let mut scene = leaves500();
+    parts_have_the_pixels_of_the_whole(leaves500());
+}
+
+#[test]
+fn a_part_has_the_smoothed_shafts_of_the_whole() {
+    parts_have_the_pixels_of_the_whole(leaves_under_a_wide_sun());
+}
+
+fn parts_have_the_pixels_of_the_whole(mut scene: Scene) {
     for lights in [1, 2] {
         for method in [Method::Slices, Method::Segments] {
             let job = Job { method, ..until(0.03) };
