@@ -13,16 +13,37 @@ impl Film {
         pixels.filter(|(_, weight)| **weight == 0.0).map(|(pixel, _)| pixel).collect()
     }
 
-    /// The finished picture; see [`Film::resolve`]. Halves are given back before their frame takes memory.
+    /// The finished picture; see [`Film::resolve`]. What it has been made from is given back on the way.
     pub fn into_frame(mut self) -> Frame {
-        if self.smoothed_by.is_none() {
-            self.fresh = Vec::new();
-        }
-        self.resolve()
+        let variances = self.variances();
+        self.fresh = Vec::new();
+        let channels = self.channels();
+        self.sums = Vec::new();
+        self.frame(channels, variances)
     }
 
     /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
     pub fn resolve(&self) -> Frame {
+        self.frame(self.channels(), self.variances())
+    }
+
+    /// Variance of each pixel, where shafts are smoothed by it; NaN where nothing is known.
+    fn variances(&self) -> Option<Vec<f32>> {
+        let variance = |pixel| self.estimate(pixel).and_then(|estimate| estimate.variance);
+        let variances = || self.window.pixels().map(|pixel| variance(pixel).unwrap_or(f64::NAN) as f32);
+        self.smoothed_by.as_ref().map(|_| variances().collect())
+    }
+
+    fn frame(&self, channels: Vec<Channel>, variances: Option<Vec<f32>>) -> Frame {
+        let mut frame = Frame { full: self.full, window: self.window, channels };
+        if let (Some(unasked), Some(variances)) = (&self.smoothed_by, variances) {
+            smooth::smooth(&mut frame, &variances);
+            frame.drop_passes(unasked);
+        }
+        frame
+    }
+
+    fn channels(&self) -> Vec<Channel> {
         let mut channels = self.means();
         let mean_channels = channels.len();
         let shafts = self.passes.mean.iter().position(|&pass| pass == Pass::Shafts);
@@ -34,14 +55,7 @@ impl Film {
         }
         let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
         holes::fill(self.window, known, &mut channels, mean_channels);
-        let mut frame = Frame { full: self.full, window: self.window, channels };
-        if let Some(unasked) = &self.smoothed_by {
-            let variance = |pixel| self.estimate(pixel).and_then(|estimate| estimate.variance);
-            let variances = self.window.pixels().map(|pixel| variance(pixel).unwrap_or(f64::NAN) as f32);
-            smooth::smooth(&mut frame, &variances.collect::<Vec<f32>>());
-            frame.drop_passes(unasked);
-        }
-        frame
+        channels
     }
 
     /// The beauty, and the passes that are averaged.
