@@ -74,13 +74,15 @@ class Look:
         _, row, width, rows = packet.numbers("<i4", 4).tolist()
         packet.numbers("<i8", 2 * len(names))
         if self.rows_before is None:
-            self.rows_before, self.pixels = row, numpy.empty((*self.size, len(names)), "f4")
+            self.rows_before = row
         row -= self.rows_before
+        if row == 0:
+            self.pixels = numpy.empty((*self.size, len(names)), "f4")
         found = packet.numbers("<f4", len(names) * width * rows).reshape(len(names), rows, width)
         self.pixels[row : row + rows] = found.transpose(1, 2, 0)
         if row + rows == self.size[0]:
             with self.lock:
-                self.fresh = Picture(names, self.pixels.copy())
+                self.fresh = Picture(names, self.pixels)
 
 
 class Packet:
