@@ -37,7 +37,9 @@ def sky_with_a_disc(scene):
 
 def lamp(scene, kind):
     data = bpy.data.lights.new("lamp", kind)
-    data.energy, data.use_soft_falloff = 200.0, False
+    data.energy = 200.0
+    if kind != "AREA":
+        data.use_soft_falloff = False
     thing = scenes.add(scene, "lamp", data, (1.0, -2.0, 2.0))
     thing.visible_camera = False
     bpy.data.objects.remove(scene.objects["sun"])
@@ -345,6 +347,7 @@ BESIDE = {
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT),
+    "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {

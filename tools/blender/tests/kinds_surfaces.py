@@ -6,6 +6,7 @@ import bpy
 import numpy
 import scenes
 from kinds_parts import GREEN, RED, between, group_of, keyed, leaves, matte, output
+from leaf_scenes import Tree as Nodes
 from test_materials import Tree
 
 
@@ -107,6 +108,36 @@ def picture_with_alpha(scene):
     tree = matte()
     tree.link(soft_picture(tree.material.node_tree, 0.2).outputs["Color"], tree.shader.inputs["Base Color"])
     leaves(scene, tree)
+
+
+def pictures_apart(scene):
+    """Colours lie otherwise than alpha, and how much it glows is of a colour."""
+    tree = matte()
+    colours, alpha = (soft_picture(tree.material.node_tree, low) for low in (1.0, 0.2))
+    colours.texture_mapping.scale = (2.0, 2.0, 1.0)
+    tree.link(colours.outputs["Color"], tree.shader.inputs["Base Color"])
+    tree.link(alpha.outputs["Alpha"], tree.shader.inputs["Alpha"])
+    tree.link(alpha.outputs["Color"], tree.shader.inputs["Emission Strength"])
+    tree.shader.inputs["Emission Color"].default_value = RED
+    leaves(scene, tree, count=1)
+
+
+def free_normals(scene):
+    """Of points; faces that are flat stay so."""
+    leaf = scenes.quad(scene, "leaf", 1.6, matte().material, (0.0, 0.0, 1.0))
+    leaf.rotation_euler.x = 1.4
+    tree = Nodes(leaf)
+    parts, flat, normals, place = (
+        tree.node(f"GeometryNode{kind}") for kind in ("SubdivideMesh", "SetShadeSmooth", "SetMeshNormal", "InputPosition")
+    )
+    parts.inputs["Level"].default_value, normals.mode = 2, "FREE"
+    flat.inputs["Shade Smooth"].default_value = False
+    tree.link(tree.source.outputs[0], parts.inputs[0])
+    tree.link(parts.outputs[0], flat.inputs[0])
+    tree.link(tree.random(-1.0, 1.0), flat.inputs["Selection"])
+    tree.link(flat.outputs[0], normals.inputs["Mesh"])
+    tree.link(place.outputs[0], next(one for one in normals.inputs if one.name == "Custom Normal" and one.enabled))
+    tree.link(normals.outputs[0], tree.target.inputs["Geometry"])
 
 
 def glossy_leaf(scene):

@@ -139,8 +139,21 @@ def normals_and_owner(mesh):
     if mesh.normals_domain == "FACE":
         return "FACE", numpy.empty((0, 3), "f4")
     if mesh.normals_domain == "POINT":
-        return "POINT", numbers(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), "f4")
+        normals = numbers(mesh.vertex_normals, "vector", (len(mesh.vertices), 3), "f4")
+        return with_sharp_faces(mesh, normals) if mesh.has_custom_normals else ("POINT", normals)
     return "CORNER", numbers(mesh.corner_normals, "vector", (len(mesh.loops), 3), "f4")
+
+
+def with_sharp_faces(mesh, normals):
+    """Of custom normals of points: Cycles has sharp faces flat all the same."""
+    count = len(mesh.polygons)
+    is_smooth = numbers(mesh.polygons, "use_smooth", count, "?")
+    if is_smooth.all():
+        return "POINT", normals
+    of_faces = numpy.repeat(numpy.arange(count), numbers(mesh.polygons, "loop_total", count, "i4"))
+    corners = normals[numbers(mesh.loops, "vertex_index", len(mesh.loops), "i4")]
+    flat = numbers(mesh.polygons, "normal", (count, 3), "f4")[of_faces]
+    return "CORNER", numpy.where(is_smooth[of_faces, None], corners, flat)
 
 
 def ordered_uvs(mesh):
