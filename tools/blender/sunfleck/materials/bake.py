@@ -22,6 +22,8 @@ from .principled import WHITE, Surface
 from .sockets import NotSimple, Picture, Source
 from .written import DEFAULTS
 
+# Counted up where the same tree comes to be baked otherwise: what was kept before is no longer looked at.
+WAY = 2
 SAMPLES = 4
 MARGIN_TEXELS = 4
 # An alpha is a mask if so few texels are in between.
@@ -74,7 +76,7 @@ class Baker:
         if not baked:
             return found
         on_mesh = self.geometry.known_by() if self.geometry else b""
-        how = repr((self.size, self.uv, SAMPLES, working_space(), bpy.app.version)).encode()
+        how = repr((WAY, self.size, self.uv, SAMPLES, working_space(), bpy.app.version)).encode()
         key = digest(of_tree(self.material.node_tree), on_mesh, how)
         kept = folder() / f"{key.hex()}.npz"
         if kept.is_file():

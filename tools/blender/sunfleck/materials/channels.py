@@ -123,13 +123,20 @@ class Channels:
 
     # Arithmetic of constants and sockets.
 
-    @staticmethod
-    def value(socket):
+    def value(self, socket):
         link = link_to(socket)
         if link:
-            return link.from_socket
+            source = link.from_socket
+            return self.number(source) if socket.type == "VALUE" and source.type in {"RGBA", "VECTOR"} else source
         value = socket.default_value
         return tuple(value[:3]) if hasattr(value, "__len__") else float(value)
+
+    def number(self, colour):
+        """As Blender makes a number of a colour, here as at the socket that it goes to."""
+        made = self.tree.nodes.new("ShaderNodeMath")
+        made.operation, made.inputs[1].default_value = "ADD", 0.0
+        self.tree.links.new(colour, made.inputs[0])
+        return made.outputs[0]
 
     def mixed(self, share, a, b):
         return {name: self.mix(share, a[name], b[name]) for name in NOTHING}

@@ -356,6 +356,7 @@ def looked_at(material):
     try:
         surface = closures.read(link)
         check_attributes(surface)
+        check_pictures(surface)
         return Look(surface, [loss for loss in losses if loss != "transmission" or "thin" not in surface.sources])
     except NotSimple as more:
         node = more.args[0] if more.args else None
@@ -371,6 +372,18 @@ def check_attributes(surface):
         alpha.attribute is not None and alpha.attribute_channel != 3
     )
     if two or swapped or any(source.attribute is not None for source in others):
+        raise NotSimple(None)
+
+
+def check_pictures(surface):
+    """glTF has one place for base colour and alpha, and one for metallic and roughness. What glows and what goes
+    through has colours, and no picture of how much."""
+    source = lambda name: surface.sources.get(name, WHITE)
+    pairs = (source("base"), surface.alpha), (source("metallic"), source("roughness"))
+    pictures = [[one.picture, other.picture] for one, other in pairs]
+    are_apart = any(None not in pair and pair[0].place() != pair[1].place() for pair in pictures)
+    are_colours = all(source(name).channel == "rgb" for name in ("emission", "through"))
+    if are_apart or not (are_colours and source("emission_strength").is_constant()):
         raise NotSimple(None)
 
 

@@ -9,7 +9,7 @@ import numpy
 from . import images as files
 from .colours import rec709
 from .principled import WHITE, Surface
-from .sockets import NotSimple, Source
+from .sockets import Source
 
 BLACK = Source((0.0, 0.0, 0.0))
 DEFAULTS = {
@@ -142,8 +142,6 @@ class Writer:
     def common_size(self, *sources):
         """Of the pictures of sources that one texture is to hold."""
         pictures = [source.picture for source in sources if source.picture]
-        if any(picture.place() != pictures[0].place() for picture in pictures):
-            raise NotSimple(None)
         return max(picture.image.size[0] for picture in pictures), max(
             picture.image.size[1] for picture in pictures
         )
@@ -172,15 +170,11 @@ class Writer:
 
     def put_emission(self, said, numbers):
         emission, strength = numbers["emission"], numbers["emission_strength"]
-        if not self.source("emission_strength").is_constant():
-            raise NotSimple(None)
         source = self.source("emission")
         if strength == 0.0 or max(emission) == 0.0:
             return
         if source.picture:
             picture = source.picture
-            if source.channel != "rgb":
-                raise NotSimple(None)
             self.check_range(picture)
             self.put(
                 said, "emissiveTexture", self.info(picture, self.images.whole(picture, is_color=True))
@@ -270,8 +264,6 @@ class Writer:
             "diffuseTransmissionFactor": share,
             "diffuseTransmissionColorFactor": [unit(c / share) for c in rec709(through.factor)],
         }
-        if through.attribute is not None or through.channel != "rgb":
-            raise NotSimple(None)
         if through.picture:
             image = self.images.whole(through.picture, is_color=True)
             self.put(said, "diffuseTransmissionColorTexture", self.info(through.picture, image))
