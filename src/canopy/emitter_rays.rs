@@ -101,7 +101,7 @@ pub(crate) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
     let FrozenLight::Point { emission, .. } = light.centre() else { return Vec::new() };
     let (axis, least_cos) = match &emission {
         Emission::Even => (DVec3::Y, -1.0),
-        Emission::Spot(cone) => (cone.axis, cone.cos_outer),
+        Emission::Spot(cone) | Emission::Gridded(cone) => (cone.axis, cone.cos_outer),
         Emission::Flat { normal } => (*normal, 0.0),
     };
     let (right, up) = axis.any_orthonormal_pair();

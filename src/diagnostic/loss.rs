@@ -92,7 +92,7 @@ losses! {
     MaskTooWide "mask-too-wide" "texture coordinates reach too far for masks to be cut out, these meshes are drawn whole"
     LightWithoutShafts "light-without-shafts" "lights that cast no shafts are not honoured, they cast them"
     LightOfNoFile "light-of-no-file" "`sunfleck_light` describes a light that the file does not hold, it is left out"
-    AreaLightSpread "area-light-spread" "an area light's spread is not honoured, it shines to all of its side"
+    AreaLightSpread "area-light-spread" "an area light's spread below 0.01 radians is not honoured, it is as wide as that"
     LightRange "light-range" "a light's range is not honoured, it shines without limit"
     SpotAngles "spot-angles" "a spot's angles are not 0 <= inner <= outer <= pi/2, the nearest that are take their place"
     LightSize "light-size" "`angle` is a size of suns and `radius` one of points and spots, others are passed over"

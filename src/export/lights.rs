@@ -51,11 +51,14 @@ impl Writer<'_> {
                 let inner = outer * (1.0 - blend.at(time_s).max(NARROWEST_EDGE));
                 ("spot", Some(json!({ "innerConeAngle": inner, "outerConeAngle": outer })))
             }
-            LightKind::Area { shape, width, height } => {
+            LightKind::Area { shape, width, height, spread } => {
                 let shape = if *shape == AreaShape::Rectangle { "rectangle" } else { "ellipse" };
                 say("type", json!("area"));
                 say("shape", json!(shape));
                 say("size", json!([width.at(time_s), height.at(time_s)]));
+                if !spread.is_constant() || spread.at(time_s) < PI {
+                    say("spread", json!(spread.at(time_s)));
+                }
                 say("power_w", json!(brightest));
                 say("color", json!(color.to_array()));
                 self.set_extra(node, "sunfleck_light", Value::Object(ours));
@@ -109,9 +112,10 @@ impl Writer<'_> {
                 number("radius", radius);
                 ("power_w", 4.0 * PI)
             }
-            LightKind::Area { width, height, .. } => {
+            LightKind::Area { width, height, spread, .. } => {
                 number("width", width);
                 number("height", height);
+                number("spread", spread);
                 ("power_w", 1.0)
             }
         };

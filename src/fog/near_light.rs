@@ -109,6 +109,8 @@ impl<'a> NearLight<'a> {
         let mut sum = Rgb::ZERO;
         // A cell is short.
         let is_smooth = self.stretch.medium.is_even() || self.stretch.is_in_a_cell();
+        // Behind a grid light is the less so the nearer the ray comes to the axis.
+        let is_smooth = is_smooth && !matches!(self.emission, Emission::Gridded(_));
         if parts < MANY_PARTS && !is_deep && is_smooth {
             lit.for_each_part(range, |start, end, share| sum += share * self.part(start, end));
         } else {

@@ -19,6 +19,9 @@ pub enum Emission {
         /// Unit vector, to the side that shines.
         normal: DVec3,
     },
+    /// The same behind a grid, as of a soft box: its slats hide the more of the light the farther it goes
+    /// off the normal, and all of it beyond the outer cone.
+    Gridded(Cone),
 }
 
 /// Cones with a smaller cosine are planes: its square is lost beside 1.
@@ -42,6 +45,7 @@ impl Emission {
             Self::Even => 1.0,
             Self::Spot(cone) => cone.falloff(away.dot(cone.axis)),
             Self::Flat { normal } => away.dot(*normal).max(0.0),
+            Self::Gridded(cone) => cone.gridded(away.dot(cone.axis)),
         }
     }
 
@@ -49,7 +53,7 @@ impl Emission {
     pub fn pick(&self, [u, v]: [f64; 2]) -> DVec3 {
         let (axis, along) = match self {
             Self::Even => (DVec3::Y, 1.0 - 2.0 * u),
-            Self::Spot(cone) => (cone.axis, 1.0 - (1.0 - cone.cos_outer) * u),
+            Self::Spot(cone) | Self::Gridded(cone) => (cone.axis, 1.0 - (1.0 - cone.cos_outer) * u),
             Self::Flat { normal } => (*normal, (1.0 - u).sqrt()),
         };
         let (right, up) = axis.any_orthonormal_pair();
@@ -61,8 +65,10 @@ impl Emission {
     pub fn picked(&self, away: DVec3) -> f64 {
         match self {
             Self::Even => 1.0 / (2.0 * TAU),
-            Self::Spot(cone) if away.dot(cone.axis) >= cone.cos_outer => 1.0 / (TAU * (1.0 - cone.cos_outer)),
-            Self::Spot(_) => 0.0,
+            Self::Spot(cone) | Self::Gridded(cone) => {
+                let is_within = away.dot(cone.axis) >= cone.cos_outer;
+                if is_within { 1.0 / (TAU * (1.0 - cone.cos_outer)) } else { 0.0 }
+            }
             Self::Flat { normal } => away.dot(*normal).max(0.0) * FRAC_1_PI,
         }
     }
@@ -71,7 +77,7 @@ impl Emission {
     pub fn reaches(&self, away: DVec3) -> bool {
         match self {
             Self::Even => true,
-            Self::Spot(cone) => away.dot(cone.axis) >= cone.cos_outer * away.length(),
+            Self::Spot(cone) | Self::Gridded(cone) => away.dot(cone.axis) >= cone.cos_outer * away.length(),
             Self::Flat { normal } => away.dot(*normal) > 0.0,
         }
     }
@@ -80,7 +86,7 @@ impl Emission {
     pub fn borders(&self, ray: &Ray, position: DVec3) -> [Option<f64>; 2] {
         match self {
             Self::Even => [None, None],
-            Self::Spot(cone) => cone.crossings(cone.cos_outer, ray, position),
+            Self::Spot(cone) | Self::Gridded(cone) => cone.crossings(cone.cos_outer, ray, position),
             Self::Flat { normal } => {
                 let t = (position - ray.origin).dot(*normal) / ray.direction.dot(*normal);
                 [t.is_finite().then_some(t), None]
@@ -93,6 +99,7 @@ impl Emission {
         match self {
             Self::Even | Self::Flat { .. } => [None, None],
             Self::Spot(cone) => cone.crossings(cone.cos_inner, ray, position),
+            Self::Gridded(cone) => [cone.nearest_to_axis(ray, position), None],
         }
     }
 }
@@ -107,6 +114,20 @@ impl Cone {
         }
         let x = ((cos_angle - self.cos_outer) / width).clamp(0.0, 1.0);
         x * x * (3.0 - 2.0 * x)
+    }
+
+    /// The share of a flat light's intensity at an angle `a` from the axis behind a grid, as Cycles has it:
+    /// `cos a (1 - tan a / tan a_outer) = sin(a_outer - a) / sin a_outer`.
+    fn gridded(&self, cos_angle: f64) -> f64 {
+        let sine = |cos: f64| (1.0 - cos * cos).max(0.0).sqrt();
+        (cos_angle - sine(cos_angle) * self.cos_outer / sine(self.cos_outer)).max(0.0)
+    }
+
+    /// Where a ray comes nearest to the axis, where angles from it change fastest.
+    fn nearest_to_axis(&self, ray: &Ray, apex: DVec3) -> Option<f64> {
+        let (off, growth) = ((ray.origin - apex).cross(self.axis), ray.direction.cross(self.axis));
+        let t = -off.dot(growth) / growth.length_squared();
+        t.is_finite().then_some(t)
     }
 
     /// Crossings of a ray with the double cone of another angle about the same axis, in order.
@@ -175,8 +196,9 @@ mod tests {
                 return Ok(());
             };
             let ray = Ray { origin: DVec3::from(x), direction };
-            let spot = Emission::Spot(Cone { axis, cos_outer: angle.cos(), cos_inner: 1.0 });
-            for emission in [spot, Emission::Flat { normal: axis }, Emission::Even] {
+            let cone = Cone { axis, cos_outer: angle.cos(), cos_inner: 1.0 };
+            let coned = [Emission::Spot(cone), Emission::Gridded(cone)];
+            for emission in coned.into_iter().chain([Emission::Flat { normal: axis }, Emission::Even]) {
                 let mut start = -50.0;
                 for end in emission.borders(&ray, DVec3::ZERO).into_iter().flatten().chain([50.0]) {
                     let end = end.clamp(start, 50.0);

@@ -44,7 +44,7 @@ pub enum LightKind {
         /// Radius of the sphere, metres; 0 is a point.
         radius: Track<f64>,
     },
-    /// A flat light, as bright in all places and directions, from one side.
+    /// A flat light, as bright in all places and, without a grid, directions, from one side.
     Area {
         /// Outline.
         shape: AreaShape,
@@ -52,6 +52,9 @@ pub enum LightKind {
         width: Track<f64>,
         /// Along the node's y axis, metres before the node's scale.
         height: Track<f64>,
+        /// Blender's *Spread*: the whole angle that a grid before it lets light through, radians in
+        /// `(0, pi]`. With pi there is no grid. The power is the same.
+        spread: Track<f64>,
     },
 }
 
@@ -98,7 +101,7 @@ impl LightKind {
             }
             Self::Sphere { radius } => vec![radius],
             Self::Spot { outer_angle, blend, radius } => vec![outer_angle, blend, radius],
-            Self::Area { width, height, .. } => vec![width, height],
+            Self::Area { width, height, spread, .. } => vec![width, height, spread],
         }
     }
 }

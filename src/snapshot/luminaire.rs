@@ -9,8 +9,11 @@ use crate::light::{Cone, Emission, FrozenLight};
 use crate::math::disc_from_square;
 use crate::scene::{AreaShape, DiscPicture, Light, LightKind, SkySun};
 use glam::{DAffine3, DVec2, DVec3};
-use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
+
+/// Half angle of an area light's spread from which on there is no grid, radians: pi / 2 in single precision.
+const WITHOUT_GRID: f64 = FRAC_PI_2 - 1e-6;
 
 /// A light of any shape at one time, in relative space: a distribution over lights without extent.
 #[derive(Clone, Debug)]
@@ -70,13 +73,21 @@ impl Luminaire {
                 let cone = Cone { axis: beam, cos_outer, cos_inner };
                 (point(power, Emission::Spot(cone)), ball(radius.at(time_s)))
             }
-            LightKind::Area { shape, width, height } => {
+            LightKind::Area { shape, width, height, spread } => {
                 let half_axes = [0.5 * width.at(time_s) * axes.x_axis, 0.5 * height.at(time_s) * axes.y_axis];
                 // A sheared light is flat all the same: what counts is the plane that it lies in.
                 let normal = half_axes[0].cross(half_axes[1]).try_normalize().unwrap_or(beam);
                 let normal = if normal.dot(beam) < 0.0 { -normal } else { normal };
                 // Lambert: the power is pi times the intensity along the normal.
-                let centre = point(power * FRAC_1_PI, Emission::Flat { normal });
+                let half_angle = 0.5 * spread.at(time_s);
+                let centre = if half_angle < WITHOUT_GRID {
+                    let cone = Cone { axis: normal, cos_outer: half_angle.cos(), cos_inner: 1.0 };
+                    // What the grid would hide is given to the rest: the integral over the cone is the same.
+                    let narrowed = 1.0 - half_angle / half_angle.tan();
+                    point(power * FRAC_1_PI / narrowed, Emission::Gridded(cone))
+                } else {
+                    point(power * FRAC_1_PI, Emission::Flat { normal })
+                };
                 (centre, Extent::Flat { shape: *shape, half_axes })
             }
         };

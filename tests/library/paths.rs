@@ -442,7 +442,12 @@ fn the_grid_has_the_same_light() {
     for (kind, beam, power) in [
         (LightKind::Sphere { radius: Track::from(0.3) }, DVec3::NEG_Y, 20.0),
         (
-            LightKind::Area { shape: AreaShape::Rectangle, width: 1.0.into(), height: 0.5.into() },
+            LightKind::Area {
+                shape: AreaShape::Rectangle,
+                width: 1.0.into(),
+                height: 0.5.into(),
+                spread: PI.into(),
+            },
             DVec3::new(0.2, -1.0, -0.3),
             60.0,
         ),

@@ -130,12 +130,13 @@ fn describe_light(light: &Light, world: [f64; 16], seconds: f64) -> Value {
             "intensity_w_per_sr": power,
             "radius_m": radius.at(seconds),
         }),
-        LightKind::Area { shape, width, height } => json!({
+        LightKind::Area { shape, width, height, spread } => json!({
             "kind": if *shape == AreaShape::Rectangle { "rectangle" } else { "ellipse" },
             "world": world,
             "power_w": power,
             "width_m": width.at(seconds),
             "height_m": height.at(seconds),
+            "spread_rad": spread.at(seconds),
         }),
         LightKind::Spot { outer_angle, blend, radius } => json!({
             "kind": "spot",

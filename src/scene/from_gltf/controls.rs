@@ -4,6 +4,7 @@
 
 use super::Builder;
 use super::extras::{self, Channels};
+use super::light_extras::{NARROWEST_SPREAD, WIDEST_SPREAD};
 use crate::color::Rgb;
 use crate::description::gltf::Property;
 use crate::description::ron::{self, Range as _};
@@ -57,6 +58,10 @@ const FIELD_OF_VIEW: Range = Range {
 const CONE: Range = Range {
     admits: |value| value > 0.0 && value <= FRAC_PI_2,
     expected: "radians, above 0 and at most pi / 2",
+};
+const SPREAD: Range = Range {
+    admits: |value| (NARROWEST_SPREAD..=WIDEST_SPREAD).contains(&value),
+    expected: "radians, from 0.01 to pi",
 };
 const FRACTAL: Range = Range { admits: ron::JuliaPart::contains, expected: "numbers from -2 to 2" };
 const ANY: Range = Range { admits: f64::is_finite, expected: "numbers" };
@@ -245,11 +250,14 @@ impl Builder<'_> {
             (LightKind::Spot { outer_angle, radius, .. }, "blend") => {
                 LightKind::Spot { outer_angle, blend: number, radius }
             }
-            (LightKind::Area { shape, height, .. }, "width") => {
-                LightKind::Area { shape, width: number, height }
+            (LightKind::Area { shape, height, spread, .. }, "width") => {
+                LightKind::Area { shape, width: number, height, spread }
             }
-            (LightKind::Area { shape, width, .. }, "height") => {
-                LightKind::Area { shape, width, height: number }
+            (LightKind::Area { shape, width, spread, .. }, "height") => {
+                LightKind::Area { shape, width, height: number, spread }
+            }
+            (LightKind::Area { shape, width, height, .. }, "spread") => {
+                LightKind::Area { shape, width, height, spread: number }
             }
             _ => return None,
         };
@@ -327,6 +335,7 @@ fn range_of_light(field: &str) -> &'static Range {
         "angle" => &ANGLE,
         "radius" => &NOT_NEGATIVE,
         "outer_angle" => &CONE,
+        "spread" => &SPREAD,
         "blend" => &SHARE,
         "picture_rotation" => &ANY,
         "fractal_real" | "fractal_imaginary" => &FRACTAL,

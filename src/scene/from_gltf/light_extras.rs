@@ -15,6 +15,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::ops::RangeBounds;
 
+/// Whole angles of an area light's beam that are honoured, radians: pi may come in single precision.
+pub(super) const NARROWEST_SPREAD: f64 = 0.01;
+pub(super) const WIDEST_SPREAD: f64 = PI + 1e-6;
+
 /// A Julia set: the constant and the most iterations.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -47,7 +51,7 @@ pub(super) struct LightExtras {
     /// light itself.
     power_w: Option<f64>,
     color: Option<Channels>,
-    /// Spread of an area light's beam.
+    /// Whole angle that a grid before an area light lets light through.
     spread: Option<f64>,
     casts_shafts: Option<bool>,
     /// Whether camera and mirrors see the disc of a sun.
@@ -159,10 +163,13 @@ impl Builder<'_> {
             let found = format!("{power_w} W times {color} is no power");
             self.report.error(format!("{path}.power_w"), found, "finite numbers of at least 0");
         }
-        if extras.spread.is_some_and(|spread| spread < PI) {
+        let spread = extras.spread.unwrap_or(PI);
+        self.is_in_range(path, "spread", spread, 0.0..=WIDEST_SPREAD, "radians, 0 to pi");
+        if spread < NARROWEST_SPREAD {
             self.report.not_honoured(Loss::AreaLightSpread, name);
         }
-        let kind = LightKind::Area { shape, width: Track::from(width), height: Track::from(height) };
+        let [width, height, spread] = [width, height, spread.max(NARROWEST_SPREAD)].map(Track::from);
+        let kind = LightKind::Area { shape, width, height, spread };
         self.scene.lights.push(Light { name: name.to_owned(), node, power: Track::from(power), kind });
     }
 

@@ -5,6 +5,7 @@ use super::{Resolver, track};
 use crate::description::ron::{self, Animated, Keyable, Number, Point, Positive};
 use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, Track};
 use glam::{DQuat, DVec3};
+use std::f64::consts::PI;
 
 /// A point of a file, with the name of its field.
 #[derive(Clone, Copy)]
@@ -71,7 +72,7 @@ impl Resolver<'_> {
     ) -> Option<LightKind> {
         let width = self.keyed(owner, "width_m", width_m);
         let height = self.keyed(owner, "height_m", height_m);
-        Some(LightKind::Area { shape: AreaShape::Rectangle, width: width?, height: height? })
+        Some(area(AreaShape::Rectangle, width?, height?))
     }
 
     fn aimed_light(
@@ -163,7 +164,11 @@ fn unturned(translation: Track<DVec3>) -> Motion {
 }
 
 fn disc(diameter: Track<f64>) -> LightKind {
-    LightKind::Area { shape: AreaShape::Ellipse, width: diameter.clone(), height: diameter }
+    area(AreaShape::Ellipse, diameter.clone(), diameter)
+}
+
+fn area(shape: AreaShape, width: Track<f64>, height: Track<f64>) -> LightKind {
+    LightKind::Area { shape, width, height, spread: Track::from(PI) }
 }
 
 /// A point, or a sphere of that radius.

@@ -180,7 +180,7 @@ def of_light(name, thing):
     has_size = light.type == "AREA" or (light.type != "SUN" and light.shadow_soft_size > 0.0)
     said = {
         "light-power": light.energy < 0.0,
-        "light-spread": light.type == "AREA" and light.spread < 3.14,
+        "light-spread": light.type == "AREA" and light.spread < lights.NARROWEST_SPREAD,
         "light-square": light.type == "SPOT" and light.use_square,
         "light-uneven": light.type in {"AREA", "SPOT"} and is_uneven(thing.matrix_world, light.type == "SPOT"),
         "light-soft-falloff": light.type in {"POINT", "SPOT"} and has_size and light.use_soft_falloff,

@@ -121,7 +121,7 @@ def light(thing, exposure):
         height = data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size
         return {
             "type": "area", "shape": AREA_SHAPES[data.shape], "size": [data.size, height], "power_w": strength,
-            "color": list(lights.color(data)), "spread": data.spread,
+            "color": list(lights.color(data)), "spread": lights.spread(data),
         }
     return {"radius": data.shadow_soft_size, "power_w": strength}
 

@@ -52,7 +52,7 @@ LOSSES = {
     "motion-blur-off": (WARNING, "what Blender leaves sharp is blurred with the rest"),
     # Lights.
     "light-power": (ERROR, "a light's power is negative"),
-    "light-spread": (WARNING, "the spread of an area light is not honoured"),
+    "light-spread": (WARNING, "the spread of an area light is at least 0.01 radians"),
     "light-square": (WARNING, "a square spot is round"),
     "light-uneven": (WARNING, "a spot under an uneven scale is round, and a sheared area light has right angles"),
     "light-soft-falloff": (INFO, "a light with soft falloff is a sphere, and no disc that turns to what it "

@@ -53,6 +53,14 @@ def lamp_for_its_size(scene):
     data.normalize, data.shadow_soft_size = False, 0.2
 
 
+def softbox(scene):
+    """An area light behind a grid that opens."""
+    leaves(scene, matte())
+    thing = lamp(scene, "AREA")
+    thing.rotation_euler, thing.data.size = (0.6, 0.2, 0.0), 0.5
+    keyed(thing.data, "spread", (0.5, 2.0))
+
+
 def uneven_spot(scene):
     leaves(scene, matte())
     lamp(scene, "SPOT").scale = (2.0, 0.5, 1.0)
@@ -346,7 +354,7 @@ BESIDE = {
     "picture with alpha": (surfaces.picture_with_alpha, 1, EXACT), "lamp for its size": (lamp_for_its_size, 1, EXACT),
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
-    "path of a property": (path_of_a_property, 1, EXACT),
+    "path of a property": (path_of_a_property, 1, EXACT), "softbox": (softbox, 6, EXACT),
     "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED),
 }
 # By name: how it is built, and what has to be said, as a warning.

@@ -209,7 +209,7 @@ class Pictures(Case):
         switches = {
             "light-square": lambda: setattr(lamp, "use_square", True),
             "light-soft-falloff": lambda: setattr(lamp, "shadow_soft_size", 0.5),
-            "light-spread": lambda: setattr(area, "spread", 1.0),
+            "light-spread": lambda: setattr(area, "spread", 0.001),
             "light-portal": lambda: setattr(area.cycles, "is_portal", True),
             "light-power": lambda: setattr(lamp, "energy", -1.0),
         }

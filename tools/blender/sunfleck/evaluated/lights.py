@@ -13,6 +13,8 @@ from ..materials import closures, principled, sockets
 from ..materials.colours import rec709
 
 LUMENS_PER_WATT = 683.0
+# Radians, the whole angle.
+NARROWEST_SPREAD = 0.01
 Scale = tuple[float, float, float]
 
 
@@ -38,6 +40,11 @@ def extent(light: bpy.types.Light, scale: Scale) -> float:
 
 def area_size(light: bpy.types.Light) -> tuple[float, float]:
     return light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+
+
+def spread(light: bpy.types.Light) -> float:
+    """The whole angle that the grid before an area light lets light through."""
+    return max(NARROWEST_SPREAD, float(light.spread))
 
 
 def color(light: bpy.types.Light) -> tuple[float, ...]:

@@ -128,6 +128,7 @@ def light(thing, exposure):
         )
     if data.type == "AREA":
         found["sunfleck_light.width"], found["sunfleck_light.height"] = lights.area_size(data)
+        found["sunfleck_light.spread"] = lights.spread(data)
     return found
 
 
