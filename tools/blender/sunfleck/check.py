@@ -52,7 +52,7 @@ def of_scene(scene):
         "compositor": render.use_compositing and getattr(scene, "compositing_node_group", None) is not None,
         "sequencer": render.use_sequencer and bool(scene.sequence_editor and scene.sequence_editor.strips_all),
         "freestyle": render.use_freestyle,
-        "color-overrides": layer.material_override is not None or layer.world_override is not None,
+        "color-overrides": layer.world_override is not None or (layer.material_override is not None and has_fog(scene)),
         "layer-filters": not all(getattr(layer, part) for part in LAYER_PARTS) or (render.use_motion_blur and not layer.use_motion_blur),
         "camera-culling": render.use_simplify and any(of_cycles(scene, by, False) for by in ("use_camera_cull", "use_distance_cull")),
         "world-volume": world.has_volume(scene),
@@ -77,6 +77,10 @@ def of_scene(scene):
             yield Finding("world-lights-nothing")
     elif own.background_strength == 0.0 and world.shines(scene):
         yield Finding("world-not-exported")
+
+
+def has_fog(scene):
+    return any(thing.type == "VOLUME" or thing.sunfleck_settings.is_fog for thing in rendered(scene))
 
 
 LAYER_PARTS = ("use_solid", "use_sky", "use_strand", "use_volumes")

@@ -37,7 +37,7 @@ LOSSES = {
     "working-space": (INFO, "colours of the working space are converted to linear Rec. 709"),
     "view-transform": (INFO, "pictures for eyes have the view AgX with its looks, without gamma, curves and white "
                              "balance: Blender shows frames by its own view"),
-    "color-overrides": (WARNING, "the view layer's own material or world is not honoured"),
+    "color-overrides": (WARNING, "the view layer's own world, and its own material on volumes and fog, is not honoured"),
     "layer-filters": (WARNING, "surfaces, hair, sky and blur that a view layer leaves out are rendered"),
     "camera-culling": (WARNING, "what Cycles would cull, far away or beside the picture, is there"),
     # Cameras.

@@ -355,7 +355,7 @@ BESIDE = {
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT), "softbox": (softbox, 6, EXACT),
-    "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED),
+    "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED), "clay": (surfaces.clay, 1, EXACT),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {

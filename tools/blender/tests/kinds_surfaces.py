@@ -122,6 +122,17 @@ def pictures_apart(scene):
     leaves(scene, tree, count=1)
 
 
+def clay(scene):
+    """A view layer's own material on leaves with and without one."""
+    tree = matte()
+    tree.shader.inputs["Base Color"].default_value = RED
+    first, *_ = leaves(scene, tree)
+    first.data.materials.clear()
+    made = matte()
+    made.shader.inputs["Base Color"].default_value = GREEN
+    scene.view_layers[0].material_override = made.material
+
+
 def free_normals(scene):
     """Of points; faces that are flat stay so."""
     leaf = scenes.quad(scene, "leaf", 1.6, matte().material, (0.0, 0.0, 1.0))

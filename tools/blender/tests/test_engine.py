@@ -323,11 +323,13 @@ class Engine(unittest.TestCase):
             other.location = (0.4, 0.0, 0.5)
             stages.key(other, "hide_render", (False, True), frames=(1, 3))
             scene.frame_set(1)
+            clay = bpy.data.materials.new("clay")
             color = quad.data.materials[0].node_tree.nodes["Principled BSDF"].inputs["Base Color"]
             yield lambda: setattr(scene.sunfleck_settings, "samples", 3)
             yield lambda: scene.frame_set(3)
             yield lambda: quad.data.vertices[0].co.__setitem__(2, 0.4) or quad.data.update()
             yield lambda: setattr(color, "default_value", (0.0, 1.0, 0.0, 1.0))
+            yield lambda: setattr(scene.view_layers[0], "material_override", clay)
             yield lambda: scene.frame_set(1)
 
         self.assert_kept_as_made_anew(build, 1)

@@ -31,10 +31,11 @@ class NotRendered(Exception):
 class Kept:
     """The last export of a view layer."""
 
-    def __init__(self, path, scene, exported, findings, said):
+    def __init__(self, path, graph, exported, findings, said):
+        scene, layer = graph.scene, graph.view_layer
         self.path, self.frame, self.exported, self.findings = path, scene.frame_current, exported, findings
         # Custom properties of the scene: as they were written, and what its panels say.
-        self.said, self.told = said, told(scene)
+        self.said, self.told = said, told(scene, layer)
         # The program with this file loaded, and the camera that it does not have of it.
         self.service = self.camera = None
 
@@ -89,9 +90,10 @@ def exported(engine, graph):
     return kept
 
 
-def told(scene):
-    """What the panels say of a scene."""
-    return {**custom(scene), **extras.of_scene(scene)}
+def told(scene, layer):
+    """What the panels say of a scene and its layer."""
+    override = layer.material_override
+    return {**custom(scene), **extras.of_scene(scene), "override": override and override.name_full}
 
 
 def is_as_told(graph, kept):
@@ -99,7 +101,7 @@ def is_as_told(graph, kept):
     scene = graph.scene
     is_still = not Shutter.of(scene).length and "motion" not in passes.wanted(scene, graph.view_layer)
     eye = scene.camera
-    return is_still and told(scene) == kept.told and eye is not None and camera_key(kept, eye) is not None
+    return is_still and told(scene, graph.view_layer) == kept.told and eye is not None and camera_key(kept, eye) is not None
 
 
 def patched(graph, kept):
@@ -129,7 +131,7 @@ def anew(engine, graph, path):
             made = job.written(path, graph.view_layer, copy.deepcopy(said))
     except (OSError, RuntimeError) as problem:
         raise NotRendered(str(problem).strip()) from problem
-    return Kept(path, scene, made, ordered([*findings, *made.findings]), said)
+    return Kept(path, graph, made, ordered([*findings, *made.findings]), said)
 
 
 def see(engine, graph, job):

@@ -71,7 +71,7 @@ class Viewport:
         """The file is written anew; meshes are looked at again unless things have only moved and lights changed."""
         self.close()
         self.view, kept = None, self.kept
-        if kept is not None and told(graph.scene) == kept.told and patching.put(graph, kept):
+        if kept is not None and told(graph.scene, graph.view_layer) == kept.told and patching.put(graph, kept):
             kept.exported.assembly.document.write(self.path)
         else:
             self.kept = self.anew(graph, graph.scene)
@@ -82,7 +82,7 @@ class Viewport:
             job.visit(graph, scene.frame_current, 0.0)
             said = {**custom(scene), **extras.of_scene(scene, self.path)}
             made = job.written(self.path, graph.view_layer, copy.deepcopy(said))
-        return Kept(self.path, scene, made, [], said)
+        return Kept(self.path, graph, made, [], said)
 
     def look(self, view):
         """Starts again where the view is another."""

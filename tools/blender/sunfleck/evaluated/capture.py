@@ -30,12 +30,16 @@ class Capture:
         self.eye, self.eyes = None, {}
         # Names of what has no surface, and of what has hair that asks for attributes.
         self.unseen, self.colorless = set(), set()
+        # The view layer's own material, if any, which takes every slot.
+        self.override = None
         # What has velocities is at all moments of a frame what it is at the frame.
         self.drifting, self.drifted, self.offset = {}, set(), 0.0
 
     def begin(self, graph, offset):
         """A new moment."""
         self.here, self.offset = {}, offset
+        override = graph.view_layer.material_override
+        self.override = override and override.original
         self.drifting = self.drifting if offset else {}
         if self.eye is None:
             camera = graph.scene.camera
@@ -77,7 +81,7 @@ class Capture:
     def captured(self, thing, source):
         key = (source.names, thing.type, thing.data.name)
         if key not in self.drifting:
-            materials = [material.original if material else None for material in materials_of(thing, thing.data)]
+            materials = self.materials_of(thing)
             made, velocities = self.made(thing, source, materials)
             if velocities is None:
                 return self.kept(made, materials, source)
@@ -85,6 +89,10 @@ class Capture:
             self.drifted.add(source.original.name)
         made, velocities, materials = self.drifting[key]
         return self.kept(made.drifted(velocities, self.offset * self.seconds_a_frame), materials, source)
+
+    def materials_of(self, thing):
+        found = [material.original if material else None for material in materials_of(thing, thing.data)]
+        return [self.override] * max(1, len(found)) if self.override else found
 
     def made(self, thing, source, materials):
         """A geometry, and velocities of its corners if Cycles blurs it by those."""
@@ -117,9 +125,7 @@ class Capture:
         if is_still and kept in self.still:
             found = self.still[kept]
         else:
-            materials = [
-                material.original if material else None for material in materials_of(thing, thing.data)
-            ]
+            materials = self.materials_of(thing)
             slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
             is_flat = bool(materials) and dependence.lets_through(materials[slot])
             made = strands.of_particles(thing, system, self.eye_in(thing, source), is_flat)
