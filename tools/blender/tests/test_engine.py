@@ -204,6 +204,18 @@ class Engine(unittest.TestCase):
             self.assertEqual((scene.frame_current, scene.frame_subframe), (3, 0.0))
             self.assert_same(blurred, self.exported())
 
+    def test_the_shutter_may_open_between_two_frames(self):
+        scene = self.scene
+        stages.moving(scene.objects["quad"])
+        scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+        found = []
+        for frame, part, position in ((3, 0.5, "START"), (4, 0.0, "CENTER")):
+            scene.render.motion_blur_position = position
+            scene.frame_set(frame, subframe=part)
+            found.append(self.still().of("RGB"))
+            self.assertEqual((scene.frame_current, scene.frame_subframe), (frame, part))
+        numpy.testing.assert_allclose(*found, atol=1e-3 * found[0].max())
+
     def exported(self):
         """The program's frame of the exporter's file of the frame at hand."""
         glb, own = self.folder / "scene.glb", self.folder / "own.exr"

@@ -140,12 +140,24 @@ def see(engine, graph, job):
     if not job.shutter.length and not is_moving:
         job.visit(graph, frame, 0.0)
         return
-    for _ in walk.look(engine, graph, job.frames, job.shutter, job):
+    clock = Clock(engine, graph.scene.frame_subframe)
+    for _ in walk.look(clock, graph, job.frames, job.shutter, job):
         pass
     for step in (-1, 1) if is_moving else ():
-        engine.frame_set(frame + step, 0.0)
+        clock.frame_set(frame + step, 0.0)
         job.visit(graph, frame, float(step))
-    engine.frame_set(frame, 0.0)
+    clock.frame_set(frame, 0.0)
+
+
+class Clock:
+    """Of an engine whose frame lies so far behind a whole one."""
+
+    def __init__(self, engine, late):
+        self.engine, self.late = engine, late
+
+    def frame_set(self, frame, part):
+        whole, part = divmod(frame + part + self.late, 1.0)
+        self.engine.frame_set(int(whole), part)
 
 
 def is_camera_alone(graph, kept):
