@@ -23,6 +23,11 @@ use glam::DVec3;
 /// triangle's plane: placing an end takes a dozen operations, measuring its height as many.
 const PLANE_ROUNDOFFS: f64 = 32.0;
 
+/// Barycentrics by which a ray may miss a triangle and still meet it in its plane: two triangles of a plane,
+/// however large, then have no step between them. Further out the triangle is all but edge-on, and its plane
+/// may be met anywhere.
+const BESIDE_AN_EDGE: f64 = 1e-3;
+
 /// A query that goes through the instances.
 pub(super) struct RayQuery<'a> {
     ray: &'a Ray,
@@ -179,21 +184,28 @@ impl<L: Lanes> MeshQuery<'_, '_, L> {
         if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
             return (t, [u, v]);
         }
-        // Rounding made single and double precision disagree, at an edge: take the nearest point.
-        settle_at_edge(self.query.ray, self.instance, [a, b, c], u, v)
+        // Rounding made single and double precision disagree, at an edge.
+        let (inside, beyond) = nearest_inside(u, v);
+        if beyond <= BESIDE_AN_EDGE {
+            return (t, inside);
+        }
+        let [u, v] = inside;
+        let point = self.instance.relative_from_mesh.transform_point3(a + u * ab + v * ac);
+        ((point - self.query.ray.origin).dot(self.query.ray.direction), inside)
     }
 }
 
+/// Barycentrics of a point of the triangle next to one outside, and how far that lies outside.
 #[cold]
-fn settle_at_edge(ray: &Ray, instance: &Instance, [a, b, c]: [DVec3; 3], u: f64, v: f64) -> (f64, [f64; 2]) {
-    let (mut u, mut v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
-    let sum = u + v;
+fn nearest_inside(u: f64, v: f64) -> ([f64; 2], f64) {
+    let (mut near_u, mut near_v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+    let sum = near_u + near_v;
     if sum.is_nan() {
         // The triangle is edge-on.
-        (u, v) = (1.0 / 3.0, 1.0 / 3.0);
-    } else if sum > 1.0 {
-        (u, v) = (u / sum, 1.0 - u / sum);
+        return ([1.0 / 3.0; 2], f64::INFINITY);
     }
-    let point = instance.relative_from_mesh.transform_point3(a + u * (b - a) + v * (c - a));
-    ((point - ray.origin).dot(ray.direction), [u, v])
+    if sum > 1.0 {
+        (near_u, near_v) = (near_u / sum, 1.0 - near_u / sum);
+    }
+    ([near_u, near_v], (u - near_u).abs().max((v - near_v).abs()))
 }

@@ -445,6 +445,26 @@ fn clipped_ends_are_the_asked_ends() {
     }
 }
 
+/// Single precision knows neither which of the two is met, nor by metres where they meet.
+#[test]
+fn triangles_of_a_plane_are_met_in_it_however_large_they_are() {
+    let corner = |x: f32, z: f32| Vec3::new(5e6 * x, 0.0, 5e6 * z);
+    let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let scene = Scene::one((corners, vec![[0, 2, 1], [0, 3, 2]]));
+    let mut random = Random(12);
+    for _ in 0..3000 {
+        let target = DVec3::new(random.between(-30.0, 30.0), 0.0, random.between(-30.0, 30.0));
+        let origin = DVec3::new(0.3, random.between(0.5, 3.0), -0.2);
+        let ray = Ray { origin, direction: (target - origin).normalize() };
+        let hit = scene.tree.nearest_hit(&ray, f64::INFINITY, None).unwrap();
+        let point = ray.at(hit.t);
+        assert!((point - target).length() < 1e-8, "{point} for {target}");
+        // So nothing of the plane is in the light's way.
+        let up = Ray { origin: point, direction: DVec3::new(0.4, 0.8, 0.3).normalize() };
+        assert!(!scene.tree.any_hit(&up, f64::INFINITY, Some(hit.primitive)), "{point}");
+    }
+}
+
 #[test]
 fn degenerate_input_is_left_out() {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NAN, Vec3::splat(f32::INFINITY)];
