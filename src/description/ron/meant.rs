@@ -4,23 +4,31 @@
 /// Meaning of a file's bytes, by which frames know their scene: a comment more makes none of them stale.
 pub(super) fn meant(text: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(text.len());
-    let (mut rest, mut has_gap) = (text, false);
-    while let Some(&first) = rest.first() {
-        let length = blank(rest);
-        if length > 0 {
-            has_gap = true;
-            rest = &rest[length..];
-            continue;
-        }
-        if has_gap && out.last().is_some_and(|&last| is_word(last)) && is_word(first) {
+    let mut end = 0;
+    for (at, token) in tokens(text) {
+        if at > end && out.last().is_some_and(|&last| is_word(last)) && is_word(token[0]) {
             out.push(b' ');
         }
-        has_gap = false;
-        let (token, others) = rest.split_at(token(rest).clamp(1, rest.len()));
         out.extend_from_slice(token);
-        rest = others;
+        end = at + token.len();
     }
     out
+}
+
+/// Texts in quotes and all other bytes that mean something, with their offsets.
+pub(super) fn tokens(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let mut end = 0;
+    std::iter::from_fn(move || {
+        loop {
+            let rest = text.get(end..).filter(|rest| !rest.is_empty())?;
+            let (at, blank) = (end, blank(rest));
+            if blank == 0 {
+                end += token(rest).clamp(1, rest.len());
+                return Some((at, &text[at..end]));
+            }
+            end += blank;
+        }
+    })
 }
 
 /// Length of a blank or a comment at the start; 0 if neither is there.
@@ -68,7 +76,8 @@ fn token(text: &[u8]) -> usize {
     }
 }
 
-fn is_word(byte: u8) -> bool {
+/// Whether a byte is part of a name or number.
+pub(super) fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.' | b'+' | b'-') || !byte.is_ascii()
 }
 

@@ -2,8 +2,10 @@
 //! out comes what stands there in an author's words. Invariant: who writes keys where there are none, or in
 //! another form, is told how they are written.
 
+use super::meant::{is_word, tokens};
 use crate::diagnostic::{Diagnostic, Place};
 use ::ron::error::{Error, SpannedError};
+use std::ops::Range;
 
 /// `None` of other errors.
 pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnostic> {
@@ -46,6 +48,29 @@ pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Opt
     })
 }
 
+/// Where keys have another name than `Keyed`: RON takes any where a plain value may stand as well.
+pub(super) fn misnamed_keys(text: &str) -> Option<Range<usize>> {
+    let bytes = text.as_bytes();
+    let mut last: [Range<usize>; 4] = Default::default();
+    for (at, token) in tokens(bytes) {
+        let is_more = is_word(token[0]) && last[3].end == at && at > 0 && is_word(bytes[at - 1]);
+        if !is_more {
+            last.rotate_left(1);
+            last[3].start = at;
+        }
+        last[3].end = at + token.len();
+        if token != b":" {
+            continue;
+        }
+        let [name, bracket, field, _] = last.clone().map(|range| &bytes[range]);
+        let is_of_keys = bracket == b"(" && (field == b"keys" || field == b"extend");
+        if is_of_keys && name.first().is_some_and(|&first| is_word(first)) && name != b"Keyed" {
+            return Some(last[0].clone());
+        }
+    }
+    None
+}
+
 /// Says that a number has its unit behind it; `None` of any other comma that is missing.
 fn told_unit(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnostic> {
     let rest = at(text, error);
@@ -74,7 +99,7 @@ fn at<'a>(text: &'a str, error: &SpannedError) -> &'a str {
 
 /// Says what stands in a value's place.
 fn told(place: &Place, text: &str, expected: &str) -> Diagnostic {
-    let is_of_keys = |text: &str| text.starts_with("Keyed") || text.starts_with("keys");
+    let is_of_keys = |text: &str| ["Keyed", "Keys", "keys"].iter().any(|word| text.starts_with(word));
     let within = text.trim_start_matches(['(', '[']).trim_start();
     let (found, remedy) = match text.chars().next() {
         _ if is_of_keys(text) || is_of_keys(within) => (

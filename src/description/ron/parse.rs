@@ -8,6 +8,7 @@ use ::ron::Options;
 use ::ron::error::{Error, SpannedError};
 use ::ron::extensions::Extensions;
 use serde::Deserialize;
+use std::ops::Range;
 use std::path::Path;
 
 /// The two kinds of file.
@@ -24,27 +25,43 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Document, Diagnostic> {
     let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(path, bytes, error.valid_up_to()))?;
     // An editor's byte order mark is no part of the text.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    Options::default()
+    let document = Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
         .from_str(text)
-        .map_err(|error| diagnostic(path, text, &error))
+        .map_err(|error| diagnostic(path, text, &error))?;
+    match misplaced::misnamed_keys(text) {
+        Some(name) => Err(misnamed(path, text, name)),
+        None => Ok(document),
+    }
+}
+
+fn misnamed(path: &Path, text: &str, name: Range<usize>) -> Diagnostic {
+    let place = place_of(path, text.as_bytes(), name.start);
+    Diagnostic::error(place, format!("there is no `{}`", &text[name]))
+        .expected("`Keyed(keys: [(at_s: .., value: ..), ..])`")
+        .remedy("call it `Keyed`")
 }
 
 fn not_utf8(path: &Path, bytes: &[u8], valid_up_to: usize) -> Diagnostic {
-    let before = &bytes[..valid_up_to];
-    let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-    let column = 1 + before.iter().rev().take_while(|&&byte| byte != b'\n').count();
-    Diagnostic::error(Place::Text { file: path.to_owned(), line, column }, "this is not text in UTF-8")
+    Diagnostic::error(place_of(path, bytes, valid_up_to), "this is not text in UTF-8")
         .expected("a RON file in UTF-8")
         .remedy("save the file as UTF-8")
+}
+
+fn place_of(path: &Path, bytes: &[u8], offset: usize) -> Place {
+    let before = &bytes[..offset];
+    let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+    let column = 1 + before.iter().rev().take_while(|&&byte| byte != b'\n').count();
+    Place::Text { file: path.to_owned(), line, column }
 }
 
 fn diagnostic(path: &Path, text: &str, error: &SpannedError) -> Diagnostic {
     let start = error.span.start;
     let place = Place::Text { file: path.to_owned(), line: start.line, column: start.col };
-    // `Document` is a name of ours that no file contains.
+    // `Document` is a name of ours that no file contains; keys have the name of what they are the value of.
     let inside = |outer: &Option<String>| match outer.as_deref() {
+        _ if is_of_keys(&error.code) => String::from(" in `Keyed`"),
         None | Some("Document") => String::new(),
         Some(outer) => format!(" in `{outer}`"),
     };
@@ -91,6 +108,16 @@ fn diagnostic(path: &Path, text: &str, error: &SpannedError) -> Diagnostic {
         other => Diagnostic::error(place, lower_first(&other.to_string()))
             .expected("RON as docs/scene-format.md describes it")
             .remedy("look for a missing comma, bracket, colon or quote at this place or just before it"),
+    }
+}
+
+fn is_of_keys(error: &Error) -> bool {
+    match error {
+        Error::NoSuchStructField { expected, .. } => *expected == ["keys", "extend"],
+        Error::MissingStructField { field, .. } | Error::DuplicateStructField { field, .. } => {
+            *field == "keys" || *field == "extend"
+        }
+        _ => false,
     }
 }
 
