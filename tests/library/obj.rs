@@ -371,15 +371,18 @@ fn each_face_has_what_it_says() {
 }
 
 #[test]
-fn an_object_s_own_material_needs_no_textures_of_the_file() {
+fn materials_that_others_replace_need_no_textures() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| -> PathBuf { folder.path().join(name) };
     std::fs::write(path("a.obj"), format!("mtllib a.mtl\n{SQUARE}usemtl m\n{FACE}")).unwrap();
     std::fs::write(path("a.mtl"), "newmtl m\nmap_Kd gone.png\n").unwrap();
-    let text = scene_text("a.obj").replace("(mesh: \"m\")", "(mesh: \"m\", material: \"n\")");
-    let text = text.replace("objects:", "materials: { \"n\": (base_color: 0.5) }, objects:");
-    std::fs::write(path("scene.ron"), text).unwrap();
-    let scene = load(&path("scene.ron")).unwrap();
-    assert_eq!(losses(&scene), [""; 0]);
-    assert_near(seen(&scene), [0.5; 3], "its own");
+    let text = scene_text("a.obj").replace("objects:", "materials: { \"n\": (base_color: 0.5) }, objects:");
+    let of_object = text.replace("(mesh: \"m\")", "(mesh: \"m\", material: \"n\")");
+    let of_mesh = text.replace("Obj(\"a.obj\")", "ObjWith(file: \"a.obj\", materials: { \"m\": \"n\" })");
+    for (text, way) in [(of_object, "the object's"), (of_mesh, "by name")] {
+        std::fs::write(path("scene.ron"), text).unwrap();
+        let scene = load(&path("scene.ron")).unwrap();
+        assert_eq!(losses(&scene), [""; 0], "{way}");
+        assert_near(seen(&scene), [0.5; 3], way);
+    }
 }

@@ -141,7 +141,7 @@ fn open(
     let groups = normalize::faces(&text, path, &vertices, |name| library.find(name), tally);
     drop(text);
     let mut model = ObjModel { materials: mem::take(&mut library.materials), ..ObjModel::default() };
-    let mut parts = Vec::new();
+    let (mut parts, mut without_area) = (Vec::new(), 0);
     for (tobj::Model { mesh, .. }, group) in indexed(path, vertices, &groups)?.into_iter().zip(groups.keys())
     {
         let material = model.materials.get(group.material);
@@ -149,8 +149,12 @@ fn open(
             tally.add(Loss::TextureCoordinatesMissing, &material.name, Place::File(path.to_owned()));
         }
         let mut part = Part::new(&mesh, *group, material);
-        part.cut(&mesh, path, tally, &mut model);
+        without_area += part.cut(&mesh, path, tally);
         parts.push(part);
+    }
+    if without_area > 0 {
+        let found = format!("{without_area} faces have no area; left out");
+        model.remarks.push(Diagnostic::note(Place::File(path.to_owned()), found));
     }
     Ok(Opened { model, common: Common { library, groups }, parts })
 }
@@ -253,7 +257,12 @@ mod tests {
 
     #[test]
     fn line_ends_of_windows_and_faces_without_area_do_no_harm() {
-        let model = load_text(&format!("{SQUARE}f 1 2 3 4\nf 1 2 1\n").replace('\n', "\r\n"));
+        let flat = "usemtl a\nf 1 2 1\nusemtl b\nf 2 3 2\n";
+        let model = load_text(&format!("{SQUARE}f 1 2 3 4\n{flat}").replace('\n', "\r\n"));
         assert_eq!(model.triangles.len(), 2);
+        let notes: Vec<_> =
+            model.remarks.0.iter().filter(|remark| remark.found.contains("no area")).collect();
+        assert_eq!(notes.len(), 1);
+        assert!(notes[0].found.starts_with("2 faces"));
     }
 }

@@ -5,7 +5,7 @@ use super::normalize::Group;
 use super::tally::Tally;
 use super::{ObjMaterial, ObjModel, ObjTriangle, triangulate};
 use crate::color::linear_from_srgb;
-use crate::diagnostic::{Diagnostic, Loss, Place};
+use crate::diagnostic::{Loss, Place};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::path::Path;
@@ -47,9 +47,8 @@ impl Part {
         part
     }
 
-    /// Cuts the group's faces into triangles; those without area are left out.
-    pub(super) fn cut(&mut self, mesh: &tobj::Mesh, path: &Path, tally: &mut Tally, model: &mut ObjModel) {
-        let file = || Place::File(path.to_owned());
+    /// Cuts the group's faces into triangles, and counts those without area, which are left out.
+    pub(super) fn cut(&mut self, mesh: &tobj::Mesh, path: &Path, tally: &mut Tally) -> usize {
         let mut without_area = 0;
         let all_triangles = vec![3; if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 }];
         let mut rest = mesh.indices.as_slice();
@@ -62,17 +61,14 @@ impl Part {
                 continue;
             };
             if !cut.simple {
-                tally.add(Loss::ObjCrossingFace, "", file());
+                tally.add(Loss::ObjCrossingFace, "", Place::File(path.to_owned()));
             }
             let triangles = cut.triangles.iter().map(|triangle| triangle.map(|corner| polygon[corner]));
             let with_area: Vec<[u32; 3]> =
                 triangles.filter(|&triangle| self.area_normal(triangle).try_normalize().is_some()).collect();
             self.triangles.extend(with_area);
         }
-        if without_area > 0 {
-            let found = format!("{without_area} faces have no area; left out");
-            model.remarks.push(Diagnostic::note(file(), found));
-        }
+        without_area
     }
 
     fn position(&self, index: u32) -> DVec3 {

@@ -93,19 +93,21 @@ impl ObjMaterial {
     }
 }
 
-/// Makes the pictures of the materials that the model's triangles have.
+/// Makes the pictures of the materials that the model's triangles have, but for those that others replace.
 pub(in crate::inside::description) fn load(
     model: &mut ObjModel,
+    is_replaced: &dyn Fn(&str) -> bool,
     files: &mut Files,
     pictures: &mut ObjPictures,
 ) {
     for later in &mut model.later {
-        load(later, files, pictures);
+        load(later, is_replaced, files, pictures);
         model.remarks.0.append(&mut later.remarks.0);
     }
     let mut maker = Maker { files, tally: Tally::default() };
     let used: BTreeSet<usize> = model.triangles.iter().filter_map(|triangle| triangle.material).collect();
-    for material in used.into_iter().map(|material| &model.materials[material]) {
+    let materials = used.into_iter().map(|material| &model.materials[material]);
+    for material in materials.filter(|material| !is_replaced(&material.name)) {
         let asked = [
             material.color_picture(),
             material.emission_picture(),

@@ -20,7 +20,7 @@ pub(super) fn load(
     let (mut images, mut obj_pictures) = (BTreeMap::new(), obj::ObjPictures::new());
     let mut normal_maps = BTreeMap::new();
     for (name, mesh) in file.meshes.iter().filter(|(name, _)| used.meshes.contains(name)) {
-        let Some((obj_path, _)) = mesh.obj() else { continue };
+        let Some((obj_path, replacements)) = mesh.obj() else { continue };
         let referrer = format!("meshes.{name}");
         if !models.contains_key(obj_path) {
             let Some(model) = loader.model(obj_path, &referrer)? else { continue };
@@ -29,7 +29,10 @@ pub(super) fn load(
         if used.own_materials.contains(name)
             && let Some(model) = models.get_mut(obj_path)
         {
-            obj::load_pictures(model, loader.files, &mut obj_pictures);
+            let is_replaced = |material: &str| {
+                replacements.and_then(|all| all.get(material)).is_some_and(|by| by.name().is_some())
+            };
+            obj::load_pictures(model, &is_replaced, loader.files, &mut obj_pictures);
         }
     }
     for (name, material) in file.materials.iter().filter(|(name, _)| used.materials.contains(name)) {
