@@ -314,6 +314,15 @@ class Purposes(SceneCase):
         self.assertEqual(self.shown("render", "proxy", "guide"), {"own", "a", "b", "c", "inherits"})
         self.assertEqual(self.imported.lost, [])
 
+    def test_the_guide_in_a_box_of_fog_of_ours_is_no_loss_in_any_stage(self):
+        stage = self.stage()
+        fog = UsdGeom.Xform.Define(stage, "/haze").GetPrim()
+        fog.CreateAttribute("userProperties:sunfleck_fog_volume:density", Sdf.ValueTypeNames.Double).Set(0.1)
+        quad(stage, "/haze/haze_bounds").CreatePurposeAttr("guide")
+        quad(stage, "/leaf")
+        stage.GetRootLayer().Save()
+        self.assertEqual(import_usd(stage.GetRootLayer().realPath, self.folder / "fog.glb").lost, [])
+
     def test_the_case(self):
         gltf = self.case("M_purpose")
         self.assertEqual(len(gltf.document.raw["meshes"]), 1)

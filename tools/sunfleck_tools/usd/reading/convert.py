@@ -79,6 +79,11 @@ def _predicate(is_abstract: bool, is_defined: bool):
 PREDICATES = {pair: _predicate(*pair) for pair in product((False, True), repeat=2)}
 
 
+def _bounds_fog_of_ours(prim: Usd.Prim) -> bool:
+    """True of the guide that `export-usd` puts in a box of fog, in whatever stage it stands now."""
+    return bool(prim.GetParent().GetPropertiesInNamespace(f"{SPACE}sunfleck_fog_volume"))
+
+
 def _children(prim: Usd.Prim) -> list[Usd.Prim]:
     return list(prim.GetFilteredChildren(PREDICATES[prim.IsAbstract(), prim.IsDefined()]))
 
@@ -162,7 +167,7 @@ class _Import:
             return True
         purpose = UsdGeom.Imageable(prim).ComputePurpose()
         if purpose != UsdGeom.Tokens.default_ and purpose not in self.options.purposes:
-            if not self.source.by_us:
+            if not (self.source.by_us or _bounds_fog_of_ours(prim)):
                 self.lost.add("usd-purpose", prim.GetPath(), f"is of purpose `{purpose}`, which is not drawn")
             return False
         if is_hidden_by_purpose(prim, str(purpose), self.source):
