@@ -84,7 +84,11 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, layers: O
             Some(layers) => [at_low & BVec3::new(false, layers.end_below(), false), BVec3::FALSE],
         }
     };
-    let grid = |bounds, cell_m| grid(bounds, cell_m).map(|grid| grid.closed(ends(bounds)));
+    let grid = |bounds, cell_m| {
+        let grid = grid(bounds, cell_m)?.closed(ends(bounds));
+        // Larger cells about it do not know where dense fog ends.
+        Some(if fog.is_some() { grid.widened() } else { grid })
+    };
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
     let mut bounds = inner;
     while grids.len() < MOST_LEVELS && diagonal(world) > LARGER * diagonal(bounds) {

@@ -154,11 +154,11 @@ impl Level {
 
     /// Incident radiance on a finer grid within it, once.
     pub(super) fn around(&mut self, grid: &Grid) -> Surrounding {
-        let incident = |radiances: Option<AngularRadiance>| Some(IncidentRadiance::new(grid, radiances?));
+        let of_things = |radiances| IncidentRadiance::without_ends(grid, radiances);
         Surrounding {
-            scattered: incident(self.radiances.take()),
-            of_sky: incident(self.sky_radiances.take()),
-            emitted: incident(self.glow_radiances.take()),
+            scattered: self.radiances.take().map(of_things),
+            of_sky: self.sky_radiances.take().map(|radiances| IncidentRadiance::new(grid, radiances)),
+            emitted: self.glow_radiances.take().map(of_things),
         }
     }
 

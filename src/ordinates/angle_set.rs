@@ -1,5 +1,5 @@
 //! Angle sets: all ordinates that cross the same planes, one way and the other, for one channel. In go
-//! sources, out come moments. Invariant: an ordinate and its opposite share what half a cell does to light.
+//! sources, out come moments. Invariant: an ordinate and its opposite share what a cell does to light.
 
 use super::boundary::{BoundaryCondition, Rim};
 use super::cross_sections::{CrossSections, OrientedExtinction};
@@ -12,7 +12,7 @@ use super::high_degrees::{HIGH, HIGH_ODD, high_basis};
 use super::moments::Moments;
 use super::planes::{Layout, Planes};
 use super::quadrature::{Ordinate, Quadrature};
-use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, HalfCells, StepRows};
+use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, Cells, StepRows};
 use super::walls::{CutNode, Walls, link_of};
 use super::wanted::Wanted;
 use crate::accel::vectorized;
@@ -58,11 +58,13 @@ pub(crate) struct AngleSet<'a> {
     /// Cut links by plane.
     cut: Arc<[Vec<Cut<'a>>]>,
     pairs: Vec<Pair>,
-    /// Half cells of each node for one pair: transmittance, radiance that they add, and the
-    /// radiance in the middle.
+    /// Cells of each node for one pair: transmittance and its mean within, radiance that they add to what
+    /// leaves them and to the mean within, and that mean.
     oriented_extinction: Vec<f32>,
     through: Vec<f32>,
+    mean: Vec<f32>,
     added: [Vec<f32>; 2],
+    added_within: [Vec<f32>; 2],
     radiance: [Vec<f32>; 2],
     /// Radiance that leaves the cells of a plane, with a rim of what is incident.
     before: Vec<f32>,
@@ -158,7 +160,9 @@ impl<'a> AngleSet<'a> {
             pairs: Vec::new(),
             oriented_extinction: nodes(),
             through: nodes(),
+            mean: nodes(),
             added: [nodes(), nodes()],
+            added_within: [nodes(), nodes()],
             radiance: [nodes(), nodes()],
             before: rim.clone(),
             behind: rim.clone(),
@@ -238,7 +242,7 @@ impl<'a> AngleSet<'a> {
     /// Radiance along an ordinate and against it.
     fn sweep_pair(&mut self, number: usize, sources: &SweepSource) -> Ordinate {
         let Pair { ordinate, numbers } = self.pairs[number];
-        self.half_cells(ordinate.direction, sources);
+        self.cells(ordinate.direction, sources);
         for (side, direction) in [ordinate.direction, -ordinate.direction].into_iter().enumerate() {
             self.walls.clone_from(&sources.walls[self.channel]);
             if let Some(glossy) = sources.glossy {
@@ -250,32 +254,38 @@ impl<'a> AngleSet<'a> {
         ordinate
     }
 
-    fn half_cells(&mut self, direction: DVec3, sources: &SweepSource) {
+    fn cells(&mut self, direction: DVec3, sources: &SweepSource) {
         let products = OrientedExtinction::products(direction);
         for (oriented, &node) in
             self.cross_sections.extinction.oriented().iter().zip(self.oriented_nodes.iter())
         {
             self.oriented_extinction[node] = oriented.along(&products);
         }
+        let way_m = (self.cell_m / direction[self.axis].abs()) as f32;
         let [along, against] = &mut self.added;
-        vectorized(HalfCells {
+        let [within_along, within_against] = &mut self.added_within;
+        vectorized(Cells {
             sources: std::array::from_fn(|index| sources.volume.channel(self.channel, index)),
             basis: &basis(direction).map(|value| value as f32),
             isotropic_extinction: &self.isotropic_extinction,
             oriented_extinction: &self.oriented_extinction,
-            half_way: (0.5 * self.cell_m / direction[self.axis].abs()) as f32,
+            way_m,
             through: &mut self.through,
+            mean: &mut self.mean,
             added: [along, against],
+            added_within: [within_along, within_against],
         });
         for beam in sources.beams {
             let [along, against] = &mut self.added;
+            let [within_along, within_against] = &mut self.added_within;
             vectorized(AddBeam {
                 sources: beam.channel(self.channel),
                 factors: beam.factors(direction),
                 isotropic_extinction: &self.isotropic_extinction,
                 oriented_extinction: &self.oriented_extinction,
-                half_way: (0.5 * self.cell_m / direction[self.axis].abs()) as f32,
+                way_m,
                 added: [along, against],
+                added_within: [within_along, within_against],
             });
         }
     }
@@ -311,7 +321,9 @@ impl<'a> AngleSet<'a> {
                 row,
                 columns: planes.count[2],
                 through: &self.through[nodes.clone()],
+                mean: &self.mean[nodes.clone()],
                 added: &self.added[side][nodes.clone()],
+                added_within: &self.added_within[side][nodes.clone()],
                 radiance: &mut self.radiance[side][nodes],
                 stride: planes.stride[1],
             });
@@ -342,10 +354,8 @@ impl<'a> AngleSet<'a> {
                         };
                 }
             }
-            let (through, added) = (self.through[node], self.added[side][node]);
-            let middle = entering * through + added;
-            self.radiance[side][node] = middle;
-            self.behind[here] = middle * through + added;
+            self.radiance[side][node] = entering * self.mean[node] + self.added_within[side][node];
+            self.behind[here] = entering * self.through[node] + self.added[side][node];
         }
     }
 }

@@ -97,6 +97,16 @@ impl IncidentRadiance {
         Self::of_alike(grid, 0.., radiances)
     }
 
+    /// The same but for sides of the grid beyond which nothing lies: larger cells have what lies within.
+    pub(crate) fn without_ends(grid: &Grid, mut radiances: AngularRadiance) -> Self {
+        for (number, place) in rim_places(grid).into_iter().enumerate() {
+            if grid.is_past_its_end(place) {
+                radiances.0.iter_mut().flatten().for_each(|of_places| of_places[number] = 0.0);
+            }
+        }
+        Self::new(grid, radiances)
+    }
+
     /// Of places that are alike there is one radiance; `alike` has its number for each of [`rim_places`].
     pub(crate) fn of_alike(
         grid: &Grid,

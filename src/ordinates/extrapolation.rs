@@ -17,6 +17,8 @@ pub(super) struct Series {
     pub(super) rest: [f64; 3],
     /// All light with that.
     all: [f64; 3],
+    /// The share of itself by which the last order went on, of the channel that went on most.
+    pub(super) ratio: f64,
     /// Whether orders hardly grow darker.
     pub(super) is_endless: bool,
 }
@@ -26,13 +28,14 @@ impl Series {
     /// expected.
     pub(super) fn go_on(&mut self, order: [f64; 3], so_far: [f64; 3]) -> bool {
         let mut is_told = true;
-        self.is_endless = false;
+        (self.is_endless, self.ratio) = (false, 0.0);
         for channel in 0..3 {
             let ratio = match self.last[channel] {
                 last if last > 0.0 => (order[channel] / last).clamp(0.0, MOST_RATIO),
                 _ => 0.0,
             };
             self.is_endless |= ratio == MOST_RATIO;
+            self.ratio = self.ratio.max(ratio);
             let rest = ratio / (1.0 - ratio);
             let left = rest * order[channel];
             let all = so_far[channel] + left;

@@ -65,6 +65,21 @@ impl Grid {
         Self { open_sides: [open_low & !low, open_high & !high], ..self }
     }
 
+    /// The same with two cells more on sides that have more beyond: what ends at its bounds ends before it
+    /// goes over into what lies about it.
+    pub(crate) fn widened(self) -> Self {
+        let cells = |open: BVec3| 2 * DVec3::select(open, DVec3::ONE, DVec3::ZERO).as_i64vec3();
+        let [low, high] = self.open_sides.map(cells);
+        let size = I64Vec3::from_array(self.size.map(|count| count as i64)) + low + high;
+        Self { first: self.first - low, size: size.to_array().map(|count| count as usize), ..self }
+    }
+
+    /// Whether a place lies beyond a side beyond which there is nothing.
+    pub(crate) fn is_past_its_end(&self, world: DVec3) -> bool {
+        let ((low, high), [open_low, open_high]) = (self.volume(), self.open_sides);
+        (world.cmplt(low) & !open_low).any() || (world.cmpgt(high) & !open_high).any()
+    }
+
     pub(crate) fn count(&self) -> usize {
         self.size.iter().product()
     }
@@ -276,6 +291,10 @@ mod tests {
         let (ground, side) = (DVec3::new(4.0, 0.0, 4.0), DVec3::new(0.0, 4.0, 4.0));
         assert!(open.share(ground) < 1.0 && open.share(side) < 1.0);
         assert_eq!((on_ground.share(ground), on_ground.share(side)), (1.0, open.share(side)));
+        let wide = on_ground.widened();
+        assert_eq!((wide.share(ground), wide.share(side)), (1.0, 1.0));
+        let [below, beside] = [DVec3::NEG_Y, DVec3::NEG_X].map(|to| ground + 2.0 * to);
+        assert_eq!([below, beside, side].map(|place| on_ground.is_past_its_end(place)), [true, false, false]);
     }
 
     #[test]

@@ -9,6 +9,7 @@
 mod angle_set;
 pub(crate) mod angular_radiance;
 pub(crate) mod boundary;
+mod chebyshev;
 pub(crate) mod cross_sections;
 pub(crate) mod domain;
 mod double_gauss;

@@ -74,6 +74,17 @@ impl Moments {
         }
     }
 
+    pub(crate) fn scale(&mut self, factor: f32) {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+    }
+
+    /// The sum over all channels and nodes of what comes from all sides, without signs.
+    pub(crate) fn magnitude(&self) -> f64 {
+        let of_channel =
+            |channel| self.channel(channel, 0).iter().map(|value| f64::from(value.abs())).sum::<f64>();
+        (0..3).map(of_channel).sum()
+    }
+
     /// `self += other`.
     pub(crate) fn add_nodes(&mut self, other: &NodeMoments) {
         self.add_times(other, 1.0);

@@ -6,6 +6,7 @@ use super::cross_sections::{NodeExtinction, OrientedExtinction};
 use super::grid::{Corners, Grid};
 use super::harmonics::{COUNT, basis, fourth_basis};
 use super::quadrature::Ordinate;
+use super::sweep_kernels::Means;
 use glam::{DVec3, Vec3};
 
 /// Steps from a node to it and those next to it.
@@ -22,8 +23,8 @@ pub(crate) type Attenuation = [[f32; 2]; 3];
 pub(crate) struct Response {
     pub(crate) direction: DVec3,
     products: [f32; 8],
-    /// Through half a cell.
-    half_m: f32,
+    /// Through a cell.
+    way_m: f32,
     /// Steps to the nodes that get its light next, and their shares.
     taps: [(usize, f32); 4],
     /// Weight times basis, of degrees up to 2 and of 4.
@@ -48,22 +49,20 @@ impl Response {
         Self {
             direction,
             products: OrientedExtinction::products(direction),
-            half_m: (0.5 * cell_m / direction[main].abs()) as f32,
+            way_m: (cell_m / direction[main].abs()) as f32,
             taps,
             factors: [basis, fourth].map(|basis| basis.map(|value| (weight * value) as f32)),
             basis: basis.map(|value| value as f32),
         }
     }
 
-    /// Through fog of an extinction by channel, 1/m, and leaves: in the source's cell half a cell of it, in
-    /// the next what leaves that.
+    /// Through fog of an extinction by channel, 1/m, and leaves: in the source's cell the mean, in the next
+    /// that of what leaves it.
     pub(crate) fn attenuation(&self, NodeExtinction { isotropic, oriented }: NodeExtinction) -> Attenuation {
         let oriented = oriented.map_or(0.0, |oriented| oriented.along(&self.products));
         isotropic.map(|isotropic| {
-            let depth = self.half_m * (isotropic + oriented);
-            let through = (-depth).exp();
-            let here = self.half_m * if depth > 1e-4 { (1.0 - through) / depth } else { 1.0 - 0.5 * depth };
-            [here, here * (1.0 + through) * through]
+            let Means { mean, mean_of_mean, .. } = Means::of(self.way_m * (isotropic + oriented));
+            [self.way_m * mean_of_mean, self.way_m * mean * mean]
         })
     }
 

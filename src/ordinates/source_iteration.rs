@@ -5,6 +5,7 @@
 use super::angle_set::SweepSource;
 use super::angular_radiance::AngularRadiance;
 use super::boundary::{BoundaryCondition, IncidentRadiance, Surrounding};
+use super::chebyshev::{Chebyshev, Weights};
 use super::domain::Domain;
 use super::extrapolation::Series;
 use super::first_collision_source::{BeamSource, Emission, FirstCollisionSource, GlossySource};
@@ -20,6 +21,9 @@ use crate::color::Rgb;
 /// Iterations when all orders are wanted.
 const MOST_ITERATIONS: u32 = 24;
 const FEWEST_ITERATIONS: u32 = 3;
+/// Accelerated ones after that, and the share of all light that may be left.
+const MOST_ACCELERATED: usize = 64;
+const LEFT: f64 = 5e-4;
 
 /// A fixed-source problem.
 pub(crate) struct Problem<'a> {
@@ -72,6 +76,11 @@ impl Source {
         self.has_first |= other.has_first;
         let factor = Rgb::from_array(factor);
         self.walls.iter_mut().zip(&other.walls).for_each(|(sum, added)| *sum += factor * *added);
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.volume.scale(factor as f32);
+        self.walls.iter_mut().for_each(|wall| *wall *= factor);
     }
 
     /// Sources of the same size, all zero.
@@ -212,9 +221,13 @@ impl<'a> SourceIteration<'a> {
             light.add(&next, [1.0; 3]);
             if problem.orders.is_none() {
                 let told = series.go_on(next.total(), light.total());
-                if iteration >= FEWEST_ITERATIONS && told || iteration == iterations {
+                if iteration >= FEWEST_ITERATIONS && told || iteration == iterations && series.is_endless {
                     light.add(&next, series.rest.map(|rest| rest as f32));
                     sent.add(&source, series.rest);
+                    break;
+                }
+                if iteration == iterations {
+                    self.accelerate(problem.scatter(&next, true), series.ratio, (&mut sent, light));
                     break;
                 }
             }
@@ -224,6 +237,32 @@ impl<'a> SourceIteration<'a> {
             }
         }
         (sent, series.is_endless)
+    }
+
+    /// Adds all that comes of a source that is left, whose orders go on and on, to what was sent out and
+    /// its light.
+    fn accelerate(&mut self, mut left: Source, ratio: f64, (sent, light): (&mut Source, &mut Moments)) {
+        // The ratio of orders still grows towards the greatest eigenvalue.
+        let mut chebyshev = Chebyshev::new(1.0 - 0.25 * (1.0 - ratio));
+        let enough = LEFT * (1.0 - chebyshev.rate());
+        let (mut step, mut light_of_step) = (left.emptied(), light.emptied());
+        for Weights { left: of_left, before } in chebyshev.by_ref().take(MOST_ACCELERATED) {
+            if (self.problem.cancelled)() {
+                break;
+            }
+            let next = self.sweep(&left, BoundaryCondition::Vacuum, &Wanted::ORDERS).moments;
+            step.scale(before);
+            step.add(&left, [of_left; 3]);
+            light_of_step.scale(before as f32);
+            light_of_step.add(&next, [of_left as f32; 3]);
+            sent.add(&step, [1.0; 3]);
+            light.add(&light_of_step, [1.0; 3]);
+            left.add(&self.problem.scatter(&light_of_step, true), [1.0; 3]);
+            left.add(&step, [-1.0; 3]);
+            if light_of_step.magnitude() <= enough * light.magnitude() {
+                break;
+            }
+        }
     }
 
     /// Light of the first order where walls stand in each other's light: of the ordinates of all orders a

@@ -2,9 +2,10 @@
 //! what is incident, out come moments of radiance. Invariant: sums have a fixed order, so any number of
 //! threads gives the same field.
 //!
-//! Planes of nodes across the ordinate's largest component follow one another. Each node takes what leaves
-//! the four cells upwind of it, half a cell of the medium, its own source, and half a cell again. This is a
-//! step scheme of second order (Lewis & Miller 1984, chapter 4).
+//! Planes of nodes across the ordinate's largest component follow one another. Each cell takes what leaves
+//! the four upwind of it, and has its own source all over. A node has the mean of its cell, so that what a
+//! cell takes of light is what is missing behind it: no order gains or loses any (step characteristics,
+//! Lewis & Miller 1984, chapter 4).
 
 use super::angle_set::{AngleSet, SetMoments, SweepSource};
 use super::angular_radiance::AngularRadiance;

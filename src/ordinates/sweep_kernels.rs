@@ -8,21 +8,25 @@ use crate::accel::Vectorized;
 /// Harmonics that change sign for the opposite direction; the others stay the same.
 const ODD: std::ops::Range<usize> = 1..4;
 
-/// Half-cell transmittance and source of one channel, along an ordinate and against it.
-pub(crate) struct HalfCells<'a> {
+/// Cells of one channel, along an ordinate and against it: what they let through, and what their sources add.
+pub(crate) struct Cells<'a> {
     /// Sources by harmonic, and those of the ordinate.
     pub(crate) sources: [&'a [f32]; COUNT],
     pub(crate) basis: &'a [f32; COUNT],
     pub(crate) isotropic_extinction: &'a [f32],
     pub(crate) oriented_extinction: &'a [f32],
-    pub(crate) half_way: f32,
-    /// Transmittance of half a cell.
+    /// The way through a cell, metres.
+    pub(crate) way_m: f32,
+    /// Transmittance of a cell, and the mean of all places in it.
     pub(crate) through: &'a mut [f32],
-    /// Radiance that it adds along the ordinate and against it.
+    pub(crate) mean: &'a mut [f32],
+    /// Radiance that a cell adds to what leaves it, and to the mean within it; along the ordinate and
+    /// against it.
     pub(crate) added: [&'a mut [f32]; 2],
+    pub(crate) added_within: [&'a mut [f32]; 2],
 }
 
-impl Vectorized for HalfCells<'_> {
+impl Vectorized for Cells<'_> {
     #[inline(always)]
     fn run(self) {
         let count = self.through.len();
@@ -30,32 +34,36 @@ impl Vectorized for HalfCells<'_> {
         let [b0, b1, b2, b3, b4, b5, b6, b7, b8] = *self.basis;
         let (isotropic, oriented) = (&self.isotropic_extinction[..count], &self.oriented_extinction[..count]);
         let [along, against] = self.added.map(|values| &mut values[..count]);
-        let (half_way, through) = (self.half_way, self.through);
+        let [within_along, within_against] = self.added_within.map(|values| &mut values[..count]);
+        let (way_m, through, mean) = (self.way_m, self.through, &mut self.mean[..count]);
         for node in 0..count {
             let even =
                 b0 * s0[node] + b4 * s4[node] + b5 * s5[node] + b6 * s6[node] + b7 * s7[node] + b8 * s8[node];
             let odd = b1 * s1[node] + b2 * s2[node] + b3 * s3[node];
-            let (transmitted, mean) = exp_minus_and_mean(half_way * (isotropic[node] + oriented[node]));
-            through[node] = transmitted;
+            let means = Means::of(way_m * (isotropic[node] + oriented[node]));
+            (through[node], mean[node]) = (means.end, means.mean);
             // Harmonics cut short may be negative where they should be nearly nothing; sums over ordinates
             // are right only if that stays.
-            let gain = half_way * mean;
+            let (gain, gain_within) = (way_m * means.mean, way_m * means.mean_of_mean);
             along[node] = gain * (even + odd);
             against[node] = gain * (even - odd);
+            within_along[node] = gain_within * (even + odd);
+            within_against[node] = gain_within * (even - odd);
         }
     }
 }
 
-/// Adds what half a cell has of sources of degrees 3 to 5.
+/// Adds what a cell has of sources of degrees 3 to 5.
 pub(crate) struct AddBeam<'a> {
     /// Sources by degree, with their values along the ordinate.
     pub(crate) sources: [&'a [f32]; 3],
     pub(crate) factors: [f32; 3],
     pub(crate) isotropic_extinction: &'a [f32],
     pub(crate) oriented_extinction: &'a [f32],
-    pub(crate) half_way: f32,
-    /// Along the ordinate and against it.
+    /// As of [`Cells`].
+    pub(crate) way_m: f32,
     pub(crate) added: [&'a mut [f32]; 2],
+    pub(crate) added_within: [&'a mut [f32]; 2],
 }
 
 impl Vectorized for AddBeam<'_> {
@@ -66,13 +74,16 @@ impl Vectorized for AddBeam<'_> {
         let [of_third, of_fourth, of_fifth] = self.factors;
         let (isotropic, oriented) = (&self.isotropic_extinction[..count], &self.oriented_extinction[..count]);
         let [along, against] = self.added.map(|values| &mut values[..count]);
+        let [within_along, within_against] = self.added_within.map(|values| &mut values[..count]);
         for node in 0..count {
             let even = of_fourth * fourth[node];
             let odd = of_third * third[node] + of_fifth * fifth[node];
-            let (_, mean) = exp_minus_and_mean(self.half_way * (isotropic[node] + oriented[node]));
-            let gain = self.half_way * mean;
+            let means = Means::of(self.way_m * (isotropic[node] + oriented[node]));
+            let (gain, gain_within) = (self.way_m * means.mean, self.way_m * means.mean_of_mean);
             along[node] += gain * (even + odd);
             against[node] += gain * (even - odd);
+            within_along[node] += gain_within * (even + odd);
+            within_against[node] += gain_within * (even - odd);
         }
     }
 }
@@ -89,14 +100,16 @@ pub(crate) struct StepRows<'a> {
     pub(crate) rows: usize,
     pub(crate) row: usize,
     pub(crate) columns: usize,
-    /// Nodes from the plane's first, and how far apart rows are.
+    /// Nodes from the plane's first, as of [`Cells`], and how far apart rows are.
     pub(crate) through: &'a [f32],
+    pub(crate) mean: &'a [f32],
     pub(crate) added: &'a [f32],
+    pub(crate) added_within: &'a [f32],
     pub(crate) radiance: &'a mut [f32],
     pub(crate) stride: usize,
 }
 
-impl Vectorized for StepRows<'_> {
+impl<'a> Vectorized for StepRows<'a> {
     #[inline(always)]
     fn run(self) {
         let [p, q, r, s] = self.shares;
@@ -105,14 +118,14 @@ impl Vectorized for StepRows<'_> {
             let side = |number: usize| &self.before[self.first[number] + from..][..self.columns];
             let (a, b, c, d) = (side(0), side(1), side(2), side(3));
             let out = &mut self.behind[self.here + from..][..self.columns];
-            let (through, added) =
-                (&self.through[start..][..self.columns], &self.added[start..][..self.columns]);
+            let of_row = |values: &'a [f32]| &values[start..][..self.columns];
+            let (through, mean) = (of_row(self.through), of_row(self.mean));
+            let (added, added_within) = (of_row(self.added), of_row(self.added_within));
             let radiance = &mut self.radiance[start..][..self.columns];
             for column in 0..self.columns {
                 let entering = p * a[column] + q * b[column] + r * c[column] + s * d[column];
-                let middle = entering * through[column] + added[column];
-                radiance[column] = middle;
-                out[column] = middle * through[column] + added[column];
+                radiance[column] = entering * mean[column] + added_within[column];
+                out[column] = entering * through[column] + added[column];
             }
         }
     }
@@ -164,28 +177,42 @@ impl Vectorized for AccumulateDegree<'_> {
     }
 }
 
-/// `exp(-x)` and its mean over `0..x`, `x >= 0`, within 3e-6 of 1: no branch and no call, so that
-/// eight are found at once.
-///
-/// Padé's approximation of `exp(-x / 16)`, squared four times.
-#[inline(always)]
-fn exp_minus_and_mean(x: f32) -> (f32, f32) {
-    /// Nothing is left of light beyond it.
-    const MOST: f32 = 24.0;
-    let bounded = x.min(MOST);
-    let z = bounded * (1.0 / 16.0);
-    let even = 1.0 + z * z * (1.0 / 12.0);
-    let root = (even - 0.5 * z) / (even + 0.5 * z);
-    let square = root * root;
-    let fourth = square * square;
-    let eighth = fourth * fourth;
-    // 1 - r = z / (even + z / 2), and 1 - r^16 is that times (1 + r)(1 + r^2)(1 + r^4)(1 + r^8): no digits
-    // are lost where hardly any light is.
-    let of_bounded =
-        (1.0 / 16.0) / (even + 0.5 * z) * ((1.0 + root) * (1.0 + square)) * ((1.0 + fourth) * (1.0 + eighth));
-    let beyond = if x > MOST { MOST / x } else { 1.0 };
-    let (power, mean) = (eighth * eighth, of_bounded * beyond);
-    (power, mean)
+/// `exp(-x)` and its means over `0..x`, `x >= 0`.
+pub(super) struct Means {
+    pub(super) end: f32,
+    pub(super) mean: f32,
+    /// The mean of that mean over `0..x`.
+    pub(super) mean_of_mean: f32,
+}
+
+impl Means {
+    /// Within 3e-6 of 1: no branch and no call, so that eight are found at once.
+    ///
+    /// Padé's approximation of `exp(-x / 16)`, squared four times.
+    #[inline(always)]
+    pub(super) fn of(x: f32) -> Self {
+        /// Nothing is left of light beyond it.
+        const MOST: f32 = 24.0;
+        /// Below it a series keeps the digits of what `1 - mean` is divided by `x`.
+        const SMALL: f32 = 0.5;
+        let bounded = x.min(MOST);
+        let z = bounded * (1.0 / 16.0);
+        let even = 1.0 + z * z * (1.0 / 12.0);
+        let root = (even - 0.5 * z) / (even + 0.5 * z);
+        let square = root * root;
+        let fourth = square * square;
+        let eighth = fourth * fourth;
+        // 1 - r = z / (even + z / 2), and 1 - r^16 is that times (1 + r)(1 + r^2)(1 + r^4)(1 + r^8): no
+        // digits are lost where hardly any light is.
+        let of_bounded = (1.0 / 16.0) / (even + 0.5 * z)
+            * ((1.0 + root) * (1.0 + square))
+            * ((1.0 + fourth) * (1.0 + eighth));
+        let beyond = if x > MOST { MOST / x } else { 1.0 };
+        let mean = of_bounded * beyond;
+        let series = 0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0 - x * (1.0 / 720.0))));
+        let mean_of_mean = if x < SMALL { series } else { (1.0 - mean) / x };
+        Self { end: eighth * eighth, mean, mean_of_mean }
+    }
 }
 
 #[cfg(test)]
@@ -193,13 +220,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_exponential_is_one() {
+    fn the_exponential_and_its_means_are_right() {
         for step in 0..4000 {
             let x = 0.01 * f64::from(step);
-            let (power, mean) = exp_minus_and_mean(x as f32);
+            let Means { end, mean, mean_of_mean } = Means::of(x as f32);
             let expected = if x > 0.0 { -(-x).exp_m1() / x } else { 1.0 };
-            assert!((f64::from(power) - (-x).exp()).abs() < 3e-6, "{x}: {power}");
+            let twice = if x > 1e-3 { (1.0 - expected) / x } else { 0.5 - x / 6.0 };
+            assert!((f64::from(end) - (-x).exp()).abs() < 3e-6, "{x}: {end}");
             assert!((f64::from(mean) - expected).abs() < 3e-6, "{x}: {mean} {expected}");
+            assert!((f64::from(mean_of_mean) - twice).abs() < 8e-6, "{x}: {mean_of_mean} {twice}");
         }
     }
 }
