@@ -7,6 +7,9 @@ import random
 from mesh import Mesh, Vector, cross
 from trees import along, unit
 
+CELL_M, TILE_M = 3.0, 2.6
+"""How wide a quad of the ground is, and the picture on it."""
+
 
 def ground_height(x: float, z: float) -> float:
     """Gentle undulation, metres; about level around the origin."""
@@ -44,6 +47,34 @@ def make_ground(left: float, right: float, near: float, far: float, cell_m: floa
             a = row * width + column
             mesh.faces.append((a, a + 1, a + width + 1, a + width))
     return mesh
+
+
+def drift_height(x: float, z: float) -> float:
+    """How high leaves lie above the ground, metres, and how far below it their floor is where none do: the
+    wind's ridges, which sway and end."""
+    along_wind = 1.15 * x + 0.9 * math.sin(0.55 * z + 0.4)
+    across_wind = 1.7 * z + 0.8 * math.sin(0.6 * x)
+    across_both = 2.3 * x - 1.9 * z + math.sin(1.3 * z)
+    ridges = math.sin(along_wind) * math.cos(across_wind) + 0.5 * math.sin(across_both)
+    return 0.11 * (ridges - 0.15)
+
+
+def laid_height(x: float, z: float) -> float:
+    """Height of the ground as it is laid, in triangles of `CELL_M`."""
+    left, near = CELL_M * math.floor(x / CELL_M), CELL_M * math.ceil(z / CELL_M)
+    u, v = (x - left) / CELL_M, (near - z) / CELL_M
+    first, last = ground_height(left, near), ground_height(left + CELL_M, near - CELL_M)
+    corner = ground_height(left + CELL_M, near) if u >= v else ground_height(left, near - CELL_M)
+    return first + (corner - first) * max(u, v) + (last - corner) * min(u, v)
+
+
+def make_drifts(left: float, right: float, near: float, far: float, cell_m: float) -> Mesh:
+    """What of a grid of quads stands out of the ground; its rim lies below, so that no border is seen."""
+    mesh = make_ground(left, right, near, far, cell_m, TILE_M)
+    heights = [drift_height(x, z) for x, _, z in mesh.positions]
+    mesh.positions = [(x, laid_height(x, z) + up, z) for (x, _, z), up in zip(mesh.positions, heights)]
+    mesh.faces = [face for face in mesh.faces if any(heights[i] > 0.0 for i in face)]
+    return mesh.without_strays()
 
 
 def make_fern(seed: str, fronds: int, length_m: float, pinnae: int) -> Mesh:

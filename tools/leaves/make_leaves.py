@@ -11,12 +11,13 @@ whose names start so.
 import argparse
 from pathlib import Path
 
-from floor import make_fern, make_ground
+from bark import FURROWS_M, Bark, paint_bark, paint_bark_normals
+from floor import CELL_M, TILE_M, make_drifts, make_fern, make_ground
 from leaf import CANOPY, FAR, NEAR, Detail, Pose, make_leaf
 from maps import blemished, leaf_maps
 from mesh import Mesh, write_obj
 from outlines import SPECIES, beech, maple, oak
-from paint import EVEN, paint_bark, paint_leaf, paint_light_through, paint_litter, paint_normals
+from paint import EVEN, FLOORS, paint_floor, paint_leaf, paint_light_through, paint_normals
 from palettes import RAMPS
 from png import write_png
 from trees import HABITS, make_tree
@@ -68,6 +69,8 @@ AGES = {
     "aspen": {"yellow": 0.44, "gold": 0.66},
     "willow": {"lime": 0.30, "yellow": 0.55},
 }
+# What grows in a wood.
+WOODLAND = ("maple", "oak", "beech", "birch")
 # Leaves that turn from patch to patch.
 PATCHINESS = {"maple turning": 0.85, "maple flaming": 0.62}
 # What hangs close to the camera against the light has a picture of the light through it, too.
@@ -115,10 +118,13 @@ def make_meshes(folder: Path) -> None:
         tree = make_tree(f"{name} 1", habit)
         meshes[f"{name}_wood"], meshes[f"{name}_twigs"] = (tree.wood, True), (tree.twigs, False)
     # A clearing, where litter lies leaf by leaf, and what is around it.
-    meshes["ground_clearing"] = (make_ground(-9.0, 9.0, 9.0, -12.0, 3.0, 2.6), True)
-    meshes["ground_left"] = (make_ground(-45.0, -9.0, 9.0, -12.0, 3.0, 2.6), True)
-    meshes["ground_right"] = (make_ground(9.0, 45.0, 9.0, -12.0, 3.0, 2.6), True)
-    meshes["ground_beyond"] = (make_ground(-45.0, 45.0, -12.0, -72.0, 3.0, 2.6), True)
+    meshes["ground_clearing"] = (make_ground(-9.0, 9.0, 9.0, -12.0, CELL_M, TILE_M), True)
+    meshes["ground_left"] = (make_ground(-45.0, -9.0, 9.0, -12.0, CELL_M, TILE_M), True)
+    meshes["ground_right"] = (make_ground(9.0, 45.0, 9.0, -12.0, CELL_M, TILE_M), True)
+    meshes["ground_beyond"] = (make_ground(-45.0, 45.0, -12.0, -72.0, CELL_M, TILE_M), True)
+    # Leaves that the wind has heaped, finer where they are near.
+    meshes["drifts"] = (make_drifts(-9.0, 9.0, 9.0, -12.0, 0.5), True)
+    meshes["drifts_beyond"] = (make_drifts(-30.0, 30.0, -12.0, -48.0, 1.5), True)
     meshes["fern"] = (make_fern("fern 1", 9, 0.75, 15), False)
     for name, (mesh, smooth) in meshes.items():
         write_obj(folder / f"{name}.obj", name, mesh, smooth)
@@ -145,13 +151,15 @@ def make_textures(folder: Path, only: str) -> None:
                     paint_light_through(maps, RAMPS[blade.name], age, patchiness),
                 )
             print(f"{blade.name}_{name}.png", flush=True)
-    if "litter".startswith(only):
-        write_png(folder / "litter.png", paint_litter(blades, 640))
-        print("litter.png", flush=True)
-    for kind in ("oak", "maple", "birch"):
-        if f"bark_{kind}".startswith(only):
-            write_png(folder / f"bark_{kind}.png", paint_bark(kind, 256, 512))
-            print(f"bark_{kind}.png", flush=True)
+    for kind in (kind for kind in FLOORS if kind.startswith(only)):
+        grown = blades if kind == "litter" else [blade for blade in blades if blade.name in WOODLAND]
+        write_png(folder / f"{kind}.png", paint_floor(kind, grown, 640))
+        print(f"{kind}.png", flush=True)
+    for kind in (kind for kind in FURROWS_M if f"bark_{kind}".startswith(only)):
+        bark = Bark.grown(kind, 256, 512)
+        write_png(folder / f"bark_{kind}.png", paint_bark(bark))
+        write_png(folder / f"bark_{kind}_relief.png", paint_bark_normals(bark), is_color=False)
+        print(f"bark_{kind}.png", flush=True)
 
 
 def main() -> None:

@@ -25,6 +25,13 @@ class Mesh:
         self.uvs += other.uvs
         self.faces += [tuple(i + offset for i in face) for face in other.faces]
 
+    def without_strays(self) -> "Mesh":
+        """The same without vertices that no polygon has."""
+        kept = sorted({i for face in self.faces for i in face})
+        place = {i: k for k, i in enumerate(kept)}
+        faces = [tuple(place[i] for i in face) for face in self.faces]
+        return Mesh([self.positions[i] for i in kept], [self.uvs[i] for i in kept], faces)
+
     def triangle_count(self) -> int:
         """Triangles once the polygons are cut up."""
         return sum(len(face) - 2 for face in self.faces)

@@ -7,6 +7,7 @@ like its edge. So filtering at the outline brings in no foreign colour.
 
 import math
 import random
+from dataclasses import dataclass
 
 from maps import LeafMaps, Map, add_maps, fill, noise_map
 from outlines import Blade
@@ -94,6 +95,12 @@ def relief(maps: LeafMaps) -> Map:
     return [[height(x, y) for x in range(size)] for y in range(size)]
 
 
+def facing(right: float, up: float) -> bytes:
+    """A pixel of a normal map where the surface rises by these slopes."""
+    length = math.sqrt(right * right + up * up + 1.0)
+    return bytes(round(127.5 + 127.5 * part / length) for part in (-right, -up, 1.0))
+
+
 def paint_normals(maps: LeafMaps) -> list[bytes]:
     """Where the upper side faces, as glTF's normal maps have it: x to the right, y up, z
     out of the picture."""
@@ -107,29 +114,50 @@ def paint_normals(maps: LeafMaps) -> list[bytes]:
             shown = maps.margin[2 * y][2 * x]
             right = 0.5 * (here[min(last, x + 1)] - here[max(0, x - 1)]) if shown else 0.0
             up = 0.5 * (above[x] - below[x]) if shown else 0.0
-            length = math.sqrt(right * right + up * up + 1.0)
-            row += bytes(round(127.5 + 127.5 * part / length) for part in (-right, -up, 1.0))
+            row += facing(right, up)
         rows.append(bytes(row))
     return rows
 
 
-def paint_litter(blades: list[Blade], size: int) -> list[bytes]:
+@dataclass(frozen=True)
+class Strewn:
+    """How leaves lie on soil."""
+
+    count: int
+    length: tuple[float, float]
+    """Of the picture's side."""
+    youngest: float
+    """Age of the last to fall, of 1."""
+    light: float
+    """How bright the first to fall are still, of 1."""
+
+
+# A park's; of a wood, what the wind has heaped, and what has lain since last year.
+FLOORS = {
+    "litter": Strewn(900, (0.05, 0.085), 0.35, 0.45),
+    "drift": Strewn(1000, (0.035, 0.08), 0.5, 0.5),
+    "soil": Strewn(800, (0.03, 0.075), 0.85, 0.3),
+}
+
+
+def paint_floor(kind: str, blades: list[Blade], size: int) -> list[bytes]:
     """Fallen leaves on dark soil, repeating at the borders."""
-    rng = random.Random("litter")
+    rng, strewn = random.Random(kind), FLOORS[kind]
     soil = add_maps([(0.5, noise_map(size, size, 8, 8, rng)), (0.5, noise_map(size, size, 32, 32, rng))])
     picture = [[mix((44, 32, 20), (74, 52, 30), 0.5 + 0.5 * s) for s in row] for row in soil]
-    count = 900
-    for index in range(count):
+    for index in range(strewn.count):
+        late = index / strewn.count
         blade = rng.choice(blades)
         # The longest down are the brownest.
-        color = RAMPS[blade.name].at(rng.triangular(0.35, 1.0, 1.0 - 0.3 * index / count))
+        likeliest = max(strewn.youngest, 1.0 - 0.3 * late)
+        color = RAMPS[blade.name].at(rng.triangular(strewn.youngest, 1.0, likeliest))
         # What lies deeper is darker.
-        depth = 0.45 + 0.55 * index / count
+        depth = strewn.light + (1.0 - strewn.light) * late
         x, y, turn, length = (
             rng.uniform(0, size),
             rng.uniform(0, size),
             rng.uniform(0, math.tau),
-            size * rng.uniform(0.05, 0.085),
+            size * rng.uniform(*strewn.length),
         )
         cos, sin = math.cos(turn) * length, math.sin(turn) * length
         flatten = rng.uniform(0.6, 1.0)
@@ -153,44 +181,3 @@ def paint_litter(blades: list[Blade], size: int) -> list[bytes]:
                     )
                     picture[(j + oy) % size][(i + ox) % size] = mix((0, 0, 0), color, shade)
     return [b"".join(map(packed, row)) for row in picture]
-
-
-def paint_bark(kind: str, width: int, height: int) -> list[bytes]:
-    """Bark that repeats at the borders: of `oak` deeply furrowed, of `maple` grey and finely cracked, of
-    `birch` white with dark bands."""
-    rng = random.Random(f"bark {kind}")
-
-    def noise(cells_x: int, cells_y: int) -> Map:
-        return noise_map(width, height, cells_x, cells_y, rng)
-
-    wide, fine, grain, moss = (
-        noise(9, 3),
-        noise(21, 7),
-        noise(64, 40),
-        add_maps([(0.7, noise(3, 4)), (0.3, noise(24, 40))]),
-    )
-    bands, patches = noise(4, 46), noise(3, 7)
-    rows = []
-    for y in range(height):
-        row = bytearray()
-        for x in range(width):
-            g, m = grain[y][x], moss[y][x]
-            # Furrows run where noise crosses 0, as cracks between plates do.
-            furrow = min(1.0, 2.6 * abs(wide[y][x] + 0.5 * fine[y][x])) * min(
-                1.0, 0.35 + 2.4 * abs(fine[y][x])
-            )
-            if kind == "oak":
-                color = mix((26, 20, 15), (112, 96, 78), furrow * (0.82 + 0.25 * g))
-                color = mix(color, (84, 92, 40), max(0.0, min(0.55, 1.3 * m - 0.1)))
-            elif kind == "maple":
-                color = mix((54, 48, 42), (128, 118, 104), 0.35 + 0.45 * min(1.0, furrow) + 0.20 * g)
-                color = mix(color, (150, 152, 128), max(0.0, min(0.5, 2.0 * patches[y][x] - 0.5)))
-                color = mix(color, (88, 98, 46), max(0.0, min(0.45, 1.2 * m - 0.2)))
-            else:
-                dark = max(0.0, min(1.0, 5.0 * (bands[y][x] + 0.35 * g) - 2.3))
-                scar = max(0.0, min(1.0, 4.0 * (patches[y][x] + 0.3 * wide[y][x]) - 2.0))
-                color = mix((214, 206, 190), (236, 230, 218), 0.5 + 0.5 * g)
-                color = mix(mix(color, (64, 54, 46), dark), (44, 38, 34), scar)
-            row += packed(color)
-        rows.append(bytes(row))
-    return rows

@@ -9,7 +9,8 @@ import zlib
 from collections import Counter
 from pathlib import Path
 
-from floor import ground_height, make_fern, make_ground
+from bark import FURROWS_M
+from floor import ground_height, laid_height, make_drifts, make_fern, make_ground
 from leaf import NEAR, RELIEF, Pose, make_leaf
 from make_leaves import (
     AGES,
@@ -24,7 +25,7 @@ from make_leaves import (
 from maps import blemished, leaf_maps
 from mesh import Mesh, cross, subtract
 from outlines import SPECIES, beech, maple, oak
-from paint import paint_leaf, paint_light_through, paint_normals
+from paint import FLOORS, paint_leaf, paint_light_through, paint_normals
 from palettes import RAMPS
 from trees import HABITS, make_tree
 from triangulate import clip_ears, contains, distance_to_outline, doubled_area, triangulate
@@ -274,6 +275,16 @@ class Plants(unittest.TestCase):
         self.assertEqual(len(set(here.positions) & set(beyond.positions)), 5)
         self.assertTrue(all(p[1] == ground_height(p[0], p[2]) for p in here.positions))
 
+    def test_drifts_lie_on_the_ground_as_it_is_laid_and_end_below_it(self):
+        drifts = make_drifts(-9.0, 9.0, 9.0, -12.0, 0.5)
+        ground = {(p[0], p[2]): p[1] for p in make_ground(-9.0, 9.0, 9.0, -12.0, 3.0, 2.6).positions}
+        for (x, z), height in ground.items():
+            self.assertAlmostEqual(laid_height(x, z), height)
+        above = [p[1] - laid_height(p[0], p[2]) for p in drifts.positions]
+        self.assertLess(max(above), 0.2)
+        self.assertLess(min(above), 0.0)
+        self.assertLess(len(drifts.faces), 0.7 * 36 * 42)
+
     def test_ferns_rise_from_where_they_stand(self):
         fern = make_fern("test", 7, 1.0, 12)
         self.assertEqual(fern.triangle_count(), 7 * 12 * 2 * 2)
@@ -291,7 +302,7 @@ class Files(unittest.TestCase):
     def test_the_textures_in_the_scene_are_the_ones_made_here(self):
         # Every texture that is no leaf's, and those of one species; with SUNFLECK_LONG=1 all,
         # which takes minutes.
-        only = [""] if os.environ.get("SUNFLECK_LONG") else ["willow", "litter", "bark"]
+        only = [""] if os.environ.get("SUNFLECK_LONG") else ["willow", "litter", "soil", "bark"]
         committed = {path.name: pixels(path) for path in (WOODS / "textures").glob("*.png")}
         with tempfile.TemporaryDirectory() as folder:
             for name in only:
@@ -304,7 +315,7 @@ class Files(unittest.TestCase):
     def test_no_other_textures_are_in_the_scene(self):
         names = {f"{species}_{kind}" for species, ages in AGES.items() for kind in ["relief", *ages]}
         names |= {f"{species}_{age}_through" for species, ages in LIT_THROUGH.items() for age in ages}
-        names |= {"litter", "bark_oak", "bark_maple", "bark_birch"}
+        names |= {*FLOORS, *(f"bark_{kind}{part}" for kind in FURROWS_M for part in ("", "_relief"))}
         self.assertEqual(names, {path.stem for path in (WOODS / "textures").glob("*.png")})
 
 
