@@ -1,0 +1,186 @@
+r"""Figures of fog by grids of 64^3 and 256^3 voxels, which Blender's own `openvdb` writes.
+
+    SUNFLECK=target/release/sunfleck .venv/bin/python tools/peers/mist_figures.py [64] [256]
+
+needs a Python with Mitsuba and bpy (docs/tools.md). Leaves and ground in mist have a line for each figure:
+
+- our picture beside Mitsuba's `volpath`, of single scattering and of all orders: ratio of means, and what blocks of
+  10x10 pixels differ by, root mean square by the picture's mean, without Mitsuba's own noise;
+- CPU seconds of a frame to a tolerance, by those with even fog of the same mean in the same box;
+- bytes of the grid as it is held, and those of the process beyond even fog's, by those of the file's active voxels,
+  four each;
+- CPU seconds of Cycles, raw and with its denoiser, by ours, to the same error by pixels.
+
+Invariant: all of a line is of one run, in turns.
+"""
+
+import argparse
+import os
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+from all_orders import blocks
+from light_everywhere import picture
+from light_scenes import more, scene
+
+from sunfleck_tools.peers import cycles, mitsuba
+from sunfleck_tools.peers.scene import read_scene
+
+bpy.utils.expose_bundled_modules()
+import openvdb  # noqa: E402  # There once Blender is.
+
+BOX_M = np.array([6.0, 3.0, 6.0])
+PIXELS = 120, 70
+SIZE = f"{PIXELS[0]}x{PIXELS[1]}"
+FRAME = "960x540"
+DENSITY_PER_M = 0.6
+FOG = "density_per_m: {}, albedo: 0.95, anisotropy: 0.5"
+MOST_CYCLES_SAMPLES = 1024
+
+
+def mist(voxels: int) -> np.ndarray:
+    """Octaves of noise, cut off, in [x, y, z], that end before the box does."""
+    rng, noise = np.random.default_rng(5), np.zeros((voxels,) * 3, np.float32)
+    at = (np.arange(voxels, dtype=np.float32) + 0.5) / voxels
+    for octave in range(5):
+        cells = 3 * 2**octave
+        hats = np.maximum(0, 1 - np.abs(at[:, None] * cells - np.arange(cells + 1, dtype=np.float32)))
+        values = rng.standard_normal((cells + 1,) * 3).astype(np.float32)
+        for _ in range(3):
+            # One axis after the other comes to the end.
+            values = np.tensordot(values, hats, (0, 1))
+        noise += values / 2**octave
+    rim = np.minimum(1, 8 * np.minimum(at, 1 - at))
+    return np.clip(noise, 0, None) * rim[:, None, None] * rim[:, None] * rim
+
+
+def write_grid(path: Path, density: np.ndarray) -> int:
+    """Writes a file; how many voxels of it are active."""
+    size = BOX_M / density.shape
+    rows = np.diag([*size, 1.0])
+    rows[3, :3] = size / 2 - BOX_M * [0.5, 0, 0.5]
+    grid = openvdb.FloatGrid()
+    grid.name, grid.gridClass = "density", openvdb.GridClass.FOG_VOLUME
+    grid.copyFromArray(np.ascontiguousarray(density))
+    grid.transform = openvdb.createLinearTransform(rows.tolist())
+    openvdb.write(str(path), [grid])
+    return grid.activeVoxelCount()
+
+
+def write_scenes(folder: Path, voxels: int) -> tuple[Path, Path, int]:
+    """The scene with mist, that with even fog, and the number of active voxels."""
+    density = mist(voxels)
+    active = write_grid(folder / "mist.vdb", density)
+    fogs = {
+        "mist": f'(vdb: "mist.vdb", {FOG.format(DENSITY_PER_M)})',
+        "even": f"(min_m: (-3.0, 0.0, -3.0), max_m: (3.0, 3.0, 3.0), {FOG.format(DENSITY_PER_M * density.mean())})",
+    }
+    for name, fog in fogs.items():
+        # Others' leaves let no light through.
+        opaque = more("materials", gold="(base_color: (0.5, 0.25, 0.02))")
+        (folder / f"{name}.ron").write_text(scene("", **opaque, fog={"fog": fog}))
+    return folder / "mist.ron", folder / "even.ron", active
+
+
+def beside_mitsuba(path: Path, bounces: int, pictures: int, samples: int) -> str:
+    """Our picture beside that of Mitsuba."""
+    read = read_scene(path)
+    read.size, read.bounces = PIXELS, bounces
+    render = mitsuba.prepare(read, "scalar_rgb")
+    whole = [render(samples, seed)[0] for seed in range(pictures)]
+    theirs = np.stack([blocks(each) for each in whole])
+    mean = theirs.mean(axis=0)
+    noise = theirs.var(axis=0, ddof=1).mean() / pictures
+    flags = ["--samples", "64", "--bounces", "all" if bounces else "0"]
+    ours = picture(path, SIZE, flags)[0]
+    error = np.sqrt(max(0.0, ((blocks(ours) - mean) ** 2).mean() - noise)) / mean.mean()
+    means = [each.mean() for each in whole]
+    own = np.std(means, ddof=1) / np.sqrt(pictures) / np.mean(means)
+    off = ours.mean() / np.mean(means) - 1
+    return f"mean {100 * off:+.3f} % (Mitsuba's own {100 * own:.3f} %), blocks {100 * error:.2f} %"
+
+
+def by_even_fog(mist: Path, even: Path, bounces: str, rounds: int) -> tuple[float, int]:
+    """CPU seconds of a frame with mist by those with even fog; bytes of memory that it takes beyond."""
+    seconds, memory = {mist: [], even: []}, {}
+    for _ in range(rounds):
+        for path in seconds:
+            _, used, told = picture(path, FRAME, ["--tolerance", "0.05", "--bounces", bounces])
+            seconds[path].append(used)
+            memory[path] = told["peak_memory_bytes"]
+    return min(seconds[mist]) / min(seconds[even]), memory[mist] - memory[even]
+
+
+def memory(path: Path) -> int:
+    """Bytes of a file's grid as it is held."""
+    command = [os.environ.get("SUNFLECK", "sunfleck"), "inspect", str(path)]
+    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    found = re.search(r"memory +(\d+) bytes", told)
+    assert found is not None, told
+    return int(found[1])
+
+
+def rmse(one: np.ndarray, other: np.ndarray) -> float:
+    """Of pixels, by the mean."""
+    return float(np.sqrt(((one - other) ** 2).mean()) / other.mean())
+
+
+def beside_cycles(path: Path, denoiser: str | None) -> str:
+    """CPU seconds of Cycles by ours to the error that we have by 16 samples, direct light."""
+    reference = picture(path, SIZE, ["--samples", "1024", "--seed", "9", "--bounces", "0"])[0]
+    ours, seconds, _ = picture(path, SIZE, ["--samples", "16", "--bounces", "0"])
+    error = rmse(ours, reference)
+    read = read_scene(path)
+    read.size = PIXELS
+    render, samples = cycles.prepare(read, denoiser), 16
+    while True:
+        theirs, used = render(samples, samples)
+        off = rmse(theirs, reference)
+        if off <= error or samples >= MOST_CYCLES_SAMPLES:
+            break
+        samples *= 4
+    there = "" if off <= error else " or more, never as good"
+    said = f"{error:.4f} here by {seconds:.2f} CPU s, {off:.4f} there by {samples} samples and {used:.1f} CPU s"
+    # Noise falls as the root of samples.
+    scale = 1.0 if denoiser else (off / error) ** 2
+    return f"{used * scale / seconds:.0f} times{there} ({said}; mean ratio {theirs.mean() / reference.mean():.4f})"
+
+
+def main() -> None:
+    """Prints a line a figure."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("voxels", type=int, nargs="*", default=[64, 256], help="along a side")
+    parser.add_argument("--pictures", type=int, default=8, help="by Mitsuba")
+    parser.add_argument("--samples", type=int, default=32, help="a pixel of these")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--only", default="mitsuba,even,cycles", help="what is measured")
+    arguments = parser.parse_args()
+    for voxels in arguments.voxels:
+        with tempfile.TemporaryDirectory() as folder:
+            mist, even, active = write_scenes(Path(folder), voxels)
+
+            def say(what: str, found: str) -> None:
+                print(f"{voxels}^3, {what}: {found}", flush=True)
+
+            if "even" in arguments.only:
+                say("grid", f"{memory(mist.with_name('mist.vdb')) / (4 * active):.2f} times {active} voxels")
+                for what, bounces in (("direct light", "0"), ("all light", "all")):
+                    ratio, beyond = by_even_fog(mist, even, bounces, arguments.rounds)
+                    say(f"{what} by even fog", f"{ratio:.2f} times, memory {beyond / (4 * active):.1f} voxels")
+            if "mitsuba" in arguments.only:
+                for what, bounces in (("single", 0), ("all orders", 64)):
+                    found = beside_mitsuba(mist, bounces, arguments.pictures, arguments.samples)
+                    say(f"beside Mitsuba, {what}", found)
+            if "cycles" in arguments.only:
+                for what, denoiser in (("Cycles", None), ("Cycles denoised", "OPENIMAGEDENOISE")):
+                    say(what, beside_cycles(mist, denoiser))
+
+
+if __name__ == "__main__":
+    main()
