@@ -4,11 +4,11 @@ r"""Figures of fog by grids of 64^3 and 256^3 voxels, which Blender's own `openv
 
 needs a Python with Mitsuba and bpy (docs/tools.md). Leaves and ground in mist have a line for each figure:
 
-- our picture beside Mitsuba's `volpath`, of single scattering and of all orders: ratio of means, and what blocks of
-  10x10 pixels differ by, root mean square by the picture's mean, without Mitsuba's own noise;
-- CPU seconds of a frame to a tolerance, by those with even fog of the same mean in the same box;
-- bytes of the grid as it is held, and those of the process beyond even fog's, by those of the file's active voxels,
-  four each;
+- bytes of the grid as it is held, by those of the file's active voxels, four each;
+- CPU seconds of a frame to a tolerance, by those with even fog of the same mean in the same box, and bytes of
+  peak memory beyond that fog's, by those of the active voxels;
+- our picture beside Mitsuba's `volpath`, of single scattering and of all orders: how means differ, and what
+  blocks of 10x10 pixels differ by, root mean square by the picture's mean, without Mitsuba's own noise;
 - CPU seconds of Cycles, raw and with its denoiser, by ours, to the same error by pixels.
 
 Invariant: all of a line is of one run, in turns.
@@ -39,7 +39,7 @@ SIZE = f"{PIXELS[0]}x{PIXELS[1]}"
 FRAME = "960x540"
 DENSITY_PER_M = 0.6
 FOG = "density_per_m: {}, albedo: 0.95, anisotropy: 0.5"
-MOST_CYCLES_SAMPLES = 1024
+CYCLES_SIZE = 240, 135
 
 
 def mist(voxels: int) -> np.ndarray:
@@ -75,9 +75,10 @@ def write_scenes(folder: Path, voxels: int) -> tuple[Path, Path, int]:
     """The scene with mist, that with even fog, and the number of active voxels."""
     density = mist(voxels)
     active = write_grid(folder / "mist.vdb", density)
+    box = "min_m: (-3.0, 0.0, -3.0), max_m: (3.0, 3.0, 3.0)"
     fogs = {
         "mist": f'(vdb: "mist.vdb", {FOG.format(DENSITY_PER_M)})',
-        "even": f"(min_m: (-3.0, 0.0, -3.0), max_m: (3.0, 3.0, 3.0), {FOG.format(DENSITY_PER_M * density.mean())})",
+        "even": f"({box}, {FOG.format(DENSITY_PER_M * density.mean())})",
     }
     for name, fog in fogs.items():
         # Others' leaves let no light through.
@@ -129,25 +130,25 @@ def rmse(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.sqrt(((one - other) ** 2).mean()) / other.mean())
 
 
-def beside_cycles(path: Path, denoiser: str | None) -> str:
-    """CPU seconds of Cycles by ours to the error that we have by 16 samples, direct light."""
-    reference = picture(path, SIZE, ["--samples", "1024", "--seed", "9", "--bounces", "0"])[0]
-    ours, seconds, _ = picture(path, SIZE, ["--samples", "16", "--bounces", "0"])
+def beside_cycles(path: Path, denoiser: str | None, most: int) -> str:
+    """CPU seconds of Cycles by ours to the error that we have by 16 samples, direct light. Without a denoiser
+    its error falls as the root of samples, with one it is asked for more and more."""
+    size = f"{CYCLES_SIZE[0]}x{CYCLES_SIZE[1]}"
+    reference = picture(path, size, ["--samples", "512", "--seed", "9", "--bounces", "0"])[0]
+    ours, seconds, _ = picture(path, size, ["--samples", "16", "--bounces", "0"])
     error = rmse(ours, reference)
     read = read_scene(path)
-    read.size = PIXELS
+    read.size = CYCLES_SIZE
     render, samples = cycles.prepare(read, denoiser), 16
-    while True:
-        theirs, used = render(samples, samples)
-        off = rmse(theirs, reference)
-        if off <= error or samples >= MOST_CYCLES_SAMPLES:
-            break
+    theirs, used = render(samples, 1)
+    while denoiser and rmse(theirs, reference) > error and 4 * samples <= most:
         samples *= 4
-    there = "" if off <= error else " or more, never as good"
-    said = f"{error:.4f} here by {seconds:.2f} CPU s, {off:.4f} there by {samples} samples and {used:.1f} CPU s"
-    # Noise falls as the root of samples.
-    scale = 1.0 if denoiser else (off / error) ** 2
-    return f"{used * scale / seconds:.0f} times{there} ({said}; mean ratio {theirs.mean() / reference.mean():.4f})"
+        theirs, used = render(samples, samples)
+    off = rmse(theirs, reference)
+    times = used / seconds * (1.0 if denoiser else (off / error) ** 2)
+    more = " or more" if denoiser and off > error else ""
+    said = f"{error:.4f} by {seconds:.2f} CPU s, {off:.4f} by {samples} samples and {used:.1f} CPU s"
+    return f"{times:.0f} times{more} ({said}; mean ratio {theirs.mean() / reference.mean():.4f})"
 
 
 def main() -> None:
@@ -159,6 +160,7 @@ def main() -> None:
     parser.add_argument("--pictures", type=int, default=8, help="by Mitsuba")
     parser.add_argument("--samples", type=int, default=32, help="a pixel of these")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--most", type=int, default=1024, help="samples of Cycles with its denoiser")
     parser.add_argument("--only", default="mitsuba,even,cycles", help="what is measured")
     arguments = parser.parse_args()
     for voxels in arguments.voxels:
@@ -172,14 +174,15 @@ def main() -> None:
                 say("grid", f"{memory(mist.with_name('mist.vdb')) / (4 * active):.2f} times {active} voxels")
                 for what, bounces in (("direct light", "0"), ("all light", "all")):
                     ratio, beyond = by_even_fog(mist, even, bounces, arguments.rounds)
-                    say(f"{what} by even fog", f"{ratio:.2f} times, memory {beyond / (4 * active):.1f} voxels")
+                    memory_beyond = beyond / (4 * active)
+                    say(f"{what} by even fog", f"{ratio:.2f} times, memory {memory_beyond:.1f} times")
             if "mitsuba" in arguments.only:
                 for what, bounces in (("single", 0), ("all orders", 64)):
                     found = beside_mitsuba(mist, bounces, arguments.pictures, arguments.samples)
                     say(f"beside Mitsuba, {what}", found)
             if "cycles" in arguments.only:
                 for what, denoiser in (("Cycles", None), ("Cycles denoised", "OPENIMAGEDENOISE")):
-                    say(what, beside_cycles(mist, denoiser))
+                    say(what, beside_cycles(mist, denoiser, arguments.most))
 
 
 if __name__ == "__main__":

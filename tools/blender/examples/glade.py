@@ -137,18 +137,19 @@ def falling(twigs, solid, shades, rng):
 
 
 def light_and_fog(scene):
-    """A low sun from the side, morning fog that thins out, a dim sky behind."""
+    """A low sun from the side, morning fog that thins out, a blue sky that lights the shade."""
     data = bpy.data.lights.new("sun", "SUN")
-    data.energy, data.color, data.angle = 20.0, (1.0, 0.56, 0.18), math.radians(1.2)
+    data.energy, data.color, data.angle = 13.0, (1.0, 0.48, 0.075), math.radians(1.2)
     sun = place("sun", data)
     sun.rotation_euler = mathutils.Vector((0.30, -0.80, -0.36)).to_track_quat("-Z", "Y").to_euler()
     settings = scene.sunfleck_settings
     fog = place("fog", None, (0.0, 20.0, 10.0))
     fog.scale = (24.0, 32.0, 13.0)
     holds = fog.sunfleck_settings
-    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.011, (0.92, 0.86, 0.74), 0.75
+    holds.is_fog, holds.density, holds.albedo, holds.anisotropy = True, 0.011, (0.96, 0.95, 0.93), 0.75
     holds.thins_out, holds.scale_height = True, 4.5
-    settings.background_color, settings.background_strength = (0.50, 0.60, 0.72), 0.06
+    settings.background_color, settings.background_strength = (0.07, 0.48, 1.0), 0.22
+    settings.sky_lights = "surfaces_and_fog"
     settings.tolerance, settings.passes = 0.04, set()
 
 
