@@ -30,7 +30,7 @@ use crate::ordinates::source_iteration::{Problem, Solution};
 use crate::ordinates::surface_optics::SurfaceOptics;
 use crate::ordinates::sweep::Swept;
 use crate::ordinates::walls::Walls;
-use crate::snapshot::FrozenSky;
+use crate::snapshot::{FrozenSky, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -87,9 +87,15 @@ impl OfGlow {
     }
 }
 
-/// Nodes that are seen from each place about a finer grid.
-fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls) -> Vec<Corners> {
-    let seen_from = |place: DVec3| walls.occluders.corners(grid, place, place);
+/// Nodes that are seen from each place about a finer grid. In clear air those within that grid are left out:
+/// they shine by what is in it, which sends nothing back into itself.
+fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls, snapshot: &Snapshot) -> Vec<Corners> {
+    let seen_from = |place: DVec3| {
+        let seen = walls.occluders.corners(grid, place, place);
+        let is_clear = snapshot.medium.extinction_at(place - snapshot.view.eye) == Rgb::ZERO;
+        let outside = if is_clear { seen.only(|node| !inner.holds(grid.position(node))) } else { None };
+        outside.unwrap_or(seen)
+    };
     rim_places(inner).into_par_iter().map(seen_from).collect()
 }
 
@@ -104,7 +110,7 @@ impl Level {
         let &Context { snapshot, bounces, .. } = context;
         let contents = Contents::new(&grid, context);
         let walls = &contents.walls.walls;
-        let next_to_inner = inner.map(|inner| seen_about(inner, &grid, walls));
+        let next_to_inner = inner.map(|inner| seen_about(inner, &grid, walls, snapshot));
         let needs_fine = walls.are_at_angles() || surrounding.is_fine();
         let (quadrature, fine) = (Quadrature::new(), needs_fine.then(Quadrature::fine));
         let self_interaction = SelfInteraction::new(&grid, &quadrature, bounces);

@@ -34,6 +34,15 @@ impl Corners {
     pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
         self.nodes.into_iter().zip(self.weights)
     }
+
+    /// Those of some nodes alone; `None` if there are hardly any.
+    pub(crate) fn only(&self, is_wanted: impl Fn(usize) -> bool) -> Option<Self> {
+        const LEAST: f64 = 1e-3;
+        let wanted = |corner: usize| if is_wanted(self.nodes[corner]) { self.weights[corner] } else { 0.0 };
+        let weights: [f64; 8] = std::array::from_fn(wanted);
+        let all: f64 = weights.iter().sum();
+        (all > LEAST).then(|| Self { weights: weights.map(|weight| weight / all), ..*self })
+    }
 }
 
 /// The part of a ray that lies in the cell of a node.

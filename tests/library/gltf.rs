@@ -5,6 +5,7 @@ use crate::checkout;
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::Value;
 use std::collections::HashMap;
+use std::f64::consts::PI;
 use std::path::PathBuf;
 use sunfleck::description;
 use sunfleck::diagnostic::Severity;
@@ -215,7 +216,7 @@ fn properties_of_a_prepared_blender_scene_are_honoured_or_reported() {
     let size = |name: &str| light(name).kind.numbers().iter().map(|size| size.at(0.0)).collect::<Vec<_>>();
     assert!((size("sun")[0] - 0.009_250_245_035_57).abs() < 1e-14);
     assert_eq!(size("fill"), [0.1]);
-    assert_eq!(size("window"), [1.0, 0.5]);
+    assert_eq!(size("window"), [1.0, 0.5, PI]);
     let expected = DVec3::new(1.0, 0.95, 0.9) * 200.0;
     assert!((light("window").power.at(0.0) - expected).abs().max_element() < 1e-12);
     let aperture = scene.cameras[0].aperture.as_ref().unwrap();
