@@ -37,7 +37,7 @@ use grid_error::GridError;
 use refine::{Budget, Goal, Refined};
 use sum::Sum;
 use survey::Survey;
-pub use watch::{Look, Progress, Watch};
+pub use watch::{Look, Progress, Stage, Watch};
 
 /// Settings by which an exposure is rendered.
 #[derive(Clone, Debug)]
@@ -229,7 +229,7 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
 /// Renders with light kept from other pictures of the scene, where it is the same.
 pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &Watch) -> Rendered {
     // Before anything else is in memory: the exposure's moments are frozen once somebody asks for them.
-    let indirect = job.indirect(exposure, kept, watch);
+    let indirect = watch.timed(Stage::IndirectLight, || job.indirect(exposure, kept, watch));
     let indirect = indirect.as_ref();
     let middle = exposure.middle();
     if job.method.volume(job.bounces) == VolumeMethod::Segments {
@@ -240,12 +240,12 @@ pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &
         let survey = Survey::omitted(components);
         return add_up(exposure, job, &Light { indirect, survey: &survey, error: None }, watch);
     }
-    let survey = Survey::new(middle, job, indirect, components);
-    let Some(grid) = indirect else {
-        return add_up(exposure, job, &Light { indirect, survey: &survey, error: None }, watch);
-    };
-    let error = GridError::found(middle, job, grid, &survey, watch.cancelled);
-    add_up(exposure, job, &Light { indirect, survey: &survey, error: Some(&error) }, watch)
+    let (survey, error) = watch.timed(Stage::Walks, || {
+        let survey = Survey::new(middle, job, indirect, components);
+        let error = indirect.map(|grid| GridError::found(middle, job, grid, &survey, watch.cancelled));
+        (survey, error)
+    });
+    add_up(exposure, job, &Light { indirect, survey: &survey, error: error.as_ref() }, watch)
 }
 
 /// Indirect light and estimates of a picture, found before any of it is rendered.

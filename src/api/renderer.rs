@@ -163,7 +163,7 @@ impl<'a> Renderer<'a> {
         let (plan, frames) = (self.plan()?, Vec::from_iter(frames));
         frames.iter().try_for_each(|&frame| plan.check_frame(frame))?;
         plan.check_memory()?;
-        let watch = Watch { progress: self.progress, cancelled: self.cancelled, look: None };
+        let watch = Watch { progress: self.progress, cancelled: self.cancelled, ..Watch::NOBODY };
         Ok(Sequence { plan, frames: frames.into_iter(), watch })
     }
 

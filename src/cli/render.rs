@@ -17,7 +17,7 @@ use std::time::Instant;
 use sunfleck::api::Scene;
 use sunfleck::color::Display;
 use sunfleck::film::Frame;
-use sunfleck::render::{self, Rendered, Watch};
+use sunfleck::render::{self, Rendered, Stage, Watch};
 use sunfleck::sequence::{self, Job, SequenceError};
 
 /// Common part of all frames of a run.
@@ -158,8 +158,10 @@ impl Run<'_> {
                 let watch = Watch { cancelled: &cancelled, ..Watch::NOBODY };
                 live.show(&name, &plan.picture.rough(&exposure, &watch));
             }
-            let rendered = plan.picture.render(&exposure, &Watch { progress, cancelled: &cancelled, look });
-            self.stats.snapshot_took(frame, exposure.took().as_secs_f64());
+            let stage = |stage, took| self.stats.took(frame, stage_key(stage), took);
+            let watch = Watch { progress, cancelled: &cancelled, look, stage: &stage };
+            let rendered = plan.picture.render(&exposure, &watch);
+            self.stats.took(frame, "snapshot_seconds", exposure.took());
             live.show(&name, &rendered.frame);
             rendered
         });
@@ -167,6 +169,14 @@ impl Run<'_> {
             return Err(Halt::Signal);
         }
         Ok(if is_late.into_inner() { None } else { Some(rendered) })
+    }
+}
+
+/// Key of a stage's time among a frame's statistics.
+fn stage_key(stage: Stage) -> &'static str {
+    match stage {
+        Stage::IndirectLight => "indirect_seconds",
+        Stage::Walks => "walks_seconds",
     }
 }
 

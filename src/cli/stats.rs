@@ -11,6 +11,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 use sunfleck::diagnostic::{Diagnostics, shown};
 use sunfleck::frame_file;
 use sunfleck::render::Statistics;
@@ -24,8 +25,8 @@ pub(super) struct Stats {
 
 struct State {
     file: File,
-    /// Times in which frames were frozen, until their line is written.
-    snapshot_seconds: HashMap<i64, f64>,
+    /// Times of frames' stages by their keys, until the frame's line is written.
+    stages: HashMap<i64, Vec<(&'static str, f64)>>,
     problem: Option<std::io::Error>,
 }
 
@@ -43,17 +44,17 @@ impl Stats {
                     Ok(file)
                 };
                 let file = start().map_err(|error| failure(&path, &error))?;
-                Some(Mutex::new(State { file, snapshot_seconds: HashMap::new(), problem: None }))
+                Some(Mutex::new(State { file, stages: HashMap::new(), problem: None }))
             }
         };
         Ok(Self { path, state })
     }
 
-    /// Notes the time that it took to find what a frame shows, before any of it was rendered.
-    pub(super) fn snapshot_took(&self, frame: i64, seconds: f64) {
+    /// Notes the time of a stage of a frame by its key.
+    pub(super) fn took(&self, frame: i64, key: &'static str, time: Duration) {
         if let Some(state) = &self.state {
             let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
-            state.snapshot_seconds.insert(frame, seconds);
+            state.stages.entry(frame).or_default().push((key, time.as_secs_f64()));
         }
     }
 
@@ -62,9 +63,9 @@ impl Stats {
         let Some(state) = &self.state else { return };
         let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(mut line) = line(event) else { return };
-        if let Some(seconds) = line["frame"].as_i64().and_then(|frame| state.snapshot_seconds.remove(&frame))
-        {
-            line["snapshot_seconds"] = json!(seconds);
+        let stages = line["frame"].as_i64().and_then(|frame| state.stages.remove(&frame));
+        for (key, seconds) in stages.into_iter().flatten() {
+            line[key] = json!(seconds);
         }
         if let Err(error) = writeln!(state.file, "{line}") {
             state.problem.get_or_insert(error);

@@ -2,8 +2,9 @@
 //! Invariant: whoever looks on can end a picture early, and change nothing else of it.
 
 use crate::film::Frame;
+use std::time::{Duration, Instant};
 
-/// Who looks on while a frame is rendered. Neither of the two reaches a finished frame.
+/// Who looks on while a frame is rendered. None of it reaches a finished frame.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
     /// Is told now and then how far the frame is, from any thread.
@@ -12,6 +13,17 @@ pub struct Watch<'a> {
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
     /// Is asked whenever a round is done, and may ask for the picture so far.
     pub look: Option<&'a Look<'a>>,
+    /// Is told how long each stage took.
+    pub stage: &'a (dyn Fn(Stage, Duration) + Sync),
+}
+
+/// Stage of a frame whose time is told; what is left are the samples of its lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Light of higher orders from its grids.
+    IndirectLight,
+    /// Random walks that correct it, and a look at which light counts where.
+    Walks,
 }
 
 /// Use of a function that makes the picture so far, which takes its time.
@@ -19,7 +31,7 @@ pub type Look<'a> = dyn Fn(&dyn Fn() -> Frame) + Sync + 'a;
 
 impl Watch<'static> {
     /// Nobody.
-    pub const NOBODY: Self = Self { progress: &|_| {}, cancelled: &|| false, look: None };
+    pub const NOBODY: Self = Self { progress: &|_| {}, cancelled: &|| false, look: None, stage: &|_, _| {} };
 }
 
 impl Watch<'_> {
@@ -34,7 +46,15 @@ impl Watch<'_> {
             let fraction = start + (end - start) * part.fraction;
             (self.progress)(Progress::new(fraction, part.error.or(error)));
         };
-        work(&Watch { progress: &tell, cancelled: self.cancelled, look: self.look })
+        work(&Watch { progress: &tell, ..*self })
+    }
+
+    /// Tells how long a stage took.
+    pub(super) fn timed<R>(&self, stage: Stage, work: impl FnOnce() -> R) -> R {
+        let started = Instant::now();
+        let result = work();
+        (self.stage)(stage, started.elapsed());
+        result
     }
 
     /// Tells how much is done.

@@ -352,7 +352,8 @@ fn statistics_are_a_line_a_frame() {
     assert!(slices > 10 && written["segments"].as_u64().unwrap() > slices, "{written}");
     let memory = written["peak_memory_bytes"].as_u64();
     assert!(memory.is_some_and(|bytes| bytes > 1 << 20) || !cfg!(target_os = "linux"), "{written}");
-    assert!(["snapshot_seconds", "render_seconds", "write_seconds"].iter().all(|key| written[key].is_f64()));
+    let stages = ["snapshot_seconds", "indirect_seconds", "walks_seconds", "render_seconds", "write_seconds"];
+    assert!(stages.iter().all(|key| written[key].is_f64()), "{written}");
 }
 
 #[test]
