@@ -21,7 +21,7 @@ use crate::ordinates::harmonics::{COUNT, basis, fourth_basis, product, third_bas
 use crate::ordinates::high_degrees::SEEN_DEGREES;
 use crate::ordinates::quadrature::Quadrature;
 use crate::ordinates::sky::is_isotropic;
-use crate::ordinates::{Boundaries, HARMONICS, Harmonics, PlaneParallel, harmonic_basis};
+use crate::ordinates::{Boundaries, HARMONICS, Harmonics, Part, PlaneParallel, harmonic_basis};
 use crate::scene::Bounces;
 use crate::snapshot::{FrozenSky, Snapshot};
 use glam::{DQuat, DVec3};
@@ -169,22 +169,24 @@ impl Layers {
     pub(super) fn around(&self, grid: &Grid, sky: Option<FrozenSky>) -> Surrounding {
         let places = RimLevels::of(rim_places(grid).into_iter().map(|place| self.between(place)));
         let quadrature = Quadrature::new();
-        let scattered = Some(self.incident((grid, &places), &Quadrature::fine(), 0));
+        let fine = Quadrature::fine();
+        let parts = self.light.scattered_parts();
+        let scattered = parts.into_iter().map(|part| self.incident((grid, &places), &fine, part)).collect();
         let of_sky = sky_of(sky).map(|sky| {
             let is_even = is_isotropic(&sky.incident(&quadrature));
-            self.incident((grid, &places), &if is_even { quadrature } else { Quadrature::fine() }, 1)
+            self.incident((grid, &places), if is_even { &quadrature } else { &fine }, Part::OfSky)
         });
         Surrounding { scattered, of_sky, emitted: None }
     }
 
-    /// Incident radiance of all but the sky, or straight from the sky. Near the horizon layers are bright, in
+    /// Incident radiance of a part. Near the horizon layers are bright, in
     /// a band narrower than what an ordinate stands for: each gets the mean of the directions that are
     /// nearest to it, on its side of the horizon, so that what goes up never comes down.
     fn incident(
         &self,
         (grid, places): (&Grid, &RimLevels),
         quadrature: &Quadrature,
-        part: usize,
+        part: Part,
     ) -> IncidentRadiance {
         let up = self.heights.up;
         let directions: Vec<DVec3> = quadrature.iter().map(|ordinate| ordinate.direction).collect();
@@ -198,12 +200,12 @@ impl Layers {
         };
         let world_from_layers = self.heights.layers_from_world.inverse();
         let numbers: Vec<usize> =
-            self.light.radiances(0).map(|(travel, ..)| nearest(world_from_layers * travel)).collect();
+            self.light.radiances(0, part).map(|(travel, ..)| nearest(world_from_layers * travel)).collect();
         let mut means = vec![vec![Rgb::ZERO; directions.len()]; self.levels.len()];
         for (level, means) in means.iter_mut().enumerate() {
             let mut weights = vec![0.0; directions.len()];
-            for ((_, weight, parts), number) in self.light.radiances(level).zip(&numbers) {
-                means[*number] += weight * parts[part];
+            for ((_, weight, radiance), number) in self.light.radiances(level, part).zip(&numbers) {
+                means[*number] += weight * radiance;
                 weights[*number] += weight;
             }
             means
@@ -335,7 +337,9 @@ impl LevelLight {
     ) -> Self {
         let mut sums = [[[0.0; COUNT]; 3]; 3];
         let mut downward = Rgb::ZERO;
-        for (travel, weight, [scattered, of_sky]) in light.radiances(level) {
+        let of_sky = light.radiances(level, Part::OfSky);
+        for ((travel, weight, scattered), (.., of_sky)) in light.radiances(level, Part::Scattered).zip(of_sky)
+        {
             let world = world_from_layers * travel;
             let radiance = weight * if on_surfaces { scattered + of_sky } else { scattered };
             downward += (-travel.y).max(0.0) * radiance;

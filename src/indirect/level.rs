@@ -33,6 +33,7 @@ use crate::ordinates::walls::Walls;
 use crate::snapshot::{FrozenSky, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::mem::take;
 use std::sync::Arc;
 
 /// Away from a surface, in cells, light is gathered.
@@ -57,7 +58,7 @@ pub(super) struct Level {
     /// Irradiance on each face of a wall by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
     /// Radiance at a finer grid's rim, until that is solved; apart from what comes straight from the sky.
-    radiances: Option<AngularRadiance>,
+    radiances: Vec<AngularRadiance>,
     sky_radiances: Option<AngularRadiance>,
     glow_radiances: Option<AngularRadiance>,
     forward_peaks: Vec<ForwardPeak>,
@@ -145,7 +146,7 @@ impl Level {
             high: solution.last.high.as_ref().map(HighMoments::of),
             glow_radiances: emitted.as_mut().and_then(|emitted| emitted.radiances.take()),
             of_glow: emitted.as_ref().map(OfGlow::of),
-            radiances: solution.last.radiances,
+            radiances: solution.radiances,
             sky_radiances: solution.sky_radiances,
             forward_peaks: first.forward_peaks,
             clumps,
@@ -162,7 +163,7 @@ impl Level {
     pub(super) fn around(&mut self, grid: &Grid) -> Surrounding {
         let of_things = |radiances| IncidentRadiance::without_ends(grid, radiances);
         Surrounding {
-            scattered: self.radiances.take().map(of_things),
+            scattered: take(&mut self.radiances).into_iter().map(of_things).collect(),
             of_sky: self.sky_radiances.take().map(|radiances| IncidentRadiance::new(grid, radiances)),
             emitted: self.glow_radiances.take().map(of_things),
         }

@@ -39,7 +39,7 @@ impl SnapshotWalls {
     }
 }
 
-/// Along each axis, which nodes may be ends of links that are cut.
+/// Along each axis, which nodes may be ends of links that are cut; those about the grid are among them.
 type Ends = [std::ops::RangeInclusive<i32>; 3];
 
 /// Crossing of a triangle and a link, as the node at one of its ends sees it.
@@ -91,8 +91,9 @@ impl<'a> Building<'a> {
             return;
         }
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let (first, last) = grid.volume();
-        if low.cmpgt(last).any() || high.cmplt(first).any() {
+        let (first, last) = grid.bounds();
+        let [is_before, is_past] = [first - low, high - last].map(|beyond| beyond.cmpgt(DVec3::ZERO));
+        if low.cmpgt(last + grid.cell_m).any() || high.cmplt(first - grid.cell_m).any() {
             return;
         }
         let ((grid_low, _), (grid_high, _)) = (grid.place(low), grid.place(high));
@@ -100,7 +101,10 @@ impl<'a> Building<'a> {
         let range =
             |axis: usize| grid_low[axis].saturating_sub(1)..(grid_high[axis] + 2).min(grid.size[axis]);
         // Both ends of a link that it crosses are nodes of a cell that it touches.
-        let ends: Ends = [0, 1, 2].map(|axis| grid_low[axis] as i32..=grid_high[axis] as i32 + 1);
+        let ends: Ends = [0, 1, 2].map(|axis| {
+            let [before, past] = [is_before, is_past].map(|beyond| i32::from(beyond.test(axis)));
+            grid_low[axis] as i32 - before..=grid_high[axis] as i32 + 1 + past
+        });
         for z in range(2) {
             for y in range(1) {
                 for x in range(0) {
@@ -120,7 +124,7 @@ impl<'a> Building<'a> {
         }
     }
 
-    /// Cuts links that lead from a node to neighbours that come after it.
+    /// Cuts links that lead from a node to neighbours that come after it, and to the cells about the grid.
     fn cut_links(&mut self, wall: &WallTriangle, cell: [usize; 3], ends: &Ends) {
         let (grid, triangle) = (self.grid, &wall.triangle);
         let normal = triangle.normal;
@@ -132,27 +136,31 @@ impl<'a> Building<'a> {
         let [_, row, layer] = grid.strides().map(|stride| stride as i32);
         let node = (cell[0] + row * cell[1] + layer * cell[2]) as usize;
         let height = triangle.height(grid.position(node)) / grid.cell_m;
-        for link in LINKS / 2 + 1..LINKS {
+        let is_within = |cell: [i32; 3]| (0..3).all(|axis| (0..grid.size[axis] as i32).contains(&cell[axis]));
+        for link in (0..LINKS).filter(|link| *link != LINKS / 2) {
             let step = [link % 3, link / 3 % 3, link / 9].map(|digit| digit as i32 - 1);
             let other = [0, 1, 2].map(|axis| cell[axis] + step[axis]);
-            if !are_ends(other) {
+            let has_node = is_within(other);
+            if has_node && link < LINKS / 2 || !are_ends(other) {
                 continue;
             }
-            let neighbour = (node as i32 + step[0] + row * step[1] + layer * step[2]) as usize;
             let on_the_way = DVec3::from_array(step.map(f64::from)).dot(normal);
             let (least, most) = (height.min(height + on_the_way), height.max(height + on_the_way));
             if least > CLEAR.into() || most < (-CLEAR).into() {
                 continue;
             }
-            let (from, to) = (grid.position(node), grid.position(neighbour));
+            let from = grid.position(node);
+            let to = from + grid.cell_m * DVec3::from_array(step.map(f64::from));
             let Some(at) = crossing(&triangle.corners, from, to) else { continue };
             let facing = if (to - from).dot(normal) < 0.0 { normal } else { -normal };
             let point = from + at * (to - from);
-            let here = Crossing { node, link, at, point, facing };
-            let there =
-                Crossing { node: neighbour, link: LINKS - 1 - link, at: 1.0 - at, point, facing: -facing };
-            let [here, there] = [here, there].map(|crossing| self.see(wall.primitive, &crossing));
-            if let (Some(here), Some(there)) = (here, there) {
+            let here = self.see(wall.primitive, &Crossing { node, link, at, point, facing });
+            if !has_node {
+                continue;
+            }
+            let node = (node as i32 + step[0] + row * step[1] + layer * step[2]) as usize;
+            let there = Crossing { node, link: LINKS - 1 - link, at: 1.0 - at, point, facing: -facing };
+            if let (Some(here), Some(there)) = (here, self.see(wall.primitive, &there)) {
                 self.patches[here as usize].behind.get_or_insert(there);
                 self.patches[there as usize].behind.get_or_insert(here);
             }

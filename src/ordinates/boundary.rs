@@ -64,8 +64,8 @@ impl BoundaryCondition<'_> {
 /// Incident radiance on a grid from what lies about it, if anything does.
 #[derive(Default)]
 pub(crate) struct Surrounding {
-    /// All that anything has scattered or emitted.
-    pub(crate) scattered: Option<IncidentRadiance>,
+    /// All that anything has scattered or emitted: at once, or order by order where these are counted.
+    pub(crate) scattered: Vec<IncidentRadiance>,
     /// Radiance straight from the sky.
     pub(crate) of_sky: Option<IncidentRadiance>,
     /// Radiance straight from emitters, where that is no part of `scattered`.
@@ -75,7 +75,7 @@ pub(crate) struct Surrounding {
 impl Surrounding {
     /// Whether radiance that was scattered outside comes along finer ordinates than those of all orders.
     pub(crate) fn is_fine(&self) -> bool {
-        self.scattered.as_ref().is_some_and(|incident| incident.is_fine)
+        self.scattered.iter().any(|incident| incident.is_fine)
     }
 }
 

@@ -10,6 +10,7 @@ mod angle_set;
 pub(crate) mod angular_radiance;
 pub(crate) mod boundary;
 mod chebyshev;
+mod counted_orders;
 pub(crate) mod cross_sections;
 pub(crate) mod domain;
 mod double_gauss;
@@ -35,4 +36,4 @@ pub(crate) mod walls;
 mod wanted;
 
 pub use moment_operators::{DEGREES, HARMONICS, Harmonics, basis as harmonic_basis};
-pub use plane_parallel::{Beam, Boundaries, Level, PlaneParallel, Species, Stack};
+pub use plane_parallel::{Beam, Boundaries, Level, Part, PlaneParallel, Species, Stack};

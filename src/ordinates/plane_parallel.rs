@@ -6,6 +6,7 @@
 //! linear in optical depth within a layer (Kylling & Stamnes 1992, "Efficient yet accurate solution of the
 //! linear transport equation"). It is solved by source iteration: an iteration is one more scattering.
 
+use super::counted_orders::MOST_TOLD;
 use super::double_gauss::{DoubleGauss, ORDINATES, STEPS};
 use super::moment_operators::{DEGREES, HARMONICS, Harmonics, MomentOperators, basis, by_degree};
 use crate::color::Rgb;
@@ -73,10 +74,23 @@ pub struct Boundaries<'a> {
 struct Channel {
     /// Along each ordinate: of all but the sky, and straight from the sky.
     scattered: Vec<[f64; ORDINATES]>,
+    /// Each order of `scattered`, where these are counted.
+    orders: Vec<Vec<[f64; ORDINATES]>>,
     of_sky: Vec<[f64; ORDINATES]>,
     /// Sources at each level, as radiance, and radiance that leaves the ground.
     sources: Vec<Harmonics>,
     ground: f64,
+}
+
+/// Part of the radiance between layers.
+#[derive(Clone, Copy)]
+pub enum Part {
+    /// All but what comes straight from the sky.
+    Scattered,
+    /// One order of that, by its number from 0, where orders are counted.
+    Order(usize),
+    /// Straight from the sky.
+    OfSky,
 }
 
 /// Radiance of all orders between layers.
@@ -103,17 +117,26 @@ impl PlaneParallel {
         Self { ordinates, operator, depths, channels }
     }
 
-    /// Directions of travel, their weights, and along each of them radiance at a level: of all but the sky,
-    /// and straight from the sky.
-    pub fn radiances(&self, level: usize) -> impl Iterator<Item = (DVec3, f64, [Rgb; 2])> {
-        let of = |number: usize, of_channel: &dyn Fn(&Channel) -> &[f64; ORDINATES]| {
-            Rgb::from_array(self.channels.each_ref().map(|channel| of_channel(channel)[number]))
+    /// Directions of travel, their weights, and along each of them a part of the radiance at a level.
+    pub fn radiances(&self, level: usize, part: Part) -> impl Iterator<Item = (DVec3, f64, Rgb)> {
+        let of_part = move |channel: &Channel| match part {
+            Part::Scattered => channel.scattered[level],
+            Part::Order(number) => channel.orders[number][level],
+            Part::OfSky => channel.of_sky[level],
         };
+        let of_channels = self.channels.each_ref().map(of_part);
         (0..ORDINATES).map(move |number| {
-            let scattered = of(number, &|channel| &channel.scattered[level]);
-            let of_sky = of(number, &|channel| &channel.of_sky[level]);
-            (self.ordinates.directions()[number], self.ordinates.weight(number), [scattered, of_sky])
+            let radiance = Rgb::from_array(of_channels.map(|radiances| radiances[number]));
+            (self.ordinates.directions()[number], self.ordinates.weight(number), radiance)
         })
+    }
+
+    /// Parts of all but what comes straight from the sky: its orders where these are counted.
+    pub fn scattered_parts(&self) -> Vec<Part> {
+        match self.channels[0].orders.len() {
+            0 => vec![Part::Scattered],
+            orders => (0..orders).map(Part::Order).collect(),
+        }
     }
 
     /// Harmonics of radiance at a level, by channel: of all of it, or of all but what comes straight from the
@@ -225,6 +248,7 @@ impl Solver<'_> {
         }
         source.add(&scattered_sky, 1.0);
         let mut all = vec![[0.0; ORDINATES]; levels];
+        let mut by_order: Vec<Vec<[f64; ORDINATES]>> = Vec::new();
         let mut sent = LayerSource { sources: vec![[0.0; HARMONICS]; levels], ground: 0.0 };
         let mut last = 0.0;
         for iteration in 1..=orders.unwrap_or(MOST_ITERATIONS) {
@@ -241,8 +265,13 @@ impl Solver<'_> {
                 break;
             }
             source = self.scatter(&light);
+            match by_order.get_mut(MOST_TOLD - 1) {
+                _ if orders.is_none() => {}
+                Some(of_last) => add(of_last, &light, 1.0),
+                None => by_order.push(light),
+            }
         }
-        Channel { scattered: all, of_sky, sources: sent.sources, ground: sent.ground }
+        Channel { scattered: all, orders: by_order, of_sky, sources: sent.sources, ground: sent.ground }
     }
 
     /// First-collision source of beams, and what the ground emits.
@@ -389,7 +418,9 @@ mod tests {
     fn in_a_furnace_light_is_the_same_everywhere() {
         let solved = PlaneParallel::new(&stack(3.0, 1.0, 32), &boundaries(&|_| Rgb::ONE, &[], 1.0), None);
         for level in [0, 7, 32] {
-            for (travel, _, [scattered, of_sky]) in solved.radiances(level) {
+            let of_sky = solved.radiances(level, Part::OfSky);
+            for ((travel, _, scattered), (.., of_sky)) in solved.radiances(level, Part::Scattered).zip(of_sky)
+            {
                 let all = (scattered + of_sky).x;
                 assert!((all - 1.0).abs() < 2e-4, "{level} {travel}: {all}");
             }
@@ -413,8 +444,8 @@ mod tests {
         );
         let flux = |level: usize, sign: f64| -> f64 {
             solved
-                .radiances(level)
-                .map(|(travel, weight, [light, _])| weight * (sign * travel.y).max(0.0) * light.x)
+                .radiances(level, Part::Scattered)
+                .map(|(travel, weight, light)| weight * (sign * travel.y).max(0.0) * light.x)
                 .sum()
         };
         let (reflected, below) = (flux(0, 1.0), flux(count as usize, -1.0) + (-depth).exp());

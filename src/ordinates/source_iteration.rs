@@ -18,7 +18,7 @@ use super::sweep::{Sweeper, Swept};
 use super::wanted::Wanted;
 use crate::color::Rgb;
 
-/// Iterations when all orders are wanted.
+/// Iterations when all orders are wanted, before they are accelerated.
 const MOST_ITERATIONS: u32 = 24;
 const FEWEST_ITERATIONS: u32 = 3;
 /// Accelerated ones after that, and the share of all light that may be left.
@@ -53,7 +53,9 @@ pub(crate) struct Solution {
     pub(crate) of_sky: Option<Moments>,
     /// Degrees for surfaces and fog that are seen, beyond that.
     pub(crate) last: Swept,
-    /// Radiance straight from the sky that a finer grid within gets; the rest is in `last`.
+    /// Radiance that a finer grid within gets, at once or order by order; but straight from the sky, which is
+    /// apart.
+    pub(crate) radiances: Vec<AngularRadiance>,
     pub(crate) sky_radiances: Option<AngularRadiance>,
     /// Light straight from what emits, where that is no part of the rest.
     pub(crate) emitted: Option<Swept>,
@@ -62,7 +64,7 @@ pub(crate) struct Solution {
 }
 
 /// Emission density: what the medium sends out, per metre and steradian, and walls, as radiance.
-struct Source {
+pub(super) struct Source {
     volume: Moments,
     walls: Vec<Rgb>,
     /// Whether the first-collision source is in it.
@@ -71,7 +73,7 @@ struct Source {
 
 impl Source {
     /// `self += factor * other`, the factor by channel.
-    fn add(&mut self, other: &Self, factor: [f64; 3]) {
+    pub(super) fn add(&mut self, other: &Self, factor: [f64; 3]) {
         self.volume.add(&other.volume, factor.map(|factor| factor as f32));
         self.has_first |= other.has_first;
         let factor = Rgb::from_array(factor);
@@ -84,7 +86,7 @@ impl Source {
     }
 
     /// Sources of the same size, all zero.
-    fn emptied(&self) -> Self {
+    pub(super) fn emptied(&self) -> Self {
         let walls = vec![Rgb::ZERO; self.walls.len()];
         Self { volume: self.volume.emptied(), walls, has_first: false }
     }
@@ -134,7 +136,7 @@ impl Problem<'_> {
 
     /// The scattering operator: the source that the medium, or what is oriented of it, and walls make of
     /// light.
-    fn scatter(&self, light: &Moments, is_medium_lit: bool) -> Source {
+    pub(super) fn scatter(&self, light: &Moments, is_medium_lit: bool) -> Source {
         let Domain { cross_sections, walls, .. } = self.domain;
         let irradiances = walls.irradiances(|node, normal| {
             let face = walls.faces.of(node, normal);
@@ -145,15 +147,15 @@ impl Problem<'_> {
     }
 
     /// Degrees that are seen, of light that the medium scatters or does not.
-    fn last(&self, lights_medium: bool) -> Wanted<'_> {
+    pub(super) fn last(&self, lights_medium: bool) -> Wanted<'_> {
         let (third, high) = (self.sees_third, self.sees_high && lights_medium);
         Wanted { moments: false, last: true, third, high, radiances: self.next_to_inner }
     }
 }
 
 /// A problem as it is solved.
-struct SourceIteration<'a> {
-    problem: &'a Problem<'a>,
+pub(super) struct SourceIteration<'a> {
+    pub(super) problem: &'a Problem<'a>,
     sweeper: Sweeper<'a>,
     beams: Vec<BeamSource>,
     glossy: GlossySource,
@@ -167,13 +169,11 @@ impl<'a> SourceIteration<'a> {
         let (mut of_sky, mut sky_radiances) = (None, None);
         let nothing = source.emptied();
         let mut from_outside = None;
-        if let Some(incident) = &problem.surrounding.scattered {
-            let wanted = Wanted { moments: true, ..problem.last(true) };
+        let wanted = Wanted { moments: true, ..problem.last(true) };
+        // Of counted orders each comes in with its like.
+        for incident in problem.surrounding.scattered.iter().filter(|_| problem.orders.is_none()) {
             let swept = self.sweep_incident(incident, &nothing, &wanted);
-            // Where orders are counted, nobody knows how many it has behind it.
-            if problem.orders.is_none() {
-                source.add(&problem.scatter(&swept.moments, true), [1.0; 3]);
-            }
+            source.add(&problem.scatter(&swept.moments, true), [1.0; 3]);
             light.add(&swept.moments, [1.0; 3]);
             Swept::add_to(&mut from_outside, swept);
         }
@@ -188,16 +188,26 @@ impl<'a> SourceIteration<'a> {
                 Swept::add_to(&mut from_outside, swept);
             }
         }
-        let wanted = problem.last(true);
-        let first = self.sweep_finely(&source, &Wanted { moments: true, ..wanted });
-        let (sent, is_endless) = self.iterate((source, later), first.as_ref(), &mut light);
-        let mut last = self.sweep(&sent, BoundaryCondition::Vacuum, &wanted);
-        from_outside.iter().chain(&first).for_each(|swept| last.add_last(swept));
-        Solution { all: light, of_sky, last, sky_radiances, emitted: None, is_endless }
+        let first = self.sweep_finely(&source, &wanted);
+        let (mut last, mut radiances, is_endless) = match problem.orders {
+            Some(orders) => {
+                let (last, radiances) = self.count(orders, (source, later), first, &mut light);
+                (last, radiances, false)
+            }
+            None => {
+                let (sent, is_endless) = self.iterate((source, later), first.as_ref(), &mut light);
+                let mut last = self.sweep(&sent, BoundaryCondition::Vacuum, &problem.last(true));
+                first.iter().for_each(|swept| last.add_last(swept));
+                (last, Vec::new(), is_endless)
+            }
+        };
+        from_outside.iter().for_each(|swept| last.add_last(swept));
+        radiances.extend(last.radiances.take());
+        Solution { all: light, of_sky, last, radiances, sky_radiances, emitted: None, is_endless }
     }
 
-    /// Adds order after order; all that was sent out on the way and not swept finely, and whether there is no
-    /// end to it.
+    /// Adds all orders, one after the other; all that was sent out on the way and not swept finely, and whether
+    /// there is no end to it.
     fn iterate(
         &mut self,
         (mut source, later): (Source, &Source),
@@ -205,10 +215,9 @@ impl<'a> SourceIteration<'a> {
         light: &mut Moments,
     ) -> (Source, bool) {
         let problem = self.problem;
-        let iterations = problem.orders.unwrap_or(MOST_ITERATIONS);
         let mut series = Series::default();
         let mut sent = source.emptied();
-        for iteration in 1..=iterations {
+        for iteration in 1..=MOST_ITERATIONS {
             if (problem.cancelled)() {
                 break;
             }
@@ -219,19 +228,17 @@ impl<'a> SourceIteration<'a> {
                 self.sweep(&source, BoundaryCondition::Vacuum, &Wanted::ORDERS).moments
             };
             light.add(&next, [1.0; 3]);
-            if problem.orders.is_none() {
-                let told = series.go_on(next.total(), light.total());
-                if iteration >= FEWEST_ITERATIONS && told || iteration == iterations && series.is_endless {
-                    light.add(&next, series.rest.map(|rest| rest as f32));
-                    sent.add(&source, series.rest);
-                    break;
-                }
-                if iteration == iterations {
-                    self.accelerate(problem.scatter(&next, true), series.ratio, (&mut sent, light));
-                    break;
-                }
+            let told = series.go_on(next.total(), light.total());
+            if iteration >= FEWEST_ITERATIONS && told || iteration == MOST_ITERATIONS && series.is_endless {
+                light.add(&next, series.rest.map(|rest| rest as f32));
+                sent.add(&source, series.rest);
+                break;
             }
             source = problem.scatter(&next, true);
+            if iteration == MOST_ITERATIONS {
+                self.accelerate(source, series.ratio, (&mut sent, light));
+                break;
+            }
             if iteration == 1 {
                 source.add(later, [1.0; 3]);
             }
@@ -281,7 +288,12 @@ impl<'a> SourceIteration<'a> {
     }
 
     /// Light that is incident from about the grid.
-    fn sweep_incident(&mut self, incident: &IncidentRadiance, nothing: &Source, wanted: &Wanted) -> Swept {
+    pub(super) fn sweep_incident(
+        &mut self,
+        incident: &IncidentRadiance,
+        nothing: &Source,
+        wanted: &Wanted,
+    ) -> Swept {
         let condition = BoundaryCondition::Incident(incident);
         if !incident.is_fine {
             return self.sweep(nothing, condition, wanted);
@@ -309,7 +321,7 @@ impl<'a> SourceIteration<'a> {
     }
 
     /// Along the ordinates of all orders.
-    fn sweep(&mut self, source: &Source, incident: BoundaryCondition, wanted: &Wanted) -> Swept {
+    pub(super) fn sweep(&mut self, source: &Source, incident: BoundaryCondition, wanted: &Wanted) -> Swept {
         let walls = source.walls_by_channel();
         let beams = if source.has_first { self.beams.as_slice() } else { &[] };
         let glossy = source.has_first.then_some(&self.glossy);
