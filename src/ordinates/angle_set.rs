@@ -13,7 +13,8 @@ use super::moments::Moments;
 use super::planes::{Layout, Planes};
 use super::quadrature::{Ordinate, Quadrature};
 use super::sweep_kernels::{Accumulate, AccumulateDegree, AddBeam, Cells, StepRows};
-use super::walls::{CutNode, Walls, link_of};
+use super::upwind_stencil::UpwindStencil;
+use super::walls::{CutNode, Walls};
 use super::wanted::Wanted;
 use crate::accel::vectorized;
 use glam::DVec3;
@@ -97,34 +98,6 @@ struct Cut<'a> {
     /// Among the nodes as they are laid, and in its plane.
     node: usize,
     here: usize,
-}
-
-/// The four cells that light comes from: steps along rows and columns, and shares.
-struct UpwindStencil {
-    /// Against the light's way along the planes.
-    backwards: i32,
-    steps: [i32; 2],
-    shares: [f32; 4],
-}
-
-impl UpwindStencil {
-    fn of(direction: DVec3, planes: &Planes) -> Self {
-        let along = direction[planes.axis].abs();
-        let back = [1, 2].map(|which| -direction[planes.axes[which]] / along);
-        let [row, column] = back.map(f64::abs);
-        let shares = [(1.0 - row) * (1.0 - column), (1.0 - row) * column, row * (1.0 - column), row * column];
-        Self {
-            backwards: -direction[planes.axis].signum() as i32,
-            steps: back.map(|back| back.signum() as i32),
-            shares: shares.map(|share| share as f32),
-        }
-    }
-
-    /// The step to one of them, along planes, rows and columns.
-    fn step(&self, tap: usize) -> [i32; 3] {
-        let [row, column] = self.steps;
-        [self.backwards, if tap & 2 != 0 { row } else { 0 }, if tap & 1 != 0 { column } else { 0 }]
-    }
 }
 
 impl<'a> AngleSet<'a> {
@@ -337,17 +310,15 @@ impl<'a> AngleSet<'a> {
     fn past_cut_links(&mut self, (side, plane): (usize, usize), stencil: &UpwindStencil) {
         let planes = self.planes;
         let steps = [0, 1, 2, 3].map(|tap| stencil.step(tap));
-        let links = steps.map(|step| {
-            let mut of_axes = [0; 3];
-            (0..3).for_each(|which| of_axes[planes.axes[which]] = step[which]);
-            link_of(of_axes)
-        });
+        let links = steps.map(|step| planes.link(step));
+        let across = stencil.steps_across().map(|step| planes.link(step));
         for &Cut { links: seen, node, here } in &self.cut[plane] {
+            let shares = stencil.shares_of_cut(across.map(|link| seen.wall_distance(link)));
             let mut entering = 0.0;
             for tap in 0..4 {
                 // A share of nothing may point beyond the rim.
-                if stencil.shares[tap] > 0.0 {
-                    entering += stencil.shares[tap]
+                if shares[tap] > 0.0 {
+                    entering += shares[tap]
                         * match seen.wall_at(links[tap]) {
                             Some(patch) => self.walls[patch],
                             None => self.before[planes.shifted(here, steps[tap])],

@@ -32,6 +32,7 @@ pub(crate) mod source_iteration;
 pub(crate) mod surface_optics;
 pub(crate) mod sweep;
 mod sweep_kernels;
+mod upwind_stencil;
 pub(crate) mod walls;
 mod wanted;
 

@@ -3,6 +3,7 @@
 //! memory, whatever the axis.
 
 use super::grid::Corners;
+use super::walls::link_of;
 
 /// Layout of nodes in memory: as in the grid, where neighbours along x are next to one another, or with x
 /// and y changed.
@@ -75,6 +76,13 @@ impl Planes {
     /// Length of a row with its rim.
     pub(crate) fn row(&self) -> usize {
         self.count[2] + 2
+    }
+
+    /// Number of the link that a step along planes, rows and columns takes.
+    pub(crate) fn link(&self, step: [i32; 3]) -> usize {
+        let mut of_axes = [0; 3];
+        self.axes.into_iter().zip(step).for_each(|(axis, step)| of_axes[axis] = step);
+        link_of(of_axes)
     }
 
     /// A place in a plane with its rim, so many rows and columns on.

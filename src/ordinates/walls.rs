@@ -51,6 +51,11 @@ impl CutNode {
         (patch != NO_PATCH).then_some(patch as usize)
     }
 
+    /// Distance of the wall that cuts a link, as a share of it.
+    pub(crate) fn wall_distance(&self, link: usize) -> Option<f32> {
+        self.wall_at(link).map(|_| self.seen[link].at)
+    }
+
     /// Whether what lies at a share of a link is seen: nothing that cuts it lies before.
     pub(crate) fn sees(&self, link: usize, at: f64) -> bool {
         f64::from(self.seen[link].at) > at
