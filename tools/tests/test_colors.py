@@ -1,5 +1,4 @@
-"""Colour spaces, codecs and parts of other programs' frames. Where OpenImageIO and OpenColorIO can be had, they
-say what is right (`pip install OpenImageIO opencolorio`)."""
+"""Colour spaces, codecs and parts of other programs' frames. OpenImageIO and OpenColorIO say what is right."""
 
 import subprocess
 import tempfile
@@ -8,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import OpenEXR
+import OpenImageIO
+import PyOpenColorIO
 
 from sunfleck_tools import Options, validate
 from sunfleck_tools.analysis import read_frame, read_picture
@@ -20,14 +21,6 @@ from sunfleck_tools.summary import thumbnail
 from .command import NO_PROGRAM, PROGRAM, run
 from .files import add_attribute, good_sequence, rewrite, scene, write_frame, write_parts
 
-try:
-    import OpenImageIO
-except ImportError:
-    OpenImageIO = None
-try:
-    import PyOpenColorIO
-except ImportError:
-    PyOpenColorIO = None
 try:
     from pxr import Usd
 except ImportError:
@@ -104,7 +97,6 @@ class Spaces(WithFolder):
             np.testing.assert_allclose(seen, IN_REC_709["lin_ap1_scene"], atol=1e-3)
 
 
-@unittest.skipIf(OpenImageIO is None, "OpenImageIO is not installed")
 class BesideOpenImageIO(WithFolder):
     def test_what_it_writes_is_read_as_it_means_it(self):
         for id in IN_REC_709:
@@ -135,7 +127,6 @@ class BesideOpenImageIO(WithFolder):
         np.testing.assert_allclose(seen, (0.4845, 0.7354, 0.3492), atol=2e-3)
 
 
-@unittest.skipIf(PyOpenColorIO is None, "OpenColorIO is not installed")
 class BesideOpenColorIO(unittest.TestCase):
     def test_colours_are_those_of_its_config(self):
         config = PyOpenColorIO.Config.CreateFromBuiltinConfig("studio-config-latest")
