@@ -60,6 +60,10 @@ class WrongType(UsageError, TypeError):
         text = f"error: {found}\n  remedy: {remedy}"
         super().__init__(text, 2, (Diagnostic("error", found, remedy=remedy, text=text),))
 
+    def __reduce__(self) -> tuple[type["WrongType"], tuple[str, str]]:
+        # Of an exception that cannot be made anew a pool of processes waits for ever.
+        return WrongType, (self.diagnostics[0].message, self.remedy)
+
 
 class SceneError(SunfleckError):
     """The input can be read but not used (3)."""

@@ -1,6 +1,7 @@
 """What a call from Python says where it cannot go on. Nothing is left of it: no program, no file."""
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -62,10 +63,13 @@ class Failing(WithFolder):
             yield
 
     def fails(self, kind: type[sunfleck.SunfleckError], words: str, scene: object = FIRST_LEAF, **settings: object):
-        """A call ends so, with these words, and leaves nothing for the time being."""
+        """A call ends so, with these words, and leaves nothing for the time being; other processes can be told."""
         with self.assertRaisesRegex(kind, words) as raised:
             sunfleck.render(scene, **settings)
         self.assertEqual(list(self.temporary.iterdir()), [])
+        again = pickle.loads(pickle.dumps(raised.exception))
+        told = [(type(error), str(error), error.exit_code, error.diagnostics) for error in (again, raised.exception)]
+        self.assertEqual(*told)
         return raised.exception
 
 
