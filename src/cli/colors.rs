@@ -18,9 +18,23 @@ pub(super) struct ColorDoubts {
 impl ColorDoubts {
     /// Tells what is in doubt of a file, unless its like was told.
     pub(super) fn tell(&self, path: &Path, file: &FrameFile) {
-        let Some((loss, found)) = &file.colors.doubt else { return };
-        if self.told.lock().unwrap_or_else(PoisonError::into_inner).insert(*loss) {
-            tell(&Diagnostic::warning(*loss, Place::File(path.to_owned()), found.clone()).to_string());
+        if let Some((loss, found)) = &file.colors.doubt {
+            self.tell_of(*loss, path, found.clone());
+        }
+    }
+
+    /// The same of a file that is shown, and which channels stand in for its picture; whether it has one.
+    pub(super) fn tell_shown(&self, path: &Path, file: &FrameFile) -> bool {
+        self.tell(path, file);
+        let instead = file.shown_instead();
+        let has_picture = instead.is_none();
+        instead.into_iter().for_each(|found| self.tell_of(Loss::NoPicture, path, found));
+        has_picture
+    }
+
+    fn tell_of(&self, loss: Loss, path: &Path, found: String) {
+        if self.told.lock().unwrap_or_else(PoisonError::into_inner).insert(loss) {
+            tell(&Diagnostic::warning(loss, Place::File(path.to_owned()), found).to_string());
         }
     }
 

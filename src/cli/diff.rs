@@ -44,7 +44,11 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
 /// Frame by frame: those of the same number.
 fn run_of_folders(arguments: &DiffArguments, paths: [&Path; 2]) -> Result<(), CliError> {
     if let Some(file) = paths.into_iter().find(|path| path.is_file()) {
-        return Err(usage("diff", format!("{} is a file", shown(file)), "two files, or two folders"));
+        return Err(usage(
+            "diff",
+            format!("{} is a file", shown(file)),
+            "two files, or two folders",
+        ));
     }
     let [ours, theirs] = paths.map(|path| frames_in(path).map_err(failure));
     let [ours, theirs]: [BTreeMap<i64, PathBuf>; 2] = [ours?, theirs?];
@@ -145,6 +149,7 @@ impl Work<'_> {
         let comparison = compare(&output.frame, &reference.frame)?;
         if let Some(Pictures { pattern, display }) = &self.pictures {
             let path = pattern.path(number);
+            self.doubts.tell_shown(paths[0], &output);
             let picture = difference_picture(output, reference, display, self.arguments.white)
                 .map_err(|reason| FrameFileError::Encode { path: path.clone(), reason })?;
             picture.write(&path)?;

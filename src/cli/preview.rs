@@ -220,10 +220,13 @@ impl<'a> Source<'a> {
             Self::Scene { plan, .. } => Ok(plan.draw(frame, plan.job.size)),
             Self::Files { files, doubts, .. } => {
                 let file = frame_file::read(&files[&frame])?;
-                doubts.colors.tell(&files[&frame], &file);
+                let has_picture = doubts.colors.tell_shown(&files[&frame], &file);
                 let has_pixels = file.frame.window.width > 0;
                 let shown = file.shown();
-                doubts.pixels.count(&files[&frame], has_pixels, &shown);
+                // Depth may be without end.
+                if has_picture {
+                    doubts.pixels.count(&files[&frame], has_pixels, &shown);
+                }
                 Ok(shown)
             }
         }

@@ -103,6 +103,7 @@ losses! {
     ColorSpaceConflict "color-space-conflict" "a file's `colorInteropID` and chromaticities disagree, the id counts"
     ColorSpaceData "color-space-data" "images that say that they hold data, and no colours, are taken as linear light"
     ColorSpaceUnknown "color-space-unknown" "colour spaces whose names are not known are taken as chromaticities say, else as linear Rec. 709"
+    NoPicture "no-picture" "of a frame without R, G and B other channels are shown, what lacks is black"
     NegativeRadiance "negative-radiance" "radiances below 0 in images of skies count as 0"
     NoLight "no-light" "nothing lights the scene"
     ClippingPlanes "clipping-planes" "clipping planes that leave nothing between them are ignored"

@@ -38,7 +38,8 @@ impl Frame {
     /// half. The average is that of logarithms (Reinhard et al. 2002, "Photographic Tone Reproduction for
     /// Digital Images", equation 1), over the pixels that show light.
     pub fn auto_exposure_stops(&self) -> f64 {
-        let mut lit: Vec<f64> = self.luminances().into_iter().filter(|light| *light > 0.0).collect();
+        let mut lit: Vec<f64> =
+            self.luminances().into_iter().filter(|light| *light > 0.0 && light.is_finite()).collect();
         lit.sort_unstable_by(f64::total_cmp);
         let (Some(median), Some(bright)) = (lit.get(lit.len() / 2), lit.get(lit.len() * 19 / 20)) else {
             return 0.0;

@@ -39,9 +39,9 @@ impl Picture {
             bloom(&mut plane, width, frame.full.height, Scatter::of(display));
             plane
         };
-        let planes =
-            color(frame).ok_or("the frame has no colour: neither R, G and B, nor a layer of them, nor Y")?;
-        let planes = planes.map(plane);
+        let [red, green, blue] = ["R", "G", "B"].map(|name| frame.channel(name).map(plane));
+        let planes = red.zip(green).zip(blue).ok_or("the frame has no R, G and B")?;
+        let planes = [planes.0.0, planes.0.1, planes.1];
         let mut bytes = vec![0; 3 * width * height];
         bytes.par_chunks_mut((3 * width).max(1)).enumerate().for_each(|(row, bytes)| {
             // Neighbours often have the same colour.
@@ -91,19 +91,6 @@ impl Picture {
             .map_err(|error| encode_error(error.to_string()))?;
         atomic::write(path, &png)
     }
-}
-
-/// The channels of a frame's colour: its own, else those of its first layer that has
-/// some, else its luminance.
-fn color(frame: &Frame) -> Option<[&Channel; 3]> {
-    let of_layer = |layer: &str| {
-        let [red, green, blue] = ["R", "G", "B"].map(|name| frame.channel(&format!("{layer}{name}")));
-        Some([red?, green?, blue?])
-    };
-    let layers = frame.channels.iter().filter_map(|channel| channel.name.strip_suffix('R'));
-    let layers = layers.filter(|layer| layer.is_empty() || layer.ends_with('.'));
-    let luminance = || frame.channel("Y").map(|channel| [channel; 3]);
-    of_layer("").or_else(|| layers.into_iter().find_map(of_layer)).or_else(luminance)
 }
 
 /// Columns and rows, if a PNG can have so many.

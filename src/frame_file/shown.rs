@@ -1,9 +1,9 @@
 //! A file's picture as eyes are to see it. In goes a file, out come red, green and blue in linear Rec. 709.
-//! Invariant: of a file of ours nothing changes.
+//! Invariant: of a file of ours nothing changes; of any other something is seen.
 
 use super::FrameFile;
 use crate::color::{ColorSpace, Rgb};
-use crate::description::exr::{Picture, from_chroma};
+use crate::description::exr::{Picture, from_chroma, stand_in};
 use crate::film::{Channel, Frame, Precision};
 use crate::scene::Window;
 
@@ -16,13 +16,12 @@ const OWN: &str = "sunfleck:";
 
 impl FrameFile {
     /// The picture, in its display window. Of our own frames, whose window is a crop, in that; so too where
-    /// the display window is out of all proportion. A file without colours stays as it is.
+    /// the display window is out of all proportion.
     pub fn shown(self) -> Frame {
-        let names: Vec<&str> = self.frame.channels.iter().map(|channel| channel.name.as_str()).collect();
-        let Some(picture) = Picture::among(&names) else { return self.frame };
         let is_own = self.attributes.0.keys().any(|name| name.starts_with(OWN));
         let Frame { full, window, .. } = self.frame;
-        let mut frame = Frame { full, window, channels: self.colors_in_ours(picture) };
+        let channels = self.picture().map_or_else(|| self.stand_in(), |picture| self.colors_in_ours(picture));
+        let mut frame = Frame { full, window, channels };
         let most = (MOST_EMPTY * window.width * window.height).max(LARGEST_EMPTY);
         if !is_own && full.width.saturating_mul(full.height) <= most {
             frame = whole(&frame);
@@ -33,12 +32,51 @@ impl FrameFile {
     /// Red, green and blue in linear Rec. 709, the others as they are: what two files of different colours
     /// can be compared by.
     pub fn convert_colors(&mut self) {
-        let names: Vec<&str> = self.frame.channels.iter().map(|channel| channel.name.as_str()).collect();
-        let Some(Picture::Colors(places)) = Picture::among(&names) else { return };
+        let Some(Picture::Colors(places)) = self.picture() else { return };
         for (channel, place) in self.colors_in_ours(Picture::Colors(places)).into_iter().zip(places) {
             self.frame.channels[place].pixels = channel.pixels;
         }
         self.colors.space = ColorSpace::OURS;
+    }
+
+    /// Sentence on the channels that are shown of a file without a picture.
+    pub fn shown_instead(&self) -> Option<String> {
+        if self.picture().is_some() {
+            return None;
+        }
+        let channels = &self.frame.channels;
+        Some(match stand_in(&self.names()) {
+            [Some(grey), Some(same), _] if grey == same => {
+                let grey = &channels[grey];
+                let values = grey.pixels.iter().copied().filter(|value| value.is_finite());
+                let (least, most) = (values.clone().reduce(f32::min), values.reduce(f32::max));
+                let range =
+                    least.zip(most).map_or(String::new(), |(least, most)| format!(", {least:?} to {most:?}"));
+                format!("the file has no R, G and B: `{}` is shown as grey{range}", grey.name)
+            }
+            places => {
+                let name = |place: Option<usize>| place.map_or("black", |place| &channels[place].name);
+                let names = places.map(name).join(", ");
+                format!("the file has no picture: red, green and blue show {names}")
+            }
+        })
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.frame.channels.iter().map(|channel| channel.name.as_str()).collect()
+    }
+
+    fn picture(&self) -> Option<Picture> {
+        Picture::among(&self.names())
+    }
+
+    fn stand_in(&self) -> Vec<Channel> {
+        let black = || vec![0.0; self.frame.window.width * self.frame.window.height];
+        let named = |(name, place): (&str, Option<usize>)| match place {
+            Some(place) => Channel { name: name.to_owned(), ..self.frame.channels[place].clone() },
+            None => Channel::new(name, Precision::Float, black()),
+        };
+        ["R", "G", "B"].into_iter().zip(stand_in(&self.names())).map(named).collect()
     }
 
     fn colors_in_ours(&self, picture: Picture) -> Vec<Channel> {

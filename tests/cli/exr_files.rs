@@ -211,10 +211,11 @@ fn deep_files_and_cubes_are_refused_in_true_words() {
     let mut bytes = studio.bytes("sky.exr");
     bytes[5] |= 0x08;
     std::fs::write(studio.path("sky.exr"), &bytes).unwrap();
-    for (line, code) in [(line, SCENE), ("diff sky.exr sky.exr", INPUT_OUTPUT)] {
-        let said = studio.fail(line, code);
-        assert!(said.contains("deep data") && said.contains("--flatten"), "{said}");
-    }
+    let said = studio.fail(line, SCENE);
+    assert!(said.contains("deep data") && said.contains("--flatten"), "{said}");
+    // `diff` would flatten it, if there were any.
+    let said = studio.fail("diff sky.exr sky.exr", INPUT_OUTPUT);
+    assert!(said.contains("is no whole EXR file"), "{said}");
     Made::new().write(&studio.path("sky.exr"));
     let mut bytes = studio.bytes("sky.exr");
     bytes.splice(8..8, *b"envmap\0envmap\0\x01\0\0\0\x01");
@@ -364,6 +365,30 @@ fn luminance_and_chroma_are_read_as_colors() {
         std::fs::write(studio.path("sky.exr"), &file[..length]).unwrap();
         studio.fail(line, SCENE);
     }
+}
+
+/// Depth, coverage or two colours alone are shown, and which they are is said once a run.
+#[test]
+fn frames_without_a_picture_are_shown_by_what_they_have() {
+    let studio = Studio::new();
+    for (channels, seen, said) in [
+        (vec![("A", 0.9), ("Z", 0.2)], [51, 51, 51], "`Z` is shown as grey, 0.2 to 0.2"),
+        (vec![("A", 0.2)], [51, 51, 51], "`A` is shown as grey"),
+        (vec![("R", 0.2), ("G", 0.6)], [51, 153, 0], "red, green and blue show R, G, black"),
+        (vec![("N.R", 0.2), ("N.G", 0.6), ("N.B", 0.4)], [51, 153, 102], "show N.R, N.G, N.B"),
+    ] {
+        Made::of(vec![("", channels)]).write(&studio.path("a.0001.exr"));
+        std::fs::copy(studio.path("a.0001.exr"), studio.path("a.0002.exr")).unwrap();
+        let told = studio.succeed("preview . --display raw --exposure 0 --out p.####.png").err;
+        assert!(told.matches("[no-picture]").count() == 1 && told.contains(said), "{told}");
+        let shown = image::open(studio.path("p.0002.png")).unwrap().to_rgb8().get_pixel(3, 3).0;
+        assert!(shown.iter().zip(seen).all(|(one, other)| one.abs_diff(other) <= 1), "{shown:?}");
+        let told = studio.succeed("diff a.0001.exr a.0002.exr --max-error 0 --picture d.png").err;
+        assert!(told.contains(said), "{told}");
+        // Depth without end is no light that an exposure is for.
+        studio.succeed("preview a.0001.exr --out auto.png");
+    }
+    assert!(!studio.succeed("diff a.0001.exr a.0002.exr --max-error 0").err.contains("no-picture"));
 }
 
 /// What no picture can show is said, once a kind.

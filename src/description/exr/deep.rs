@@ -130,9 +130,10 @@ struct DeepPart<'a> {
     height: usize,
     compression: u8,
     tile: Option<[usize; 2]>,
-    /// Numbers of Z, of where a sample ends, and of A.
-    depth: [usize; 2],
-    alpha: usize,
+    /// Numbers of Z and of where a sample ends: without them samples lie in the file's order.
+    depth: Option<[usize; 2]>,
+    /// Number of A: without it a sample hides those behind it.
+    alpha: Option<usize>,
 }
 
 /// Pixels that a chunk has samples of, from the data window's corner, and where it is in the file.
@@ -175,10 +176,8 @@ impl<'a> DeepPart<'a> {
             None => None,
         };
         let named = |name: &str| channels.iter().position(|channel| channel.name == name.as_bytes());
-        let missing = |name: &str| Fault::Unread(Unread::of_deep(&format!("deep data without {name}")));
-        let front = named("Z").ok_or_else(|| missing("Z"))?;
-        let alpha = named("A").ok_or_else(|| missing("A"))?;
-        let depth = [front, named("ZBack").unwrap_or(front)];
+        let depth = named("Z").map(|front| [front, named("ZBack").unwrap_or(front)]);
+        let alpha = named("A");
         let compression = *value("compression")?.first().ok_or("a header is damaged")?;
         Ok(Self { raw, number, channels, top, width, height, compression, tile, depth, alpha })
     }
@@ -320,14 +319,17 @@ impl<'a> DeepPart<'a> {
     ) -> Vec<[u8; 4]> {
         let number = |channel: usize, sample: usize| f32::from_le_bytes(value(channel, sample));
         let mut order: Vec<usize> = samples.collect();
-        let depths = |sample: usize| self.depth.map(|channel| number(channel, sample));
-        order.sort_by(|&a, &b| {
-            let ([near, far], [other_near, other_far]) = (depths(a), depths(b));
-            near.total_cmp(&other_near).then(far.total_cmp(&other_far))
-        });
+        if let Some(depth) = self.depth {
+            let depths = |sample: usize| depth.map(|channel| number(channel, sample));
+            order.sort_by(|&a, &b| {
+                let ([near, far], [other_near, other_far]) = (depths(a), depths(b));
+                near.total_cmp(&other_near).then(far.total_cmp(&other_far))
+            });
+        }
         let mut sums = vec![0.0_f32; self.channels.len()];
-        for &sample in &order {
-            let left = 1.0 - sums[self.alpha];
+        for (number_in_front, &sample) in order.iter().enumerate() {
+            let covered = self.alpha.map_or(number_in_front.min(1) as f32, |alpha| sums[alpha]);
+            let left = 1.0 - covered;
             if left <= 0.0 {
                 break;
             }

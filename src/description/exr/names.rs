@@ -78,6 +78,23 @@ impl Picture {
     }
 }
 
+/// Channels that eyes are shown as red, green and blue of a file without a picture: those of these names,
+/// of the layer that has most, else a single one as grey, coverage last.
+pub fn stand_in<S: AsRef<str>>(names: &[S]) -> [Option<usize>; 3] {
+    let place = |wanted: &str| names.iter().position(|name| name.as_ref() == wanted);
+    let layers = names.iter().map(|name| name.as_ref().rfind('.').map_or("", |dot| &name.as_ref()[..=dot]));
+    let colors = layers.map(|layer| COLORS[0].map(|color| place(&format!("{layer}{color}"))));
+    // The first of equals.
+    match colors.min_by_key(|colors| colors.iter().filter(|color| color.is_none()).count()) {
+        Some(colors) if colors.iter().flatten().count() > 1 => colors,
+        _ => {
+            let is_coverage = |name: &S| name.as_ref() == "A" || name.as_ref().ends_with(".A");
+            let grey = names.iter().position(|name| !is_coverage(name));
+            [grey.or((!names.is_empty()).then_some(0)); 3]
+        }
+    }
+}
+
 /// Rank of a layer or part by its name; the picture has the least.
 fn rank(name: &str) -> usize {
     let own = own(name);
@@ -153,6 +170,20 @@ mod tests {
             (&["Z"], None),
         ] {
             assert_eq!(Picture::among(names), expected, "{names:?}");
+        }
+    }
+
+    #[test]
+    fn channels_stand_in_for_a_picture() {
+        for (names, expected) in [
+            (&["A", "Z"][..], [Some(1); 3]),
+            (&["A"], [Some(0); 3]),
+            (&["G", "R"], [Some(1), Some(0), None]),
+            (&["A", "N.B", "N.G", "N.R", "P.G", "P.R"], [Some(3), Some(2), Some(1)]),
+            (&["depth.R", "depth.Z"], [Some(0); 3]),
+            (&[], [None; 3]),
+        ] {
+            assert_eq!(stand_in(names), expected, "{names:?}");
         }
     }
 
