@@ -21,7 +21,7 @@ use sunfleck::sequence::OutputPattern;
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
     let paths = [arguments.output.as_path(), arguments.reference.as_path()];
-    if paths.iter().any(|path| path.is_dir()) {
+    if paths.iter().any(|path| frame_file::is_of_many(path)) {
         return run_of_folders(arguments, paths);
     }
     let pictures = Pictures::of(arguments, "difference", &arguments.reference)?;
@@ -47,7 +47,7 @@ fn run_of_folders(arguments: &DiffArguments, paths: [&Path; 2]) -> Result<(), Cl
         return Err(usage(
             "diff",
             format!("{} is a file", shown(file)),
-            "two files, or two folders",
+            "two files, or two folders or sequences",
         ));
     }
     let [ours, theirs] = paths.map(|path| frames_in(path).map_err(failure));

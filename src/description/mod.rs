@@ -20,6 +20,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place, readable, shown};
 use std::path::{Path, PathBuf};
 
 pub use files::{Files, open_regular, read_regular};
+pub use numbered::signs;
 #[cfg(feature = "program")]
 pub use peers::{PeerRow, load_peers};
 

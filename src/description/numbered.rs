@@ -29,7 +29,7 @@ impl<'a> Numbered<'a> {
     /// `None` of a path without such signs, and of one that is a file itself.
     pub(super) fn of(path: &'a Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
-        let (before, digits, after) = hashes(name).or_else(|| percent(name))?;
+        let (before, digits, after) = signs(name)?;
         (!path.is_file()).then_some(Self { path, before, digits, after })
     }
 
@@ -105,6 +105,12 @@ impl<'a> Numbered<'a> {
         // Other ways to write it are names of other sequences.
         (number.unsigned_abs() <= FARTHEST && self.file_name(number) == name).then_some(number)
     }
+}
+
+/// What stands before the signs of a name, such as `####` or `%04d`, the minimum number of digits, and what
+/// stands behind.
+pub fn signs(name: &str) -> Option<(&str, usize, &str)> {
+    hashes(name).or_else(|| percent(name))
 }
 
 /// The last run of number signs.

@@ -21,8 +21,8 @@ pub enum FrameFileError {
         /// The path.
         path: PathBuf,
     },
-    /// The folder for the output could not be made.
-    #[error("cannot create the folder {}: {source}", shown(path))]
+    /// The folder for the output could not be made, or takes no files.
+    #[error("cannot make a file in the folder {}: {source}", shown(path))]
     CreateFolder {
         /// The folder.
         path: PathBuf,
@@ -160,7 +160,7 @@ impl FrameFileError {
                 }
             },
             Self::Encode { .. } => "report this: a frame that was rendered should be one that can be written",
-            Self::SameNumber { .. } => "name one file, or give each sequence a folder of its own",
+            Self::SameNumber { .. } => "name one file, or one sequence such as x.####.exr",
             Self::Animation { .. } => {
                 "make fewer or smaller pictures, or a picture a frame: --out NAME.####.png"
             }

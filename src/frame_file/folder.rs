@@ -1,6 +1,7 @@
-//! Frames of a folder or a file. Invariant: temporary files are none.
+//! Frames of a folder, a sequence or a file. Invariant: temporary files are none.
 
 use super::FrameFileError;
+use crate::description::signs;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -17,21 +18,47 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The EXR files of a folder, by the number that their names end in; 0 without one. A file is its only frame.
+/// Whether `path` is for any number of frames: a folder, or a sequence such as `x.####.exr`.
+pub fn is_of_many(path: &Path) -> bool {
+    path.is_dir() || around_number(path).is_some()
+}
+
+/// What stands before and after the number in the names of a sequence; `None` of a file that is there.
+fn around_number(path: &Path) -> Option<(&str, &str)> {
+    let (before, _, after) = signs(path.file_name()?.to_str()?)?;
+    (!path.exists()).then_some((before, after))
+}
+
+/// The EXR files of a folder or a sequence, by the number that their names end in; 0 without one. A file is
+/// its only frame.
 ///
 /// # Errors
 /// If the folder cannot be read, or if two of its files have the same number.
-pub fn frames_in(folder: &Path) -> Result<BTreeMap<i64, PathBuf>, FrameFileError> {
-    if !folder.is_dir() && is_exr(folder) {
-        return Ok(BTreeMap::from([(number(&stem(folder)), folder.to_owned())]));
-    }
+pub fn frames_in(input: &Path) -> Result<BTreeMap<i64, PathBuf>, FrameFileError> {
+    let sequence = around_number(input);
+    let folder = match (sequence, input.parent()) {
+        (None, _) if !input.is_dir() && is_exr(input) => {
+            return Ok(BTreeMap::from([(number(&stem(input)), input.to_owned())]));
+        }
+        (None, _) => input,
+        (Some(_), Some(folder)) if folder != Path::new("") => folder,
+        (Some(_), _) => Path::new("."),
+    };
+    let is_asked_for = |path: &Path| {
+        let Some((before, after)) = sequence else { return true };
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let number = name.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+        number.is_some_and(|number| number.parse::<i64>().is_ok())
+    };
     let failed = |source| FrameFileError::Read { path: folder.to_owned(), source };
     let entries = std::fs::read_dir(folder).map_err(failed)?;
     let mut paths: Vec<PathBuf> =
         entries.map(|entry| Ok(entry.map_err(failed)?.path())).collect::<Result<_, FrameFileError>>()?;
     paths.sort();
     let mut files = BTreeMap::new();
-    for path in paths.into_iter().filter(|path| is_exr(path) && !stem(path).starts_with('.')) {
+    for path in
+        paths.into_iter().filter(|path| is_exr(path) && !stem(path).starts_with('.') && is_asked_for(path))
+    {
         let number = number(&stem(&path));
         if let Some(other) = files.insert(number, path.clone()) {
             return Err(FrameFileError::SameNumber { path: other, other: path, number });

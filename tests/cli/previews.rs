@@ -74,6 +74,14 @@ fn frames_that_are_there_are_shown_as_they_are() {
     std::fs::copy(studio.path("a/tiny.0001.exr"), studio.path("c/tiny.0001.exr")).unwrap();
     let refused = studio.fail("preview c --out c.apng", 4);
     assert!(refused.contains("other.0001.exr") && refused.contains("are both frame 1"), "{refused}");
+    studio.succeed("preview c/tiny.####.exr --out one.png");
+    assert_eq!(picture(&studio, "one.png"), picture(&studio, "a/tiny.0001.png"));
+    let lacking = studio.run("diff c/tiny.%04d.exr a/tiny.####.exr --max-error 0");
+    assert!(
+        lacking.out.contains("frame 1: RGB") && lacking.out.contains("frame 2: c/tiny"),
+        "{}",
+        lacking.out
+    );
     studio.succeed("preview a --out both.apng --fps 12");
     let refused = studio.fail("preview tiny.ron --frames 1 --size 16385x1 --out wide.webp", 4);
     assert!(refused.contains("16384") && refused.contains("remedy"), "{refused}");
