@@ -42,6 +42,16 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The file of that name in a folder: with slashes for backslashes, as Windows writes them, where there is
+/// none as it stands.
+pub(super) fn beside(folder: &Path, name: &Path) -> PathBuf {
+    let as_it_stands = folder.join(name);
+    match name.to_str() {
+        Some(name) if name.contains('\\') && !as_it_stands.exists() => folder.join(name.replace('\\', "/")),
+        _ => as_it_stands,
+    }
+}
+
 impl Files {
     /// The bytes of a file; `referrer` says who asked for it ("scene.ron: meshes.leaf").
     ///

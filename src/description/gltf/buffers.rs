@@ -6,6 +6,7 @@ use super::json::{self, Document};
 use super::meshopt;
 use super::report::Report;
 use super::{Files, LoadError, invalid};
+use crate::description::files;
 use crate::diagnostic::{Diagnostic, Loss, readable, shown};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -113,13 +114,14 @@ pub(super) fn fetch<'a>(
     }
 }
 
-/// The file that a URI means in another.
+/// The file that a URI means in another. A text that is none is a name.
 pub(super) fn file_beside(uri: &str, file: &Path) -> Result<PathBuf, String> {
-    let name = percent_decoded(uri).ok_or_else(|| format!("`{uri}` is not a valid URI"))?;
-    if uri.contains("://") || uri.starts_with("data:") || Path::new(&name).has_root() {
+    let name = percent_decoded(uri).unwrap_or_else(|| uri.to_owned());
+    let has_root = name.starts_with(['/', '\\']);
+    if uri.contains("://") || uri.starts_with("data:") || has_root || Path::new(&name).has_root() {
         return Err(format!("`{uri}` is not a file beside this one"));
     }
-    Ok(file.parent().unwrap_or(Path::new("")).join(name))
+    Ok(files::beside(file.parent().unwrap_or(Path::new("")), Path::new(&name)))
 }
 
 /// Bytes after `data:`, decoded (RFC 2397, base64 only, as the glTF specification asks for).
@@ -220,6 +222,28 @@ mod tests {
         assert_eq!(percent_decoded("oak leaf.png").unwrap(), "oak leaf.png");
         for damaged in ["%", "%2", "%zz", "%ff", "%00"] {
             assert_eq!(percent_decoded(damaged), None, "{damaged}");
+        }
+    }
+
+    #[test]
+    fn names_that_are_no_uris_are_taken_as_they_stand() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, sub) = (folder.path().join("a.gltf"), folder.path().join("Texturen"));
+        std::fs::create_dir(&sub).unwrap();
+        for name in ["50%.png", "oak leaf.png"] {
+            std::fs::write(sub.join(name), name).unwrap();
+        }
+        for (uri, name) in [
+            ("Texturen/50%.png", "50%.png"),
+            ("Texturen/50%25.png", "50%.png"),
+            ("Texturen\\50%.png", "50%.png"),
+            (".\\Texturen\\oak%20leaf.png", "oak leaf.png"),
+        ] {
+            let found = std::fs::read(file_beside(uri, &file).unwrap()).unwrap();
+            assert_eq!(found, name.as_bytes(), "{uri}");
+        }
+        for uri in ["\\\\share\\leaf.png", "//share/leaf.png"] {
+            file_beside(uri, &file).unwrap_err();
         }
     }
 

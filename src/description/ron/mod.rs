@@ -33,7 +33,7 @@ mod walk;
 
 use super::image::DecodedImage;
 use super::obj::{self, ObjModel, ObjPictures};
-use super::{Files, LoadError, vdb};
+use super::{Files, LoadError, files, vdb};
 use crate::diagnostic::{Diagnostic, Place};
 use parse::Document;
 use std::collections::BTreeMap;
@@ -159,5 +159,5 @@ pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, Lo
 
 /// `path`, which `file` writes relative to its own folder.
 fn beside(file: &Path, path: &Path) -> PathBuf {
-    file.parent().map_or_else(|| path.to_owned(), |folder| folder.join(path))
+    files::beside(file.parent().unwrap_or(Path::new("")), path)
 }

@@ -102,6 +102,9 @@ fn diagnostic(path: &Path, text: &str, error: &SpannedError) -> Diagnostic {
         Error::ExceededRecursionLimit => Diagnostic::error(place, "the brackets are nested too deeply")
             .expected("at most 128 brackets within each other")
             .remedy("close brackets that were left open before this place"),
+        Error::InvalidEscape(found) => Diagnostic::error(place, lower_first(found))
+            .expected("a backslash twice in a text, `\\\\`")
+            .remedy("write paths with `/`"),
         Error::Message(message) => Diagnostic::error(place, message.clone())
             .expected("what docs/scene-format.md says of this field")
             .remedy("change the value"),
