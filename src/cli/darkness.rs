@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use sunfleck::api::Plan;
 use sunfleck::diagnostic::{Diagnostic, Loss, Place};
 use sunfleck::film::Dark;
-use sunfleck::scene::dark_cause;
+use sunfleck::scene::{DarkCause, dark_cause};
 use sunfleck::sequence::Event;
 
 /// Counts dark frames.
@@ -45,7 +45,12 @@ impl DarkFrames {
     pub(super) fn tell_of(&self, plan: &Plan) {
         let Counted { frames, dark, first } = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some((frame, Dark { covered })) = first else { return };
-        let cause = dark_cause(plan.scene.resolved(), plan.camera, plan.shutter(frame).middle_s(), covered);
+        let scene = plan.scene.resolved();
+        let cause = if plan.settings.shafts_alone && scene.fogs.is_empty() {
+            DarkCause::NoFog
+        } else {
+            dark_cause(scene, plan.camera, plan.shutter(frame).middle_s(), covered)
+        };
         let which = match (dark, frames) {
             (1, 1) => format!("frame {frame} is next to black"),
             (1, _) => format!("1 of {frames} frames is next to black, frame {frame}"),

@@ -104,8 +104,9 @@ fn check_output(arguments: &RenderArguments) -> Result<(), CliError> {
     if arguments.dry_run {
         return Ok(());
     }
-    frame_file::check_folder(pattern.folder())
-        .map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))
+    // What the input is called is not known yet.
+    let folder = arguments.out.as_ref().map_or(Path::new("out"), |_| pattern.folder());
+    frame_file::check_folder(folder).map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))
 }
 
 fn parse_output(out: Option<&Path>, name: &str) -> Result<OutputPattern, CliError> {

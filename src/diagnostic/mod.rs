@@ -179,7 +179,7 @@ pub fn readable(path: &Path) -> PathBuf {
             other => readable.push(other),
         }
     }
-    readable
+    if readable.as_os_str().is_empty() { path.to_owned() } else { readable }
 }
 
 /// Every problem found in one input, in the order found.
@@ -253,6 +253,7 @@ mod tests {
             ("../scenes/./b.ron", "../scenes/b.ron"),
             ("../../b.ron", "../../b.ron"),
             ("/a/b/../../c", "/c"),
+            (".", "."),
         ] {
             assert_eq!(readable(Path::new(path)), Path::new(told));
         }

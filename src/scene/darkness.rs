@@ -23,6 +23,8 @@ const NEARLY_ALL: f64 = 0.999;
 pub enum DarkCause {
     /// There is nothing that shines.
     NoLight,
+    /// Light that fog scatters is asked for, and there is no fog.
+    NoFog,
     /// There is nothing to see at that time.
     NothingVisible,
     /// Whatever there is lies outside the picture.
@@ -110,6 +112,7 @@ impl DarkCause {
             Self::NoLight => {
                 "add a light, or a sky that lights surfaces (glTF and OBJ files get a light of their own unless --default-light is off)"
             }
+            Self::NoFog => "add fog, or take --only out",
             Self::NothingVisible => "show something at that frame, or render others with --frames",
             Self::OutsidePicture => "turn the camera, or name another with --camera",
             Self::LightsOff => "switch a light on at that frame, or render others with --frames",
@@ -128,6 +131,7 @@ impl fmt::Display for DarkCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoLight => write!(f, "nothing lights the scene"),
+            Self::NoFog => write!(f, "the scene has no fog that could have shafts"),
             Self::NothingVisible => write!(f, "nothing in the scene is visible"),
             Self::OutsidePicture => write!(f, "the camera sees nothing: everything lies outside the picture"),
             Self::LightsOff => write!(f, "all lights are off or hidden"),

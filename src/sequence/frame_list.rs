@@ -87,7 +87,8 @@ fn parse_item(item: &str, all: &RangeInclusive<i64>) -> Result<(RangeInclusive<i
         .ok_or_else(|| error(item, "what follows the first number is no range"))?;
     let (last, rest) = split_number(rest).ok_or_else(|| error(item, "the range has no end"))?;
     if last < first {
-        return Err(error(item, "the range ends before it begins").remedy(format!("write {last}..{first}")));
+        let found = "the range ends before it begins";
+        return Err(error(item, found).remedy(format!("write {last}..{first}{rest}")));
     }
     if rest.is_empty() {
         return Ok((first..=last, 1));

@@ -131,6 +131,7 @@ fn a_cache_that_takes_nothing_stops_no_work() {
 fn things_in_the_way_are_named_and_left() {
     let studio = Studio::new();
     fs::write(studio.path("file"), "mine").unwrap();
+    fs::write(studio.path("out"), "mine").unwrap();
     fs::create_dir_all(studio.path("is/own.glb")).unwrap();
     fs::create_dir_all(studio.path("is/x.png")).unwrap();
     fs::create_dir_all(studio.path("is/x.exr/full")).unwrap();
@@ -138,6 +139,7 @@ fn things_in_the_way_are_named_and_left() {
         ("render tiny.ron --frames 1 --size 8x4 --samples 1 --out file/a/", "file/a"),
         ("render tiny.ron --frames 1 --size 8x4 --samples 1 --out is/ --stats is", "is"),
         ("render tiny.ron --frames 1 --size 8x4 --samples 1 --out is/x.#.exr --stats file/s", "file/s"),
+        ("render tiny.ron --frames 1 --size 8x4 --samples 1", "in the folder out: "),
         ("export tiny.ron file/own.glb", "file"),
         ("export tiny.ron is/own.glb", "is/own.glb"),
         ("preview tiny.ron --frames 1 --size 8x4 --out file/x.png", "file"),

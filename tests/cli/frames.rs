@@ -407,6 +407,11 @@ fn shafts_alone_are_the_pass_and_hide_what_fog_hides() {
     // Another picture: not the one that is there.
     let beauty = studio.succeed("render tiny.ron --frames 1 --passes depth --out alone.exr --skip valid");
     assert!(beauty.err.contains("1 frame written"), "{}", beauty.err);
+    let bare = r#"Scene(version: 1, meshes: {"leaf": Leaf(length_m: 1.0, width_m: 1.0)}, objects: {"leaf": (mesh: "leaf")},
+        cameras: {"main": (position_m: (0.0, 0.0, 4.0))}, sky: Constant(radiance_w_per_m2_sr: 1.0))"#;
+    std::fs::write(studio.path("bare.ron"), bare).unwrap();
+    let black = studio.succeed("render bare.ron --size 8x4 --samples 1 --only shafts --out black.exr").err;
+    assert!(black.contains("the scene has no fog"), "{black}");
 }
 
 /// A wall that shines, and the same wall as a plate behind a holdout.

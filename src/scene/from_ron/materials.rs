@@ -55,20 +55,27 @@ impl Resolver<'_> {
             normal_map: normal_map.or(beneath.normal_map),
             ..beneath
         };
-        self.check_energy(owner, &made);
+        let beneath = if material.base_color.is_none() { base_color } else { Rgb::ZERO };
+        self.check_energy(owner, &made, beneath);
         let index = self.scene.materials.len();
         self.scene.materials.push(made);
         self.mask(owner, material, index);
         index
     }
 
-    fn check_energy(&mut self, owner: &str, made: &Material) {
+    /// `unsaid` is the base colour if it is not the author's.
+    fn check_energy(&mut self, owner: &str, made: &Material, unsaid: Rgb) {
         if (made.base_color + made.transmission + made.mirror + made.filter_color).max_element() > 1.0 {
+            let darker = String::from("make one of them darker");
+            let remedy = match unsaid.max_element() {
+                0.0 => darker,
+                brightest => format!("{darker}: without a `base_color` here it is {brightest}"),
+            };
             self.problems.error(
                 owner,
                 "the surface would give more light than it receives",
                 "base_color + transmission + mirror + filter_color <= 1 in every channel",
-                "make one of them darker",
+                &remedy,
             );
         }
     }
