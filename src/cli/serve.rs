@@ -99,7 +99,9 @@ fn listen(desk: &Arc<Mutex<Desk>>) -> Result<Receiver<String>, CliError> {
 
 /// Reads requests until the stream ends, or nobody answers any more.
 fn read(desk: &Mutex<Desk>, to_server: &Sender<String>) {
-    for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+    for line in std::io::stdin().lock().split(b'\n').map_while(Result::ok) {
+        // What is no text is no request, and is answered so.
+        let line = String::from_utf8_lossy(&line).into_owned();
         Desk::change(desk, |desk| desk.waiting += 1);
         if to_server.send(line).is_err() {
             return;
