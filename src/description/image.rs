@@ -67,7 +67,7 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     reader.limits(limits);
     let is_exr = reader.format() == Some(ImageFormat::OpenExr);
     let (width, height) = if is_exr {
-        exr::size_of_exr(bytes).map_err(reject_exr)?
+        exr::size_of_exr(&exr::of_the_kind_of_its_flags(bytes)).map_err(reject_exr)?
     } else {
         dimensions(bytes).map_err(&reject)?
     };

@@ -12,7 +12,7 @@ use ::image::DynamicImage;
 /// With the reason if it is damaged, of a kind that is not read, or too large, or with the first texel whose
 /// radiance is none.
 pub(super) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fault> {
-    Ok(checked(exr::of_exr(bytes, most_texels)?)?)
+    Ok(checked(exr::of_exr(&exr::of_the_kind_of_its_flags(bytes), most_texels)?)?)
 }
 
 /// Radiances of an HDR image in Radiance's format.

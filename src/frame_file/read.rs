@@ -15,6 +15,7 @@ use exr::image::{AnyChannels, FlatSamples};
 use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -90,6 +91,9 @@ fn header_of(path: &Path) -> Result<(Vec<u8>, MetaData), FrameFileError> {
             DeepFault::Damaged(reason) => invalid(reason),
             DeepFault::Unread(unread) => unsupported(path, unread),
         })?;
+    }
+    if let Cow::Owned(renamed) = exr_input::of_the_kind_of_its_flags(&bytes) {
+        bytes = renamed;
     }
     let meta = MetaData::read_from_buffered(bytes.as_slice(), false);
     let meta = meta.map_err(|error| invalid(reason(&error)))?;

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from sunfleck_tools.exr.header import parse_header
+
 from .command import NO_PROGRAM, PROGRAM
 
 try:
@@ -110,6 +112,20 @@ class Deep(unittest.TestCase):
             deep, expected = self.write("deep.exr", channels, **header), self.write("flat.exr", pictures)
             found = self.run_program("diff", deep, expected, "--max-error", "0")
             self.assertEqual(found.returncode, 0, found.stdout + found.stderr)
+
+    def test_what_is_deep_is_in_the_flags_whatever_the_type_says(self):
+        """Of a file of one part, as OpenEXR has it."""
+        flat = self.write("flat.exr", {"Z": np.ones(SIZE, np.float32)})
+        data = flat.read_bytes()
+        value, table = data.index(b"type\0string\0") + 12, parse_header(data).end
+        self.assertEqual(data[value : value + 17], b"\x0d\0\0\0scanlineimage")
+        chunk = int.from_bytes(data[table : table + 8], "little") - 1
+        other = self.folder / "other.exr"
+        other.write_bytes(
+            data[:value] + b"\x0c\0\0\0deepscanline" + data[value + 17 : table] + chunk.to_bytes(8, "little") + data[table + 8 :]
+        )
+        found = self.run_program("diff", other, flat, "--max-error", "0")
+        self.assertEqual(found.returncode, 0, found.stdout + found.stderr)
 
     def test_damaged_files_are_answered(self):
         """Cut short anywhere, and with any byte of a lattice changed."""

@@ -13,6 +13,7 @@ mod unread;
 pub use colors::ImageColors;
 pub(crate) use deep::{Fault as DeepFault, flattened};
 pub use names::{Picture, full_names, part_of_picture, stand_in};
+pub(crate) use raw::of_the_kind_of_its_flags;
 pub(super) use sky::{Fault, of_exr, size_of_exr};
 pub(crate) use subsampled::{is_subsampled, read as read_subsampled};
 pub use unread::Unread;

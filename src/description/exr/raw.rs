@@ -1,11 +1,16 @@
 //! The attributes of an EXR file's parts, by own reading. In go bytes, out come names and values: also those
-//! of files that the decoder refuses. Invariant: nothing is copied.
+//! of files that the decoder refuses. Invariant: nothing is copied but files whose flags and type disagree.
 //! Layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>
+
+use std::borrow::Cow;
 
 /// Magic number and version.
 const PREAMBLE: usize = 8;
 const MULTIPART: u8 = 0x10;
 const DEEP: u8 = 0x08;
+const TILED: u8 = 0x02;
+/// An attribute's name and type.
+const TYPE: &[u8] = b"type\0string\0";
 
 /// Header of a part.
 pub(super) struct RawPart<'a> {
@@ -41,6 +46,22 @@ pub(super) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
             return Some((parts, bytes.len() - rest.len()));
         }
     }
+}
+
+/// The file without a `type` that its flags contradict, which is given another name: the flags of a file of
+/// one part say what it is, and OpenEXR heeds nothing else.
+pub(crate) fn of_the_kind_of_its_flags(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let as_it_is = Cow::Borrowed(bytes);
+    let Some((parts, end)) = parts(bytes) else { return as_it_is };
+    let kind = if bytes[5] & TILED != 0 { "tiledimage" } else { "scanlineimage" };
+    let is_wrong = |part: &RawPart| part.text("type").is_some_and(|said| said != kind);
+    if !matches!(&parts[..], [part] if !part.is_multipart && !part.has_deep_flag && is_wrong(part)) {
+        return as_it_is;
+    }
+    let Some(at) = bytes[..end].windows(TYPE.len()).position(|part| part == TYPE) else { return as_it_is };
+    let mut renamed = bytes.to_vec();
+    renamed[at] = b'T';
+    Cow::Owned(renamed)
 }
 
 /// A text that ends with a zero, and what is behind it.
