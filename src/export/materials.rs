@@ -100,6 +100,9 @@ impl Writer<'_> {
         if material.is_principled {
             ours["principled"] = json!(true);
         }
+        if material.has_bump_shadows {
+            ours["bump_map_correction"] = json!(true);
+        }
         if let (Some(metal), Some(_)) = (material.metal_color, material.coat) {
             ours["metal"] = json!(metal.to_array());
             if material.has_plain_metal {

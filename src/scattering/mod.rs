@@ -2,6 +2,7 @@
 //! shares of light. Invariant: nothing here knows visibility, cameras or pixels.
 
 mod albedos;
+mod bump_shadow;
 mod dielectric;
 mod fresnel;
 mod ggx;
@@ -13,6 +14,7 @@ mod sheen;
 mod thin_dielectric;
 
 pub use albedos::LEAST_ROUGHNESS;
+pub use bump_shadow::bump_shadow;
 pub use dielectric::Dielectric;
 pub use gloss::Gloss;
 pub use interface::Interface;

@@ -44,6 +44,8 @@ pub struct Material {
     pub sheen: Option<Sheen>,
     /// Image of directions that bend the normal, and how much of their bending counts.
     pub normal_map: Option<(TextureMap, f64)>,
+    /// Whether bumps of that map shade themselves, as in Cycles.
+    pub has_bump_shadows: bool,
     /// Effect of alpha, which is `opacity` times that of the texture.
     pub alpha_mode: AlphaMode,
     /// Alpha, `0..=1`; multiplied by the texture's if there is one.
@@ -193,6 +195,7 @@ impl Default for Material {
             clearcoat: None,
             sheen: None,
             normal_map: None,
+            has_bump_shadows: false,
             alpha_mode: AlphaMode::Opaque,
             opacity: 1.0,
             filter_color: Rgb::ZERO,

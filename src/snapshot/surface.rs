@@ -22,6 +22,8 @@ pub struct SurfacePoint {
     pub geometric_normal: DVec3,
     /// Interpolated where the mesh has normals.
     pub shading_normal: DVec3,
+    /// The same unbent, where bumps of a normal map shade themselves.
+    pub unbent_normal: Option<DVec3>,
     /// Lambert reflectance.
     pub albedo: Rgb,
     /// Lambert transmittance.
@@ -213,6 +215,7 @@ impl Facet<'_> {
             position: ray.at(distance),
             geometric_normal,
             shading_normal: material.normal_map.map_or(unbent, |map| self.bent(unbent, map, weights)),
+            unbent_normal: material.has_bump_shadows.then_some(unbent),
             albedo: base_color * matte,
             transmission: transmission * matte,
             gloss,

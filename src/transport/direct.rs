@@ -4,6 +4,7 @@
 
 use crate::color::Rgb;
 use crate::math::Ray;
+use crate::scattering::bump_shadow;
 use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
@@ -94,7 +95,9 @@ fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     if !falls_on_that_side {
         return Rgb::ZERO;
     }
-    let mut scattered = FRAC_1_PI * cos.abs() * lambert;
+    let normal = point.shading_normal;
+    let not_shaded = point.unbent_normal.map_or(1.0, |unbent| bump_shadow(unbent, normal, to_light));
+    let mut scattered = FRAC_1_PI * cos.abs() * not_shaded * lambert;
     if let Some(gloss) = &point.gloss {
         // Seen from behind, as interpolated normals may be at a silhouette, there is no shine.
         let cos_eye = point.shading_normal.dot(point.to_eye).max(0.0);

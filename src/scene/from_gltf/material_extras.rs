@@ -31,6 +31,9 @@ pub(super) struct MaterialExtras {
     /// Whether Blender's Principled BSDF is meant.
     #[serde(default)]
     principled: bool,
+    /// Whether Blender's *Bump Map Correction* is meant.
+    #[serde(default)]
+    bump_map_correction: bool,
     thin_dielectric: Option<Thin>,
     #[serde(flatten)]
     unknown: BTreeMap<String, Value>,
@@ -59,6 +62,7 @@ impl MaterialExtras {
             (material.mirror, material.painted) = (mirror.into(), Painted::BaseColor);
         }
         material.is_principled = self.principled;
+        material.has_bump_shadows = self.bump_map_correction;
         material.metal_color = self.metal.map_or(material.metal_color, |metal| Some(metal.into()));
         material.has_plain_metal = self.metal.is_some() && self.plain_metal;
         material.filter_color = self.filter_color.map_or(material.filter_color, Rgb::from);

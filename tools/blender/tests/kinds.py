@@ -356,6 +356,7 @@ BESIDE = {
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT), "softbox": (softbox, 6, EXACT),
     "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED), "clay": (surfaces.clay, 1, EXACT),
+    "bumps": (surfaces.bumps, 1, BAKED),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {

@@ -122,6 +122,20 @@ def pictures_apart(scene):
     leaves(scene, tree, count=1)
 
 
+def bumps(scene):
+    """Heights of a picture by both of their nodes, on leaves of half the size, lit from the side."""
+    trees = matte(), matte()
+    for tree, kind, length in zip(trees, ("Bump", "Displacement"), ("Distance", "Scale")):
+        bent = tree.node(kind)
+        bent.inputs[length].default_value = 0.1
+        tree.link(soft_picture(tree.material.node_tree, 1.0).outputs["Color"], bent.inputs["Height"])
+        end = tree.shader.inputs["Normal"] if kind == "Bump" else tree.output.inputs["Displacement"]
+        tree.link(bent.outputs[0], end)
+    for number, leaf in enumerate(leaves(scene, trees[0])):
+        leaf.data.materials[0], leaf.scale = trees[number % 2].material, (0.5,) * 3
+    scene.objects["sun"].rotation_euler = (0.3, 1.3, 0.0)
+
+
 def clay(scene):
     """A view layer's own material on leaves with and without one."""
     tree = matte()

@@ -28,6 +28,8 @@ class Capture:
         self.here, self.still = {}, {}
         # Where the camera was at first, in the space of each object with hair.
         self.eye, self.eyes = None, {}
+        # How much larger what is looked at stands in the world.
+        self.size = 1.0
         # Names of what has no surface, and of what has hair that asks for attributes.
         self.unseen, self.colorless = set(), set()
         # The view layer's own material, if any, which takes every slot.
@@ -50,6 +52,7 @@ class Capture:
     def shown(self, thing, source, instance):
         """Of an instance: parts, by name, and what they show. The object itself has the empty name, hair
         that of its system."""
+        self.size = abs(instance.matrix_world.determinant()) ** (1.0 / 3.0)
         if instance.show_self:
             found = self.surface(thing, source)
             if found is not None:
@@ -162,6 +165,7 @@ class Capture:
             made = made.unwrapped()
         number = self.known.setdefault(made.known_by(), len(self.geometries))
         if number == len(self.geometries):
+            made.size = float(f"{self.size or 1.0:.2g}")
             self.geometries.append(made)
         return number, tuple(materials)
 

@@ -36,6 +36,8 @@ class Geometry:
     colors: dict = field(default_factory=dict)
     topology: bytes = b""
     shape: bytes = b""
+    # By how much what showed it first makes it larger.
+    size: float = 1.0
 
     def known_by(self):
         return self.topology + self.shape
@@ -48,6 +50,21 @@ class Geometry:
         self.topology = digest(names.encode(), *of_corners, *self.uvs.values(), *self.colors.values())
         self.shape = digest(self.positions, self.normals)
         return self
+
+    def sides_m(self, uv):
+        """What a unit of texture coordinates is long and high, in the mean, to two digits."""
+        uvs = self.uvs.get(uv) if uv else next(iter(self.uvs.values()), None)
+        if uvs is None or not len(self.triangles):
+            return 1.0, 1.0
+        corners, places = self.positions[self.corner_vertices[self.triangles]], uvs[self.triangles]
+        x, y = (places[:, at] - places[:, 0] for at in (1, 2))
+        a, b = (corners[:, at] - corners[:, 0] for at in (1, 2))
+        # Of each triangle twice its area in the picture, times the places that lie a unit apart.
+        areas = x[:, 0] * y[:, 1] - y[:, 0] * x[:, 1]
+        along, up = a * y[:, 1:] - b * x[:, 1:], b * x[:, :1] - a * y[:, :1]
+        whole = max(float(numpy.abs(areas).sum()), 1e-30)
+        lengths = (self.size * float(numpy.linalg.norm(rows, axis=1).sum()) / whole for rows in (along, up))
+        return tuple(float(f"{min(max(length, 1e-6), 1e6):.2g}") for length in lengths)
 
     def drifted(self, velocities, seconds):
         """The same after a while: velocities are of corners."""

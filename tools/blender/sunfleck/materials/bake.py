@@ -6,6 +6,7 @@ geometry, at the same size, is taken from the folder.
 """
 
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -23,7 +24,7 @@ from .sockets import NotSimple, Picture, Source
 from .written import DEFAULTS
 
 # Counted up where the same tree comes to be baked otherwise: what was kept before is no longer looked at.
-WAY = 2
+WAY = 3
 SAMPLES = 4
 MARGIN_TEXELS = 4
 # An alpha is a mask if so few texels are in between.
@@ -38,11 +39,25 @@ class Pixels:
         self.size = (values.shape[1], values.shape[0])
 
 
-class Baker:
-    """Bakes a material on a geometry, or on the unit square without one; `heed` raises if nobody wants it."""
+@dataclass
+class Canvas:
+    """What is baked on: a geometry, or without one the unit square, in its size in the world where bumps ask for it."""
 
-    def __init__(self, material, geometry, size, uv, heed=nobody):
-        self.material, self.geometry, self.size, self.uv, self.heed = material, geometry, size, uv, heed
+    geometry: object
+    uv: str
+    texels: int
+    sides_m: tuple = (1.0, 1.0)
+
+    def key(self):
+        on_mesh = (self.geometry.known_by(), self.geometry.size) if self.geometry else self.sides_m
+        return repr((on_mesh, self.uv, self.texels)).encode()
+
+
+class Baker:
+    """Bakes a material; `heed` raises if nobody wants it."""
+
+    def __init__(self, material, canvas, heed=nobody):
+        self.material, self.canvas, self.heed = material, canvas, heed
         self.losses = []
 
     def surface(self):
@@ -75,15 +90,14 @@ class Baker:
             baked.append("normal")
         if not baked:
             return found
-        on_mesh = self.geometry.known_by() if self.geometry else b""
-        how = repr((WAY, self.size, self.uv, SAMPLES, working_space(), bpy.app.version)).encode()
-        key = digest(of_tree(self.material.node_tree), on_mesh, how)
+        how = repr((WAY, SAMPLES, working_space(), bpy.app.version)).encode()
+        key = digest(of_tree(self.material.node_tree), self.canvas.key(), how)
         kept = folder() / f"{key.hex()}.npz"
         if kept.is_file():
             with numpy.load(kept) as file:
                 made = {name: file[name] for name in file.files}
         else:
-            with Stage(copy, self.geometry, self.size, self.uv) as stage:
+            with Stage(copy, self.canvas) as stage:
                 made = {name: self.baked(stage, copy, name, parts) for name in baked}
             keep(kept, made)
         if "numbers" in made:
@@ -190,8 +204,8 @@ class Baker:
         pixels = numpy.concatenate([values, numpy.ones((*values.shape[:2], 1))], axis=-1).astype("f4")
         return Picture(
             Pixels(f"{self.material.name} {name}", pixels),
-            self.uv,
-            extension="EXTEND" if self.geometry else "REPEAT",
+            self.canvas.uv,
+            extension="EXTEND" if self.canvas.geometry else "REPEAT",
         )
 
 
@@ -226,18 +240,21 @@ def spread(part):
 class Stage:
     """A scene of its own with the mesh, or the unit square, and an image to bake into."""
 
-    def __init__(self, material, geometry, size, uv):
-        self.material, self.geometry, self.size, self.uv = material, geometry, size, uv
+    def __init__(self, material, canvas):
+        self.material, self.canvas, self.size = material, canvas, canvas.texels
 
     def __enter__(self):
         self.scene = bpy.data.scenes.new("sunfleck bake")
         self.scene.render.engine = "CYCLES"
         self.scene.cycles.samples, self.scene.cycles.use_denoising = SAMPLES, False
         self.scene.render.bake.margin = MARGIN_TEXELS
-        self.mesh = square(self.uv) if self.geometry is None else mesh_of(self.geometry, self.uv)
+        geometry = self.canvas.geometry
+        self.mesh = mesh_of(geometry, self.canvas.uv) if geometry else square(self.canvas)
         self.mesh.materials.append(self.material)
         self.thing = bpy.data.objects.new("sunfleck bake", self.mesh)
         self.scene.collection.objects.link(self.thing)
+        if geometry:
+            self.thing.scale = (geometry.size,) * 3
         self.layer = self.scene.view_layers[0]
         self.layer.objects.active = self.thing
         self.thing.select_set(True, view_layer=self.layer)
@@ -273,11 +290,12 @@ class Stage:
         bpy.data.scenes.remove(self.scene)
 
 
-def square(uv):
-    """From 0 to 1, as texture coordinates are."""
+def square(canvas):
+    """Of texture coordinates from 0 to 1."""
     mesh = bpy.data.meshes.new("sunfleck bake")
-    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
-    mesh.uv_layers.new(name=uv or "UVMap").uv.foreach_set(
+    width, height = canvas.sides_m
+    mesh.from_pydata([(0, 0, 0), (width, 0, 0), (width, height, 0), (0, height, 0)], [], [(0, 1, 2, 3)])
+    mesh.uv_layers.new(name=canvas.uv or "UVMap").uv.foreach_set(
         "vector", numpy.array([0, 0, 1, 0, 1, 1, 0, 1], "f4")
     )
     return mesh

@@ -115,6 +115,11 @@ def colors_of(material):
     return found
 
 
+def has_bumps(material):
+    """Whether lengths in the world decide how normals are bent."""
+    return any(node.type in {"BUMP", "DISPLACEMENT", "VECTOR_DISPLACEMENT"} for node in nodes_of(material))
+
+
 def questions(material):
     """What it asks of each instance, and which of an answer's four numbers it looks at."""
     found = {}

@@ -12,6 +12,7 @@ import bpy
 import numpy
 
 from .. import extras, keys
+from ..film import of_cycles
 from ..losses import Finding
 from ..evaluated.geometry import ATLAS
 from ..evaluated.heeding import nobody
@@ -197,21 +198,31 @@ class Library:
     def number(self, material, geometry):
         """Of the file's material."""
         order = tuple(geometry.uvs)
-        on_mesh = geometry if self.wants_atlas(material, geometry) else None
-        key = (material, order, on_mesh.known_by() if on_mesh else None)
+        canvas = self.canvas(material, geometry) if self.look(material).baked else None
+        key = (material, order, canvas and canvas.key())
         if key not in self.numbers:
-            self.numbers[key] = self.made(material, order, on_mesh)
+            self.numbers[key] = self.made(material, order, canvas)
         return self.numbers[key]
 
-    def made(self, material, order, on_mesh):
+    def canvas(self, material, geometry):
+        """What it is baked on: the mesh, or the unit square of its texture coordinates."""
+        if self.wants_atlas(material, geometry):
+            return bake.Canvas(geometry, ATLAS, bake.size_on(geometry))
+        uv = dependence.uv_of(material)
+        sides = geometry.sides_m(uv) if dependence.has_bumps(material) else (1.0, 1.0)
+        return bake.Canvas(None, uv, bake.size_of(dependence.largest_image(material)), sides)
+
+    def made(self, material, order, canvas):
         look = self.look(material)
         uv_number = lambda name: order.index(name) if name in order else 0
         writer = Writer(self.document, self.images, uv_number, self.exposure)
-        surface = self.baked(material, look, on_mesh) if look.baked else look.surface
+        surface = self.baked(material, look, canvas) if look.baked else look.surface
         said = writer.material(material.name if material else "default", surface)
         look.losses = sorted({*look.losses, *writer.losses})
         written = {**custom(material), **extras.of_material(material)} if material is not None else {}
         ours = {"principled": True} if shines(surface) else {}
+        if "normalTexture" in said and material is not None and of_cycles(material, "use_bump_map_correction", True):
+            ours["bump_map_correction"] = True
         if "thin" in surface.sources:
             share, ior = sheets.unit(writer.number("thin")), max(1.0, writer.number("ior"))
             one_face = {"one_face": True} if surface.has_one_face else {}
@@ -228,19 +239,16 @@ class Library:
         look.glows |= "emissiveFactor" in said
         return number
 
-    def baked(self, material, look, on_mesh):
-        """What it looks like on a mesh, or on the unit square of its texture coordinates."""
-        if on_mesh and look.bakes >= MOST_MESHES:
+    def baked(self, material, look, canvas):
+        if look.bakes >= MOST_MESHES:
             look.losses = sorted({*look.losses, "mean-colours"})
             return look.mean
-        size = bake.size_on(on_mesh) if on_mesh else bake.size_of(dependence.largest_image(material))
-        uv = ATLAS if on_mesh else dependence.uv_of(material)
         try:
-            surface = bake.Baker(material, on_mesh, size, uv, self.heed).surface()
+            surface = bake.Baker(material, canvas, self.heed).surface()
         except (NotSimple, RuntimeError, TypeError) as error:
             look.failed = str(error.args[0].type if error.args and hasattr(error.args[0], "type") else error)
             return DEFAULT
-        look.sizes.add(size)
+        look.sizes.add(canvas.texels)
         look.bakes, look.mean = look.bakes + 1, look.mean or bake.mean_of(surface)
         return surface
 
@@ -355,12 +363,20 @@ def looked_at(material):
         losses.append("image-sequence")
     try:
         surface = closures.read(link)
+        check_bumps(material)
         check_attributes(surface)
         check_pictures(surface)
         return Look(surface, [loss for loss in losses if loss != "transmission" or "thin" not in surface.sources])
     except NotSimple as more:
         node = more.args[0] if more.args else None
         return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")
+
+
+def check_bumps(material):
+    """Displacement that bends normals is a normal map, once it is baked."""
+    link = sockets.link_to(principled.output_of(material.node_tree).inputs["Displacement"])
+    if link and material.displacement_method != "DISPLACEMENT":
+        raise NotSimple(link.from_node)
 
 
 def check_attributes(surface):
