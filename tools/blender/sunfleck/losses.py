@@ -86,6 +86,8 @@ LOSSES = {
     "point-splats": (WARNING, "points of other types than the plain one are exported as spheres"),
     "grease-pencil": (WARNING, "grease pencil is not rendered"),
     "displacement": (WARNING, "true displacement by materials is not rendered"),
+    "shadow-terminator": (WARNING, "a smooth mesh of few faces is dark where they turn away from a light, and Cycles "
+                                   "moves its shadows (Shading > Shadow Terminator: Geometry Offset): subdivide it"),
     "adaptive-subdivision": (WARNING, "a mesh that Cycles would subdivide by its size in the picture is "
                                       "subdivided as often as its modifier says"),
     "fog-not-a-cube": (WARNING, "fog fills the cube from -1 to 1 of an object, and its mesh reaches "

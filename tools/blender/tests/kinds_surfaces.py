@@ -136,6 +136,12 @@ def bumps(scene):
     scene.objects["sun"].rotation_euler = (0.3, 1.3, 0.0)
 
 
+def few_faces(scene):
+    """A smooth stem of eight sides."""
+    bpy.ops.mesh.primitive_cylinder_add(vertices=8, radius=0.3, location=(0.0, 0.0, 1.0))
+    bpy.context.active_object.data.shade_smooth()
+
+
 def clay(scene):
     """A view layer's own material on leaves with and without one."""
     tree = matte()

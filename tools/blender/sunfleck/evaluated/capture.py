@@ -13,6 +13,9 @@ from .heeding import nobody
 
 # The attribute by which Cycles blurs what has it, metres a second.
 VELOCITY = "velocity"
+# Radians between shading and faces from which on Cycles' shadow terminator shows: some half per cent of a
+# picture that is lit from the side.
+COARSE = 0.15
 
 
 class Capture:
@@ -32,6 +35,8 @@ class Capture:
         self.size = 1.0
         # Names of what has no surface, and of what has hair that asks for attributes.
         self.unseen, self.colorless = set(), set()
+        # Names of meshes whose smooth shading Cycles would move shadows for; each is judged once.
+        self.coarse, self.judged = set(), set()
         # The view layer's own material, if any, which takes every slot.
         self.override = None
         # What has velocities is at all moments of a frame what it is at the frame.
@@ -112,10 +117,19 @@ class Capture:
             uvs = {name for material in materials for name in self.library.uvs_of(material)}
             groups = {group.name: group.index for group in thing.vertex_groups} if colors else {}
             found = geometry.of_mesh(data, colors, sorted(uvs), groups, self.heed)
+            if found is not None and not data.has_custom_normals:
+                self.judge(found, source.original)
         if found is None or not has_velocities:
             return found, None
         velocities = found.colors[VELOCITY] if VELOCITY in asked else found.colors.pop(VELOCITY)
         return found, velocities
+
+    def judge(self, made, original):
+        if original.name in self.judged:
+            return
+        self.judged.add(original.name)
+        if original.shadow_terminator_geometry_offset > 0.0 and made.coarseness() > COARSE:
+            self.coarse.add(original.name)
 
     def hair(self, thing, source, system):
         """Of a particle system; strands that are not simulated keep still on a mesh that cannot change."""

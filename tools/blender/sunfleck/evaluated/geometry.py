@@ -51,6 +51,18 @@ class Geometry:
         self.shape = digest(self.positions, self.normals)
         return self
 
+    def coarseness(self):
+        """How far shading is from its faces: the root of the mean square over the area, in radians."""
+        if self.normals_of == "FACE":
+            return 0.0
+        vertices = self.corner_vertices[self.triangles]
+        corners = self.positions[vertices].astype(float)
+        faces = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        areas = numpy.linalg.norm(faces, axis=1)
+        normals = self.normals[self.triangles if self.normals_of == "CORNER" else vertices]
+        cosines = numpy.einsum("tci,ti->tc", normals, faces).mean(axis=1)
+        return float(numpy.sqrt(max(0.0, 2.0 * (1.0 - cosines.sum() / max(areas.sum(), 1e-30)))))
+
     def sides_m(self, uv):
         """What a unit of texture coordinates is long and high, in the mean, to two digits."""
         uvs = self.uvs.get(uv) if uv else next(iter(self.uvs.values()), None)
