@@ -371,7 +371,7 @@ SAID = {
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"),
     "uneven spot": (uneven_spot, "light-uneven"), "scrolled": (surfaces.scrolled, "material-changes"),
     "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
-    "few faces": (surfaces.few_faces, "shadow-terminator"),
+    "leaning normals": (surfaces.leaning_normals, "custom-normals"), "few faces": (surfaces.few_faces, "shadow-terminator"),
     "window": (surfaces.window, "material-lost"), "added translucence": (surfaces.added_translucence, "material-lost"),
     "light info": (surfaces.light_info, "material-lost"), "hues": (surfaces.hues, "instance-colors"),
     "fog of noise": (surfaces.fog_of_noise, "fog-material"),

@@ -136,6 +136,12 @@ def bumps(scene):
     scene.objects["sun"].rotation_euler = (0.3, 1.3, 0.0)
 
 
+def leaning_normals(scene):
+    """As those of cards that are shaded as the crown about them."""
+    for leaf in leaves(scene, matte()):
+        leaf.data.normals_split_custom_set([(0.8, 0.0, 0.6)] * 4)
+
+
 def few_faces(scene):
     """A smooth stem of eight sides."""
     bpy.ops.mesh.primitive_cylinder_add(vertices=8, radius=0.3, location=(0.0, 0.0, 1.0))

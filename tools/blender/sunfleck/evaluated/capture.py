@@ -14,8 +14,8 @@ from .heeding import nobody
 # The attribute by which Cycles blurs what has it, metres a second.
 VELOCITY = "velocity"
 # Radians between shading and faces from which on Cycles' shadow terminator shows: some half per cent of a
-# picture that is lit from the side.
-COARSE = 0.15
+# picture that is lit from the side. And those from which on custom normals are not of the faces at all.
+COARSE, LEANING = 0.15, 0.5
 
 
 class Capture:
@@ -35,8 +35,8 @@ class Capture:
         self.size = 1.0
         # Names of what has no surface, and of what has hair that asks for attributes.
         self.unseen, self.colorless = set(), set()
-        # Names of meshes whose smooth shading Cycles would move shadows for; each is judged once.
-        self.coarse, self.judged = set(), set()
+        # Ids of losses and names of meshes that Cycles shades otherwise; each is judged once.
+        self.otherwise, self.judged = set(), set()
         # The view layer's own material, if any, which takes every slot.
         self.override = None
         # What has velocities is at all moments of a frame what it is at the frame.
@@ -117,19 +117,20 @@ class Capture:
             uvs = {name for material in materials for name in self.library.uvs_of(material)}
             groups = {group.name: group.index for group in thing.vertex_groups} if colors else {}
             found = geometry.of_mesh(data, colors, sorted(uvs), groups, self.heed)
-            if found is not None and not data.has_custom_normals:
-                self.judge(found, source.original)
+            if found is not None and source.original.name not in self.judged:
+                self.judge(found, source.original, data.has_custom_normals)
         if found is None or not has_velocities:
             return found, None
         velocities = found.colors[VELOCITY] if VELOCITY in asked else found.colors.pop(VELOCITY)
         return found, velocities
 
-    def judge(self, made, original):
-        if original.name in self.judged:
-            return
+    def judge(self, made, original, has_custom_normals):
         self.judged.add(original.name)
-        if original.shadow_terminator_geometry_offset > 0.0 and made.coarseness() > COARSE:
-            self.coarse.add(original.name)
+        apart = made.coarseness()
+        if has_custom_normals and apart > LEANING:
+            self.otherwise.add(("custom-normals", original.name))
+        elif original.shadow_terminator_geometry_offset > 0.0 and apart > COARSE:
+            self.otherwise.add(("shadow-terminator", original.name))
 
     def hair(self, thing, source, system):
         """Of a particle system; strands that are not simulated keep still on a mesh that cannot change."""

@@ -27,7 +27,7 @@ class Exported:
         self.findings = [*library.findings(), *(Finding(id, f"`{name}`") for id, name in sorted(record.shapes))]
         self.findings += record.volumes.found
         self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
-        self.findings += [Finding("shadow-terminator", f"`{name}`") for name in sorted(record.capture.coarse)]
+        self.findings += [Finding(id, f"`{name}`") for id, name in sorted(record.capture.otherwise)]
         if not assembly.shutter.is_centred:
             self.findings += [Finding("velocity-blur", f"`{name}`") for name in sorted(record.capture.drifted)]
 
