@@ -326,10 +326,10 @@ def hair(scene):
 
 
 def hair_from_the_side(scene):
-    """Light goes nearly along its row; Cycles has it as round as it is here."""
+    """Light goes along its row, at 5 degrees; Cycles has it as round as it is here."""
     hair(scene)
     scene.cycles_curves.shape = "THICK"
-    scene.objects["sun"].rotation_euler = mathutils.Vector((1.0, 0.36, 0.0)).to_track_quat("-Z", "Y").to_euler()
+    scene.objects["sun"].rotation_euler = mathutils.Vector((1.0, 0.0875, 0.0)).to_track_quat("-Z", "Y").to_euler()
 
 
 # By name: how it is built, the frame, and how far from Cycles' mean it may be.
