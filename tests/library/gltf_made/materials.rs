@@ -216,3 +216,12 @@ fn metal_keeps_its_colour_where_light_goes_through() {
         assert_eq!(file.scene().materials[0].metal_color, Some(2.0 * metal), "{through}");
     }
 }
+
+/// Blender's *Bump Map Correction* is a property of ours.
+#[test]
+fn bumps_shade_themselves_where_that_is_asked_for() {
+    let mut file = square(&json!({}));
+    assert!(!file.scene().materials[0].has_bump_shadows);
+    file.material()["extras"] = json!({ "sunfleck_material": { "bump_map_correction": true } });
+    assert!(file.scene().materials[0].has_bump_shadows);
+}
