@@ -117,34 +117,25 @@ impl PortableLanes {
     }
 }
 
-impl Add for PortableLanes {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
+/// An operator of lanes or masks, lane by lane.
+macro_rules! operator {
+    ($type:ident, $trait:ident, $method:ident, $operation:expr) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, $operation)
+            }
+        }
+    };
 }
-impl Sub for PortableLanes {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-}
-impl Mul for PortableLanes {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-}
-impl Div for PortableLanes {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
-    }
-}
+operator!(PortableLanes, Add, add, |a, b| a + b);
+operator!(PortableLanes, Sub, sub, |a, b| a - b);
+operator!(PortableLanes, Mul, mul, |a, b| a * b);
+operator!(PortableLanes, Div, div, |a, b| a / b);
+operator!(PortableMask, BitAnd, bitand, |a, b| a & b);
+operator!(PortableMask, BitOr, bitor, |a, b| a | b);
+operator!(PortableMask, BitXor, bitxor, |a, b| a ^ b);
 
 impl Lanes for PortableLanes {
     type Mask = PortableMask;
@@ -178,27 +169,6 @@ impl PortableMask {
     #[inline(always)]
     fn zip(self, other: Self, operation: impl Fn(u32, u32) -> u32) -> Self {
         Self(std::array::from_fn(|lane| operation(self.0[lane], other.0[lane])))
-    }
-}
-impl BitAnd for PortableMask {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        self.zip(other, |a, b| a & b)
-    }
-}
-impl BitOr for PortableMask {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        self.zip(other, |a, b| a | b)
-    }
-}
-impl BitXor for PortableMask {
-    type Output = Self;
-    #[inline(always)]
-    fn bitxor(self, other: Self) -> Self {
-        self.zip(other, |a, b| a ^ b)
     }
 }
 impl Not for PortableMask {

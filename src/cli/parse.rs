@@ -37,21 +37,15 @@ pub(super) struct Crop {
 }
 
 pub(super) fn parse_size(text: &str) -> Result<SizeArgument, String> {
-    let expected = || {
-        String::from("expected WIDTHxHEIGHT such as 960x540 (each 1 to 65536), or a percentage such as 50%")
-    };
+    let expected = "expected WIDTHxHEIGHT such as 960x540 (each 1 to 65536), or a percentage such as 50%";
     if let Some(percent) = text.strip_suffix('%') {
-        let percent: f64 = percent.trim().parse().map_err(|_| expected())?;
-        return if percent > 0.0 && percent <= 1000.0 {
-            Ok(SizeArgument::Percent(percent))
-        } else {
-            Err(expected())
-        };
+        let takes = |percent| percent > 0.0 && percent <= 1000.0;
+        return number(percent, takes, expected).map(SizeArgument::Percent);
     }
-    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
     let side = |text: &str| match text.trim().parse::<usize>() {
         Ok(side) if (1..=65536).contains(&side) => Ok(side),
-        _ => Err(expected()),
+        _ => Err(expected),
     };
     Ok(SizeArgument::Pixels(Size { width: side(width)?, height: side(height)? }))
 }
@@ -71,11 +65,17 @@ pub(super) fn parse_bounces(text: &str) -> Result<Bounces, String> {
     }
 }
 
+/// The number that a text is, if it is one that the flag takes.
+fn number(text: &str, takes: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    text.trim().parse().ok().filter(|&number| takes(number)).ok_or_else(|| expected.into())
+}
+
 pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(tolerance) if 0.0 < tolerance && tolerance <= 1.0 => Ok(tolerance),
-        _ => Err("expected a relative error greater than 0 and at most 1, such as 0.02 for 2 %".into()),
-    }
+    number(
+        text,
+        |tolerance| 0.0 < tolerance && tolerance <= 1.0,
+        "expected a relative error greater than 0 and at most 1, such as 0.02 for 2 %",
+    )
 }
 
 pub(super) fn parse_chunk(text: &str) -> Result<ChunkArgument, String> {
@@ -92,51 +92,47 @@ pub(super) fn parse_chunk(text: &str) -> Result<ChunkArgument, String> {
 const FARTHEST_FRAME: f64 = 1e9;
 
 pub(super) fn parse_frame(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(frame) if frame.abs() <= FARTHEST_FRAME => Ok(frame),
-        _ => Err("expected a frame such as 12 or 12.5, or several separated by commas".into()),
-    }
+    number(
+        text,
+        |frame| frame.abs() <= FARTHEST_FRAME,
+        "expected a frame such as 12 or 12.5, or several separated by commas",
+    )
 }
 
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= 1e6 => Ok(seconds),
-        _ => Err("expected seconds, more than 0 and at most 1000000, such as 8 or 0.5".into()),
-    }
+    number(
+        text,
+        |seconds| seconds > 0.0 && seconds <= 1e6,
+        "expected seconds, more than 0 and at most 1000000, such as 8 or 0.5",
+    )
 }
 
 pub(super) fn parse_white(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(white) if white > 0.0 && white.is_finite() => Ok(white),
-        _ => Err("expected a number above 0".into()),
-    }
+    number(text, |white| white > 0.0 && white.is_finite(), "expected a number above 0")
 }
 
 pub(super) fn parse_exposure(text: &str) -> Result<ExposureArgument, String> {
     if text.trim() == "auto" {
         return Ok(ExposureArgument::Auto);
     }
-    match text.trim().parse::<f64>() {
-        Ok(stops) if stops.abs() <= 100.0 => Ok(ExposureArgument::Stops(stops)),
-        _ => Err("expected powers of two from -100 to 100, such as 1 for twice as bright, or auto".into()),
-    }
+    let expected = "expected powers of two from -100 to 100, such as 1 for twice as bright, or auto";
+    number(text, |stops| stops.abs() <= 100.0, expected).map(ExposureArgument::Stops)
 }
 
 pub(super) fn parse_bloom(text: &str) -> Result<Bloom, String> {
     if text.trim() == "auto" {
         return Ok(Bloom::Auto);
     }
-    match text.trim().parse::<f64>() {
-        Ok(share) if (0.0..=1.0).contains(&share) => Ok(Bloom::Share(share)),
-        _ => Err("expected a share of the light from 0 to 1, such as 0.05, or auto".into()),
-    }
+    let expected = "expected a share of the light from 0 to 1, such as 0.05, or auto";
+    number(text, |share| (0.0..=1.0).contains(&share), expected).map(Bloom::Share)
 }
 
 pub(super) fn parse_noise(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(noise) if noise >= 0.0 && noise.is_finite() => Ok(noise),
-        _ => Err("expected the root mean square of a standard error, 0 or more, such as 0.0014".into()),
-    }
+    number(
+        text,
+        |noise| noise >= 0.0 && noise.is_finite(),
+        "expected the root mean square of a standard error, 0 or more, such as 0.0014",
+    )
 }
 
 /// A number from 0 on, which asks for equality; of a pattern of channels' names also `inf`, which is no
@@ -184,20 +180,19 @@ pub(super) fn parse_crop(text: &str) -> Result<Crop, String> {
 }
 
 pub(super) fn parse_shutter(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(frames) if (0.0..=1000.0).contains(&frames) => Ok(frames),
-        _ => Err("expected how many frames the shutter is open for, from 0 to 1000, such as 0.5".into()),
-    }
+    number(
+        text,
+        |frames| (0.0..=1000.0).contains(&frames),
+        "expected how many frames the shutter is open for, from 0 to 1000, such as 0.5",
+    )
 }
 
 pub(super) fn parse_shutter_position(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(position) if (-1000.0..=1000.0).contains(&position) => Ok(position),
-        _ => {
-            Err("expected where the shutter opens, from -1000 to 1000: 0 is centred, 0.5 opens at the frame"
-                .into())
-        }
-    }
+    number(
+        text,
+        |position| (-1000.0..=1000.0).contains(&position),
+        "expected where the shutter opens, from -1000 to 1000: 0 is centred, 0.5 opens at the frame",
+    )
 }
 
 pub(super) fn parse_frame_rate(text: &str) -> Result<sunfleck::scene::FrameRate, String> {

@@ -1,7 +1,8 @@
 //! Events of a run to lines on a terminal, in a log or for a render farm. Invariant: standard
 //! output carries only what programs read (`jsonl`, `openjd`); what people read goes to standard error.
 
-use indicatif::{ProgressBar, ProgressStyle as BarStyle};
+use super::words::ProgressArgument;
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -17,21 +18,6 @@ const STEPS_PER_FRAME: f64 = 1000.0;
 /// sample.
 const LEAST_BASIS: f64 = 0.05;
 
-/// Style in which progress is told.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ProgressStyle {
-    /// A bar with the time left, for people at a terminal.
-    Bar,
-    /// A line a frame, for logs.
-    Plain,
-    /// One JSON object a line on standard output: `event`, and what belongs to it.
-    JsonLines,
-    /// Lines of Open Job Description on standard output: `openjd_progress: 12`, `openjd_status: ...`.
-    OpenJd,
-    /// Nothing at all.
-    None,
-}
-
 /// Says on standard output why a task failed, in the line that Open Job Description reads.
 pub(super) fn fail(reason: &str) {
     let reason = reason.lines().map(str::trim).collect::<Vec<_>>().join("; ");
@@ -41,7 +27,8 @@ pub(super) fn fail(reason: &str) {
 
 /// Tells of a run as it goes.
 pub(super) struct Progress {
-    style: ProgressStyle,
+    style: ProgressArgument,
+    /// A bar with the time left, for people at a terminal.
     bar: Option<ProgressBar>,
     state: Mutex<State>,
 }
@@ -62,23 +49,19 @@ struct State {
     percent_told: Option<u64>,
 }
 
-impl ProgressStyle {
-    /// A bar if standard error is a terminal, else plain lines.
-    pub(super) fn auto() -> Self {
-        if std::io::stderr().is_terminal() { Self::Bar } else { Self::Plain }
-    }
-}
-
 impl Progress {
     /// Progress for people on standard error, or for programs on standard output.
-    pub(super) fn new(style: ProgressStyle) -> Self {
+    pub(super) fn new(style: ProgressArgument) -> Self {
         match style {
-            ProgressStyle::JsonLines | ProgressStyle::OpenJd => Self::to(style, Box::new(std::io::stdout())),
+            ProgressArgument::Jsonl | ProgressArgument::Openjd => {
+                Self::to(style, Box::new(std::io::stdout()))
+            }
+            ProgressArgument::Auto if !std::io::stderr().is_terminal() => Self::new(ProgressArgument::Plain),
             _ => Self::to(style, Box::new(std::io::stderr())),
         }
     }
 
-    fn to(style: ProgressStyle, out: Box<dyn Write + Send>) -> Self {
+    fn to(style: ProgressArgument, out: Box<dyn Write + Send>) -> Self {
         let state = State {
             out,
             frames: 0,
@@ -90,9 +73,9 @@ impl Progress {
             first_begun: None,
             percent_told: None,
         };
-        let bar = (style == ProgressStyle::Bar).then(|| {
+        let bar = (style == ProgressArgument::Auto).then(|| {
             let bar = ProgressBar::new(0);
-            match BarStyle::with_template("[{bar:30}] {percent:>3} %  {msg}") {
+            match ProgressStyle::with_template("[{bar:30}] {percent:>3} %  {msg}") {
                 Ok(bar_style) => bar.with_style(bar_style),
                 Err(_) => bar,
             }
@@ -106,19 +89,19 @@ impl Progress {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.count(event);
         match self.style {
-            ProgressStyle::Bar => self.draw(&mut state, event),
-            ProgressStyle::Plain => {
+            ProgressArgument::Auto => self.draw(&mut state, event),
+            ProgressArgument::Plain => {
                 if let Some(line) = state.sentence(event) {
                     state.line(&line);
                 }
             }
-            ProgressStyle::JsonLines => {
+            ProgressArgument::Jsonl => {
                 if !matches!(event, Event::FrameProgress { .. }) || state.percent_is_new() {
                     let line = as_json(event).to_string();
                     state.line(&line);
                 }
             }
-            ProgressStyle::OpenJd => {
+            ProgressArgument::Openjd => {
                 if state.percent_is_new() {
                     let line = format!("openjd_progress: {}", state.percent());
                     state.line(&line);
@@ -127,7 +110,7 @@ impl Progress {
                     state.line(&format!("openjd_status: {sentence}"));
                 }
             }
-            ProgressStyle::None => {}
+            ProgressArgument::None => {}
         }
     }
 
@@ -369,7 +352,7 @@ mod tests {
     }
 
     /// A run of four frames: one skipped, two written, stopped before the last.
-    fn lines(style: ProgressStyle) -> Vec<String> {
+    fn lines(style: ProgressArgument) -> Vec<String> {
         let (sender, receiver) = mpsc::channel();
         let progress = Arc::new(Progress::to(style, Box::new(Wire(sender))));
         let mut statistics = Statistics::default();
@@ -413,7 +396,7 @@ mod tests {
 
     #[test]
     fn plain_lines_end_with_the_summary() {
-        let lines = lines(ProgressStyle::Plain);
+        let lines = lines(ProgressArgument::Plain);
         assert_eq!(lines.len(), 4, "{lines:#?}");
         assert_eq!(lines[0], "frame 1 skipped: there already, and valid");
         let start = "frame 2 written to x.2.exr in 0.5 s, noise 1.8 %, 22.2 % of the picture noisier than asked for: it had all --samples it may have (2 of 4, about ";
@@ -426,7 +409,7 @@ mod tests {
 
     #[test]
     fn json_lines_are_json_and_tell_each_per_cent_once() {
-        let lines = lines(ProgressStyle::JsonLines);
+        let lines = lines(ProgressArgument::Jsonl);
         let values: Vec<Value> = lines.iter().map(|line| serde_json::from_str(line).unwrap()).collect();
         let events: Vec<&str> = values.iter().map(|value| value["event"].as_str().unwrap()).collect();
         assert_eq!(
@@ -446,7 +429,7 @@ mod tests {
 
     #[test]
     fn open_job_description_hears_of_whole_per_cents() {
-        let lines = lines(ProgressStyle::OpenJd);
+        let lines = lines(ProgressArgument::Openjd);
         let told: Vec<&str> =
             lines.iter().filter_map(|line| line.strip_prefix("openjd_progress: ")).collect();
         assert_eq!(told, ["0", "25", "37", "50"]);
@@ -455,7 +438,7 @@ mod tests {
 
     #[test]
     fn none_is_silent() {
-        assert_eq!(lines(ProgressStyle::None), [""; 0]);
+        assert_eq!(lines(ProgressArgument::None), [""; 0]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::darkness::DarkFrames;
 use super::doubts::{Doubt, Doubts};
 use super::live::Live;
 use super::plan::{self, Plan};
-use super::progress::{self, Progress, ProgressStyle};
+use super::progress::{self, Progress};
 use super::signals::Stop;
 use super::stats::Stats;
 use super::threads;
@@ -67,7 +67,7 @@ impl Run<'_> {
     /// Renders all frames.
     fn sequence(self) -> Result<(), CliError> {
         let Self { arguments, stop, plan, .. } = self;
-        let progress = Progress::new(style(arguments.progress));
+        let progress = Progress::new(arguments.progress);
         let job = Job {
             frames: &plan.frames,
             output: &plan.output,
@@ -177,16 +177,6 @@ fn stage_key(stage: Stage) -> &'static str {
     match stage {
         Stage::IndirectLight => "indirect_seconds",
         Stage::Walks => "walks_seconds",
-    }
-}
-
-fn style(argument: ProgressArgument) -> ProgressStyle {
-    match argument {
-        ProgressArgument::Auto => ProgressStyle::auto(),
-        ProgressArgument::Plain => ProgressStyle::Plain,
-        ProgressArgument::Jsonl => ProgressStyle::JsonLines,
-        ProgressArgument::Openjd => ProgressStyle::OpenJd,
-        ProgressArgument::None => ProgressStyle::None,
     }
 }
 

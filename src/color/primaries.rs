@@ -20,47 +20,27 @@ pub struct Primaries {
 
 impl Primaries {
     /// ITU-R BT.709 with its white D65.
-    pub const REC_709: Self = Self {
-        red: DVec2::new(0.64, 0.33),
-        green: DVec2::new(0.3, 0.6),
-        blue: DVec2::new(0.15, 0.06),
-        white: D65,
-    };
+    pub const REC_709: Self = Self::new([0.64, 0.33], [0.3, 0.6], [0.15, 0.06], D65);
 
     /// Academy primaries AP0 (SMPTE ST 2065-1).
-    pub const AP0: Self = Self {
-        red: DVec2::new(0.7347, 0.2653),
-        green: DVec2::new(0.0, 1.0),
-        blue: DVec2::new(0.0001, -0.077),
-        white: ACES_WHITE,
-    };
+    pub const AP0: Self = Self::new([0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], ACES_WHITE);
 
     /// Academy primaries AP1, those of ACEScg (S-2014-004).
-    pub const AP1: Self = Self {
-        red: DVec2::new(0.713, 0.293),
-        green: DVec2::new(0.165, 0.83),
-        blue: DVec2::new(0.128, 0.044),
-        white: ACES_WHITE,
-    };
+    pub const AP1: Self = Self::new([0.713, 0.293], [0.165, 0.83], [0.128, 0.044], ACES_WHITE);
 
     /// ITU-R BT.2020.
-    pub const REC_2020: Self = Self {
-        red: DVec2::new(0.708, 0.292),
-        green: DVec2::new(0.17, 0.797),
-        blue: DVec2::new(0.131, 0.046),
-        white: D65,
-    };
+    pub const REC_2020: Self = Self::new([0.708, 0.292], [0.17, 0.797], [0.131, 0.046], D65);
 
     /// DCI-P3 with the white D65 (SMPTE EG 432-1).
-    pub const P3_D65: Self = Self {
-        red: DVec2::new(0.68, 0.32),
-        green: DVec2::new(0.265, 0.69),
-        blue: DVec2::new(0.15, 0.06),
-        white: D65,
-    };
+    pub const P3_D65: Self = Self::new([0.68, 0.32], [0.265, 0.69], [0.15, 0.06], D65);
 
     /// Adobe RGB (1998).
     pub const ADOBE_RGB: Self = Self { green: DVec2::new(0.21, 0.71), ..Self::REC_709 };
+
+    const fn new(red: [f64; 2], green: [f64; 2], blue: [f64; 2], white: DVec2) -> Self {
+        let [red, green, blue] = [DVec2::from_array(red), DVec2::from_array(green), DVec2::from_array(blue)];
+        Self { red, green, blue, white }
+    }
 
     /// Linear Rec. 709 from linear colours of these primaries; `None` if they span no colours. White is
     /// adapted by Bradford's method (ICC.1:2022, annex E).

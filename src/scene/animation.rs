@@ -19,11 +19,8 @@ pub struct Animation {
 impl Animation {
     /// The frames of its first and its last key, which may lie between whole frames.
     pub fn frames(&self, rate: FrameRate) -> Option<(f64, f64)> {
-        let frame = |time_s: f64| {
-            let frame = time_s * f64::from(rate.numerator) / f64::from(rate.denominator);
-            // Keys are in single precision.
-            if (frame - frame.round()).abs() <= 1e-4 { frame.round() } else { frame }
-        };
-        self.keys_s.map(|(first_s, last_s)| (frame(first_s), frame(last_s)))
+        // Keys are in single precision.
+        let rounded = |frame: f64| if (frame - frame.round()).abs() <= 1e-4 { frame.round() } else { frame };
+        self.keys_s.map(|(first_s, last_s)| (rounded(rate.frame(first_s)), rounded(rate.frame(last_s))))
     }
 }

@@ -103,29 +103,24 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
     Material {
         name: named(&material.name, "material", index),
         base_color,
-        base_color_texture: None,
         metallic,
         roughness,
-        metallic_roughness_texture: None,
         // The specification of KHR_materials_specular, with F0 of KHR_materials_ior; its 0 means infinite.
         f0: (specular_color * if ior == 0.0 { 1.0 } else { ((ior - 1.0) / (ior + 1.0)).powi(2) })
             .min(DVec3::ONE)
             * specular,
-        f0_texture: None,
         specular,
         clearcoat,
         sheen,
-        normal_map: None,
         emission: DVec3::from(emission),
         emission_strength: strength,
-        emission_texture: None,
         unlit: material.extensions.contains_key("KHR_materials_unlit"),
         diffuse_transmission: (share, through_color),
-        diffuse_transmission_texture: None,
         transmission,
         alpha_mode,
         double_sided: material.double_sided,
         extras: material.extras.clone(),
+        ..Material::default()
     }
 }
 

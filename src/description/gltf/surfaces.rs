@@ -5,7 +5,7 @@ use glam::DVec3;
 use serde_json::Value;
 
 /// The part of a material that we can make use of.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Material {
     /// The author's name, else `material N`.
     pub name: String,
@@ -92,9 +92,10 @@ pub struct TextureMap {
 }
 
 /// Meaning of alpha.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
     /// Nothing.
+    #[default]
     Opaque,
     /// Hidden where alpha is below this, `0..=1`.
     Mask(f64),

@@ -120,8 +120,14 @@ struct Loader<'a> {
 impl Loader<'_> {
     fn model(&mut self, obj_path: &Path, referrer: &str) -> Result<Option<obj::ObjModel>, LoadError> {
         let referrer = format!("{}: {referrer}", self.path.display());
-        match obj::load(&beside(self.path, obj_path), &referrer, self.files) {
-            Ok(model) => Ok(Some(model)),
+        let model = obj::load(&beside(self.path, obj_path), &referrer, self.files);
+        self.valid(model)
+    }
+
+    /// What was read; nothing of what is invalid, whose problems are kept.
+    fn valid<T>(&mut self, read: Result<T, LoadError>) -> Result<Option<T>, LoadError> {
+        match read {
+            Ok(read) => Ok(Some(read)),
             Err(LoadError::Invalid(problems)) => {
                 self.problems.0.extend(problems.0);
                 Ok(None)
@@ -146,13 +152,8 @@ impl Loader<'_> {
             let Some(vdb) = fog.vdb.as_ref().filter(|vdb| !grids.contains_key(*vdb)) else { continue };
             let path = beside(self.path, vdb);
             let referrer = format!("{}: fog.{name}.vdb", self.path.display());
-            match vdb::load_files(&path, &referrer, self.files) {
-                Ok(found) => {
-                    grids.insert(vdb.clone(), found);
-                }
-                Err(LoadError::Invalid(problems)) => self.problems.0.extend(problems.0),
-                Err(error) => return Err(error),
-            }
+            let found = vdb::load_files(&path, &referrer, self.files);
+            grids.extend(self.valid(found)?.map(|found| (vdb.clone(), found)));
         }
         Ok(grids)
     }
@@ -206,12 +207,6 @@ impl Loader<'_> {
     ) -> Result<Option<image::DecodedImage>, LoadError> {
         let path = beside(self.path, image);
         let bytes = self.files.read(&path, Some(&format!("{}: {referrer}", self.path.display())))?;
-        match image::decode(&bytes, encoding, Place::File(path)) {
-            Ok(image) => Ok(Some(image)),
-            Err(problem) => {
-                self.problems.push(problem);
-                Ok(None)
-            }
-        }
+        self.valid(image::decode(&bytes, encoding, Place::File(path)).map_err(LoadError::from))
     }
 }

@@ -44,26 +44,20 @@ impl Number for Lanes {
     }
 }
 
-impl Add for Lanes {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        self.with(other, |a, b| a + b)
-    }
+/// An operator of two numbers, lane by lane.
+macro_rules! operator {
+    ($trait:ident, $method:ident, $operation:expr) => {
+        impl $trait for Lanes {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                self.with(other, $operation)
+            }
+        }
+    };
 }
-
-impl Sub for Lanes {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self.with(other, |a, b| a - b)
-    }
-}
-
-impl Mul for Lanes {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
-    }
-}
+operator!(Add, add, |a, b| a + b);
+operator!(Sub, sub, |a, b| a - b);
+operator!(Mul, mul, |a, b| a * b);
 
 impl Mul<f64> for Lanes {
     type Output = Self;

@@ -208,9 +208,8 @@ impl Builder<'_> {
     }
 
     fn control_light(&mut self, light: usize, field: &str, carried: &Carried, path: &str) -> Option<()> {
-        let kind = self.scene.lights[light].kind.clone();
         // What one of Blender's units is in ours (from_gltf/lights.rs).
-        let unit = match kind {
+        let unit = match self.scene.lights[light].kind {
             LightKind::Sun | LightKind::SunDisc(_) => ("strength_w_m2", 1.0),
             LightKind::Point | LightKind::Sphere { .. } | LightKind::Spot { .. } => {
                 ("power_w", (4.0 * PI).recip())
@@ -228,39 +227,24 @@ impl Builder<'_> {
             return Some(());
         }
         let number = self.number(carried, range_of_light(field), path)?;
-        self.scene.lights[light].kind = match (kind, field) {
-            (LightKind::Sun, "angle") => LightKind::SunDisc(SunDisc::even(number)),
-            (LightKind::SunDisc(disc), "angle") => {
-                LightKind::SunDisc(SunDisc { angular_diameter: number, ..disc })
-            }
-            (LightKind::SunDisc(disc), "picture_rotation") => {
-                LightKind::SunDisc(SunDisc { picture_rotation: number, ..disc })
-            }
+        match (&mut self.scene.lights[light].kind, field) {
+            (kind @ LightKind::Sun, "angle") => *kind = LightKind::SunDisc(SunDisc::even(number)),
+            (LightKind::SunDisc(disc), "angle") => disc.angular_diameter = number,
+            (LightKind::SunDisc(disc), "picture_rotation") => disc.picture_rotation = number,
             (LightKind::SunDisc(disc), "fractal_real" | "fractal_imaginary") => {
-                let picture = Some(changed_fractal(disc.picture.as_ref()?, field, number)?);
-                LightKind::SunDisc(SunDisc { picture, ..disc })
+                disc.picture = Some(changed_fractal(disc.picture.as_ref()?, field, number)?);
             }
-            (LightKind::Point | LightKind::Sphere { .. }, "radius") => LightKind::Sphere { radius: number },
-            (LightKind::Spot { outer_angle, blend, .. }, "radius") => {
-                LightKind::Spot { outer_angle, blend, radius: number }
+            (kind @ (LightKind::Point | LightKind::Sphere { .. }), "radius") => {
+                *kind = LightKind::Sphere { radius: number };
             }
-            (LightKind::Spot { blend, radius, .. }, "outer_angle") => {
-                LightKind::Spot { outer_angle: number, blend, radius }
-            }
-            (LightKind::Spot { outer_angle, radius, .. }, "blend") => {
-                LightKind::Spot { outer_angle, blend: number, radius }
-            }
-            (LightKind::Area { shape, height, spread, .. }, "width") => {
-                LightKind::Area { shape, width: number, height, spread }
-            }
-            (LightKind::Area { shape, width, spread, .. }, "height") => {
-                LightKind::Area { shape, width, height: number, spread }
-            }
-            (LightKind::Area { shape, width, height, .. }, "spread") => {
-                LightKind::Area { shape, width, height, spread: number }
-            }
+            (LightKind::Spot { radius, .. }, "radius") => *radius = number,
+            (LightKind::Spot { outer_angle, .. }, "outer_angle") => *outer_angle = number,
+            (LightKind::Spot { blend, .. }, "blend") => *blend = number,
+            (LightKind::Area { width, .. }, "width") => *width = number,
+            (LightKind::Area { height, .. }, "height") => *height = number,
+            (LightKind::Area { spread, .. }, "spread") => *spread = number,
             _ => return None,
-        };
+        }
         Some(())
     }
 
@@ -329,7 +313,6 @@ impl Builder<'_> {
     }
 }
 
-/// A picture whose fractal's constant changes; `None` if it has none.
 fn range_of_light(field: &str) -> &'static Range {
     match field {
         "angle" => &ANGLE,
@@ -343,6 +326,7 @@ fn range_of_light(field: &str) -> &'static Range {
     }
 }
 
+/// A picture whose fractal's constant changes; `None` if it has none.
 fn changed_fractal(picture: &SunPicture, field: &str, number: Track<f64>) -> Option<SunPicture> {
     let SunShows::Julia(julia) = picture.shows() else { return None };
     let mut julia = julia.clone();

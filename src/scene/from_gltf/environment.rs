@@ -25,19 +25,23 @@ struct Environment {
     /// Rotation of an image about +y, anticlockwise as seen from above, radians.
     #[serde(default)]
     rotation: f64,
-    #[serde(default)]
-    lights: Lights,
+    #[serde(default = "nothing", with = "Lights")]
+    lights: SkyLight,
     #[serde(default = "seen")]
     visible_to_camera: bool,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+/// Names of what a sky lights.
+#[derive(Deserialize)]
+#[serde(remote = "SkyLight", rename_all = "snake_case")]
 enum Lights {
-    #[default]
     Nothing,
     Surfaces,
     SurfacesAndFog,
+}
+
+fn nothing() -> SkyLight {
+    SkyLight::Nothing
 }
 
 fn seen() -> bool {
@@ -73,11 +77,7 @@ pub(super) fn surroundings(
         report.error(path, found, "colors and a strength of at least 0");
         return nothing;
     }
-    let lights = match found.lights {
-        Lights::Nothing => SkyLight::Nothing,
-        Lights::Surfaces => SkyLight::Surfaces,
-        Lights::SurfacesAndFog => SkyLight::SurfacesAndFog,
-    };
+    let lights = found.lights;
     match picture {
         _ if lights == SkyLight::Nothing && !found.visible_to_camera => nothing,
         SkyPicture::Even(background) if lights == SkyLight::Nothing => (background, None),

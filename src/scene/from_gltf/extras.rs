@@ -227,28 +227,16 @@ impl Builder<'_> {
             "sunfleck_material",
             "sunfleck_ctl",
         ];
-        let nodes = self.source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
-        for (node, _) in nodes {
-            report_unknown(&node.extras, &known, &node.name, &mut self.report);
-        }
-        for camera in &self.source.cameras {
-            report_unknown(&camera.extras, &known, &camera.name, &mut self.report);
-        }
-        for material in &self.source.materials {
-            report_unknown(&material.extras, &known, &material.name, &mut self.report);
+        for (_, name, extras) in self.owners() {
+            report_unknown(extras, &known, name, &mut self.report);
         }
     }
 
     /// Keeps the properties that were found, for those who ask.
     pub(super) fn keep_properties(&mut self) {
-        let source = self.source;
-        let nodes = source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
-        let owners = [(String::from("the scene"), &source.extras)]
-            .into_iter()
-            .chain(nodes.map(|(node, _)| (format!("object `{}`", node.name), &node.extras)))
-            .chain(source.cameras.iter().map(|camera| (format!("camera `{}`", camera.name), &camera.extras)))
-            .chain(source.materials.iter().map(|of| (format!("material `{}`", of.name), &of.extras)));
-        for (owner, extras) in owners {
+        let owners = self.owners().into_iter();
+        let owners = owners.map(|(kind, name, extras)| (format!("{kind} `{name}`"), extras));
+        for (owner, extras) in [(String::from("the scene"), &self.source.extras)].into_iter().chain(owners) {
             let ours =
                 extras.as_object().into_iter().flatten().filter(|(name, _)| name.starts_with("sunfleck"));
             self.scene.properties.extend(ours.map(|(name, value)| Property {
@@ -257,6 +245,19 @@ impl Builder<'_> {
                 value: shortened(value),
             }));
         }
+    }
+}
+
+impl<'a> Builder<'a> {
+    /// Kinds, names and extras of nodes in the scene, cameras and materials.
+    fn owners(&self) -> Vec<(&'static str, &'a str, &'a Value)> {
+        let source = self.source;
+        let nodes = source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
+        let nodes = nodes.map(|(node, _)| ("object", &*node.name, &node.extras));
+        let cameras = source.cameras.iter().map(|camera| ("camera", &*camera.name, &camera.extras));
+        let materials =
+            source.materials.iter().map(|material| ("material", &*material.name, &material.extras));
+        nodes.chain(cameras).chain(materials).collect()
     }
 }
 

@@ -46,10 +46,7 @@ impl<'a> Resolver<'a> {
             positions: model.positions.clone(),
             normals: model.normals.clone(),
             uvs: model.uvs.clone(),
-            more_uvs: Vec::new(),
-            tangents: Vec::new(),
             colors: model.colors.clone(),
-            alphas: Vec::new(),
             triangles: model
                 .triangles
                 .iter()
@@ -60,6 +57,7 @@ impl<'a> Resolver<'a> {
                     }),
                 })
                 .collect(),
+            ..Mesh::default()
         })
     }
 
@@ -124,9 +122,7 @@ impl<'a> Resolver<'a> {
             clearcoat: source.clearcoat.map(|(share, roughness)| Clearcoat {
                 share,
                 roughness,
-                texture: None,
-                roughness_texture: None,
-                normal_map: None,
+                ..Clearcoat::default()
             }),
             normal_map: map(source.normal_picture())
                 .map(|map| (map, source.normal_map.as_ref().map_or(1.0, |texture| f64::from(texture.bump)))),
