@@ -2,7 +2,7 @@
 //! lens, out comes a camera of the scene. Invariant: nothing else of the scene changes, so what was built of
 //! it stays.
 
-use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Node, Scene, Track};
+use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Scene, Track};
 use glam::{DAffine3, DMat4, DVec2};
 use serde::{Deserialize, Serialize};
 
@@ -76,12 +76,7 @@ impl Viewer {
         let motion = Motion::Still(world_from_camera);
         let node = match scene.cameras.iter().find(|camera| camera.name == NAME) {
             Some(camera) => camera.node,
-            None => {
-                let visible = Track::from(true);
-                let name = String::from(NAME);
-                scene.nodes.push(Node { name, parent: None, motion: motion.clone(), visible });
-                scene.nodes.len() - 1
-            }
+            None => scene.add_node(String::from(NAME), None, motion.clone()),
         };
         scene.nodes[node].motion = motion;
         scene.cameras.retain(|camera| camera.name != NAME);

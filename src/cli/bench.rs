@@ -42,12 +42,7 @@ fn load(arguments: &BenchArguments) -> Result<api::Scene, CliError> {
             loading::check_not_read(flag, output, &description.files)?;
         }
     }
-    loading::resolve(
-        description,
-        &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
-        &arguments.scene.bakes,
-        true,
-    )
+    loading::seen(description, &arguments.scene, arguments.size, arguments.camera.as_ref(), true)
 }
 
 impl<'a> Subject<'a> {

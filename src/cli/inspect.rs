@@ -36,12 +36,8 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     if arguments.dependencies {
         return answer(&dependencies(&description.files));
     }
-    let scene = loading::resolve(
-        description,
-        &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
-        &arguments.scene.bakes,
-        true,
-    )?;
+    let scene =
+        loading::seen(description, &arguments.scene, arguments.size, arguments.camera.as_ref(), true)?;
     let mut renderer = Renderer::new(&scene);
     if let Some(size) = arguments.size {
         let Size { width, height } = resized(scene.size(), size)?;

@@ -3,8 +3,9 @@
 //! cannot be used is done without.
 
 use super::CliError;
-use super::arguments::BakeArguments;
+use super::arguments::{BakeArguments, SceneArguments};
 use super::error::usage;
+use super::parse::SizeArgument;
 use super::saving::clear_folder;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::env;
@@ -24,6 +25,17 @@ const MOST_BYTES: u64 = 4 << 30;
 /// Fewer leaves are done before a bar is seen.
 const FEWEST: u32 = 1000;
 const EXTENSION: &str = "bake";
+
+/// Scene as it is looked at through a camera, by its name or the first, in a size.
+pub(super) fn seen(
+    description: Description,
+    scene: &SceneArguments,
+    size: Option<SizeArgument>,
+    camera: Option<&String>,
+    told: bool,
+) -> Result<Scene, CliError> {
+    resolve(description, &scene.seen(size, camera), &scene.bakes, told)
+}
 
 /// Resolves an input on the threads that it is called on.
 pub(super) fn resolve(

@@ -32,10 +32,11 @@ pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, CliError> {
     if let Some(stats) = &arguments.stats {
         loading::check_not_read("--stats", stats, &description.files)?;
     }
-    loading::resolve(
+    loading::seen(
         description,
-        &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
-        &arguments.scene.bakes,
+        &arguments.scene,
+        arguments.size,
+        arguments.camera.as_ref(),
         matches!(arguments.progress, ProgressArgument::Auto),
     )
 }

@@ -114,12 +114,7 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
 /// The scene that is to be drawn.
 fn load(arguments: &PreviewArguments) -> Result<Scene, CliError> {
     let description = description::load(&arguments.input)?;
-    loading::resolve(
-        description,
-        &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
-        &arguments.scene.bakes,
-        true,
-    )
+    loading::seen(description, &arguments.scene, arguments.size, arguments.camera.as_ref(), true)
 }
 
 impl<'a> Source<'a> {

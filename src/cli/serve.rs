@@ -66,12 +66,7 @@ pub(super) fn run(arguments: &ServeArguments) -> Result<(), CliError> {
     let pool = threads::pool(arguments.threads)?;
     let scene = pool.install(|| {
         let description = description::load(&arguments.input)?;
-        loading::resolve(
-            description,
-            &arguments.scene.seen(arguments.size, arguments.camera.as_ref()),
-            &arguments.scene.bakes,
-            false,
-        )
+        loading::seen(description, &arguments.scene, arguments.size, arguments.camera.as_ref(), false)
     })?;
     let mut server = Server { arguments, scene, pool };
     let desk = Arc::new(Mutex::new(Desk::default()));

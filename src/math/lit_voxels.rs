@@ -2,9 +2,9 @@
 //! integrals. Invariant: what lights know of the voxels is found once.
 
 use super::coarse_voxels::CoarseVoxels;
-use super::{Ray, VoxelDepths, VoxelMeans, Voxels};
+use super::{Ray, Recent, VoxelDepths, VoxelMeans, Voxels};
 use glam::DVec3;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 /// Spacing of the nodes of a sun's lattice, in voxels.
 const SPACING: f64 = 0.5;
@@ -19,15 +19,15 @@ pub struct LitVoxels {
     /// Them.
     pub voxels: Voxels,
     /// By directions and by places of the voxels' own space.
-    suns: Kept<VoxelDepths>,
-    lamps: Kept<VoxelMeans>,
+    suns: Recent<DVec3, Arc<VoxelDepths>>,
+    lamps: Recent<DVec3, Arc<VoxelMeans>>,
     /// Twice, four and eight times as wide, once they have been asked for.
     coarse: [OnceLock<Option<CoarseVoxels>>; 3],
 }
 
 impl From<Voxels> for LitVoxels {
     fn from(voxels: Voxels) -> Self {
-        Self { voxels, suns: Kept::default(), lamps: Kept::default(), coarse: Default::default() }
+        Self { voxels, suns: Recent::default(), lamps: Recent::default(), coarse: Default::default() }
     }
 }
 
@@ -52,37 +52,11 @@ impl LitVoxels {
 
     /// Depths towards a direction of its own space, found once.
     pub fn depths_towards(&self, to_light: DVec3) -> Arc<VoxelDepths> {
-        self.suns.of(to_light, MOST_SUNS, || VoxelDepths::new(&self.voxels, to_light, SPACING))
+        self.suns.of(to_light, MOST_SUNS, || VoxelDepths::new(&self.voxels, to_light, SPACING).into())
     }
 
     /// Mean densities on the ways to a place of its own space, found once.
     pub fn means_to(&self, lamp: DVec3) -> Arc<VoxelMeans> {
-        self.lamps.of(lamp, MOST_LAMPS, || VoxelMeans::new(&self.voxels, lamp))
-    }
-}
-
-/// The last of what was found for some lights.
-#[derive(Debug)]
-struct Kept<T>(Mutex<Vec<(DVec3, Arc<T>)>>);
-
-impl<T> Default for Kept<T> {
-    fn default() -> Self {
-        Self(Mutex::default())
-    }
-}
-
-impl<T> Kept<T> {
-    fn of(&self, light: DVec3, most: usize, found: impl FnOnce() -> T) -> Arc<T> {
-        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, found)) = all().iter().find(|(other, _)| *other == light) {
-            return Arc::clone(found);
-        }
-        let found = Arc::new(found());
-        let mut all = all();
-        if all.len() == most {
-            all.remove(0);
-        }
-        all.push((light, Arc::clone(&found)));
-        found
+        self.lamps.of(lamp, MOST_LAMPS, || VoxelMeans::new(&self.voxels, lamp).into())
     }
 }

@@ -17,6 +17,7 @@ mod placed_points;
 mod planar_ray;
 mod quadrature;
 mod ray;
+mod recent;
 mod running_product;
 mod sampler;
 mod vector_voxels;
@@ -39,6 +40,7 @@ pub use placed_points::PlacedPoints;
 pub use planar_ray::PlanarRay;
 pub use quadrature::{gauss_legendre, legendre};
 pub use ray::Ray;
+pub use recent::Recent;
 #[cfg(test)]
 pub(crate) use running_product::MULTIPLICATIONS;
 pub use running_product::RunningProduct;

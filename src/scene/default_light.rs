@@ -3,9 +3,7 @@
 //! camera at the first frame. So a frame rendered alone is the frame of the sequence, and a moving camera
 //! does not make the light flicker.
 
-use super::{
-    Light, LightKind, Motion, Node, RenderSettings, Scene, Sky, SkyLight, SkyPicture, SunDisc, Track,
-};
+use super::{Light, LightKind, Motion, RenderSettings, Scene, Sky, SkyLight, SkyPicture, SunDisc, Track};
 use crate::color::Rgb;
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::PI;
@@ -38,10 +36,8 @@ pub(super) fn add(scene: &mut Scene, settings: &RenderSettings) {
     let to_key = (camera_axes(scene, settings) * TO_KEY).normalize();
     let (x, y) = to_key.any_orthonormal_pair();
     let turned = DAffine3::from_mat3(DMat3::from_cols(x, y, to_key));
-    let node = scene.nodes.len();
     let name = String::from(NAME);
-    let visible = Track::from(true);
-    scene.nodes.push(Node { name: name.clone(), parent: None, motion: Motion::Still(turned), visible });
+    let node = scene.add_node(name.clone(), None, Motion::Still(turned));
     let kind = LightKind::SunDisc(SunDisc::even(Track::from(KEY_DIAMETER)));
     scene.lights.push(Light { name, node, power: Rgb::splat(KEY_IRRADIANCE).into(), kind });
     let sky = Sky::new(SkyPicture::Even(Rgb::splat(SKY_RADIANCE)));

@@ -3,7 +3,7 @@
 //! Invariant: it stands still, and depends on the whole range of frames. So a frame rendered alone is the
 //! frame of the sequence.
 
-use super::{Camera, Clip, Instance, Lens, Motion, Node, Placement, RenderSettings, Scene, Track};
+use super::{Camera, Clip, Instance, Lens, Motion, Placement, RenderSettings, Scene, Track};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -36,10 +36,8 @@ const BENDING: usize = 8;
 pub(super) fn add(scene: &mut Scene) -> bool {
     let is_missing = scene.cameras.is_empty();
     if is_missing {
-        let node = scene.nodes.len();
         let name = String::from(NAME);
-        let visible = Track::from(true);
-        scene.nodes.push(Node { name: name.clone(), parent: None, motion: Motion::STILL, visible });
+        let node = scene.add_node(name.clone(), None, Motion::STILL);
         let lens = Lens::Perspective { fov_y: Track::from(FOV_Y) };
         scene.cameras.push(Camera { name, node, lens, shift: DVec2::ZERO, aperture: None, clip: Clip::NONE });
     }
@@ -168,7 +166,7 @@ fn seen_at(scene: &Scene, time_s: f64, frustum: &Frustum) -> Seen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Extend, Key, Mesh, Rotation, Segment, Size, Triangle};
+    use crate::scene::{Extend, Key, Mesh, Node, Rotation, Segment, Size, Triangle};
     use glam::{DAffine3, DQuat, DVec4, Vec3};
 
     /// Two triangles of 2x1 m, at nodes that move as they are told; one a node.

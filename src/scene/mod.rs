@@ -166,6 +166,12 @@ pub struct Placement {
 }
 
 impl Scene {
+    /// Adds a node that is seen; its number.
+    pub(crate) fn add_node(&mut self, name: String, parent: Option<NodeIndex>, motion: Motion) -> NodeIndex {
+        self.nodes.push(Node { name, parent, motion, visible: Track::from(true) });
+        self.nodes.len() - 1
+    }
+
     /// Places every node at `time_s`, in the order of [`Scene::nodes`].
     pub fn placements(&self, time_s: f64) -> Vec<Placement> {
         let mut placements: Vec<Placement> = Vec::with_capacity(self.nodes.len());

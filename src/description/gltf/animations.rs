@@ -2,6 +2,7 @@
 //! increase and it has a value for each of them, or three.
 
 use super::accessor::{Accessors, Component, Wanted};
+use super::attributes::SIGNED_OR_NOT;
 use super::json::{self, Animation, Document, Node};
 use super::pointers::{self, Property, Target};
 use super::report::Report;
@@ -12,16 +13,8 @@ use glam::{DQuat, DVec3};
 const TIMES: Wanted = Wanted { purpose: "key times", width: 1, components: &[Component::F32] };
 const VECTORS: Wanted =
     Wanted { purpose: "translations and scales", width: 3, components: &[Component::F32] };
-const WEIGHTS: Wanted = Wanted {
-    purpose: "weights of morph targets",
-    width: 1,
-    components: &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16],
-};
-const ROTATIONS: Wanted = Wanted {
-    purpose: "rotations",
-    width: 4,
-    components: &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16],
-};
+const WEIGHTS: Wanted = Wanted { purpose: "weights of morph targets", width: 1, components: SIGNED_OR_NOT };
+const ROTATIONS: Wanted = Wanted { purpose: "rotations", width: 4, components: SIGNED_OR_NOT };
 
 /// Meaning of a channel.
 enum Read {

@@ -12,15 +12,12 @@ use glam::{DVec2, Vec2, Vec3, Vec4};
 // Integers where KHR_mesh_quantization allows them; floats are what the core specification has.
 pub(super) const SIGNED_OR_NOT: &[Component] =
     &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
+pub(super) const UNSIGNED: &[Component] = &[Component::F32, Component::U8, Component::U16];
 const NORMALS: Wanted =
     Wanted { purpose: "normals", width: 3, components: &[Component::F32, Component::I8, Component::I16] };
 const TANGENTS: Wanted = Wanted { purpose: "tangents", width: 4, ..NORMALS };
 const UVS: Wanted = Wanted { purpose: "texture coordinates", width: 2, components: SIGNED_OR_NOT };
-const COLORS: Wanted = Wanted {
-    purpose: "vertex colours",
-    width: 3,
-    components: &[Component::F32, Component::U8, Component::U16],
-};
+const COLORS: Wanted = Wanted { purpose: "vertex colours", width: 3, components: UNSIGNED };
 
 /// Place of a primitive in its file, and the mesh that people know it by.
 #[derive(Clone, Copy)]

@@ -2,6 +2,7 @@
 //! attribute, all of which are of one length.
 
 use super::accessor::{Accessors, Component, Wanted};
+use super::attributes::UNSIGNED;
 use super::json::{self, Document};
 use super::report::Report;
 use super::{Node, named};
@@ -18,11 +19,7 @@ const ROTATIONS: Wanted = Wanted {
 
 /// Name as three.js and Babylon.js write it.
 const COLOR: &str = "_COLOR_0";
-const COLORS: Wanted = Wanted {
-    purpose: "colours of instances",
-    width: 3,
-    components: &[Component::F32, Component::U8, Component::U16],
-};
+const COLORS: Wanted = Wanted { purpose: "colours of instances", width: 3, components: UNSIGNED };
 
 /// Gives every node the places of its instances, from the node's space.
 pub(super) fn read(document: &Document, nodes: &mut [Node], accessors: &Accessors<'_>, report: &mut Report) {

@@ -3,8 +3,7 @@
 //! an attribute alone where the rest makes sense without it, else the primitive.
 
 use super::accessor::{Accessors, Component, Wanted};
-use super::attributes::At;
-use super::attributes::{Attributes, SIGNED_OR_NOT, vectors};
+use super::attributes::{At, Attributes, SIGNED_OR_NOT, vectors};
 use super::draco::Damaged;
 use super::json::{self, Document};
 use super::report::Report;

@@ -271,12 +271,7 @@ pub enum Values {
 impl GltfScene {
     /// The meshes that nodes of the scene that is shown have.
     fn shown_meshes(&self) -> BTreeSet<usize> {
-        let (mut shown, mut waiting) = (BTreeSet::new(), self.roots.clone());
-        while let Some(node) = waiting.pop().and_then(|index| self.nodes.get(index)) {
-            shown.extend(node.mesh);
-            waiting.extend(&node.children);
-        }
-        shown
+        pictures::shown_nodes(self).into_iter().filter_map(|node| self.nodes[node].mesh).collect()
     }
 
     /// The numbers of the animations with a name, else of the one with that number, counted from 0.

@@ -1,20 +1,16 @@
 //! Morph targets, checked. Invariants: a target has a difference for every vertex, or none at all. All
 //! primitives of a mesh have as many targets as it has weights, if need be none.
 
-use super::accessor::{Accessors, Component, Wanted};
-use super::attributes::At;
-use super::attributes::vectors;
+use super::accessor::{Accessors, Wanted};
+use super::attributes::{At, SIGNED_OR_NOT, vectors};
 use super::json::{self, Document};
 use super::report::Report;
 use super::{MorphTarget, Node, Primitive};
 use crate::diagnostic::{Diagnostic, Loss};
 use glam::Vec3;
 
-const DIFFERENCES: Wanted = Wanted {
-    purpose: "differences of morph targets",
-    width: 3,
-    components: &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16],
-};
+const DIFFERENCES: Wanted =
+    Wanted { purpose: "differences of morph targets", width: 3, components: SIGNED_OR_NOT };
 
 /// The targets of a primitive of so many vertices, which stands at `path`.
 pub(super) fn targets(

@@ -2,7 +2,7 @@
 //! vertex add up to 1; a node has a skin only if all vertices of its mesh hang on that skin's joints.
 
 use super::accessor::{Accessors, Component, Wanted};
-use super::attributes::At;
+use super::attributes::{At, UNSIGNED};
 use super::json::{self, Document};
 use super::report::Report;
 use super::{GltfScene, Influences, Skin, named};
@@ -13,11 +13,7 @@ use std::collections::BTreeMap;
 const MATRICES: Wanted =
     Wanted { purpose: "inverse bind matrices", width: 16, components: &[Component::F32] };
 const JOINTS: Wanted = Wanted { purpose: "joints", width: 4, components: &[Component::U8, Component::U16] };
-const WEIGHTS: Wanted = Wanted {
-    purpose: "weights of joints",
-    width: 4,
-    components: &[Component::F32, Component::U8, Component::U16],
-};
+const WEIGHTS: Wanted = Wanted { purpose: "weights of joints", width: 4, components: UNSIGNED };
 
 /// Tolerance of the sum of a vertex's weights before it is said; 8 bits round four of them to 8e-3.
 const SUM_TOLERANCE: f64 = 1e-2;

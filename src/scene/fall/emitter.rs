@@ -42,7 +42,8 @@ impl Surface {
         (sum > 0.0).then_some(Self { triangles, areas })
     }
 
-    fn place(&self, [u1, u2, u3]: [f64; 3]) -> DVec3 {
+    /// Point that three numbers in `[0, 1)` stand for, uniform in the area.
+    pub(crate) fn place(&self, [u1, u2, u3]: [f64; 3]) -> DVec3 {
         let last = self.areas.len() - 1;
         let at = u1 * self.areas[last];
         let [a, b, c] = self.triangles[self.areas.partition_point(|&area| area <= at).min(last)];

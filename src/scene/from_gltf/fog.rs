@@ -5,7 +5,7 @@ use super::Builder;
 use super::extras;
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Loss};
-use crate::scene::{Fog, FogShape, HeightFalloff, Motion, Node, NodeIndex, Track};
+use crate::scene::{Fog, FogShape, HeightFalloff, Motion, NodeIndex, Track};
 use glam::{DAffine3, DQuat, DVec3};
 
 impl Builder<'_> {
@@ -71,13 +71,7 @@ impl Builder<'_> {
             }
         };
         let shape = self.fog_shape(&fog, bounds.is_some(), base, &path);
-        let node = self.scene.nodes.len();
-        self.scene.nodes.push(Node {
-            name: String::from("fog"),
-            parent: None,
-            motion: Motion::Still(world_from_shape),
-            visible: Track::from(true),
-        });
+        let node = self.scene.add_node(String::from("fog"), None, Motion::Still(world_from_shape));
         self.add_fog("fog", node, fog, shape, &path);
     }
 

@@ -6,7 +6,7 @@ use super::deformations::{Baked, Converted, Part};
 use crate::description::gltf::{self, Primitive};
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::outline::Between;
-use crate::scene::{Instance, MaterialIndex, Mesh, Motion, Node, Track, Triangle};
+use crate::scene::{Instance, MaterialIndex, Mesh, Motion, Triangle};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 impl Builder<'_> {
@@ -34,9 +34,8 @@ impl Builder<'_> {
                 Some(places) => shown.extend(places.iter().enumerate().map(|(copy, &place)| {
                     let name = format!("{}[{copy}]", node.name);
                     let motion = Motion::Still(place);
-                    let visible = Track::from(true);
-                    self.scene.nodes.push(Node { name, parent: Some(number), motion, visible });
-                    (index, self.scene.nodes.len() - 1, mesh, node.instance_colors.get(copy).copied())
+                    let own = self.scene.add_node(name, Some(number), motion);
+                    (index, own, mesh, node.instance_colors.get(copy).copied())
                 })),
             }
         }

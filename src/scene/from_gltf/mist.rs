@@ -5,9 +5,10 @@
 use super::Builder;
 use super::extras;
 use crate::diagnostic::Loss;
+use crate::math::Recent;
 use crate::scene::drift::Drift;
-use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, Kept, usual_voxel_m};
-use crate::scene::{FogShape, Mist, MistShape, Motion, Node, NodeIndex, Track};
+use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, usual_voxel_m};
+use crate::scene::{FogShape, Mist, MistShape, Motion, NodeIndex, Track};
 use glam::{DAffine3, DVec3};
 
 /// Fastest wind that carries billows, m/s.
@@ -62,16 +63,11 @@ impl Builder<'_> {
             ground: None,
             seed: mist.seed.unwrap_or(0),
             voxel_m,
-            kept: Kept::default(),
+            kept: Recent::default(),
         };
-        let own = Node {
-            name: self.scene.nodes[node].name.clone(),
-            parent: Some(node),
-            motion: Motion::Still(DAffine3::from_scale(half.recip())),
-            visible: Track::from(true),
-        };
-        self.scene.nodes.push(own);
-        Some((FogShape::Mist(Box::new(made)), self.scene.nodes.len() - 1))
+        let (name, motion) = (self.scene.nodes[node].name.clone(), DAffine3::from_scale(half.recip()));
+        let own = self.scene.add_node(name, Some(node), Motion::Still(motion));
+        Some((FogShape::Mist(Box::new(made)), own))
     }
 
     /// Its shape, if its numbers are such as a scene file may have.

@@ -35,7 +35,7 @@ impl Resolver<'_> {
                 })
             });
             if let (Some(parent), Some(motion), Some(lens)) = (parent, motion, lens) {
-                let node = self.node(name.to_owned(), parent, motion);
+                let node = self.scene.add_node(name.to_owned(), parent, motion);
                 let (shift, clip) = (DVec2::ZERO, self.clip(&owner, camera));
                 self.scene.cameras.push(Camera { name: name.to_owned(), node, lens, shift, aperture, clip });
             }

@@ -161,7 +161,7 @@ impl Resolver<'_> {
             // The author has keyed this one; what the object shows itself is placed already.
             if self.file.objects.get(&name).is_some_and(|object| object.mesh.is_none()) {
                 let scale = Motion::Still(DAffine3::from_scale(DVec3::splat(leaf.scale)));
-                let node = self.node(name, Some(node), scale);
+                let node = self.scene.add_node(name, Some(node), scale);
                 self.scene.set_ray_visibility(node, rays);
                 self.tinted_instance(node, mesh, dress);
             }
@@ -172,7 +172,7 @@ impl Resolver<'_> {
             rotation: Rotation::Quaternion(leaf.rotation),
             scale: DVec3::splat(leaf.scale).into(),
         };
-        let node = self.node(name, None, motion);
+        let node = self.scene.add_node(name, None, motion);
         if !attached {
             let key = |time_s, value| Key { time_s, value, to_next: Segment::Step };
             let keys = vec![key(leaf.release_s - 1.0, false), key(leaf.release_s, true)];

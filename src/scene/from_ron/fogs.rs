@@ -46,7 +46,7 @@ impl Resolver<'_> {
                 let (half_size, centre) = (0.5 * (max - min), 0.5 * (min + max));
                 DAffine3::from_scale_rotation_translation(half_size, DQuat::IDENTITY, centre)
             });
-            let node = self.node(name.to_owned(), parent, Motion::Still(parent_from_shape));
+            let node = self.scene.add_node(name.to_owned(), parent, Motion::Still(parent_from_shape));
             self.scene.fogs.push(Fog {
                 name: name.to_owned(),
                 node,

@@ -3,6 +3,7 @@
 
 use super::Resolver;
 use crate::description::ron::Leaves;
+use crate::scene::fall::Surface;
 use crate::scene::{Mesh, NodeIndex};
 use glam::DVec3;
 
@@ -11,40 +12,22 @@ pub(super) enum Site {
     /// Anywhere between two corners.
     Box(DVec3, DVec3),
     /// Anywhere on triangles.
-    Surface {
-        /// Their corners.
-        triangles: Vec<[DVec3; 3]>,
-        /// Area of each triangle and those before it.
-        areas: Vec<f64>,
-    },
+    Surface(Surface),
 }
 
 impl Site {
     /// The surface of `mesh`; `None` if it has no area.
     fn of(mesh: &Mesh) -> Option<Self> {
         let corner = |vertex: u32| mesh.positions[vertex as usize].as_dvec3();
-        let triangles: Vec<_> = mesh.triangles.iter().map(|triangle| triangle.vertices.map(corner)).collect();
-        let mut sum = 0.0;
-        let areas = triangles.iter().map(|[a, b, c]| {
-            sum += 0.5 * (b - a).cross(c - a).length();
-            sum
-        });
-        let areas: Vec<_> = areas.collect();
-        (sum > 0.0).then_some(Self::Surface { triangles, areas })
+        let triangles = mesh.triangles.iter().map(|triangle| triangle.vertices.map(corner));
+        Surface::new(triangles.collect()).map(Self::Surface)
     }
 
     /// The point that three numbers in `[0, 1)` stand for.
-    pub(super) fn at(&self, [u, v, w]: [f64; 3]) -> DVec3 {
+    pub(super) fn at(&self, numbers: [f64; 3]) -> DVec3 {
         match self {
-            Self::Box(min, max) => min + (max - min) * DVec3::new(u, v, w),
-            Self::Surface { triangles, areas } => {
-                let wanted = u * areas.last().copied().unwrap_or_default();
-                let place = areas.partition_point(|&area| area <= wanted);
-                let [a, b, c] = triangles[place.min(triangles.len() - 1)];
-                // Uniform in a triangle (Turk, "Generating random points in triangles", Graphics Gems, 1990).
-                let root = v.sqrt();
-                a * (1.0 - root) + b * (root * (1.0 - w)) + c * (root * w)
-            }
+            Self::Box(min, max) => min + (max - min) * DVec3::from_array(numbers),
+            Self::Surface(surface) => surface.place(numbers),
         }
     }
 }

@@ -46,7 +46,7 @@ impl Resolver<'_> {
                 let chance = LeafChance(Chance::of(block.seed, leaf));
                 let position = site.at([Draw::X, Draw::Y, Draw::Z].map(|draw| chance.at(draw)));
                 let motion = Motion::Still(place(block, position, chance));
-                let node = self.node(format!("{name}.{leaf}"), parent, motion);
+                let node = self.scene.add_node(format!("{name}.{leaf}"), parent, motion);
                 let mesh = chance.choose(Draw::Mesh, &meshes).unwrap_or_default();
                 let material = chance.choose(Draw::Material, &materials);
                 let shown = self.tinted(material, &tint, chance.at(Draw::Tint));

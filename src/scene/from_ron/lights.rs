@@ -50,7 +50,7 @@ impl Resolver<'_> {
             let power = self.keyed(&owner, field, power);
             let parent = self.parent(&owner, parent_of(light));
             if let (Some(parent), Some(motion), Some(power), Some(kind)) = (parent, motion, power, kind) {
-                let node = self.node(name.to_owned(), parent, motion);
+                let node = self.scene.add_node(name.to_owned(), parent, motion);
                 self.scene.lights.push(Light { name: name.to_owned(), node, power, kind });
             }
         }

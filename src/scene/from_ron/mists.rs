@@ -2,8 +2,9 @@
 
 use super::{Resolver, track};
 use crate::description::ron;
+use crate::math::Recent;
 use crate::scene::drift::Drift;
-use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, Kept, usual_voxel_m, voxel_count};
+use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, usual_voxel_m, voxel_count};
 use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist};
 use glam::DVec3;
 use std::sync::Arc;
@@ -50,7 +51,7 @@ impl Resolver<'_> {
             ground,
             seed: mist.seed,
             voxel_m,
-            kept: Kept::default(),
+            kept: Recent::default(),
         })
     }
 

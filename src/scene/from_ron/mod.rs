@@ -30,7 +30,7 @@ use super::outline::Tally;
 use super::sun_picture::image_for_suns;
 use super::{
     AlphaMode, Baking, Coat, Deformation, FrameRate, Instance, Material, MaterialIndex, Mesh, MeshIndex,
-    Motion, Node, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Track, Triangle, Wrap,
+    Motion, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Triangle, Wrap,
 };
 use crate::description::image::DecodedImage;
 use crate::description::obj::{self, ObjModel, ObjPicture};
@@ -205,11 +205,6 @@ impl<'a> Resolver<'a> {
             (path, self.scene.textures.len() - 1)
         };
         images.into_iter().map(add).collect()
-    }
-
-    fn node(&mut self, name: String, parent: Option<NodeIndex>, motion: Motion) -> NodeIndex {
-        self.scene.nodes.push(Node { name, parent, motion, visible: Track::from(true) });
-        self.scene.nodes.len() - 1
     }
 
     /// The node that `owner` follows: `Some(None)` is none, `None` is one that does not exist.

@@ -94,7 +94,7 @@ impl<'a> Resolver<'a> {
                 _ => vec![key(next.from_s, false)],
             });
             let keys = before.into_iter().flatten().chain(after.into_iter().flatten()).collect();
-            let child = self.node(self.scene.nodes[node].name.clone(), Some(node), Motion::STILL);
+            let child = self.scene.add_node(self.scene.nodes[node].name.clone(), Some(node), Motion::STILL);
             if let Some(visible) = Track::new(keys, Extend::Hold) {
                 self.scene.nodes[child].visible = visible;
             }

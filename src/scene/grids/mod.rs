@@ -9,11 +9,11 @@ mod velocities;
 use super::{FrameRate, Track};
 use crate::color::Rgb;
 use crate::description::vdb::{GridFile, GridFiles};
-use crate::math::{LitVoxels, Voxels};
+use crate::math::{LitVoxels, Recent, Voxels};
 use glam::DAffine3;
 use rayon::prelude::*;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use velocities::Velocities;
 
 /// Default name of a grid of density.
@@ -33,7 +33,8 @@ pub struct GridFrames {
     /// Emission where its grid is 1, W m^-3 sr^-1.
     pub emission: Track<Rgb>,
     between: Between,
-    kept: Kept,
+    /// Voxels of the last times.
+    kept: Recent<Asked, Option<Arc<FogVoxels>>>,
 }
 
 /// What lies between two files.
@@ -105,18 +106,8 @@ pub struct FogPart {
     pub voxels: Arc<LitVoxels>,
 }
 
-/// Voxels of the last times; of a copy there are none.
-#[derive(Debug, Default)]
-struct Kept(Mutex<Vec<(Asked, Option<Arc<FogVoxels>>)>>);
-
 /// The frame before a time, and how far it lies behind; 0 is the frame itself.
 type Asked = (usize, u64);
-
-impl Clone for Kept {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
 
 impl GridFrame {
     /// Voxels of a time that are at hand.
@@ -154,7 +145,7 @@ impl GridFrames {
             is_principled: false,
         };
         let emission = Track::from(Rgb::ZERO);
-        Self { path, names, frames, emission, between: Between::Held, kept: Kept::default() }
+        Self { path, names, frames, emission, between: Between::Held, kept: Recent::default() }
     }
 
     /// Grids at a time: between files carried from both by their velocities, or, without, those of
@@ -170,7 +161,7 @@ impl GridFrames {
         if !self.is_carried() || time_s <= from.time_s {
             return self.frame(nearer);
         }
-        self.keeping((before, time_s.to_bits()), || {
+        self.kept.of((before, time_s.to_bits()), KEPT, || {
             let [earlier, later] = [self.frame(before)?, self.frame(after)?];
             let between = advection::between([&earlier, &later], times_s, time_s);
             between.map(Arc::new).or_else(|| self.frame(nearer))
@@ -190,32 +181,10 @@ impl GridFrames {
     fn frame(&self, number: usize) -> Option<Arc<FogVoxels>> {
         match &self.frames.get(number)?.source {
             Source::Made(voxels) => Some(Arc::clone(voxels)),
-            Source::File(file) => {
-                self.keeping((number, 0), || parts::fog_voxels(&file.grids(), &self.names).ok().map(Arc::new))
-            }
+            Source::File(file) => self
+                .kept
+                .of((number, 0), KEPT, || parts::fog_voxels(&file.grids(), &self.names).ok().map(Arc::new)),
         }
-    }
-
-    fn keeping(&self, asked: Asked, make: impl FnOnce() -> Option<Arc<FogVoxels>>) -> Option<Arc<FogVoxels>> {
-        let kept = || self.kept.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = || {
-            let mut kept = kept();
-            let found = kept.iter().position(|(of, _)| *of == asked)?;
-            // What was asked for longest ago goes first.
-            let found = kept.remove(found);
-            kept.push(found.clone());
-            Some(found.1)
-        };
-        if let Some(voxels) = known() {
-            return voxels;
-        }
-        let voxels = make();
-        let mut kept = kept();
-        if kept.len() == KEPT {
-            kept.remove(0);
-        }
-        kept.push((asked, voxels.clone()));
-        voxels
     }
 }
 
@@ -277,6 +246,6 @@ pub(super) fn grid_frames(
         frames: frames.into_iter().map(|(frame, _)| frame).collect(),
         emission: wanted.shines,
         between,
-        kept: Kept::default(),
+        kept: Recent::default(),
     })
 }

@@ -9,10 +9,12 @@ pub use ground::GroundHeights;
 use super::Track;
 use super::drift::Drift;
 pub use crate::description::ron::MistShape;
-use crate::math::{BRICK, FLOW_NOISE_DEVIATION, FlowNoise, LitVoxels, NoiseWithin, Voxels, VoxelsBuilder};
+use crate::math::{
+    BRICK, FLOW_NOISE_DEVIATION, FlowNoise, LitVoxels, NoiseWithin, Recent, Voxels, VoxelsBuilder,
+};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// The smallest billows are this many voxels wide, unless one says otherwise.
 const VOXELS_A_BILLOW: f64 = 4.0;
@@ -54,17 +56,8 @@ pub struct Mist {
     pub seed: u32,
     /// Between voxels.
     pub voxel_m: f64,
-    pub(super) kept: Kept,
-}
-
-/// The last times' voxels; of a copy, which may be changed, there are none.
-#[derive(Debug, Default)]
-pub(super) struct Kept(Mutex<Vec<(State, MistVoxels)>>);
-
-impl Clone for Kept {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
+    /// The last times' voxels.
+    pub(super) kept: Recent<State, MistVoxels>,
 }
 
 /// Nothing where there is no mist at all.
@@ -112,17 +105,7 @@ impl Mist {
             cover: self.cover.at(time_s),
             scale_height_m: self.scale_height_m.as_ref().map(|track| track.at(time_s)),
         };
-        let kept = || self.kept.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, voxels)) = kept().iter().find(|(of, _)| *of == state) {
-            return voxels.clone();
-        }
-        let voxels = self.made(&state).map(|voxels| Arc::new(voxels.into()));
-        let mut kept = kept();
-        if kept.len() == KEPT {
-            kept.remove(0);
-        }
-        kept.push((state, voxels.clone()));
-        voxels
+        self.kept.of(state, KEPT, || self.made(&state).map(|voxels| Arc::new(voxels.into())))
     }
 
     fn made(&self, state: &State) -> Option<Voxels> {

@@ -19,7 +19,7 @@ fn mist(wind: DVec3, cover: f64) -> Mist {
         ground: None,
         seed: 4,
         voxel_m: 0.25,
-        kept: Kept::default(),
+        kept: Recent::default(),
     }
 }
 

@@ -1,0 +1,42 @@
+//! The last of what was made. In go a key and how its value is made, out comes the value. Invariant: values
+//! are made outside of the lock, for whoever helps to make one may want another.
+
+use std::sync::{Mutex, PoisonError};
+
+/// Values by their keys; a copy has none.
+#[derive(Debug)]
+pub struct Recent<K, V>(Mutex<Vec<(K, V)>>);
+
+impl<K, V> Default for Recent<K, V> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<K, V> Clone for Recent<K, V> {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl<K: PartialEq, V: Clone> Recent<K, V> {
+    /// Value of a key. Of more than `most` the one goes that was asked for longest ago.
+    pub fn of(&self, key: K, most: usize, make: impl FnOnce() -> V) -> V {
+        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = || {
+            let mut all = all();
+            let at = all.iter().position(|(known, _)| *known == key)?;
+            all[at..].rotate_left(1);
+            all.last().map(|(_, value)| value.clone())
+        };
+        known().unwrap_or_else(|| {
+            let value = make();
+            let mut all = all();
+            if all.len() == most {
+                all.remove(0);
+            }
+            all.push((key, value.clone()));
+            value
+        })
+    }
+}
