@@ -14,7 +14,6 @@ const CACHE_LINE: usize = 64;
 pub(super) struct Avx2(());
 
 impl Avx2 {
-    /// Asks the processor.
     pub(super) fn detect() -> Option<Self> {
         is_x86_feature_detected!("avx2").then_some(Self(()))
     }

@@ -107,7 +107,6 @@ impl<L: Lanes> BoxRay<L> {
     }
 }
 
-/// Visitor of a tree's leaves.
 pub(super) trait LeafVisitor<S: Simd> {
     /// Visits a leaf, may shorten `t_far`, and says whether the query is over.
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;

@@ -108,7 +108,6 @@ impl<L: Lanes, const N: usize> BoxRegion<L, N> {
     }
 }
 
-/// Visitor of a tree's leaves.
 pub(super) trait LeafVisitor<S: Simd> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack);
 

@@ -25,7 +25,6 @@ pub struct TriangleShadow {
     pub end: f64,
 }
 
-/// Appends the shadows of all instances' triangles.
 pub(super) struct AddEachShadow<'a> {
     pub(super) instances: Instances<'a>,
     pub(super) plane: &'a LightPlane,

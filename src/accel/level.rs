@@ -25,7 +25,6 @@ impl Level {
         Self::Portable(Portable)
     }
 
-    /// Runs a kernel.
     #[inline]
     pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self {

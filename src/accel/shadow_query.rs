@@ -30,7 +30,6 @@ pub(super) fn shadowing<S: Simd>(
     ])
 }
 
-/// Adds the shadows of all instances.
 pub(super) struct AddShadows<'a> {
     pub(super) instances: Instances<'a>,
     pub(super) plane: &'a LightPlane,

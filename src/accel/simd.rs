@@ -26,7 +26,6 @@ pub(super) fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
 pub(super) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// One truth value a lane.
     type Mask: Mask;
     /// `self < other ? self : other`: `other` wherever either is NaN.
     fn min(self, other: Self) -> Self;
@@ -54,11 +53,8 @@ pub(super) trait Mask:
 pub(super) trait Simd: Copy {
     /// The vector of [`WIDTH`] singles.
     type Lanes: Lanes;
-    /// One number in all lanes.
     fn splat(self, value: f32) -> Self::Lanes;
-    /// Loads lanes from memory.
     fn load(self, values: &Eight) -> Self::Lanes;
-    /// Stores lanes to memory.
     fn store(self, lanes: Self::Lanes) -> [f32; WIDTH];
     /// Begins to fetch what is soon to be read.
     #[inline(always)]
@@ -68,9 +64,7 @@ pub(super) trait Simd: Copy {
 /// A computation that is compiled for each implementation of [`Simd`]. Everything below `run` has
 /// to be inlined into it.
 pub(super) trait Kernel {
-    /// The answer.
     type Output;
-    /// Computes it.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 

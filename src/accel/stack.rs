@@ -26,7 +26,6 @@ impl Stack {
         Self { inline: [Entry::default(); INLINE], len: 0, spill: Vec::new() }
     }
 
-    /// Number of entries.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.len + self.spill.len()

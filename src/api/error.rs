@@ -59,7 +59,6 @@ pub enum RenderError {
 }
 
 impl RenderError {
-    /// A setting that cannot be used.
     pub(super) fn setting(setting: Setting, found: String, expected: impl Into<String>) -> Self {
         Self::Setting { setting, found, expected: expected.into() }
     }

@@ -134,7 +134,6 @@ impl Frame {
     }
 }
 
-/// Whether a channel is one of a pass.
 fn belongs(channel: &Channel, pass: Pass) -> bool {
     match pass {
         Pass::Cryptomatte => channel.name.starts_with(MATTE_LAYER),

@@ -208,7 +208,6 @@ impl<'scene> Plan<'scene> {
         any_needs(&self.job.passes, |needs| needs == what)
     }
 
-    /// The camera at a frame.
     fn view(&self, frame: i64) -> View {
         let time_s = self.shutter(frame).middle_s();
         let camera = &self.scene.resolved.cameras[self.camera];

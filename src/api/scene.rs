@@ -20,7 +20,6 @@ use std::sync::OnceLock;
 pub struct Scene {
     pub(super) resolved: scene::Scene,
     pub(super) settings: RenderSettings,
-    /// Options that it was resolved with.
     pub(super) options: ResolveOptions,
     /// SHA-256 over all input files; and over the camera that was brought along, if any.
     pub(super) content_hash: String,

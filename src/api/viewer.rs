@@ -27,7 +27,6 @@ pub struct Viewer {
     aperture: Option<Opening>,
 }
 
-/// Aperture of a lens.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Opening {

@@ -66,7 +66,6 @@ pub struct Plot {
     pub series: Vec<Series>,
 }
 
-/// One axis: logarithms to pixels.
 struct Axis {
     low: f64,
     high: f64,

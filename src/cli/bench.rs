@@ -24,7 +24,6 @@ use sunfleck::snapshot::Shutter;
 pub(super) const MOST_PIXELS: f64 = 480.0 * 270.0;
 const QUICK_PIXELS: f64 = 240.0 * 135.0;
 
-/// Subject of a bench: a picture at one moment.
 struct Subject<'a> {
     plan: Plan<'a>,
     scene: &'a Scene,

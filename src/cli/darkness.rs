@@ -9,7 +9,6 @@ use sunfleck::film::Dark;
 use sunfleck::scene::{DarkCause, dark_cause};
 use sunfleck::sequence::Event;
 
-/// Counts dark frames.
 #[derive(Default)]
 pub(super) struct DarkFrames(Mutex<Counted>);
 
@@ -17,7 +16,6 @@ pub(super) struct DarkFrames(Mutex<Counted>);
 struct Counted {
     frames: usize,
     dark: usize,
-    /// The first dark one.
     first: Option<(i64, Dark)>,
 }
 
@@ -29,7 +27,6 @@ impl DarkFrames {
         }
     }
 
-    /// Counts a frame that is done.
     pub(super) fn count(&self, frame: i64, dark: Option<Dark>) {
         let mut counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         counted.frames += 1;

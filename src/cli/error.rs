@@ -71,7 +71,6 @@ impl From<RenderError> for CliError {
     }
 }
 
-/// Flag of a setting.
 fn flag(setting: Setting) -> &'static str {
     match setting {
         Setting::Camera => "--camera",
@@ -85,7 +84,6 @@ fn flag(setting: Setting) -> &'static str {
     }
 }
 
-/// Error in the value of a flag.
 pub(super) fn usage(flag: &str, found: String, expected: &str) -> CliError {
     CliError::Usage(
         Diagnostic::error(Place::Nowhere, format!("{flag}: {found}"))

@@ -19,7 +19,6 @@ use sunfleck::transport::MarchSteps;
 
 /// Everything that a run needs to know.
 pub(super) struct Plan<'scene> {
-    /// Plan of all frames.
     pub(super) picture: api::Plan<'scene>,
     pub(super) frames: FrameList,
     pub(super) output: OutputPattern,
@@ -51,7 +50,6 @@ impl<'scene> Plan<'scene> {
     }
 }
 
-/// Renderer of a scene by the flags.
 fn renderer<'a>(scene: &'a Scene, arguments: &RenderArguments) -> Result<Renderer<'a>, CliError> {
     let mut renderer = Renderer::new(scene).method(method(arguments, scene.settings())?);
     if let Some(size) = arguments.size {

@@ -28,7 +28,6 @@ use sunfleck::sequence::{FrameList, OutputPattern};
 /// A contact sheet shows no more frames than this, evenly spread.
 const MOST_ON_SHEET: usize = 64;
 
-/// Source of frames.
 enum Source<'a> {
     /// Drawn.
     Scene { input: &'a Path, plan: Box<Plan<'a>> },
@@ -36,7 +35,6 @@ enum Source<'a> {
     Files { files: BTreeMap<i64, PathBuf>, size: Option<SizeArgument>, doubts: Doubts },
 }
 
-/// What is in doubt of files.
 #[derive(Default)]
 struct Doubts {
     colors: ColorDoubts,
@@ -111,7 +109,6 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The scene that is to be drawn.
 fn load(arguments: &PreviewArguments) -> Result<Scene, CliError> {
     let description = description::load(&arguments.input)?;
     loading::seen(description, &arguments.scene, arguments.size, arguments.camera.as_ref(), true)
@@ -179,7 +176,6 @@ impl<'a> Source<'a> {
         frames.as_slice().iter().copied().filter(exists).collect()
     }
 
-    /// Input of a frame.
     fn path(&self, frame: i64) -> PathBuf {
         match self {
             Self::Scene { input, .. } => input.to_path_buf(),

@@ -41,7 +41,6 @@ struct State {
     begun: usize,
     /// Frames on the disk; one fewer than those rendered while the last is being written.
     written: usize,
-    /// Noise of the noisiest frame.
     most_noise: Option<f64>,
     fraction: f64,
     first_begun: Option<Instant>,

@@ -64,7 +64,6 @@ pub(super) fn of_scene(
 }
 
 impl Run<'_> {
-    /// Renders all frames.
     fn sequence(self) -> Result<(), CliError> {
         let Self { arguments, stop, plan, .. } = self;
         let progress = Progress::new(arguments.progress);

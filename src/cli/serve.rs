@@ -106,7 +106,6 @@ fn read(desk: &Mutex<Desk>, to_server: &Sender<String>) {
 }
 
 impl Server<'_> {
-    /// Carries a request out.
     fn answer(&mut self, line: &str, stop: &Stop) -> Value {
         let request: Request = match serde_json::from_str(line) {
             Ok(request) => request,

@@ -49,7 +49,6 @@ impl Stop {
         Ok(stop)
     }
 
-    /// The signal that came.
     pub(super) fn signal(&self) -> Option<u8> {
         Some(self.number.load(Ordering::Relaxed)).filter(|&number| number > 0)
     }
@@ -93,7 +92,6 @@ fn heed_limits() -> io::Result<()> {
     Ok(())
 }
 
-/// Signals that stop the program.
 const STOPPING: [i32; 2] = [SIGINT, SIGTERM];
 
 /// Catches signals from now on; what comes back waits for the first.

@@ -27,7 +27,6 @@ pub struct ColorSpace {
     curve: Curve,
 }
 
-/// Encoding of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Curve {
     Linear,

@@ -3,7 +3,6 @@
 
 use serde_json::{Value, json};
 
-/// The binary part of a file.
 #[derive(Debug, Default)]
 pub(super) struct Binary {
     pub(super) bytes: Vec<u8>,

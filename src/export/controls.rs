@@ -8,7 +8,6 @@ use glam::DVec3;
 use serde_json::json;
 
 impl Writer<'_> {
-    /// Carries one number.
     pub(super) fn carry_number(&mut self, target: String, track: &Track<f64>) {
         if !track.is_constant() {
             let track = track.map_linear(|value| DVec3::new(value, 0.0, 0.0));
@@ -16,7 +15,6 @@ impl Writer<'_> {
         }
     }
 
-    /// Carries three numbers.
     pub(super) fn carry_color(&mut self, target: String, track: &Track<Rgb>) {
         if !track.is_constant() {
             self.carry(target, "translation", track);

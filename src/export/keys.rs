@@ -14,7 +14,6 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::ops::{Add, Mul};
 
-/// Moments at which motion is sampled.
 pub(super) struct Moments {
     /// The first frame, where nodes stand if they stand still.
     pub(super) start_s: f64,
@@ -36,7 +35,6 @@ pub(super) struct Keys<T> {
     interpolation: &'static str,
 }
 
-/// Key times.
 enum Times {
     /// This part of the common moments.
     Common(usize),

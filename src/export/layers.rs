@@ -6,7 +6,6 @@ use crate::scene::{Clearcoat, Material, Sheen, TextureIndex, TextureMap};
 use serde_json::{Value, json};
 
 impl Writer<'_> {
-    /// Adds a material's layers to its extensions.
     pub(super) fn add_layers(&mut self, material: &Material, extensions: &mut Value) {
         let mut add = |name: &'static str, fields: Vec<(&str, Option<Value>)>| {
             self.extensions.insert(name);

@@ -15,7 +15,6 @@ use std::f64::consts::PI;
 const NARROWEST_EDGE: f64 = 1e-9;
 
 impl Writer<'_> {
-    /// Adds every light.
     pub(super) fn add_lights(&mut self) -> Result<(), Diagnostic> {
         self.scene.lights.iter().try_for_each(|light| self.add_light(light))
     }
@@ -83,7 +82,6 @@ impl Writer<'_> {
 }
 
 impl Writer<'_> {
-    /// Writes what changes of a light.
     fn carry_light(&mut self, light: &Light) {
         let owner = format!("{}.sunfleck_light", self.scene.nodes[light.node].name);
         let mut number =

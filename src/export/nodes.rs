@@ -16,7 +16,6 @@ const NEAREST_M: f64 = 1e-4;
 const FARTHEST_M: f64 = 1e6;
 
 impl Writer<'_> {
-    /// Adds every node.
     pub(super) fn add_nodes(&mut self) {
         for node in &self.scene.nodes {
             let parent = node.parent.map(|parent| self.node_numbers[parent]);
@@ -119,7 +118,6 @@ impl Writer<'_> {
         self.extend(node, "extensions", extension, value);
     }
 
-    /// A custom property of a node.
     pub(super) fn set_extra(&mut self, node: usize, name: &str, value: Value) {
         self.extend(node, "extras", name, value);
     }
@@ -151,7 +149,6 @@ impl Writer<'_> {
         }
     }
 
-    /// Adds every camera.
     pub(super) fn add_cameras(&mut self, settings: &RenderSettings) {
         let aspect = settings.size.width as f64 / settings.size.height as f64;
         let start_s = self.moments.start_s;

@@ -107,7 +107,6 @@ impl Writer<'_> {
         Ok(Some(written))
     }
 
-    /// The custom properties of the scene.
     pub(super) fn scene_extras(&mut self, settings: &RenderSettings) -> Result<Value, Diagnostic> {
         let rate = settings.frame_rate;
         let mut sunfleck = json!({

@@ -10,7 +10,6 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    /// Number of nodes.
     pub(super) fn count(&self) -> usize {
         self.size.iter().product()
     }
@@ -22,7 +21,6 @@ impl Lattice {
         DVec3::new(x as f64, y as f64, z as f64)
     }
 
-    /// Place of its last node.
     pub(super) fn last(&self) -> DVec3 {
         DVec3::from_array(self.size.map(|count| (count - 1) as f64))
     }

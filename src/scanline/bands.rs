@@ -63,7 +63,6 @@ pub(super) struct Member {
 /// Visibility of a band's samples: pixel by pixel, all samples of a pixel together.
 #[derive(Default)]
 pub(super) struct Visible {
-    /// Rows of pixels.
     pub(super) rows: Range<usize>,
     /// Along the view axis, metres; infinite where there is nothing.
     pub(super) depths: Vec<f64>,

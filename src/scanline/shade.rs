@@ -8,7 +8,6 @@ use crate::snapshot::{Facet, FrozenLight, Snapshot};
 use crate::transport::unshadowed;
 use glam::DVec2;
 
-/// Shades the pixels of a band.
 pub(super) struct Shader<'a> {
     snapshot: &'a Snapshot<'a>,
     bands: &'a Bands,
@@ -111,7 +110,6 @@ impl<'a> Shader<'a> {
         depth / self.ray(at).direction.dot(self.snapshot.view.axes().2)
     }
 
-    /// Whether a triangle is a hole in the picture.
     fn is_hole(&self, triangle: u32) -> bool {
         self.snapshot.is_holdout(self.bands.triangles[triangle as usize].primitive)
     }

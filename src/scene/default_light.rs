@@ -8,7 +8,6 @@ use crate::color::Rgb;
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::PI;
 
-/// Name of the sun and of its node.
 const NAME: &str = "default key";
 
 /// Direction to the sun in camera space: to the left, above and behind.

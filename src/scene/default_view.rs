@@ -8,7 +8,6 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
 
-/// Name of the camera and of its node.
 const NAME: &str = "camera";
 
 /// Vertical field of view, radians.
@@ -141,7 +140,6 @@ impl Seen {
     }
 }
 
-/// Visible part of a scene at a time.
 fn seen_at(scene: &Scene, time_s: f64, frustum: &Frustum) -> Seen {
     let placements = scene.placements(time_s);
     let seen = |instance: &Instance| {

@@ -27,7 +27,6 @@ pub(super) fn check(scene: &Scene, file: &Path) -> Result<(), Diagnostics> {
     if errors.is_empty() { Ok(()) } else { Err(Diagnostics(errors)) }
 }
 
-/// Value beyond a limit.
 struct Excess {
     path: String,
     found: String,

@@ -119,7 +119,6 @@ impl Summary {
         }
     }
 
-    /// Counts a frame that is kept.
     pub(super) fn count_skipped(&mut self, reason: SkipReason) {
         match reason {
             SkipReason::Valid => self.skipped_valid += 1,

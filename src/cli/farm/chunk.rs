@@ -30,7 +30,6 @@ pub(super) struct Farm {
     pub(super) start_s: f64,
     /// Time of a task, one after the other for all machines: the manager, and a disk that all share.
     pub(super) serial_s: f64,
-    /// Time of a frame.
     pub(super) frame_s: f64,
 }
 

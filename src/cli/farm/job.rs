@@ -55,13 +55,11 @@ pub(super) struct Job {
 /// Names that a manager has for the parts of a command line.
 pub(super) struct Names<'a> {
     pub(super) input: &'a str,
-    /// All frames of the job.
     pub(super) frames: &'a str,
     /// Frames of a task.
     pub(super) chunk: &'a str,
     pub(super) output: &'a str,
     pub(super) bakes: &'a str,
-    /// Style of progress.
     pub(super) progress: &'a str,
 }
 
@@ -115,7 +113,6 @@ pub(super) fn memory_mib(picture_bytes: u64, file_bytes: u64) -> u64 {
     MIB_BESIDE + (picture_bytes + MEMORY_BY_FILE * file_bytes).div_ceil(1 << 20)
 }
 
-/// Estimated time of a frame.
 pub(super) fn frame_seconds(pixels: usize, sampling: Sampling, threads: u32) -> f64 {
     let samples = match sampling {
         Sampling::Exactly(count) => count,

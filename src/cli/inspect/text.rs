@@ -324,7 +324,6 @@ fn kind(kind: &LightKind) -> &'static str {
     }
 }
 
-/// Brightness and size of a light.
 fn brightness(light: &Light, time_s: f64) -> String {
     let power = light.power.at(time_s);
     let brightest = power.max_element();

@@ -13,7 +13,6 @@ const READS_OF_EACH_BYTE: usize = 64;
 /// Size that a file may take in any case, bytes.
 const SMALL_BYTES: usize = 64 << 20;
 
-/// Reads the accessors of a document.
 pub(super) struct Accessors<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
@@ -33,7 +32,6 @@ pub(super) struct Wanted {
     pub(super) components: &'static [Component],
 }
 
-/// Component types of accessors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Component {
     I8,
@@ -285,7 +283,6 @@ impl<'a> Accessors<'a> {
     }
 }
 
-/// Source of the numbers.
 struct Source<'b> {
     bytes: &'b [u8],
     offset: usize,

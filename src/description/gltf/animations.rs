@@ -23,7 +23,6 @@ enum Read {
     Nothing,
 }
 
-/// Names of all animations.
 pub(super) fn names(document: &Document) -> Vec<String> {
     let name = |(index, animation): (usize, &Animation)| named(&animation.name, "animation", index);
     document.animations.iter().enumerate().map(name).collect()
@@ -66,7 +65,6 @@ fn is_misnumbered(document: &Document, channel: &json::Channel) -> bool {
     has_instances && channel.target.node.is_some_and(|node| node >= document.nodes.len())
 }
 
-/// The channels of one animation, while they are read.
 struct ChannelReader<'a> {
     document: &'a Document,
     animation: &'a Animation,
@@ -226,7 +224,6 @@ impl ChannelReader<'_> {
     }
 }
 
-/// Contents of a sampler.
 struct Sampled {
     times_s: Vec<f32>,
     interpolation: Interpolation,

@@ -26,15 +26,12 @@ pub(super) struct At<'a> {
     pub(super) mesh: &'a str,
 }
 
-/// Reads the attributes of one primitive.
 pub(super) struct Attributes<'a> {
     pub(super) document: &'a Document,
     pub(super) primitive: &'a json::Primitive,
     /// Number that there has to be of each.
     pub(super) vertices: usize,
-    /// Path of the primitive in the file.
     pub(super) path: &'a str,
-    /// The name of its mesh.
     pub(super) mesh: &'a str,
     pub(super) accessors: &'a Accessors<'a>,
     pub(super) report: &'a mut Report,

@@ -14,7 +14,6 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// All buffers of a file.
 pub(super) struct Buffers<'a> {
     file: &'a Path,
     document: &'a Document,
@@ -150,7 +149,6 @@ fn percent_decoded(uri: &str) -> Option<String> {
 }
 
 impl Buffers<'_> {
-    /// Number of bytes in all.
     pub(super) fn total_bytes(&self) -> usize {
         let read = self.buffers.iter().flatten().map(|buffer| buffer.len());
         let unpacked = self.unpacked.values().flatten().map(Vec::len);

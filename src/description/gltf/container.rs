@@ -45,7 +45,6 @@ fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"))
 }
 
-/// Chunks of a GLB file.
 struct Chunks<'a> {
     json: &'a [u8],
     binary: Option<&'a [u8]>,

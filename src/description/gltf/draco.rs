@@ -23,7 +23,6 @@ const TRIANGLES: u32 = 4;
 pub(super) struct Unpacked {
     /// Elements; may be more than the accessor says, where Draco split vertices at seams.
     pub(super) count: usize,
-    /// Numbers an element.
     pub(super) width: usize,
     /// glTF's code of the component type.
     pub(super) component_type: u32,
@@ -55,7 +54,6 @@ pub(super) fn unpack(
     (unpacked, damaged)
 }
 
-/// The accessors that a primitive fills.
 fn of_primitive(
     primitive: &Primitive,
     document: &Document,

@@ -5,7 +5,6 @@ use super::json::Document;
 use super::report::Report;
 use crate::diagnostic::{Diagnostic, Loss};
 
-/// Support of an extension.
 enum Support {
     /// Done as it says.
     Honoured,

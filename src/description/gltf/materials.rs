@@ -50,7 +50,6 @@ pub(super) fn read(
     (materials, textures.read)
 }
 
-/// Gives a material one of its textures.
 fn put(material: &mut Material, slot: &Slot, map: Option<TextureMap>) {
     let bending = map.map(|map| (map, slot.info.scale));
     match slot.purpose {
@@ -157,7 +156,6 @@ fn in_unit_range<const N: usize>(values: [f64; N], path: &str, at: &str, report:
     within
 }
 
-/// Numbers of a material's extensions.
 struct Extensions<'a> {
     material: &'a json::Material,
     path: &'a str,

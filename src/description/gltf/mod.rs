@@ -269,7 +269,6 @@ pub enum Values {
 }
 
 impl GltfScene {
-    /// The meshes that nodes of the scene that is shown have.
     fn shown_meshes(&self) -> BTreeSet<usize> {
         pictures::shown_nodes(self).into_iter().filter_map(|node| self.nodes[node].mesh).collect()
     }

@@ -136,7 +136,6 @@ fn shown_scene(document: &Document) -> usize {
     document.scene.filter(|&scene| scene < document.scenes.len()).unwrap_or(0)
 }
 
-/// Chooses the scene that is shown, and its roots.
 pub(super) fn choose_scene(document: &Document, scene: &mut GltfScene, report: &mut Report) {
     if let Some(named) = document.scene {
         report.index_exists("scene", named, document.scenes.len(), "scene");

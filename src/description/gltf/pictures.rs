@@ -38,14 +38,12 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
     Ok(())
 }
 
-/// Nodes of the scene that hold a sun.
 fn shown_suns(scene: &GltfScene) -> impl Iterator<Item = usize> {
     let is_sun = |light: usize| matches!(scene.lights[light].kind, LightKind::Directional);
     let nodes = shown_nodes(scene).into_iter();
     nodes.filter(move |&index| scene.nodes[index].light.is_some_and(is_sun))
 }
 
-/// Nodes of the scene.
 pub(super) fn shown_nodes(scene: &GltfScene) -> Vec<usize> {
     let mut was_there = vec![false; scene.nodes.len()];
     let mut waiting = scene.roots.clone();

@@ -49,7 +49,6 @@ impl Property {
     ];
 }
 
-/// Target of a pointer.
 pub(super) enum Target {
     /// A property of thing number so much.
     Property(Property, usize),
@@ -61,7 +60,6 @@ pub(super) enum Target {
     Missing,
 }
 
-/// Resolves a JSON pointer.
 pub(super) fn resolve(document: &Document, pointer: &str) -> Target {
     // Blender 5.0 writes a dot where the angles of spots begin.
     let pointer = pointer.replace("/spot.", "/spot/");

@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 /// Number of names that one message lists.
 const NAMES_LISTED: usize = 6;
 
-/// Diagnostics of one file.
 pub(crate) struct Report {
     file: PathBuf,
     diagnostics: Diagnostics,
@@ -65,7 +64,6 @@ impl Report {
         result.map_err(|diagnostic| self.push(diagnostic)).ok()
     }
 
-    /// The file.
     pub(crate) fn file(&self) -> Place {
         Place::File(self.file.clone())
     }

@@ -7,17 +7,14 @@ use super::textures::Look;
 use crate::description::image::Encoding;
 use glam::{DAffine2, DMat2, DVec2};
 
-/// A texture of a material.
 #[derive(Debug)]
 pub(super) struct Slot {
     pub(super) purpose: Purpose,
     pub(super) look: Look,
     pub(super) info: TextureInfo,
-    /// Path in the material.
     pub(super) path: &'static str,
 }
 
-/// Purpose of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     BaseColor,
@@ -52,7 +49,6 @@ impl Purpose {
         }
     }
 
-    /// Whether it bends normals.
     pub(super) fn is_bending(self) -> bool {
         matches!(self, Self::Normal | Self::ClearcoatNormal)
     }

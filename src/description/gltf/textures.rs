@@ -114,7 +114,6 @@ impl<'a> Textures<'a> {
         Ok(Texture { name, image, wrap })
     }
 
-    /// Index of the image that a texture shows.
     fn source(&self, index: usize, texture: &json::Texture) -> Result<usize, Diagnostic> {
         let path = format!("textures[{index}].source");
         // The plain image is the same picture, and every reader's first choice.

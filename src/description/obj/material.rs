@@ -79,7 +79,6 @@ impl ObjMaterial {
     }
 }
 
-/// Reads an MTL file.
 pub(super) fn read(text: &str, path: &Path, tally: &mut Tally) -> Vec<ObjMaterial> {
     let mut readers: Vec<(String, BTreeMap<String, Value>)> = Vec::new();
     for statement in statements(text) {

@@ -117,7 +117,6 @@ fn read(path: &Path, referrer: Option<&str>, files: &mut Files) -> Result<ObjMod
 
 /// A file whose faces are cut, and not yet joined to one mesh.
 struct Opened {
-    /// Model with its materials.
     model: ObjModel,
     common: Common,
     parts: Vec<Part>,

@@ -133,7 +133,6 @@ fn smoothing_group(word: &str) -> u32 {
 struct Face {
     corners: Vec<[usize; 3]>,
     has: [bool; 3],
-    /// Loss of the face.
     loss: Option<Loss>,
 }
 

@@ -39,7 +39,6 @@ impl ObjModel {
     }
 }
 
-/// Reads all files of a sequence.
 pub(super) fn read(
     numbered: &Numbered<'_>,
     referrer: &str,

@@ -9,7 +9,6 @@ use std::path::Path;
 const NAMES_LISTED: usize = 6;
 const LONGEST_NAME: usize = 60;
 
-/// Counts what is lost.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     kinds: BTreeMap<Loss, Kind>,
@@ -42,7 +41,6 @@ impl Tally {
         }
     }
 
-    /// Adds a loss at a line of a file.
     pub(super) fn add_at(&mut self, loss: Loss, name: &str, (path, line): (&Path, usize)) {
         self.add(loss, name, Place::Text { file: path.to_owned(), line, column: 1 });
     }

@@ -14,9 +14,7 @@ use std::path::Path;
 /// The two kinds of file.
 #[derive(Debug, Deserialize)]
 pub(super) enum Document {
-    /// Scene file.
     Scene(SceneFile),
-    /// Sequence file.
     Sequence(SequenceFields),
 }
 

@@ -30,7 +30,6 @@ impl Error for Refusal {
     }
 }
 
-/// Place of the walk.
 struct Walk<'a> {
     path: &'a mut String,
 }

@@ -22,7 +22,6 @@ mod inactive {
 
 /// Encoding of a grid's values.
 pub(super) struct Encoding<V> {
-    /// The grid's flags of compression.
     pub(super) flags: u32,
     /// Whether values have 16 bits.
     pub(super) is_half: bool,

@@ -14,9 +14,7 @@ pub(super) const GRID_PER_M: f64 = 1_048_576.0;
 pub(crate) enum Emitter {
     /// A box with its smallest and largest coordinates.
     Box(DVec3, DVec3),
-    /// An ellipsoid with its middle and radii.
     Ellipsoid(DVec3, DVec3),
-    /// The surface of a mesh.
     Surface(Surface),
 }
 

@@ -93,7 +93,6 @@ impl Journey {
     }
 }
 
-/// A leaf in the air.
 struct Flier {
     state: State,
     time_s: f64,

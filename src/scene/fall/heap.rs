@@ -157,7 +157,6 @@ impl Sheet {
     }
 }
 
-/// Name of a tile.
 fn key([x, z]: [i32; 2]) -> u64 {
     (u64::from(x as u32) << 32) | u64::from(z as u32)
 }
@@ -181,7 +180,6 @@ impl Hasher for OfKeys {
     }
 }
 
-/// Index of a square in its tile.
 fn within_tile(square: [i32; 2]) -> usize {
     let [x, z] = square.map(|at| at.rem_euclid(TILE));
     (z * TILE + x) as usize

@@ -83,7 +83,6 @@ pub(super) struct Settling {
     touch: Pose,
     /// Places that its middle slides to, at even times; heights are not looked at.
     places: Vec<DVec3>,
-    /// Pose at rest.
     pub(super) rest: Pose,
 }
 

@@ -18,7 +18,6 @@ pub(super) trait Number:
     + Mul<f64, Output = Self>
     + Neg<Output = Self>
 {
-    /// Applies a function to each lane.
     fn map(self, of: impl Fn(f64) -> f64) -> Self;
 }
 

@@ -12,7 +12,6 @@ use glam::{DQuat, DVec3};
 const LONGEST_INTERVAL_S: f64 = 1.0 / 40.0;
 const LONGEST_INTERVAL: f64 = 0.4;
 
-/// Surroundings that leaves fall in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surroundings<'a> {
     pub(super) wind: &'a Wind,
@@ -22,7 +21,6 @@ pub(super) struct Surroundings<'a> {
     pub(super) speed_gain: &'a Track<f64>,
 }
 
-/// A leaf that is about to fall.
 #[derive(Clone, Debug)]
 pub(crate) struct Leaf {
     pub(crate) plate: Plate,
@@ -42,7 +40,6 @@ pub(crate) struct Leaf {
     pub(crate) outline: Vec<DVec3>,
     /// Upward directions when it lies on the one side and on the other.
     pub(crate) rests: [DVec3; 2],
-    /// Reach of the outline.
     pub(crate) reach_m: f64,
     /// Free height below it once it lies.
     pub(crate) clearance_m: f64,
@@ -63,7 +60,6 @@ pub(crate) struct Manner {
     pub(crate) sway_phase: [f64; 2],
 }
 
-/// Pose of a leaf at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose {
     pub(crate) time_s: f64,
@@ -71,7 +67,6 @@ pub(crate) struct Pose {
     pub(crate) turn: DQuat,
 }
 
-/// Flight of a leaf through the air.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Flight {
     /// Poses from the release on; the last touches the ground, unless the leaf never does.

@@ -24,7 +24,6 @@ enum Way {
     Spiral,
 }
 
-/// Ways to fall with their shares.
 fn shares(motion: &FallMotion) -> [(Way, f64); 6] {
     [
         (Way::Steady, motion.steady.si()),
@@ -36,7 +35,6 @@ fn shares(motion: &FallMotion) -> [(Way, f64); 6] {
     ]
 }
 
-/// Sum of all shares.
 pub(crate) fn sum(motion: &FallMotion) -> f64 {
     shares(motion).iter().map(|(_, share)| share).sum()
 }

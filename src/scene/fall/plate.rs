@@ -66,7 +66,6 @@ pub(super) fn inertia(chord_m: f64, areal_mass_kg_per_m2: f64) -> f64 {
     4.0 * areal_mass_kg_per_m2 / (PI * AIR_DENSITY * chord_m)
 }
 
-/// Motion and place of the plate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct State<N = f64> {
     /// Velocity through the air along the chord and along the normal.

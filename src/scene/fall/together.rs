@@ -26,14 +26,12 @@ impl Abreast {
         self.state = state;
     }
 
-    /// State of the plate of one lane.
     pub(super) fn state(&self, lane: usize) -> State {
         let State { u, v, w, cos, sin, x, y } = self.state;
         let [u, v, w, cos, sin, x, y] = [u, v, w, cos, sin, x, y].map(|lanes| lanes.0[lane]);
         State { u, v, w, cos, sin, x, y }
     }
 
-    /// Puts a plate into a lane.
     pub(super) fn set(&mut self, lane: usize, leg: &Leg) {
         let Leg { plate, state, weight, time, .. } = leg;
         let State { u, v, w, cos, sin, x, y } = &mut self.state;

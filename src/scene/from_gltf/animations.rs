@@ -78,7 +78,6 @@ fn side_by_side(source: &GltfScene, targets: &[BTreeSet<Target>], report: &mut R
     targets.iter().zip(&source.animations).map(&mut is_free).collect()
 }
 
-/// Targets of each animation.
 fn targets(source: &GltfScene) -> Vec<BTreeSet<Target>> {
     let mut targets = vec![BTreeSet::new(); source.animations.len()];
     for channel in &source.channels {
@@ -96,7 +95,6 @@ fn targets(source: &GltfScene) -> Vec<BTreeSet<Target>> {
     targets
 }
 
-/// The names of what an animation moves.
 fn moves(source: &GltfScene, targets: &BTreeSet<Target>) -> Vec<String> {
     let node = |index: usize| source.nodes[index].name.clone();
     let name = |&(thing, index): &Target| match thing {

@@ -150,7 +150,6 @@ impl Builder<'_> {
         still.into_iter().enumerate().map(keyed).collect()
     }
 
-    /// Skin of a node's mesh.
     fn skin(&mut self, part: &Converted, node: usize) -> Option<Skin> {
         let index = self.source.nodes[node].skin?;
         let influences = Arc::clone(part.influences.as_ref()?);

@@ -31,7 +31,6 @@ struct Environment {
     visible_to_camera: bool,
 }
 
-/// Names of what a sky lights.
 #[derive(Deserialize)]
 #[serde(remote = "SkyLight", rename_all = "snake_case")]
 enum Lights {

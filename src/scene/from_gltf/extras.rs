@@ -12,7 +12,6 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Properties in the scene's extras.
 pub(super) struct SceneExtras {
     pub(super) sunfleck: Sunfleck,
     pub(super) fog: Option<Fog>,
@@ -45,7 +44,6 @@ pub(super) struct Sunfleck {
     pub(super) bounces: Option<Value>,
     /// Passes, as the command line names them.
     pub(super) passes: Option<Vec<String>>,
-    /// Shutter in frames.
     pub(super) shutter: Option<f64>,
     /// Offset from the frame to the opening of the shutter, in frames.
     pub(super) shutter_offset: Option<f64>,

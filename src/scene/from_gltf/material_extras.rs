@@ -82,7 +82,6 @@ impl MaterialExtras {
 }
 
 impl Builder<'_> {
-    /// The property of a material.
     pub(super) fn material_extras(
         &mut self,
         index: usize,

@@ -46,7 +46,6 @@ struct Builder<'a> {
     properties: BTreeMap<(Property, usize), &'a PropertyChannel>,
     /// Images on suns, by the names that the file has for them.
     sun_images: BTreeMap<String, Arc<Texture>>,
-    /// Number of suns that show a picture.
     pictures_on_suns: usize,
     /// Meshes that a mask has cut.
     outlines: Tally,

@@ -8,7 +8,6 @@ use crate::diagnostic::Loss;
 use crate::scene::{Animate, Extend, Key, Motion, Node, NodeIndex, Rotation, Segment, Track};
 use glam::{DAffine3, DQuat, DVec3};
 
-/// The channels of one node, one a property.
 #[derive(Clone, Copy, Default)]
 struct Channels<'a> {
     translation: Option<&'a Channel>,
@@ -17,7 +16,6 @@ struct Channels<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Adds every node of the scene.
     pub(super) fn add_nodes(&mut self) {
         let channels = self.channels_by_node();
         let mut waiting: Vec<(usize, Option<NodeIndex>)> =

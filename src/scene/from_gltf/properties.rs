@@ -29,7 +29,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The channel of a property.
     fn property(&self, property: Property, index: usize) -> Option<&'a PropertyChannel> {
         self.properties.get(&(property, index)).copied()
     }

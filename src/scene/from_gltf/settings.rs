@@ -33,7 +33,6 @@ pub(super) fn settings(
 
 /// The extras, and who hears of what is wrong with them.
 struct Reading<'a> {
-    /// The scene's number.
     scene: usize,
     sunfleck: &'a Sunfleck,
     report: &'a mut Report,

@@ -11,7 +11,6 @@ use glam::{DVec2, DVec3};
 const DEFAULT_FOV_DEG: f64 = 45.0;
 
 impl Resolver<'_> {
-    /// Adds all cameras.
     pub(super) fn cameras(&mut self) {
         if self.file.cameras.iter().len() == 0 {
             let remedy = "add `cameras: { \"main\": (position_m: (0.0, 1.0, 4.0)) }`";

@@ -149,7 +149,6 @@ impl Resolver<'_> {
         all <= u64::from(ron::MOST_FALLING)
     }
 
-    /// Puts one leaf into the scene.
     fn fallen(&mut self, (name, chance): (String, f64), leaf: Fallen, dresses: &[Dress], block: &ron::Fall) {
         let Dress { meshes, materials, tint } = &dresses[leaf.species];
         let mesh = meshes[leaf.outline];

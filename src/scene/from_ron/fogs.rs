@@ -6,7 +6,6 @@ use crate::scene::{Fog, FogShape, HeightFalloff, Motion};
 use glam::{DAffine3, DQuat, DVec3};
 
 impl Resolver<'_> {
-    /// Places all fog.
     pub(super) fn fogs(&mut self) {
         for (name, fog) in self.file.fog.iter() {
             let owner = format!("fog.{name}");

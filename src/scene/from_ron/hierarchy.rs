@@ -8,7 +8,6 @@ use glam::DAffine3;
 use std::collections::BTreeMap;
 
 impl<'a> Resolver<'a> {
-    /// Places all objects.
     pub(super) fn objects(&mut self) {
         let objects: BTreeMap<&'a str, &'a Object> = self.file.objects.iter().collect();
         for (name, _) in self.file.objects.iter() {

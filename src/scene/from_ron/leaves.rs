@@ -68,7 +68,6 @@ impl Resolver<'_> {
         found.into_iter().collect()
     }
 
-    /// The materials of a list of names.
     pub(super) fn leaf_materials(&mut self, owner: &str, names: &[String]) -> Option<Vec<MaterialIndex>> {
         let found = names.iter().enumerate();
         let found: Vec<_> =
@@ -107,7 +106,6 @@ enum Draw {
     Tint = 17,
 }
 
-/// The chance of one leaf.
 #[derive(Clone, Copy)]
 struct LeafChance(Chance);
 

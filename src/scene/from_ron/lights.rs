@@ -15,7 +15,6 @@ pub(super) struct Named<'a> {
 }
 
 impl Resolver<'_> {
-    /// Places all lights.
     pub(super) fn lights(&mut self) {
         for (name, light) in self.file.lights.iter() {
             let owner = format!("lights.{name}");
@@ -144,7 +143,6 @@ impl Resolver<'_> {
     }
 }
 
-/// The name of what a light follows.
 fn parent_of(light: &ron::Light) -> Option<&str> {
     match light {
         ron::Light::Sun(ron::Sun { parent, .. })
@@ -171,7 +169,6 @@ fn area(shape: AreaShape, width: Track<f64>, height: Track<f64>) -> LightKind {
     LightKind::Area { shape, width, height, spread: Track::from(PI) }
 }
 
-/// A point, or a sphere of that radius.
 fn point(radius: Track<f64>) -> LightKind {
     if is_always_zero(&radius) { LightKind::Point } else { LightKind::Sphere { radius } }
 }

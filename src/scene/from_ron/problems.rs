@@ -5,7 +5,6 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Collects the problems of one file.
 pub(super) struct Problems {
     file: PathBuf,
     errors: Diagnostics,

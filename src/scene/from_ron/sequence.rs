@@ -14,7 +14,6 @@ pub(in crate::inside::scene) fn frame_rate(sequence: &SequenceFile) -> Option<Fr
     sequence.fields.frame_rate
 }
 
-/// Applies what the sequence says to the settings of its scene.
 pub(in crate::inside::scene) fn apply_sequence(
     sequence: SequenceFile,
     scene: &Scene,

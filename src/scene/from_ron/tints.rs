@@ -27,7 +27,6 @@ impl Level {
 }
 
 impl Resolver<'_> {
-    /// Places a mesh.
     pub(super) fn instance(&mut self, node: NodeIndex, mesh: MeshIndex, material: Option<MaterialIndex>) {
         self.tinted_instance(node, mesh, (material, material));
     }

@@ -33,7 +33,6 @@ pub struct GridFrames {
     /// Emission where its grid is 1, W m^-3 sr^-1.
     pub emission: Track<Rgb>,
     between: Between,
-    /// Voxels of the last times.
     kept: Recent<Asked, Option<Arc<FogVoxels>>>,
 }
 

@@ -42,7 +42,6 @@ pub struct Mist {
     pub octaves: u32,
     /// The share of the shape that it fills, `0..=1`.
     pub cover: Track<f64>,
-    /// Wind that carries the billows.
     pub(crate) wind: Drift,
     /// Turns that the billows have made.
     pub evolution_turns: Track<f64>,
@@ -56,7 +55,6 @@ pub struct Mist {
     pub seed: u32,
     /// Between voxels.
     pub voxel_m: f64,
-    /// The last times' voxels.
     pub(super) kept: Recent<State, MistVoxels>,
 }
 

@@ -24,7 +24,6 @@ enum Rest {
     Parts { points: Vec<Point>, triangles: Vec<[u32; 3]> },
 }
 
-/// Cuts triangles.
 pub(super) struct Cutter {
     rings: Vec<Ring>,
     /// Triangles that lie in the same place of the texture are cut once.

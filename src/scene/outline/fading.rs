@@ -17,7 +17,6 @@ pub(super) fn outlined(alphas: &[f32], threshold: f64, triangles: &[[u32; 3]]) -
     Outlined { added: edges.added, triangles: kept }
 }
 
-/// The vertices on cut edges.
 struct Edges<'a> {
     alphas: &'a [f32],
     threshold: f64,

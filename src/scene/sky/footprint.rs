@@ -22,7 +22,6 @@ struct Row {
 }
 
 impl Footprints {
-    /// Footprints of an image of that size.
     pub(super) fn new(width: usize, height: usize) -> Self {
         let step = TAU / width as f64;
         // Of a hat about 0 that reaches as far as the next texels, times a cosine: step sinc^2(step / 2).

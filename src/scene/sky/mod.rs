@@ -22,7 +22,6 @@ pub use self::suns::SkySun;
 /// The sky, at every time.
 #[derive(Clone, Debug)]
 pub struct Sky {
-    /// Picture.
     picture: SkyPicture,
     /// Suns of the picture that are lights of their own.
     suns: SkySuns,
