@@ -61,6 +61,13 @@ def closed(right: list[Point], left: list[Point]) -> list[Point]:
     return right + [(-x, z) for x, z in reversed(left[1:-1])]
 
 
+def waved(half_width, steps: int, height: float, frequency: float, phase: float) -> list[Point]:
+    """A side with a shallow wave along it, which ends at both ends."""
+    inner = [i / steps for i in range(1, steps)]
+    waves = ((half_width(t) + height * math.sin(frequency * t + phase) * min(1.0, 8 * t * (1 - t)), t) for t in inner)
+    return [(0.0, 0.0), *waves, (0.0, 1.0)]
+
+
 def jittered(points: list[Point], amount: float, rng: random.Random) -> list[Point]:
     """Control points moved a little, so that the two sides of a leaf are not mirror images."""
     inner = [(x + rng.uniform(-amount, amount), z + rng.uniform(-amount, amount)) for x, z in points[1:-1]]
@@ -163,16 +170,8 @@ def beech(individual: str = "") -> Blade:
     def half_width(t: float) -> float:
         return ovate(width, widest, 0.72, t)
 
-    def side(phase: float) -> list[Point]:
-        steps = 44
-        inner = [i / steps for i in range(1, steps)]
-        return [
-            (0.0, 0.0),
-            *((half_width(t) + 0.011 * math.sin(54 * t + phase) * min(1.0, 8 * t * (1 - t)), t) for t in inner),
-            (0.0, 1.0),
-        ]
-
-    return Blade("beech", closed(side(0.0), side(1.3)), pinnate_veins(half_width, 8, 0.15), 0.20)
+    sides = (waved(half_width, 44, 0.011, 54, phase) for phase in (0.0, 1.3))
+    return Blade("beech", closed(*sides), pinnate_veins(half_width, 8, 0.15), 0.20)
 
 
 def ginkgo() -> Blade:
@@ -235,16 +234,8 @@ def willow() -> Blade:
     def half_width(t: float) -> float:
         return ovate(0.092, 0.42, 0.88, t)
 
-    def side(phase: float) -> list[Point]:
-        steps = 40
-        inner = [i / steps for i in range(1, steps)]
-        return [
-            (0.0, 0.0),
-            *((half_width(t) + 0.0035 * math.sin(80 * t + phase) * min(1.0, 8 * t * (1 - t)), t) for t in inner),
-            (0.0, 1.0),
-        ]
-
-    return Blade("willow", closed(side(0.0), side(0.8)), pinnate_veins(half_width, 14, 0.06), 0.09)
+    sides = (waved(half_width, 40, 0.0035, 80, phase) for phase in (0.0, 0.8))
+    return Blade("willow", closed(*sides), pinnate_veins(half_width, 14, 0.06), 0.09)
 
 
 SPECIES = [maple, birch, oak, beech, ginkgo, aspen, willow]

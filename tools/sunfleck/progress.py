@@ -7,7 +7,6 @@ from sunfleck_tools.progress import Bar
 
 from .errors import WrongType
 
-STEPS_PER_FRAME = 1000
 Event = dict[str, Any]
 Progress = Callable[[Event], None]
 """Called with each event, as `--progress jsonl` in docs/command-line.md has them."""

@@ -7,7 +7,6 @@ is a picture by itself.
 import re
 from typing import NamedTuple
 
-ENDING = re.compile(r"\.exr", re.IGNORECASE)
 WHOLE = re.compile(r"(?:(?<=\.)|^)(-?\d+)(?=\.)")
 """Between dots alone, as in `shot.1001.beauty.exr`; the last dot is that of the ending."""
 AT_END = re.compile(r"((?:(?:(?<=[._])|^)-)?\d+)(?=\.[^.]*$)")

@@ -96,7 +96,7 @@ def _check(
     jobs = _jobs(listing, options)
     processes = min(os.cpu_count() or 1 if options.processes is None else options.processes, len(jobs))
     frames: list[FrameSummary] = []
-    for summary in in_processes(analyse, jobs, processes, _crashed):
+    for summary in in_processes(analyse, jobs, processes, lambda job: without_pixels(job, "the decoder crashed")):
         summary.render_seconds = seconds.get(summary.number)
         frames.append(summary)
         progress(len(frames))
@@ -132,10 +132,6 @@ def _jobs(listing: Listing, options: Options) -> list[Job]:
         )
         for file in listing.frames
     ]
-
-
-def _crashed(job: Job) -> FrameSummary:
-    return without_pixels(job, "the decoder crashed")
 
 
 def _look_again(frames: list[FrameSummary], options: Options, processes: int) -> None:

@@ -19,31 +19,45 @@ LOOK_S = 0.2
 WARNING = re.compile(r"warning\[[a-z-]+\].*")
 
 
-class Run:
-    """The program at work. `news` gives its events as they come; `process` is None once it has ended."""
+class Process:
+    """The program at work, and threads that read what it says: `_read_events` is its heir's."""
+
+    def __init__(self, *command, stdin=None):
+        self.process = subprocess.Popen(
+            command, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
+        )
+        self.complaints = []
+        readers = (self._read_events, self._read_complaints)
+        self.readers = [threading.Thread(target=reader, daemon=True) for reader in readers]
+        for reader in self.readers:
+            reader.start()
+
+    def _read_complaints(self):
+        for line in self.process.stderr:
+            self.complaints.append(line)
+
+    def wait(self):
+        """The exit code."""
+        code = self.process.wait()
+        for reader in self.readers:
+            reader.join()
+        for pipe in (self.process.stdout, self.process.stderr):
+            pipe.close()
+        return code
+
+
+class Run(Process):
+    """A run of `render`. `news` gives its events as they come."""
 
     def __init__(self, executable, glb, out, arguments=()):
         """`out` is a folder, or the one frame."""
         out = str(out) if str(out).endswith(".exr") else f"{out}/"
-        command = [executable, "render", str(glb), "--progress", "jsonl", "--out", out, *arguments]
-        self.process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
-        )
         self.events = queue.SimpleQueue()
-        self.complaints = []
-        self.readers = [
-            threading.Thread(target=self._read_events, daemon=True),
-            threading.Thread(target=self._read_complaints, daemon=True),
-        ]
-        for reader in self.readers:
-            reader.start()
+        super().__init__(executable, "render", str(glb), "--progress", "jsonl", "--out", out, *arguments)
 
     def _read_events(self):
         for line in self.process.stdout:
             self.events.put(json.loads(line))
-
-    def _read_complaints(self):
-        self.complaints += self.process.stderr.readlines()
 
     def news(self):
         """Every event since the last call."""
@@ -57,15 +71,6 @@ class Run:
         if self.process.poll() is None:
             self.process.terminate()
         self.wait()
-
-    def wait(self):
-        """The exit code."""
-        code = self.process.wait()
-        for reader in self.readers:
-            reader.join()
-        for pipe in (self.process.stdout, self.process.stderr):
-            pipe.close()
-        return code
 
     def error(self):
         """What the program said was wrong; empty if it ended well."""

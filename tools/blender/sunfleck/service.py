@@ -8,29 +8,22 @@ import json
 import math
 import queue
 import subprocess
-import threading
 
 import numpy
 
 from .evaluated import places
-from .render import WARNING, drained
+from .render import WARNING, Process, drained
 
 # So far away that nothing is behind it: JSON has no infinity.
 FARTHEST_M = 1e30
 
 
-class Service:
+class Service(Process):
     """The program, for as long as it is wanted."""
 
     def __init__(self, executable, path, arguments=()):
-        pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
-        command = [executable, "serve", str(path), *arguments]
-        self.process = subprocess.Popen(command, text=True, encoding="utf-8", **pipes)
-        self.jobs, self.number, self.complaints = {}, 0, []
-        readers = (self._read_events, self._read_complaints)
-        self.readers = [threading.Thread(target=reader, daemon=True) for reader in readers]
-        for reader in self.readers:
-            reader.start()
+        self.jobs, self.number = {}, 0
+        super().__init__(executable, "serve", str(path), *arguments, stdin=subprocess.PIPE)
 
     def _read_events(self):
         """Events are of the job that is answered next."""
@@ -45,10 +38,6 @@ class Service:
             if is_answer:
                 del self.jobs[number]
                 job.answer = news
-
-    def _read_complaints(self):
-        for line in self.process.stderr:
-            self.complaints.append(line)
 
     def is_alive(self):
         return self.process.poll() is None
@@ -79,11 +68,7 @@ class Service:
         except OSError:
             pass
         self.process.terminate()
-        self.process.wait()
-        for reader in self.readers:
-            reader.join()
-        for pipe in (self.process.stdout, self.process.stderr):
-            pipe.close()
+        self.wait()
 
 
 class Job:

@@ -37,48 +37,28 @@ class GlbWriter:
 
     def floats(self, rows: np.ndarray, with_bounds: bool = False) -> int:
         """An accessor of rows of numbers. The same rows have the same one."""
-        rows = np.ascontiguousarray(rows, "<f4")
-        rows = rows.reshape(len(rows), -1)
+        return self._accessor(FLOAT, np.ascontiguousarray(rows, "<f4").reshape(len(rows), -1), with_bounds)
+
+    def indices(self, triangles: np.ndarray) -> int:
+        """An accessor of the corners of triangles. The same corners have the same one."""
+        return self._accessor(UNSIGNED_INT, np.ascontiguousarray(triangles, "<u4").reshape(-1, 1))
+
+    def joints(self, rows: np.ndarray) -> int:
+        """An accessor of four joints a vertex. The same rows have the same one."""
+        return self._accessor(UNSIGNED_SHORT, np.ascontiguousarray(rows, "<u2"))
+
+    def _accessor(self, component: int, rows: np.ndarray, with_bounds: bool = False) -> int:
         data = rows.tobytes()
-        key = bytes([rows.shape[1], with_bounds]) + hashlib.blake2b(data).digest()
+        key = b"%d %d %d " % (component, rows.shape[1], with_bounds) + hashlib.blake2b(data).digest()
         if key not in self._known:
             accessor = {
                 "bufferView": self.view(data),
-                "componentType": FLOAT,
+                "componentType": component,
                 "count": len(rows),
                 "type": KINDS[rows.shape[1]],
             }
             if with_bounds:
                 accessor["min"], accessor["max"] = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
-            self._known[key] = self.add("accessors", accessor)
-        return self._known[key]
-
-    def indices(self, triangles: np.ndarray) -> int:
-        """An accessor of the corners of triangles. The same corners have the same one."""
-        corners = np.ascontiguousarray(triangles, "<u4").ravel()
-        data = corners.tobytes()
-        key = b"indices" + hashlib.blake2b(data).digest()
-        if key not in self._known:
-            accessor = {
-                "bufferView": self.view(data),
-                "componentType": UNSIGNED_INT,
-                "count": len(corners),
-                "type": "SCALAR",
-            }
-            self._known[key] = self.add("accessors", accessor)
-        return self._known[key]
-
-    def joints(self, rows: np.ndarray) -> int:
-        """An accessor of four joints a vertex. The same rows have the same one."""
-        data = np.ascontiguousarray(rows, "<u2").tobytes()
-        key = b"joints" + hashlib.blake2b(data).digest()
-        if key not in self._known:
-            accessor = {
-                "bufferView": self.view(data),
-                "componentType": UNSIGNED_SHORT,
-                "count": len(rows),
-                "type": "VEC4",
-            }
             self._known[key] = self.add("accessors", accessor)
         return self._known[key]
 
