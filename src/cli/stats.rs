@@ -14,7 +14,6 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use sunfleck::diagnostic::{Diagnostics, shown};
 use sunfleck::frame_file;
-use sunfleck::render::Statistics;
 use sunfleck::sequence::Event;
 
 /// The file of `--stats`, if there is one.
@@ -85,27 +84,15 @@ impl Stats {
 fn line(event: &Event) -> Option<Value> {
     Some(match event {
         Event::FrameWritten { frame, seconds, write_seconds, clamped, dark, statistics, .. } => {
-            let Statistics {
-                samples,
-                rounds,
-                from_slices,
-                slices,
-                segments,
-                blocks,
-                unconverged_blocks,
-                error,
-                grid_error,
-                endless_light,
-                noise,
-                ..
-            } = statistics;
+            let method = if statistics.from_slices { "slices" } else { "rays" };
             json!({
                 "frame": frame, "outcome": "written", "render_seconds": seconds, "write_seconds": write_seconds,
-                "method": if *from_slices { "slices" } else { "rays" }, "slices": slices, "segments": segments,
-                "peak_memory_bytes": peak_memory_bytes(),
-                "samples": samples, "rounds": rounds, "blocks": blocks, "unconverged_blocks": unconverged_blocks,
-                "error": error, "noise": noise, "grid_error": grid_error, "endless_light": endless_light,
-                "clamped": clamped, "dark": dark.is_some(),
+                "method": method, "slices": statistics.slices, "segments": statistics.segments,
+                "peak_memory_bytes": peak_memory_bytes(), "samples": statistics.samples,
+                "rounds": statistics.rounds, "blocks": statistics.blocks,
+                "unconverged_blocks": statistics.unconverged_blocks, "error": statistics.error,
+                "noise": statistics.noise, "grid_error": statistics.grid_error,
+                "endless_light": statistics.endless_light, "clamped": clamped, "dark": dark.is_some(),
             })
         }
         Event::FrameGivenUp { frame, seconds } => {
