@@ -52,26 +52,10 @@ def main() -> None:
     theirs = np.stack([blocks(render(arguments.samples, seed)[0]) for seed in range(arguments.pictures)])
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "ours.exr")
-        how = [
-            "--size",
-            "240x135",
-            "--samples",
-            "4",
-            "--bounces",
-            "all" if arguments.bounces == bounces("all") else str(arguments.bounces),
-            "--progress",
-            "none",
-        ]
-        command = [
-            program,
-            "render",
-            str(arguments.scene),
-            *how,
-            "--frames",
-            str(arguments.frame),
-            "--out",
-            str(out),
-        ]
+        orders = "all" if arguments.bounces == bounces("all") else str(arguments.bounces)
+        command = [program, "render", str(arguments.scene), "--frames", str(arguments.frame)]
+        command += ["--size", "240x135", "--samples", "4", "--bounces", orders]
+        command += ["--progress", "none", "--out", str(out)]
         subprocess.run(command, check=True)
         ours = blocks(colors(out))
     mean = theirs.mean(axis=0)

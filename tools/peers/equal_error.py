@@ -209,16 +209,8 @@ def renderers(arguments):
 
     def by_sunfleck(source, size, samples, seed, target):
         given = ["--size", size, "--samples", samples, "--seed", seed, "--threads", own_threads, "--passes", "none", "--bounces", "0"]
-        return [
-            arguments.sunfleck,
-            "render",
-            source,
-            *given,
-            "--stats",
-            target.with_suffix(".json"),
-            "--out",
-            target,
-        ]
+        given += ["--stats", target.with_suffix(".json"), "--out", target]
+        return [arguments.sunfleck, "render", source, *given]
 
     def by_cycles(source, size, samples, seed, target):
         given = ["--size", size, "--cycles-samples", samples, "--seed", seed, "--threads", arguments.threads]

@@ -45,24 +45,12 @@ def ours(scene, wish: Wish, folder: Path, volume: str = "auto"):
     """Our picture of the file, by a method of `--volume`."""
     from sunfleck import render
 
-    command = [
-        wish.program,
-        "render",
-        folder / "scene.glb",
-        *render.flags(scene, False),  # type: ignore[attr-defined]  # the add-on's `render`, too
-        "--samples",
-        wish.samples,
-        "--bounces",
-        wish.bounces,
-        "--volume",
-        volume,
-    ]
-    subprocess.run(
-        [*map(str, command), "--passes", "none", "--out", str(folder / "ours.exr")],
-        check=True,
-        capture_output=True,
-    )
-    return pixels_of(folder / "ours.exr")
+    frame = render.flags(scene, False)  # type: ignore[attr-defined]  # the add-on's `render`, too
+    out = folder / "ours.exr"
+    command = [wish.program, "render", folder / "scene.glb", *frame, "--volume", volume, "--passes", "none"]
+    command += ["--samples", wish.samples, "--bounces", wish.bounces, "--out", out]
+    subprocess.run([str(one) for one in command], check=True, capture_output=True)
+    return pixels_of(out)
 
 
 def theirs(scene, wish: Wish, folder: Path):
