@@ -67,6 +67,8 @@ pub(crate) struct AngleSet<'a> {
     added: [Vec<f32>; 2],
     added_within: [Vec<f32>; 2],
     radiance: [Vec<f32>; 2],
+    /// Radiance that leaves the cells next to walls, by node: what a wall gets has come all the way to it.
+    at_walls: [Vec<f32>; 2],
     /// Radiance that leaves the cells of a plane, with a rim of what is incident.
     before: Vec<f32>,
     behind: Vec<f32>,
@@ -137,6 +139,7 @@ impl<'a> AngleSet<'a> {
             added: [nodes(), nodes()],
             added_within: [nodes(), nodes()],
             radiance: [nodes(), nodes()],
+            at_walls: [nodes(), nodes()],
             before: rim.clone(),
             behind: rim.clone(),
             walls: Vec::new(),
@@ -188,8 +191,8 @@ impl<'a> AngleSet<'a> {
 
     fn add_up(&mut self, Ordinate { direction, weight }: Ordinate, wanted: &Wanted) {
         let [along, against] = &self.radiance;
-        for (direction, radiance) in [(direction, along), (-direction, against)] {
-            self.towards_faces.add(Ordinate { direction, weight }, radiance, wanted);
+        for (side, direction) in [direction, -direction].into_iter().enumerate() {
+            self.towards_faces.add(Ordinate { direction, weight }, &self.at_walls[side], wanted);
         }
         if wanted.moments {
             let factors = basis(direction).map(|value| (weight * value) as f32);
@@ -327,6 +330,7 @@ impl<'a> AngleSet<'a> {
             }
             self.radiance[side][node] = entering * self.mean[node] + self.added_within[side][node];
             self.behind[here] = entering * self.through[node] + self.added[side][node];
+            self.at_walls[side][node] = self.behind[here];
         }
     }
 }

@@ -77,9 +77,6 @@ struct Channel {
     /// Each order of `scattered`, where these are counted.
     orders: Vec<Vec<[f64; ORDINATES]>>,
     of_sky: Vec<[f64; ORDINATES]>,
-    /// Sources at each level, as radiance, and radiance that leaves the ground.
-    sources: Vec<Harmonics>,
-    ground: f64,
 }
 
 /// Part of the radiance between layers.
@@ -97,7 +94,6 @@ pub enum Part {
 pub struct PlaneParallel {
     ordinates: DoubleGauss,
     operator: MomentOperators,
-    depths: Vec<Rgb>,
     channels: [Channel; 3],
 }
 
@@ -113,8 +109,7 @@ impl PlaneParallel {
         };
         let mut solved: Vec<Channel> = (0..3).into_par_iter().map(channel).collect();
         let channels = std::array::from_fn(|_| solved.remove(0));
-        let depths = stack.levels.iter().map(|level| level.depth_beneath).collect();
-        Self { ordinates, operator, depths, channels }
+        Self { ordinates, operator, channels }
     }
 
     /// Directions of travel, their weights, and along each of them a part of the radiance at a level.
@@ -149,40 +144,6 @@ impl PlaneParallel {
             }
             self.operator.harmonics(&radiances)
         })
-    }
-
-    /// Along any direction of travel, at each level: radiance of all but the sky, and the share of the sky's
-    /// that gets there.
-    pub fn along(&self, travel: DVec3) -> Vec<[Rgb; 2]> {
-        let basis = basis(travel);
-        let source = |level: usize| {
-            let of_channel =
-                |channel: &Channel| channel.sources[level].iter().zip(basis).map(|(a, b)| a * b).sum();
-            Rgb::from_array(self.channels.each_ref().map(of_channel))
-        };
-        let levels = self.depths.len();
-        let mut found = vec![[Rgb::ZERO, Rgb::ZERO]; levels];
-        let goes_up = travel.y > 0.0;
-        let mut radiance = if goes_up {
-            [Rgb::from_array(self.channels.each_ref().map(|channel| channel.ground)), Rgb::ZERO]
-        } else {
-            [Rgb::ZERO, Rgb::ONE]
-        };
-        let order = |step: usize| if goes_up { levels - 1 - step } else { step };
-        found[order(0)] = radiance;
-        for step in 1..levels {
-            let (from, to) = (order(step - 1), order(step));
-            let depth = self.depths[from.min(to)] / travel.y.abs().max(1e-9);
-            let (sent, arriving) = (source(from), source(to));
-            for channel in 0..3 {
-                let Formal { through, near, far } = formal(depth[channel]);
-                radiance[0][channel] =
-                    through * radiance[0][channel] + far * sent[channel] + near * arriving[channel];
-                radiance[1][channel] *= through;
-            }
-            found[to] = radiance;
-        }
-        found
     }
 }
 
@@ -222,12 +183,10 @@ struct LayerSource {
 }
 
 impl LayerSource {
-    fn add(&mut self, other: &Self, factor: f64) {
-        let sums = self.sources.iter_mut().zip(&other.sources);
-        sums.for_each(|(sum, added)| {
-            sum.iter_mut().zip(added).for_each(|(sum, value)| *sum += factor * value)
-        });
-        self.ground += factor * other.ground;
+    fn add(&mut self, other: &Self) {
+        let sums = self.sources.as_flattened_mut().iter_mut();
+        sums.zip(other.sources.as_flattened()).for_each(|(sum, value)| *sum += value);
+        self.ground += other.ground;
     }
 }
 
@@ -246,22 +205,19 @@ impl Solver<'_> {
         if !self.boundaries.sky_is_scattered {
             scattered_sky.sources.iter_mut().for_each(|source| *source = [0.0; HARMONICS]);
         }
-        source.add(&scattered_sky, 1.0);
+        source.add(&scattered_sky);
         let mut all = vec![[0.0; ORDINATES]; levels];
         let mut by_order: Vec<Vec<[f64; ORDINATES]>> = Vec::new();
-        let mut sent = LayerSource { sources: vec![[0.0; HARMONICS]; levels], ground: 0.0 };
         let mut last = 0.0;
         for iteration in 1..=orders.unwrap_or(MOST_ITERATIONS) {
             let light = self.sweep(&source);
             add(&mut all, &light, 1.0);
-            sent.add(&source, 1.0);
             let [here, so_far] = [&light, &all].map(|light| light.as_flattened().iter().sum::<f64>());
             let ratio = if last > 0.0 { (here / last).clamp(0.0, MOST_RATIO) } else { 0.0 };
             let rest = ratio / (1.0 - ratio);
             last = here;
             if orders.is_none() && iteration > 2 && rest * here <= REST * so_far {
                 add(&mut all, &light, rest);
-                sent.add(&source, rest);
                 break;
             }
             source = self.scatter(&light);
@@ -271,7 +227,7 @@ impl Solver<'_> {
                 None => by_order.push(light),
             }
         }
-        Channel { scattered: all, orders: by_order, of_sky, sources: sent.sources, ground: sent.ground }
+        Channel { scattered: all, orders: by_order, of_sky }
     }
 
     /// First-collision source of beams, and what the ground emits.
@@ -424,8 +380,6 @@ mod tests {
                 let all = (scattered + of_sky).x;
                 assert!((all - 1.0).abs() < 2e-4, "{level} {travel}: {all}");
             }
-            let [scattered, of_sky] = solved.along(DVec3::new(0.6, -0.48, 0.64))[level];
-            assert!(((scattered + of_sky).x - 1.0).abs() < 1e-3);
         }
     }
 
@@ -463,12 +417,10 @@ mod tests {
         let beams = [Beam { travel: DVec3::new(0.6, -0.8, 0.0), irradiances }];
         let solved =
             PlaneParallel::new(&stack(depth, 0.9, count), &boundaries(&|_| Rgb::ZERO, &beams, 0.0), Some(1));
-        for height in [0.2, 0.5, 0.9] {
-            let travel = DVec3::new(0.0, height, -(1.0_f64 - height * height).sqrt());
-            let found = solved.along(travel)[0][0].x;
-            let rate = 1.0 / 0.8 + 1.0 / height;
-            let expected = 0.9 / (4.0 * PI) / height * (1.0 - (-depth * rate).exp()) / rate;
-            assert!((found / expected - 1.0).abs() < 2e-4, "{height}: {found} {expected}");
+        for (travel, _, found) in solved.radiances(0, Part::Scattered).filter(|(travel, ..)| travel.y > 0.0) {
+            let rate = 1.0 / 0.8 + 1.0 / travel.y;
+            let expected = 0.9 / (4.0 * PI) / travel.y * (1.0 - (-depth * rate).exp()) / rate;
+            assert!((found.x / expected - 1.0).abs() < 2e-4, "{travel}: {found} {expected}");
         }
     }
 }
