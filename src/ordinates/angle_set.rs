@@ -58,6 +58,9 @@ pub(crate) struct AngleSet<'a> {
     isotropic_extinction: Vec<f32>,
     /// Cut links by plane.
     cut: Arc<[Vec<Cut<'a>>]>,
+    /// The way through each node's cell by that through a whole one. A node has the mean over a whole cell of
+    /// what is in the room that it has: along planes that is denser.
+    stretch: Arc<[f32]>,
     pairs: Vec<Pair>,
     /// Cells of each node for one pair: transmittance and its mean within, radiance that they add to what
     /// leaves them and to the mean within, and that mean.
@@ -100,6 +103,8 @@ struct Cut<'a> {
     /// Among the nodes as they are laid, and in its plane.
     node: usize,
     here: usize,
+    /// Room along rows and columns, in cells.
+    room: [f32; 2],
 }
 
 impl<'a> AngleSet<'a> {
@@ -117,6 +122,11 @@ impl<'a> AngleSet<'a> {
             cross_sections.oriented_nodes().map(|node| layout.node(node)).collect();
         let faces = walls.faces.laid(|node| layout.node(node));
         let cut: Arc<[Vec<Cut>]> = cut_by_plane((grid, walls), layout, &planes).into();
+        let mut stretch = vec![1.0; count];
+        for Cut { node, room: [row, column], .. } in cut.iter().flatten() {
+            stretch[*node] = 1.0 / (row * column);
+        }
+        let stretch: Arc<[f32]> = stretch.into();
         [0, 1, 2].map(|channel| Self {
             axis,
             channel,
@@ -132,6 +142,7 @@ impl<'a> AngleSet<'a> {
             oriented_nodes: Arc::clone(&oriented_nodes),
             isotropic_extinction: layout.of_grid(&cross_sections.extinction.isotropic[channel]),
             cut: Arc::clone(&cut),
+            stretch: Arc::clone(&stretch),
             pairs: Vec::new(),
             oriented_extinction: nodes(),
             through: nodes(),
@@ -246,6 +257,7 @@ impl<'a> AngleSet<'a> {
             isotropic_extinction: &self.isotropic_extinction,
             oriented_extinction: &self.oriented_extinction,
             way_m,
+            stretch: &self.stretch,
             through: &mut self.through,
             mean: &mut self.mean,
             added: [along, against],
@@ -260,6 +272,7 @@ impl<'a> AngleSet<'a> {
                 isotropic_extinction: &self.isotropic_extinction,
                 oriented_extinction: &self.oriented_extinction,
                 way_m,
+                stretch: &self.stretch,
                 added: [along, against],
                 added_within: [within_along, within_against],
             });
@@ -314,9 +327,8 @@ impl<'a> AngleSet<'a> {
         let planes = self.planes;
         let steps = [0, 1, 2, 3].map(|tap| stencil.step(tap));
         let links = steps.map(|step| planes.link(step));
-        let across = stencil.steps_across().map(|step| planes.link(step));
-        for &Cut { links: seen, node, here } in &self.cut[plane] {
-            let shares = stencil.shares_of_cut(across.map(|link| seen.wall_distance(link)));
+        for &Cut { links: seen, node, here, room } in &self.cut[plane] {
+            let shares = stencil.shares_of_cut(room);
             let mut entering = 0.0;
             for tap in 0..4 {
                 // A share of nothing may point beyond the rim.
@@ -348,7 +360,8 @@ fn cut_by_plane<'a>((grid, walls): (&Grid, &'a Walls), layout: Layout, planes: &
         let place = grid.cell_of(links.node);
         let [plane, row, column] = planes.axes.map(|axis| place[axis]);
         let here = (row + 1) * planes.row() + column + 1;
-        cut[plane].push(Cut { links, node: layout.node(links.node), here });
+        let room = [1, 2].map(|which| links.room(planes.axes[which]));
+        cut[plane].push(Cut { links, node: layout.node(links.node), here, room });
     }
     cut
 }

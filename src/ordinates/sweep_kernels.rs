@@ -15,8 +15,9 @@ pub(crate) struct Cells<'a> {
     pub(crate) basis: &'a [f32; COUNT],
     pub(crate) isotropic_extinction: &'a [f32],
     pub(crate) oriented_extinction: &'a [f32],
-    /// The way through a cell, metres.
+    /// The way through a cell, metres, and what it is times where walls cut cells.
     pub(crate) way_m: f32,
+    pub(crate) stretch: &'a [f32],
     /// Transmittance of a cell, and the mean of all places in it.
     pub(crate) through: &'a mut [f32],
     pub(crate) mean: &'a mut [f32],
@@ -35,11 +36,12 @@ impl Vectorized for Cells<'_> {
         let (isotropic, oriented) = (&self.isotropic_extinction[..count], &self.oriented_extinction[..count]);
         let [along, against] = self.added.map(|values| &mut values[..count]);
         let [within_along, within_against] = self.added_within.map(|values| &mut values[..count]);
-        let (way_m, through, mean) = (self.way_m, self.through, &mut self.mean[..count]);
+        let (through, mean, stretch) = (self.through, &mut self.mean[..count], &self.stretch[..count]);
         for node in 0..count {
             let even =
                 b0 * s0[node] + b4 * s4[node] + b5 * s5[node] + b6 * s6[node] + b7 * s7[node] + b8 * s8[node];
             let odd = b1 * s1[node] + b2 * s2[node] + b3 * s3[node];
+            let way_m = self.way_m * stretch[node];
             let means = Means::of(way_m * (isotropic[node] + oriented[node]));
             (through[node], mean[node]) = (means.end, means.mean);
             // Harmonics cut short may be negative where they should be nearly nothing; sums over ordinates
@@ -62,6 +64,7 @@ pub(crate) struct AddBeam<'a> {
     pub(crate) oriented_extinction: &'a [f32],
     /// As of [`Cells`].
     pub(crate) way_m: f32,
+    pub(crate) stretch: &'a [f32],
     pub(crate) added: [&'a mut [f32]; 2],
     pub(crate) added_within: [&'a mut [f32]; 2],
 }
@@ -71,6 +74,7 @@ impl Vectorized for AddBeam<'_> {
     fn run(self) {
         let count = self.isotropic_extinction.len();
         let [third, fourth, fifth] = self.sources.map(|values| &values[..count]);
+        let stretch = &self.stretch[..count];
         let [of_third, of_fourth, of_fifth] = self.factors;
         let (isotropic, oriented) = (&self.isotropic_extinction[..count], &self.oriented_extinction[..count]);
         let [along, against] = self.added.map(|values| &mut values[..count]);
@@ -78,8 +82,9 @@ impl Vectorized for AddBeam<'_> {
         for node in 0..count {
             let even = of_fourth * fourth[node];
             let odd = of_third * third[node] + of_fifth * fifth[node];
-            let means = Means::of(self.way_m * (isotropic[node] + oriented[node]));
-            let (gain, gain_within) = (self.way_m * means.mean, self.way_m * means.mean_of_mean);
+            let way_m = self.way_m * stretch[node];
+            let means = Means::of(way_m * (isotropic[node] + oriented[node]));
+            let (gain, gain_within) = (way_m * means.mean, way_m * means.mean_of_mean);
             along[node] += gain * (even + odd);
             against[node] += gain * (even - odd);
             within_along[node] += gain_within * (even + odd);

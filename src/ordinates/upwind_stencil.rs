@@ -1,5 +1,5 @@
 //! Upwind stencil of an ordinate: the four cells of the plane before from which light comes to a node. In go a
-//! direction and how far walls are, out come shares. Invariant: shares add up to 1, so even light stays even.
+//! direction and how much room walls leave, out come shares. Invariant: shares add up to 1, so even light stays even.
 
 use super::planes::Planes;
 use glam::DVec3;
@@ -33,22 +33,14 @@ impl UpwindStencil {
         [self.backwards, if tap & 2 != 0 { row } else { 0 }, if tap & 1 != 0 { column } else { 0 }]
     }
 
-    /// The steps to those beside a node in its own plane.
-    pub(super) fn steps_across(&self) -> [[i32; 3]; 2] {
-        let [row, column] = self.steps;
-        [[0, row, 0], [0, 0, column]]
-    }
-
-    /// Shares where walls stand in place of those beside a node, so many cells from it. Between a wall and
-    /// the far side of the node's cell there is less room than a cell, or more, which what comes from the
-    /// wall fills the sooner (cut cells; Ingram, Causon & Mingham 2003, "Developments in Cartesian cut cell
-    /// methods").
-    pub(super) fn shares_of_cut(&self, walls: [Option<f32>; 2]) -> [f32; 4] {
-        if walls == [None; 2] {
+    /// Shares where walls leave a node so much room along rows and columns, in cells: what comes in from one
+    /// side fills less of it the sooner (cut cells; Ingram, Causon & Mingham 2003, "Developments in Cartesian
+    /// cut cell methods").
+    pub(super) fn shares_of_cut(&self, room: [f32; 2]) -> [f32; 4] {
+        if room == [1.0; 2] {
             return self.shares;
         }
-        let room = walls.map(|distance| distance.map_or(1.0, |distance| 0.5 + f64::from(distance)));
-        shares([0, 1].map(|which| (self.across[which] / room[which]).min(1.0)))
+        shares([0, 1].map(|which| (self.across[which] / f64::from(room[which])).min(1.0)))
     }
 }
 

@@ -51,9 +51,18 @@ impl CutNode {
         (patch != NO_PATCH).then_some(patch as usize)
     }
 
-    /// Distance of the wall that cuts a link, as a share of it.
-    pub(crate) fn wall_distance(&self, link: usize) -> Option<f32> {
-        self.wall_at(link).map(|_| self.seen[link].at)
+    /// Room about the node along an axis, in cells: on each side to the wall that cuts its link, or half a
+    /// cell.
+    pub(crate) fn room(&self, axis: usize) -> f32 {
+        /// Between walls closer than a cell as much light is carried as there is room for.
+        const LEAST: f32 = 0.25;
+        let to_side = |step: i32| {
+            let mut steps = [0; 3];
+            steps[axis] = step;
+            let link = link_of(steps);
+            if self.wall_at(link).is_some() { self.seen[link].at } else { 0.5 }
+        };
+        (to_side(-1) + to_side(1)).max(LEAST)
     }
 
     /// Whether what lies at a share of a link is seen: nothing that cuts it lies before.
