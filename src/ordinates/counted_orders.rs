@@ -1,6 +1,6 @@
-//! Source iteration where orders of scattering are counted. In go the source of the first and what is incident
-//! of each, out comes the light of so many. Invariant: light that comes in has as many scatterings behind it
-//! as that which it joins.
+//! Source iteration where orders of scattering are counted. In go the source of the first and what is
+//! incident of each, out comes the light of so many. Invariant: light that comes in has as many scatterings
+//! behind it as that which it joins.
 
 use super::angular_radiance::AngularRadiance;
 use super::boundary::BoundaryCondition;

@@ -205,8 +205,8 @@ impl<'a> SourceIteration<'a> {
         Solution { all: light, of_sky, last, radiances, sky_radiances, emitted: None, is_endless }
     }
 
-    /// Adds all orders, one after the other; all that was sent out on the way and not swept finely, and whether
-    /// there is no end to it.
+    /// Adds all orders, one after the other; all that was sent out on the way and not swept finely, and
+    /// whether there is no end to it.
     fn iterate(
         &mut self,
         (mut source, later): (Source, &Source),

@@ -1,5 +1,6 @@
-//! Upwind stencil of an ordinate: the four cells of the plane before from which light comes to a node. In go a
-//! direction and how much room walls leave, out come shares. Invariant: shares add up to 1, so even light stays even.
+//! Upwind stencil of an ordinate: the four cells of the plane before from which light comes to a node. In go
+//! a direction and how much room walls leave, out come shares. Invariant: shares add up to 1, so even light
+//! stays even.
 
 use super::planes::Planes;
 use glam::DVec3;
