@@ -5,9 +5,7 @@
 //! Faces are numbered after the nodes of a grid, so that moments of both lie in one list.
 
 use super::grid::Corners;
-use super::harmonics::{
-    COUNT, basis, by_lobe, flux_lobe, fourth_basis, irradiance_lobe, product, third_basis,
-};
+use super::harmonics::{COUNT, basis, flux_lobe, fourth_basis, product, third_basis};
 use super::moments::NodeMoments;
 use super::quadrature::Ordinate;
 use super::wanted::Wanted;
@@ -69,13 +67,6 @@ impl Faces {
         let likest = (first..end).map(|number| (self.all[number].normal.dot(normal), number));
         let likest = likest.filter(|(cos, _)| *cos > PART).max_by(|a, b| a.0.total_cmp(&b.0));
         likest.map_or(node, |(_, number)| self.nodes + number)
-    }
-
-    /// Irradiance on what faces `normal`, of light at the number that is [`Self::of`] a node and it, W/m^2.
-    pub(crate) fn irradiance(&self, number: usize, normal: DVec3, light: &[[f32; COUNT]; 3]) -> Rgb {
-        let face = number.checked_sub(self.nodes).map(|face| &self.all[face]);
-        let is_flux = face.is_some_and(|face| face.normal.dot(normal) > SAME);
-        by_lobe(&if is_flux { flux_lobe(normal) } else { irradiance_lobe(normal) }, light)
     }
 
     /// Irradiance on each face, W/m^2.

@@ -10,6 +10,7 @@ use super::domain::Domain;
 use super::extrapolation::Series;
 use super::first_collision_source::{BeamSource, Emission, FirstCollisionSource, GlossySource};
 use super::grid::Corners;
+use super::harmonics::{by_lobe, irradiance_lobe};
 use super::moments::Moments;
 use super::quadrature::Quadrature;
 use super::sky::{Sky, is_isotropic};
@@ -139,7 +140,7 @@ impl Problem<'_> {
         let Domain { cross_sections, walls, .. } = self.domain;
         let irradiances = walls.irradiances(|node, normal| {
             let face = walls.faces.of(node, normal);
-            walls.faces.irradiance(face, normal, &[0, 1, 2].map(|channel| light.at(channel, face)))
+            by_lobe(&irradiance_lobe(normal), &[0, 1, 2].map(|channel| light.at(channel, face)))
         });
         let volume = cross_sections.scatter(light, is_medium_lit);
         Source { volume, walls: walls.scattered(&irradiances), has_first: false }
