@@ -179,9 +179,9 @@ impl Layers {
         Surrounding { scattered, of_sky, emitted: None }
     }
 
-    /// Incident radiance of a part. Near the horizon layers are bright, in
-    /// a band narrower than what an ordinate stands for: each gets the mean of the directions that are
-    /// nearest to it, on its side of the horizon, so that what goes up never comes down.
+    /// Incident radiance of a part. Near the horizon layers are bright, in a band narrower than what an
+    /// ordinate stands for: each gets the mean of the directions that are nearest to it, on its side of the
+    /// horizon, so that what goes up never comes down.
     fn incident(
         &self,
         (grid, places): (&Grid, &RimLevels),

@@ -498,14 +498,14 @@ fn ground_lights_fog_from_beyond_its_grid() {
     add_fog(&mut scene, middle - 1.5, middle + 1.5, Rgb::splat(0.2), Rgb::ONE, 0.3);
     add_light(&mut scene, LightKind::Sun, DVec3::ZERO, DVec3::new(0.3, -1.0, 0.4), Rgb::splat(5.0));
     add_box(&mut scene, DVec3::new(-12.0, -1.5, -17.0), DVec3::new(12.0, -1.0, 7.0), matte(0.9, 0.0));
+    // What fog scatters of the sun is known.
+    let of_sun = estimate(&scene, &by_paths(Bounces::NONE), 16).0;
     for bounces in [Bounces::UpTo(1), Bounces::UpTo(2), Bounces::UpTo(4), Bounces::All] {
         let trees = MeshTrees::new(&scene);
         let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
         let grid = Indirect::new(&exposure, bounces, 1.0, &KeptLight::default(), &|| false);
         let on_grid =
             Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(bounces) };
-        // Its own light alone: what fog scatters of the sun is known.
-        let of_sun = estimate(&scene, &by_paths(Bounces::NONE), 16).0;
         let (paths, error) = estimate(&scene, &by_paths(bounces), 256);
         let ratio = (estimate(&scene, &on_grid, 16).0 - of_sun) / (paths - of_sun);
         println!("{bounces}: grid / paths {ratio:.4} +- {:.4}", error / (paths - of_sun));
