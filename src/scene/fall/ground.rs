@@ -7,6 +7,8 @@ use glam::{DVec2, DVec3};
 const TRIANGLES_PER_CELL: usize = 2;
 /// Cells along one side of the grid, at most.
 const MOST_CELLS: usize = 1024;
+/// Cells along one side of a block, whose highest point is known.
+const BLOCK: usize = 8;
 
 /// Heights over the x-z plane.
 #[derive(Clone, Debug)]
@@ -28,6 +30,8 @@ struct Meshes {
     side: usize,
     /// Triangles over each cell, row by row along x.
     cells: Vec<Vec<u32>>,
+    /// Height that none of them exceeds, by block.
+    highest_m: Vec<f64>,
 }
 
 impl Ground {
@@ -41,6 +45,12 @@ impl Ground {
     /// No place is higher.
     pub(crate) fn highest_m(&self) -> f64 {
         self.highest_m
+    }
+
+    /// No place of a box of the x-z plane is higher.
+    pub(crate) fn highest_within(&self, low: DVec2, high: DVec2) -> f64 {
+        let of = |meshes: &Meshes| meshes.highest_within(low, high);
+        self.level_m.max(of(&self.own)).max(of(&self.others))
     }
 
     /// Height of the meshes where there is one, on their upper side; else of the level.
@@ -72,6 +82,7 @@ impl Meshes {
             cell,
             side,
             cells: vec![Vec::new(); if triangles.is_empty() { 0 } else { side * side }],
+            highest_m: vec![f64::NEG_INFINITY; side.div_ceil(BLOCK).pow(2)],
         };
         for (number, triangle) in triangles.iter().enumerate() {
             let corners = triangle.map(flat);
@@ -79,9 +90,12 @@ impl Meshes {
                 meshes.cell_of(corners[0].min(corners[1]).min(corners[2])),
                 meshes.cell_of(corners[0].max(corners[1]).max(corners[2])),
             );
+            let highest_m = triangle.map(|corner| corner.y).into_iter().fold(f64::NEG_INFINITY, f64::max);
             for row in first.1..=last.1 {
                 for column in first.0..=last.0 {
                     meshes.cells[row * side + column].push(number as u32);
+                    let block = &mut meshes.highest_m[row / BLOCK * side.div_ceil(BLOCK) + column / BLOCK];
+                    *block = block.max(highest_m);
                 }
             }
         }
@@ -100,6 +114,14 @@ impl Meshes {
             .iter()
             .filter_map(|&number| height_in(self.triangles[number as usize], place));
         heights.reduce(f64::max)
+    }
+
+    fn highest_within(&self, low: DVec2, high: DVec2) -> f64 {
+        let [low, high] = [low, high].map(|place| self.cell_of(place));
+        let rows = low.1 / BLOCK..=high.1 / BLOCK;
+        let row = |row: usize| &self.highest_m[row * self.side.div_ceil(BLOCK)..];
+        let heights = rows.flat_map(|number| &row(number)[low.0 / BLOCK..=high.0 / BLOCK]);
+        heights.copied().fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn cell_of(&self, place: DVec2) -> (usize, usize) {
@@ -153,6 +175,11 @@ mod tests {
             let height = ground.height_m(x, z);
             assert!((height - ((0.3 * x).sin() + 0.1 * z)).abs() < 1e-3, "{x} {z} {height}");
             assert!(height <= ground.highest_m());
+            let within = [0.0, 0.7].map(|half| {
+                let place = DVec2::new(x, z);
+                ground.highest_within(place - half, place + half)
+            });
+            assert!(height <= within[0] && within[0] <= within[1] && within[1] < height + 1.0, "{x} {z}");
         }
         assert_eq!(ground.height_m(10.1, 0.0), -5.0);
         let slope = ground.normal(0.0, 0.0, 0.2);

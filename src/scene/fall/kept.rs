@@ -20,7 +20,7 @@ use std::io::Read;
 pub(super) const EDITION: u32 = 4;
 const MAGIC: &[u8; 16] = b"sunfleck bake 4\n";
 /// Fewer leaves are baked before a file is found.
-const FEWEST: u32 = 1000;
+const FEWEST: u32 = 20;
 
 impl Fall {
     /// Flights of all leaves, in order, out of the store if they are in it.

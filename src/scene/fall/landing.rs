@@ -4,7 +4,7 @@
 
 use super::ground::Ground;
 use super::leaf::{Leaf, Pose, Surroundings};
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 /// Time to settle in units of the leaf's own time: for one that lies flat already, and what is added
 /// for one that stands on its edge.
@@ -15,9 +15,15 @@ pub(super) const LEAST_INTERVAL_S: f64 = 1e-3;
 /// Number of looks from one pose to the next: corners swing.
 const LOOKS: u32 = 4;
 
-/// Whether no ground is so high that the leaf could touch it.
-fn is_high(leaf: &Leaf, ground: &Ground, pose: &Pose) -> bool {
-    pose.middle.y > ground.highest_m() + leaf.reach_m + leaf.clearance_m
+/// Whether no ground is so high that the leaf could touch it on its way from one pose to another.
+fn is_high(leaf: &Leaf, ground: &Ground, [from, to]: [&Pose; 2]) -> bool {
+    let lowest_m = from.middle.y.min(to.middle.y) - leaf.reach_m - leaf.clearance_m;
+    let within = || {
+        let places = [from, to].map(|pose| DVec2::new(pose.middle.x, pose.middle.z));
+        let (low, high) = (places[0].min(places[1]), places[0].max(places[1]));
+        ground.highest_within(low - leaf.reach_m, high + leaf.reach_m)
+    };
+    lowest_m > ground.highest_m() || lowest_m > within()
 }
 
 /// Height of the middle at which no point of the outline is below the ground.
@@ -31,12 +37,12 @@ pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 
 
 /// Whether a point of the outline is below the ground.
 pub(super) fn is_below(leaf: &Leaf, ground: &Ground, pose: &Pose) -> bool {
-    !is_high(leaf, ground, pose) && pose.middle.y < lowest_height_m(leaf, ground, pose)
+    !is_high(leaf, ground, [pose, pose]) && pose.middle.y < lowest_height_m(leaf, ground, pose)
 }
 
 /// The pose between two at which the leaf first touches the ground, if it does.
 pub(super) fn first_touch(leaf: &Leaf, ground: &Ground, before: Pose, after: Pose) -> Option<Pose> {
-    if is_high(leaf, ground, &before) && is_high(leaf, ground, &after) {
+    if is_high(leaf, ground, [&before, &after]) {
         return None;
     }
     first_below(before, after, |pose| is_below(leaf, ground, pose))
