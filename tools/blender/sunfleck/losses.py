@@ -78,7 +78,7 @@ LOSSES = {
                                     "exported as they are now"),
     "ray-visibility": (WARNING, "visibility to single kinds of rays is not honoured, but of surfaces to the "
                                 "camera's and to shadows'"),
-    "hair": (WARNING, "hair is exported as tubes of 24 sides, or 12 of much hair, like Cycles' 3D Curves (its ribbons "
+    "hair": (WARNING, "hair is exported as tubes of 48 sides, or 12 of much hair, like Cycles' 3D Curves (its ribbons "
                       "shade one another more where light goes along their row), or as ribbons that face the camera "
                       "of the first frame where it lets light through"),
     "hair-attributes": (WARNING, "hair of particles has no attributes of what it grows on"),

@@ -19,8 +19,8 @@ DEFAULT_RADIUS = 0.005
 OF_SURFACE = "surface_uv_coordinate"
 # Straight pieces from point to point of a curve, which Cycles takes for a Catmull-Rom spline.
 PIECES = 4
-# Of a tube, and where there are more points than that; light that grazes a row of 12 sides is 8 % too dark, of 24 2 %.
-SIDES, FEWER_SIDES, MOST_POINTS = 24, 12, 40_000
+# Of a tube, up to so many points, and of more. Light at 2 degrees to a row of tubes: 24 sides .973, 48 .996.
+SIDES, FEWEST_SIDES = {20_000: 48, 40_000: 24}, 12
 # Lengthwise parts of a ribbon.
 COLUMNS = 6
 
@@ -109,15 +109,18 @@ def of_particles(thing, system, eye, is_flat=False):
     parents, children = len(system.particles), len(system.child_particles)
     shown = range(0 if children == 0 or settings.use_parent_particles else parents, parents + children)
     local = numpy.array(thing.matrix_world.inverted_safe(), float)
-    radii = tapered(settings, steps + 1)
     strands = []
     for number in shown:
         points = numpy.array(
             [system.co_hair(thing, particle_no=number, step=step) for step in range(steps + 1)], float
         )
-        kept = numpy.linalg.norm(numpy.diff(points, axis=0), axis=1) > 1e-9
-        if kept.any():
-            kept = numpy.concatenate([[True], kept])
+        # Short children have fewer steps, and Blender says zeros of the rest.
+        points = points[: 1 + int(numpy.flatnonzero(points.any(axis=1)).max(initial=0))]
+        lengths = numpy.linalg.norm(numpy.diff(points, axis=0), axis=1)
+        kept = numpy.concatenate([[True], lengths > 1e-9])
+        if kept[1:].any():
+            share = numpy.concatenate([[0.0], numpy.cumsum(lengths) / lengths.sum()])
+            radii = tapered(settings, share)
             # Of children Blender looks at the number alone.
             parent = system.particles[min(number, parents - 1)]
             uvs = {
@@ -128,9 +131,9 @@ def of_particles(thing, system, eye, is_flat=False):
     return surface_of(system.name, strands, eye, is_flat)
 
 
-def tapered(settings, count):
-    """Radii from root to tip, as Cycles has them."""
-    left = 1.0 - numpy.linspace(0.0, 1.0, count)
+def tapered(settings, share):
+    """Radii at shares of a hair's length, as Cycles has them."""
+    left = 1.0 - share
     shape = settings.shape
     left = left ** (1.0 + shape) if shape < 0.0 else left ** (1.0 / max(1e-6, 1.0 - shape))
     root, tip = (
@@ -147,7 +150,7 @@ def surface_of(name, strands, eye, is_flat):
     if not strands:
         return None
     counts = [len(strand.points) for strand in strands]
-    sides = SIDES if sum(counts) <= MOST_POINTS else FEWER_SIDES
+    sides = next((sides for most, sides in SIDES.items() if sum(counts) <= most), FEWEST_SIDES)
     around = COLUMNS + 1 if is_flat else sides
     vertices, normals, triangles, first = [], [], [], 0
     for strand in strands:
