@@ -174,8 +174,9 @@ class Record:
                 key = here.key(row, source, "")
                 self.add(key, Seen(row, instance, thing, source, here), None)
                 here.lamps += source.kind == "LIGHT"
-                if offset == 0.0:
-                    self.watch(key, thing, frame)
+                # Zooms blur, all else is as at the frame.
+                if offset == 0.0 or source.kind == "CAMERA":
+                    self.watch(key, thing, frame + offset)
         self.placed.append(numpy.array(rows, int).reshape(-1, 2).T)
         self.lamps.append(here.lamps)
 

@@ -76,7 +76,9 @@ class Values:
 
     def changing(self):
         """Owner, field, frames and values (frames, 1 or 3) of what changes."""
-        for (owner, field), track in self.tracks.items():
+        for (owner, field), found in self.tracks.items():
+            # Open shutters are looked at from their ends inwards, and may overlap.
+            track = sorted(dict(found).items())
             if any(value != track[0][1] for _, value in track):
                 frames = numpy.array([frame for frame, _ in track], float)
                 yield (
