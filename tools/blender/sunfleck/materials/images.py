@@ -28,8 +28,9 @@ class Images:
     def __init__(self, document: Document):
         self.document, self.known, self.pixels_of = document, {}, {}
 
-    def whole(self, picture, is_color):
-        """An image with all its channels, colours or numbers; None if it cannot be read."""
+    def whole(self, picture, is_color, is_deep=False):
+        """An image with all its channels, colours or numbers; None if it cannot be read. What is baked has 8 bits,
+        or is deep."""
         image, is_as_it_is = picture.image, self.is_as_it_is(picture)
         key = (image, is_color, is_as_it_is or picture.by_alpha)
         if key not in self.known:
@@ -40,7 +41,7 @@ class Images:
                 data = (
                     None
                     if pixels is None
-                    else self.encoded(pixels, is_color, not is_baked and is_deep(image, is_color))
+                    else self.encoded(pixels, is_color, is_deep if is_baked else wants_depth(image, is_color))
                 )
             self.known[key] = None if data is None else self.add(image.name, data)
         return self.known[key]
@@ -119,7 +120,7 @@ def is_plain(image):
     return not hasattr(image, "values_of_texels") and image.colorspace_settings.name in PLAIN
 
 
-def is_deep(image, is_color):
+def wants_depth(image, is_color):
     """Whether 8 bits a channel are too few."""
     return image.is_float or image.depth > 32 or (is_color and image.colorspace_settings.name not in IN_SRGB)
 

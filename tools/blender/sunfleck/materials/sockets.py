@@ -131,10 +131,14 @@ def product(node, a, b):
 
 
 def read_image(node, output):
-    if node.image is None or node.projection != "FLAT" or node.image.source not in {"FILE", "GENERATED"}:
+    image = node.image
+    if image is None or node.projection != "FLAT" or image.source not in {"FILE", "GENERATED"}:
+        raise NotSimple(node)
+    # Cycles shows its logarithms as they are, Blender what they stand for.
+    if image.file_format == "CINEON":
         raise NotSimple(node)
     picture = Picture(
-        node.image,
+        image,
         extension=node.extension,
         interpolation=node.interpolation,
         by_alpha=by_alpha(node) if output.name == "Color" else "",

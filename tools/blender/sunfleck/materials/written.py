@@ -164,7 +164,7 @@ class Writer:
         if found is None:
             return None
         picture, strength = found
-        return self.info(picture, self.images.whole(picture, is_color=False), scale=strength)
+        return self.info(picture, self.images.whole(picture, is_color=False, is_deep=True), scale=strength)
 
     # The rest.
 
@@ -254,10 +254,9 @@ class Writer:
     def through(self):
         """Light that comes out on the other side: glTF has a share of both, and for each a colour of what
         is not that share."""
-        through = self.surface.sources.get("through")
-        if through is None:
+        through, share = self.surface.sources.get("through"), self.surface.share_through()
+        if through is None or share == 0.0:
             return
-        share = self.surface.share_through()
         if max(through.factor) + max(self.source("base").factor) > 1.0 + 1e-3:
             self.losses.append("through-by-a-mask")
         said = {
@@ -277,8 +276,8 @@ def channel_of(pixels, channel):
 
 def shines(surface):
     """Whether it is more than matte: then its shine is Cycles', which differs from glTF's own."""
-    level, metallic = (surface.sources.get(name, DEFAULTS[name]) for name in ("specular", "metallic"))
-    return any(not source.is_constant() or source.number() > 0.0 for source in (level, metallic))
+    sources = (surface.sources.get(name, DEFAULTS[name]) for name in ("specular", "metallic", "coat"))
+    return any(not source.is_constant() or source.number() > 0.0 for source in sources)
 
 
 def number_of(source):
