@@ -13,6 +13,8 @@ import numpy
 TURN = numpy.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float)
 # Single precision leaves axes at right angles to within a few of these.
 SQUARE = 3e-6
+# Share of the largest scale that stands for one of 0.
+FLAT = 1e-6
 
 
 @dataclass
@@ -40,7 +42,7 @@ def parts(matrices):
     products[:, range(3), range(3)] = 0.0
     if products.max(initial=0.0) > SQUARE:
         return sheared(linear, translation)
-    axes = filled(axes, lengths)
+    axes, lengths = filled(axes, lengths), shown(lengths)
     mirrored = numpy.linalg.det(axes) < 0.0
     sign = numpy.where(mirrored, -1.0, 1.0)
     return Places(translation, smooth(quaternions(axes * sign[:, None, None])), lengths * sign[:, None])
@@ -61,6 +63,12 @@ def each(matrices):
         if is_plain[row] else parts(matrices[row : row + 1])
         for row in range(len(matrices))
     ]
+
+
+def shown(lengths):
+    """Scales of which one is 0: hardly anything instead, as what is flat shows and what has no room does not."""
+    is_flat = (lengths <= 0.0) & ((lengths <= 0.0).sum(axis=1, keepdims=True) == 1)
+    return numpy.where(is_flat, FLAT * lengths.max(axis=1, keepdims=True), lengths)
 
 
 def filled(axes, lengths):
