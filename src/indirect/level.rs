@@ -131,7 +131,7 @@ impl Level {
             cancelled: context.cancelled,
         };
         let mut solution = problem.solved(first.source);
-        let mut emitted = solution.emitted.take();
+        let emitted = solution.emitted.take();
         emitted.iter().for_each(|emitted| solution.last.add_high(emitted));
         let Contents { medium, walls: SnapshotWalls { walls, .. }, .. } = contents;
         let (clumps, extinction) = medium.told(&first.met_again);
@@ -144,7 +144,7 @@ impl Level {
             fourth,
             light_in_fog: light_in_fog(&solution, snapshot.sky),
             high: solution.last.high.as_ref().map(HighMoments::of),
-            glow_radiances: emitted.as_mut().and_then(|emitted| emitted.radiances.take()),
+            glow_radiances: solution.emitted_radiances,
             of_glow: emitted.as_ref().map(OfGlow::of),
             radiances: solution.radiances,
             sky_radiances: solution.sky_radiances,

@@ -35,8 +35,10 @@ impl Solved {
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let mut solved = Self::of_bounces(snapshot, bounces, cancelled)?;
-        if let Bounces::UpTo(count @ 2..) = bounces
+        let glows = snapshot.glow().is_some() || snapshot.medium.shines();
+        if let Bounces::UpTo(count @ 1..) = bounces
             && snapshot.has_gloss()
+            && (count > 1 || glows)
         {
             let less = Self::of_bounces(snapshot, Bounces::UpTo(count - 1), cancelled);
             solved.once_less = less.map(Arc::new);

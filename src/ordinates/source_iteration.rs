@@ -57,8 +57,10 @@ pub(crate) struct Solution {
     /// apart.
     pub(crate) radiances: Vec<AngularRadiance>,
     pub(crate) sky_radiances: Option<AngularRadiance>,
-    /// Light straight from what emits, where that is no part of the rest.
+    /// Light straight from what emits, where that is no part of the rest; and what a finer grid gets of it, if
+    /// it is swept by itself.
     pub(crate) emitted: Option<Swept>,
+    pub(crate) emitted_radiances: Option<AngularRadiance>,
     /// Whether it goes on and on, and is cut short.
     pub(crate) is_endless: bool,
 }
@@ -102,21 +104,28 @@ impl Problem<'_> {
         let FirstCollisionSource { volume, beams, walls, glossy, not_again, emission } = first;
         let mut sweeper = Sweeper::new(&self.domain);
         let mut source = Source { volume, walls, has_first: true };
-        let (mut later, mut emitted) = (source.emptied(), None);
+        let (mut later, mut emitted, mut is_apart) = (source.emptied(), None, true);
         if let Some(Emission { volume, walls, scattered_by_walls, is_part }) = emission {
             let emission = Source { volume, walls, has_first: false };
-            if is_part {
+            if is_part && self.orders.is_none() {
                 source.add(&emission, [1.0; 3]);
             } else {
                 let swept = self.sweep_emission(&mut sweeper, &emission);
-                later = self.scatter(&swept.moments, true);
-                later.walls = scattered_by_walls.unwrap_or(later.walls);
-                emitted = Some(swept);
+                let mut scattered = self.scatter(&swept.moments, true);
+                scattered.walls = scattered_by_walls.unwrap_or(scattered.walls);
+                // As that of lamps, its light is of the first order once it was scattered.
+                source.add(&scattered, [1.0; 3]);
+                (emitted, is_apart) = (Some(swept), !is_part);
             }
         }
         later.volume.take_nodes(&not_again);
-        let solution = SourceIteration { problem: self, sweeper, beams, glossy }.run(source, &later);
-        Solution { emitted, ..solution }
+        let mut solution = SourceIteration { problem: self, sweeper, beams, glossy }.run(source, &later);
+        let emitted_radiances = emitted.as_mut().and_then(|swept| swept.radiances.take());
+        if let Some(swept) = emitted.as_ref().filter(|_| !is_apart) {
+            solution.all.add(&swept.moments, [1.0; 3]);
+            solution.last.add_last(swept);
+        }
+        Solution { emitted: emitted.filter(|_| is_apart), emitted_radiances, ..solution }
     }
 
     /// Emission of the grid, and that which comes in from around it. It goes along finer ordinates than
@@ -203,7 +212,16 @@ impl<'a> SourceIteration<'a> {
         };
         from_outside.iter().for_each(|swept| last.add_last(swept));
         radiances.extend(last.radiances.take());
-        Solution { all: light, of_sky, last, radiances, sky_radiances, emitted: None, is_endless }
+        Solution {
+            all: light,
+            of_sky,
+            last,
+            radiances,
+            sky_radiances,
+            emitted: None,
+            emitted_radiances: None,
+            is_endless,
+        }
     }
 
     /// Adds all orders, one after the other; all that was sent out on the way and not swept finely, and

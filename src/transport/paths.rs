@@ -17,7 +17,7 @@ use super::glow;
 use super::lamp_spots;
 use super::lobes::Lobes;
 use super::march;
-use super::path::Path;
+use super::path::{Illumination, Path};
 use super::sky_light;
 use super::visibility::Way;
 use crate::accel::PrimitiveId;
@@ -79,12 +79,18 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
         Bounces::All => MOST_VERTICES,
     };
     let at_first = leg.throughput.max_element();
-    let mut sum = Rgb::ZERO;
-    for number in 1..=most {
+    let (mut sum, light) = (Rgb::ZERO, path.light);
+    // Its light is scattered as often as that of lamps where one leg more looks for it alone.
+    let glows = path.snapshot.glow().is_some() || path.snapshot.medium.shines();
+    let legs = most + u32::from(glows);
+    for number in 1..=legs {
         let Some(vertex) = leg.next_vertex(path, &mut sum) else { break };
         sum += leg.throughput * vertex.met(path, leg.turn);
-        if number == most {
+        if number == legs {
             break;
+        }
+        if number == most {
+            path.light = Illumination { lights: &[], sky: false, ..light };
         }
         sum += leg.throughput * vertex.lit_by_picked(path);
         let Some(next) = vertex.go_on(path, leg.throughput) else { break };
@@ -98,6 +104,7 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
             leg.throughput /= survives;
         }
     }
+    path.light = light;
     sum
 }
 
