@@ -5,13 +5,16 @@ use super::{Luminaire, Snapshot};
 use crate::accel::PrimitiveId;
 use crate::color::{Rgb, luminance};
 use crate::light::{Emission, FrozenLight};
-use crate::math::{Ray, kronecker};
+use crate::math::Ray;
 use glam::DVec3;
 use std::ops::Range;
 
 /// Maximum number of lights of emissive surfaces, and the number of points of each.
 const MOST_LIGHTS: usize = 16;
 const POINTS: usize = 256;
+/// Steps of a sequence that is even in two dimensions (Roberts 2018, "The unreasonable effectiveness of
+/// quasirandom sequences").
+const SPREAD: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
 
 /// Maximum number of triangles that are sampled one by one: beyond that they light things as a whole.
 const MOST_LOOKED_FOR: usize = 1 << 16;
@@ -114,13 +117,16 @@ impl Glow {
         if all <= 0.0 {
             return None;
         }
+        // One half of the points after the other, so that few of them, evenly picked, are of both sides.
+        let half = POINTS / 2;
         let point = |number: usize| {
-            let primitive = self.triangle_at(triangles, (number as f64 + 0.5) / POINTS as f64);
+            let within = (number % half) as f64 + 0.5;
+            let primitive = self.triangle_at(triangles, within / half as f64);
             let corners = snapshot.corners(primitive);
-            let place = evenly(corners, [0.2, 0.6].map(|phase| kronecker(phase, number)));
+            let place = evenly(corners, SPREAD.map(|step| (within * step).fract()));
             let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
             let up = across.normalize_or_zero();
-            let normal = if kronecker(0.4, number) < 0.5 { up } else { -up };
+            let normal = if number < half { up } else { -up };
             let ray = Ray { origin: place + normal, direction: -normal };
             let seen = snapshot.facet(primitive).seen_along(&ray, 1.0);
             let per_m2 = luminance(snapshot.emission(primitive)) / all;
