@@ -106,7 +106,7 @@ impl Indirect {
         const MOST: Range<f64> = 0.3..0.5;
         let share =
             |range: Range<f64>, of: f64| ((of - range.start) / (range.end - range.start)).clamp(0.0, 1.0);
-        let cos = point.shading_normal.dot(point.to_eye).max(0.0);
+        let cos = point.shine_normal.dot(point.to_eye).max(0.0);
         let of_gloss = point.gloss.as_ref().map(|gloss| (gloss.albedo(cos), gloss.alpha()));
         let of_dielectric =
             point.dielectric.as_ref().map(|own| (own.albedos(cos).iter().sum(), own.alphas()[1]));
@@ -120,7 +120,7 @@ impl Indirect {
     /// shine.
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
-        let cos_eye = point.shading_normal.dot(point.to_eye).max(0.0);
+        let cos_eye = point.shine_normal.dot(point.to_eye).max(0.0);
         let of_dielectric = point.dielectric.as_ref().map_or([Rgb::ZERO; 2], |own| own.albedos(cos_eye));
         let sent = point.albedo + point.transmission + of_dielectric[0] + of_dielectric[1];
         let leaf = self.solved.leaves.of(&self.solved.field, snapshot, point.primitive);
@@ -140,6 +140,7 @@ impl Indirect {
         if share_of_shine == 0.0 {
             return radiance;
         }
+        let normal = point.shine_normal;
         let mirrored: DVec3 = 2.0 * normal.dot(point.to_eye) * normal - point.to_eye;
         if let Some(gloss) = &point.gloss {
             let lobe = Lobe::glossy(mirrored, normal, gloss.alpha());

@@ -1,12 +1,16 @@
 //! Shadows of bumps that a normal map pretends. In go two normals and a direction, out comes the share of
-//! light that arrives. Invariant: 1 where nothing is bent, and no step anywhere.
+//! light that arrives. Invariant: 1 where nothing is bent, and no step but where bumps face away.
 
 use glam::DVec3;
 
 /// Share of light from a direction that reaches matte bumps: the shadowing of microfacets that are as
 /// steep as the bent normal (Conty Estevez, Lecocq and Stein 2019, "A microfacet-based shadowing function
-/// to solve the bump terminator problem", as Cycles has it).
+/// to solve the bump terminator problem", as Cycles has it). None that comes from behind the surface to bumps
+/// before it, and the other way round.
 pub fn bump_shadow(unbent: DVec3, bent: DVec3, to_light: DVec3) -> f64 {
+    if unbent.dot(to_light) * unbent.dot(bent) * bent.dot(to_light) < 0.0 {
+        return 0.0;
+    }
     let squared_tangent = |cos: f64| (1.0 / (cos * cos).max(1e-12) - 1.0).max(0.0);
     let steepness = (0.125 * squared_tangent(unbent.dot(bent))).min(1.0);
     2.0 / (1.0 + (1.0 + steepness * squared_tangent(unbent.dot(to_light))).sqrt())
@@ -25,6 +29,12 @@ mod tests {
         for angle in [-1.5, 0.0, 0.7, 1.5, 2.0] {
             assert_eq!(bump_shadow(DVec3::Z, DVec3::Z, at(angle)), 1.0);
         }
+    }
+
+    #[test]
+    fn bumps_that_face_into_the_surface_are_dark() {
+        assert_eq!(bump_shadow(DVec3::Z, at(2.0), at(1.0)), 0.0);
+        assert!(bump_shadow(DVec3::Z, at(1.0), at(2.8)) > 0.0);
     }
 
     /// Measured in Blender 5.3: a plane with and without *Bump Map Correction*.

@@ -8,7 +8,7 @@ use super::Snapshot;
 use crate::accel::{Hit, PrimitiveId};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::scattering::{Dielectric, Gloss, Layers};
+use crate::scattering::{Dielectric, Gloss, Layers, shine_normal};
 use crate::scene::{Material, Mesh, Painted, Texture, TextureMap};
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 use texels::{FacetTexels, Shine};
@@ -24,6 +24,8 @@ pub struct SurfacePoint {
     pub shading_normal: DVec3,
     /// The same unbent, where bumps of a normal map shade themselves.
     pub unbent_normal: Option<DVec3>,
+    /// Shading normal of its shine: where bumps shade themselves it mirrors no light from within.
+    pub shine_normal: DVec3,
     /// Lambert reflectance.
     pub albedo: Rgb,
     /// Lambert transmittance.
@@ -211,17 +213,21 @@ impl Facet<'_> {
             emission => painted(Painted::Emission, emission * texels.of(material.emission_texture)),
         };
         let (alpha, see_through) = texels.opacity();
+        let to_eye = -ray.direction;
+        let bent = material.normal_map.map_or(unbent, |map| self.bent(unbent, map, weights));
+        let unbent_normal = material.has_bump_shadows.then_some(unbent);
         SurfacePoint {
             position: ray.at(distance),
             geometric_normal,
-            shading_normal: material.normal_map.map_or(unbent, |map| self.bent(unbent, map, weights)),
-            unbent_normal: material.has_bump_shadows.then_some(unbent),
+            shading_normal: bent,
+            unbent_normal,
+            shine_normal: unbent_normal.map_or(bent, |_| shine_normal(geometric_normal, to_eye, bent)),
             albedo: base_color * matte,
             transmission: transmission * matte,
             gloss,
             dielectric,
             layers,
-            to_eye: -ray.direction,
+            to_eye,
             mirror: let_out * painted(Painted::Mirror, material.mirror),
             emission: let_out * emission,
             alpha,

@@ -88,26 +88,26 @@ pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> R
 /// BSDF times cosine of the base beneath the layers, 1/sr.
 #[inline]
 fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
-    let cos = point.shading_normal.dot(to_light);
     let is_before = point.geometric_normal.dot(to_light) > 0.0;
-    let lambert = if is_before { point.albedo } else { point.transmission };
-    let falls_on_that_side = if is_before { cos > 0.0 } else { cos < 0.0 };
-    if !falls_on_that_side {
+    let (side, lambert) = if is_before { (1.0, point.albedo) } else { (-1.0, point.transmission) };
+    let (normal, shine_normal) = (point.shading_normal, point.shine_normal);
+    // Light that falls on the other side of a normal than of the triangle is lost.
+    let [cos, cos_shine] = [normal, shine_normal].map(|normal| (side * normal.dot(to_light)).max(0.0));
+    if cos == 0.0 && cos_shine == 0.0 {
         return Rgb::ZERO;
     }
-    let normal = point.shading_normal;
     let not_shaded = point.unbent_normal.map_or(1.0, |unbent| bump_shadow(unbent, normal, to_light));
-    let mut scattered = FRAC_1_PI * cos.abs() * not_shaded * lambert;
+    let mut scattered = FRAC_1_PI * cos * not_shaded * lambert;
     if let Some(gloss) = &point.gloss {
         // Seen from behind, as interpolated normals may be at a silhouette, there is no shine.
-        let cos_eye = point.shading_normal.dot(point.to_eye).max(0.0);
-        scattered *= gloss.beneath(cos_eye, cos.abs());
+        let cos_eye = shine_normal.dot(point.to_eye).max(0.0);
+        scattered *= gloss.beneath(cos_eye, cos);
         if is_before {
-            scattered += cos * gloss.brdf(point.shading_normal, point.to_eye, to_light);
+            scattered += cos_shine * gloss.brdf(shine_normal, point.to_eye, to_light);
         }
     }
     if let Some(dielectric) = &point.dielectric {
-        scattered += cos.abs() * dielectric.bsdf(point.shading_normal, point.to_eye, to_light);
+        scattered += cos_shine * dielectric.bsdf(shine_normal, point.to_eye, to_light);
     }
     scattered
 }

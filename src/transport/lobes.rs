@@ -33,7 +33,7 @@ pub(super) struct Lobes {
 impl Lobes {
     /// `None` if it scatters nothing.
     pub(super) fn of(point: &SurfacePoint) -> Option<Self> {
-        let cos_eye = point.shading_normal.dot(point.to_eye);
+        let cos_eye = point.shine_normal.dot(point.to_eye);
         let gloss = point.gloss.as_ref().filter(|_| cos_eye > 0.0);
         let beneath = gloss.map_or(Rgb::ONE, |gloss| gloss.leaves(cos_eye));
         // Cloth is picked as if it were matte.
@@ -62,7 +62,7 @@ impl Lobes {
     /// A direction to the light that two uniform numbers pick, about as densely as the surface
     /// scatters towards the eye.
     pub(super) fn pick(&self, point: &SurfacePoint, mut u: DVec2) -> DVec3 {
-        let (normal, to_eye) = (point.shading_normal, point.to_eye);
+        let (normal, shine_normal, to_eye) = (point.shading_normal, point.shine_normal, point.to_eye);
         let mut picked = Way::Reflected;
         for (way, share) in self.shares.into_iter().filter(|(_, share)| *share > 0.0) {
             picked = way;
@@ -80,28 +80,29 @@ impl Lobes {
         match (picked, coat(point), &point.gloss, &point.dielectric) {
             (Way::Transmitted, ..) => lambert(-normal),
             (Way::Coated, Some(coat), ..) => coat.gloss.pick(coat.normal, to_eye, u),
-            (Way::Shone, _, Some(gloss), _) => gloss.pick(normal, to_eye, u),
-            (Way::Mirrored, .., Some(dielectric)) => dielectric.pick(normal, to_eye, false, u),
-            (Way::Refracted, .., Some(dielectric)) => dielectric.pick(normal, to_eye, true, u),
+            (Way::Shone, _, Some(gloss), _) => gloss.pick(shine_normal, to_eye, u),
+            (Way::Mirrored, .., Some(dielectric)) => dielectric.pick(shine_normal, to_eye, false, u),
+            (Way::Refracted, .., Some(dielectric)) => dielectric.pick(shine_normal, to_eye, true, u),
             _ => lambert(normal),
         }
     }
 
     /// Probability density of [`Lobes::pick`] for a direction, 1/sr.
     pub(super) fn picked(&self, point: &SurfacePoint, direction: DVec3) -> f64 {
-        let (normal, to_eye) = (point.shading_normal, point.to_eye);
+        let (normal, shine_normal, to_eye) = (point.shading_normal, point.shine_normal, point.to_eye);
         let cos = normal.dot(direction);
         let share = |way: Way| self.shares[way as usize].1;
         let matte = share(if cos > 0.0 { Way::Reflected } else { Way::Transmitted });
         let mut density = matte * FRAC_1_PI * cos.abs();
         // Some of what is picked for gloss and coat lies behind the surface, where light may come through.
         let gloss = point.gloss.as_ref().filter(|_| share(Way::Shone) > 0.0);
-        density += share(Way::Shone) * gloss.map_or(0.0, |gloss| gloss.picked(normal, to_eye, direction));
+        density +=
+            share(Way::Shone) * gloss.map_or(0.0, |gloss| gloss.picked(shine_normal, to_eye, direction));
         let coat = coat(point).filter(|_| share(Way::Coated) > 0.0);
         density +=
             share(Way::Coated) * coat.map_or(0.0, |coat| coat.gloss.picked(coat.normal, to_eye, direction));
         if let Some(dielectric) = point.dielectric.as_ref().filter(|_| share(Way::Refracted) > 0.0) {
-            let [reflected, through] = dielectric.picked(normal, to_eye, direction);
+            let [reflected, through] = dielectric.picked(shine_normal, to_eye, direction);
             density += share(Way::Mirrored) * reflected + share(Way::Refracted) * through;
         }
         density
