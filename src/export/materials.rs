@@ -100,6 +100,9 @@ impl Writer<'_> {
         if material.is_principled {
             ours["principled"] = json!(true);
         }
+        if material.has_even_metal {
+            ours["even_metal"] = json!(true);
+        }
         if material.has_bump_shadows {
             ours["bump_map_correction"] = json!(true);
         }

@@ -107,21 +107,35 @@ impl Gloss {
         Self { principled: Some(Principled { share: 1.0, fresnel, further }), repeated, ..own }
     }
 
-    /// Coat of which a share, `0..=1`, is metal of a colour. Metal keeps its multiple scattering.
-    pub fn with_metal(self, share: f64, color: Rgb) -> Self {
+    /// Clear coat of a Principled BSDF, of the refractive index 1.5: in Cycles it scatters no light twice.
+    pub fn principled_clear(roughness: f64) -> Self {
+        let mut own = Self::new(Rgb::splat(0.04), Rgb::ONE, roughness).principled();
+        own.repeated = None;
+        own.principled.iter_mut().for_each(|own| own.further = Rgb::ZERO);
+        own
+    }
+
+    /// Whether it is as Cycles' Principled BSDF has it.
+    pub fn is_principled(&self) -> bool {
+        self.principled.is_some()
+    }
+
+    /// Coat of which a share, `0..=1`, is metal of reflectances along the normal and at grazing angles. Metal
+    /// keeps its multiple scattering.
+    pub fn with_metal(self, share: f64, color: Rgb, grazing: Rgb) -> Self {
         if share <= 0.0 {
             return self;
         }
         // Of all that falls on a microfacet it reflects 20 parts of f0 and one of f90: Schlick's term
         // over the hemisphere.
-        let further = self.further(color + (Rgb::ONE - color) / 21.0);
-        let mut repeated = Reflectance { f0: share * further * color, f90: share * further };
+        let further = self.further(color + (grazing - color) / 21.0);
+        let mut repeated = Reflectance { f0: share * further * color, f90: share * further * grazing };
         if let Some(of_coat) = self.repeated {
             repeated.f0 += (1.0 - share) * of_coat.f0;
             repeated.f90 += (1.0 - share) * of_coat.f90;
         }
         let Reflectance { f0, f90 } = self.coat;
-        let all = Reflectance { f0: f0.lerp(color, share), f90: f90 + share * (Rgb::ONE - f90) };
+        let all = Reflectance { f0: f0.lerp(color, share), f90: f90 + share * (grazing - f90) };
         let principled = self.principled.map(|own| Principled { share: 1.0 - share, ..own });
         Self { all, repeated: Some(repeated), principled, ..self }
     }
@@ -327,7 +341,7 @@ mod tests {
     fn white_metal_gives_back_all() {
         for roughness in [0.0, 0.1, 0.25, 0.4, 0.7, 0.98, 1.0] {
             let coat = Gloss::new(Rgb::splat(0.04), Rgb::ONE, roughness);
-            let [half_metal, metal] = [0.5, 1.0].map(|share| coat.with_metal(share, Rgb::ONE));
+            let [half_metal, metal] = [0.5, 1.0].map(|share| coat.with_metal(share, Rgb::ONE, Rgb::ONE));
             for cos in [0.002, 0.03, 0.15, 0.5, 1.0] {
                 let to_eye = direction(cos, 1.0);
                 let shone = over_lights(to_eye, |l| metal.brdf(DVec3::Z, to_eye, l)).x;
@@ -347,7 +361,7 @@ mod tests {
     fn coloured_metal_is_tinted_by_what_it_reflects_again() {
         let color = Rgb::new(0.9, 0.5, 0.0);
         let plain = Gloss::new(color, Rgb::ONE, 1.0);
-        let metal = Gloss::new(Rgb::splat(0.04), Rgb::ONE, 1.0).with_metal(1.0, color);
+        let metal = Gloss::new(Rgb::splat(0.04), Rgb::ONE, 1.0).with_metal(1.0, color, Rgb::ONE);
         // With alpha 1 the mean albedo of white metal is the integral of 2 c E(c) dc.
         let white = Gloss::new(Rgb::ONE, Rgb::ONE, 1.0);
         let count = 2000;

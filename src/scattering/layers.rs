@@ -1,10 +1,10 @@
 //! Layers over a surface: the sheen of cloth, and a clear coat over all. In goes the BSDF without them,
 //! out comes the BSDF with them. Invariant: reciprocal if the surface is, and no more is given back than
-//! is received if the surface keeps to that.
+//! is received if the surface keeps to that; but for a Principled BSDF's clear coat.
 //!
 //! A layer with the albedo `E` takes from what lies beneath it the larger of `E(v)` and `E(l)`, as
 //! KHR_materials_sheen says of sheen ("Albedo scaling"). KHR_materials_clearcoat takes `F(v)`, which is
-//! not reciprocal.
+//! not reciprocal. So does Blender's Principled BSDF.
 
 use super::{Gloss, Sheen};
 use crate::color::Rgb;
@@ -34,6 +34,17 @@ impl Clearcoat {
         Self { normal, gloss: Gloss::new(Rgb::splat(0.04 * share), Rgb::splat(share), roughness) }
     }
 
+    /// As Blender's Principled BSDF has it.
+    pub fn principled(normal: DVec3, share: f64, roughness: f64) -> Self {
+        Self { normal, gloss: Gloss::principled_clear(roughness).covering(share) }
+    }
+
+    /// Share of light that it leaves to what lies beneath.
+    fn leaves(&self, to_eye: DVec3, to_light: DVec3) -> f64 {
+        let out = self.albedo(to_eye);
+        1.0 - if self.gloss.is_principled() { out } else { out.max(self.albedo(to_light)) }
+    }
+
     /// About how much of the light it reflects.
     pub fn albedo(&self, direction: DVec3) -> f64 {
         self.gloss.albedo(self.normal.dot(direction).abs()).x
@@ -59,7 +70,7 @@ impl Layers {
             }
         }
         if let Some(coat) = &self.clearcoat {
-            scattered *= 1.0 - coat.albedo(to_eye).max(coat.albedo(to_light));
+            scattered *= coat.leaves(to_eye, to_light);
             if is_before {
                 scattered +=
                     coat.normal.dot(to_light).max(0.0) * coat.gloss.brdf(coat.normal, to_eye, to_light);

@@ -36,6 +36,8 @@ pub struct Material {
     pub metal_color: Option<Rgb>,
     /// Whether no texture multiplies that.
     pub has_plain_metal: bool,
+    /// Whether metal reflects as much at grazing angles as along the normal.
+    pub has_even_metal: bool,
     /// A dielectric of the coat's roughness, whose inside has the metal's colour.
     pub dielectric: Option<Dielectric>,
     /// A clear coat over all.
@@ -191,6 +193,7 @@ impl Default for Material {
             is_principled: false,
             metal_color: None,
             has_plain_metal: false,
+            has_even_metal: false,
             dielectric: None,
             clearcoat: None,
             sheen: None,

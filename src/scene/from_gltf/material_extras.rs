@@ -25,6 +25,9 @@ pub(super) struct MaterialExtras {
     /// Whether the base colour's texture does not multiply `metal`.
     #[serde(default)]
     plain_metal: bool,
+    /// Whether metal reflects alike at all angles.
+    #[serde(default)]
+    even_metal: bool,
     /// Whether the base colour's texture multiplies `transmission` too.
     #[serde(default)]
     transmission_textured: bool,
@@ -65,6 +68,7 @@ impl MaterialExtras {
         material.has_bump_shadows = self.bump_map_correction;
         material.metal_color = self.metal.map_or(material.metal_color, |metal| Some(metal.into()));
         material.has_plain_metal = self.metal.is_some() && self.plain_metal;
+        material.has_even_metal = self.even_metal;
         material.filter_color = self.filter_color.map_or(material.filter_color, Rgb::from);
         if let Some(Thin { share, ior, one_face }) = self.thin_dielectric {
             material.dielectric = Some(Dielectric { share, ior, has_one_face: one_face });

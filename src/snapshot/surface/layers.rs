@@ -24,7 +24,8 @@ impl Facet<'_> {
         let clearcoat = material.clearcoat.map(|coat| {
             let normal = coat.normal_map.map_or(normal, |map| self.bent(normal, map, weights));
             let roughness = coat.roughness * texel(coat.roughness_texture).y;
-            Clearcoat::new(normal, coat.share * texel(coat.texture).x, roughness)
+            let made = if material.is_principled { Clearcoat::principled } else { Clearcoat::new };
+            made(normal, coat.share * texel(coat.texture).x, roughness)
         });
         Some(Layers { sheen, clearcoat })
     }

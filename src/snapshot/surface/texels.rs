@@ -67,15 +67,20 @@ impl<'a> FacetTexels<'a> {
         // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
         let plain = Gloss::new(f0, Rgb::splat(coat.f90), roughness);
         let gloss = if self.facet.material.is_principled { plain.principled() } else { plain };
+        let grazing = if self.facet.material.has_even_metal { color } else { Rgb::ONE };
         let matte = 1.0 - metallic;
         let Some(own) = self.facet.material.dielectric else {
-            return Shine { gloss: Some(gloss.with_metal(metallic, color)), dielectric: None, matte };
+            return Shine {
+                gloss: Some(gloss.with_metal(metallic, color, grazing)),
+                dielectric: None,
+                matte,
+            };
         };
         // Of what is no metal it takes its share, coat and all.
         let share = matte * own.share;
         let cover = 1.0 - share;
         let is_left = cover > 0.0;
-        let gloss = is_left.then(|| gloss.with_metal(metallic / cover, color).covering(cover));
+        let gloss = is_left.then(|| gloss.with_metal(metallic / cover, color, grazing).covering(cover));
         let dielectric = if own.has_one_face {
             Dielectric::Interface(Interface::new(share, color, own.ior, roughness, is_within))
         } else {

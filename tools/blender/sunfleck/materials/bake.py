@@ -69,7 +69,7 @@ class Baker:
             parts = channels.of(sockets.link_to(output.inputs["Surface"]).from_socket)
             bends = channels.bends or sockets.link_to(output.inputs["Displacement"]) is not None
             pictures = self.pictures(copy, parts, bends)
-            return self.put_together(pictures, channels.principled)
+            return self.put_together(pictures, channels)
         finally:
             trees = inner_trees(copy.node_tree)
             bpy.data.materials.remove(copy)
@@ -131,7 +131,7 @@ class Baker:
         tree.links.new(before, output.inputs["Surface"])
         return found
 
-    def put_together(self, pictures, shaders):
+    def put_together(self, pictures, channels):
         """The surface of the pictures; what shines of a Principled BSDF keeps its other numbers."""
         cover = pictures["cover"]
         there = numpy.maximum(cover, 1e-4)
@@ -154,7 +154,8 @@ class Baker:
             surface.cutoff = 0.5
         if "normal" in pictures:
             surface.normal = (self.picture("normal", 0.5 + 0.5 * pictures["normal"]), 1.0)
-        self.add_shine(surface, shaders)
+        self.add_shine(surface, channels.principled)
+        surface.has_even_metal = channels.metals == {"BSDF_GLOSSY"} and not channels.principled
         principled.scatter(surface)
         surface.losses = list(self.losses)
         return surface

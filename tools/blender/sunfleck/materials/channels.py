@@ -31,6 +31,8 @@ class Channels:
 
     def __init__(self, tree):
         self.tree, self.bends, self.principled = tree, False, []
+        # Kinds of the shaders that are metal alone.
+        self.metals = set()
 
     def of(self, output):
         """The parts of a shader's output."""
@@ -73,6 +75,7 @@ class Channels:
         part, roughness, metallic = PLAIN[node.type]
         color = next(socket for socket in node.inputs if socket.name in {"Color", "Base Color"})
         self.note_normal(node)
+        self.metals |= {node.type} if metallic else set()
         found = {**NOTHING, part: self.value(color), "cover": 1.0, "metallic": metallic}
         return {
             **found,
@@ -110,6 +113,7 @@ class Channels:
         parts = within.of(link.from_socket) if link else dict(NOTHING)
         self.bends |= within.bends
         self.principled += within.principled
+        self.metals |= within.metals
         found = {}
         for name, part in parts.items():
             if not is_socket(part):

@@ -95,7 +95,7 @@ def shining(node, share, matte, mirror):
     if "metal" in matte.sources or "thin" in mirror.sources or max(mirror.sources["base"].factor) > 1.0:
         raise NotSimple(node)
     added = {"metallic": Source((share,) * 3), "roughness": mirror.sources["roughness"], "metal": mirror.sources["base"]}
-    return replace(matte, sources={**matte.sources, **added})
+    return replace(matte, sources={**matte.sources, **added}, has_even_metal=mirror.has_even_metal)
 
 
 def mixed(node):

@@ -40,7 +40,8 @@ def losses(material):
 
 
 def losses_of(node):
-    if node.type in NEARLY:
+    # Of several distributions one scatters as our metal does.
+    if node.type in NEARLY or getattr(node, "distribution", "MULTI_GGX") != "MULTI_GGX" and node.type == "BSDF_GLOSSY":
         yield f"nearly-{node.type}"
     if node.type not in KNOWN:
         return

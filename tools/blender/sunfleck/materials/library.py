@@ -217,7 +217,7 @@ class Library:
         uv_number = lambda name: order.index(name) if name in order else 0
         writer = Writer(self.document, self.images, uv_number, self.exposure)
         surface = self.baked(material, look, canvas) if look.baked else look.surface
-        said = writer.material(material.name if material else "default", surface)
+        said = writer.material(material.name if material else "default", surface, material not in self.changing)
         look.losses = sorted({*look.losses, *writer.losses})
         written = {**custom(material), **extras.of_material(material)} if material is not None else {}
         ours = {"principled": True} if shines(surface) else {}
@@ -227,6 +227,8 @@ class Library:
             share, ior = sheets.unit(writer.number("thin")), max(1.0, writer.number("ior"))
             one_face = {"one_face": True} if surface.has_one_face else {}
             ours["thin_dielectric"] = {"share": share, "ior": ior, **one_face}
+        if surface.has_even_metal:
+            ours["even_metal"] = True
         if "metal" in surface.sources:
             ours["plain_metal"], ours["metal"] = True, list(rec709(surface.sources["metal"].factor))
         if ours:

@@ -30,6 +30,8 @@ class Surface:
     # Picture and strength.
     normal: tuple | None = None
     coat_normal: tuple | None = None
+    # Whether metal reflects alike at all angles.
+    has_even_metal: bool = False
     # Whether a dielectric is one face of a body, and no thin wall.
     has_one_face: bool = False
     losses: list = field(default_factory=list)
@@ -128,14 +130,15 @@ def diffuse(shader):
 
 
 def glossy(shader):
-    """A mirror of microfacets, whatever the angle: metal."""
+    """A mirror of microfacets, whatever the angle: metal that reflects alike."""
     if shader.mute or shader.distribution != "MULTI_GGX" or sockets.link_to(shader.inputs["Normal"]):
         raise NotSimple(shader)
     black = Source((0.0,) * 3)
-    return Surface({
+    sources = {
         "base": sockets.of(shader.inputs["Color"]), "metallic": WHITE, "specular": black,
         "roughness": sockets.of(shader.inputs["Roughness"]),
-    })
+    }
+    return Surface(sources, has_even_metal=True)
 
 
 def emission(shader):

@@ -27,9 +27,9 @@ class Writer:
         self.document, self.images, self.uv_number, self.exposure = document, images, uv_number, exposure
         self.losses = []
 
-    def material(self, name, surface: Surface):
-        """The material, without extras."""
-        self.surface = surface
+    def material(self, name, surface: Surface, is_still=True):
+        """The material, without extras; its numbers may be animated unless it keeps still."""
+        self.surface, self.is_still = surface, is_still
         self.losses = list(surface.losses)
         numbers = of_surface(surface, self.exposure)
         if max(rec709(self.source("base").factor)) > 1.0 + 1e-4:
@@ -164,6 +164,11 @@ class Writer:
         if found is None:
             return None
         picture, strength = found
+        pixels = self.images.pixels(picture) if 0.0 <= strength < 1.0 and self.is_still else None
+        if pixels is not None:
+            # Cycles goes straight towards the unbent normal, glTF weakens x and y alone.
+            weaker = 0.5 + 0.5 * (strength * (2.0 * pixels[..., :3] - 1.0) + (1.0 - strength) * numpy.array([0.0, 0.0, 1.0]))
+            return self.info(picture, self.images.composed("normal", weaker, is_deep=True))
         return self.info(picture, self.images.whole(picture, is_color=False, is_deep=True), scale=strength)
 
     # The rest.
