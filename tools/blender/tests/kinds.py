@@ -3,8 +3,9 @@
 import math
 
 import bpy
+import kinds_hair as hairs
+import kinds_shine as shine
 import kinds_surfaces as surfaces
-import mathutils
 import numpy
 import scenes
 from kinds_parts import GREEN, RED, between, group_of, keyed, leaves, matte, output, stage
@@ -59,6 +60,18 @@ def softbox(scene):
     thing = lamp(scene, "AREA")
     thing.rotation_euler, thing.data.size = (0.6, 0.2, 0.0), 0.5
     keyed(thing.data, "spread", (0.5, 2.0))
+
+
+def mesh_lamp(scene):
+    """A glowing face above the picture lights a corner of two walls."""
+    bpy.data.objects.remove(scene.objects["sun"])
+    scenes.quad(scene, "floor", 6.0, scenes.material("floor", (0.7,) * 3))
+    wall = scenes.quad(scene, "wall", 6.0, scenes.material("wall", (0.8, 0.5, 0.3)), (0.0, 1.5, 1.0))
+    wall.rotation_euler.x = 1.5
+    glow = scenes.material("glow", (0.0,) * 3)
+    inputs = glow.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Emission Color"].default_value, inputs["Emission Strength"].default_value = (1.0,) * 4, 8.0
+    scenes.quad(scene, "lamp", 0.8, glow, (0.3, -0.6, 3.2)).rotation_euler.x = 2.6
 
 
 def uneven_spot(scene):
@@ -314,22 +327,11 @@ def nodes_points(scene):
     put_material(tree, tree.node("GeometryNodePoints").outputs["Geometry"])
 
 
-def hair(scene):
-    """Twenty straight hairs, lit from the front and from above."""
-    data = bpy.data.hair_curves.new("hair")
-    data.add_curves([6] * 20)
-    points = numpy.array([[0.12 * (at - 10), 0.0, 0.4 * step] for at in range(20) for step in range(6)], "f4")
-    data.position_data.foreach_set("vector", points.ravel())
-    data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", numpy.full(120, 0.03, "f4"))
-    data.materials.append(matte().material)
-    scenes.add(scene, "hair", data)
-
-
-def hair_from_the_side(scene):
-    """Light goes along its row, at 5 degrees; Cycles has it as round as it is here."""
-    hair(scene)
-    scene.cycles_curves.shape = "THICK"
-    scene.objects["sun"].rotation_euler = mathutils.Vector((1.0, 0.0875, 0.0)).to_track_quat("-Z", "Y").to_euler()
+def zoom(scene):
+    """The shutter is open while the camera zooms in, ever faster."""
+    leaves(scene, matte())
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.6
+    keyed(scene.camera.data, "lens", (20.0, 80.0))
 
 
 # By name: how it is built, the frame, and how far from Cycles' mean it may be.
@@ -344,7 +346,8 @@ BESIDE = {
     "vertex group": (vertex_group, 1, BAKED), "missing attribute": (missing_attribute, 1, EXACT), "strips": (strips, 10, EXACT), "velocities": (velocities, 6, EXACT),
     "two-sided": (surfaces.two_sided, 1, EXACT),
     "two-sided by shaders": (surfaces.two_sided_by_shaders, 1, EXACT),
-    "hair": (hair, 1, BAKED), "hair from the side": (hair_from_the_side, 1, BAKED),
+    "hair": (hairs.hair, 1, BAKED), "hair from the side": (hairs.hair_from_the_side, 1, BAKED),
+    "hair of children": (hairs.hair_of_children, 1, BAKED), "zoom": (zoom, 5, EXACT), "mixed by chance": (surfaces.mixed_by_chance, 1, EXACT),
     "thin wall": (surfaces.thin_wall, 1, EXACT),
     "thin wall, frosted": (surfaces.frosted, 1, EXACT), "thin wall, frosted metal": (surfaces.frosted_metal, 1, EXACT),
     "thin metal": (surfaces.thin_metal, 1, EXACT), "thin metal in colours": (surfaces.thin_metal_in_colours, 1, BAKED),
@@ -356,7 +359,10 @@ BESIDE = {
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
     "path of a property": (path_of_a_property, 1, EXACT), "softbox": (softbox, 6, EXACT),
     "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED), "clay": (surfaces.clay, 1, EXACT),
-    "bumps": (surfaces.bumps, 1, BAKED),
+    "bumps": (surfaces.bumps, 1, BAKED), "film scan": (surfaces.film_scan, 1, BAKED),
+    "lacquered": (shine.lacquered, 1, EXACT), "hammered": (shine.hammered, 1, EXACT),
+    "hammered weakly": (lambda scene: shine.hammered(scene, 0.4), 1, EXACT), "polished": (shine.polished, 1, EXACT),
+    "flattened": (surfaces.flattened, 1, EXACT),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {
@@ -366,7 +372,7 @@ SAID = {
     "keyed shutter": (keyed_shutter, "shutter-changes"),
     "velocities at the start": (lambda scene: velocities(scene, "START"), "velocity-blur"),
     "volume of nodes": (nodes_volume, "volume"), "pencil of nodes": (nodes_pencil, "grease-pencil"),
-    "points of nodes": (nodes_points, "point-cloud"), "hair": (hair, "hair"),
+    "points of nodes": (nodes_points, "point-cloud"), "hair": (hairs.hair, "hair"),
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"),
     "uneven spot": (uneven_spot, "light-uneven"), "scrolled": (surfaces.scrolled, "material-changes"),
@@ -374,6 +380,7 @@ SAID = {
     "leaning normals": (surfaces.leaning_normals, "custom-normals"), "few faces": (surfaces.few_faces, "shadow-terminator"),
     "window": (surfaces.window, "material-lost"), "added translucence": (surfaces.added_translucence, "material-lost"),
     "light info": (surfaces.light_info, "material-lost"), "hues": (surfaces.hues, "instance-colors"),
+    "polished otherwise": (lambda scene: shine.polished(scene, "BECKMANN"), "material-lost"),
     "fog of noise": (surfaces.fog_of_noise, "fog-material"),
     "fog about the camera": (surfaces.fog_about_the_camera, "fog-clipped"),
     "fog on the ground": (surfaces.fog_on_the_ground, "fog-touches"),

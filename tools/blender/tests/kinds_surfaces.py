@@ -1,6 +1,7 @@
 """Of the scenes of `kinds` those of materials and fog."""
 
 import math
+from pathlib import Path
 
 import bpy
 import numpy
@@ -136,6 +137,25 @@ def bumps(scene):
     scene.objects["sun"].rotation_euler = (0.3, 1.3, 0.0)
 
 
+def film_scan(scene):
+    """A Cineon file, whose logarithms Cycles shows as they are."""
+    tree = matte()
+    picture = soft_picture(tree.material.node_tree, 1.0)
+    path = str(Path(bpy.app.tempdir) / "scan.cin")
+    settings = scene.render.image_settings
+    before, settings.file_format = settings.file_format, "CINEON"
+    picture.image.save_render(path, scene=scene)
+    settings.file_format, picture.image = before, bpy.data.images.load(path)
+    tree.link(picture.outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def flattened(scene):
+    """Scaled to nothing along what has no thickness."""
+    for number, leaf in enumerate(leaves(scene, matte())):
+        leaf.scale.z = number % 2
+
+
 def leaning_normals(scene):
     """As those of cards that are shaded as the crown about them."""
     for leaf in leaves(scene, matte()):
@@ -187,6 +207,16 @@ def glossy_leaf(scene):
     gloss.inputs["Roughness"].default_value = 0.3
     tree.mixed(0.4, diffuse, through)
     tree.mixed(0.1, tree.output.inputs["Surface"].links[0].from_node, gloss)
+    leaves(scene, tree)
+
+
+def mixed_by_chance(scene):
+    """Each leaf takes its own share of two shaders."""
+    tree = matte()
+    tree.shader.inputs["Base Color"].default_value = RED
+    other = tree.node("BsdfDiffuse")
+    other.inputs["Color"].default_value = GREEN
+    tree.mixed(tree.node("ObjectInfo").outputs["Random"], tree.shader, other)
     leaves(scene, tree)
 
 

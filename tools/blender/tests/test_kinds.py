@@ -80,6 +80,22 @@ class Frosted(Case):
             self.assertLess(abs(ratio - 1.0), bar, volume)
 
 
+class Glowing(Case):
+    def test_its_light_bounces_as_often_as_in_cycles(self):
+        """By random walks, and on the grid; what glows is itself not in the picture."""
+        scene = kinds.stage()
+        kinds.mesh_lamp(scene)
+        size = (scene.render.resolution_x, scene.render.resolution_y)
+        for bounces in (1, 2):
+            wish = beside.Wish(PROGRAM, 1, size, 256, 512, bounces)
+            beside.exported(scene, wish, self.folder)
+            theirs = beside.theirs(scene, wish, self.folder).mean()
+            for volume, bar in (("paths", kinds.EXACT), ("auto", kinds.BAKED)):
+                ratio = beside.ours(scene, wish, self.folder, volume).mean() / theirs
+                print(f"mesh lamp, {bounces} {volume:8} {theirs:9.5f} {ratio:9.5f}", flush=True)
+                self.assertLess(abs(ratio - 1.0), bar, (bounces, volume))
+
+
 class Said(Case):
     def test_as_warnings(self):
         for name, scene, id in self.each(kinds.SAID):
