@@ -107,19 +107,6 @@ impl Gloss {
         Self { principled: Some(Principled { share: 1.0, fresnel, further }), repeated, ..own }
     }
 
-    /// Clear coat of a Principled BSDF, of the refractive index 1.5: in Cycles it scatters no light twice.
-    pub fn principled_clear(roughness: f64) -> Self {
-        let mut own = Self::new(Rgb::splat(0.04), Rgb::ONE, roughness).principled();
-        own.repeated = None;
-        own.principled.iter_mut().for_each(|own| own.further = Rgb::ZERO);
-        own
-    }
-
-    /// Whether it is as Cycles' Principled BSDF has it.
-    pub fn is_principled(&self) -> bool {
-        self.principled.is_some()
-    }
-
     /// Coat of which a share, `0..=1`, is metal of reflectances along the normal and at grazing angles. Metal
     /// keeps its multiple scattering.
     pub fn with_metal(self, share: f64, color: Rgb, grazing: Rgb) -> Self {
@@ -195,6 +182,12 @@ impl Gloss {
         // A coat that reflects all leaves nothing.
         let share = lets(cos_eye) * lets(cos_light) / left;
         Rgb::select(left.cmpgt(Rgb::ZERO), share, Rgb::ZERO)
+    }
+
+    /// Share of light that a Principled BSDF's coat lets out to what is over it, with what it does not cover;
+    /// `None` of another coat.
+    pub fn principled_lets_out(&self, cos: f64) -> Option<f64> {
+        self.principled.map(|own| 1.0 - self.cover * (1.0 - self.let_out(own, cos)))
     }
 
     /// Share of light towards the eye that a Principled BSDF's coat lets out, for all colours that of the

@@ -36,13 +36,14 @@ impl Clearcoat {
 
     /// As Blender's Principled BSDF has it.
     pub fn principled(normal: DVec3, share: f64, roughness: f64) -> Self {
-        Self { normal, gloss: Gloss::principled_clear(roughness).covering(share) }
+        let gloss = Gloss::new(Rgb::splat(0.04), Rgb::ONE, roughness).principled();
+        Self { normal, gloss: gloss.covering(share) }
     }
 
     /// Share of light that it leaves to what lies beneath.
     fn leaves(&self, to_eye: DVec3, to_light: DVec3) -> f64 {
-        let out = self.albedo(to_eye);
-        1.0 - if self.gloss.is_principled() { out } else { out.max(self.albedo(to_light)) }
+        let of_principled = self.gloss.principled_lets_out(self.normal.dot(to_eye).abs());
+        of_principled.unwrap_or_else(|| 1.0 - self.albedo(to_eye).max(self.albedo(to_light)))
     }
 
     /// About how much of the light it reflects.
@@ -82,7 +83,7 @@ impl Layers {
     /// Share of what the surface emits or mirrors that comes through to the eye: a coat is in its
     /// way, fibres are not.
     pub fn lets_out(&self, to_eye: DVec3) -> f64 {
-        self.clearcoat.as_ref().map_or(1.0, |coat| 1.0 - coat.albedo(to_eye))
+        self.clearcoat.as_ref().map_or(1.0, |coat| coat.leaves(to_eye, to_eye))
     }
 
     /// About how much of the light the layers scatter themselves.
@@ -120,6 +121,16 @@ mod tests {
             }
         }
         sum
+    }
+
+    /// Cycles 5.0: what a matte surface of .8 keeps beneath it, lit at 80 degrees and seen from above.
+    #[test]
+    fn a_principled_coat_takes_on_the_way_out_alone() {
+        let coat = Clearcoat::principled(DVec3::Z, 1.0, 0.03);
+        let grazing = direction(10_f64.to_radians().sin(), 0.0);
+        assert!((coat.leaves(DVec3::Z, grazing) - 0.96).abs() < 1e-3);
+        let plain = Clearcoat::new(DVec3::Z, 1.0, 0.03);
+        assert!(plain.leaves(DVec3::Z, grazing) < 0.7);
     }
 
     fn each() -> impl Iterator<Item = Layers> {

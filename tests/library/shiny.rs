@@ -83,7 +83,7 @@ fn a_metal_is_that_of_the_specification() {
         let f = base + (Rgb::ONE - base) * (1.0 - v.dot(h)).powi(5);
         let once = f * d * g / (4.0 * n.dot(l) * n.dot(v));
         assert_close(Gloss::new(base, Rgb::ONE, roughness).brdf(n, v, l), once);
-        let gloss = Gloss::new(METAL.f0, Rgb::ONE, roughness).with_metal(1.0, base);
+        let gloss = Gloss::new(METAL.f0, Rgb::ONE, roughness).with_metal(1.0, base, Rgb::ONE);
         let metal = gloss.brdf(n, v, l);
         assert_close(seen(&scene, toward), metal * n.dot(l) * 7.0);
 
