@@ -43,6 +43,8 @@ def losses_of(node):
     # Of several distributions one scatters as our metal does.
     if node.type in NEARLY or getattr(node, "distribution", "MULTI_GGX") != "MULTI_GGX" and node.type == "BSDF_GLOSSY":
         yield f"nearly-{node.type}"
+    if node.type == "BSDF_PRINCIPLED" and has_rough_coat(node):
+        yield "rough-coat"
     if node.type not in KNOWN:
         return
     known, usual = KNOWN[node.type], as_new(node.bl_idname)
@@ -52,6 +54,13 @@ def losses_of(node):
         loss = known.get(socket.name, f"input-{socket.name.lower().replace(' ', '-')}")
         if loss and not does_nothing(node, loss):
             yield loss
+
+
+def has_rough_coat(node):
+    """Whether it takes more from what lies beneath it than here, by up to 3 %: since Blender 5.3."""
+    roughness = node.inputs["Coat Roughness"]
+    is_rough = sockets.link_to(roughness) is not None or roughness.default_value > 0.5
+    return bpy.app.version >= (5, 3) and is_rough and not sheets.is_zero(node, "Coat Weight")
 
 
 def does_nothing(node, loss):
