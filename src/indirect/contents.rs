@@ -93,17 +93,15 @@ impl<'a> Contents<'a> {
         let cut = CutGrid { grid, occluders: &walls.walls.occluders };
         let collisions = FirstCollisions { snapshot, fog, cut, medium, cancelled, leaves, are_walls };
         let Found { sources, beams, forward_peaks, met_again, on_leaves } = collisions.found();
-        let by_lights = |lights, nearest_m| {
-            WallLight { snapshot, lights, nearest_m, grid, fog, walls, quadrature }.found()
-        };
-        let LitWalls { irradiances, glossy } = by_lights(snapshot.lights.as_slice(), 0.0);
         let small_glow = context.glow.as_ref().filter(|_| self.glowing_share() < MOST_GLOWING);
-        let by_glow = small_glow
-            .map(|lights| walls.walls.scattered(&by_lights(lights, NEAREST_GLOW * grid.cell_m).irradiances));
+        let glow = small_glow.map_or(&[][..], Vec::as_slice);
+        let (lights, nearest_m) = (snapshot.lights.as_slice(), NEAREST_GLOW * grid.cell_m);
+        let LitWalls { irradiances, glossy } =
+            WallLight { snapshot, lights, glow, nearest_m, grid, fog, walls, quadrature }.found();
         let not_again = self_interaction.all_sent_again(cut, medium, (leaves, &on_leaves));
         let walls = walls.walls.scattered(&irradiances);
         let has_emission = snapshot.glow().is_some() || snapshot.medium.shines();
-        let emission = has_emission.then(|| self.emission(context.glow.is_none(), by_glow));
+        let emission = has_emission.then(|| self.emission(context.glow.is_none(), small_glow.is_some()));
         let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again, emission };
         FirstLight { source, forward_peaks, met_again, on_leaves }
     }
@@ -115,10 +113,10 @@ impl<'a> Contents<'a> {
         emitting as f64 / patches.len().max(1) as f64
     }
 
-    fn emission(&self, is_part: bool, scattered_by_walls: Option<Vec<Rgb>>) -> Emission {
+    fn emission(&self, is_part: bool, has_lit_walls: bool) -> Emission {
         let mut volume = Moments::zero(self.grid.count());
         self.medium.emit(&mut volume);
         let walls = self.walls.walls.patches.iter().map(|patch| patch.optics.emission).collect();
-        Emission { volume, walls, scattered_by_walls, is_part }
+        Emission { volume, walls, has_lit_walls, is_part }
     }
 }

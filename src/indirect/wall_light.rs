@@ -22,7 +22,8 @@ const SHADOW_RAYS: usize = 4;
 pub(super) struct WallLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) lights: &'a [Luminaire],
-    /// Points of lights that are nearer do not count, metres.
+    /// What glows and lights walls as lamps do; its points that are nearer do not count, metres.
+    pub(super) glow: &'a [Luminaire],
     pub(super) nearest_m: f64,
     pub(super) grid: &'a Grid,
     pub(super) fog: &'a DeltaScaledFog<'a>,
@@ -77,11 +78,13 @@ fn of_triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 }
 
 impl WallLight<'_> {
-    /// Light of all lamps and suns.
+    /// Light of all lamps, suns and what glows.
     pub(super) fn found(&self) -> LitWalls {
         let lit = |(patch, &primitive): (&Patch, &PrimitiveId)| {
+            let lamps = self.lights.iter().map(|light| (light, 0.0));
+            let glow = self.glow.iter().map(|light| (light, self.nearest_m));
             let arriving = |light| self.arriving(light, (patch, primitive));
-            let lights: Vec<Arriving> = self.lights.iter().filter_map(arriving).collect();
+            let lights: Vec<Arriving> = lamps.chain(glow).filter_map(arriving).collect();
             let highlights =
                 highlights::of_patch(self.snapshot, (patch, primitive), &lights, self.quadrature);
             (lights.iter().map(|light| light.irradiance).sum::<Rgb>(), highlights)
@@ -91,11 +94,18 @@ impl WallLight<'_> {
         LitWalls { irradiances, glossy: GlossySource::new(&along) }
     }
 
-    fn arriving(&self, light: &Luminaire, (patch, primitive): (&Patch, PrimitiveId)) -> Option<Arriving> {
+    /// Light of one, whose points are not nearer than so many metres.
+    fn arriving(
+        &self,
+        (light, nearest_m): (&Luminaire, f64),
+        (patch, primitive): (&Patch, PrimitiveId),
+    ) -> Option<Arriving> {
         let (right, up) = patch.normal.any_orthonormal_pair();
         // About the middle of the patch's cell, on its plane: where it is depends on no leaf.
-        let middle =
-            self.grid.position(self.grid.nearest(patch.position + 0.25 * self.grid.cell_m * patch.normal));
+        let node = self.grid.nearest(patch.position + 0.25 * self.grid.cell_m * patch.normal);
+        let middle = self.grid.position(node);
+        // Of what glows each patch sees points of its own: few of them have no mean that all could share.
+        let first = if nearest_m > 0.0 { node * SHADOW_RAYS * SHADOW_RAYS } else { 0 };
         let middle = middle - (middle - patch.position).dot(patch.normal) * patch.normal;
         let step = self.grid.cell_m / SHADOW_RAYS as f64;
         let off_wall = 0.02 * self.grid.cell_m * patch.normal - self.snapshot.view.eye;
@@ -114,11 +124,11 @@ impl WallLight<'_> {
                 continue;
             }
             count += 1.0;
-            let point = light.point([0.3, 0.6, 0.9].map(|phase| kronecker(phase, number)));
+            let point = light.point([0.3, 0.6, 0.9].map(|phase| kronecker(phase, first + number)));
             let (to_light, unshadowed) = square.lit(&point, patch.normal);
             if unshadowed != Rgb::ZERO {
                 let (direction, distance, _) = point.arriving_at(origin);
-                if distance < self.nearest_m {
+                if distance < nearest_m {
                     continue;
                 }
                 let ray = Ray { origin, direction };

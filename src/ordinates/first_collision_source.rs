@@ -36,8 +36,8 @@ pub(crate) struct Emission {
     pub(crate) volume: Moments,
     /// Radiance of each patch of wall.
     pub(crate) walls: Vec<Rgb>,
-    /// Radiance that walls scatter of it, where that is known better than sweeps tell.
-    pub(crate) scattered_by_walls: Option<Vec<Rgb>>,
+    /// Whether what walls scatter of it is among [`FirstCollisionSource::walls`].
+    pub(crate) has_lit_walls: bool,
     /// Whether light straight from it is part of the solution, or only what becomes of that.
     pub(crate) is_part: bool,
 }

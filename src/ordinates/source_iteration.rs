@@ -105,14 +105,16 @@ impl Problem<'_> {
         let mut sweeper = Sweeper::new(&self.domain);
         let mut source = Source { volume, walls, has_first: true };
         let (mut later, mut emitted, mut is_apart) = (source.emptied(), None, true);
-        if let Some(Emission { volume, walls, scattered_by_walls, is_part }) = emission {
+        if let Some(Emission { volume, walls, has_lit_walls, is_part }) = emission {
             let emission = Source { volume, walls, has_first: false };
             if is_part && self.orders.is_none() {
                 source.add(&emission, [1.0; 3]);
             } else {
                 let swept = self.sweep_emission(&mut sweeper, &emission);
                 let mut scattered = self.scatter(&swept.moments, true);
-                scattered.walls = scattered_by_walls.unwrap_or(scattered.walls);
+                if has_lit_walls {
+                    scattered.walls = source.emptied().walls;
+                }
                 // As that of lamps, its light is of the first order once it was scattered.
                 source.add(&scattered, [1.0; 3]);
                 (emitted, is_apart) = (Some(swept), !is_part);
