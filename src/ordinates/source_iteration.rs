@@ -57,8 +57,8 @@ pub(crate) struct Solution {
     /// apart.
     pub(crate) radiances: Vec<AngularRadiance>,
     pub(crate) sky_radiances: Option<AngularRadiance>,
-    /// Light straight from what emits, where that is no part of the rest; and what a finer grid gets of it, if
-    /// it is swept by itself.
+    /// Light straight from what emits, where that is no part of the rest; and what a finer grid gets of it,
+    /// if it is swept by itself.
     pub(crate) emitted: Option<Swept>,
     pub(crate) emitted_radiances: Option<AngularRadiance>,
     /// Whether it goes on and on, and is cut short.

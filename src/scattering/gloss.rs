@@ -96,8 +96,7 @@ impl Gloss {
         Self { cover, ..self }
     }
 
-    /// Coat as Cycles' Principled BSDF has it, of the refractive index that the reflectance along the
-    /// normal stands for.
+    /// Coat as Cycles' Principled BSDF has it, of the index that its reflectance along the normal stands for.
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;
         let fresnel = Fresnel::of_reflectance(f0.max_element());
@@ -107,14 +106,12 @@ impl Gloss {
         Self { principled: Some(Principled { share: 1.0, fresnel, further }), repeated, ..own }
     }
 
-    /// Coat of which a share, `0..=1`, is metal of reflectances along the normal and at grazing angles. Metal
-    /// keeps its multiple scattering.
+    /// Coat of which a share, `0..=1`, is metal, of reflectances along the normal and at grazing angles.
     pub fn with_metal(self, share: f64, color: Rgb, grazing: Rgb) -> Self {
         if share <= 0.0 {
             return self;
         }
-        // Of all that falls on a microfacet it reflects 20 parts of f0 and one of f90: Schlick's term
-        // over the hemisphere.
+        // Schlick's term over the hemisphere: 20 parts of f0 and one of f90.
         let further = self.further(color + (grazing - color) / 21.0);
         let mut repeated = Reflectance { f0: share * further * color, f90: share * further * grazing };
         if let Some(of_coat) = self.repeated {
@@ -180,20 +177,17 @@ impl Gloss {
             Rgb::ONE - self.coat.albedo(part0, part90)
         };
         // A coat that reflects all leaves nothing.
-        let share = lets(cos_eye) * lets(cos_light) / left;
-        Rgb::select(left.cmpgt(Rgb::ZERO), share, Rgb::ZERO)
+        Rgb::select(left.cmpgt(Rgb::ZERO), lets(cos_eye) * lets(cos_light) / left, Rgb::ZERO)
     }
 
-    /// Share of light that a Principled BSDF's coat lets out to what is over it, with what it does not cover;
-    /// `None` of another coat.
+    /// Share of light that a Principled BSDF's coat lets out, with what it does not cover; `None` of another.
     pub fn principled_lets_out(&self, cos: f64) -> Option<f64> {
         self.principled.map(|own| 1.0 - self.cover * (1.0 - self.let_out(own, cos)))
     }
 
     /// Share of light towards the eye that a Principled BSDF's coat lets out, for all colours that of the
-    /// one it reflects most (Cycles 5.0, `closure_layering_weight`). Its reflection is estimated as there:
-    /// microfacets count alike, however much of their light others hide, and the hidden part is taken off
-    /// all of it (`bsdf_microfacet_estimate_albedo`).
+    /// one it reflects most (Cycles 5.0, `closure_layering_weight`). As there microfacets count alike, and
+    /// what others hide of their light is taken off all of it (`bsdf_microfacet_estimate_albedo`).
     fn let_out(&self, own: Principled, cos: f64) -> f64 {
         let albedos = &self.microfacets.albedos;
         let [part0, part90] = albedos.towards(cos);

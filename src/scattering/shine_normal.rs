@@ -1,6 +1,6 @@
-//! Normal that bumps have for their shine. In go the normal of the flat surface, the direction of the eye and a
-//! bent normal, out comes one that is bent less. Invariant: what it mirrors towards the eye comes from before
-//! the surface.
+//! Normal that bumps have for their shine. In go the normal of the flat surface, the direction of the eye and
+//! a bent normal, out comes one that is bent less. Invariant: what it mirrors towards the eye comes from
+//! before the surface.
 
 use glam::DVec3;
 
