@@ -40,15 +40,6 @@ impl VoxelCells {
         self.at(self.cursor(t), t).0
     }
 
-    /// Metres of densest fog before each of some places in order.
-    pub(super) fn metres_before_each(&self, places: &[f64]) -> impl Iterator<Item = f64> {
-        let mut cursor = 0;
-        places.iter().map(move |&t| {
-            self.next_border(&mut cursor, t);
-            self.at(cursor, t).0
-        })
-    }
-
     /// The density there.
     pub(super) fn density(&self, t: f64) -> f64 {
         self.at(self.cursor(t), t).1

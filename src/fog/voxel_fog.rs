@@ -86,6 +86,13 @@ impl VoxelFog {
         self.grid.voxels.integral(&self.line(ray), (start, end)) / self.grid.voxels.most()
     }
 
+    /// Metres of densest fog from the first of some places on a ray, which are in order, to each.
+    pub(super) fn metres_before_each(&self, ray: &Ray, places: &[f64]) -> Vec<f64> {
+        let mut integrals = self.grid.voxels.integrals(&self.line(ray), places);
+        integrals.iter_mut().for_each(|integral| *integral /= self.grid.voxels.most());
+        integrals
+    }
+
     /// Metres of densest fog along a ray up to `end`, where voxels may be averaged over `widest_m` metres.
     pub(super) fn rough_metres(&self, ray: &Ray, end: f64, widest_m: f64) -> f64 {
         let times = widest_m / self.widest_voxel_m;

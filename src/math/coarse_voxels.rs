@@ -1,7 +1,8 @@
 //! Voxels some times wider: means of cubes. In go voxels, out come integrals along lines at a part of the
 //! cost. Invariant: what voxels hold all together stays the same.
 
-use super::voxels::{BRICK, VoxelsBuilder};
+use super::brick_rows::BRICK;
+use super::voxels::VoxelsBuilder;
 use super::{Ray, VoxelDepths, Voxels, sphere_from_square, square_from_sphere};
 use glam::{DVec2, DVec3, IVec3};
 use std::collections::HashMap;

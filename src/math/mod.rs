@@ -1,6 +1,7 @@
 //! Geometry and numbers without any notion of scenes or light. Invariant: nothing here knows a
 //! unit other than metres, seconds and radians.
 
+mod brick_rows;
 mod chance;
 mod chebyshev;
 mod coarse_voxels;
@@ -26,6 +27,7 @@ mod voxel_means;
 mod voxel_walk;
 mod voxels;
 
+pub use brick_rows::BRICK;
 pub use chance::Chance;
 pub use chebyshev::Antiderivative;
 pub use cubic::Cubic;
@@ -48,4 +50,4 @@ pub use sampler::Sampler;
 pub use vector_voxels::VectorVoxels;
 pub use voxel_depths::VoxelDepths;
 pub use voxel_means::VoxelMeans;
-pub use voxels::{BRICK, Voxels, VoxelsBuilder, VoxelsError};
+pub use voxels::{Voxels, VoxelsBuilder, VoxelsError};

@@ -1,7 +1,7 @@
 //! Vectors at the whole places of a grid, trilinear between them. In go bricks of 8 x 8 x 8 and cubes of one
 //! vector, out come vectors. Invariant: where there is neither it is the background.
 
-use super::voxels::BRICK;
+use super::brick_rows::BRICK;
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
 

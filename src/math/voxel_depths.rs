@@ -45,12 +45,13 @@ impl VoxelDepths {
         let nodes = (to - from).element_product() / spacing.powi(3);
         let spacing = spacing * (nodes / MOST_NODES).cbrt().max(1.0);
         let size = (to - from).to_array().map(|side| (side / spacing).ceil() as usize + 1);
+        let places: Vec<f64> = (0..size[2]).map(|index| spacing * index as f64).collect();
         let mut depths = vec![0.0; size.iter().product()];
         depths.par_chunks_mut(size[2]).enumerate().for_each(|(number, depths)| {
             let [i, j] = [number / size[1], number % size[1]].map(|index| spacing * index as f64);
             let origin = (from.x + i) * right + (from.y + j) * across + from.z * up;
             let line = Ray { origin, direction: up };
-            let before = voxels.integrals(&line, spacing, size[2]);
+            let before = voxels.integrals(&line, &places);
             let all = before[size[2] - 1];
             for (value, before) in depths.iter_mut().zip(before) {
                 *value = ((all - before) / voxels.most()) as f32;

@@ -1,7 +1,7 @@
 //! A line through voxels, cell by cell. In go a line, out come the cells that hold something, and integrals.
 //! Invariant: along a line a trilinear cell is a cubic, so its integral is exact.
 
-use super::voxels::{Neighbours, Voxels};
+use super::voxels::{Corners, Neighbours, Voxels};
 use super::{Cubic, Ray};
 use glam::{DVec3, IVec3};
 
@@ -36,8 +36,8 @@ impl Voxels {
             if let Some(Here { corners, exits, .. }) = &mut here {
                 axis = nearest(exits);
                 let leaves = exits[axis].clamp(t, end);
-                if leaves > t && corners.iter().any(|value| *value > 0.0) {
-                    let values = way.cubic(corners, line.at(t) - cell.as_dvec3());
+                if leaves > t && corners.values.iter().any(|value| *value > 0.0) {
+                    let values = way.cubic(&corners.values, line.at(t) - cell.as_dvec3());
                     passed(Passed { start: t, end: leaves, values });
                 }
                 t = leaves;
@@ -56,10 +56,10 @@ impl Voxels {
                 return;
             }
             match &mut here {
-                Some(Here { brick, corners, .. })
+                Some(Here { bricks, corners, .. })
                     if self.is_in_the_brick_before(cell, axis, way.step[axis]) =>
                 {
-                    self.step_corners(brick, corners, cell, (axis, way.step[axis] > 0));
+                    self.step_corners(bricks, corners, cell, (axis, way.step[axis] > 0));
                 }
                 _ => here = self.begin(&way, cell),
             }
@@ -68,10 +68,10 @@ impl Voxels {
 
     /// Place of a line in a cell; `None` if its brick holds nothing.
     #[inline]
-    fn begin(&self, way: &Way, cell: IVec3) -> Option<Here<'_>> {
-        let brick = self.brick_of(cell)?;
+    fn begin(&self, way: &Way, cell: IVec3) -> Option<Here> {
+        let bricks = self.bricks_about(cell)?;
         let exits = std::array::from_fn(|axis| way.exit(axis, cell[axis], cell[axis] + 1));
-        Some(Here { brick, corners: self.corners(brick, cell), exits })
+        Some(Here { corners: self.corners(&bricks, cell), bricks, exits })
     }
 
     /// The integral over a part of a line, in units of `t`.
@@ -81,26 +81,26 @@ impl Voxels {
         sum
     }
 
-    /// The integral up to each of so many places on a line, `step` apart from one another.
-    pub(super) fn integrals(&self, line: &Ray, step: f64, count: usize) -> Vec<f64> {
-        let (mut sum, mut integrals) = (0.0, Vec::with_capacity(count));
-        let place = |index: usize| step * index as f64;
-        self.for_each_cell(line, (0.0, place(count)), |cell| {
-            while integrals.len() < count && place(integrals.len()) < cell.end {
-                let within = (place(integrals.len()) - cell.start).max(0.0);
+    /// The integral from the first of some places on a line, which are in order, to each.
+    pub fn integrals(&self, line: &Ray, places: &[f64]) -> Vec<f64> {
+        let (mut sum, mut integrals) = (0.0, Vec::with_capacity(places.len()));
+        let [Some(&first), Some(&last)] = [places.first(), places.last()] else { return integrals };
+        self.for_each_cell(line, (first, last), |cell| {
+            while let Some(place) = places.get(integrals.len()).filter(|place| **place < cell.end) {
+                let within = (place - cell.start).max(0.0);
                 integrals.push(sum + cell.values.integral(within));
             }
             sum += cell.integral();
         });
-        integrals.resize(count, sum);
+        integrals.resize(places.len(), sum);
         integrals
     }
 }
 
 /// A cell that a line has come to.
-struct Here<'a> {
-    brick: &'a Neighbours,
-    corners: [f32; 8],
+struct Here {
+    bricks: Neighbours,
+    corners: Corners,
     /// Distance at which the line leaves it by each axis.
     exits: [f64; 3],
 }

@@ -1,36 +1,25 @@
 //! Numbers at the whole places of a grid, trilinear between them, nothing beyond. In go bricks of 8 x 8 x 8,
 //! out come values. Invariant: what holds nothing takes no memory but its place in a table.
 
+use super::brick_rows::{BRICK, BrickRows, EDGE, LOG_EDGE, NOTHING};
 use glam::{DVec3, IVec3};
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Voxels along an edge of a brick, as a power of two.
-const LOG_EDGE: i32 = 3;
-pub(super) const EDGE: i32 = 1 << LOG_EDGE;
-/// Voxels of a brick, z fastest.
-pub const BRICK: usize = 512;
-/// Strides from a voxel to the next within a brick, along each axis.
-const STEPS: [usize; 3] = [64, 8, 1];
-/// The two other axes.
-const OTHERS: [[usize; 2]; 3] = [[1, 2], [0, 2], [0, 1]];
 /// Places in the table at most: 64 MB.
 const MOST_PLACES: u64 = 1 << 24;
-const NOTHING: u32 = u32::MAX;
 
 static IDS: AtomicU64 = AtomicU64::new(0);
 
 /// A grid of numbers, none of them negative.
 pub struct Voxels {
-    /// The first voxel of the first brick that cells begin in, and such bricks along each axis.
+    /// The first voxel of the first brick, and bricks along each axis. Those at the sides hold nothing.
     first: IVec3,
     bricks: IVec3,
-    /// Number by place of a brick, z fastest, among those in which a cell begins that holds something.
+    /// Number by place of a brick, z fastest.
     table: Vec<u32>,
-    /// Neighbours by that number.
-    neighbours: Vec<Neighbours>,
-    values: Vec<f32>,
+    rows: BrickRows,
     /// Corners of what is not nothing, in whole places.
     low: IVec3,
     high: IVec3,
@@ -39,9 +28,15 @@ pub struct Voxels {
     id: u64,
 }
 
-/// Starts of the values of a brick and of the seven next to it that its cells have corners in: ahead along
-/// x by bit 0 of the index, y by bit 1, z by bit 2.
+/// Numbers of a brick and of the seven next to it that its cells have corners in: ahead along x by bit 0 of
+/// the index, y by bit 1, z by bit 2.
 pub(super) type Neighbours = [u32; 8];
+
+/// Values at the corners of a cell, x fastest, and where the rows along z of the first four begin.
+pub(super) struct Corners {
+    pub(super) values: [f32; 8],
+    rows: [usize; 4],
+}
 
 /// Id alone: its numbers never change.
 impl fmt::Debug for Voxels {
@@ -64,8 +59,8 @@ pub enum VoxelsError {
 /// Bricks as they come, by their first voxel; a later one of the same place replaces the earlier.
 #[derive(Debug, Default)]
 pub struct VoxelsBuilder {
-    values: Vec<f32>,
-    /// Number of each brick's values.
+    rows: BrickRows,
+    /// Number of each brick.
     bricks: HashMap<IVec3, u32>,
     /// Numbers of bricks that are the same all over, by their value's bits.
     even: HashMap<u32, u32>,
@@ -74,16 +69,12 @@ pub struct VoxelsBuilder {
 impl VoxelsBuilder {
     /// Builder with room for so many bricks: while there is, they are never held twice.
     pub fn of_up_to(bricks: usize) -> Self {
-        // One more, of nothing.
-        Self { values: Vec::with_capacity((bricks + 1) * BRICK), ..Self::default() }
+        Self { rows: BrickRows::of_up_to(bricks), ..Self::default() }
     }
 
     /// A brick, z fastest. `first` is a multiple of 8; what is below 0 counts as nothing.
     pub fn add(&mut self, first: IVec3, values: impl IntoIterator<Item = f32>) {
-        let number = (self.values.len() / BRICK) as u32;
-        self.values.extend(values.into_iter().map(|value| value.max(0.0)).take(BRICK));
-        self.values.resize((number as usize + 1) * BRICK, 0.0);
-        self.bricks.insert(first >> LOG_EDGE, number);
+        self.bricks.insert(first >> LOG_EDGE, self.rows.add(values));
     }
 
     /// A cube of one value, of `edge` voxels, a multiple of 8: its bricks share their values.
@@ -96,11 +87,8 @@ impl VoxelsBuilder {
         if count > MOST_PLACES {
             return Err(VoxelsError::TooWide(count));
         }
-        let number = *self.even.entry(value.to_bits()).or_insert_with(|| {
-            let number = (self.values.len() / BRICK) as u32;
-            self.values.resize(self.values.len() + BRICK, value.max(0.0));
-            number
-        });
+        let rows = &mut self.rows;
+        let number = *self.even.entry(value.to_bits()).or_insert_with(|| rows.add([value; BRICK]));
         let along = along as i32;
         for place in 0..along.pow(3) {
             let offset = IVec3::new(place / (along * along), place / along % along, place % along);
@@ -114,19 +102,10 @@ impl VoxelsBuilder {
     /// # Errors
     /// If there is nothing, or it reaches too far.
     pub fn built(self) -> Result<Voxels, VoxelsError> {
-        let is_full = |number: &u32| {
-            let start = *number as usize * BRICK;
-            self.values[start..start + BRICK].iter().any(|value| *value > 0.0)
-        };
-        let full: HashMap<IVec3, u32> = self
-            .bricks
-            .iter()
-            .filter(|(_, number)| is_full(number))
-            .map(|(&at, &number)| (at, number))
-            .collect();
+        let full = || self.bricks.iter().filter(|(_, number)| **number != NOTHING);
         // A cell has corners in the brick that it begins in and in those ahead.
-        let low = full.keys().copied().reduce(IVec3::min).ok_or(VoxelsError::Empty)? - 1;
-        let high = full.keys().copied().reduce(IVec3::max).ok_or(VoxelsError::Empty)?;
+        let low = full().map(|(at, _)| *at).reduce(IVec3::min).ok_or(VoxelsError::Empty)? - 1;
+        let high = full().map(|(at, _)| *at).reduce(IVec3::max).ok_or(VoxelsError::Empty)? + 1;
         let bricks = high - low + 1;
         let places = bricks.to_array().into_iter().map(|count| count as u64).product::<u64>();
         if places > MOST_PLACES {
@@ -136,40 +115,27 @@ impl VoxelsBuilder {
             first: low << LOG_EDGE,
             bricks,
             table: vec![NOTHING; places as usize],
-            neighbours: Vec::new(),
-            most: self.values.iter().copied().fold(0.0, f32::max),
-            values: self.values,
+            most: self.rows.most(),
+            rows: BrickRows::default(),
             low: IVec3::MAX,
             high: IVec3::MIN,
             id: IDS.fetch_add(1, Ordering::Relaxed),
         };
-        let nothing = voxels.values.len() as u32;
-        voxels.values.resize(voxels.values.len() + BRICK, 0.0);
-        for (&at, &number) in &full {
-            let start = number * BRICK as u32;
-            voxels.bound(at << LOG_EDGE, start);
-            for corner in 0..8 {
-                let before = at - low - offset(corner);
-                let place = voxels.place(before).expect("it is within");
-                if voxels.table[place] == NOTHING {
-                    voxels.table[place] = voxels.neighbours.len() as u32;
-                    voxels.neighbours.push([nothing; 8]);
-                }
-                voxels.neighbours[voxels.table[place] as usize][corner] = start;
-            }
+        for (&at, &number) in full() {
+            let place = voxels.place(at - low).expect("it is within");
+            voxels.table[place] = number;
+            voxels.bound(at << LOG_EDGE, || self.rows.brick(number));
         }
-        Ok(voxels)
+        Ok(Voxels { rows: self.rows, ..voxels })
     }
 }
 
-/// Offset of a corner of a cell from its first, or of a brick's neighbour.
-fn offset(corner: usize) -> IVec3 {
-    IVec3::new(corner as i32 & 1, corner as i32 >> 1 & 1, corner as i32 >> 2)
-}
-
 impl Voxels {
-    fn bound(&mut self, first: IVec3, start: u32) {
-        let values = &self.values[start as usize..][..BRICK];
+    fn bound(&mut self, first: IVec3, values: impl Fn() -> [f32; BRICK]) {
+        if first.cmpge(self.low).all() && (first + (EDGE - 1)).cmple(self.high).all() {
+            return;
+        }
+        let values = values();
         for place in (0..BRICK).filter(|place| values[*place] > 0.0) {
             let along = [place / 64, place / 8 % 8, place % 8].map(|index| index as i32);
             let voxel = first + IVec3::from(along);
@@ -184,7 +150,7 @@ impl Voxels {
 
     /// Memory, in bytes.
     pub fn memory(&self) -> usize {
-        size_of_val(&*self.values) + size_of_val(&*self.neighbours) + size_of_val(&*self.table)
+        self.rows.memory() + size_of_val(&*self.table)
     }
 
     /// Largest number.
@@ -194,14 +160,10 @@ impl Voxels {
 
     /// Calls `each` for every brick that holds something, with its first voxel.
     pub fn for_each_brick(&self, mut each: impl FnMut(IVec3, &[f32])) {
-        let nothing = (self.values.len() - BRICK) as u32;
         for (place, &number) in self.table.iter().enumerate().filter(|(_, number)| **number != NOTHING) {
-            let start = self.neighbours[number as usize][0];
             let (place, [_, rows, row]) = (place as i32, self.bricks.to_array());
             let brick = IVec3::new(place / (rows * row), place / row % rows, place % row);
-            if start != nothing {
-                each(self.first + (brick << LOG_EDGE), &self.values[start as usize..][..BRICK]);
-            }
+            each(self.first + (brick << LOG_EDGE), &self.rows.brick(number));
         }
     }
 
@@ -211,11 +173,18 @@ impl Voxels {
         is_in.then(|| ((brick.x * self.bricks.y + brick.y) * self.bricks.z + brick.z) as usize)
     }
 
-    /// The brick in which a cell begins; `None` if its cells hold nothing.
+    /// The bricks about the cells that begin in one; `None` if they hold nothing.
     #[inline]
-    pub(super) fn brick_of(&self, cell: IVec3) -> Option<&Neighbours> {
-        let number = self.table[self.place((cell - self.first) >> LOG_EDGE)?];
-        (number != NOTHING).then(|| &self.neighbours[number as usize])
+    pub(super) fn bricks_about(&self, cell: IVec3) -> Option<Neighbours> {
+        let start = self.place((cell - self.first) >> LOG_EDGE)?;
+        let [_, rows, row] = self.bricks.to_array().map(|count| count as usize);
+        // What begins in the last bricks along an axis has nothing ahead.
+        let number = |corner: usize| {
+            let ahead = (corner & 1) * rows * row + (corner >> 1 & 1) * row + (corner >> 2);
+            self.table.get(start + ahead).copied().unwrap_or(NOTHING)
+        };
+        let bricks = std::array::from_fn(number);
+        (bricks != [NOTHING; 8]).then_some(bricks)
     }
 
     /// Corners of the block of cells that begin in the brick of one of them.
@@ -230,69 +199,73 @@ impl Voxels {
         local != if step > 0 { 0 } else { EDGE - 1 }
     }
 
-    /// Values at the corners of a cell that begins in a brick: x fastest.
+    /// Values at the corners of a cell that begins in a brick.
     #[inline]
-    pub(super) fn corners(&self, brick: &Neighbours, cell: IVec3) -> [f32; 8] {
-        let [x, y, z] = self.steps(cell);
-        std::array::from_fn(|corner| self.value(brick, [x[corner & 1], y[corner >> 1 & 1], z[corner >> 2]]))
+    pub(super) fn corners(&self, bricks: &Neighbours, cell: IVec3) -> Corners {
+        let mut corners = Corners { values: [0.0; 8], rows: [0; 4] };
+        let local = self.local(cell);
+        (0..4).for_each(|column| self.put_column(bricks, &mut corners, local, column));
+        corners
     }
 
     /// Makes of the corners of a cell those of the next along an axis, in the same brick: half of them stay.
     #[inline]
     pub(super) fn step_corners(
         &self,
-        brick: &Neighbours,
-        corners: &mut [f32; 8],
+        bricks: &Neighbours,
+        corners: &mut Corners,
         cell: IVec3,
         (axis, is_ahead): (usize, bool),
     ) {
-        /// Corners of the side with the lower coordinate.
-        const LOW: [[usize; 4]; 3] = [[0, 2, 4, 6], [0, 1, 4, 5], [0, 1, 2, 3]];
-        let new = self.side(brick, cell, axis, is_ahead);
-        for (near, new) in LOW[axis].into_iter().zip(new) {
-            let far = near | 1 << axis;
-            (corners[near], corners[far]) = if is_ahead { (corners[far], new) } else { (new, corners[near]) };
+        let local = self.local(cell);
+        if axis == 2 {
+            let z = local[2] + usize::from(is_ahead);
+            for column in 0..4 {
+                let new = self.value(bricks, corners.rows[column], (local, column), z);
+                let (near, far) = (corners.values[column], corners.values[column + 4]);
+                (corners.values[column], corners.values[column + 4]) =
+                    if is_ahead { (far, new) } else { (new, near) };
+            }
+            return;
+        }
+        for other in 0..2 {
+            let (near, far) = (other << (1 - axis), other << (1 - axis) | 1 << axis);
+            let (kept, new) = if is_ahead { (near, far) } else { (far, near) };
+            corners.rows[kept] = corners.rows[new];
+            corners.values[kept] = corners.values[new];
+            corners.values[kept + 4] = corners.values[new + 4];
+            self.put_column(bricks, corners, local, new);
         }
     }
 
-    /// The corners of a cell on its side ahead along an axis, or on the other.
+    /// A cell's place in its brick.
     #[inline]
-    fn side(&self, brick: &Neighbours, cell: IVec3, axis: usize, is_ahead: bool) -> [f32; 4] {
-        let steps = self.steps(cell);
-        let along = steps[axis][usize::from(is_ahead)];
-        let across = OTHERS[axis];
-        let is_in_one_brick = across.iter().all(|other| steps[*other][1].0 == 0);
-        if is_in_one_brick {
-            let start = brick[along.0 & 7] as usize + along.1;
-            let start = start + steps[across[0]][0].1 + steps[across[1]][0].1;
-            let [first, second] = across.map(|other| STEPS[other]);
-            let values = &self.values[start..=start + first + second];
-            return [values[0], values[first], values[second], values[first + second]];
-        }
-        std::array::from_fn(|corner| {
-            let mut of_corner = [steps[0][0], steps[1][0], steps[2][0]];
-            of_corner[axis] = along;
-            of_corner[across[0]] = steps[across[0]][corner & 1];
-            of_corner[across[1]] = steps[across[1]][corner >> 1];
-            self.value(brick, of_corner)
-        })
+    fn local(&self, cell: IVec3) -> [usize; 3] {
+        ((cell - self.first) & (EDGE - 1)).to_array().map(|along| along as usize)
     }
 
-    /// Bit of the neighbour that each corner of a cell is in along each axis, and steps within it.
+    /// Looks up the two corners of a cell on a row: the first ahead along x by bit 0 of `column`, y by bit 1.
     #[inline]
-    fn steps(&self, cell: IVec3) -> [[(usize, usize); 2]; 3] {
-        let local = (cell - self.first) & (EDGE - 1);
-        let along = |axis: usize, ahead: i32| {
-            let local = (local.to_array()[axis] + ahead) as usize;
-            ((local >> LOG_EDGE) << axis, (local & (EDGE as usize - 1)) * STEPS[axis])
-        };
-        [0, 1, 2].map(|axis| [along(axis, 0), along(axis, 1)])
+    fn put_column(&self, bricks: &Neighbours, corners: &mut Corners, local: [usize; 3], column: usize) {
+        let row = self.row(bricks, (local, column), 0);
+        let value = |z| self.value(bricks, row, (local, column), z);
+        (corners.rows[column], corners.values[column]) = (row, value(local[2]));
+        corners.values[column + 4] = value(local[2] + 1);
     }
 
+    /// Value on a column of a cell, of which `row` is in the cell's brick.
     #[inline]
-    fn value(&self, brick: &Neighbours, [x, y, z]: [(usize, usize); 3]) -> f32 {
-        let start = brick[(x.0 | y.0 | z.0) & 7];
-        self.values[start as usize + x.1 + y.1 + z.1]
+    fn value(&self, bricks: &Neighbours, row: usize, column: ([usize; 3], usize), z: usize) -> f32 {
+        let is_ahead = z >> LOG_EDGE == 1;
+        self.rows.value(if is_ahead { self.row(bricks, column, 1) } else { row + z })
+    }
+
+    /// Where a row begins, in the bricks that lie `ahead` along z.
+    #[inline]
+    fn row(&self, bricks: &Neighbours, (local, column): ([usize; 3], usize), ahead: usize) -> usize {
+        let (x, y) = (local[0] + (column & 1), local[1] + (column >> 1));
+        let brick = bricks[(x >> LOG_EDGE | y >> LOG_EDGE << 1 | ahead << 2) & 7];
+        self.rows.row(brick, (x & 7) << LOG_EDGE | y & 7)
     }
 
     /// Value at a place.
@@ -302,8 +275,8 @@ impl Voxels {
             return 0.0;
         }
         let cell = place.floor().as_ivec3();
-        let values = |brick| trilinear(&self.corners(brick, cell), place - cell.as_dvec3());
-        self.brick_of(cell).map_or(0.0, values)
+        let value = |bricks| trilinear(&self.corners(&bricks, cell).values, place - cell.as_dvec3());
+        self.bricks_about(cell).map_or(0.0, value)
     }
 }
 

@@ -58,17 +58,17 @@ impl SeenFog {
         numbers.par_chunks_mut(of_ray).enumerate().for_each(|(number, numbers)| {
             let ray = lattice.ray(number);
             let places = lattice.places(&ray);
-            let along = medium.along(&ray, places[lattice.steps]);
+            let before = medium.before_each(&ray, &places);
             let mut put = |quantity: usize, values: &[Rgb]| {
                 for (step, value) in numbers.chunks_exact_mut(of_step).zip(values) {
                     let value = value.to_array().map(|channel| channel as f32);
                     step[channels * quantity..][..channels].copy_from_slice(&value[..channels]);
                 }
             };
-            let depths = along.depths_before_each(&places);
+            let depths = before.depths();
             put(0, &depths);
             for (sun, to_light) in suns.iter().enumerate() {
-                put(1 + sun, &along.sunlight_before_each(*to_light, &places, &depths));
+                put(1 + sun, &before.sunlight(*to_light, &depths));
             }
         });
         let fog = Self { lattice, suns, g, channels, numbers };

@@ -119,12 +119,16 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
 impl<V: Value> Leaf<V> {
     /// Active voxels: places and values.
     pub fn voxels(&self) -> impl Iterator<Item = ([i32; 3], V)> + '_ {
-        let is_active = |place: &usize| self.active[place / 8] >> (place % 8) & 1 == 1;
-        (0..self.values.len()).filter(is_active).map(|place| {
+        self.places().map(|(place, value)| {
             let along = [place >> 6, place >> 3 & 7, place & 7];
-            let voxel = std::array::from_fn(|axis| self.origin[axis].wrapping_add(along[axis] as i32));
-            (voxel, self.values[place])
+            (std::array::from_fn(|axis| self.origin[axis].wrapping_add(along[axis] as i32)), value)
         })
+    }
+
+    /// Active voxels: places in the block and values.
+    pub fn places(&self) -> impl Iterator<Item = (usize, V)> + '_ {
+        let is_active = |place: &usize| self.active[place / 8] >> (place % 8) & 1 == 1;
+        (0..8 * self.active.len()).filter(is_active).zip(self.values.iter().copied())
     }
 }
 
@@ -155,7 +159,7 @@ impl Floats {
 
     /// Bytes that its numbers take.
     pub fn memory(&self) -> usize {
-        self.tree.leaves.len() * (size_of::<Leaf>() + 512 * 4 + 64)
-            + self.tree.tiles.len() * size_of::<Tile>()
+        let values = self.tree.leaves.iter().map(|leaf| size_of_val(&*leaf.values)).sum::<usize>();
+        values + size_of_val(&*self.tree.leaves) + size_of_val(&*self.tree.tiles)
     }
 }

@@ -13,15 +13,15 @@ const OF_UPPER_PLACE: i32 = 1 << (LOWER + LEAF);
 const OF_LOWER_PLACE: i32 = 1 << LEAF;
 const OF_ROOT_PLACE: i32 = OF_UPPER_PLACE << UPPER;
 
-/// A value for each of 8 x 8 x 8 voxels, z fastest.
+/// Active voxels of a block of 8 x 8 x 8, z fastest.
 #[derive(Debug)]
 pub struct Leaf<V = f32> {
     /// First voxel.
     pub origin: [i32; 3],
-    /// The values, those of voxels that are not active too.
+    /// Values of those that are active, in order.
     pub values: Vec<V>,
-    /// Active voxels, a bit each, the first lowest.
-    pub active: Vec<u8>,
+    /// Which are active, a bit each, the first lowest.
+    pub active: [u8; 64],
 }
 
 /// Voxels of one value.
@@ -70,15 +70,18 @@ pub(super) fn read<V: Value>(bytes: &mut Bytes, flags: u32, is_half: bool) -> Re
             let leaves = tree.topology(bytes, &encoding, Node { origin, log_edge: LOWER })?;
             for origin in leaves {
                 bytes.mask(512)?;
-                tree.leaves.push(Leaf { origin, values: Vec::new(), active: Vec::new() });
+                tree.leaves.push(Leaf { origin, values: Vec::new(), active: [0; 64] });
             }
         }
     }
     for leaf in &mut tree.leaves {
         let active = bytes.take(64)?;
-        leaf.active = active.to_vec();
-        leaf.values = encoding.values(bytes, Bytes::new(active).mask(512)?, 512)?;
-        leaf.values.iter().try_for_each(|&value| checked(bytes, value))?;
+        leaf.active.copy_from_slice(active);
+        let active = Bytes::new(active).mask(512)?;
+        let values = encoding.values(bytes, active, 512)?;
+        values.iter().try_for_each(|&value| checked(bytes, value))?;
+        leaf.values = Vec::with_capacity(active.count());
+        leaf.values.extend(active.places().map(|place| values[place]));
     }
     Ok(tree)
 }

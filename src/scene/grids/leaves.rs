@@ -8,9 +8,9 @@ use glam::{IVec3, Vec3};
 /// Leaves with a value for what is not active.
 pub(super) fn leaves<V: Value>(values: &Values<V>, off: V) -> impl Iterator<Item = (IVec3, Vec<V>)> + '_ {
     values.tree.leaves.iter().map(move |leaf| {
-        let is_active = |place: usize| leaf.active[place / 8] >> (place % 8) & 1 == 1;
-        let value = |place| if is_active(place) { leaf.values[place] } else { off };
-        (IVec3::from(leaf.origin), (0..BRICK).map(value).collect())
+        let mut values = vec![off; BRICK];
+        leaf.places().for_each(|(place, value)| values[place] = value);
+        (IVec3::from(leaf.origin), values)
     })
 }
 

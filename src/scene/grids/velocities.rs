@@ -81,7 +81,7 @@ mod tests {
     fn staggered_velocities_are_those_of_faces() {
         let at = |place: usize| [place >> 6, place >> 3 & 7, place & 7].map(|along| along as f32);
         let values = (0..512).map(at).collect();
-        let leaf = Leaf { origin: [0; 3], values, active: vec![255; 64] };
+        let leaf = Leaf { origin: [0; 3], values, active: [255; 64] };
         let tree = Tree { background: [0.0; 3], leaves: vec![leaf], tiles: Vec::new() };
         let transform = DAffine3::from_scale(DVec3::splat(0.5));
         let grid = Grid {

@@ -1,0 +1,125 @@
+//! Bricks of 8 x 8 x 8 numbers by rows along z. In go bricks, out come numbers. Invariant: what a brick's rows
+//! of nothing take is one row.
+
+/// Numbers along an edge of a brick, as a power of two.
+pub(super) const LOG_EDGE: i32 = 3;
+pub(super) const EDGE: i32 = 1 << LOG_EDGE;
+/// Numbers of a brick, z fastest.
+pub const BRICK: usize = 512;
+/// Number of the brick that holds nothing.
+pub(super) const NOTHING: u32 = 0;
+/// Numbers of a row, and rows of a brick.
+const ROW: usize = EDGE as usize;
+const ROWS: usize = BRICK / ROW;
+
+/// Bricks, by number.
+#[derive(Debug)]
+pub(super) struct BrickRows {
+    bricks: Vec<Brick>,
+    values: Vec<f32>,
+}
+
+/// Where a brick's rows are.
+#[derive(Debug)]
+struct Brick {
+    /// The first of them, which is of nothing, among all rows.
+    first: u32,
+    /// Steps from there, by x and y, y fastest.
+    rows: [u8; ROWS],
+}
+
+/// One brick, of nothing.
+impl Default for BrickRows {
+    fn default() -> Self {
+        Self { bricks: vec![Brick { first: 0, rows: [0; ROWS] }], values: vec![0.0; ROW] }
+    }
+}
+
+impl BrickRows {
+    /// With room for so many bricks.
+    pub(super) fn of_up_to(bricks: usize) -> Self {
+        let mut rows = Self::default();
+        rows.values.reserve_exact(bricks * (BRICK + ROW));
+        rows
+    }
+
+    /// Number of a brick of these values, of which what is below 0 counts as nothing.
+    pub(super) fn add(&mut self, values: impl IntoIterator<Item = f32>) -> u32 {
+        let (start, mut rows) = (self.values.len(), [0; ROWS]);
+        self.values.resize(start + ROW, 0.0);
+        let mut values = values.into_iter();
+        for row in &mut rows {
+            let last = self.values.len();
+            self.values.extend(values.by_ref().take(ROW).map(|value| value.max(0.0)));
+            if self.values[last..].iter().any(|value| *value > 0.0) {
+                *row = ((last - start) / ROW) as u8;
+                self.values.resize(last + ROW, 0.0);
+            } else {
+                self.values.truncate(last);
+            }
+        }
+        if self.values.len() == start + ROW {
+            self.values.truncate(start);
+            return NOTHING;
+        }
+        self.bricks.push(Brick { first: (start / ROW) as u32, rows });
+        self.bricks.len() as u32 - 1
+    }
+
+    /// Place of a brick's row among all numbers, by `x << 3 | y`.
+    #[inline]
+    pub(super) fn row(&self, brick: u32, along: usize) -> usize {
+        let Brick { first, rows } = &self.bricks[brick as usize];
+        ROW * (*first as usize + usize::from(rows[along & (ROWS - 1)]))
+    }
+
+    /// The number at a place among all.
+    #[inline]
+    pub(super) fn value(&self, place: usize) -> f32 {
+        self.values[place]
+    }
+
+    /// All of a brick.
+    pub(super) fn brick(&self, brick: u32) -> [f32; BRICK] {
+        let mut values = [0.0; BRICK];
+        for (along, values) in values.chunks_exact_mut(ROW).enumerate() {
+            values.copy_from_slice(&self.values[self.row(brick, along)..][..ROW]);
+        }
+        values
+    }
+
+    /// Largest number.
+    pub(super) fn most(&self) -> f32 {
+        self.values.iter().copied().fold(0.0, f32::max)
+    }
+
+    /// Memory, in bytes.
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&*self.values) + size_of_val(&*self.bricks)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bricks are as they came, and of a row that is not nothing all is kept.
+    #[test]
+    fn rows_of_nothing_take_no_memory() {
+        let mut rows = BrickRows::default();
+        let one = |at: usize| move |place: usize| if place == at { 2.0 } else { -1.0 };
+        assert_eq!(rows.add((0..BRICK).map(|_| -1.0)), NOTHING);
+        let before = rows.memory();
+        let first = rows.add((0..BRICK).map(one(77)));
+        assert_eq!(rows.memory() - before, 2 * ROW * 4 + size_of::<Brick>());
+        let full = rows.add((0..BRICK).map(|place| place as f32 + 1.0));
+        let short = rows.add([0.0, 3.0]);
+        for place in 0..BRICK {
+            assert_eq!(rows.brick(first)[place], one(77)(place).max(0.0));
+            assert_eq!(rows.brick(full)[place], place as f32 + 1.0);
+            assert_eq!(rows.brick(short)[place], if place == 1 { 3.0 } else { 0.0 });
+            assert_eq!(rows.brick(NOTHING)[place], 0.0);
+        }
+        assert_eq!(rows.most(), BRICK as f32);
+    }
+}
