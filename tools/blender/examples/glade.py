@@ -175,15 +175,18 @@ def main(output):
     """Builds the scene and exports it."""
     rng = random.Random("glade")
     scene = start()
-    litter, bark = material("litter", "litter.png", factor=0.4), material("bark", "bark_oak.png")
+    soil, bark = material("soil", "soil.png"), material("bark", "bark_oak.png")
     yellow, amber, red = (
         material(f"{age} maple", f"maple_{age}.png", 0.6, 0.8) for age in ("yellow", "amber", "red")
     )
     brown = material("brown maple", "maple_brown.png", 0.15, 0.5)
     solid = [
-        place(f"ground {name}", mesh(f"ground_{name}", litter))
+        place(f"ground {name}", mesh(f"ground_{name}", soil))
         for name in ("clearing", "left", "right", "beyond")
     ]
+    drift = material("drift", "drift.png")
+    for name in ("drifts", "drifts_beyond"):
+        place(name, mesh(name, drift))
     twig = bpy.data.materials.new("twig")
     twig.use_nodes = True
     twig.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.06, 0.045, 0.035, 1.0)
@@ -208,10 +211,10 @@ def main(output):
         place(f"far twigs {i + 1}", far_twigs, (x, y, 0.0), turn, size)
         crown(f"far crown {i + 1}", Twigs(far_twigs, tree.matrix_basis), 1000, (hanging, (0.22, 0.36)), rng)
     leaves = [mesh("maple_far", shade) for shade in (brown, amber, brown, yellow)]
-    for number in range(620):
+    for number in range(1500):
         x, y = rng.uniform(-7, 7), rng.uniform(-7, 8)
-        turn = (rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4), rng.uniform(0, math.tau))
-        place(f"litter {number}", leaves[number % 4], (x, y, 0.03), turn, rng.uniform(0.12, 0.20))
+        turn = (rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5), rng.uniform(0, math.tau))
+        place(f"litter {number}", leaves[number % 4], (x, y, 0.05), turn, rng.uniform(0.08, 0.20))
     falling(fine, [*solid, trunk], (yellow, amber), rng)
     light_and_fog(scene)
     camera(scene)
