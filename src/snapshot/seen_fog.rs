@@ -80,7 +80,7 @@ impl SeenFog {
     fn error(&self) -> f64 {
         let FogLattice { columns, rows, .. } = self.lattice;
         let at_end = |ray: usize, quantity: usize| {
-            let value = self.number(ray, self.lattice.steps, quantity, 0);
+            let value = self.number(ray, self.lattice.steps, quantity);
             f64::from(if quantity == 0 { (-value).exp() } else { value })
         };
         let of_quantity = |quantity: usize| {
@@ -100,15 +100,21 @@ impl SeenFog {
         (0..=self.suns.len()).map(of_quantity).fold(0.0, f64::max)
     }
 
-    fn number(&self, ray: usize, step: usize, quantity: usize, channel: usize) -> f32 {
-        let quantities = 1 + self.suns.len();
-        self.numbers
-            [((ray * (self.lattice.steps + 1) + step) * quantities + quantity) * self.channels + channel]
+    /// Numbers of a step.
+    fn of_step(&self) -> usize {
+        self.channels * (1 + self.suns.len())
+    }
+
+    fn number(&self, ray: usize, step: usize, quantity: usize) -> f32 {
+        let step = ray * (self.lattice.steps + 1) + step;
+        self.numbers[step * self.of_step() + quantity * self.channels]
     }
 
     /// A ray of the camera through it.
     pub fn along<'a>(&'a self, ray: &'a Ray) -> SeenRay<'a> {
-        SeenRay { fog: self, ray, between: self.lattice.between(ray) }
+        let of_ray = self.of_step() * (self.lattice.steps + 1);
+        let between = self.lattice.between(ray).map(|(ray, weight)| (of_ray * ray, weight));
+        SeenRay { fog: self, ray, between }
     }
 }
 
@@ -116,23 +122,26 @@ impl SeenFog {
 pub struct SeenRay<'a> {
     fog: &'a SeenFog,
     ray: &'a Ray,
+    /// Where the numbers of the rays about it begin, and how much each counts.
     between: Between,
 }
 
 impl SeenRay<'_> {
     /// Quantity before a place, which is given in steps.
     fn before(&self, step: f64, quantity: usize) -> Rgb {
-        let SeenFog { lattice, channels, .. } = self.fog;
+        let SeenFog { lattice, channels, numbers, .. } = self.fog;
         let first = (step as usize).min(lattice.steps - 1);
-        let later = (step - first as f64) as f32;
-        let mut sum = [0.0_f32; 3];
-        for (ray, weight) in self.between {
-            for (channel, sum) in sum.iter_mut().enumerate().take(*channels) {
-                let [here, next] = [0, 1].map(|on| self.fog.number(ray, first + on, quantity, channel));
-                *sum += weight * (here + later * (next - here));
+        let (later, of_step) = ((step - first as f64) as f32, self.fog.of_step());
+        let channel = |channel: usize| {
+            let at = first * of_step + quantity * channels + channel;
+            let mut sum = 0.0;
+            for &(start, weight) in &self.between {
+                let (here, next) = (numbers[start + at], numbers[start + at + of_step]);
+                sum += weight * (here + later * (next - here));
             }
-        }
-        if *channels == 1 { Rgb::splat(sum[0].into()) } else { Rgb::from_array(sum.map(f64::from)) }
+            f64::from(sum)
+        };
+        if *channels == 1 { Rgb::splat(channel(0)) } else { Rgb::from_array([0, 1, 2].map(channel)) }
     }
 
     fn step(&self, t: f64) -> f64 {

@@ -4,7 +4,7 @@ r"""Figures of fog by grids of 64^3 and 256^3 voxels, which Blender's own `openv
 
 needs a Python with Mitsuba and bpy (docs/tools.md). Leaves and ground in mist have a line for each figure:
 
-- bytes of the grid as it is held, by those of the file's active voxels, four each;
+- bytes of the grid as rays walk through it, by those of the file's active voxels, four each;
 - CPU seconds of a frame to a tolerance, by those with even fog of the same mean in the same box, and bytes of
   peak memory beyond that fog's, by those of the active voxels;
 - our picture beside Mitsuba's `volpath`, of single scattering and of all orders: how means differ, and what
@@ -116,13 +116,13 @@ def by_even_fog(mist: Path, even: Path, bounces: str, rounds: int) -> tuple[floa
     return min(seconds[mist]) / min(seconds[even]), memory[mist] - memory[even]
 
 
-def memory(path: Path) -> int:
-    """Bytes of a file's grid as it is held."""
+def memory(path: Path) -> float:
+    """Bytes of a scene's grid as rays walk through it."""
     command = [os.environ.get("SUNFLECK", "sunfleck"), "inspect", str(path)]
     told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    found = re.search(r"memory +(\d+) bytes", told)
+    found = re.search(r"by voxels, .* ([\d.]+) MB:", told)
     assert found is not None, told
-    return int(found[1])
+    return 1e6 * float(found[1])
 
 
 def rmse(one: np.ndarray, other: np.ndarray) -> float:
@@ -171,7 +171,7 @@ def main() -> None:
                 print(f"{voxels}^3, {what}: {found}", flush=True)
 
             if "even" in arguments.only:
-                say("grid", f"{memory(mist.with_name('mist.vdb')) / (4 * active):.2f} times {active} voxels")
+                say("grid", f"{memory(mist) / (4 * active):.2f} times {active} voxels")
                 for what, bounces in (("direct light", "0"), ("all light", "all")):
                     ratio, beyond = by_even_fog(mist, even, bounces, arguments.rounds)
                     memory_beyond = beyond / (4 * active)

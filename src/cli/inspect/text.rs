@@ -185,7 +185,9 @@ fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::
                 let voxels = grid.parts.iter().map(|part| &part.voxels.voxels);
                 let voxels = voxels.max_by(|a, b| a.most().total_cmp(&b.most()))?;
                 let [low, high] = voxel_bounds(world * grid.shape_from_voxel, voxels);
-                Some(format!("by voxels, up to {:.3}, within {low:.3} to {high:.3}", voxels.most()))
+                let memory: usize = grid.parts.iter().map(|part| part.voxels.voxels.memory()).sum();
+                let (most, memory_mb) = (voxels.most(), memory as f64 / 1e6);
+                Some(format!("by voxels, up to {most:.3}, within {low:.3} to {high:.3}, {memory_mb:.2} MB"))
             };
             let mut text = grids.at(time_s).and_then(told).unwrap_or_else(|| String::from("by voxels"));
             if let Some(name) = &grids.names.albedo {

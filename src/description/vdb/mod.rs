@@ -157,6 +157,12 @@ impl Floats {
         (voxels > 0).then(|| Extent { voxels, bounds, least, most, mean: sum / voxels as f64 })
     }
 
+    /// The smallest active number; `None` if there are none.
+    pub fn least(&self) -> Option<f32> {
+        let values = self.tree.leaves.iter().flat_map(|leaf| &leaf.values);
+        values.chain(self.tree.tiles.iter().map(|tile| &tile.value)).copied().reduce(f32::min)
+    }
+
     /// Bytes that its numbers take.
     pub fn memory(&self) -> usize {
         let values = self.tree.leaves.iter().map(|leaf| size_of_val(&*leaf.values)).sum::<usize>();

@@ -68,8 +68,8 @@ fn floats<'a>(grids: &'a [Grid], name: &str) -> Result<&'a Floats, Refused> {
         let found = format!("grid `{name}` is {} everywhere else", floats.tree.background);
         return refused(found, "a background of 0", "write it with that: fog ends somewhere");
     }
-    if let Some(extent) = floats.extent().filter(|extent| extent.least < 0.0) {
-        let found = format!("grid `{name}` has a voxel of {}", extent.least);
+    if let Some(least) = floats.least().filter(|least| *least < 0.0) {
+        let found = format!("grid `{name}` has a voxel of {least}");
         return refused(found, "none below 0", "clip it where it is made, or name another");
     }
     Ok(floats)
