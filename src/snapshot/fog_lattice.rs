@@ -13,8 +13,6 @@ const SPACING_PX: f64 = 1.5;
 const STEP_VOXELS: f64 = 2.0;
 const STEP_DEPTH: f64 = 0.2;
 const MOST_STEPS: f64 = 1024.0;
-/// Numbers at all places at most: 64 MB.
-const MOST_NUMBERS: f64 = (1 << 24) as f64;
 
 /// Rays through a grid of places on the film, and planes across the view axis.
 pub(super) struct FogLattice {
@@ -28,14 +26,17 @@ pub(super) struct FogLattice {
     start_m: f64,
     step_m: f64,
     pub(super) steps: usize,
+    /// Whether more numbers would make it no finer.
+    pub(super) is_finest: bool,
 }
 
 /// Rays about a place on the film, and how much each counts.
 pub(super) type Between = [(usize, f32); 4];
 
 impl FogLattice {
-    /// Lattice with so many numbers at each place; `None` where no fog is in the picture, or too much.
-    pub(super) fn of(snapshot: &Snapshot, size: Size, numbers: usize) -> Option<Self> {
+    /// Lattice with so many numbers at each place, and about `most` in all; `None` where no fog is in the
+    /// picture, or too much.
+    pub(super) fn of(snapshot: &Snapshot, size: Size, (numbers, most): (usize, f64)) -> Option<Self> {
         let (view, medium) = (snapshot.view, &snapshot.medium);
         let (mut start_m, mut end_m) = (f64::INFINITY, 0.0_f64);
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -60,9 +61,10 @@ impl FogLattice {
         }
         let px = DVec2::new(size.width as f64, size.height as f64).recip();
         let count = ((high - low) / (SPACING_PX * px)).element_product() * (steps + 1.0) * numbers as f64;
-        let spacing = SPACING_PX * (count / MOST_NUMBERS).sqrt().max(1.0) * px;
+        let spacing = SPACING_PX * (count / most).sqrt().max(1.0) * px;
         // One more to each side: of the last pixels some samples lie beyond.
         let (first, last) = ((low / spacing).floor() - 1.0, (high / spacing).ceil() + 1.0);
+        let is_finest = count <= most;
         let count = last - first + 1.0;
         Some(Self {
             view,
@@ -73,6 +75,7 @@ impl FogLattice {
             start_m,
             step_m: (end_m - start_m) / steps,
             steps: steps as usize,
+            is_finest,
         })
     }
 

@@ -15,6 +15,11 @@ use rayon::prelude::*;
 /// Root mean square error that a ray between those of the lattice may have: of transmittance, and of
 /// sunlight as a share of its own root mean square.
 const TOLERANCE: f64 = 0.02;
+/// Numbers on a lattice at most: 64 MB.
+const MOST_NUMBERS: f64 = (1 << 24) as f64;
+/// So few do where they err by no more than that: 16 MB.
+const FEW_NUMBERS: f64 = (1 << 22) as f64;
+const TOLERANCE_OF_FEW: f64 = 0.005;
 /// Cosine of how far a point of a sun's disc may lie from the middle that light is for: a degree.
 const NEAR: f64 = 0.999_85;
 
@@ -52,7 +57,21 @@ impl SeenFog {
         let are_grey = medium.banks().iter().all(|bank| is_grey(bank.sigma_t) && is_grey(bank.sigma_s));
         let channels = if are_grey { 1 } else { 3 };
         let of_step = channels * (1 + suns.len());
-        let lattice = FogLattice::of(snapshot, size, of_step)?;
+        let on = |most: f64| {
+            let lattice = FogLattice::of(snapshot, size, (of_step, most))?;
+            Some(Self::on(lattice, snapshot, (&suns, g, channels)))
+        };
+        let few = on(FEW_NUMBERS)?;
+        if few.lattice.is_finest || few.error() <= TOLERANCE_OF_FEW {
+            return (few.error() <= TOLERANCE).then_some(few);
+        }
+        drop(few);
+        on(MOST_NUMBERS).filter(|fog| fog.error() <= TOLERANCE)
+    }
+
+    /// Fog on a lattice, lit by suns.
+    fn on(lattice: FogLattice, snapshot: &Snapshot, (suns, g, channels): (&[DVec3], f64, usize)) -> Self {
+        let (medium, of_step) = (&snapshot.medium, channels * (1 + suns.len()));
         let of_ray = of_step * (lattice.steps + 1);
         let mut numbers = vec![0.0_f32; lattice.columns * lattice.rows * of_ray];
         numbers.par_chunks_mut(of_ray).enumerate().for_each(|(number, numbers)| {
@@ -71,8 +90,7 @@ impl SeenFog {
                 put(1 + sun, &before.sunlight(*to_light, &depths));
             }
         });
-        let fog = Self { lattice, suns, g, channels, numbers };
-        (fog.error() <= TOLERANCE).then_some(fog)
+        Self { lattice, suns: suns.to_vec(), g, channels, numbers }
     }
 
     /// Root mean square error of a ray between those that are known. Where values are smooth it is a third
