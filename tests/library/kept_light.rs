@@ -56,6 +56,26 @@ fn the_camera_alone_keeps_light() {
 }
 
 #[test]
+fn held_light_stays_while_that_of_another_frame_is_found() {
+    let kept = KeptLight::default();
+    let hold = |scene: &Scene| {
+        let trees = MeshTrees::new(scene);
+        kept.hold(&Exposure::new(scene, &trees, 0, 1.0, INSTANT), Bounces::UpTo(1), &|| false)
+    };
+    let (scene, mut next, mut last) = (grove(), grove(), grove());
+    add_leaf(&mut next, -4.0 * DVec3::Z, DVec3::X, 0);
+    add_leaf(&mut last, -5.0 * DVec3::Z, DVec3::X, 0);
+    let held = hold(&scene);
+    let held_too = hold(&next);
+    assert!(!solved(&scene, Bounces::UpTo(1), &kept) && !solved(&next, Bounces::UpTo(1), &kept));
+    drop(held);
+    assert!(solved(&last, Bounces::UpTo(1), &kept), "a third");
+    assert!(!solved(&next, Bounces::UpTo(1), &kept), "held");
+    drop(held_too);
+    assert!(solved(&scene, Bounces::UpTo(1), &kept), "nobody held it");
+}
+
+#[test]
 fn whatever_gives_light_or_meets_it_has_it_solved_again() {
     let shifted = Motion::Still(DAffine3::from_translation(1e-3 * DVec3::Y));
     type Change = Box<dyn Fn(&mut Scene)>;
