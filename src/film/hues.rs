@@ -6,7 +6,6 @@
 //! how much these are redder than all of the sun is known: its own hue is 1. So what the light gives is
 //! corrected by that, in each channel on its own.
 
-use super::Channel;
 use crate::color::Rgb;
 use crate::transport::Sample;
 
@@ -59,7 +58,7 @@ impl HueSums {
     }
 
     /// Difference to add to the part that was scattered in fog.
-    fn missing_shafts(&self, weight: f64) -> Rgb {
+    pub(super) fn missing_shafts(&self, weight: f64) -> Rgb {
         by_all_hues(self.plain_shafts, self.hued_shafts, self.hue / weight) - self.plain_shafts
     }
 }
@@ -86,24 +85,17 @@ pub(super) fn packed(sample: &Sample) -> [f32; PACKED] {
     [h[0], h[1], h[2], p[0], p[1], p[2], s[0], s[1], s[2]].map(|value| value as f32)
 }
 
-/// Corrects the channels of a picture whose samples weigh `weights`: the first three, and those of the light
-/// scattered in fog from number `shafts` on.
-pub(super) fn correct(
-    channels: &mut [Channel],
-    shafts: Option<usize>,
+/// Corrects the red, green and blue of a picture whose samples weigh `weights`, by what is missing of them.
+pub(super) fn correct<'a>(
+    planes: impl Iterator<Item = &'a mut Vec<f32>>,
     hues: &[[HueSums; 2]],
     weights: &[f64],
+    missing: fn(&HueSums, f64) -> Rgb,
 ) {
-    let known = hues.iter().zip(weights).enumerate().filter(|(_, (_, weight))| **weight > 0.0);
-    for (pixel, ([sums, _], &weight)) in known {
-        let mut add = |first: usize, missing: Rgb| {
-            for (channel, added) in channels[first..].iter_mut().zip((missing / weight).to_array()) {
-                channel.pixels[pixel] = (f64::from(channel.pixels[pixel]) + added) as f32;
-            }
-        };
-        add(0, sums.missing(weight));
-        if let Some(first) = shafts {
-            add(first, sums.missing_shafts(weight));
+    for (number, plane) in planes.enumerate() {
+        let known = plane.iter_mut().zip(hues).zip(weights).filter(|(_, weight)| **weight > 0.0);
+        for ((value, [sums, _]), &weight) in known {
+            *value = (f64::from(*value) + missing(sums, weight)[number] / weight) as f32;
         }
     }
 }

@@ -46,8 +46,12 @@ pub struct Film {
     weights: Vec<f64>,
     /// A pixel's weighted sums: red, green, blue, alpha, then three for each pass that is averaged.
     sums: Vec<f64>,
-    /// Sums of the fresh half of a pixel's samples: weight, and weighted red, green and blue.
-    fresh: Vec<[f64; 4]>,
+    /// Sums of the fresh half of a pixel's samples: weight, and weighted red, green and blue. Estimates need
+    /// no more than single precision.
+    fresh: Vec<[f32; 4]>,
+    /// Sums by which shafts are smoothed: their weighted red, green and blue, and weighted transmittance, the
+    /// mean over the channels; empty if they are not.
+    fog: Vec<[f32; 4]>,
     /// Distance of its nearest sample from a pixel's centre.
     nearest_distances_px: Vec<f32>,
     /// Values of that sample: the channels of the other passes, pixel by pixel.
@@ -56,8 +60,6 @@ pub struct Film {
     hues: Vec<[HueSums; 2]>,
     /// Objects that cover each pixel; empty unless somebody asks.
     mattes: Vec<MatteList>,
-    /// Passes that nobody asks for, by which shafts are smoothed; `None` if they are not.
-    smoothed_by: Option<Vec<Pass>>,
 }
 
 /// Zeros in memory that has been written to: a sum reads its memory first, for which the system would show a
@@ -92,26 +94,24 @@ impl Film {
             weights: written_zeros(pixels),
             sums: written_zeros(pixels * passes.mean_channels()),
             fresh: vec![[0.0; 4]; pixels],
+            fog: vec![[0.0; 4]; if passes.fog { pixels } else { 0 }],
             nearest_distances_px: vec![f32::INFINITY; if passes.nearest.is_empty() { 0 } else { pixels }],
             nearest_values: background.repeat(pixels),
             hues: vec![[HueSums::default(); 2]; if passes.hues { pixels } else { 0 }],
             mattes: vec![MatteList::default(); if passes.mattes { pixels } else { 0 }],
             passes,
-            smoothed_by: None,
         }
     }
 
     /// Film whose picture has [smoothed shafts](smooth), where its samples come in halves.
     pub fn with_smooth_shafts(full: Size, window: Window, passes: &[Pass], has_hues: bool) -> Self {
-        let unasked: Vec<Pass> = smooth::NEEDED.into_iter().filter(|pass| !passes.contains(pass)).collect();
-        let kept = KeptPasses::new(&[passes, &unasked].concat(), has_hues);
-        Self { smoothed_by: Some(unasked), ..Self::of(full, window, kept) }
+        Self::of(full, window, KeptPasses { fog: true, ..KeptPasses::new(passes, has_hues) })
     }
 
     /// About what a pixel of a film with these passes takes in memory.
     pub fn bytes_per_pixel(passes: &[Pass]) -> usize {
         let kept = KeptPasses::new(passes, true);
-        let sums = size_of::<f64>() * (1 + kept.mean_channels()) + size_of::<[f64; 4]>();
+        let sums = size_of::<f64>() * (1 + kept.mean_channels()) + 2 * size_of::<[f32; 4]>();
         let nearest = size_of::<f32>() * (1 + kept.nearest_channels());
         let mattes = if kept.mattes { size_of::<MatteList>() } else { 0 };
         sums + nearest + mattes + 2 * size_of::<HueSums>()
@@ -189,12 +189,14 @@ impl Film {
         let mut mattes = self.mattes.chunks_mut(pixels);
         let sums = self.sums.chunks_mut(pixels * channels);
         let fresh = self.fresh.chunks_mut(pixels);
+        let mut fog = self.fog.chunks_mut(pixels);
         let parts = self.weights.chunks_mut(pixels).zip(sums).zip(fresh).enumerate();
         parts.map(move |(index, ((weights, sums), fresh))| Band {
             first_pixel: index * pixels,
             weights,
             sums,
             fresh,
+            fog: fog.next().unwrap_or_default(),
             nearest_distances_px: distances.next().unwrap_or_default(),
             nearest_values: nearest.next().unwrap_or_default(),
             hues: hues.next().unwrap_or_default(),
@@ -220,6 +222,9 @@ impl Film {
             let added = &part.sums[from * stride..(from + 1) * stride];
             for (sum, added) in self.sums[to * stride..(to + 1) * stride].iter_mut().zip(added) {
                 *sum += added;
+            }
+            if let (Some(sums), Some(added)) = (self.fog.get_mut(to), part.fog.get(from)) {
+                sums.iter_mut().zip(added).for_each(|(sum, added)| *sum += added);
             }
             if let (Some(sums), Some(added)) = (self.hues.get_mut(to), part.hues.get(from)) {
                 sums.iter_mut().zip(added).for_each(|(sum, added)| sum.add(added));

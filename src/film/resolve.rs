@@ -1,8 +1,11 @@
 //! Sums become a picture. In goes a film, out comes a frame of named channels, in the order in which films
 //! keep their passes. Invariant: sums are divided by weights once, here.
 
+use super::hues::{self, HueSums};
+use super::smooth::{self, FogPlanes};
 use super::splats::BEAUTY;
-use super::{Channel, Film, Frame, Precision, holes, hues, mattes, smooth};
+use super::{Channel, Film, Frame, Precision, holes, mattes};
+use crate::color::Rgb;
 use crate::passes::Pass;
 
 impl Film {
@@ -15,30 +18,34 @@ impl Film {
 
     /// The finished picture; see [`Film::resolve`]. What it has been made from is given back on the way.
     pub fn into_frame(mut self) -> Frame {
-        let variances = self.variances();
-        self.fresh = Vec::new();
+        let fog = self.noisy_fog();
+        (self.fresh, self.fog) = (Vec::new(), Vec::new());
         let channels = self.channels();
-        self.sums = Vec::new();
-        self.frame(channels, variances)
+        (self.sums, self.hues) = (Vec::new(), Vec::new());
+        self.frame(channels, fog)
     }
 
     /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
     pub fn resolve(&self) -> Frame {
-        self.frame(self.channels(), self.variances())
+        self.frame(self.channels(), self.noisy_fog())
     }
 
-    /// Variance of each pixel, where shafts are smoothed by it; NaN where nothing is known.
-    fn variances(&self) -> Option<Vec<f32>> {
+    /// Fog and the variance of each pixel, NaN where nothing is known; `None` if shafts are not smoothed.
+    fn noisy_fog(&self) -> Option<(FogPlanes, Vec<f32>)> {
+        if self.fog.is_empty() {
+            return None;
+        }
         let variance = |pixel| self.estimate(pixel).and_then(|estimate| estimate.variance);
-        let variances = || self.window.pixels().map(|pixel| variance(pixel).unwrap_or(f64::NAN) as f32);
-        self.smoothed_by.as_ref().map(|_| variances().collect())
+        let variances = self.window.pixels().map(|pixel| variance(pixel).unwrap_or(f64::NAN) as f32);
+        let mut fog = self.fog_planes(self.window);
+        hues::correct(fog.shafts.iter_mut(), &self.hues, &self.weights, HueSums::missing_shafts);
+        Some((fog, variances.collect()))
     }
 
-    fn frame(&self, channels: Vec<Channel>, variances: Option<Vec<f32>>) -> Frame {
+    fn frame(&self, channels: Vec<Channel>, fog: Option<(FogPlanes, Vec<f32>)>) -> Frame {
         let mut frame = Frame { full: self.full, window: self.window, channels };
-        if let (Some(unasked), Some(variances)) = (&self.smoothed_by, variances) {
-            smooth::smooth(&mut frame, &variances);
-            frame.drop_passes(unasked);
+        if let Some((fog, variances)) = fog {
+            smooth::smooth(&mut frame, &fog, &variances);
         }
         frame
     }
@@ -46,9 +53,14 @@ impl Film {
     fn channels(&self) -> Vec<Channel> {
         let mut channels = self.means();
         let mean_channels = channels.len();
-        let shafts = self.passes.mean.iter().position(|&pass| pass == Pass::Shafts);
-        let shafts = shafts.map(|number| BEAUTY.len() + 3 * number);
-        hues::correct(&mut channels, shafts, &self.hues, &self.weights);
+        let mut correct = |first: usize, missing: fn(&HueSums, f64) -> Rgb| {
+            let planes = channels[first..first + 3].iter_mut().map(|channel| &mut channel.pixels);
+            hues::correct(planes, &self.hues, &self.weights, missing);
+        };
+        correct(0, HueSums::missing);
+        if let Some(number) = self.passes.mean.iter().position(|&pass| pass == Pass::Shafts) {
+            correct(BEAUTY.len() + 3 * number, HueSums::missing_shafts);
+        }
         channels.extend(self.nearest());
         if self.passes.mattes {
             channels.extend(mattes::channels(&self.mattes, &self.weights));

@@ -9,7 +9,7 @@
 //! image filtering", with weights). What they then lack is added back by how much of it is no noise (James &
 //! Stein 1961).
 
-use super::Frame;
+use super::{Channel, Frame};
 use crate::passes::Pass;
 use crate::scene::Window;
 use rayon::prelude::*;
@@ -27,33 +27,26 @@ const LACKING: f64 = 1.0 - 2.0 / 3.0 + LEFT;
 /// Variance of transmittance that tells nothing of shafts.
 const SAME_DISTANCE: f64 = 1e-5;
 
-/// The passes that it needs.
-pub(super) const NEEDED: [Pass; 2] = [Pass::Shafts, Pass::Transmittance];
+/// Fog in a part of the picture, pixel by pixel.
+pub(super) struct FogPlanes {
+    /// Red, green and blue.
+    pub(super) shafts: [Vec<f32>; 3],
+    /// Transmittance, the mean over the channels.
+    pub(super) through: Vec<f32>,
+}
 
-/// Smooths the shafts of a frame that has the passes [`NEEDED`]. Variances are those of its pixels, the mean
-/// over the channels, NaN where nothing is known.
-pub(super) fn smooth(frame: &mut Frame, variances: &[f32]) {
-    let planes = |pass: Pass| -> Option<Vec<usize>> {
-        let at = |name: &&str| frame.channels.iter().position(|channel| channel.name == *name);
-        pass.row().channels.iter().map(at).collect()
-    };
-    let (Some(shafts), Some(through)) = (planes(Pass::Shafts), planes(Pass::Transmittance)) else { return };
-    let of = |plane: usize| &frame.channels[plane].pixels;
-    let mean =
-        |pixel: usize| through.iter().map(|&plane| of(plane)[pixel]).sum::<f32>() / through.len() as f32;
-    let through: Vec<f32> = (0..variances.len()).map(mean).collect();
-    let values: Vec<&[f32]> = shafts.iter().map(|&plane| &of(plane)[..]).collect();
-    let smoothed = Smoothed::new(frame.window, &through, &values, variances);
-    for ((&plane, fitted), beauty) in shafts.iter().zip(&smoothed.fitted).zip(["R", "G", "B"]) {
-        let gained: Vec<f32> = (0..variances.len())
-            .map(|pixel| {
-                (1.0 - smoothed.signal(pixel)) * (fitted[pixel] - frame.channels[plane].pixels[pixel])
-            })
-            .collect();
-        for (number, channel) in frame.channels.iter_mut().enumerate() {
-            if number == plane || channel.name == beauty {
-                channel.pixels.iter_mut().zip(&gained).for_each(|(value, gained)| *value += gained);
-            }
+/// Smooths the shafts of a frame with such fog, in the beauty and in their own pass. Variances are those of
+/// its pixels, the mean over the channels, NaN where nothing is known.
+pub(super) fn smooth(frame: &mut Frame, fog: &FogPlanes, variances: &[f32]) {
+    let smoothed = Smoothed::new(frame.window, fog, variances);
+    let names = ["R", "G", "B"].into_iter().zip(Pass::Shafts.row().channels);
+    for ((shafts, fitted), (beauty, own)) in fog.shafts.iter().zip(&smoothed.fitted).zip(names) {
+        let is_smoothed = |channel: &&mut Channel| channel.name == beauty || channel.name == *own;
+        for channel in frame.channels.iter_mut().filter(is_smoothed) {
+            let values = channel.pixels.iter_mut().zip(shafts.iter().zip(fitted)).enumerate();
+            values.for_each(|(pixel, (value, (shaft, fit)))| {
+                *value += (1.0 - smoothed.signal(pixel)) * (fit - shaft);
+            });
         }
     }
 }
@@ -68,8 +61,9 @@ pub(super) struct Smoothed {
 }
 
 impl Smoothed {
-    /// From the transmittance, the shafts by channel, and variances.
-    pub(super) fn new(window: Window, through: &[f32], shafts: &[&[f32]], variances: &[f32]) -> Self {
+    /// From fog and the variances of pixels.
+    pub(super) fn new(window: Window, fog: &FogPlanes, variances: &[f32]) -> Self {
+        let FogPlanes { shafts, through } = fog;
         let fitted: Vec<Vec<f32>> = shafts.iter().map(|values| fit(window, through, values)).collect();
         let lacking = |pixel: usize| {
             let squares =
@@ -149,7 +143,7 @@ fn around(window: Window, radius: usize, pixel: usize) -> impl Iterator<Item = (
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::{Channel, Precision};
+    use super::super::Precision;
     use super::*;
     use crate::math::Sampler;
     use crate::scene::Size;
@@ -174,6 +168,14 @@ mod tests {
             channels.push(channel(&format!("transmittance.{color}"), &through));
         }
         Frame { full: SIZE, window, channels }
+    }
+
+    /// Smooths a frame by its own passes.
+    fn smooth(frame: &mut Frame, variances: &[f32]) {
+        let plane = |name: &str| frame.channel(name).unwrap().pixels.clone();
+        let shafts = ["shafts.R", "shafts.G", "shafts.B"].map(plane);
+        let fog = FogPlanes { shafts, through: plane("transmittance.R") };
+        super::smooth(frame, &fog, variances);
     }
 
     fn error(frame: &Frame, truth: &Frame) -> f32 {

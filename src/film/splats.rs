@@ -12,15 +12,21 @@ use crate::transport::Sample;
 /// Names of the beauty's channels, in the order of the sums.
 pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
-/// The most numbers that a sample can have: the beauty's, at most four for each pass, its part in
+/// Numbers that a sample's part in fog is packed in, see [`Film::fog`](super::Film).
+const FOG: usize = 4;
+
+/// The most numbers that a sample can have: the beauty's, at most four for each pass, its part in fog, in
 /// hues and its mattes.
-pub(super) const MOST_CHANNELS: usize = BEAUTY.len() + 4 * Pass::ALL.len() + hues::PACKED + mattes::PACKED;
+pub(super) const MOST_CHANNELS: usize =
+    BEAUTY.len() + 4 * Pass::ALL.len() + FOG + hues::PACKED + mattes::PACKED;
 
 /// Passes that a film keeps, by the rule that makes pixels of samples.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct KeptPasses {
     pub(super) mean: Vec<Pass>,
     pub(super) nearest: Vec<Pass>,
+    /// Whether shafts are smoothed.
+    pub(super) fog: bool,
     /// Whether the light's points have hues.
     pub(super) hues: bool,
     /// Whether the film lists which objects cover a pixel.
@@ -36,7 +42,7 @@ impl KeptPasses {
             wanted.iter().copied().filter(|&pass| pass.row().rule == rule).collect()
         };
         let mattes = !of(PixelRule::Ranked).is_empty();
-        Self { mean: of(PixelRule::Mean), nearest: of(PixelRule::Nearest), hues, mattes }
+        Self { mean: of(PixelRule::Mean), nearest: of(PixelRule::Nearest), fog: false, hues, mattes }
     }
 
     /// Channels of the beauty and of the passes that are averaged.
@@ -51,9 +57,9 @@ impl KeptPasses {
 
     /// All numbers that are kept of a sample.
     fn packed(&self) -> usize {
-        let hues = if self.hues { hues::PACKED } else { 0 };
-        let mattes = if self.mattes { mattes::PACKED } else { 0 };
-        self.mean_channels() + self.nearest_channels() + hues + mattes
+        let parts = [(self.fog, FOG), (self.hues, hues::PACKED), (self.mattes, mattes::PACKED)];
+        let parts: usize = parts.iter().map(|&(is_kept, packed)| if is_kept { packed } else { 0 }).sum();
+        self.mean_channels() + self.nearest_channels() + parts
     }
 
     /// Calls back with the values of all channels in order: first those of the mean, last those of the
@@ -67,6 +73,10 @@ impl KeptPasses {
         }
         for &pass in &self.nearest {
             put(&value(pass, sample).map(|value| value as f32)[..pass.row().channels.len()]);
+        }
+        if self.fog {
+            let [red, green, blue] = sample.shafts.to_array();
+            put(&[red, green, blue, sample.transmittance.element_sum() / 3.0].map(|value| value as f32));
         }
         if self.hues {
             put(&hues::packed(sample));
@@ -158,7 +168,8 @@ pub(super) struct Band<'a> {
     pub(super) first_pixel: usize,
     pub(super) weights: &'a mut [f64],
     pub(super) sums: &'a mut [f64],
-    pub(super) fresh: &'a mut [[f64; 4]],
+    pub(super) fresh: &'a mut [[f32; 4]],
+    pub(super) fog: &'a mut [[f32; 4]],
     pub(super) nearest_distances_px: &'a mut [f32],
     pub(super) nearest_values: &'a mut [f32],
     pub(super) hues: &'a mut [[HueSums; 2]],
@@ -177,12 +188,17 @@ impl Band<'_> {
         let listed = if self.mattes.is_empty() { 0 } else { mattes::PACKED };
         let (rest, shares) = rest.split_at(rest.len() - listed);
         let colored = if self.hues.is_empty() { 0 } else { hues::PACKED };
-        let (nearest, colors) = rest.split_at(rest.len() - colored);
+        let (rest, colors) = rest.split_at(rest.len() - colored);
+        let foggy = if self.fog.is_empty() { 0 } else { FOG };
+        let (nearest, fog) = rest.split_at(rest.len() - foggy);
         if let Some([all, fresh]) = self.hues.get_mut(pixel) {
             all.add_packed(colors, place.weight);
             if is_fresh {
                 fresh.add_packed(colors, place.weight);
             }
+        }
+        if let Some(sums) = self.fog.get_mut(pixel) {
+            add_weighted(sums, place.weight, fog);
         }
         if let Some(list) = self.mattes.get_mut(pixel) {
             list.add_packed(shares, place.weight);
@@ -192,14 +208,18 @@ impl Band<'_> {
             *sum += place.weight * f64::from(*value);
         }
         if is_fresh {
-            let one_and_color = [1.0, values[0], values[1], values[2]].map(f64::from);
-            for (sum, value) in self.fresh[pixel].iter_mut().zip(one_and_color) {
-                *sum += place.weight * value;
-            }
+            let one_and_color = [1.0, values[0], values[1], values[2]];
+            add_weighted(&mut self.fresh[pixel], place.weight, &one_and_color);
         }
         if self.nearest_distances_px.get(pixel).is_some_and(|&distance| place.from_centre_px < distance) {
             self.nearest_distances_px[pixel] = place.from_centre_px;
             self.nearest_values[pixel * nearest.len()..][..nearest.len()].copy_from_slice(nearest);
         }
+    }
+}
+
+fn add_weighted(sums: &mut [f32; 4], weight: f64, values: &[f32]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += (weight * f64::from(*value)) as f32;
     }
 }

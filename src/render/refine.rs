@@ -139,8 +139,8 @@ struct Refinement<'a, P> {
 
 /// Estimates after a round, and what they ask for.
 struct Judgement {
-    /// Variance of each pixel of the film, where it has two halves.
-    variances: Vec<Option<f64>>,
+    /// Variance of each pixel of the film; NaN where it has not two halves.
+    variances: Vec<f32>,
     blocks: Vec<BlockEstimate>,
     /// The standard error of each block that goes on, by what it may be.
     excess: Vec<f64>,
@@ -226,7 +226,10 @@ impl<'a, P: Picture> Refinement<'a, P> {
     /// one that has missed an edge by chance lies next to one that has not.
     fn choose_pixels(&mut self, judgement: &Judgement) {
         let Self { goal, film, blocks, goes_on, .. } = self;
-        let variance = |(x, y)| judgement.variances[film.window().index(x, y)?];
+        let variance = |(x, y)| {
+            let variance = judgement.variances[film.window().index(x, y)?];
+            (!variance.is_nan()).then(|| f64::from(variance))
+        };
         self.wanted = Mask::from_fn(blocks.window(), |x, y| {
             let Some(block) = blocks.index(x, y).filter(|&block| goes_on[block]) else { return false };
             let near = film.window().around(x, y);
@@ -256,10 +259,11 @@ fn completion(convergence: f64) -> f64 {
     (4.0_f64.powf(convergence) - 1.0).recip()
 }
 
-/// Estimate of each block by its pixels, and the variance of each pixel of the film that has two halves.
-fn judge(film: &Film, blocks: &Blocks, completion: f64) -> (Vec<BlockEstimate>, Vec<Option<f64>>) {
+/// Estimate of each block by its pixels, and the variance of each pixel of the film, NaN where it has not two
+/// halves.
+fn judge(film: &Film, blocks: &Blocks, completion: f64) -> (Vec<BlockEstimate>, Vec<f32>) {
     let window = film.window();
-    let mut variances = vec![None; window.width * window.height];
+    let mut variances = vec![f32::NAN; window.width * window.height];
     let of_block = |block: usize| film.estimates(blocks.pixels(block), completion);
     let mut estimates = Vec::with_capacity(blocks.count());
     // A few at a time, as estimates of all pixels would be as much as the film.
@@ -267,8 +271,8 @@ fn judge(film: &Film, blocks: &Blocks, completion: f64) -> (Vec<BlockEstimate>, 
         let some = first..blocks.count().min(first + JUDGED_AT_ONCE);
         for pixels in some.into_par_iter().map(of_block).collect::<Vec<_>>() {
             for &((x, y), estimate) in &pixels {
-                if let Some(index) = window.index(x, y) {
-                    variances[index] = estimate.variance;
+                if let (Some(index), Some(variance)) = (window.index(x, y), estimate.variance) {
+                    variances[index] = variance as f32;
                 }
             }
             estimates.push(BlockEstimate::of(pixels.into_iter().map(|(_, estimate)| estimate)));
