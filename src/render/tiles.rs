@@ -12,6 +12,7 @@ use crate::transport::{Component, Scratch, Transport};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Tiles are small enough to keep all threads busy to the end, large enough to share cache lines.
 const TILE: usize = 32;
@@ -45,20 +46,17 @@ impl Picture for RayPicture<'_, '_> {
             .filter(|tile| tile.pixels().any(|(x, y)| round.wanted.contains(x, y)))
             .collect();
         let finished = AtomicUsize::new(0);
-        let films: Vec<Film> = tiles
-            .par_iter()
-            .map_init(Scratch::default, |scratch, &tile| {
-                let mut film = self.film(self.job, tile);
-                if !(watch.cancelled)() {
-                    self.render_tile(round, tile, scratch, &mut film, watch);
-                    watch.tell((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tiles.len() as f64);
-                }
-                film
-            })
-            .collect();
-        for tile in &films {
-            film.paste(tile);
-        }
+        // Tiles do not overlap, so that their order does not matter.
+        let whole = Mutex::new(film);
+        tiles.par_iter().for_each_init(Scratch::default, |scratch, &tile| {
+            if (watch.cancelled)() {
+                return;
+            }
+            let mut film = self.film(self.job, tile);
+            self.render_tile(round, tile, scratch, &mut film, watch);
+            whole.lock().unwrap_or_else(PoisonError::into_inner).paste(&film);
+            watch.tell((finished.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tiles.len() as f64);
+        });
     }
 
     /// Fills none: every pixel has samples of its own.
