@@ -78,6 +78,9 @@ pub fn resolve_telling(
         return Err(Diagnostics(vec![error]));
     }
     limits::check(&scene, &scene_path)?;
+    // They grew one by one, and there is no more to come.
+    scene.nodes.shrink_to_fit();
+    scene.instances.shrink_to_fit();
     Ok((scene, settings))
 }
 
