@@ -23,7 +23,6 @@ pub struct PlacedMesh {
 pub(super) struct Instance {
     pub(super) mesh: Arc<MeshTree>,
     pub(super) relative_from_mesh: DAffine3,
-    pub(super) mesh_from_relative: DAffine3,
     /// Whether shadows and slices cut it in double precision.
     pub(super) needs_doubles: bool,
     /// Position in the list of placed meshes.
@@ -63,7 +62,14 @@ impl Instance {
         let distance = relative_from_mesh.transform_point3(nearest).length();
         let half_size = relative_from_mesh.transform_vector3(bounds.max.as_dvec3() - mesh.centre).length();
         let needs_doubles = mesh.blocks.len() <= FEW_BLOCKS && distance < NEAR * half_size;
-        Some(Self { mesh, relative_from_mesh, mesh_from_relative, needs_doubles, index })
+        Some(Self { mesh, relative_from_mesh, needs_doubles, index })
+    }
+
+    /// Inverse of its transform. It is not kept: instances of many moments are most of their memory, and what
+    /// goes through them waits for that.
+    #[inline(always)]
+    pub(super) fn mesh_from_relative(&self) -> DAffine3 {
+        self.relative_from_mesh.inverse()
     }
 
     /// Around it, in relative space: the boxes of its tree's uppermost nodes, placed.

@@ -114,10 +114,9 @@ impl InstanceTree {
         self.instances.is_empty()
     }
 
-    /// Where the mesh of a number is, relative from mesh, and the inverse. It must be one that can be hit.
-    pub fn transforms(&self, number: u32) -> (&DAffine3, &DAffine3) {
-        let instance = &self.instances[self.positions[(number - self.first_number) as usize] as usize];
-        (&instance.relative_from_mesh, &instance.mesh_from_relative)
+    /// Where the mesh of a number is. It must be one that can be hit.
+    pub fn relative_from_mesh(&self, number: u32) -> &DAffine3 {
+        &self.instances[self.positions[(number - self.first_number) as usize] as usize].relative_from_mesh
     }
 
     fn instances(&self) -> Instances<'_> {

@@ -67,8 +67,9 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
-        let origin = instance.mesh_from_relative.transform_point3(self.ray.origin);
-        let direction = instance.mesh_from_relative.transform_vector3(self.ray.direction);
+        let mesh_from_relative = instance.mesh_from_relative();
+        let origin = mesh_from_relative.transform_point3(self.ray.origin);
+        let direction = mesh_from_relative.transform_vector3(self.ray.direction);
         // Re-centre on the point next to the mesh's middle: what is left has the mesh's magnitude.
         let to_centre = mesh.centre - origin;
         let t_centre = to_centre.dot(direction) / direction.length_squared();
@@ -83,7 +84,6 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
         );
         let reach = from_origin + f64::from(mesh.tree.bounds.magnitude().max_element());
         let slack = padding(reach) / direction.abs().max_element();
-        let mesh_from_relative = &instance.mesh_from_relative;
         let t_end = if self.any { self.t_max } else { f64::INFINITY };
         let length = self.ray.origin.abs().max_element() + if t_end.is_finite() { t_end } else { 0.0 };
         let magnitude =

@@ -17,8 +17,8 @@ use std::time::{Duration, Instant as Clock};
 /// steps of about a pixel; odd, so that one of them is the middle.
 const MOMENTS: usize = 33;
 
-/// Instances of all moments together. Each takes a third of a kilobyte, places and its share of the
-/// tree: three gigabytes.
+/// Instances of all moments together. Each takes a fifth of a kilobyte, places and its share of the
+/// tree: two gigabytes.
 const MOST_PLACED: usize = 1 << 23;
 /// However many instances there are: the opening's, the middle's and the closing's.
 const FEWEST_MOMENTS: usize = 3;

@@ -164,10 +164,10 @@ impl<'scene> Snapshot<'scene> {
         contents.seen_by(view)
     }
 
-    /// Where an instance is, relative from mesh, and the inverse.
-    fn transforms(&self, number: usize) -> (&DAffine3, &DAffine3) {
+    /// Where an instance is.
+    fn relative_from_mesh(&self, number: usize) -> &DAffine3 {
         let tree = if number < self.first_blended { &self.tree } else { &self.blended };
-        tree.transforms(number as u32)
+        tree.relative_from_mesh(number as u32)
     }
 
     /// Whether anything shines.

@@ -56,7 +56,7 @@ impl Snapshot<'_> {
         let placed = &self.placed[number];
         let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
         DrawnMesh {
-            relative_from_mesh: self.transforms(number).0,
+            relative_from_mesh: self.relative_from_mesh(number),
             positions: placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions),
             is_bent: placed.bent.is_some(),
             is_blended: number >= self.first_blended,

@@ -10,7 +10,7 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scattering::{Dielectric, Gloss, Layers, shine_normal};
 use crate::scene::{Material, Mesh, Painted, Texture, TextureMap};
-use glam::{DAffine3, DVec3, Vec3, Vec4};
+use glam::{DMat3, DVec3, Vec3, Vec4};
 use texels::{FacetTexels, Shine};
 
 /// A point of a surface, ready for shading.
@@ -83,7 +83,7 @@ struct Bending<'a> {
     /// None in flat meshes.
     normals: &'a [Vec3],
     tangents: &'a [Vec4],
-    mesh_from_relative: &'a DAffine3,
+    relative_from_mesh_normal: DMat3,
 }
 
 /// A place that is seen so near to a plane, in radians, lies within it.
@@ -102,7 +102,9 @@ impl Snapshot<'_> {
             None => (&mesh.positions, &mesh.normals, &mesh.tangents),
             Some(bent) => (&bent.shape.positions, &bent.shape.normals, &bent.shape.tangents),
         };
-        let (relative_from_mesh, mesh_from_relative) = self.transforms(primitive.instance as usize);
+        let relative_from_mesh = self.relative_from_mesh(primitive.instance as usize);
+        // Normals are covectors.
+        let relative_from_mesh_normal = || relative_from_mesh.inverse().matrix3.transpose();
         let [a, b, c] =
             corners.map(|corner| relative_from_mesh.transform_point3(positions[corner].as_dvec3()));
         let (ab, ac) = (b - a, c - a);
@@ -118,7 +120,7 @@ impl Snapshot<'_> {
                 positions,
                 normals,
                 tangents,
-                mesh_from_relative,
+                relative_from_mesh_normal: relative_from_mesh_normal(),
             }),
             leaf_id: instance.leaf_id,
             is_turned: material.has_front() && relative_from_mesh.matrix3.determinant() < 0.0,
@@ -128,7 +130,7 @@ impl Snapshot<'_> {
             gradients: [ac.cross(area_normal), area_normal.cross(ab)]
                 .map(|gradient| gradient / area_normal.length_squared()),
             corner_normals: (!normals.is_empty()).then(|| {
-                let relative_from_mesh_normal = mesh_from_relative.matrix3.transpose();
+                let relative_from_mesh_normal = relative_from_mesh_normal();
                 corners.map(|corner| relative_from_mesh_normal * normals[corner].as_dvec3())
             }),
         }
@@ -140,7 +142,7 @@ impl Snapshot<'_> {
         let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
         let positions = placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions);
         let vertices = mesh.triangles[primitive.triangle as usize].vertices;
-        let (relative_from_mesh, _) = self.transforms(primitive.instance as usize);
+        let relative_from_mesh = self.relative_from_mesh(primitive.instance as usize);
         vertices.map(|vertex| relative_from_mesh.transform_point3(positions[vertex as usize].as_dvec3()))
     }
 
@@ -288,7 +290,6 @@ impl Bending<'_> {
         let tangent = between(&|corner| self.tangents[corner].truncate());
         let bitangent = f64::from(self.tangents[corners[0]].w) * normal.cross(tangent);
         let bent = scale * (texel.x * tangent + texel.y * bitangent) + texel.z * normal;
-        let relative_from_mesh_normal = self.mesh_from_relative.matrix3.transpose();
-        [bent, normal].map(|direction| relative_from_mesh_normal * direction)
+        [bent, normal].map(|direction| self.relative_from_mesh_normal * direction)
     }
 }
