@@ -1,6 +1,6 @@
 //! Placed meshes and the questions one may ask them. Invariant: relative space throughout, and the
 //! instance numbers of answers are positions in the list the tree was made of, counted from where its
-//! maker wants.
+//! maker wants. What keeps still may be a tree of its own, which the trees of many moments share.
 
 use super::each_shadow::{AddEachShadow, TriangleShadow};
 use super::hit::{Hit, PrimitiveId};
@@ -15,10 +15,13 @@ use super::slice_query::{AddCuts, Cut, HalfPlane};
 use super::wide_tree::{Bounds, WideTree};
 use crate::math::{IntervalSet, Ray};
 use glam::{DAffine3, DVec3, Vec3};
+use std::sync::Arc;
 
 /// All placed meshes of a frame.
 #[derive(Debug)]
 pub struct InstanceTree {
+    /// Those that it shares with other trees, and where their numbers end.
+    shared: Option<(Arc<Self>, u32)>,
     tree: WideTree,
     instances: Vec<Instance>,
     /// Positions in `instances`, by number; nowhere what nothing can hit.
@@ -33,6 +36,15 @@ impl InstanceTree {
     /// scaled to nothing for instance, is never hit and throws no shadow.
     pub fn new(placed: Vec<PlacedMesh>) -> Self {
         Self::numbered((0..).zip(placed))
+    }
+
+    /// Tree of others beside the first `count` instances, which another tree has.
+    pub fn beside(shared: Arc<Self>, count: u32, others: Vec<PlacedMesh>) -> Self {
+        let mut tree = Self::numbered((count..).zip(others));
+        let boxes = [shared.bounds, tree.bounds].into_iter().flatten();
+        tree.bounds = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        tree.shared = Some((shared, count));
+        tree
     }
 
     /// Tree with a number for each instance.
@@ -78,44 +90,65 @@ impl InstanceTree {
         for (number, position) in numbers().zip(0..) {
             positions[(number - first_number) as usize] = position;
         }
-        Self { tree, instances, positions, first_number, bounds, level }
+        Self { shared: None, tree, instances, positions, first_number, bounds, level }
     }
 
     /// The nearest hit with `0 < t < t_max` (metres), on either side of a triangle, `skip` left out:
     /// name the triangle there on which the ray starts.
     pub fn nearest_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> Option<Hit> {
-        self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: false })
+        let of_shared = self.shared().and_then(|shared| shared.nearest_hit(ray, t_max, skip));
+        let t_max = of_shared.map_or(t_max, |hit| hit.t);
+        self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: false }).or(of_shared)
     }
 
     /// Whether there is any hit with `0 < t < t_max` (metres), `skip` left out.
     pub fn any_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> bool {
-        self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: true }).is_some()
+        self.shared().is_some_and(|shared| shared.any_hit(ray, t_max, skip))
+            || self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: true }).is_some()
     }
 
     /// Adds the parts of the plane's ray that lie in the shadow of any mesh. The ray must not pass
     /// through a triangle within the asked part, though it may end on one: a triangle counts as a whole
     /// as before or behind the ray.
     pub fn add_shadows(&self, plane: &LightPlane, shadows: &mut IntervalSet) {
+        if let Some(shared) = self.shared() {
+            shared.add_shadows(plane, shadows);
+        }
         self.level.run(AddShadows { instances: self.instances(), plane, shadows });
     }
 
     /// Appends the shadow of each triangle on the plane's ray by itself. The ray may pass through triangles.
     pub fn add_each_shadow(&self, plane: &LightPlane, shadows: &mut Vec<TriangleShadow>) {
+        if let Some(shared) = self.shared() {
+            shared.add_each_shadow(plane, shadows);
+        }
         AddEachShadow { instances: self.instances(), plane, shadows }.run(Portable);
     }
 
     /// Appends what the half plane cuts, in an order that depends on the tree alone.
     pub fn add_cuts(&self, half_plane: &HalfPlane, cuts: &mut Vec<Cut>) {
+        if let Some(shared) = self.shared() {
+            shared.add_cuts(half_plane, cuts);
+        }
         self.level.run(AddCuts { instances: self.instances(), half_plane, cuts });
     }
 
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {
-        self.instances.is_empty()
+        self.instances.is_empty() && self.shared().is_none_or(Self::is_empty)
+    }
+
+    fn shared(&self) -> Option<&Self> {
+        self.shared.as_ref().map(|(shared, _)| &**shared)
     }
 
     /// Where the mesh of a number is. It must be one that can be hit.
     pub fn relative_from_mesh(&self, number: u32) -> &DAffine3 {
+        if let Some((shared, count)) = &self.shared
+            && number < *count
+        {
+            return shared.relative_from_mesh(number);
+        }
         &self.instances[self.positions[(number - self.first_number) as usize] as usize].relative_from_mesh
     }
 
@@ -187,5 +220,46 @@ mod tests {
             }
         }
         assert!(hits > 50 && intervals > 1000, "{hits} {intervals}");
+    }
+
+    /// What a tree shares with others is met as if it were its own.
+    #[test]
+    fn sharing_does_not_show() {
+        let mut sampler = Sampler::new(3, 0, 0, 0);
+        let positions: Vec<Vec3> = (0..30).map(|_| vector(&mut sampler).as_vec3()).collect();
+        let triangles: Vec<[u32; 3]> = (0..10).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mesh = Arc::new(MeshTree::new(&positions, &triangles));
+        let place = |_| PlacedMesh {
+            mesh: mesh.clone(),
+            relative_from_mesh: DAffine3::from_translation(4.0 * vector(&mut sampler)),
+        };
+        let placed: Vec<PlacedMesh> = (0..40).map(place).collect();
+        let (still, others) = placed.split_at(25);
+        let shared = Arc::new(InstanceTree::new(still.to_vec()));
+        let beside = InstanceTree::beside(shared, 25, others.to_vec());
+        let alone = InstanceTree::new(placed);
+        assert_eq!(beside.bounds(), alone.bounds());
+        for number in 0..40 {
+            assert_eq!(beside.relative_from_mesh(number), alone.relative_from_mesh(number));
+        }
+        let mut of_shared = 0;
+        for number in 0..1000 {
+            let mut sampler = Sampler::new(4, number, 0, 0);
+            let direction = vector(&mut sampler).normalize();
+            let ray = Ray { origin: 5.0 * vector(&mut sampler), direction };
+            let hit = alone.nearest_hit(&ray, 100.0, None);
+            assert_eq!(beside.nearest_hit(&ray, 100.0, None), hit);
+            assert_eq!(beside.any_hit(&ray, 100.0, None), hit.is_some());
+            of_shared += usize::from(hit.is_some_and(|hit| hit.primitive.instance < 25));
+            let range = (0.0, hit.map_or(10.0, |hit| hit.t));
+            let plane = LightPlane::towards_direction(&ray, vector(&mut sampler).normalize(), range).unwrap();
+            let shadows = |tree: &InstanceTree| {
+                let mut shadows = IntervalSet::default();
+                tree.add_shadows(&plane, &mut shadows);
+                shadows.as_slice().to_vec()
+            };
+            assert_eq!(shadows(&beside), shadows(&alone));
+        }
+        assert!(of_shared > 50, "{of_shared}");
     }
 }

@@ -23,6 +23,8 @@ pub struct Contents<'scene> {
     origin: DVec3,
     /// Instances with opaque and with blended triangles.
     classes: [PlacedInstances; 2],
+    /// Tree of those of the opaque ones that keep still, if other moments share it.
+    still: Option<Arc<InstanceTree>>,
     materials: Cow<'scene, [Material]>,
     lights: Vec<Luminaire>,
     medium: Medium,
@@ -31,16 +33,20 @@ pub struct Contents<'scene> {
 
 impl<'scene> Contents<'scene> {
     /// Contents with those of the scene's lights of which `shining` says so.
-    pub(super) fn of(moment: &Moment<'scene>, trees: &MeshTrees, shining: &[bool]) -> Self {
+    pub(super) fn of(moment: &Moment<'scene, '_>, trees: &MeshTrees, shining: &[bool]) -> Self {
         let &Moment { scene, time_s, eye: origin, .. } = moment;
         let medium = moment.medium();
         let lights = moment.lights(shining, &medium);
+        let classes = moment.instances(trees);
+        let [opaque, _] = &classes;
+        let still = moment.still.map(|still| still.tree(&opaque.meshes[..opaque.still]));
         Self {
             scene,
             is_blended: Arc::clone(&trees.is_blended),
             parts: Arc::clone(&trees.parts),
             origin,
-            classes: moment.instances(trees),
+            classes,
+            still,
             materials: moment.materials(),
             medium: medium.lit_by(&lights.iter().map(|light| light.centre().place()).collect::<Vec<_>>()),
             lights,
@@ -60,7 +66,8 @@ impl<'scene> Contents<'scene> {
         let nodes = instances.chain(scene.fogs.iter().map(|fog| fog.node));
         let visible = nodes.map(|node| &placements[node]).filter(|placement| placement.visible);
         let eye = median(visible.map(|placement| placement.world_from_node.translation));
-        Self::of(&Moment { scene, time_s, frame_s: time_s, placements, eye }, trees, shining)
+        let moment = Moment { scene, time_s, frame_s: time_s, placements, eye, still: None };
+        Self::of(&moment, trees, shining)
     }
 
     /// Ready to be traced about its origin.
@@ -73,9 +80,13 @@ impl<'scene> Contents<'scene> {
     pub(super) fn seen_by(self, view: View) -> Snapshot<'scene> {
         let rays = rays_of(self.scene, &self.classes);
         let casting = casting(&self.classes, rays.as_ref());
-        let [opaque, blended] = self.classes;
+        let [mut opaque, blended] = self.classes;
         let first_blended = opaque.placed.len();
-        let tree = InstanceTree::new(opaque.meshes);
+        let others = opaque.meshes.split_off(opaque.still);
+        let tree = match self.still {
+            Some(still) => InstanceTree::beside(still, opaque.still as u32, others),
+            None => InstanceTree::new(others),
+        };
         let blended_tree = InstanceTree::numbered((first_blended as u32..).zip(blended.meshes));
         let boxes = [tree.bounds(), blended_tree.bounds()].into_iter().flatten();
         Snapshot {

@@ -6,6 +6,7 @@
 //! has the memory until then.
 
 use super::moment::shining;
+use super::still::Still;
 use super::{Contents, Framing, Instant, MeshTrees, MotionField, SeenFog, Shutter, Snapshot};
 use crate::diagnostic::{Diagnostic, Loss, Place};
 use crate::scene::{Scene, Size, matte_id};
@@ -102,8 +103,10 @@ impl<'scene> Exposure<'scene> {
 
     fn freeze(&self) -> Frozen<'scene> {
         let started = Clock::now();
+        let is_shared = self.times_s.len() > 1;
+        let still = is_shared.then(|| Still::of(self.scene, self.framing.camera)).flatten();
         let freeze = |&time_s: &f64| {
-            let instant = Instant { time_s, frame_s: self.middle_s };
+            let instant = Instant { time_s, frame_s: self.middle_s, still: still.as_ref() };
             let snapshot = Snapshot::at(self.scene, self.trees, self.framing, instant, &self.shining);
             Snapshot { motion: self.motion.clone(), mattes: self.mattes.clone(), ..snapshot }
         };

@@ -20,6 +20,7 @@ mod ray_visibility;
 mod seen_fog;
 mod self_shading;
 mod sky;
+mod still;
 mod surface;
 
 use crate::accel::{InstanceTree, PrimitiveId};
@@ -30,6 +31,7 @@ use glam::{DAffine3, DVec3};
 use moment::{Moment, Placed, shining};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
+use still::Still;
 
 pub use crate::light::{Cone, Emission, FrozenLight, LightPlace};
 pub use blended::{BlendedHit, NEGLIGIBLE};
@@ -118,10 +120,12 @@ pub struct Snapshot<'scene> {
 
 /// A moment of a frame.
 #[derive(Clone, Copy)]
-struct Instant {
+struct Instant<'a> {
     time_s: f64,
     /// Middle of the shutter.
     frame_s: f64,
+    /// What keeps still in all of the shutter's moments.
+    still: Option<&'a Still>,
 }
 
 /// Camera of a snapshot, and width / height of its picture.
@@ -143,7 +147,7 @@ impl<'scene> Snapshot<'scene> {
         shutter: Shutter,
     ) -> Self {
         let time_s = shutter.middle_s();
-        let instant = Instant { time_s, frame_s: time_s };
+        let instant = Instant { time_s, frame_s: time_s, still: None };
         Self::at(scene, trees, Framing { camera, aspect }, instant, &shining(scene, time_s))
     }
 
@@ -152,13 +156,13 @@ impl<'scene> Snapshot<'scene> {
         scene: &'scene Scene,
         trees: &MeshTrees,
         Framing { camera, aspect }: Framing,
-        Instant { time_s, frame_s }: Instant,
+        Instant { time_s, frame_s, still }: Instant,
         shining: &[bool],
     ) -> Self {
         let placements = scene.placements(time_s);
         let camera = &scene.cameras[camera];
         let view = View::new(camera, placements[camera.node].world_from_node, aspect, time_s);
-        let moment = Moment { scene, time_s, frame_s, placements, eye: view.eye };
+        let moment = Moment { scene, time_s, frame_s, placements, eye: view.eye, still };
         let contents = Contents::of(&moment, trees, shining);
         drop(moment);
         contents.seen_by(view)

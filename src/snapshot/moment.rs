@@ -4,6 +4,7 @@
 //! of a shutter have the same.
 
 use super::bent_mesh::BentMesh;
+use super::still::Still;
 use super::{Luminaire, MeshTrees};
 use crate::accel::PlacedMesh;
 use crate::fog::{Emitter, Falloff, FogBank, Medium};
@@ -13,7 +14,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Place and time that a scene is looked at from.
-pub(super) struct Moment<'scene> {
+pub(super) struct Moment<'scene, 'a> {
     pub(super) scene: &'scene Scene,
     pub(super) time_s: f64,
     /// Time of the frame: mist is that of the middle of the shutter.
@@ -22,6 +23,8 @@ pub(super) struct Moment<'scene> {
     pub(super) placements: Vec<Placement>,
     /// The origin of relative space, in the world.
     pub(super) eye: DVec3,
+    /// What keeps still at this moment and others.
+    pub(super) still: Option<&'a Still>,
 }
 
 /// An instance of a tree, back in the scene's terms.
@@ -36,9 +39,11 @@ pub(super) struct Placed {
 pub(super) struct PlacedInstances {
     pub(super) placed: Vec<Placed>,
     pub(super) meshes: Vec<PlacedMesh>,
+    /// Number of the first of them that keep still at other moments too.
+    pub(super) still: usize,
 }
 
-impl<'scene> Moment<'scene> {
+impl<'scene> Moment<'scene, '_> {
     fn relative_from(&self, node: NodeIndex) -> DAffine3 {
         self.relative(self.placements[node].world_from_node)
     }
@@ -50,7 +55,7 @@ impl<'scene> Moment<'scene> {
 
     /// The visible instances of opaque and of blended triangles.
     pub(super) fn instances(&self, trees: &MeshTrees) -> [PlacedInstances; 2] {
-        let mut classes = [PlacedInstances::default(), PlacedInstances::default()];
+        let [mut still, mut opaque, mut blended] = [(); 3].map(|()| PlacedInstances::default());
         for (index, instance) in self.scene.instances.iter().enumerate() {
             if !self.placements[instance.node].visible {
                 continue;
@@ -65,7 +70,9 @@ impl<'scene> Moment<'scene> {
             };
             let own = bent.as_ref().map(|bent| bent.trees.clone());
             let own = own.unwrap_or_else(|| trees.of(self.scene, instance));
-            for (class, mesh) in classes.iter_mut().zip(own) {
+            let keeps_still = self.still.is_some_and(|still| still.keeps(index));
+            let classes = [if keeps_still { &mut still } else { &mut opaque }, &mut blended];
+            for (class, mesh) in classes.into_iter().zip(own) {
                 let Some(mesh) = mesh else { continue };
                 let mesh = PlacedMesh { mesh, relative_from_mesh };
                 // A leaf scaled to nothing is a leaf that is not there.
@@ -75,7 +82,10 @@ impl<'scene> Moment<'scene> {
                 }
             }
         }
-        classes
+        still.still = still.placed.len();
+        still.placed.append(&mut opaque.placed);
+        still.meshes.append(&mut opaque.meshes);
+        [still, blended]
     }
 
     /// All fog.
