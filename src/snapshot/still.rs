@@ -1,5 +1,5 @@
-//! What keeps still while the shutter is open. In goes a scene, out come the instances that stand in one place
-//! at all times, and the tree of these. Invariant: it is the same at every moment.
+//! What keeps still while the shutter is open. In goes a scene, out come the instances that stand in one
+//! place at all times, and the tree of these. Invariant: it is the same at every moment.
 
 use crate::accel::{InstanceTree, PlacedMesh};
 use crate::scene::Scene;
