@@ -46,9 +46,8 @@ pub struct Film {
     weights: Vec<f64>,
     /// A pixel's weighted sums: red, green, blue, alpha, then three for each pass that is averaged.
     sums: Vec<f64>,
-    /// Sums of the fresh half of a pixel's samples: weight, and weighted red, green and blue. Estimates need
-    /// no more than single precision.
-    fresh: Vec<[f32; 4]>,
+    /// Sums of the fresh half of a pixel's samples: weight, and weighted red, green and blue.
+    fresh: Vec<[f64; 4]>,
     /// Sums by which shafts are smoothed: their weighted red, green and blue, and weighted transmittance, the
     /// mean over the channels; empty if they are not.
     fog: Vec<[f32; 4]>,
@@ -111,7 +110,8 @@ impl Film {
     /// About what a pixel of a film with these passes takes in memory.
     pub fn bytes_per_pixel(passes: &[Pass]) -> usize {
         let kept = KeptPasses::new(passes, true);
-        let sums = size_of::<f64>() * (1 + kept.mean_channels()) + 2 * size_of::<[f32; 4]>();
+        let sums =
+            size_of::<f64>() * (1 + kept.mean_channels()) + size_of::<[f64; 4]>() + size_of::<[f32; 4]>();
         let nearest = size_of::<f32>() * (1 + kept.nearest_channels());
         let mattes = if kept.mattes { size_of::<MatteList>() } else { 0 };
         sums + nearest + mattes + 2 * size_of::<HueSums>()

@@ -168,7 +168,7 @@ pub(super) struct Band<'a> {
     pub(super) first_pixel: usize,
     pub(super) weights: &'a mut [f64],
     pub(super) sums: &'a mut [f64],
-    pub(super) fresh: &'a mut [[f32; 4]],
+    pub(super) fresh: &'a mut [[f64; 4]],
     pub(super) fog: &'a mut [[f32; 4]],
     pub(super) nearest_distances_px: &'a mut [f32],
     pub(super) nearest_values: &'a mut [f32],
@@ -198,7 +198,9 @@ impl Band<'_> {
             }
         }
         if let Some(sums) = self.fog.get_mut(pixel) {
-            add_weighted(sums, place.weight, fog);
+            for (sum, value) in sums.iter_mut().zip(fog) {
+                *sum += (place.weight * f64::from(*value)) as f32;
+            }
         }
         if let Some(list) = self.mattes.get_mut(pixel) {
             list.add_packed(shares, place.weight);
@@ -208,18 +210,14 @@ impl Band<'_> {
             *sum += place.weight * f64::from(*value);
         }
         if is_fresh {
-            let one_and_color = [1.0, values[0], values[1], values[2]];
-            add_weighted(&mut self.fresh[pixel], place.weight, &one_and_color);
+            let one_and_color = [1.0, values[0], values[1], values[2]].map(f64::from);
+            for (sum, value) in self.fresh[pixel].iter_mut().zip(one_and_color) {
+                *sum += place.weight * value;
+            }
         }
         if self.nearest_distances_px.get(pixel).is_some_and(|&distance| place.from_centre_px < distance) {
             self.nearest_distances_px[pixel] = place.from_centre_px;
             self.nearest_values[pixel * nearest.len()..][..nearest.len()].copy_from_slice(nearest);
         }
-    }
-}
-
-fn add_weighted(sums: &mut [f32; 4], weight: f64, values: &[f32]) {
-    for (sum, value) in sums.iter_mut().zip(values) {
-        *sum += (weight * f64::from(*value)) as f32;
     }
 }
