@@ -66,6 +66,8 @@ pub(crate) struct Scattered {
 }
 
 impl Scattered {
+    pub(crate) const NOTHING: Self = Self { back: Rgb::ZERO, through: Rgb::ZERO };
+
     pub(crate) fn all(self) -> Rgb {
         self.back + self.through
     }

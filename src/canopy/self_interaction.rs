@@ -39,6 +39,13 @@ pub(crate) struct SelfInteraction {
     goes_on: bool,
 }
 
+/// First light of leaves: what lamps and suns bring them, and whether what they emit counts too.
+#[derive(Clone, Copy)]
+pub(crate) struct OwnLight<'a> {
+    pub(crate) on_leaves: Option<&'a LeafPower>,
+    pub(crate) emitted: bool,
+}
+
 /// A leaf, and what is about it.
 pub(crate) struct Alone<'a> {
     leaf: &'a Leaf,
@@ -111,28 +118,29 @@ impl SelfInteraction {
         Self { responses, per_volume: 1.0 / grid.cell_volume(), goes_on }
     }
 
-    /// Sources of all leaves' own first light: a leaf that has none scatters none.
+    /// Sources of what all leaves scatter of their own light: of what lamps and suns bring them, what they
+    /// emit, or both. A leaf that has none scatters none.
     pub(crate) fn all_sent_again(
         &self,
         cut: CutGrid,
         medium: &TurbidMedium,
-        (leaves, on_leaves): (&LeafIndex, &LeafPower),
+        leaves: &LeafIndex,
+        OwnLight { on_leaves, emitted }: OwnLight,
     ) -> NodeMoments {
         let mut sources = NodeMoments::zero(cut.grid.count());
-        if !self.goes_on {
-            return sources;
-        }
         let of_leaf = |(leaf, scattered): (&Leaf, [Scattered; 2])| {
             let told = (&medium.cross_sections.extinction, &medium.clumping);
-            let alone = Alone::new(cut, told, (leaf, scattered));
+            let dark = if emitted { None } else { leaf.dark() };
+            let alone = Alone::new(cut, told, (dark.as_ref().unwrap_or(leaf), scattered));
             (leaf.normal, alone.nodes, self.sent_again(&alone))
         };
         let factor = FRAC_1_PI * self.per_volume;
         for (first, leaves) in (0..).step_by(AT_ONCE).zip(leaves.all().chunks(AT_ONCE)) {
             let lit = leaves.par_iter().enumerate().filter_map(|(number, leaf)| {
-                let scattered = on_leaves.scattered(first + number, leaf);
+                let lit = on_leaves.map(|on_leaves| on_leaves.scattered(first + number, leaf));
+                let scattered = lit.unwrap_or([Scattered::NOTHING; 2]);
                 let is_lit = scattered.iter().any(|side| side.all() != Rgb::ZERO);
-                (is_lit || leaf.optics.emission != Rgb::ZERO).then_some((leaf, scattered))
+                (is_lit || emitted && leaf.optics.emission != Rgb::ZERO).then_some((leaf, scattered))
             });
             for (normal, nodes, sent) in lit.map(of_leaf).collect::<Vec<_>>() {
                 for ((nodes, sent), facing) in nodes.iter().zip(sent).zip([normal, -normal]) {

@@ -8,6 +8,7 @@ use super::recollision::bent;
 use super::surface_optics::optics_at;
 use super::surfels::{Surfel, Surfels};
 use crate::accel::PrimitiveId;
+use crate::color::Rgb;
 use crate::math::kronecker;
 use crate::ordinates::occluders::Triangle;
 use crate::ordinates::surface_optics::{MeanOptics, SurfaceOptics};
@@ -88,6 +89,14 @@ pub(crate) struct Leaf {
     pub(crate) exposed: f64,
     /// Mean optics, of all that look alike.
     pub(crate) optics: Arc<SurfaceOptics>,
+}
+
+impl Leaf {
+    /// The same leaf without what it emits, if it emits anything.
+    pub(crate) fn dark(&self) -> Option<Self> {
+        let optics = || Arc::new(SurfaceOptics { emission: Rgb::ZERO, ..*self.optics });
+        (self.optics.emission != Rgb::ZERO).then(|| Self { optics: optics(), ..*self })
+    }
 }
 
 /// Share of a leaf's area that faces one way, at least; a body's faces all ways.

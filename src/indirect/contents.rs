@@ -9,7 +9,7 @@ use crate::canopy::first_collisions::{FirstCollisions, Found};
 use crate::canopy::fluence::ForwardPeak;
 use crate::canopy::leaf_index::LeafIndex;
 use crate::canopy::leaf_power::LeafPower;
-use crate::canopy::self_interaction::SelfInteraction;
+use crate::canopy::self_interaction::{OwnLight, SelfInteraction};
 use crate::canopy::surroundings::Surroundings;
 use crate::canopy::turbid_medium::TurbidMedium;
 use crate::color::Rgb;
@@ -98,10 +98,20 @@ impl<'a> Contents<'a> {
         let (lights, nearest_m) = (snapshot.lights.as_slice(), NEAREST_GLOW * grid.cell_m);
         let LitWalls { irradiances, glossy } =
             WallLight { snapshot, lights, glow, nearest_m, grid, fog, walls, quadrature }.found();
-        let not_again = self_interaction.all_sent_again(cut, medium, (leaves, &on_leaves));
+        let not_again = |own| self_interaction.all_sent_again(cut, medium, leaves, own);
         let walls = walls.walls.scattered(&irradiances);
         let has_emission = snapshot.glow().is_some() || snapshot.medium.shines();
-        let emission = has_emission.then(|| self.emission(context.glow.is_none(), small_glow.is_some()));
+        let emission = has_emission.then(|| {
+            let is_part = context.glow.is_none();
+            let is_apart = !is_part || context.bounces != Bounces::All;
+            let not_again = is_apart.then(|| not_again(OwnLight { on_leaves: None, emitted: true }));
+            Emission { not_again, ..self.emission(is_part, small_glow.is_some()) }
+        });
+        let own = OwnLight {
+            on_leaves: Some(&on_leaves),
+            emitted: emission.as_ref().is_some_and(|emission| emission.not_again.is_none()),
+        };
+        let not_again = (context.bounces != Bounces::UpTo(1)).then(|| not_again(own));
         let source = FirstCollisionSource { volume: sources, beams, walls, glossy, not_again, emission };
         FirstLight { source, forward_peaks, met_again, on_leaves }
     }
@@ -117,6 +127,6 @@ impl<'a> Contents<'a> {
         let mut volume = Moments::zero(self.grid.count());
         self.medium.emit(&mut volume);
         let walls = self.walls.walls.patches.iter().map(|patch| patch.optics.emission).collect();
-        Emission { volume, walls, has_lit_walls, is_part }
+        Emission { volume, walls, has_lit_walls, is_part, not_again: None }
     }
 }

@@ -27,14 +27,12 @@ use crate::ordinates::moments::NodeMoments;
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use crate::ordinates::quadrature::Quadrature;
 use crate::ordinates::source_iteration::{Problem, Solution};
-use crate::ordinates::surface_optics::SurfaceOptics;
 use crate::ordinates::sweep::Swept;
 use crate::ordinates::walls::Walls;
 use crate::snapshot::{FrozenSky, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::mem::take;
-use std::sync::Arc;
 
 /// Away from a surface, in cells, light is gathered.
 const AWAY: f64 = 0.25;
@@ -188,10 +186,7 @@ impl Level {
     /// Radiance at the two sides of a leaf, without its own.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         // What it emits itself is not in the light where that of all that glows is apart.
-        let dark = self.of_glow.as_ref().map(|_| {
-            let optics = Arc::new(SurfaceOptics { emission: Rgb::ZERO, ..*leaf.optics });
-            Leaf { optics, ..*leaf }
-        });
+        let dark = self.of_glow.as_ref().and_then(|_| leaf.dark());
         let leaf = dark.as_ref().unwrap_or(leaf);
         let unmet = self.on_leaves.scattered(number, leaf);
         let alone = Alone::new(

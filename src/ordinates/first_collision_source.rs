@@ -26,7 +26,7 @@ pub(crate) struct FirstCollisionSource {
     pub(crate) walls: Vec<Rgb>,
     pub(crate) glossy: GlossySource,
     /// Part of the second order's source that is taken out of it.
-    pub(crate) not_again: NodeMoments,
+    pub(crate) not_again: Option<NodeMoments>,
     pub(crate) emission: Option<Emission>,
 }
 
@@ -40,6 +40,8 @@ pub(crate) struct Emission {
     pub(crate) has_lit_walls: bool,
     /// Whether light straight from it is part of the solution, or only what becomes of that.
     pub(crate) is_part: bool,
+    /// Part of what is scattered of it that is taken out of that, where its light is swept by itself.
+    pub(crate) not_again: Option<NodeMoments>,
 }
 
 /// The first degree that no harmonic has, and how many there are.

@@ -105,13 +105,14 @@ impl Problem<'_> {
         let mut sweeper = Sweeper::new(&self.domain);
         let mut source = Source { volume, walls, has_first: true };
         let (mut later, mut emitted, mut is_apart) = (source.emptied(), None, true);
-        if let Some(Emission { volume, walls, has_lit_walls, is_part }) = emission {
+        if let Some(Emission { volume, walls, has_lit_walls, is_part, not_again }) = emission {
             let emission = Source { volume, walls, has_first: false };
             if is_part && self.orders.is_none() {
                 source.add(&emission, [1.0; 3]);
             } else {
                 let swept = self.sweep_emission(&mut sweeper, &emission);
                 let mut scattered = self.scatter(&swept.moments, true);
+                not_again.iter().for_each(|own| scattered.volume.take_nodes(own));
                 if has_lit_walls {
                     scattered.walls = source.emptied().walls;
                 }
@@ -120,7 +121,7 @@ impl Problem<'_> {
                 (emitted, is_apart) = (Some(swept), !is_part);
             }
         }
-        later.volume.take_nodes(&not_again);
+        not_again.iter().for_each(|own| later.volume.take_nodes(own));
         let mut solution = SourceIteration { problem: self, sweeper, beams, glossy }.run(source, &later);
         let emitted_radiances = emitted.as_mut().and_then(|swept| swept.radiances.take());
         if let Some(swept) = emitted.as_ref().filter(|_| !is_apart) {
