@@ -176,7 +176,7 @@ class Record:
                 here.lamps += source.kind == "LIGHT"
                 # Zooms blur, all else is as at the frame.
                 if offset == 0.0 or source.kind == "CAMERA":
-                    self.watch(key, thing, frame + offset)
+                    self.watch(key, thing, frame if offset == 0.0 else frame + offset)
         self.placed.append(numpy.array(rows, int).reshape(-1, 2).T)
         self.lamps.append(here.lamps)
 
