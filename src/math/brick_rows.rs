@@ -1,5 +1,5 @@
-//! Bricks of 8 x 8 x 8 numbers by rows along z. In go bricks, out come numbers. Invariant: what a brick's rows
-//! of nothing take is one row.
+//! Bricks of 8 x 8 x 8 numbers by rows along z. In go bricks, out come numbers. Invariant: what a brick's
+//! rows of nothing take is one row.
 
 /// Numbers along an edge of a brick, as a power of two.
 pub(super) const LOG_EDGE: i32 = 3;

@@ -62,9 +62,12 @@ fn held_light_stays_while_that_of_another_frame_is_found() {
         let trees = MeshTrees::new(scene);
         kept.hold(&Exposure::new(scene, &trees, 0, 1.0, INSTANT), Bounces::UpTo(1), &|| false)
     };
-    let (scene, mut next, mut last) = (grove(), grove(), grove());
-    add_leaf(&mut next, -4.0 * DVec3::Z, DVec3::X, 0);
-    add_leaf(&mut last, -5.0 * DVec3::Z, DVec3::X, 0);
+    let [scene, next, last] = [0.0, 0.1, 0.2].map(|height_m| {
+        let mut scene = grove();
+        let leaf = scene.instances[7].node;
+        scene.nodes[leaf].motion = Motion::Still(DAffine3::from_translation(height_m * DVec3::Y));
+        scene
+    });
     let held = hold(&scene);
     let held_too = hold(&next);
     assert!(!solved(&scene, Bounces::UpTo(1), &kept) && !solved(&next, Bounces::UpTo(1), &kept));
