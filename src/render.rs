@@ -24,7 +24,7 @@ mod tiles;
 mod watch;
 
 use crate::film::{self, Film, Frame};
-use crate::indirect::{HeldLight, Indirect, KeptLight};
+use crate::indirect::{Indirect, KeptLight};
 use crate::math::{Ray, Sampler};
 use crate::passes::{Needs, Pass, any_needs};
 use crate::scene::{Bounces, PixelFilter, Sampling, Size, Window};
@@ -205,13 +205,9 @@ impl Job {
 
     /// Light of higher orders, if it is wanted from a grid.
     fn indirect(&self, exposure: &Exposure, kept: &KeptLight, watch: &Watch) -> Option<Indirect> {
+        let wants_grid = self.bounces != Bounces::NONE && self.method != Method::Paths;
         let aspect = self.size.width as f64 / self.size.height as f64;
-        let new = || Indirect::new(exposure, self.bounces, aspect, kept, watch.cancelled);
-        if self.wants_grid() { new() } else { None }
-    }
-
-    fn wants_grid(&self) -> bool {
-        self.bounces != Bounces::NONE && self.method != Method::Paths
+        if wants_grid { Indirect::new(exposure, self.bounces, aspect, kept, watch.cancelled) } else { None }
     }
 
     /// The part of the picture that the wanted one depends on.
@@ -228,16 +224,6 @@ impl Job {
 /// Renders on the current rayon pool.
 pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     render_keeping(exposure, job, &KeptLight::default(), watch)
-}
-
-/// Finds the light of higher orders of an exposure before that is rendered, if it is wanted from a grid.
-pub fn hold_light(
-    exposure: &Exposure,
-    job: &Job,
-    kept: &KeptLight,
-    cancelled: &(dyn Fn() -> bool + Sync),
-) -> Option<HeldLight> {
-    job.wants_grid().then(|| kept.hold(exposure, job.bounces, cancelled))
 }
 
 /// Renders with light kept from other pictures of the scene, where it is the same.

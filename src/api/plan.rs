@@ -7,7 +7,6 @@ use super::scene::Scene;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use crate::film;
 use crate::frame_file::Provenance;
-use crate::indirect::HeldLight;
 use crate::passes::{Needs, Pass, any_needs};
 use crate::render::{self, Choice, Job, Method, Rendered, Watch};
 use crate::scanline;
@@ -22,9 +21,6 @@ const MOST_PIXELS: usize = 1 << 27;
 
 /// Pixels along a side of what one ray of a rough look stands for.
 const ROUGH_PX: usize = 8;
-
-/// Fewer threads are kept busy by one frame, and two take more memory.
-const MANY_THREADS: usize = 4;
 
 /// Everything that frames of a picture have in common.
 pub struct Plan<'scene> {
@@ -100,25 +96,6 @@ impl<'scene> Plan<'scene> {
     /// Renders an exposure of this plan on the current rayon pool.
     pub fn render(&self, exposure: &Exposure, watch: &Watch) -> Rendered {
         self.carry_out(&self.job, exposure, watch)
-    }
-
-    /// Finds light of higher orders for a frame before that is rendered, and keeps it as long as what comes
-    /// back, if it is wanted from a grid.
-    pub fn hold_light(&self, frame: i64, cancelled: &(dyn Fn() -> bool + Sync)) -> Option<HeldLight> {
-        let exposure = self.exposure_of(self.shutter(frame));
-        render::hold_light(&exposure, &self.job, self.scene.light(), cancelled)
-    }
-
-    /// Renders by `render` while the light of the frame after is found, by [`MANY_THREADS`] or more: at the end
-    /// of each step some of them have nothing to do.
-    pub fn beside_light_of<R: Send>(
-        &self,
-        next: Option<i64>,
-        cancelled: &(dyn Fn() -> bool + Sync),
-        render: impl FnOnce() -> R + Send,
-    ) -> (R, Option<HeldLight>) {
-        let next = next.filter(|_| rayon::current_num_threads() >= MANY_THREADS);
-        rayon::join(render, || next.and_then(|next| self.hold_light(next, cancelled)))
     }
 
     /// A rough look at an exposure of this plan: a ray for each square of [`ROUGH_PX`] pixels.

@@ -164,7 +164,7 @@ impl<'a> Renderer<'a> {
         frames.iter().try_for_each(|&frame| plan.check_frame(frame))?;
         plan.check_memory()?;
         let watch = Watch { progress: self.progress, cancelled: self.cancelled, ..Watch::NOBODY };
-        Ok(Sequence { plan, frames: frames.into_iter(), watch, ahead: None })
+        Ok(Sequence { plan, frames: frames.into_iter(), watch })
     }
 
     /// The plan of all frames.

@@ -5,7 +5,6 @@ use super::error::RenderError;
 use super::frame::Frame;
 use super::plan::Plan;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::indirect::HeldLight;
 use crate::render::Watch;
 
 /// The frames that [`Renderer::sequence`](super::Renderer::sequence) was asked for, each rendered when it is
@@ -15,20 +14,14 @@ pub struct Sequence<'a> {
     pub(super) plan: Plan<'a>,
     pub(super) frames: std::vec::IntoIter<i64>,
     pub(super) watch: Watch<'a>,
-    /// Light of the next frame, found while the one before was rendered.
-    pub(super) ahead: Option<HeldLight>,
 }
 
 impl Iterator for Sequence<'_> {
     type Item = Result<Frame, RenderError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let Self { plan, frames, watch, ahead } = self;
-        let (frame, next) = (frames.next()?, frames.as_slice().first().copied());
-        let _held = ahead.take().or_else(|| next.and_then(|_| plan.hold_light(frame, watch.cancelled)));
-        let (frame, light) = plan.beside_light_of(next, watch.cancelled, || rendered(plan, frame, watch));
-        *ahead = light;
-        Some(frame)
+        let frame = self.frames.next()?;
+        Some(rendered(&self.plan, frame, &self.watch))
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {

@@ -12,15 +12,13 @@ use super::stats::Stats;
 use super::threads;
 use super::{CliError, answer, exposure, tell};
 use rayon::ThreadPool;
-use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use sunfleck::api::Scene;
 use sunfleck::color::Display;
 use sunfleck::film::Frame;
-use sunfleck::indirect::HeldLight;
 use sunfleck::render::{self, Rendered, Stage, Watch};
-use sunfleck::sequence::{self, Job, SequenceError, Skip};
+use sunfleck::sequence::{self, Job, SequenceError};
 
 /// Common part of all frames of a run.
 struct Run<'a> {
@@ -30,8 +28,6 @@ struct Run<'a> {
     plan: &'a Plan<'a>,
     live: Live,
     stats: Stats,
-    /// Light of the next frame, found while the one before was rendered.
-    ahead: Cell<Option<HeldLight>>,
 }
 
 pub(super) fn run(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
@@ -64,7 +60,7 @@ pub(super) fn of_scene(
     plan.picture.check_memory()?;
     let live = Live::new(arguments.live.as_deref())?;
     let stats = Stats::new(arguments.stats.as_deref(), remarks)?;
-    Run { arguments, stop, pool, plan: &plan, live, stats, ahead: Cell::default() }.sequence()
+    Run { arguments, stop, pool, plan: &plan, live, stats }.sequence()
 }
 
 impl Run<'_> {
@@ -135,21 +131,13 @@ impl Run<'_> {
         arguments.preview.map(display).transpose()
     }
 
-    /// The frame after one, if it is to be rendered.
-    fn next(&self, frame: i64) -> Option<i64> {
-        let Self { arguments, plan, .. } = self;
-        let mut after = plan.frames.as_slice().iter().skip_while(|number| **number != frame).skip(1);
-        let is_wanted = |next: &&i64| arguments.skip == Skip::None || !plan.output.path(**next).exists();
-        after.next().filter(is_wanted).copied()
-    }
-
     /// Renders a frame; none if it takes too long.
     fn frame(
         &self,
         frame: i64,
         progress: &(dyn Fn(render::Progress) + Sync),
     ) -> Result<Option<Rendered>, Halt> {
-        let Self { arguments, stop, plan, live, stats, .. } = self;
+        let Self { arguments, stop, plan, live, .. } = self;
         let started = Instant::now();
         let is_late = AtomicBool::new(false);
         let cancelled = || {
@@ -163,27 +151,19 @@ impl Run<'_> {
         let name = plan.output.path(frame).to_string_lossy().into_owned();
         let look = |so_far: &dyn Fn() -> Frame| live.look(&name, so_far);
         let look: Option<&render::Look> = if live.is_on() { Some(&look) } else { None };
-        let (next, ahead) = (self.next(frame), self.ahead.take());
-        let render = || {
+        let rendered = self.pool.install(|| {
             let exposure = plan.picture.exposure(frame);
             if live.is_on() {
                 let watch = Watch { cancelled: &cancelled, ..Watch::NOBODY };
                 live.show(&name, &plan.picture.rough(&exposure, &watch));
             }
-            let stage = |stage, took| stats.took(frame, stage_key(stage), took);
+            let stage = |stage, took| self.stats.took(frame, stage_key(stage), took);
             let watch = Watch { progress, cancelled: &cancelled, look, stage: &stage };
             let rendered = plan.picture.render(&exposure, &watch);
-            stats.took(frame, "snapshot_seconds", exposure.took());
+            self.stats.took(frame, "snapshot_seconds", exposure.took());
             live.show(&name, &rendered.frame);
             rendered
-        };
-        let (rendered, ahead) = self.pool.install(|| {
-            let held = ahead.or_else(|| next.and_then(|_| plan.picture.hold_light(frame, &cancelled)));
-            let found = plan.picture.beside_light_of(next, &|| stop.flag.load(Ordering::Relaxed), render);
-            held.iter().for_each(|light| stats.took(frame, INDIRECT_SECONDS, light.took()));
-            found
         });
-        self.ahead.set(ahead);
         if stop.flag.load(Ordering::Relaxed) {
             return Err(Halt::Signal);
         }
@@ -191,12 +171,10 @@ impl Run<'_> {
     }
 }
 
-const INDIRECT_SECONDS: &str = "indirect_seconds";
-
 /// Key of a stage's time among a frame's statistics.
 fn stage_key(stage: Stage) -> &'static str {
     match stage {
-        Stage::IndirectLight => INDIRECT_SECONDS,
+        Stage::IndirectLight => "indirect_seconds",
         Stage::Walks => "walks_seconds",
     }
 }

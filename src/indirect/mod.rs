@@ -42,7 +42,7 @@ use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use kept::{HeldLight, KeptLight};
+pub use kept::KeptLight;
 
 /// Indirect light of a shutter interval, as a camera sees it.
 pub struct Indirect {

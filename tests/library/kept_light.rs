@@ -56,29 +56,6 @@ fn the_camera_alone_keeps_light() {
 }
 
 #[test]
-fn held_light_stays_while_that_of_another_frame_is_found() {
-    let kept = KeptLight::default();
-    let hold = |scene: &Scene| {
-        let trees = MeshTrees::new(scene);
-        kept.hold(&Exposure::new(scene, &trees, 0, 1.0, INSTANT), Bounces::UpTo(1), &|| false)
-    };
-    let [scene, next, last] = [0.0, 0.1, 0.2].map(|height_m| {
-        let mut scene = grove();
-        let leaf = scene.instances[7].node;
-        scene.nodes[leaf].motion = Motion::Still(DAffine3::from_translation(height_m * DVec3::Y));
-        scene
-    });
-    let held = hold(&scene);
-    let held_too = hold(&next);
-    assert!(!solved(&scene, Bounces::UpTo(1), &kept) && !solved(&next, Bounces::UpTo(1), &kept));
-    drop(held);
-    assert!(solved(&last, Bounces::UpTo(1), &kept), "a third");
-    assert!(!solved(&next, Bounces::UpTo(1), &kept), "held");
-    drop(held_too);
-    assert!(solved(&scene, Bounces::UpTo(1), &kept), "nobody held it");
-}
-
-#[test]
 fn whatever_gives_light_or_meets_it_has_it_solved_again() {
     let shifted = Motion::Still(DAffine3::from_translation(1e-3 * DVec3::Y));
     type Change = Box<dyn Fn(&mut Scene)>;
