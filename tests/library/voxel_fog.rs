@@ -167,8 +167,8 @@ fn walks_find_the_same_light() {
     assert!(off.max_element() < 1e-3 * found.max_element(), "{found} {sum} +- {error}");
 }
 
-/// What is found once for all rays of a camera is what each of them finds, within the lattice's tolerance: of a
-/// small picture, and of one whose rays would be too many.
+/// What is found once for all rays of a camera is what each of them finds, within the lattice's tolerance: of
+/// a small picture, and of one whose rays would be too many.
 #[test]
 fn fog_that_the_camera_sees_is_that_of_its_rays() {
     let scene = lit_puff();
