@@ -40,7 +40,8 @@ pub(crate) struct Emission {
     pub(crate) has_lit_walls: bool,
     /// Whether light straight from it is part of the solution, or only what becomes of that.
     pub(crate) is_part: bool,
-    /// Part of what is scattered of it that is taken out of that, where its light is swept by itself.
+    /// Part of what is scattered of it that is taken out of that. With it light of emission is swept by
+    /// itself, and without it with all the rest.
     pub(crate) not_again: Option<NodeMoments>,
 }
 

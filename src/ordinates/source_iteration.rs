@@ -107,18 +107,18 @@ impl Problem<'_> {
         let (mut later, mut emitted, mut is_apart) = (source.emptied(), None, true);
         if let Some(Emission { volume, walls, has_lit_walls, is_part, not_again }) = emission {
             let emission = Source { volume, walls, has_first: false };
-            if is_part && self.orders.is_none() {
-                source.add(&emission, [1.0; 3]);
-            } else {
+            if let Some(own) = not_again {
                 let swept = self.sweep_emission(&mut sweeper, &emission);
                 let mut scattered = self.scatter(&swept.moments, true);
-                not_again.iter().for_each(|own| scattered.volume.take_nodes(own));
+                scattered.volume.take_nodes(&own);
                 if has_lit_walls {
-                    scattered.walls = source.emptied().walls;
+                    scattered.walls.fill(Rgb::ZERO);
                 }
                 // As that of lamps, its light is of the first order once it was scattered.
                 source.add(&scattered, [1.0; 3]);
                 (emitted, is_apart) = (Some(swept), !is_part);
+            } else {
+                source.add(&emission, [1.0; 3]);
             }
         }
         not_again.iter().for_each(|own| later.volume.take_nodes(own));
