@@ -24,6 +24,20 @@ impl Sampler {
         self.next_set
     }
 
+    /// The points of one of `of` branches that part here. Those of all branches of all samples are the points
+    /// of as many samples.
+    pub fn branch(&self, number: u32, of: u32) -> Self {
+        let sample = u64::from(self.sample) * u64::from(of) + u64::from(number);
+        let most = u64::from(Self::MAX_SAMPLES);
+        let seed = mix(self.seed.wrapping_add(self.next_set) ^ mix(of ^ mix((sample / most) as u32)));
+        Self { seed, sample: (sample % most) as u32, next_set: 0 }
+    }
+
+    /// What is left once so many more points were drawn.
+    pub fn after(&self, drawn: u32) -> Self {
+        Self { next_set: self.next_set.wrapping_add(drawn), ..*self }
+    }
+
     /// The next two coordinates, each in `[0, 1)`.
     pub fn next_2d(&mut self) -> (f64, f64) {
         let seed = self.next_seed();
@@ -75,6 +89,21 @@ mod tests {
             }
             assert_eq!(hits, [1; 16]);
         }
+    }
+
+    #[test]
+    fn branches_are_stratified_together() {
+        let mut hits = [0; 16];
+        for sample in 0..4 {
+            let mut trunk = Sampler::new(7, 3, 0, sample);
+            trunk.next_3d();
+            for branch in 0..4 {
+                let (u, v) = trunk.branch(branch, 4).next_2d();
+                hits[(u * 4.0) as usize * 4 + (v * 4.0) as usize] += 1;
+            }
+            assert_ne!(trunk.branch(0, 4).next_2d(), trunk.after(1).branch(0, 4).next_2d());
+        }
+        assert_eq!(hits, [1; 16]);
     }
 
     #[test]

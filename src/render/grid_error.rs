@@ -13,6 +13,7 @@ use crate::film::Blocks;
 use crate::indirect::Indirect;
 use crate::scene::{Sampling, Size};
 use crate::snapshot::Snapshot;
+use crate::transport::Branches;
 use glam::DVec2;
 
 /// Walks that are tried first.
@@ -26,8 +27,12 @@ const POINTS_OF_A_WALK: f64 = 64.0;
 /// The usual tolerance, also where nobody has one, but wants to know the error. What walks miss by falls with
 /// the root of their number.
 const USUAL: f64 = 0.02;
+/// Walks of the noisier kind that branch off a camera ray: the ray and the grid's answer cost little then.
+const MOST_BRANCHES: u32 = 8;
 /// Walks that are followed before they are added up.
 const BATCH: u32 = 1 << 14;
+/// Walks at least by which their number grows, as a share of it. Their errors fall as its root.
+const LEAST_MORE: f64 = 0.25;
 /// Walks side by side that are of the same half.
 const RUN: u32 = 1 << 9;
 
@@ -68,11 +73,12 @@ impl GridError {
         let most = most_walks(job.size, tolerance);
         let mut halves = [Moments::none(), Moments::none()];
         let mut numbers = 0..FIRST;
-        let mut drawn = 0.0;
+        let mut branches = Branches::ONE;
+        let (mut walks, mut drawn) = (0.0, 0.0);
         loop {
             for start in numbers.clone().step_by(BATCH as usize) {
                 let batch = start..numbers.end.min(start + BATCH);
-                for (number, probe) in batch.clone().zip(probes(batch, snapshot, job, indirect)) {
+                for (number, probe) in batch.clone().zip(probes(batch, branches, snapshot, job, indirect)) {
                     halves[(number / RUN % 2) as usize].add(&probe);
                     drawn += f64::from(probe.drawn);
                 }
@@ -81,11 +87,22 @@ impl GridError {
                 }
             }
             let known = Self::of(&halves, survey, job.size);
-            let walks = f64::from(numbers.end).max(drawn / POINTS_OF_A_WALK);
-            if known.relative <= tolerance || 2.0 * walks > most || cancelled() {
+            walks += numbers.len() as f64 * branches.mean();
+            let room = most / walks.max(drawn / POINTS_OF_A_WALK) - 1.0;
+            if known.relative <= tolerance || room < LEAST_MORE || cancelled() {
                 return known;
             }
-            numbers = numbers.end..2 * numbers.end;
+            if branches == Branches::ONE {
+                // What is noisier than the rest would count as much.
+                branches = branches_by_noise(&halves);
+                halves = [Moments::none(), Moments::none()];
+                numbers = FIRST..FIRST + FIRST / 2;
+            } else {
+                let wanted = (known.relative / tolerance).powi(2) - 1.0;
+                let more = wanted.clamp(LEAST_MORE, room.min(1.0)) * f64::from(numbers.end - FIRST);
+                let runs = (more / f64::from(2 * RUN)).ceil().max(1.0) as u32;
+                numbers = numbers.end..numbers.end + 2 * RUN * runs;
+            }
         }
     }
 
@@ -127,6 +144,18 @@ impl GridError {
         );
         TOLD * self.squares.of(cell_at(place)).sqrt()
     }
+}
+
+/// Branches of the least noise for their number: in proportion to the standard deviation of one.
+fn branches_by_noise(halves: &[Moments; 2]) -> Branches {
+    let (all, none) = (halves[0].with(&halves[1]), Map::filled(Rgb::ZERO));
+    let [at_surfaces, in_fog] =
+        std::array::from_fn(|pass| mean(all.squares_left(pass, &none).sum()).max(0.0).sqrt());
+    let share = |noise: f64| {
+        let of_most = noise / at_surfaces.max(in_fog).max(f64::MIN_POSITIVE);
+        MOST_BRANCHES >> (-of_most.log2()).round().clamp(0.0, f64::from(MOST_BRANCHES.ilog2())) as u32
+    };
+    Branches { at_surfaces: share(at_surfaces), in_fog: share(in_fog) }
 }
 
 /// Maximum number of walks for a picture of a size and a tolerance.

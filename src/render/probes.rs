@@ -7,7 +7,7 @@ use crate::color::Rgb;
 use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::snapshot::Snapshot;
-use crate::transport::{Component, Scratch, Transport};
+use crate::transport::{Branches, Component, Scratch, Transport};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -27,7 +27,13 @@ pub(super) struct Probe {
 }
 
 /// Probes of these numbers, spread evenly over the picture (Owen-scrambled Sobol points).
-pub(super) fn probes(numbers: Range<u32>, snapshot: &Snapshot, job: &Job, indirect: &Indirect) -> Vec<Probe> {
+pub(super) fn probes(
+    numbers: Range<u32>,
+    branches: Branches,
+    snapshot: &Snapshot,
+    job: &Job,
+    indirect: &Indirect,
+) -> Vec<Probe> {
     let by_walk = Transport { volume: Method::Paths.volume(job.bounces), ..job.transport(Some(indirect)) };
     let by_grid = Transport { volume: Method::Segments.volume(job.bounces), ..by_walk };
     numbers
@@ -39,7 +45,7 @@ pub(super) fn probes(numbers: Range<u32>, snapshot: &Snapshot, job: &Job, indire
             let place = DVec2::from(sampler(0).next_2d());
             let ray = snapshot.view.ray(place.x, place.y);
             let [(walk, drawn), (grid, _)] = [(by_walk, 1), (by_grid, 2)].map(|(transport, column)| {
-                let (all, mut sampler) = (Component::Indirect, sampler(column));
+                let (all, mut sampler) = (Component::Indirect(branches), sampler(column));
                 let sample = transport.radiance_of(all, snapshot, &ray, &mut sampler, scratch);
                 ([sample.indirect, sample.indirect_shafts], sampler.drawn())
             });

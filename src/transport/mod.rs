@@ -2,6 +2,7 @@
 //! a [`Sample`]. Start reading at [`radiance()`]. Invariant: nothing here can fail; a snapshot that
 //! exists is valid.
 
+mod branches;
 mod connection;
 mod direct;
 mod equiangular;
@@ -24,6 +25,7 @@ pub mod slices;
 mod stack;
 mod visibility;
 
+pub use branches::Branches;
 pub use direct::unshadowed;
 pub use lit_segments::lit_segments;
 pub use path::{MarchSteps, Scratch, Transport, VolumeMethod};

@@ -2,6 +2,7 @@
 //! reads them, draws random numbers and uses memory that the thread keeps. Invariant: a path is one
 //! thread's.
 
+use super::branches::Branches;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::fog::LitSegments;
@@ -77,6 +78,8 @@ pub(super) struct Illumination<'a> {
     pub(super) is_in_shine: bool,
     /// Whether what reaches the eye after one scattering is left out.
     pub(super) indirect_alone: bool,
+    /// Walks that branch off the camera ray.
+    pub(super) branches: Branches,
 }
 
 impl Illumination<'_> {

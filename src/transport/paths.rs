@@ -56,7 +56,9 @@ enum Vertex {
 pub(super) fn scattered(path: &mut Path, bounces: Bounces, point: &SurfacePoint) -> Rgb {
     // What its mirror shows is followed by itself.
     let without_mirror = SurfacePoint { mirror: Rgb::ZERO, ..*point };
-    Vertex::Surface(without_mirror).lit_by_scattered(path, bounces, Rgb::ONE)
+    mean_of(path, path.light.branches.at_surfaces, |path| {
+        Vertex::Surface(without_mirror).lit_by_scattered(path, bounces, Rgb::ONE)
+    })
 }
 
 /// Radiance of light that was scattered before that fog scatters into a camera ray on its way, W m^-2 sr^-1.
@@ -64,12 +66,30 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
     let medium = &path.snapshot.medium;
     let along = medium.along(ray, way.distance);
     let Some(losses) = along.losses(Rgb::ONE) else { return Rgb::ZERO };
-    let u = path.sampler.next_2d();
-    let Some(loss) = along.pick_loss(Rgb::ONE, &losses, u.into()) else { return Rgb::ZERO };
-    let seen_through = way.blended.iter().filter(|hit| hit.t < loss.t);
-    let throughput =
-        seen_through.fold(loss.through_per_density, |product, hit| product * hit.point.see_through);
-    Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }).lit_by_scattered(path, bounces, throughput)
+    mean_of(path, path.light.branches.in_fog, |path| {
+        let u = path.sampler.next_2d();
+        let Some(loss) = along.pick_loss(Rgb::ONE, &losses, u.into()) else { return Rgb::ZERO };
+        let seen_through = way.blended.iter().filter(|hit| hit.t < loss.t);
+        let throughput =
+            seen_through.fold(loss.through_per_density, |product, hit| product * hit.point.see_through);
+        Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }).lit_by_scattered(path, bounces, throughput)
+    })
+}
+
+/// Mean of so many walks. Their random points are as even together as those of as many samples of a pixel.
+pub(super) fn mean_of(path: &mut Path, count: u32, walk: impl Fn(&mut Path) -> Rgb) -> Rgb {
+    if count == 1 {
+        return walk(path);
+    }
+    let trunk = *path.sampler;
+    let (mut sum, mut drawn) = (Rgb::ZERO, 0);
+    for number in 0..count {
+        *path.sampler = trunk.branch(number, count);
+        sum += walk(path);
+        drawn += path.sampler.drawn();
+    }
+    *path.sampler = trunk.after(drawn);
+    sum / f64::from(count)
 }
 
 /// Radiance that a leg brings, from its next vertex and all later ones.

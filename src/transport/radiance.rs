@@ -1,6 +1,7 @@
 //! The story of one camera ray. Invariant: radiance is light of surfaces, weakened by all that lies before
 //! them, plus `shafts`; without blended surfaces `surface * transmittance + shafts`.
 
+use super::branches::Branches;
 use super::leg::{Airlight, Leg, LegEnd, Shown};
 use super::path::{Illumination, Path, Scratch, Start, Transport};
 use super::shafts;
@@ -31,8 +32,9 @@ pub enum Component {
     Light(OneLight),
     /// Light of the sky that was scattered on the way.
     Sky,
-    /// Indirect light of all lights: a part of the others, much cheaper without the rest.
-    Indirect,
+    /// Indirect light of all lights: a part of the others, much cheaper without the rest; by random walks
+    /// the mean of so many.
+    Indirect(Branches),
 }
 
 /// Blended surfaces show in the data passes from this alpha on.
@@ -64,7 +66,10 @@ impl Transport<'_> {
         scratch: &mut Scratch,
     ) -> Sample {
         let Wanted { lights: range, with_hues, has_rest, sky } = Wanted::of(component, snapshot);
-        let indirect_alone = component == Component::Indirect;
+        let (indirect_alone, branches) = match component {
+            Component::Indirect(branches) => (true, branches),
+            _ => (false, Branches::ONE),
+        };
         let mut lights = std::mem::take(&mut scratch.lights);
         lights.clear();
         let mut hue = Rgb::ONE;
@@ -79,7 +84,8 @@ impl Transport<'_> {
                 point
             });
         }
-        let light = Illumination { lights: &lights, has_rest, sky, is_in_shine: false, indirect_alone };
+        let light =
+            Illumination { lights: &lights, has_rest, sky, is_in_shine: false, indirect_alone, branches };
         let mut path = Path { snapshot, transport: self, light, sampler, scratch };
         let (leg, surface) = path.follow(ray, Start::Camera, self.mirror_depth);
         let sample = path.sample(&leg, surface.as_ref(), ray, hue);
@@ -101,7 +107,7 @@ struct Wanted {
 impl Wanted {
     fn of(component: Component, snapshot: &Snapshot) -> Self {
         match component {
-            Component::All | Component::Indirect => {
+            Component::All | Component::Indirect(_) => {
                 Self { lights: 0..snapshot.lights.len(), with_hues: true, has_rest: true, sky: true }
             }
             Component::Light(OneLight { number, with_rest }) => {

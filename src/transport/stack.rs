@@ -214,6 +214,7 @@ mod tests {
         Triangle, Wrap,
     };
     use crate::snapshot::{Emission, MeshTrees, Shutter};
+    use crate::transport::Branches;
     use crate::transport::lit_segments::shade;
     use crate::transport::visibility::Way;
     use glam::{DAffine3, DVec2, DVec3, Vec2};
@@ -361,7 +362,7 @@ mod tests {
             for light in lights {
                 let illumination = Illumination {
                     lights: std::slice::from_ref(&light), has_rest: true,
-                    sky: false, is_in_shine: false, indirect_alone: false,
+                    sky: false, is_in_shine: false, indirect_alone: false, branches: Branches::ONE,
                 };
                 let mut sampler = Sampler::new(0, 0, 0, 0);
                 let stack = Stack::of(&snapshot, &illumination, &ray, &blended, &mut sampler);

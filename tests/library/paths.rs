@@ -18,7 +18,7 @@ use sunfleck::scene::{
     Sheen, Size, Sky, SkyPicture, Track, Triangle, Window,
 };
 use sunfleck::snapshot::{Exposure, MeshTrees, Snapshot};
-use sunfleck::transport::{Sample, Scratch, Transport, VolumeMethod, radiance};
+use sunfleck::transport::{Branches, Component, Sample, Scratch, Transport, VolumeMethod, radiance};
 
 /// Along each side of the picture.
 const RAYS: u32 = 6;
@@ -510,6 +510,43 @@ fn ground_lights_fog_from_beyond_its_grid() {
         let ratio = (estimate(&scene, &on_grid, 16).0 - of_sun) / (paths - of_sun);
         println!("{bounces}: grid / paths {ratio:.4} +- {:.4}", error / (paths - of_sun));
         assert!((ratio - 1.0).abs().max_element() < 0.02, "{bounces}: {ratio}");
+    }
+}
+
+/// Walks that branch off one camera ray are as bright as one, and their mean has less noise.
+#[test]
+fn branches_are_as_bright_as_one_walk() {
+    let scene = leaves500();
+    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+    let mut scratch = Scratch::default();
+    let mut means = |branches: Branches| -> Vec<[f64; 2]> {
+        let of_seed = |seed| {
+            let mut sum = [0.0; 2];
+            for number in 0..1024 {
+                let (x, y) = Sampler::new(seed, 0, 0, number).next_2d();
+                let ray = snapshot.view.ray(x, y);
+                let (mut sampler, light) = (Sampler::new(seed, 1, 0, number), Component::Indirect(branches));
+                let transport = by_paths(Bounces::All);
+                let sample = transport.radiance_of(light, &snapshot, &ray, &mut sampler, &mut scratch);
+                sum[0] += sample.indirect.element_sum() / 1024.0;
+                sum[1] += sample.indirect_shafts.element_sum() / 1024.0;
+            }
+            sum
+        };
+        (0..SEEDS).map(of_seed).collect()
+    };
+    let one = means(Branches::ONE);
+    let many = means(Branches { at_surfaces: 4, in_fog: 8 });
+    for (pass, most) in [(0, 0.7), (1, 0.5)] {
+        let [(one, error), (many, less)] = [&one, &many].map(|means| {
+            let count = f64::from(SEEDS);
+            let mean = means.iter().map(|of_seed| of_seed[pass]).sum::<f64>() / count;
+            let square: f64 = means.iter().map(|of_seed| (of_seed[pass] - mean).powi(2)).sum();
+            (mean, (square / (count * (count - 1.0))).sqrt())
+        });
+        println!("pass {pass}: {one:.4} +- {error:.4}, branches {many:.4} +- {less:.4}");
+        assert!((one - many).abs() < SIGMAS * error.hypot(less));
+        assert!(less < most * error, "{less} is no less noise than {error}");
     }
 }
 

@@ -8,13 +8,13 @@ use crate::color::Rgb;
 use crate::fog::{FogSlice, LitSegments, Passage};
 use crate::math::{PlanarRay, Ray, Sampler};
 use crate::snapshot::{Facet, SurfacePoint};
-use crate::transport::Sample;
 use crate::transport::direct::Unshadowed;
 use crate::transport::leg::{Airlight, Leg, LegEnd, Shown};
 use crate::transport::path::{Illumination, Path, Scratch, Start};
 use crate::transport::radiance::{mattes, mean};
 use crate::transport::shafts::{Stretch, by_segments};
 use crate::transport::visibility::Way;
+use crate::transport::{Branches, Sample};
 use crate::transport::{fog_glow, indirect};
 
 /// A ray of a slice and what it meets first.
@@ -42,7 +42,14 @@ impl SliceRay<'_> {
     fn path<'s>(&'s self, sampler: &'s mut Sampler, scratch: &'s mut Scratch) -> Path<'s> {
         let SliceJob { snapshot, transport, light, has_rest, .. } = *self.job;
         let lights = std::slice::from_ref(light);
-        let light = Illumination { lights, has_rest, sky: false, is_in_shine: false, indirect_alone: false };
+        let light = Illumination {
+            lights,
+            has_rest,
+            sky: false,
+            is_in_shine: false,
+            indirect_alone: false,
+            branches: Branches::ONE,
+        };
         Path { snapshot, transport, light, sampler, scratch }
     }
 
