@@ -2,6 +2,7 @@
 
 use glob::Pattern;
 use sunfleck::color::Bloom;
+use sunfleck::description::ron::{Range as _, RelativeError, Stops};
 use sunfleck::scene::{Bounces, Size};
 
 /// The names of channels, or `None` for all, and the most that these may differ by.
@@ -71,11 +72,7 @@ fn number(text: &str, takes: impl Fn(f64) -> bool, expected: &str) -> Result<f64
 }
 
 pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {
-    number(
-        text,
-        |tolerance| 0.0 < tolerance && tolerance <= 1.0,
-        "expected a relative error greater than 0 and at most 1, such as 0.02 for 2 %",
-    )
+    number(text, RelativeError::contains, &format!("expected {}", RelativeError::EXPECTED))
 }
 
 pub(super) fn parse_chunk(text: &str) -> Result<ChunkArgument, String> {
@@ -115,8 +112,8 @@ pub(super) fn parse_exposure(text: &str) -> Result<ExposureArgument, String> {
     if text.trim() == "auto" {
         return Ok(ExposureArgument::Auto);
     }
-    let expected = "expected powers of two from -100 to 100, such as 1 for twice as bright, or auto";
-    number(text, |stops| stops.abs() <= 100.0, expected).map(ExposureArgument::Stops)
+    let expected = format!("expected {}, or auto", Stops::EXPECTED);
+    number(text, Stops::contains, &expected).map(ExposureArgument::Stops)
 }
 
 pub(super) fn parse_bloom(text: &str) -> Result<Bloom, String> {

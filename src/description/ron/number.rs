@@ -95,10 +95,8 @@ impl<'de, R: Range, const ONE_WILL_DO: bool> Deserialize<'de> for Three<R, ONE_W
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let expected =
             if ONE_WILL_DO { "one number, or three numbers (x, y, z)" } else { "three numbers (x, y, z)" };
-        Ok(Self::new(match deserializer.deserialize_any(OneOrTuple::<R, 3>::new(expected, ONE_WILL_DO))? {
-            NumberOrTuple::Number(value) => DVec3::splat(value),
-            NumberOrTuple::Tuple(values) => DVec3::from_array(values),
-        }))
+        let values = deserializer.deserialize_any(OneOrTuple::<R, 3>::new(expected, ONE_WILL_DO))?;
+        Ok(Self::new(DVec3::from_array(values)))
     }
 }
 
@@ -139,12 +137,8 @@ pub struct QuaternionRate(pub(crate) DQuat);
 
 impl<'de> Deserialize<'de> for QuaternionRate {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match deserializer
-            .deserialize_any(OneOrTuple::<Finite, 4>::new("four numbers (x, y, z, w)", false))?
-        {
-            NumberOrTuple::Tuple(values) => Ok(Self(DQuat::from_array(values))),
-            NumberOrTuple::Number(value) => Ok(Self(DQuat::from_array([value; 4]))),
-        }
+        let four = OneOrTuple::<Finite, 4>::new("four numbers (x, y, z, w)", false);
+        deserializer.deserialize_any(four).map(|values| Self(DQuat::from_array(values)))
     }
 }
 
@@ -177,16 +171,14 @@ impl<R: Range> Span<R> {
 
 impl<'de, R: Range> Deserialize<'de> for Span<R> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match deserializer
-            .deserialize_any(OneOrTuple::<R, 2>::new("one number, or a range (low, high)", true))?
-        {
-            NumberOrTuple::Number(value) => Ok(Self::new(value, value)),
-            NumberOrTuple::Tuple([low, high]) if low <= high => Ok(Self::new(low, high)),
-            NumberOrTuple::Tuple([low, high]) => Err(D::Error::invalid_value(
-                Unexpected::Other(&format!("the range ({low}, {high})")),
-                &"a range (low, high) whose first number is not the larger one",
-            )),
+        let two = OneOrTuple::<R, 2>::new("one number, or a range (low, high)", true);
+        let [low, high] = deserializer.deserialize_any(two)?;
+        if low <= high {
+            return Ok(Self::new(low, high));
         }
+        let found = format!("the range ({low}, {high})");
+        let expected = "a range (low, high) whose first number is not the larger one";
+        Err(D::Error::invalid_value(Unexpected::Other(&found), &expected))
     }
 }
 
@@ -214,13 +206,7 @@ impl<'de, const LOW: u32, const HIGH: u32> Deserialize<'de> for Whole<LOW, HIGH>
     }
 }
 
-/// Result of [`OneOrTuple`].
-enum NumberOrTuple<const N: usize> {
-    Number(f64),
-    Tuple([f64; N]),
-}
-
-/// Reads a tuple of `N` numbers or, where `one_will_do`, a single one.
+/// Reads a tuple of `N` numbers or, where `one_will_do`, a single one for all.
 struct OneOrTuple<R, const N: usize> {
     expected: &'static str,
     one_will_do: bool,
@@ -234,7 +220,7 @@ impl<R: Range, const N: usize> OneOrTuple<R, N> {
 }
 
 impl<'de, R: Range, const N: usize> Visitor<'de> for OneOrTuple<R, N> {
-    type Value = NumberOrTuple<N>;
+    type Value = [f64; N];
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.expected)
@@ -242,7 +228,7 @@ impl<'de, R: Range, const N: usize> Visitor<'de> for OneOrTuple<R, N> {
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
         if self.one_will_do {
-            check::<R, E>(value).map(NumberOrTuple::Number)
+            check::<R, E>(value).map(|value| [value; N])
         } else {
             Err(E::invalid_type(Unexpected::Float(value), &self))
         }
@@ -265,6 +251,6 @@ impl<'de, R: Range, const N: usize> Visitor<'de> for OneOrTuple<R, N> {
         if sequence.next_element::<IgnoredAny>()?.is_some() {
             return Err(A::Error::invalid_length(N + 1, &self));
         }
-        Ok(NumberOrTuple::Tuple(values))
+        Ok(values)
     }
 }
