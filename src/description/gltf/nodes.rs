@@ -232,71 +232,51 @@ fn clip_m(camera: &json::Camera, name: &str, report: &mut Report) -> (f64, f64) 
     (0.0, f64::INFINITY)
 }
 
-/// All lights; those of no known kind are taken from the nodes.
+/// All lights; those that cannot shine are taken from the nodes.
 pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Report) -> Vec<Light> {
-    let lights = &document.extensions.lights_punctual.lights;
-    for (index, light) in lights.iter().enumerate() {
-        if let Some((field, found)) = unusable(light) {
-            let path = format!("extensions.KHR_lights_punctual.lights[{index}].{field}");
-            report.put_right(Loss::LightUnusable, &path, found);
+    let mut convert = |(index, light): (usize, &json::Light)| {
+        let path = format!("extensions.KHR_lights_punctual.lights[{index}]");
+        let name = named(&light.name, "light", index);
+        let color = DVec3::from(light.color);
+        if color.min_element() < 0.0 {
+            let found = format!("the colour is {:?}", light.color);
+            report.put_right(Loss::ValueOutOfRange, &format!("{path}.color"), found);
+        }
+        if light.intensity < 0.0 {
+            let found = format!("the intensity is {}", light.intensity);
+            report.put_right(Loss::ValueOutOfRange, &format!("{path}.intensity"), found);
+        }
+        let kind = light_kind(light, &name, report).unwrap_or_else(|(field, found)| {
+            report.put_right(Loss::LightUnusable, &format!("{path}.{field}"), found);
             nodes.iter_mut().for_each(|node| node.light = node.light.filter(|&light| light != index));
-        }
-    }
-    lights.iter().enumerate().map(|(index, light)| convert_light(index, light, report)).collect()
+            LightKind::Point
+        });
+        let intensity = light.intensity.max(0.0);
+        Light { name, color: color.max(DVec3::ZERO), intensity, range_m: light.range, kind }
+    };
+    document.extensions.lights_punctual.lights.iter().enumerate().map(&mut convert).collect()
 }
 
-/// The field for which a light cannot shine, and what is wrong with it.
-fn unusable(light: &json::Light) -> Option<(&'static str, String)> {
-    match (light.kind.as_str(), &light.spot) {
-        ("spot", Some(spot)) if spot.outer_cone_angle <= 0.0 => {
-            Some(("spot.outerConeAngle", format!("the cone's outer angle is {}", spot.outer_cone_angle)))
-        }
-        ("directional" | "point" | "spot", _) => None,
-        (other, _) => Some(("type", format!("`{other}` is no kind of light"))),
-    }
-}
-
-/// Inner and outer angle of a spot's cone. Both may be the same, which Blender's hard edges are, though glTF
-/// wants the inner one to be less.
-fn cone(spot: &json::Spot, name: &str, report: &mut Report) -> [f64; 2] {
-    let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
+/// Kind of a light, or the field for which it cannot shine, and what is wrong with it. Both angles of a spot's
+/// cone may be the same, which Blender's hard edges are, though glTF wants the inner one to be less.
+fn light_kind(
+    light: &json::Light,
+    name: &str,
+    report: &mut Report,
+) -> Result<LightKind, (&'static str, String)> {
+    let (inner, outer) = match (light.kind.as_str(), &light.spot) {
+        ("directional", _) => return Ok(LightKind::Directional),
+        ("point", _) => return Ok(LightKind::Point),
+        ("spot", None) => (0.0, PI / 4.0),
+        ("spot", Some(spot)) => (spot.inner_cone_angle, spot.outer_cone_angle),
+        (other, _) => return Err(("type", format!("`{other}` is no kind of light"))),
+    };
     if outer <= 0.0 {
-        // Left out as unusable.
-        return [0.0, FRAC_PI_2];
+        return Err(("spot.outerConeAngle", format!("the cone's outer angle is {outer}")));
     }
     if inner < 0.0 || inner > outer + ROUNDING || outer > FRAC_PI_2 + ROUNDING {
         report.not_honoured(Loss::SpotAngles, name);
     }
-    let outer = outer.min(FRAC_PI_2);
-    [inner.clamp(0.0, outer), outer]
-}
-
-fn convert_light(index: usize, light: &json::Light, report: &mut Report) -> Light {
-    let path = format!("extensions.KHR_lights_punctual.lights[{index}]");
-    let color = DVec3::from(light.color);
-    if color.min_element() < 0.0 {
-        let found = format!("the colour is {:?}", light.color);
-        report.put_right(Loss::ValueOutOfRange, &format!("{path}.color"), found);
-    }
-    if light.intensity < 0.0 {
-        let found = format!("the intensity is {}", light.intensity);
-        report.put_right(Loss::ValueOutOfRange, &format!("{path}.intensity"), found);
-    }
-    let kind = match (light.kind.as_str(), &light.spot) {
-        ("directional", _) => LightKind::Directional,
-        ("point", _) => LightKind::Point,
-        ("spot", Some(spot)) => {
-            let [inner_angle, outer_angle] = cone(spot, &named(&light.name, "light", index), report);
-            LightKind::Spot { inner_angle, outer_angle }
-        }
-        ("spot", None) => LightKind::Spot { inner_angle: 0.0, outer_angle: PI / 4.0 },
-        _ => LightKind::Point,
-    };
-    Light {
-        name: named(&light.name, "light", index),
-        color: color.max(DVec3::ZERO),
-        intensity: light.intensity.max(0.0),
-        range_m: light.range,
-        kind,
-    }
+    let outer_angle = outer.min(FRAC_PI_2);
+    Ok(LightKind::Spot { inner_angle: inner.clamp(0.0, outer_angle), outer_angle })
 }
