@@ -82,22 +82,19 @@ fn convert(index: usize, material: &json::Material, report: &mut Report) -> Mate
     let [roughness] =
         in_unit_range([pbr.roughness_factor], &path, "pbrMetallicRoughness.roughnessFactor", report);
     let emission = in_unit_range(material.emissive_factor, &path, "emissiveFactor", report);
-    let extensions = Extensions { material, path: &path };
-    let specular = extensions.number("KHR_materials_specular", "specularFactor", 1.0, 1.0, report);
-    let specular_color =
-        extensions.color("KHR_materials_specular", "specularColorFactor", 1.0, f64::MAX, report);
-    let ior = extensions.number("KHR_materials_ior", "ior", 1.5, f64::MAX, report);
+    let mut extensions = Extensions { material, path: &path, report };
+    let specular = extensions.number("KHR_materials_specular", "specularFactor", 1.0, 1.0);
+    let specular_color = extensions.color("KHR_materials_specular", "specularColorFactor", 1.0, f64::MAX);
+    let ior = extensions.number("KHR_materials_ior", "ior", 1.5, f64::MAX);
     let through = "KHR_materials_diffuse_transmission";
-    let share = extensions.number(through, "diffuseTransmissionFactor", 0.0, 1.0, report);
-    let through_color = extensions.color(through, "diffuseTransmissionColorFactor", 1.0, 1.0, report);
-    let (clearcoat, sheen) = extensions.layers(report);
+    let share = extensions.number(through, "diffuseTransmissionFactor", 0.0, 1.0);
+    let through_color = extensions.color(through, "diffuseTransmissionColorFactor", 1.0, 1.0);
+    let (clearcoat, sheen) = extensions.layers();
     if sheen.color.max_element() > 0.0 && sheen.roughness < LEAST_HONOURED_SHEEN {
-        report.not_honoured(Loss::SheenMadeWeaker, &named(&material.name, "material", index));
+        extensions.report.not_honoured(Loss::SheenMadeWeaker, &named(&material.name, "material", index));
     }
-    let transmission =
-        extensions.number("KHR_materials_transmission", "transmissionFactor", 0.0, 1.0, report);
-    let strength =
-        extensions.number("KHR_materials_emissive_strength", "emissiveStrength", 1.0, f64::MAX, report);
+    let transmission = extensions.number("KHR_materials_transmission", "transmissionFactor", 0.0, 1.0);
+    let strength = extensions.number("KHR_materials_emissive_strength", "emissiveStrength", 1.0, f64::MAX);
     let alpha_mode = alpha_mode(material, &path, report);
     Material {
         name: named(&material.name, "material", index),
@@ -159,64 +156,56 @@ fn in_unit_range<const N: usize>(values: [f64; N], path: &str, at: &str, report:
 struct Extensions<'a> {
     material: &'a json::Material,
     path: &'a str,
+    report: &'a mut Report,
 }
 
 impl Extensions<'_> {
     /// Layers over the surface.
-    fn layers(&self, report: &mut Report) -> (Clearcoat, Sheen) {
+    fn layers(&mut self) -> (Clearcoat, Sheen) {
         let (clearcoat, sheen) = ("KHR_materials_clearcoat", "KHR_materials_sheen");
         let clearcoat = Clearcoat {
-            share: self.number(clearcoat, "clearcoatFactor", 0.0, 1.0, report),
-            roughness: self.number(clearcoat, "clearcoatRoughnessFactor", 0.0, 1.0, report),
+            share: self.number(clearcoat, "clearcoatFactor", 0.0, 1.0),
+            roughness: self.number(clearcoat, "clearcoatRoughnessFactor", 0.0, 1.0),
             ..Clearcoat::default()
         };
         let sheen = Sheen {
-            color: self.color(sheen, "sheenColorFactor", 0.0, 1.0, report),
-            roughness: self.number(sheen, "sheenRoughnessFactor", 0.0, 1.0, report),
+            color: self.color(sheen, "sheenColorFactor", 0.0, 1.0),
+            roughness: self.number(sheen, "sheenRoughnessFactor", 0.0, 1.0),
             ..Sheen::default()
         };
         (clearcoat, sheen)
     }
 
     /// A number from 0 to `most`, put into that range; `default` if there is none.
-    fn number(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> f64 {
-        self.numbers(Field { extension, name: field, most }, [default], report, |value| {
-            Some([value.as_f64()?])
-        })[0]
+    fn number(&mut self, extension: &str, field: &str, default: f64, most: f64) -> f64 {
+        self.numbers(extension, field, [default], most, |value| Some([value.as_f64()?]))[0]
     }
 
     /// Three such numbers.
-    fn color(&self, extension: &str, field: &str, default: f64, most: f64, report: &mut Report) -> DVec3 {
-        let default = [default; 3];
+    fn color(&mut self, extension: &str, field: &str, default: f64, most: f64) -> DVec3 {
         let three = |value: &Value| serde_json::from_value(value.clone()).ok();
-        DVec3::from(self.numbers(Field { extension, name: field, most }, default, report, three))
+        DVec3::from(self.numbers(extension, field, [default; 3], most, three))
     }
 
     fn numbers<const N: usize>(
-        &self,
-        Field { extension, name, most }: Field,
+        &mut self,
+        extension: &str,
+        field: &str,
         default: [f64; N],
-        report: &mut Report,
+        most: f64,
         read: impl Fn(&Value) -> Option<[f64; N]>,
     ) -> [f64; N] {
-        let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(name)) else {
+        let Some(value) = self.material.extensions.get(extension).and_then(|values| values.get(field)) else {
             return default;
         };
         let numbers = read(value).filter(|numbers| numbers.iter().all(|number| number.is_finite()));
         let within = numbers.map_or(default, |numbers| numbers.map(|number| number.clamp(0.0, most)));
         if numbers != Some(within) {
-            let at = format!("{}.extensions.{extension}.{name}", self.path);
-            report.put_right(Loss::ValueOutOfRange, &at, value);
+            let at = format!("{}.extensions.{extension}.{field}", self.path);
+            self.report.put_right(Loss::ValueOutOfRange, &at, value);
         }
         within
     }
-}
-
-/// A field of an extension, with the most that its numbers may be.
-struct Field<'a> {
-    extension: &'a str,
-    name: &'a str,
-    most: f64,
 }
 
 fn report_unused(material: &json::Material, name: &str, report: &mut Report) {
