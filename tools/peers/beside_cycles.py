@@ -9,7 +9,6 @@ lights surfaces and fog, as in Cycles. Simulations are run from the first frame.
 differ by more than the bar.
 """
 
-import argparse
 import sys
 import tempfile
 from pathlib import Path
@@ -22,26 +21,25 @@ import numpy
 
 import sunfleck
 from sunfleck_tools.peers import beside
+from common import parser
 
 BLOCKS = 8
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("blend", type=Path)
-    parser.add_argument("--frame", type=int, help="else the one that was saved")
-    parser.add_argument("--scale", type=float, default=1.0, help="of the picture's sides")
-    parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
-    parser.add_argument("--samples", type=int, default=64, help="of sunfleck")
-    parser.add_argument("--cycles-samples", type=int, default=256)
-    parser.add_argument("--bounces", type=int, default=0)
-    parser.add_argument(
+    command = parser(__doc__)
+    command.add_argument("blend", type=Path)
+    command.add_argument("--frame", type=int, help="else the one that was saved")
+    command.add_argument("--scale", type=float, default=1.0, help="of the picture's sides")
+    command.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
+    command.add_argument("--samples", type=int, default=64, help="of sunfleck")
+    command.add_argument("--cycles-samples", type=int, default=256)
+    command.add_argument("--bounces", type=int, default=0)
+    command.add_argument(
         "--bar", type=float, default=0.005, help="largest difference of the ratio of means from 1"
     )
-    parser.add_argument("--picture", type=Path, help="a PNG of three")
-    arguments = parser.parse_args()
+    command.add_argument("--picture", type=Path, help="a PNG of three")
+    arguments = command.parse_args()
     sunfleck.register()
     bpy.ops.wm.open_mainfile(filepath=str(arguments.blend.resolve()))
     scene = bpy.context.scene

@@ -8,7 +8,6 @@ paths`. Where only the first is far from 1 the grid errs. Where both are, materi
 `--pictures FOLDER` writes three pictures side by side: grid, walks, Cycles.
 """
 
-import argparse
 import contextlib
 import os
 import sys
@@ -24,20 +23,19 @@ import numpy
 
 import sunfleck
 from sunfleck_tools.peers import beside
+from common import parser
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("scenes", nargs="*", help="parts of their names; else all")
-    parser.add_argument("--bounces", type=int, nargs="+", default=[1, 4])
-    parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
-    parser.add_argument("--samples", type=int, default=32, help="of sunfleck on the grid")
-    parser.add_argument("--walks", type=int, default=256, help="samples of sunfleck by random walks")
-    parser.add_argument("--cycles-samples", type=int, default=256)
-    parser.add_argument("--pictures", type=Path, help="a folder")
-    arguments = parser.parse_args()
+    command = parser(__doc__)
+    command.add_argument("scenes", nargs="*", help="parts of their names; else all")
+    command.add_argument("--bounces", type=int, nargs="+", default=[1, 4])
+    command.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
+    command.add_argument("--samples", type=int, default=32, help="of sunfleck on the grid")
+    command.add_argument("--walks", type=int, default=256, help="samples of sunfleck by random walks")
+    command.add_argument("--cycles-samples", type=int, default=256)
+    command.add_argument("--pictures", type=Path, help="a folder")
+    arguments = command.parse_args()
     sunfleck.register()
     for name, (build, _) in beside_scenes.SCENES.items():
         if not arguments.scenes or any(part in name for part in arguments.scenes):

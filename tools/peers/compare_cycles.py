@@ -8,7 +8,6 @@ Cycles with all bounces 0 is direct light and single scattering, which is what s
 if a mean differs by more than the bar.
 """
 
-import argparse
 import math
 import sys
 import tempfile
@@ -23,6 +22,7 @@ import numpy
 import scenes
 import sunfleck
 from sunfleck_tools.peers import beside
+from common import parser
 
 SIZE = (160, 90)
 
@@ -166,15 +166,13 @@ def compare(name, build, arguments, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
-    parser.add_argument("--samples", type=int, default=64, help="of sunfleck")
-    parser.add_argument("--cycles-samples", type=int, default=256)
-    parser.add_argument("--bar", type=float, default=0.005, help="largest difference of a mean ratio from 1")
-    parser.add_argument("--only", help="scenes whose name holds this")
-    arguments = parser.parse_args()
+    command = parser(__doc__)
+    command.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
+    command.add_argument("--samples", type=int, default=64, help="of sunfleck")
+    command.add_argument("--cycles-samples", type=int, default=256)
+    command.add_argument("--bar", type=float, default=0.005, help="largest difference of a mean ratio from 1")
+    command.add_argument("--only", help="scenes whose name holds this")
+    arguments = command.parse_args()
     scenes.empty()
     sunfleck.register()
     wanted = {name: build for name, build in SCENES.items() if (arguments.only or "") in name}

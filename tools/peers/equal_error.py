@@ -31,16 +31,16 @@ as there are processors. With fewer, a thread of Cycles that waits spins, and it
 """
 
 import argparse
-import json
 import math
 import os
 import statistics
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 import numpy
+
+from common import cpu_seconds, parser, told_of
 
 from sunfleck_tools.analysis import read_picture
 from sunfleck_tools.peers.scene import read_scene
@@ -80,17 +80,8 @@ class Renderer:
         """Of a process that makes a picture, from its start to its end; and of that for
         writing, if it tells."""
         stats = target.with_suffix(".json")
-        command = self.command(source, size, samples, seed, target)
-        with subprocess.Popen(
-            [str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
-        ) as process:
-            said = process.stderr.read()
-            _, status, used = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode != 0:
-            sys.exit(f"{self.name} failed:\n{said.decode(errors='replace')}")
-        writing_s = json.loads(stats.read_text())["write_seconds"] if stats.exists() else 0.0
-        return used.ru_utime + used.ru_stime, writing_s
+        seconds = cpu_seconds(self.command(source, size, samples, seed, target))
+        return seconds, told_of(stats)["write_seconds"] if stats.exists() else 0.0
 
 
 def seconds_to(target, points):
@@ -113,31 +104,29 @@ def numbers(text):
 
 
 def parse():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("input", nargs="?", type=Path, default=LEAVES500 / "leaves500.glb")
-    parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
-    parser.add_argument("--reference", type=Path, default=LEAVES500 / "box.exr")
-    parser.add_argument(
+    command = parser(__doc__)
+    command.add_argument("input", nargs="?", type=Path, default=LEAVES500 / "leaves500.glb")
+    command.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
+    command.add_argument("--reference", type=Path, default=LEAVES500 / "box.exr")
+    command.add_argument(
         "--reference-noise", type=float, default=0.00143, help="root mean square of its standard error"
     )
-    parser.add_argument(
+    command.add_argument(
         "--targets", type=lambda text: [float(part) for part in text.split(",")], default=[0.02, 0.01]
     )
-    parser.add_argument("--samples", type=numbers, default=[2, 3, 4, 8], help="of sunfleck")
-    parser.add_argument("--cycles-samples", type=numbers, default=[32, 64, 128, 256])
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of both (all processors)")
-    parser.add_argument("--sunfleck-threads", type=int, help="of sunfleck, if it shall have others")
-    parser.add_argument(
+    command.add_argument("--samples", type=numbers, default=[2, 3, 4, 8], help="of sunfleck")
+    command.add_argument("--cycles-samples", type=numbers, default=[32, 64, 128, 256])
+    command.add_argument("--rounds", type=int, default=3)
+    command.add_argument("--threads", type=int, default=os.cpu_count(), help="of both (all processors)")
+    command.add_argument("--sunfleck-threads", type=int, help="of sunfleck, if it shall have others")
+    command.add_argument(
         "--suns", type=lambda text: text.split(","), default=[OWN_SUN], help="own, degrees of a disc, ahead"
     )
-    one = parser.add_argument_group("a process for one picture by Cycles, which this program starts itself")
+    one = command.add_argument_group("a process for one picture by Cycles, which this program starts itself")
     one.add_argument("--picture", type=Path, help=argparse.SUPPRESS)
     one.add_argument("--size", help=argparse.SUPPRESS)
     one.add_argument("--seed", type=int, help=argparse.SUPPRESS)
-    return parser.parse_args()
+    return command.parse_args()
 
 
 class View:

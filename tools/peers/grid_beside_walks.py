@@ -8,32 +8,20 @@ by what blocks of 10x10 pixels of the picture differ is printed too, root mean s
 """
 
 import argparse
-import os
-import subprocess
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from all_orders import blocks
-
-from sunfleck_tools.exr.decode import decode
+from common import blocks, colors, error, parser, rendered, truth_of
 
 PASSES = {"beauty": "", "surfaces": "indirect.", "fog": "indirect_shafts."}
 
 
 def passes(arguments: argparse.Namespace, scene: Path, flags: list[str]) -> dict[str, np.ndarray]:
     """Each pass, height x width x 3, W m^-2 sr^-1."""
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder, "picture.exr")
-        command = [os.environ.get("SUNFLECK", "sunfleck"), "render", str(scene), "--frames", str(arguments.frame)]
-        command += ["--size", arguments.size, "--bounces", arguments.bounces, "--passes", "indirect,indirect-shafts"]
-        subprocess.run([*command, "--progress", "none", "--out", str(out), *flags], check=True)
-        channels = decode(out)
-    return {
-        name: np.stack([np.asarray(channels[prefix + color], float) for color in "RGB"], axis=-1)
-        for name, prefix in PASSES.items()
-    }
+    all_flags = ["--bounces", arguments.bounces, "--passes", "indirect,indirect-shafts", *flags]
+    channels, _, _ = rendered(scene, arguments.size, all_flags, arguments.frame)
+    return {name: colors(channels, prefix) for name, prefix in PASSES.items()}
 
 
 def told(grid: dict[str, np.ndarray], walks: list[dict[str, np.ndarray]]) -> str:
@@ -43,24 +31,20 @@ def told(grid: dict[str, np.ndarray], walks: list[dict[str, np.ndarray]]) -> str
     text = ", ".join(f"{name} {' '.join(f'{ratio:.3f}' for ratio in ratios[name])}" for name in PASSES)
     if len(walks) == 1:
         return text
-    theirs = np.stack([blocks(picture["beauty"]) for picture in walks])
-    noise = theirs.var(axis=0, ddof=1).mean() / len(walks)
-    off = ((blocks(grid["beauty"]) - theirs.mean(axis=0)) ** 2).mean() - noise
-    return f"{text}, blocks {100 * np.sqrt(max(off, 0.0)) / theirs.mean():.2f} %"
+    theirs, noise = truth_of(np.stack([blocks(picture["beauty"]) for picture in walks]))
+    return f"{text}, blocks {100 * error(blocks(grid['beauty']), theirs, noise):.2f} %"
 
 
 def main() -> None:
     """Prints a line for each scene."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("scenes", type=Path, nargs="+")
-    parser.add_argument("--frame", type=int, default=24)
-    parser.add_argument("--size", default="160x90")
-    parser.add_argument("--bounces", default="all")
-    parser.add_argument("--walks", type=int, default=16, help="samples a pixel of walks")
-    parser.add_argument("--pictures", type=int, default=1, help="by walks")
-    arguments = parser.parse_args()
+    command = parser(__doc__)
+    command.add_argument("scenes", type=Path, nargs="+")
+    command.add_argument("--frame", type=int, default=24)
+    command.add_argument("--size", default="160x90")
+    command.add_argument("--bounces", default="all")
+    command.add_argument("--walks", type=int, default=16, help="samples a pixel of walks")
+    command.add_argument("--pictures", type=int, default=1, help="by walks")
+    arguments = command.parse_args()
     for scene in arguments.scenes:
         grid = passes(arguments, scene, ["--samples", "16"])
         by_walks = ["--samples", str(arguments.walks), "--volume", "paths", "--seed"]

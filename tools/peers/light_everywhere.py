@@ -14,39 +14,16 @@ A line a scene of `light_scenes.py` has
 Cycles renders too until its blocks are as good, and its CPU seconds follow.
 """
 
-import argparse
-import json
-import os
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from all_orders import blocks
+from common import blocks, error, parser, picture, program, truth_of
 from light_scenes import CHANGES, SCENES, write
-
-from sunfleck_tools.exr.decode import decode
 
 # Of a picture's mean: darker blocks have no error of their own.
 LEAST_LIGHT = 0.05
 MOST_CYCLES_SAMPLES = 16384
-
-
-def picture(scene: Path, size: str, flags: list[str]) -> tuple[np.ndarray, float, dict]:
-    """The beauty, height x width x 3, W m^-2 sr^-1; CPU seconds of the process; what `--stats` says."""
-    with tempfile.TemporaryDirectory() as folder:
-        out, stats = Path(folder, "picture.exr"), Path(folder, "stats")
-        command = [os.environ.get("SUNFLECK", "sunfleck"), "render", str(scene), "--frames", "1", "--size", size]
-        command += ["--progress", "none", "--stats", str(stats), "--out", str(out), *flags]
-        with subprocess.Popen(command) as process:
-            _, status, used = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode:
-            sys.exit(f"{scene.stem}: exit code {process.returncode}")
-        channels = decode(out)
-        told = next(line for line in map(json.loads, stats.read_text().splitlines()) if "frame" in line)
-    return np.stack([channels[color] for color in "RGB"], -1).astype(float), used.ru_utime + used.ru_stime, told
 
 
 def truth(scene: Path, size: str, samples: int) -> tuple[np.ndarray, float]:
@@ -55,33 +32,32 @@ def truth(scene: Path, size: str, samples: int) -> tuple[np.ndarray, float]:
     if not kept.exists():
         walks = ["--volume", "paths", "--samples", str(samples), "--seed"]
         np.save(kept, np.stack([blocks(picture(scene, size, [*walks, str(seed)])[0]) for seed in range(4)]))
-    theirs = np.load(kept)
-    return theirs.mean(axis=0), float(theirs.var(axis=0, ddof=1).mean() / len(theirs))
+    return truth_of(np.load(kept))
 
 
 def beside(ours: np.ndarray, theirs: np.ndarray, noise: float) -> tuple[str, float]:
     """How blocks differ, in words; and the root mean square as a share of the mean."""
     difference, own = ours - theirs, theirs.mean(-1)
-    error = np.sqrt(max((difference**2).mean() - noise, 0.0)) / theirs.mean()
+    found = error(ours, theirs, noise)
     worst = np.where(own > LEAST_LIGHT * own.mean(), difference.mean(-1) / np.maximum(own, 1e-30), 0.0)
     means = ours.mean((0, 1)) / theirs.mean((0, 1))
     worst = worst.flat[np.abs(worst).argmax()]
-    return f"{' '.join(f'{mean:.3f}' for mean in means)}, blocks {100 * error:.2f} %, worst {100 * worst:+.1f} %", error
+    return f"{' '.join(f'{mean:.3f}' for mean in means)}, blocks {100 * found:.2f} %, worst {100 * worst:+.1f} %", found
 
 
-def cycles_seconds(scene: Path, size: str, theirs: np.ndarray, noise: float, error: float) -> str:
+def cycles_seconds(scene: Path, size: str, theirs: np.ndarray, noise: float, aim: float) -> str:
     """CPU seconds of Cycles to blocks that are as good."""
     from sunfleck_tools.commands.peers import bounces
     from sunfleck_tools.peers import cycles
     from sunfleck_tools.peers.scene import read_scene
 
-    read = read_scene(scene, 1, os.environ.get("SUNFLECK", "sunfleck"))
+    read = read_scene(scene, 1, program())
     read.size, read.bounces = tuple(map(int, size.split("x"))), bounces("all")
     render, samples = cycles.prepare(read), 16
     while samples <= MOST_CYCLES_SAMPLES:
         found, seconds = render(samples, 1)
         words, reached = beside(blocks(found), theirs, noise)
-        if reached <= error:
+        if reached <= aim:
             return f"Cycles {seconds:.1f} CPU s ({samples} samples)"
         samples *= 4
     return f"Cycles never ({words} in {seconds:.0f} CPU s)"
@@ -89,17 +65,15 @@ def cycles_seconds(scene: Path, size: str, theirs: np.ndarray, noise: float, err
 
 def main() -> None:
     """Prints a line for each scene."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("names", nargs="*", help="of scenes, or of changes (all of them)")
-    parser.add_argument("--changes", action="store_true", help="what must not matter, instead of scenes")
-    parser.add_argument("--tolerance", default="0.02")
-    parser.add_argument("--size", default="160x90")
-    parser.add_argument("--walks", type=int, default=64, help="samples a pixel of walks, four times")
-    parser.add_argument("--cycles", action="store_true", help="the same by Cycles, to as little an error")
-    parser.add_argument("--kept", type=Path, help="a folder that keeps scenes, and what walks found")
-    arguments = parser.parse_args()
+    command = parser(__doc__)
+    command.add_argument("names", nargs="*", help="of scenes, or of changes (all of them)")
+    command.add_argument("--changes", action="store_true", help="what must not matter, instead of scenes")
+    command.add_argument("--tolerance", default="0.02")
+    command.add_argument("--size", default="160x90")
+    command.add_argument("--walks", type=int, default=64, help="samples a pixel of walks, four times")
+    command.add_argument("--cycles", action="store_true", help="the same by Cycles, to as little an error")
+    command.add_argument("--kept", type=Path, help="a folder that keeps scenes, and what walks found")
+    arguments = command.parse_args()
     how = ["--tolerance", arguments.tolerance, "--samples", "1024"]
     with tempfile.TemporaryDirectory() as folder:
         kept = arguments.kept or Path(folder)
@@ -111,11 +85,11 @@ def main() -> None:
                 theirs, noise = blocks(picture(write(CHANGES[name][0], kept), arguments.size, how)[0]), 0.0
             else:
                 theirs, noise = truth(scene, arguments.size, arguments.walks)
-            words, error = beside(blocks(ours), theirs, noise)
+            words, reached = beside(blocks(ours), theirs, noise)
             told = f", told {100 * stats['grid_error']:.1f} %" if stats["grid_error"] is not None else ""
             peer = ""
             if arguments.cycles and name not in CHANGES:
-                peer = ", " + cycles_seconds(scene, arguments.size, theirs, noise, error)
+                peer = ", " + cycles_seconds(scene, arguments.size, theirs, noise, reached)
             print(f"{name:16} {words}{told}, {seconds:.1f} CPU s{peer}", flush=True)
 
 

@@ -14,8 +14,6 @@ needs a Python with Mitsuba and bpy (docs/tools.md). Leaves and ground in mist h
 Invariant: all of a line is of one run, in turns.
 """
 
-import argparse
-import os
 import re
 import subprocess
 import tempfile
@@ -23,8 +21,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from all_orders import blocks
-from light_everywhere import picture
+from common import blocks, error, parser, picture, program, truth_of
 from light_scenes import more, scene
 
 from sunfleck_tools.peers import cycles, mitsuba
@@ -93,16 +90,13 @@ def beside_mitsuba(path: Path, bounces: int, pictures: int, samples: int) -> str
     read.size, read.bounces = PIXELS, bounces
     render = mitsuba.prepare(read, "scalar_rgb")
     whole = [render(samples, seed)[0] for seed in range(pictures)]
-    theirs = np.stack([blocks(each) for each in whole])
-    mean = theirs.mean(axis=0)
-    noise = theirs.var(axis=0, ddof=1).mean() / pictures
     flags = ["--samples", "64", "--bounces", "all" if bounces else "0"]
     ours = picture(path, SIZE, flags)[0]
-    error = np.sqrt(max(0.0, ((blocks(ours) - mean) ** 2).mean() - noise)) / mean.mean()
+    off_blocks = error(blocks(ours), *truth_of(np.stack([blocks(each) for each in whole])))
     means = [each.mean() for each in whole]
     own = np.std(means, ddof=1) / np.sqrt(pictures) / np.mean(means)
     off = ours.mean() / np.mean(means) - 1
-    return f"mean {100 * off:+.3f} % (Mitsuba's own {100 * own:.3f} %), blocks {100 * error:.2f} %"
+    return f"mean {100 * off:+.3f} % (Mitsuba's own {100 * own:.3f} %), blocks {100 * off_blocks:.2f} %"
 
 
 def by_even_fog(mist: Path, even: Path, bounces: str, rounds: int) -> tuple[float, int]:
@@ -118,16 +112,11 @@ def by_even_fog(mist: Path, even: Path, bounces: str, rounds: int) -> tuple[floa
 
 def memory(path: Path) -> float:
     """Bytes of a scene's grid as rays walk through it."""
-    command = [os.environ.get("SUNFLECK", "sunfleck"), "inspect", str(path)]
+    command = [program(), "inspect", str(path)]
     told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     found = re.search(r"by voxels, .* ([\d.]+) MB:", told)
     assert found is not None, told
     return 1e6 * float(found[1])
-
-
-def rmse(one: np.ndarray, other: np.ndarray) -> float:
-    """Of pixels, by the mean."""
-    return float(np.sqrt(((one - other) ** 2).mean()) / other.mean())
 
 
 def beside_cycles(path: Path, denoiser: str | None, most: int) -> str:
@@ -136,33 +125,31 @@ def beside_cycles(path: Path, denoiser: str | None, most: int) -> str:
     size = f"{CYCLES_SIZE[0]}x{CYCLES_SIZE[1]}"
     reference = picture(path, size, ["--samples", "512", "--seed", "9", "--bounces", "0"])[0]
     ours, seconds, _ = picture(path, size, ["--samples", "16", "--bounces", "0"])
-    error = rmse(ours, reference)
+    aim = error(ours, reference, 0.0)
     read = read_scene(path)
     read.size = CYCLES_SIZE
     render, samples = cycles.prepare(read, denoiser), 16
     theirs, used = render(samples, 1)
-    while denoiser and rmse(theirs, reference) > error and 4 * samples <= most:
+    while denoiser and error(theirs, reference, 0.0) > aim and 4 * samples <= most:
         samples *= 4
         theirs, used = render(samples, samples)
-    off = rmse(theirs, reference)
-    times = used / seconds * (1.0 if denoiser else (off / error) ** 2)
-    more = " or more" if denoiser and off > error else ""
-    said = f"{error:.4f} by {seconds:.2f} CPU s, {off:.4f} by {samples} samples and {used:.1f} CPU s"
+    off = error(theirs, reference, 0.0)
+    times = used / seconds * (1.0 if denoiser else (off / aim) ** 2)
+    more = " or more" if denoiser and off > aim else ""
+    said = f"{aim:.4f} by {seconds:.2f} CPU s, {off:.4f} by {samples} samples and {used:.1f} CPU s"
     return f"{times:.0f} times{more} ({said}; mean ratio {theirs.mean() / reference.mean():.4f})"
 
 
 def main() -> None:
     """Prints a line a figure."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("voxels", type=int, nargs="*", default=[64, 256], help="along a side")
-    parser.add_argument("--pictures", type=int, default=8, help="by Mitsuba")
-    parser.add_argument("--samples", type=int, default=32, help="a pixel of these")
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--most", type=int, default=1024, help="samples of Cycles with its denoiser")
-    parser.add_argument("--only", default="mitsuba,even,cycles", help="what is measured")
-    arguments = parser.parse_args()
+    command = parser(__doc__)
+    command.add_argument("voxels", type=int, nargs="*", default=[64, 256], help="along a side")
+    command.add_argument("--pictures", type=int, default=8, help="by Mitsuba")
+    command.add_argument("--samples", type=int, default=32, help="a pixel of these")
+    command.add_argument("--rounds", type=int, default=3)
+    command.add_argument("--most", type=int, default=1024, help="samples of Cycles with its denoiser")
+    command.add_argument("--only", default="mitsuba,even,cycles", help="what is measured")
+    arguments = command.parse_args()
     for voxels in arguments.voxels:
         with tempfile.TemporaryDirectory() as folder:
             mist, even, active = write_scenes(Path(folder), voxels)

@@ -14,7 +14,6 @@ nearly enough: from 16 samples the ratio at 640x360 was a quarter too large. Pro
 what reading and building take.
 """
 
-import argparse
 import json
 import math
 import resource
@@ -27,6 +26,8 @@ from pathlib import Path
 import bpy
 import mathutils
 import numpy
+
+from common import parser
 
 from sunfleck_tools.gltf.lights import LightSource
 from sunfleck_tools.gltf.load import load
@@ -185,17 +186,15 @@ def seconds_of(who):
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("input", nargs="?", default="sequences/title.ron")
-    parser.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
-    parser.add_argument("--frame", type=int, default=24)
-    parser.add_argument("--size", default="240x135")
-    parser.add_argument("--samples", type=int, default=16, help="of sunfleck, a pixel")
-    parser.add_argument("--reference-samples", type=int, default=256)
-    parser.add_argument("--cycles-samples", type=int, default=64)
-    arguments = parser.parse_args()
+    command = parser(__doc__)
+    command.add_argument("input", nargs="?", default="sequences/title.ron")
+    command.add_argument("--sunfleck", type=Path, default=Path("target/release/sunfleck"))
+    command.add_argument("--frame", type=int, default=24)
+    command.add_argument("--size", default="240x135")
+    command.add_argument("--samples", type=int, default=16, help="of sunfleck, a pixel")
+    command.add_argument("--reference-samples", type=int, default=256)
+    command.add_argument("--cycles-samples", type=int, default=64)
+    arguments = command.parse_args()
     size = tuple(map(int, arguments.size.split("x")))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
