@@ -3,10 +3,9 @@
 //!
 //! # A frame
 //!
-//! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds
-//! arrays with names, shapes and units. All three are whole. What a file asks for and is not
-//! honoured is in [`Scene::warnings`]. What cannot be rendered is an error of one line, whose method
-//! says the remedy. A pass that was asked for has its values.
+//! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds arrays with names,
+//! shapes and units. What a file asks for and does not get is in [`Scene::warnings`]. What cannot be rendered is an
+//! error of one line, which has a method for the remedy. A pass that was asked for has its values.
 //!
 //! ```
 //! use sunfleck::{Pass, Renderer, Scene};
@@ -33,8 +32,8 @@
 //! ```
 //!
 //! [`Renderer::sequence`] renders frame after frame. [`Scene::builder`] makes a scene in code, of parts
-//! that start as they mostly are and are changed by `with`. `examples/` has one, a walk through a glTF
-//! file's time, and a turntable. Rendering takes the threads of the rayon pool that it is called on; no
+//! that start with defaults and are changed by `with`. `examples/` has one, a walk through a glTF file's
+//! time, and a turntable. Rendering takes the threads of the rayon pool that it is called on; no
 //! picture depends on their number.
 //!
 //! # The story in ten lines
@@ -54,7 +53,7 @@
 //! 9. `frame_file` writes a film as EXR, whole or not at all; `api` is this face, and plans
 //!    what a frame needs.
 //! 10. `export` writes a scene as glTF. `sequence` decides which frames, `bench` measures error against time;
-//!     The program's `cli` is what a user types.
+//!     the program's `cli` is what a user types.
 //!
 //! Imports point only upward in this list; `tests/architecture.rs` holds that.
 //!

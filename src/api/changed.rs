@@ -1,5 +1,5 @@
-//! Parts that a program changes as it likes. In goes a part, out comes the same with other fields. Invariant:
-//! a part may get a field with any version, and no program that was written before has to say it.
+//! Changes to parts of a scene in code. In goes a part, out comes the same with other fields. Invariant: programs
+//! go on to compile when a version gives a part another field.
 
 use crate::description::obj::Triangles;
 use crate::description::ron::{

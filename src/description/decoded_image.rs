@@ -1,5 +1,4 @@
-//! An image, decoded. In goes nothing, nothing comes out. Invariant: width times height texels, in one colour
-//! space whatever the file's.
+//! An image, decoded. Invariant: it has width times height texels, in one colour space whatever the file's.
 
 use crate::color::Texels;
 use crate::diagnostic::Loss;

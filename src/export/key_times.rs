@@ -1,7 +1,7 @@
 //! Moments in, the times of keys out. Invariant: at every frame Blender shows what the curve has there.
 //!
-//! Where keys lie less than a hundredth of a frame apart, Blender keeps one, with the last one's value.
-//! Beside a frame, that frame would show another moment. So keys stay apart and frames come first. A jump
+//! Where keys lie less than a hundredth of a frame apart, Blender keeps one, with the last one's value. A key
+//! just beside a frame would give the frame another moment. So keys stay apart and frames come first. A jump
 //! is two keys in neighbouring numbers of single precision. Blender keeps what it jumps to, which is
 //! right, and a third key shortly before holds what it jumps from.
 

@@ -1,5 +1,5 @@
-//! A leaf's way as far as no other leaf changes it: keys, and the poses before it touches the ground, where
-//! it may meet leaves that lie there. Invariant: a pure function of the leaf and what is around it.
+//! A leaf's flight before any other leaf matters: its keys, and its poses before it touches the ground, or leaves
+//! that lie there. Invariant: a pure function of the leaf and what is around it.
 
 use super::keys::{self, Tolerance};
 use super::leaf::{Flight, Pose};

@@ -1,6 +1,5 @@
-//! Distribution of directions by an image of the sky. In goes radiance at places of the image, out comes a
-//! table of the density of picked directions. Invariant: whatever a bilinear look-up finds bright has a
-//! density.
+//! Directions picked by how bright an image of the sky is there. In goes the image's radiance, out comes a table of
+//! densities. Invariant: whatever a bilinear look-up finds bright can be picked.
 
 use crate::math::{SquareDistribution, square_from_sphere};
 use glam::{DVec2, DVec3, Vec2};
