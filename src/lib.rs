@@ -3,9 +3,10 @@
 //!
 //! # A frame
 //!
-//! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds arrays with names,
-//! shapes and units. What a file asks for and does not get is in [`Scene::warnings`]. What cannot be rendered is an
-//! error of one line, which has a method for the remedy. A pass that was asked for has its values.
+//! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds arrays with
+//! names, shapes and units. What a file asks for and does not get is in [`Scene::warnings`]. What cannot be
+//! rendered is an error of one line, which has a method for the remedy. A pass that was asked for has its
+//! values.
 //!
 //! ```
 //! use sunfleck::{Pass, Renderer, Scene};

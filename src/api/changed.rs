@@ -1,5 +1,5 @@
-//! Changes to parts of a scene in code. In goes a part, out comes the same with other fields. Invariant: programs
-//! go on to compile when a version gives a part another field.
+//! Changes to parts of a scene in code. In goes a part, out comes the same with other fields. Invariant:
+//! programs go on to compile when a version gives a part another field.
 
 use crate::description::obj::Triangles;
 use crate::description::ron::{

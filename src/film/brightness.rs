@@ -1,5 +1,5 @@
-//! Brightness of a picture to a viewer. In goes a frame, out come the exposure with which a display shows it well,
-//! and whether next to nothing of it is seen. Invariant: only beauty and alpha count.
+//! Brightness of a picture to a viewer. In goes a frame, out come the exposure with which a display shows it
+//! well, and whether next to nothing of it is seen. Invariant: only beauty and alpha count.
 
 use super::Frame;
 use crate::color::{Rgb, luminance};

@@ -1,5 +1,5 @@
-//! Baking of a scene's falls: who hears of progress, and where bakes are kept. Invariant: neither changes a bake,
-//! and a kept one is checked before it is used.
+//! Baking of a scene's falls: who hears of progress, and where bakes are kept. Invariant: neither changes a
+//! bake, and a kept one is checked before it is used.
 
 use std::fmt;
 use std::io::Read;

@@ -1,5 +1,5 @@
-//! The way of the mean wind over time. In goes its velocity in keys, out comes how far it has blown. Invariant:
-//! the way has no jumps, its rate is the velocity, and every machine finds the same.
+//! The way of the mean wind over time. In goes its velocity in keys, out comes how far it has blown.
+//! Invariant: the way has no jumps, its rate is the velocity, and every machine finds the same.
 
 use crate::scene::{Extend, Track};
 use glam::DVec3;

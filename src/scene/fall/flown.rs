@@ -1,5 +1,5 @@
-//! A leaf's flight before any other leaf matters: its keys, and its poses before it touches the ground, or leaves
-//! that lie there. Invariant: a pure function of the leaf and what is around it.
+//! A leaf's flight before any other leaf matters: its keys, and its poses before it touches the ground, or
+//! leaves that lie there. Invariant: a pure function of the leaf and what is around it.
 
 use super::keys::{self, Tolerance};
 use super::leaf::{Flight, Pose};

@@ -1,5 +1,5 @@
-//! Directions picked by how bright an image of the sky is there. In goes the image's radiance, out comes a table of
-//! densities. Invariant: whatever a bilinear look-up finds bright can be picked.
+//! Directions picked by how bright an image of the sky is there. In goes the image's radiance, out comes a
+//! table of densities. Invariant: whatever a bilinear look-up finds bright can be picked.
 
 use crate::math::{SquareDistribution, square_from_sphere};
 use glam::{DVec2, DVec3, Vec2};
