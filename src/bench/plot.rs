@@ -142,35 +142,21 @@ impl Plot {
 
     fn draw_axes(&self, svg: &mut String, x: &Axis, y: &Axis) {
         let (bottom, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
-        let color = |labelled| if labelled { "#d4d4d4" } else { "#f0f0f0" };
-        for (value, labelled) in x.ticks() {
-            let at = x.px(value);
-            let _ = writeln!(
-                svg,
-                r#"<path d="M{at:.1} {TOP}V{bottom}" stroke="{}" fill="none"/>"#,
-                color(labelled)
-            );
+        let across = x.ticks().into_iter().map(|(value, labelled)| {
+            let (at, below) = (x.px(value), bottom + 20.0);
+            let place = format!(r#"x="{at:.1}" y="{below}" text-anchor="middle""#);
+            (value, labelled, format!("M{at:.1} {TOP}V{bottom}"), place)
+        });
+        let up = y.ticks().into_iter().map(|(value, labelled)| {
+            let (at, left) = (y.px(value), LEFT - 8.0);
+            let place = format!(r#"x="{left}" y="{:.1}" text-anchor="end""#, at + 4.5);
+            (value, labelled, format!("M{LEFT} {at:.1}H{right}"), place)
+        });
+        for (value, labelled, line, place) in across.chain(up) {
+            let color = if labelled { "#d4d4d4" } else { "#f0f0f0" };
+            let _ = writeln!(svg, r#"<path d="{line}" stroke="{color}" fill="none"/>"#);
             if labelled {
-                let (below, number) = (bottom + 20.0, number(value));
-                let _ = writeln!(
-                    svg,
-                    r##"<text x="{at:.1}" y="{below}" text-anchor="middle" fill="#333333">{number}</text>"##
-                );
-            }
-        }
-        for (value, labelled) in y.ticks() {
-            let at = y.px(value);
-            let _ = writeln!(
-                svg,
-                r#"<path d="M{LEFT} {at:.1}H{right}" stroke="{}" fill="none"/>"#,
-                color(labelled)
-            );
-            if labelled {
-                let (left, base, number) = (LEFT - 8.0, at + 4.5, number(value));
-                let _ = writeln!(
-                    svg,
-                    r##"<text x="{left}" y="{base:.1}" text-anchor="end" fill="#333333">{number}</text>"##
-                );
+                let _ = writeln!(svg, r##"<text {place} fill="#333333">{}</text>"##, number(value));
             }
         }
         let _ = writeln!(
