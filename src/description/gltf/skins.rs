@@ -128,36 +128,25 @@ pub(super) fn influences(
 /// Checks each node's skin against its mesh.
 pub(super) fn check_nodes(scene: &mut GltfScene, report: &mut Report) {
     for (index, node) in scene.nodes.iter_mut().enumerate() {
-        let (Some(skin), Some(mesh)) = (node.skin, node.mesh) else {
-            node.skin = None;
-            continue;
-        };
-        let (Some(skin), Some(mesh)) = (scene.skins.get(skin), scene.meshes.get(mesh)) else { continue };
-        let joints = skin.joints.len();
-        if joints == 0 {
-            // That is reported.
-            node.skin = None;
-            continue;
-        }
-        let mut is_bound = !mesh.primitives.is_empty();
-        let mut fits = true;
-        for primitive in &mesh.primitives {
-            let Some(influences) = &primitive.influences else {
-                is_bound = false;
-                continue;
-            };
-            if let Some(&joint) = influences.joints.iter().find(|joint| usize::from(**joint) >= joints) {
-                let found = format!("the mesh hangs on joint {joint} of `{}`, which has {joints}", skin.name);
+        let (skin, mesh) =
+            (node.skin.map(|skin| &scene.skins[skin]), node.mesh.map(|mesh| &scene.meshes[mesh]));
+        // A skin without joints is reported.
+        let pair = skin.zip(mesh).filter(|(skin, _)| !skin.joints.is_empty());
+        let fits = pair.is_some_and(|(skin, mesh)| {
+            let influences = || mesh.primitives.iter().map(|primitive| primitive.influences.as_ref());
+            let mut joints = influences().flatten().flat_map(|influences| &influences.joints);
+            let count = skin.joints.len();
+            if let Some(joint) = joints.find(|joint| usize::from(**joint) >= count) {
+                let found = format!("the mesh hangs on joint {joint} of `{}`, which has {count}", skin.name);
                 report.put_right(Loss::SkinDamaged, &format!("nodes[{index}].skin"), found);
-                fits = false;
-                break;
+                return false;
             }
-        }
-        if !fits {
-            node.skin = None;
-        } else if !is_bound {
-            report.not_honoured(Loss::SkinWithoutJoints, &node.name);
-            node.skin = None;
-        }
+            let is_bound = !mesh.primitives.is_empty() && influences().all(|influences| influences.is_some());
+            if !is_bound {
+                report.not_honoured(Loss::SkinWithoutJoints, &node.name);
+            }
+            is_bound
+        });
+        node.skin = node.skin.filter(|_| fits);
     }
 }
