@@ -6,7 +6,7 @@ use super::Writer;
 use super::materials::png;
 use crate::color::{LUMENS_PER_WATT, Rgb};
 use crate::diagnostic::Diagnostic;
-use crate::scene::{AreaShape, Julia, Light, LightKind, SunDisc, SunPicture, SunShows, Track};
+use crate::scene::{AreaShape, Julia, Light, LightKind, SunDisc, SunPicture, SunShows};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use serde_json::{Map, Value, json};
 use std::f64::consts::PI;
@@ -25,7 +25,12 @@ impl Writer<'_> {
         let node = self.free_node(node, |node| {
             has(node, "extensions", "KHR_lights_punctual") || has(node, "extras", "sunfleck_light")
         });
-        self.carry_light(light);
+        let owner = format!("{}.sunfleck_light", self.scene.nodes[light.node].name);
+        for (name, number) in light.kind.numbers() {
+            self.carry_number(format!("{owner}.{name}"), number);
+        }
+        let (name, unit) = light.kind.blenders_power();
+        self.carry_color(format!("{owner}.{name}"), &light.power.map_linear(|value| value * unit));
         let (brightest, color) = brightest(light.power.at(time_s));
         let mut ours = Map::new();
         let mut say = |name: &str, value: Value| ours.insert(name.to_owned(), value);
@@ -78,47 +83,6 @@ impl Writer<'_> {
         let number = self.lights.len() - 1;
         self.extend_node(node, "KHR_lights_punctual", json!({ "light": number }));
         Ok(())
-    }
-}
-
-impl Writer<'_> {
-    fn carry_light(&mut self, light: &Light) {
-        let owner = format!("{}.sunfleck_light", self.scene.nodes[light.node].name);
-        let mut number =
-            |field: &str, track: &Track<f64>| self.carry_number(format!("{owner}.{field}"), track);
-        let (power, watts_per_unit) = match &light.kind {
-            LightKind::Sun => ("strength_w_m2", 1.0),
-            LightKind::SunDisc(disc) => {
-                number("angle", &disc.angular_diameter);
-                if let Some(picture) = &disc.picture {
-                    number("picture_rotation", &disc.picture_rotation);
-                    if let SunShows::Julia(julia) = picture.shows() {
-                        number("fractal_real", &julia.real);
-                        number("fractal_imaginary", &julia.imaginary);
-                    }
-                }
-                ("strength_w_m2", 1.0)
-            }
-            LightKind::Point => ("power_w", 4.0 * PI),
-            LightKind::Sphere { radius } => {
-                number("radius", radius);
-                ("power_w", 4.0 * PI)
-            }
-            LightKind::Spot { outer_angle, blend, radius } => {
-                number("outer_angle", outer_angle);
-                number("blend", blend);
-                number("radius", radius);
-                ("power_w", 4.0 * PI)
-            }
-            LightKind::Area { width, height, spread, .. } => {
-                number("width", width);
-                number("height", height);
-                number("spread", spread);
-                ("power_w", 1.0)
-            }
-        };
-        let track = light.power.map_linear(|value| value * watts_per_unit);
-        self.carry_color(format!("{owner}.{power}"), &track);
     }
 }
 

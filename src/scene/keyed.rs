@@ -105,7 +105,7 @@ impl Scene {
         let lights = self.lights.iter().flat_map(|light| {
             let numbers = light.kind.numbers();
             let mut tracks: Vec<&dyn Keyed> = vec![&light.power];
-            tracks.extend(numbers.into_iter().map(|number| number as &dyn Keyed));
+            tracks.extend(numbers.into_iter().map(|(_, number)| number as &dyn Keyed));
             tracks
         });
         lights.chain(self.sky.iter().flat_map(|sky| [&sky.strength as &dyn Keyed, &sky.rotation]))

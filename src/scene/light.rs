@@ -6,6 +6,7 @@
 
 use super::{NodeIndex, SunPicture, SunShows, Track};
 use crate::color::Rgb;
+use std::f64::consts::PI;
 
 /// A light at a node.
 #[derive(Clone, Debug)]
@@ -88,20 +89,37 @@ impl SunDisc {
 }
 
 impl LightKind {
-    /// Every number of it that may be keyed.
-    pub fn numbers(&self) -> Vec<&Track<f64>> {
+    /// Every number of it that may be keyed, by its name in `sunfleck_light`.
+    pub fn numbers(&self) -> Vec<(&'static str, &Track<f64>)> {
         match self {
             Self::Sun | Self::Point => vec![],
             Self::SunDisc(disc) => {
-                let mut numbers = vec![&disc.angular_diameter, &disc.picture_rotation];
-                if let Some(SunShows::Julia(julia)) = disc.picture.as_ref().map(SunPicture::shows) {
-                    numbers.extend([&julia.real, &julia.imaginary]);
+                let mut numbers = vec![("angle", &disc.angular_diameter)];
+                if let Some(picture) = &disc.picture {
+                    numbers.push(("picture_rotation", &disc.picture_rotation));
+                    if let SunShows::Julia(julia) = picture.shows() {
+                        numbers
+                            .extend([("fractal_real", &julia.real), ("fractal_imaginary", &julia.imaginary)]);
+                    }
                 }
                 numbers
             }
-            Self::Sphere { radius } => vec![radius],
-            Self::Spot { outer_angle, blend, radius } => vec![outer_angle, blend, radius],
-            Self::Area { width, height, spread, .. } => vec![width, height, spread],
+            Self::Sphere { radius } => vec![("radius", radius)],
+            Self::Spot { outer_angle, blend, radius } => {
+                vec![("outer_angle", outer_angle), ("blend", blend), ("radius", radius)]
+            }
+            Self::Area { width, height, spread, .. } => {
+                vec![("width", width), ("height", height), ("spread", spread)]
+            }
+        }
+    }
+
+    /// Its power's name in `sunfleck_light`, in Blender's units, and how many of them are one of ours.
+    pub(crate) fn blenders_power(&self) -> (&'static str, f64) {
+        match self {
+            Self::Sun | Self::SunDisc(_) => ("strength_w_m2", 1.0),
+            Self::Point | Self::Sphere { .. } | Self::Spot { .. } => ("power_w", 4.0 * PI),
+            Self::Area { .. } => ("power_w", 1.0),
         }
     }
 }

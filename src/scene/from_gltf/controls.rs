@@ -208,22 +208,15 @@ impl Builder<'_> {
     }
 
     fn control_light(&mut self, light: usize, field: &str, carried: &Carried, path: &str) -> Option<()> {
-        // What one of Blender's units is in ours (from_gltf/lights.rs).
-        let unit = match self.scene.lights[light].kind {
-            LightKind::Sun | LightKind::SunDisc(_) => ("strength_w_m2", 1.0),
-            LightKind::Point | LightKind::Sphere { .. } | LightKind::Spot { .. } => {
-                ("power_w", (4.0 * PI).recip())
-            }
-            LightKind::Area { .. } => ("power_w", 1.0),
-        };
-        if field == unit.0 {
+        let (power, unit) = self.scene.lights[light].kind.blenders_power();
+        if field == power {
             let color = self.light_color(light);
             let power = match carried {
                 Carried::Number(number) => number.map_linear(|value| value * color),
                 Carried::Color(color) => color.clone(),
             };
             self.check(&power, Rgb::to_array, &NOT_NEGATIVE, path);
-            self.scene.lights[light].power = power.map_linear(|value| value * unit.1);
+            self.scene.lights[light].power = power.map_linear(|value| value * unit.recip());
             return Some(());
         }
         let number = self.number(carried, range_of_light(field), path)?;
