@@ -12,11 +12,6 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-pub(super) struct SceneExtras {
-    pub(super) sunfleck: Sunfleck,
-    pub(super) fog: Option<Fog>,
-}
-
 /// `sunfleck`: how the scene is to be rendered.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -176,7 +171,7 @@ pub(super) fn read<T: DeserializeOwned>(
 }
 
 /// Everything that the scene's own extras say.
-pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> SceneExtras {
+pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> (Sunfleck, Option<Fog>) {
     let path = format!("scenes[{}]", source.scene);
     let sunfleck: Sunfleck = read(&source.extras, "sunfleck", &path, report).unwrap_or_default();
     for name in sunfleck.unknown.keys() {
@@ -188,9 +183,9 @@ pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> SceneExtr
     if sunfleck.unit_scale.is_some_and(|scale| scale != 1.0) {
         report.not_honoured(Loss::UnitScale, "sunfleck.unit_scale");
     }
-    let fog: Option<Fog> = read(&source.extras, "sunfleck_fog", &path, report);
+    let fog = read(&source.extras, "sunfleck_fog", &path, report);
     report_unknown(&source.extras, &["sunfleck", "sunfleck_fog", "sunfleck_env"], "the scene", report);
-    SceneExtras { sunfleck, fog }
+    (sunfleck, fog)
 }
 
 /// Says which properties whose name starts as ours do are none that we know.

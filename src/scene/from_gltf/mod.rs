@@ -65,10 +65,10 @@ pub(super) fn resolve(
     std::mem::take(&mut source.remarks).0.into_iter().for_each(|remark| report.push(remark));
     let sky_image = source.sky_image.take();
     let sun_images = sun_pictures::images(std::mem::take(&mut source.sun_images));
-    let extras = extras::scene_extras(&source, &mut report);
+    let (sunfleck, fog) = extras::scene_extras(&source, &mut report);
     let surroundings = environment::surroundings(&source, sky_image, &mut report);
     let mut animations = animations::choose(&mut source, options.animation.as_deref(), &mut report);
-    let (mut settings, clock) = settings::settings(&source, &extras.sunfleck, &mut report);
+    let (mut settings, clock) = settings::settings(&source, &sunfleck, &mut report);
 
     animations::set_right(&mut animations, &clock);
     let textures = std::mem::take(&mut source.textures);
@@ -91,10 +91,10 @@ pub(super) fn resolve(
     builder.add_nodes();
     builder.add_surfaces(textures);
     builder.add_meshes_and_instances();
-    builder.add_lights(options.light_units, extras.sunfleck.light_units.as_deref());
-    builder.add_fogs(extras.fog);
+    builder.add_lights(options.light_units, sunfleck.light_units.as_deref());
+    builder.add_fogs(fog);
     (builder.scene.background, builder.scene.sky) = surroundings;
-    builder.add_cameras(&extras.sunfleck, &mut settings);
+    builder.add_cameras(&sunfleck, &mut settings);
     builder.apply_controls();
     builder.settle_suns();
     builder.report_other_extras();

@@ -2,7 +2,7 @@
 //! turned, and is either orthographic or has an angle of view.
 
 use super::lights::Named;
-use super::{Resolver, rotation, track};
+use super::{Resolver, rotation};
 use crate::description::ron;
 use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Track};
 use glam::{DVec2, DVec3};
@@ -23,9 +23,9 @@ impl Resolver<'_> {
             let lens = self.lens(&owner, camera);
             let aperture = camera.aperture.as_ref().and_then(|aperture| {
                 let owner = format!("{owner}.aperture");
-                let f_stop = track(&aperture.f_stop, &format!("{owner}.f_stop"), &mut self.problems);
+                let f_stop = self.keyed(&owner, "f_stop", &aperture.f_stop);
                 let focus = &aperture.focus_distance_m;
-                let focus = track(focus, &format!("{owner}.focus_distance_m"), &mut self.problems);
+                let focus = self.keyed(&owner, "focus_distance_m", focus);
                 Some(Aperture {
                     f_stop: f_stop?,
                     sensor_width_m: 1e-3 * aperture.sensor_width_mm.si(),
@@ -61,7 +61,7 @@ impl Resolver<'_> {
     fn lens(&mut self, owner: &str, camera: &ron::Camera) -> Option<Lens> {
         let Some(height) = &camera.orthographic_height_m else {
             let fov_y = match &camera.fov_deg {
-                Some(fov) => track(fov, &format!("{owner}.fov_deg"), &mut self.problems)?,
+                Some(fov) => self.keyed(owner, "fov_deg", fov)?,
                 None => Track::from(DEFAULT_FOV_DEG.to_radians()),
             };
             return Some(Lens::Perspective { fov_y });
@@ -74,14 +74,14 @@ impl Resolver<'_> {
                 "take one of the two out",
             );
         }
-        let height_m = track(height, &format!("{owner}.orthographic_height_m"), &mut self.problems)?;
+        let height_m = self.keyed(owner, "orthographic_height_m", height)?;
         Some(Lens::Orthographic { height_m })
     }
 
     fn camera_motion(&mut self, owner: &str, camera: &ron::Camera) -> Option<Motion> {
         let turned = camera.rotation_deg.is_some() || camera.rotation_quaternion.is_some();
         let Some(look_at) = &camera.look_at_m else {
-            let position = track(&camera.position_m, &format!("{owner}.position_m"), &mut self.problems);
+            let position = self.keyed(owner, "position_m", &camera.position_m);
             let turn = rotation(
                 camera.rotation_deg.as_ref(),
                 camera.rotation_quaternion.as_ref(),
@@ -98,7 +98,7 @@ impl Resolver<'_> {
                 "take one of the two out",
             );
         }
-        let up = track(&camera.up, &format!("{owner}.up"), &mut self.problems)?;
+        let up = self.keyed(owner, "up", &camera.up)?;
         let from = Named { name: "position_m", point: &camera.position_m };
         self.aimed(owner, from, Named { name: "look_at_m", point: look_at }, up)
     }

@@ -1,7 +1,7 @@
 //! Blocks of leaves that fall in, nodes with keys and instances out. Invariant: until it lands, leaf `i`
 //! depends on its block's fields other than `count`, and on `i`; an object of its name goes before it.
 
-use super::{Resolver, track};
+use super::Resolver;
 use crate::color::Rgb;
 use crate::description::ron;
 use crate::diagnostic::{Diagnostic, Loss};
@@ -109,7 +109,7 @@ impl Resolver<'_> {
         let ground = ground(&block.ground, grounds);
         let obstacles = self.obstacles(&owner, &block.obstacles);
         let ((species, dresses), emitter) = (species?, emitter?);
-        let speed_gain = track(&block.speed, &format!("{owner}.speed"), &mut self.problems);
+        let speed_gain = self.keyed(&owner, "speed", &block.speed);
         let (wind, (), ground, obstacles) = (wind?, motion?, ground?, obstacles?);
         let height_m = emitter.highest_m() - block.ground.height_m.si();
         if height_m > HIGHEST_START_M {
@@ -267,9 +267,9 @@ impl Resolver<'_> {
 
     fn wind(&mut self, owner: &str, wind: &ron::Wind) -> Option<Wind> {
         let owner = format!("{owner}.wind");
-        let mean = track(&wind.mean_m_per_s, &format!("{owner}.mean_m_per_s"), &mut self.problems)?;
-        let gust = track(&wind.gust_m_per_s, &format!("{owner}.gust_m_per_s"), &mut self.problems)?;
-        let eddy = track(&wind.eddy_m_per_s, &format!("{owner}.eddy_m_per_s"), &mut self.problems)?;
+        let mean = self.keyed(&owner, "mean_m_per_s", &wind.mean_m_per_s)?;
+        let gust = self.keyed(&owner, "gust_m_per_s", &wind.gust_m_per_s)?;
+        let eddy = self.keyed(&owner, "eddy_m_per_s", &wind.eddy_m_per_s)?;
         if mean.hull().iter().any(|mean| mean.y != 0.0) {
             let found = "the mean wind blows up or down, for ever";
             let remedy = "make its y 0; gusts and eddies go up and down";

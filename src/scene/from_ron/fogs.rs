@@ -101,7 +101,7 @@ impl Resolver<'_> {
             }
             return None;
         };
-        let scale_height_m = track(scale_height_m, &format!("{owner}.scale_height_m"), &mut self.problems)?;
+        let scale_height_m = self.keyed(owner, "scale_height_m", scale_height_m)?;
         let base_m = fog.base_m.map(ron::Number::si);
         let base = match bounds {
             None => base_m.unwrap_or(0.0),

@@ -106,6 +106,6 @@ impl<'a> Resolver<'a> {
     }
 
     fn visibility(&mut self, owner: &str, visible: &Animated<bool>) -> Track<bool> {
-        track(visible, &format!("{owner}.visible"), &mut self.problems).unwrap_or_else(|| Track::from(true))
+        self.keyed(owner, "visible", visible).unwrap_or_else(|| Track::from(true))
     }
 }

@@ -86,7 +86,7 @@ impl Resolver<'_> {
         self.aimed(owner, position, target, up.into())
     }
 
-    /// The track of a light's field.
+    /// The track of a field.
     pub(super) fn keyed<T: Keyable<Si: Animate>>(
         &mut self,
         owner: &str,
@@ -105,10 +105,8 @@ impl Resolver<'_> {
     ) -> Option<Motion> {
         let here = || Track::from(DVec3::ZERO);
         let (position, target) = match (direction, to_sun) {
-            (Some(direction), None) => {
-                (here(), track(direction, &format!("{owner}.direction"), &mut self.problems)?)
-            }
-            (None, Some(to_sun)) => (track(to_sun, &format!("{owner}.to_sun"), &mut self.problems)?, here()),
+            (Some(direction), None) => (here(), self.keyed(owner, "direction", direction)?),
+            (None, Some(to_sun)) => (self.keyed(owner, "to_sun", to_sun)?, here()),
             (both, _) => {
                 let found = if both.is_some() { "given twice" } else { "missing" };
                 self.problems.error(
