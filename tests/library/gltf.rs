@@ -213,7 +213,8 @@ fn properties_of_a_prepared_blender_scene_are_honoured_or_reported() {
     ids.sort_unstable();
     assert_eq!(ids, (1..=9).collect::<Vec<_>>());
     let light = |name: &str| scene.lights.iter().find(|light| light.name == name).unwrap();
-    let size = |name: &str| light(name).kind.numbers().iter().map(|size| size.at(0.0)).collect::<Vec<_>>();
+    let size =
+        |name: &str| light(name).kind.numbers().iter().map(|(_, size)| size.at(0.0)).collect::<Vec<_>>();
     assert!((size("sun")[0] - 0.009_250_245_035_57).abs() < 1e-14);
     assert_eq!(size("fill"), [0.1]);
     assert_eq!(size("window"), [1.0, 0.5, PI]);
