@@ -2,60 +2,38 @@
 //! increase and it has a value for each of them, or three.
 
 use super::accessor::{Accessors, Component, Wanted};
-use super::attributes::SIGNED_OR_NOT;
 use super::json::{self, Animation, Document, Node};
 use super::pointers::{self, Property, Target};
 use super::report::Report;
-use super::{Channel, Interpolation, PropertyChannel, Values, named};
+use super::{Channel, Interpolation, named};
 use crate::diagnostic::{Diagnostic, Loss};
-use glam::{DQuat, DVec3};
+use glam::DQuat;
 
 const TIMES: Wanted = Wanted { purpose: "key times", width: 1, components: &[Component::F32] };
-const VECTORS: Wanted =
-    Wanted { purpose: "translations and scales", width: 3, components: &[Component::F32] };
-const WEIGHTS: Wanted = Wanted { purpose: "weights of morph targets", width: 1, components: SIGNED_OR_NOT };
-const ROTATIONS: Wanted = Wanted { purpose: "rotations", width: 4, components: SIGNED_OR_NOT };
-
-/// Meaning of a channel.
-enum Read {
-    Moves(Channel),
-    Changes(PropertyChannel),
-    Nothing,
-}
 
 pub(super) fn names(document: &Document) -> Vec<String> {
     let name = |(index, animation): (usize, &Animation)| named(&animation.name, "animation", index);
     document.animations.iter().enumerate().map(name).collect()
 }
 
-/// Every channel that moves a node, and every one that changes something else.
-pub(super) fn read(
-    document: &Document,
-    accessors: &Accessors<'_>,
-    report: &mut Report,
-) -> (Vec<Channel>, Vec<PropertyChannel>) {
-    let (mut channels, mut properties) = (Vec::new(), Vec::new());
+/// Every channel that something is made of, of all animations.
+pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut Report) -> Vec<Channel> {
+    let mut channels = Vec::new();
     for (index, animation) in document.animations.iter().enumerate() {
         let reader = ChannelReader { document, animation, accessors };
-        for number in 0..animation.channels.len() {
+        for (number, source) in animation.channels.iter().enumerate() {
             let place = format!("animations[{index}].channels[{number}]");
-            let channel = reader.read_channel(number, place, report);
-            let channel = if is_misnumbered(document, &animation.channels[number]) {
+            let channel = reader.read_channel(source, place, report);
+            let channel = if is_misnumbered(document, source) {
                 // The other numbers are wrong as well: something would move that should not.
                 report.keep(channel)
             } else {
                 report.spare(Loss::AnimationDamaged, channel)
             };
-            match channel {
-                Some(Read::Moves(channel)) => channels.push(Channel { animation: index, ..channel }),
-                Some(Read::Changes(channel)) => {
-                    properties.push(PropertyChannel { animation: index, ..channel });
-                }
-                Some(Read::Nothing) | None => {}
-            }
+            channels.extend(channel.flatten().map(|channel| Channel { animation: index, ..channel }));
         }
     }
-    (channels, properties)
+    channels
 }
 
 /// Whether a channel shows that all of them target wrong nodes, as Blender's exporter makes them
@@ -72,108 +50,101 @@ struct ChannelReader<'a> {
 }
 
 impl ChannelReader<'_> {
-    fn read_channel(&self, number: usize, place: String, report: &mut Report) -> Result<Read, Diagnostic> {
-        let Self { document, animation, accessors } = *self;
-        let channel = &animation.channels[number];
+    /// The channel; `None` if nothing here makes use of it.
+    fn read_channel(
+        &self,
+        channel: &json::Channel,
+        place: String,
+        report: &mut Report,
+    ) -> Result<Option<Channel>, Diagnostic> {
+        let Self { document, accessors, .. } = *self;
         let target = &channel.target;
-        if let Some(pointer) = &target.extensions.pointer {
-            let pointer = pointer.pointer.as_str();
-            if pointer.contains("/spot.") {
-                report.not_honoured(Loss::SpotAnglePointer, pointer);
-            }
-            return match pointers::resolve(document, pointer) {
-                Target::Node(node, path) => self.node_channel(channel.sampler, (node, path), place, report),
-                Target::Property(property, index) => {
-                    self.property_channel(channel.sampler, (property, index), place)
-                }
-                Target::Unused => {
-                    report.not_honoured(Loss::AnimationPointer, pointer);
-                    Ok(Read::Nothing)
-                }
-                Target::Missing => Err(accessors
-                    .invalid(
-                        format!("{place}.target.extensions.KHR_animation_pointer.pointer"),
-                        format!("`{pointer}` points at nothing in the file"),
-                    )
-                    .expected("a pointer to a light, camera, material or node that the file has")),
+        let Some(pointer) = &target.extensions.pointer else {
+            // The specification says to pass over channels without a node.
+            let Some(node) = target.node else {
+                report.not_honoured(Loss::AnimationWithoutTarget, &place);
+                return Ok(None);
             };
-        }
-        // The specification says to pass over channels without a node.
-        let Some(node) = target.node else {
-            report.not_honoured(Loss::AnimationWithoutTarget, &place);
-            return Ok(Read::Nothing);
+            let property = self.property_of(node, &target.path, &place)?;
+            return self.keyed(channel.sampler, (property, node), place, report);
         };
-        self.node_channel(channel.sampler, (node, &target.path), place, report)
+        let pointer = pointer.pointer.as_str();
+        if pointer.contains("/spot.") {
+            report.not_honoured(Loss::SpotAnglePointer, pointer);
+        }
+        match pointers::resolve(document, pointer) {
+            Target::Property(property, index) => {
+                self.keyed(channel.sampler, (property, index), place, report)
+            }
+            Target::Unused => {
+                report.not_honoured(Loss::AnimationPointer, pointer);
+                Ok(None)
+            }
+            Target::Missing => Err(accessors
+                .invalid(
+                    format!("{place}.target.extensions.KHR_animation_pointer.pointer"),
+                    format!("`{pointer}` points at nothing in the file"),
+                )
+                .expected("a pointer to a light, camera, material or node that the file has")),
+        }
     }
 
-    fn property_channel(
+    /// The property that a path of a node names.
+    fn property_of(&self, node: usize, path: &str, place: &str) -> Result<Property, Diagnostic> {
+        let count = self.document.nodes.len();
+        if node >= count {
+            return Err(self
+                .accessors
+                .invalid(format!("{place}.target.node"), format!("node {node} does not exist"))
+                .expected(format!("a number below {count}, the number of nodes in the file"))
+                .remedy("export without GPU instances: together with animation Blender's exporter numbers nodes wrongly"));
+        }
+        Property::of_path(path).ok_or_else(|| {
+            self.accessors
+                .invalid(format!("{place}.target.path"), format!("`{path}` cannot be animated"))
+                .expected("translation, rotation, scale or weights")
+        })
+    }
+
+    fn keyed(
         &self,
         sampler: usize,
         (property, index): (Property, usize),
         place: String,
-    ) -> Result<Read, Diagnostic> {
-        let wanted = property.wanted();
-        let Sampled { times_s, interpolation, values } = self.sampled(sampler, wanted, 1, &place)?;
-        let channel =
-            PropertyChannel { place, animation: 0, property, index, times_s, interpolation, values };
-        match channel.out_of_range() {
-            None => Ok(Read::Changes(channel)),
-            Some(value) => Err(self
-                .accessors
-                .invalid(channel.place, format!("an animated value is {value}, or passes it on its way"))
-                .expected(format!("values in {:?} at and between keys", property.range()))),
-        }
-    }
-
-    fn node_channel(
-        &self,
-        sampler: usize,
-        (node, path): (usize, &str),
-        place: String,
         report: &mut Report,
-    ) -> Result<Read, Diagnostic> {
+    ) -> Result<Option<Channel>, Diagnostic> {
         let Self { document, animation, accessors } = *self;
-        let Some(target_node) = document.nodes.get(node) else {
-            return Err(accessors
-                .invalid(format!("{place}.target.node"), format!("node {node} does not exist"))
-                .expected(format!("a number below {}, the number of nodes in the file", document.nodes.len()))
-                .remedy("export without GPU instances: together with animation Blender's exporter numbers nodes wrongly"));
-        };
-        let wanted = match path {
-            "translation" | "scale" => VECTORS,
-            "rotation" => ROTATIONS,
-            "weights" if targets_of(document, target_node) == 0 => {
-                let name = named(&target_node.name, "node", node);
+        let mut a_time = 1;
+        if property == Property::Weights {
+            let node = &document.nodes[index];
+            a_time = targets_of(document, node);
+            if a_time == 0 {
+                let name = named(&node.name, "node", index);
                 report.not_honoured(Loss::MorphWeightsWithoutTargets, &name);
-                return Ok(Read::Nothing);
+                return Ok(None);
             }
-            "weights" => WEIGHTS,
-            other => {
-                return Err(accessors
-                    .invalid(format!("{place}.target.path"), format!("`{other}` cannot be animated"))
-                    .expected("translation, rotation, scale or weights"));
-            }
-        };
-        if target_node.matrix.is_some() && path != "weights" {
+        } else if property.is_of_transform() && document.nodes[index].matrix.is_some() {
             return Err(accessors
-                .invalid(format!("{place}.target.node"), format!("node {node} is animated and has a matrix"))
+                .invalid(format!("{place}.target.node"), format!("node {index} is animated and has a matrix"))
                 .expected("translation, rotation and scale on nodes that are animated"));
         }
-        let a_time = if path == "weights" { targets_of(document, target_node) } else { 1 };
-        let Sampled { times_s, interpolation, values } = self.sampled(sampler, wanted, a_time, &place)?;
-        let vectors = || values.chunks_exact(3).map(DVec3::from_slice).collect();
-        let values = match path {
-            "translation" => Values::Translation(vectors()),
-            "scale" => Values::Scale(vectors()),
-            "weights" => Values::Weights(values),
-            _ => Values::Rotation(rotations(&values, interpolation).map_err(|key| {
+        let Sampled { times_s, interpolation, mut values } =
+            self.sampled(sampler, property.wanted(), a_time, &place)?;
+        if property == Property::Rotation {
+            normalize(&mut values, interpolation).map_err(|key| {
                 let output = animation.samplers.get(sampler).map_or(0, |sampler| sampler.output);
                 accessors
                     .invalid(format!("accessors[{output}]"), format!("rotation {key} has no length"))
                     .expected("unit quaternions")
-            })?),
-        };
-        Ok(Read::Moves(Channel { place, animation: 0, node, times_s, interpolation, values }))
+            })?;
+        }
+        let channel = Channel { place, animation: 0, property, index, times_s, interpolation, values };
+        match channel.out_of_range() {
+            None => Ok(Some(channel)),
+            Some(value) => Err(accessors
+                .invalid(channel.place, format!("an animated value is {value}, or passes it on its way"))
+                .expected(format!("values in {:?} at and between keys", property.range()))),
+        }
     }
 
     /// Sampler number `sampler`, with `a_time` elements at a time.
@@ -236,18 +207,17 @@ fn targets_of(document: &Document, node: &Node) -> usize {
     mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())
 }
 
-/// Quaternions at unit length, derivatives as they are; or the number of one that has no length.
-fn rotations(values: &[f64], interpolation: Interpolation) -> Result<Vec<DQuat>, usize> {
-    let convert = |(index, value): (usize, &[f64])| {
-        let quaternion = DQuat::from_slice(value);
-        let is_derivative = interpolation == Interpolation::Cubic && index % 3 != 1;
-        if is_derivative {
-            Ok(quaternion)
-        } else if quaternion.length() < 1e-6 {
-            Err(index)
-        } else {
-            Ok(quaternion.normalize())
+/// Brings quaternions to unit length, but for derivatives; or tells the number of one that has no length.
+fn normalize(values: &mut [f64], interpolation: Interpolation) -> Result<(), usize> {
+    for (index, value) in values.chunks_exact_mut(4).enumerate() {
+        if interpolation == Interpolation::Cubic && index % 3 != 1 {
+            continue;
         }
-    };
-    values.chunks_exact(4).enumerate().map(convert).collect()
+        let quaternion = DQuat::from_slice(value);
+        if quaternion.length() < 1e-6 {
+            return Err(index);
+        }
+        value.copy_from_slice(&quaternion.normalize().to_array());
+    }
+    Ok(())
 }

@@ -81,10 +81,8 @@ pub struct GltfScene {
     pub grids: BTreeMap<String, vdb::GridFiles>,
     /// Names of all animations: the author's, else `animation N`.
     pub animations: Vec<String>,
-    /// All channels that move nodes, of all animations, in the file's order.
+    /// All channels of all animations, in the file's order.
     pub channels: Vec<Channel>,
-    /// All others (KHR_animation_pointer), in the file's order.
-    pub properties: Vec<PropertyChannel>,
     /// Requests of the file that are not met, or only nearly.
     pub remarks: Diagnostics,
 }
@@ -207,39 +205,22 @@ pub struct Primitive {
     pub influences: Option<Influences>,
 }
 
-/// One animated property of one node.
+/// An animated value: of a node, or of whatever a pointer names (KHR_animation_pointer).
 #[derive(Clone, Debug)]
 pub struct Channel {
     /// Place in the file: `animations[0].channels[3]`.
     pub place: String,
     /// Index into [`GltfScene::animations`].
     pub animation: usize,
-    /// Index into [`GltfScene::nodes`].
-    pub node: usize,
-    /// Strictly increasing, at least one, seconds.
-    pub times_s: Vec<f32>,
-    /// Interpolation from key to key.
-    pub interpolation: Interpolation,
-    /// A value a time, or three (derivative before, value, derivative after) if cubic.
-    pub values: Values,
-}
-
-/// An animated value that is not of a node's transform.
-#[derive(Clone, Debug)]
-pub struct PropertyChannel {
-    /// Place in the file: `animations[0].channels[3]`.
-    pub place: String,
-    /// Index into [`GltfScene::animations`].
-    pub animation: usize,
     /// Property that it animates.
     pub property: Property,
-    /// Whose: an index into lights, cameras, materials or nodes.
+    /// Whose: an index into nodes, lights, cameras or materials.
     pub index: usize,
     /// Strictly increasing, at least one, seconds.
     pub times_s: Vec<f32>,
     /// Interpolation from key to key.
     pub interpolation: Interpolation,
-    /// [`PropertyChannel::width`] numbers a time, or three times as many if cubic.
+    /// Numbers of a value a time, or of three (derivative before, value, derivative after) if cubic.
     pub values: Vec<f64>,
 }
 
@@ -252,20 +233,6 @@ pub enum Interpolation {
     Linear,
     /// Hermite spline.
     Cubic,
-}
-
-/// Values of a channel, by the property that they animate.
-#[derive(Clone, Debug)]
-pub enum Values {
-    /// Metres.
-    Translation(Vec<DVec3>),
-    /// Quaternions; unit length except where they are derivatives.
-    Rotation(Vec<DQuat>),
-    /// Factors.
-    Scale(Vec<DVec3>),
-    /// Weights of the morph targets of the node's mesh: one for each of them at a time, cubic three times
-    /// as many.
-    Weights(Vec<f64>),
 }
 
 impl GltfScene {
@@ -330,7 +297,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     };
     scene.cameras = nodes::cameras(&document, &mut scene.nodes, &mut report);
     scene.lights = nodes::lights(&document, &mut scene.nodes, &mut report);
-    (scene.channels, scene.properties) = animations::read(&document, &accessors, &mut report);
+    scene.channels = animations::read(&document, &accessors, &mut report);
     instancing::read(&document, &mut scene.nodes, &accessors, &mut report);
     let targets: Vec<usize> = scene.meshes.iter().map(|mesh| mesh.weights.len()).collect();
     morphs::check_nodes(&document, &mut scene.nodes, &targets, &mut report);

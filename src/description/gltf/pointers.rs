@@ -1,14 +1,23 @@
-//! KHR_animation_pointer: which value a channel animates, and the values' ranges. Invariant: a
-//! [`PropertyChannel`] names a thing that exists, and its values stay in range at and between its keys.
+//! Properties that a channel animates, by paths and pointers (KHR_animation_pointer), and their values' ranges.
+//! Invariant: a [`Channel`] names a thing that exists, and its values stay in range at and between its keys.
 
 use super::accessor::{Component, Wanted};
+use super::attributes::SIGNED_OR_NOT;
 use super::json::Document;
-use super::{Interpolation, PropertyChannel};
+use super::{Channel, Interpolation};
 use std::ops::RangeInclusive;
 
-/// A value that may be animated and belongs to no node's transform.
+/// A value that may be animated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Property {
+    /// Node: metres.
+    Translation,
+    /// Node: a quaternion; unit length except where it is a derivative.
+    Rotation,
+    /// Node: factors.
+    Scale,
+    /// Node: weights of its mesh's morph targets, one for each of them.
+    Weights,
     /// Light: colour.
     LightColor,
     /// Light: intensity, in the file's units.
@@ -47,13 +56,27 @@ impl Property {
         Self::EmissionStrength,
         Self::NormalScale,
     ];
+
+    /// Property of a node that a channel's path names.
+    pub(super) fn of_path(path: &str) -> Option<Self> {
+        Some(match path {
+            "translation" => Self::Translation,
+            "rotation" => Self::Rotation,
+            "scale" => Self::Scale,
+            "weights" => Self::Weights,
+            _ => return None,
+        })
+    }
+
+    /// Whether it moves a node or bends its mesh.
+    pub fn is_of_transform(self) -> bool {
+        matches!(self, Self::Translation | Self::Rotation | Self::Scale | Self::Weights)
+    }
 }
 
 pub(super) enum Target {
     /// A property of thing number so much.
     Property(Property, usize),
-    /// A path of a node, as in a channel without the extension.
-    Node(usize, &'static str),
     /// Something that is there and that we make no use of.
     Unused,
     /// Nothing that the file has.
@@ -91,10 +114,10 @@ pub(super) fn resolve(document: &Document, pointer: &str) -> Target {
             Property::EmissionStrength
         }
         ("materials", ["normalTexture", "scale"]) => Property::NormalScale,
-        ("nodes", ["translation"]) => return Target::Node(number, "translation"),
-        ("nodes", ["rotation"]) => return Target::Node(number, "rotation"),
-        ("nodes", ["scale"]) => return Target::Node(number, "scale"),
-        ("nodes", ["weights"]) => return Target::Node(number, "weights"),
+        ("nodes", [path]) => match Property::of_path(path) {
+            Some(property) => property,
+            None => return Target::Unused,
+        },
         _ => return Target::Unused,
     };
     Target::Property(property, number)
@@ -102,20 +125,24 @@ pub(super) fn resolve(document: &Document, pointer: &str) -> Target {
 
 impl Property {
     pub(super) fn wanted(self) -> Wanted {
-        const NUMBERS: &[Component] =
-            &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
-        let width = match self {
-            Self::BaseColor => 4,
-            Self::LightColor | Self::Emission => 3,
-            _ => 1,
+        let (purpose, width, components) = match self {
+            Self::Translation | Self::Scale => ("translations and scales", 3, &[Component::F32][..]),
+            Self::Rotation => ("rotations", 4, SIGNED_OR_NOT),
+            Self::Weights => ("weights of morph targets", 1, SIGNED_OR_NOT),
+            Self::BaseColor => ("animated values", 4, SIGNED_OR_NOT),
+            Self::LightColor | Self::Emission => ("animated values", 3, SIGNED_OR_NOT),
+            _ => ("animated values", 1, SIGNED_OR_NOT),
         };
-        Wanted { purpose: "animated values", width, components: NUMBERS }
+        Wanted { purpose, width, components }
     }
 
     /// Range that its values have to lie in.
     pub(super) fn range(self) -> RangeInclusive<f64> {
         const LEAST: f64 = 1e-15;
         match self {
+            Self::Translation | Self::Rotation | Self::Scale | Self::Weights => {
+                f64::NEG_INFINITY..=f64::INFINITY
+            }
             Self::LightColor | Self::LightIntensity | Self::EmissionStrength => 0.0..=1e30,
             Self::NodeVisible | Self::BaseColor | Self::Metallic | Self::Roughness | Self::Emission => {
                 0.0..=1.0
@@ -129,8 +156,8 @@ impl Property {
     }
 }
 
-impl PropertyChannel {
-    /// Numbers that make up a value.
+impl Channel {
+    /// Numbers that make up a value, of weights one.
     pub fn width(&self) -> usize {
         self.property.wanted().width
     }

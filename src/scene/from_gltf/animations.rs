@@ -7,23 +7,13 @@
 
 use super::clock::Clock;
 use crate::description::gltf::report::Report;
-use crate::description::gltf::{GltfScene, Property, Values};
+use crate::description::gltf::{GltfScene, Property};
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::Animation;
 use std::collections::BTreeSet;
 
-/// Target of a channel, which two animations cannot both move: a path of a node, or a property of
-/// something, with its number.
-type Target = (Thing, usize);
-
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Thing {
-    Translation,
-    Rotation,
-    Scale,
-    Weights,
-    Property(Property),
-}
+/// Target of a channel, which two animations cannot both move: a property of something, with its number.
+type Target = (Property, usize);
 
 /// Chooses animations and lists all. Channels of those that do not play are taken out of the file.
 /// `wanted` is a name, a number or `all`; without it each plays that moves nothing that an earlier one
@@ -50,7 +40,6 @@ pub(super) fn choose(source: &mut GltfScene, wanted: Option<&str>, report: &mut 
     };
     let animations = source.animations.iter().enumerate().map(animation).collect();
     source.channels.retain(|channel| is_played[channel.animation]);
-    source.properties.retain(|channel| is_played[channel.animation]);
     animations
 }
 
@@ -81,33 +70,22 @@ fn side_by_side(source: &GltfScene, targets: &[BTreeSet<Target>], report: &mut R
 fn targets(source: &GltfScene) -> Vec<BTreeSet<Target>> {
     let mut targets = vec![BTreeSet::new(); source.animations.len()];
     for channel in &source.channels {
-        let thing = match channel.values {
-            Values::Translation(_) => Thing::Translation,
-            Values::Rotation(_) => Thing::Rotation,
-            Values::Scale(_) => Thing::Scale,
-            Values::Weights(_) => Thing::Weights,
-        };
-        targets[channel.animation].insert((thing, channel.node));
-    }
-    for channel in &source.properties {
-        targets[channel.animation].insert((Thing::Property(channel.property), channel.index));
+        targets[channel.animation].insert((channel.property, channel.index));
     }
     targets
 }
 
 fn moves(source: &GltfScene, targets: &BTreeSet<Target>) -> Vec<String> {
     let node = |index: usize| source.nodes[index].name.clone();
-    let name = |&(thing, index): &Target| match thing {
-        Thing::Property(property) => match property {
-            Property::NodeVisible => node(index),
-            Property::CameraFovY | Property::CameraHalfHeight => source.cameras[index].name.clone(),
-            Property::LightColor
-            | Property::LightIntensity
-            | Property::SpotInnerAngle
-            | Property::SpotOuterAngle => source.lights[index].name.clone(),
-            _ => source.materials[index].name.clone(),
-        },
-        _ => node(index),
+    let name = |&(property, index): &Target| match property {
+        Property::NodeVisible => node(index),
+        property if property.is_of_transform() => node(index),
+        Property::CameraFovY | Property::CameraHalfHeight => source.cameras[index].name.clone(),
+        Property::LightColor
+        | Property::LightIntensity
+        | Property::SpotInnerAngle
+        | Property::SpotOuterAngle => source.lights[index].name.clone(),
+        _ => source.materials[index].name.clone(),
     };
     let names: BTreeSet<String> = targets.iter().map(name).collect();
     names.into_iter().collect()
@@ -115,10 +93,8 @@ fn moves(source: &GltfScene, targets: &BTreeSet<Target>) -> Vec<String> {
 
 /// The first and the last key of an animation, in the file's seconds.
 fn keys_s(source: &GltfScene, animation: usize) -> Option<(f64, f64)> {
-    let of_nodes = source.channels.iter().map(|channel| (channel.animation, &channel.times_s));
-    let of_others = source.properties.iter().map(|channel| (channel.animation, &channel.times_s));
-    let times_s =
-        of_nodes.chain(of_others).filter(|(owner, _)| *owner == animation).map(|(_, times_s)| times_s);
+    let played = source.channels.iter().filter(|channel| channel.animation == animation);
+    let times_s = played.map(|channel| &channel.times_s);
     let ends =
         times_s.filter_map(|times_s| Some((f64::from(*times_s.first()?), f64::from(*times_s.last()?))));
     ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))

@@ -47,7 +47,9 @@ impl Builder<'_> {
                     Lens::Perspective { fov_y: self.keyed_number(Property::CameraFovY, source, fov_y) }
                 }
                 gltf::Lens::Orthographic { half_height, .. } => {
-                    Lens::Orthographic { height_m: self.orthographic_height(source, half_height) }
+                    let property = Property::CameraHalfHeight;
+                    let height_m = self.keyed(property, source, 2.0 * half_height, |half| 2.0 * half[0]);
+                    Lens::Orthographic { height_m }
                 }
             };
             let extras = self.camera_extras(camera);

@@ -47,7 +47,7 @@ impl Clock {
             report.error(format!("{extras}.sunfleck.fps"), found, "two numbers above 0");
             return none;
         };
-        let is_animated = !(source.channels.is_empty() && source.properties.is_empty());
+        let is_animated = !source.channels.is_empty();
         let is_wrong = fps_base != 1.0 && source.generator.contains("Blender") && is_animated;
         if is_wrong {
             report.push(Diagnostic::note(
@@ -67,10 +67,10 @@ impl Clock {
     /// First and last frame that a key is on; frame 1 if nothing moves.
     pub(super) fn animated_frames(&self, source: &GltfScene) -> (f64, f64) {
         let rate = f64::from(self.frame_rate.numerator) / f64::from(self.frame_rate.denominator);
-        let of_nodes = source.channels.iter().map(|channel| &channel.times_s);
-        let of_others = source.properties.iter().map(|channel| &channel.times_s);
-        let mut frames = of_nodes
-            .chain(of_others)
+        let mut frames = source
+            .channels
+            .iter()
+            .map(|channel| &channel.times_s)
             .filter(|times_s| times_s.len() > 1)
             .flat_map(|times_s| times_s.first().into_iter().chain(times_s.last()))
             .map(|&time_s| (self.seconds(time_s) * rate).round());

@@ -3,7 +3,7 @@
 
 use super::Builder;
 use super::nodes::track;
-use crate::description::gltf::{Interpolation, Primitive, Values};
+use crate::description::gltf::{Interpolation, Primitive, Property};
 use crate::diagnostic::Loss;
 use crate::scene::outline::Between;
 use crate::scene::{Deformation, Influences, InnerVertex, Joint, MeshIndex, MorphTarget, Pose, Skin, Track};
@@ -134,14 +134,12 @@ impl Builder<'_> {
         let of_mesh = || source.mesh.map(|mesh| self.source.meshes[mesh].weights.clone()).unwrap_or_default();
         let still = source.weights.clone().unwrap_or_else(of_mesh);
         let count = still.len();
-        let Some((channel, Values::Weights(values))) =
-            self.weight_channels[node].map(|channel| (channel, &channel.values))
-        else {
+        let Some(channel) = self.property(Property::Weights, node) else {
             return still.into_iter().map(Track::from).collect();
         };
         let parts = if channel.interpolation == Interpolation::Cubic { 3 } else { 1 };
         let own = |index: usize| -> Vec<f64> {
-            (0..channel.times_s.len() * parts).map(|at| values[at * count + index]).collect()
+            (0..channel.times_s.len() * parts).map(|at| channel.values[at * count + index]).collect()
         };
         let keyed = |(index, still): (usize, f64)| {
             track(&channel.times_s, channel.interpolation, &own(index), &self.clock)

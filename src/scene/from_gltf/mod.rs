@@ -26,7 +26,7 @@ mod surfaces;
 use super::outline::Tally;
 use super::{Light, LightKind, MaterialIndex, RenderSettings, ResolveOptions, Scene, Texture};
 use crate::description::gltf::report::Report;
-use crate::description::gltf::{Channel, GltfScene, Property, PropertyChannel};
+use crate::description::gltf::{Channel, GltfScene, Property};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss};
 use clock::Clock;
 use std::collections::BTreeMap;
@@ -40,10 +40,8 @@ struct Builder<'a> {
     report: Report,
     /// Our number of each of the file's nodes; `None` for those outside the scene.
     node_numbers: Vec<Option<usize>>,
-    /// Morph weights of each node's mesh, if they are animated.
-    weight_channels: Vec<Option<&'a Channel>>,
-    /// Animated properties beside nodes.
-    properties: BTreeMap<(Property, usize), &'a PropertyChannel>,
+    /// Channels of animated properties.
+    channels: BTreeMap<(Property, usize), &'a Channel>,
     /// Images on suns, by the names that the file has for them.
     sun_images: BTreeMap<String, Arc<Texture>>,
     pictures_on_suns: usize,
@@ -73,21 +71,19 @@ pub(super) fn resolve(
     animations::set_right(&mut animations, &clock);
     let textures = std::mem::take(&mut source.textures);
     let node_numbers = vec![None; source.nodes.len()];
-    let weight_channels = vec![None; source.nodes.len()];
     let mut builder = Builder {
         source: &source,
         clock,
         scene: Scene { animations, ..Scene::default() },
         report,
         node_numbers,
-        weight_channels,
-        properties: BTreeMap::new(),
+        channels: BTreeMap::new(),
         sun_images,
         pictures_on_suns: 0,
         outlines: Tally::default(),
         colored: BTreeMap::new(),
     };
-    builder.collect_properties();
+    builder.collect_channels();
     builder.add_nodes();
     builder.add_surfaces(textures);
     builder.add_meshes_and_instances();

@@ -3,21 +3,13 @@
 
 use super::Builder;
 use super::clock::Clock;
-use crate::description::gltf::{self, Channel, Interpolation, Transform, Values};
+use crate::description::gltf::{Interpolation, Property, Transform};
 use crate::diagnostic::Loss;
 use crate::scene::{Animate, Extend, Key, Motion, Node, NodeIndex, Rotation, Segment, Track};
 use glam::{DAffine3, DQuat, DVec3};
 
-#[derive(Clone, Copy, Default)]
-struct Channels<'a> {
-    translation: Option<&'a Channel>,
-    rotation: Option<&'a Channel>,
-    scale: Option<&'a Channel>,
-}
-
-impl<'a> Builder<'a> {
+impl Builder<'_> {
     pub(super) fn add_nodes(&mut self) {
-        let channels = self.channels_by_node();
         let mut waiting: Vec<(usize, Option<NodeIndex>)> =
             self.source.roots.iter().rev().map(|&root| (root, None)).collect();
         while let Some((index, parent)) = waiting.pop() {
@@ -27,7 +19,7 @@ impl<'a> Builder<'a> {
             self.scene.nodes.push(Node {
                 name: node.name.clone(),
                 parent,
-                motion: self.motion(node, channels[index]),
+                motion: self.motion(index),
                 visible: self.visible(index),
             });
             waiting.extend(node.children.iter().rev().map(|&child| (child, Some(number))));
@@ -39,49 +31,20 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn channels_by_node(&mut self) -> Vec<Channels<'a>> {
-        let mut by_node = vec![Channels::default(); self.source.nodes.len()];
-        for channel in &self.source.channels {
-            let channels = &mut by_node[channel.node];
-            let property = match channel.values {
-                Values::Translation(_) => &mut channels.translation,
-                Values::Rotation(_) => &mut channels.rotation,
-                Values::Scale(_) => &mut channels.scale,
-                Values::Weights(_) => &mut self.weight_channels[channel.node],
-            };
-            if property.replace(channel).is_some() {
-                self.report.not_honoured(Loss::AnimationsConflict, &self.source.nodes[channel.node].name);
-            }
-        }
-        by_node
-    }
-
-    fn motion(&self, node: &gltf::Node, channels: Channels<'_>) -> Motion {
-        let (translation, rotation, scale) = match node.transform {
+    fn motion(&self, index: usize) -> Motion {
+        let (translation, rotation, scale) = match self.source.nodes[index].transform {
             Transform::Matrix(matrix) => return Motion::Still(matrix),
             Transform::Parts { translation, rotation, scale } => (translation, rotation, scale),
         };
-        let Channels { translation: None, rotation: None, scale: None } = channels else {
-            let keyed = |channel: Option<&Channel>, still: DVec3| match channel.map(|c| (c, &c.values)) {
-                Some((channel, Values::Translation(values) | Values::Scale(values))) => {
-                    track(&channel.times_s, channel.interpolation, values, &self.clock)
-                        .unwrap_or(Track::from(still))
-                }
-                _ => Track::from(still),
-            };
-            let turning = match channels.rotation.map(|c| (c, &c.values)) {
-                Some((channel, Values::Rotation(values))) => {
-                    track(&channel.times_s, channel.interpolation, values, &self.clock)
-                }
-                _ => None,
-            };
-            return Motion::Keyed {
-                translation: keyed(channels.translation, translation),
-                rotation: Rotation::Quaternion(turning.unwrap_or(Track::<DQuat>::from(rotation))),
-                scale: keyed(channels.scale, scale),
-            };
-        };
-        Motion::Still(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+        if !self.is_animated(&[Property::Translation, Property::Rotation, Property::Scale], index) {
+            return Motion::Still(DAffine3::from_scale_rotation_translation(scale, rotation, translation));
+        }
+        let turn = self.keyed(Property::Rotation, index, rotation, DQuat::from_slice);
+        Motion::Keyed {
+            translation: self.keyed(Property::Translation, index, translation, DVec3::from_slice),
+            rotation: Rotation::Quaternion(turn),
+            scale: self.keyed(Property::Scale, index, scale, DVec3::from_slice),
+        }
     }
 }
 

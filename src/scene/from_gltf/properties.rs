@@ -1,11 +1,11 @@
-//! Animated values beside the transforms of nodes (KHR_animation_pointer). In go channels, out come tracks.
+//! Animated values. In go channels, out come tracks.
 //! Invariant: what Blender's exporter is known to write in the wrong unit has the right one.
 
 use super::Builder;
 use super::joined::{Course, joined};
 use super::nodes::track;
 use crate::color::{LUMENS_PER_WATT, Rgb};
-use crate::description::gltf::{self, Interpolation, Property, PropertyChannel};
+use crate::description::gltf::{self, Channel, Interpolation, Property};
 use crate::diagnostic::Loss;
 use crate::scene::{Animate, LightUnits, MaterialNumbers, Track};
 use std::f64::consts::PI;
@@ -20,37 +20,46 @@ const SOFTEST_HARD_EDGE: f64 = 1e-6;
 
 impl<'a> Builder<'a> {
     /// Finds the channel of every animated property; of several the last one is played.
-    pub(super) fn collect_properties(&mut self) {
-        for channel in &self.source.properties {
-            let other = self.properties.insert((channel.property, channel.index), channel);
-            if other.is_some() {
-                self.report.not_honoured(Loss::AnimatedValuesConflict, &channel.place);
+    pub(super) fn collect_channels(&mut self) {
+        for channel in &self.source.channels {
+            let Channel { property, index, place, .. } = channel;
+            if self.channels.insert((*property, *index), channel).is_none() {
+                continue;
+            }
+            match property.is_of_transform() {
+                true => self.report.not_honoured(Loss::AnimationsConflict, &self.source.nodes[*index].name),
+                false => self.report.not_honoured(Loss::AnimatedValuesConflict, place),
             }
         }
     }
 
-    fn property(&self, property: Property, index: usize) -> Option<&'a PropertyChannel> {
-        self.properties.get(&(property, index)).copied()
+    pub(super) fn property(&self, property: Property, index: usize) -> Option<&'a Channel> {
+        self.channels.get(&(property, index)).copied()
     }
 
     /// The track of a channel, each value or derivative taken through a linear map.
-    fn mapped<T: Animate>(&self, channel: &PropertyChannel, map: impl Fn(&[f64]) -> T) -> Option<Track<T>> {
+    fn mapped<T: Animate>(&self, channel: &Channel, map: impl Fn(&[f64]) -> T) -> Option<Track<T>> {
         let width = channel.width();
         let values: Vec<T> = channel.values.chunks_exact(width).map(map).collect();
         track(&channel.times_s, channel.interpolation, &values, &self.clock)
     }
 
-    /// The track of a number; `still` if nothing animates it.
-    pub(super) fn keyed_number(&self, property: Property, index: usize, still: f64) -> Track<f64> {
+    /// The track of a property, each value or derivative taken through a linear map; `still` if nothing
+    /// animates it.
+    pub(super) fn keyed<T: Animate>(
+        &self,
+        property: Property,
+        index: usize,
+        still: T,
+        map: impl Fn(&[f64]) -> T,
+    ) -> Track<T> {
         let channel = self.property(property, index);
-        channel.and_then(|channel| self.mapped(channel, |value| value[0])).unwrap_or(Track::from(still))
+        channel.and_then(|channel| self.mapped(channel, map)).unwrap_or(Track::from(still))
     }
 
-    /// The height of an orthographic camera's picture.
-    pub(super) fn orthographic_height(&self, index: usize, half_height: f64) -> Track<f64> {
-        let channel = self.property(Property::CameraHalfHeight, index);
-        let doubled = channel.and_then(|channel| self.mapped(channel, |value| 2.0 * value[0]));
-        doubled.unwrap_or(Track::from(2.0 * half_height))
+    /// The same of a number.
+    pub(super) fn keyed_number(&self, property: Property, index: usize, still: f64) -> Track<f64> {
+        self.keyed(property, index, still, |value| value[0])
     }
 
     /// Whether a node is shown.
@@ -92,7 +101,7 @@ impl<'a> Builder<'a> {
     /// Blender 5.0's exporter converts animated intensities otherwise than still ones (io_scene_gltf2,
     /// `keyframes.py` and `lights.py`): of lamps it forgets to divide by 4 pi, of suns to multiply by 683,
     /// of all of them the exposure. The last is found from the still intensity, which is that of frame 0.
-    fn intensity_factor(&mut self, light: &gltf::Light, channel: &PropertyChannel, units: LightUnits) -> f64 {
+    fn intensity_factor(&mut self, light: &gltf::Light, channel: &Channel, units: LightUnits) -> f64 {
         if !self.source.generator.contains("Blender") {
             return 1.0;
         }
