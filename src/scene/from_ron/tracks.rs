@@ -71,31 +71,14 @@ fn check<T: Keyable<Si: Animate>>(keys: &Keys<T>, field: &str, problems: &mut Pr
             let found = "a handle lies on the wrong side of its key";
             problems.error(&path, found, &expected, "move the handle to the side of its curve");
         }
-        if !inner_control_points(&pair[0], &pair[1]).into_iter().flatten().all(T::admits) {
+        let inner = resolved(&pair[0]).inner_control_points(&resolved(&pair[1]));
+        if !inner.into_iter().all(T::admits) {
             valid = false;
             let found = "the curve to the next key may leave the field's range";
             problems.error(&path, found, T::EXPECTED, "make the slopes less steep, or use `Linear`");
         }
     }
     valid.then_some(())
-}
-
-/// The two inner Bezier control values of a cubic: the curve stays within the hull of all four.
-fn inner_control_points<T: Keyable<Si: Animate>>(from: &ron::Key<T>, to: &ron::Key<T>) -> Option<[T::Si; 2]> {
-    match from.to_next {
-        ToNext::Step | ToNext::Linear => None,
-        ToNext::Bezier { leave, arrive } => Some([leave.value.si(), arrive.value.si()]),
-        ToNext::Hermite { leave_per_s, arrive_per_s } => {
-            let third_s = (to.at_s.si() - from.at_s.si()) / 3.0;
-            let along = |value: T::Si, rate: T::Si, time_s: f64| {
-                T::Si::blend([value, rate, value, value], [1.0, time_s, 0.0, 0.0])
-            };
-            Some([
-                along(from.value.si(), T::rate_si(leave_per_s), third_s),
-                along(to.value.si(), T::rate_si(arrive_per_s), -third_s),
-            ])
-        }
-    }
 }
 
 fn resolved<T: Keyable<Si: Animate>>(key: &ron::Key<T>) -> Key<T::Si> {
