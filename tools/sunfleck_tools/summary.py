@@ -10,7 +10,7 @@ import numpy as np
 
 from .exr.colors import color_space
 from .exr.header import COMPRESSIONS, Header
-from .findings import Finding
+from .findings import Finding, Found
 from .frame import Frame, row_blocks, wide
 from .options import Options
 
@@ -63,6 +63,10 @@ class FrameSummary:
     def decoded(self) -> bool:
         """True if there were pixels to look at."""
         return self.hash is not None
+
+    def found(self, message: str, pixel: tuple[int, int] | None = None) -> Found:
+        """What a check of the sequence says of this frame."""
+        return Found(message, self.number, self.path, pixel=pixel)
 
 
 @dataclass

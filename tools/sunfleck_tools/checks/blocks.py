@@ -117,4 +117,4 @@ def black_block(rendered: Rendered) -> Iterator[Found]:
             x0, y0, x1, y1 = frame.black_blocks[0]
             more = f", and {len(frame.black_blocks) - 1} more" if len(frame.black_blocks) > 1 else ""
             message = f"{x1 - x0 + 1} x {y1 - y0 + 1} pixels from ({x0}, {y0}) on are black{more}: a block that was not rendered"
-            yield Found(message, frame=frame.number, path=frame.path, pixel=(x0, y0))
+            yield frame.found(message, pixel=(x0, y0))

@@ -30,8 +30,7 @@ def odd_ones(
         share = "was asked for:"
     for frame in frames:
         if (value := values[frame.number]) != expected:
-            message = f"its {what} is {_shown(value)} where {share} {_shown(expected)}"
-            yield Found(message, frame=frame.number, path=frame.path)
+            yield frame.found(f"its {what} is {_shown(value)} where {share} {_shown(expected)}")
 
 
 def _shown(value: object) -> str:
@@ -90,14 +89,12 @@ def unsigned(rendered: Rendered) -> Iterator[Found]:
         yield Found("no frame carries a pixel hash: damage that decodes goes unseen")
     else:
         for frame in without:
-            yield Found("it carries no pixel hash", frame=frame.number, path=frame.path)
+            yield frame.found("it carries no pixel hash")
     sealed = [frame for frame in frames if "fileHash" in frame.provenance]
     if sealed:
         for frame in frames:
             if "fileHash" not in frame.provenance:
-                yield Found(
-                    "it carries no hash of the file, as the others do", frame=frame.number, path=frame.path
-                )
+                yield frame.found("it carries no hash of the file, as the others do")
 
 
 @check(
@@ -158,7 +155,7 @@ def image_counter(rendered: Rendered) -> Iterator[Found]:
     for frame in rendered.frames:
         counter = frame.attributes.get("imageCounter")
         if is_own and counter is not None and counter != frame.number:
-            yield Found(f"the file says that it is frame {counter}", frame=frame.number, path=frame.path)
+            yield frame.found(f"the file says that it is frame {counter}")
 
 
 def number_said(frame: FrameSummary) -> int | None:

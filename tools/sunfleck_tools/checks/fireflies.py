@@ -91,4 +91,4 @@ def firefly(rendered: Rendered) -> Iterator[Found]:
             count = len(frame.fireflies)
             pixels = "a pixel" if count == 1 else f"{count} pixels, the brightest"
             message = f"{pixels} at ({x}, {y}) has luminance {value:.4g} among {middle:.4g}"
-            yield Found(message, frame=frame.number, path=frame.path, pixel=(x, y))
+            yield frame.found(message, pixel=(x, y))

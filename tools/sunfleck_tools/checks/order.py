@@ -48,10 +48,9 @@ def order(rendered: Rendered) -> Iterator[Found]:
     for frames in _runs(rendered.decoded):
         for i, j in _swapped(frames):
             for one, other in ((i, j), (j, i)):
-                message = (
+                yield frames[one].found(
                     f"it belongs where frame {frames[other].number} is, and that one here: they seem swapped"
                 )
-                yield Found(message, frame=frames[one].number, path=frames[one].path)
 
 
 def _runs(frames: Sequence[FrameSummary]) -> Iterator[list[FrameSummary]]:

@@ -32,7 +32,7 @@ def reference_missing(rendered: Rendered) -> Iterator[Found]:
     """Only where references were asked for."""
     for frame in rendered.decoded:
         if frame.reference_error:
-            yield Found(frame.reference_error, frame=frame.number, path=frame.path)
+            yield frame.found(frame.reference_error)
 
 
 @check("reference", Severity.ERROR, Scope.SEQUENCE, "a frame is too far from its reference")
@@ -42,8 +42,7 @@ def reference(rendered: Rendered) -> Iterator[Found]:
     for frame in rendered.decoded:
         # Not `>`: an error that is no number is too large as well.
         if frame.relmse is not None and not frame.relmse <= options.max_relmse:
-            message = f"relative mean square error {frame.relmse:.4g}, allowed {options.max_relmse:g}"
-            yield Found(message, frame=frame.number, path=frame.path)
+            error = f"relative mean square error {frame.relmse:.4g}"
+            yield frame.found(f"{error}, allowed {options.max_relmse:g}")
         if frame.flip is not None and options.max_flip is not None and not frame.flip <= options.max_flip:
-            message = f"mean FLIP {frame.flip:.4g}, allowed {options.max_flip:g}"
-            yield Found(message, frame=frame.number, path=frame.path)
+            yield frame.found(f"mean FLIP {frame.flip:.4g}, allowed {options.max_flip:g}")

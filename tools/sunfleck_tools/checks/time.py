@@ -43,10 +43,9 @@ def black(rendered: Rendered) -> Iterator[Found]:
         steps = [side[0] for side in sides if not _fades(side, median(lit))]
         if steps and not rests:
             for frame in frames[start:end]:
-                message = (
+                yield frame.found(
                     f"every pixel is black, where frame {steps[0].number} has a mean of {steps[0].mean:.4g}"
                 )
-                yield Found(message, frame=frame.number, path=frame.path)
 
 
 @check("all-black", Severity.WARNING, Scope.SEQUENCE, "no frame shows anything")
@@ -87,7 +86,7 @@ def constant(rendered: Rendered) -> Iterator[Found]:
     """A camera within a wall, or fog alone."""
     for frame in rendered.decoded:
         if frame.constant and frame.largest != 0:
-            yield Found("all pixels have one colour", frame=frame.number, path=frame.path)
+            yield frame.found("all pixels have one colour")
 
 
 @check(
@@ -111,11 +110,7 @@ def stuck(rendered: Rendered) -> Iterator[Found]:
         if len(run) > 1 and not rests and not _is_black(run[0]):
             until = f", and so do all until frame {run[-1].number}" if len(run) > 2 else ""
             meant = "" if len(run) < len(frames) else "; if nothing moves, say so by --static"
-            yield Found(
-                f"it has the pixels of frame {run[0].number}{until}{meant}",
-                frame=run[1].number,
-                path=run[1].path,
-            )
+            yield run[1].found(f"it has the pixels of frame {run[0].number}{until}{meant}")
         start = end
 
 
@@ -126,8 +121,7 @@ def file_size(rendered: Rendered) -> Iterator[Found]:
     for frame, around in _surrounded([frame for frame in rendered.frames if not _is_black(frame)]):
         usual = median(other.bytes for other in around)
         if frame.bytes * SIZE_RATIO < usual or frame.bytes > usual * SIZE_RATIO:
-            message = f"the file has {frame.bytes} bytes where its neighbours have about {usual:.0f}"
-            yield Found(message, frame=frame.number, path=frame.path)
+            yield frame.found(f"the file has {frame.bytes} bytes where its neighbours have about {usual:.0f}")
 
 
 @check("pop", Severity.WARNING, Scope.SEQUENCE, "a frame alone is brighter or darker than both neighbours")
@@ -146,7 +140,7 @@ def pop(rendered: Rendered) -> Iterator[Found]:
                 POP_RATIO[name] * level, POP_DEVIATIONS * median(around)
             ):
                 message = f"{label} {values[i]:.4g} between {values[i - 1]:.4g} and {values[i + 1]:.4g}"
-                yield Found(f"it pops: {message}", frame=frame.number, path=frame.path)
+                yield frame.found(f"it pops: {message}")
 
 
 @check("flicker", Severity.WARNING, Scope.SEQUENCE, "brightness goes up and down from frame to frame")
@@ -164,8 +158,7 @@ def flicker(rendered: Rendered) -> Iterator[Found]:
         if len(run) >= FLICKER_FRAMES and median(map(abs, run)) > FLICKER_RATIO * level:
             first, last = frames[start], frames[i]
             share = 100 * median(map(abs, run)) / level if level else 0.0
-            message = f"its mean goes up and down by {share:.1f} % until frame {last.number}"
-            yield Found(message, frame=first.number, path=first.path)
+            yield first.found(f"its mean goes up and down by {share:.1f} % until frame {last.number}")
         start = i
 
 
