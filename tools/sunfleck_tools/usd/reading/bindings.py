@@ -62,14 +62,14 @@ def _say_subsets_without_a_family(prim: Usd.Prim, lost: Losses) -> None:
         api = UsdShade.MaterialBindingAPI(subset.GetPrim())
         if family != UsdShade.Tokens.materialBind and api.GetDirectBindingRel().GetTargets():
             what = f"is a subset of the family `{family}`, not `materialBind`: its material is passed over"
-            lost.add("usd-composition", subset.GetPath(), what)
+            lost.add("usd-composition", subset, what)
 
 
 def read_bound(prim: Usd.Prim, lost: Losses) -> Bound:
     """All bindings of a prim; one that leads to no material is said."""
     bound = bound_material(prim)
     if bound is None and (target := _missing(prim)) is not None:
-        lost.add("usd-missing", prim.GetPath(), f"is bound to {target}, which is no material")
+        lost.add("usd-missing", prim, f"is bound to {target}, which is no material")
     _say_subsets_without_a_family(prim, lost)
     subsets = [each.GetPrim() for each in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()]
     return Bound(bound, [(each, bound_material(each)) for each in subsets])

@@ -37,14 +37,12 @@ def vertex_colors(
         if primvar.ValueMightBeTimeVarying():
             lost.add(
                 "usd-material-animated",
-                prim.GetPath(),
+                prim,
                 f"its {name} changes over time; that of the first frame is taken",
             )
         found = spread(primvar.ComputeFlattened(code), primvar.GetInterpolation(), width)
         if found is None:
-            lost.add(
-                "usd-material-value", prim.GetPath(), f"its {name} does not fit the mesh, and is left out"
-            )
+            lost.add("usd-material-value", prim, f"its {name} does not fit the mesh, and is left out")
         rows.append(None if found is None else within(found, prim, name, lost))
     colors, opacity = rows
     if opacity is None or (opacity >= 1).all():
@@ -58,7 +56,7 @@ def within(values: np.ndarray, prim: Usd.Prim, name: str, lost: Losses) -> np.nd
     """Values put between 0 and 1, which is said of more than rounding."""
     if values.size and (values.min() < -ROUNDING or values.max() > 1 + ROUNDING):
         said = f"its {name} goes from {values.min():.4g} to {values.max():.4g}, and is clipped to 0 and 1"
-        lost.add("usd-material-value", prim.GetPath(), said)
+        lost.add("usd-material-value", prim, said)
     return np.clip(values, 0, 1)
 
 

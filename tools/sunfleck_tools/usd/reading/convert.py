@@ -146,7 +146,7 @@ class _Import:
                 continue
             if kind.is_unknown:
                 said = f"is a `{prim.GetTypeName()}`, which USD does not know, and is passed over"
-                self.lost.add("usd-prim", prim.GetPath(), said)
+                self.lost.add("usd-prim", prim, said)
             below = parent
             if not kind.is_xformable:
                 children = _children(prim)
@@ -168,14 +168,12 @@ class _Import:
         purpose = UsdGeom.Imageable(prim).ComputePurpose()
         if purpose != UsdGeom.Tokens.default_ and purpose not in self.options.purposes:
             if not (self.source.by_us or _bounds_fog_of_ours(prim)):
-                self.lost.add("usd-purpose", prim.GetPath(), f"is of purpose `{purpose}`, which is not drawn")
+                self.lost.add("usd-purpose", prim, f"is of purpose `{purpose}`, which is not drawn")
             return False
         if is_hidden_by_purpose(prim, str(purpose), self.source):
             return False
         if not (kind.is_shape or kind.is_instancer or kind.is_volume):
-            self.lost.add(
-                "usd-shape", prim.GetPath(), f"a {prim.GetTypeName()} is not carried, only faces are"
-            )
+            self.lost.add("usd-shape", prim, f"a {prim.GetTypeName()} is not carried, only faces are")
             return False
         return True
 
@@ -320,16 +318,12 @@ class _Import:
         if ENVIRONMENT in self.scene:
             # The renderer's own words say more than any dome.
             if self.has_dome:
-                self.lost.add(
-                    "usd-dome-second", light.GetPath(), "a second DomeLight is not carried: there is one sky"
-                )
+                self.lost.add("usd-dome-second", light, "a second DomeLight is not carried: there is one sky")
             return
         hidden = seen(up_to(light, light.GetStage().GetPseudoRoot()), self.source)
         if hidden is not None and hidden[1].any():
             self.lost.add(
-                "usd-dome-animated",
-                light.GetPath(),
-                "a sky that is seen for a while is seen as it is at first",
+                "usd-dome-animated", light, "a sky that is seen for a while is seen as it is at first"
             )
         if hidden is not None and not hidden[1][0]:
             return

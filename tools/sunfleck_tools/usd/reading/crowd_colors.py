@@ -26,7 +26,7 @@ def instance_colors(prim: Usd.Prim, code: float, count: int, lost: Losses) -> np
         values = primvar.ComputeFlattened(code)
         array = np.zeros((0, width)) if values is None else np.array(values, float).reshape(-1, width)
         if len(array) < count or not np.isfinite(array[:count]).all():
-            lost.add("usd-primvar", prim.GetPath(), f"its {name} has {len(array)} values for {count} instances, or is not finite")
+            lost.add("usd-primvar", prim, f"its {name} has {len(array)} values for {count} instances, or is not finite")
             continue
         rows[:, columns] = within(array[:count], prim, name, lost)
         is_found = True
@@ -38,4 +38,4 @@ def say_other_primvars(prim: Usd.Prim, lost: Losses) -> None:
     known = {name for name, _ in NAMES}
     for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues():
         if primvar.GetInterpolation() in BY_INSTANCE and primvar.GetPrimvarName() not in known:
-            lost.add("usd-primvar", prim.GetPath(), f"its {primvar.GetPrimvarName()} by instance is not carried")
+            lost.add("usd-primvar", prim, f"its {primvar.GetPrimvarName()} by instance is not carried")

@@ -95,9 +95,7 @@ class _Reader:
         for code, (*_, what) in zip(self.codes.tolist(), moments):
             if what:
                 self.lost.add(
-                    "usd-instances",
-                    self.prim.GetPath(),
-                    f"{what} at time code {code:g}; nothing is seen then",
+                    "usd-instances", self.prim, f"{what} at time code {code:g}; nothing is seen then"
                 )
         # A row for each instance at each code: id, prototype, number of the code, place in the arrays.
         each = [
@@ -152,7 +150,7 @@ class _Reader:
         # NaN, of no colour, is like no other.
         if any(not np.array_equal(each, found[0], equal_nan=True) for each in found):
             what = "colours of its instances change over time; each keeps that with which it comes"
-            self.lost.add("usd-material-animated", self.prim.GetPath(), what)
+            self.lost.add("usd-material-animated", self.prim, what)
         return found[0] if found else None
 
     def _colors_at(self, at: int) -> np.ndarray | None:

@@ -67,7 +67,7 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
     inputs = LampInputs(prim, lost)
     radiance = inputs.radiance(source.codes[:1])[0]
     if any(attribute.ValueMightBeTimeVarying() for attribute in inputs.attributes()):
-        lost.add("usd-dome-animated", prim.GetPath(), "a sky that changes over time is as it is at first")
+        lost.add("usd-dome-animated", prim, "a sky that changes over time is as it is at first")
     inputs.say_the_rest("DomeLight")
     even = {"color": radiance.tolist(), "strength": 1.0, "lights": "surfaces_and_fog"}
     asset = prim.GetAttribute("inputs:texture:file").Get(source.first)
@@ -77,13 +77,13 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
     form = prim.GetAttribute("inputs:texture:format").Get(source.first)
     if form not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong) or not axes[1, 1] > math.cos(UPRIGHT):
         said = "the picture of a DomeLight that is not upright, or not by longitude and latitude, is not carried: its colour is"
-        lost.add("usd-dome-picture", prim.GetPath(), said)
+        lost.add("usd-dome-picture", prim, said)
         return even
     try:
         image = picture_uri(asset, str(prim.GetPath()))
     except SceneError as error:
         said = str(error).removeprefix(f"{prim.GetPath()}: ")
-        lost.add("usd-texture", prim.GetPath(), f"{said}: the sky has its colour alone")
+        lost.add("usd-texture", prim, f"{said}: the sky has its colour alone")
         return even
     # The picture's middle is +z of the dome, and -z of the sky.
     rotation = math.atan2(-axes[0, 2], -axes[2, 2])

@@ -19,11 +19,11 @@ def read_glow(prim: Usd.Prim, source: Source, lost: Losses) -> tuple[float, floa
     if UsdLux.LightAPI(prim).GetNormalizeAttr().Get(source.first):
         radiance = radiance / max(_area(prim, codes), 1e-30)
     if any(attribute.ValueMightBeTimeVarying() for attribute in inputs.attributes()):
-        lost.add("usd-light-input", prim.GetPath(), "how it changes over time is not carried")
+        lost.add("usd-light-input", prim, "how it changes over time is not carried")
     inputs.say_the_rest("MeshLight")
     lost.add(
         "usd-mesh-light",
-        prim.GetPath(),
+        prim,
         "a mesh that is a light is seen to shine, and lights other things by indirect light alone",
     )
     return tuple(radiance.tolist())

@@ -75,7 +75,7 @@ class LampInputs:
             if numbers is None:
                 self.lost.add(
                     "usd-light-value",
-                    self.prim.GetPath(),
+                    self.prim,
                     f"its {name} is not finite, or no number, and {default[0]:g} is taken",
                 )
             rows.append(numbers or default)
@@ -92,15 +92,13 @@ class LampInputs:
         found = numbers_in(light.GetColorTemperatureAttr().Get(code), 1)
         if found is None:
             self.lost.add(
-                "usd-light-value",
-                self.prim.GetPath(),
-                "its colorTemperature is not finite, and is passed over",
+                "usd-light-value", self.prim, "its colorTemperature is not finite, and is passed over"
             )
             return np.ones(3)
         kelvin = found[0]
         if not COLDEST <= kelvin <= HOTTEST:
             said = f"its colorTemperature of {kelvin:g} K is taken as one from {COLDEST:g} to {HOTTEST:g} K"
-            self.lost.add("usd-light-value", self.prim.GetPath(), said)
+            self.lost.add("usd-light-value", self.prim, said)
         return np.array(UsdLux.BlackbodyTemperatureAsRgb(min(max(kelvin, COLDEST), HOTTEST)))
 
     def _picture(self) -> np.ndarray:
@@ -114,13 +112,9 @@ class LampInputs:
             size = (min(picture.size[0], MEAN_SIZE), min(picture.size[1], MEAN_SIZE))
             texels = picture.texels(size, picture.bits == 8 and picture.channels >= 3)[..., :3]
         except PictureError as error:
-            self.lost.add(
-                "usd-texture", self.prim.GetPath(), f"the picture `{asset.path}` is left out: {error}"
-            )
+            self.lost.add("usd-texture", self.prim, f"the picture `{asset.path}` is left out: {error}")
             return np.ones(3)
-        self.lost.add(
-            "usd-light-input", self.prim.GetPath(), "its picture is carried as its mean colour alone"
-        )
+        self.lost.add("usd-light-input", self.prim, "its picture is carried as its mean colour alone")
         return texels.mean(axis=(0, 1))
 
     def say_the_rest(self, kind: str) -> None:
@@ -149,4 +143,4 @@ class LampInputs:
                 self._say(f"its {name}, which leaves some things out,")
 
     def _say(self, what: str) -> None:
-        self.lost.add("usd-light-input", self.prim.GetPath(), f"{what} is not carried")
+        self.lost.add("usd-light-input", self.prim, f"{what} is not carried")

@@ -53,9 +53,7 @@ def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -
     elif kind in ("RectLight", "DiskLight"):
         lamp = reader.area(is_disk=kind == "DiskLight")
     else:
-        lost.add(
-            "usd-camera-or-light-type", prim.GetPath(), f"a {kind or 'light without a type'} is not carried"
-        )
+        lost.add("usd-camera-or-light-type", prim, f"a {kind or 'light without a type'} is not carried")
         return None
     reader.inputs.say_the_rest(kind)
     return lamp
@@ -100,9 +98,7 @@ class _Reader:
         )
         if angles.max() > WIDEST_SUN:
             self.lost.add(
-                "usd-light-shape",
-                self.prim.GetPath(),
-                "a DistantLight wider than 179 degrees is one of 179 degrees",
+                "usd-light-shape", self.prim, "a DistantLight wider than 179 degrees is one of 179 degrees"
             )
             angles = np.minimum(angles, WIDEST_SUN)
         lamp = Lamp(self._light("directional", irradiance), {"angle": angles[0]} if angles.max() > 0 else {})
@@ -133,9 +129,7 @@ class _Reader:
         axes = self.linears() * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
         halves = np.linalg.svd(axes, compute_uv=False)
         if (np.ptp(halves, axis=1) > EVEN * halves.max(axis=1)).any():
-            self.lost.add(
-                "usd-light-shape", self.prim.GetPath(), "a sphere that is stretched is one of the same area"
-            )
+            self.lost.add("usd-light-shape", self.prim, "a sphere that is stretched is one of the same area")
         return ball_area(halves)
 
     def _cylinder_area(self) -> np.ndarray:
@@ -148,7 +142,7 @@ class _Reader:
             * np.linalg.norm(world[:, :, 1:], axis=1).sum(axis=1)
             * np.maximum(self.number("radius", 0.5), 0)
         )
-        self.lost.add("usd-light-shape", self.prim.GetPath(), "a CylinderLight is a sphere of the same area")
+        self.lost.add("usd-light-shape", self.prim, "a CylinderLight is a sphere of the same area")
         return 2 * math.pi * around * along
 
     def _shape(self, lamp: Lamp) -> None:
@@ -158,9 +152,7 @@ class _Reader:
         if outer[0] > math.pi / 2:
             if outer[0] < math.pi - 1e-6:
                 self.lost.add(
-                    "usd-light-cone",
-                    self.prim.GetPath(),
-                    "a cone wider than a half space shines to all sides",
+                    "usd-light-cone", self.prim, "a cone wider than a half space shines to all sides"
                 )
             return
         outer = np.clip(outer, 1e-4, math.pi / 2)

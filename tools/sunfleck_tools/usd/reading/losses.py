@@ -87,10 +87,11 @@ class Losses:
         self._counts: Counter[str] = Counter()
 
     def add(self, kind: str, place: object, what: str) -> None:
-        """Something of a kind of `KINDS` at a prim or in a node; the same thing at the same
-        place counts once."""
+        """Something of a kind of `KINDS` at what has a path, or is one, or in a node; the same thing at the
+        same place counts once."""
         if kind not in KINDS:
             raise KeyError(kind)
+        place = getattr(place, "GetPath", lambda: place)()
         key = (kind, str(place), what)
         if key in self._seen:
             return
@@ -124,5 +125,5 @@ class _LeavingOut:
         if error is None or isinstance(error, TooMuch) or not isinstance(error, UNREADABLE):
             return False
         place = str(self.prim.GetPath())
-        self.losses.add("usd-prim", place, f"is left out: {str(error).removeprefix(f'{place}: ')}")
+        self.losses.add("usd-prim", self.prim, f"is left out: {str(error).removeprefix(f'{place}: ')}")
         return True

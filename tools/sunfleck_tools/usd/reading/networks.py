@@ -73,7 +73,7 @@ class Network:
 
     def say(self, what: str) -> None:
         """Counts something that the surface asks for as lost."""
-        self.lost.add("usd-material-input", self.shader.GetPath(), f"{what} is not carried")
+        self.lost.add("usd-material-input", self.shader, f"{what} is not carried")
 
     def _fed(self, theirs: str, default: tuple[float, ...], ours: str) -> Fed:
         found = self.shader.GetInput(theirs)
@@ -95,7 +95,7 @@ class Network:
         if numbers is None:
             value = attribute.Get(self.textures.code)
             said = f"expected {len(default)} finite numbers, found {value}; the default is taken"
-            self.lost.add("usd-material-value", attribute.GetPath(), said)
+            self.lost.add("usd-material-value", attribute, said)
         return default if numbers is None else numbers
 
     def _node(self, node: UsdShade.Shader, output: str, default: tuple[float, ...], ours: str) -> Fed:

@@ -71,7 +71,7 @@ class Primvars:
             return None
         lengths = np.linalg.norm(found.values, axis=1)
         if not (lengths > 1e-6).all():
-            self.lost.add("usd-primvar", self.prim.GetPath(), "some of its normals have no length: all are those of its faces")
+            self.lost.add("usd-primvar", self.prim, "some of its normals have no length: all are those of its faces")
             return None
         return Stream(found.name, found.values / lengths[:, None], found.interpolation)
 
@@ -119,7 +119,7 @@ class Primvars:
         needed = self._needed(interpolation)
         if needed is None or len(array) < needed or not np.isfinite(array).all():
             what = f"{name}: {len(array)} values of interpolation `{interpolation}` that do not fit its faces"
-            self.lost.add("usd-primvar", self.prim.GetPath(), f"{what}, or are not finite, are not carried")
+            self.lost.add("usd-primvar", self.prim, f"{what}, or are not finite, are not carried")
             return None
         return Stream(name, array, interpolation)
 

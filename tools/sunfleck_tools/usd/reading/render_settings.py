@@ -58,22 +58,22 @@ def read_render_settings(source: Source, options: ImportOptions, lost: Losses) -
         if all(1 <= each <= LARGEST for each in size):
             found["resolution"] = [int(each) for each in size]
         else:
-            lost.add(KIND, prim.GetPath(), f"its resolution {tuple(size)} is none that can be, and is passed over")
+            lost.add(KIND, prim, f"its resolution {tuple(size)} is none that can be, and is passed over")
     if any(_authored(prim, name, source) for name in ("disableMotionBlur", "instantaneousShutter")):
         found["shutter"] = 0.0
     pixel = _value(product, prim, "pixelAspectRatio", source)
     if pixel is not None and abs(pixel - 1) > 1e-6:
-        lost.add(KIND, prim.GetPath(), f"pixels {pixel:g} times as wide as high are square here: its pixelAspectRatio is not carried")
+        lost.add(KIND, prim, f"pixels {pixel:g} times as wide as high are square here: its pixelAspectRatio is not carried")
     window = _value(product, prim, "dataWindowNDC", source)
     if window is not None and tuple(window) != (0, 0, 1, 1):
-        lost.add(KIND, prim.GetPath(), "its dataWindowNDC is not carried: render a part by --crop")
+        lost.add(KIND, prim, "its dataWindowNDC is not carried: render a part by --crop")
     purposes = _authored(prim, "includedPurposes", source)
     if purposes is not None and {str(each) for each in purposes} - {"default"} != set(options.purposes):
         asked = ",".join(str(each) for each in purposes)
-        lost.add(KIND, prim.GetPath(), f"its includedPurposes {asked} are not those that are read: ask by --purpose")
+        lost.add(KIND, prim, f"its includedPurposes {asked} are not those that are read: ask by --purpose")
     space = _authored(prim, "renderingColorSpace", source)
     if space and str(space) not in ("lin_rec709", "lin_rec709_scene", "raw"):
-        lost.add(KIND, prim.GetPath(), f"its renderingColorSpace {space} is not carried: light is in linear Rec. 709")
+        lost.add(KIND, prim, f"its renderingColorSpace {space} is not carried: light is in linear Rec. 709")
     _say_the_rest(prim, lost)
     if "resolution" in found:
         _say_shape(source, prim, found, lost)
@@ -93,16 +93,16 @@ def _first_product(prim: Usd.Prim, lost: Losses) -> Usd.Prim | None:
     products = [each for each in (prim.GetStage().GetPrimAtPath(target) for target in targets) if each]
     for target in targets:
         if not prim.GetStage().GetPrimAtPath(target):
-            lost.add("usd-missing", prim.GetPath(), f"there is no product {target}")
+            lost.add("usd-missing", prim, f"there is no product {target}")
     for other in products[1:]:
-        lost.add(KIND, other.GetPath(), "a second product is not carried: import once for each")
+        lost.add(KIND, other, "a second product is not carried: import once for each")
     for product in products[:1]:
         kinds = UsdRender.Product(product).GetOrderedVarsRel().GetForwardedTargets()
         names = [str(prim.GetStage().GetPrimAtPath(each).GetAttribute("sourceName").Get() or each.name)
                  for each in kinds if prim.GetStage().GetPrimAtPath(each)]  # fmt: skip
         others = [name for name in names if name not in ("Ci", "color", "rgba", "rgb", "RGBA", "LdrColor")]
         if others:
-            lost.add(KIND, product.GetPath(), f"its variables {', '.join(others)} are not carried: ask for passes by --passes")
+            lost.add(KIND, product, f"its variables {', '.join(others)} are not carried: ask for passes by --passes")
     return products[0] if products else None
 
 
@@ -115,7 +115,7 @@ def _read_camera(prim: Usd.Prim, product: Usd.Prim | None, found: dict, lost: Lo
             if camera and camera.IsA(UsdGeom.Camera):
                 found["camera"] = target
                 return
-            lost.add("usd-missing", asking.GetPath(), f"its camera {target} is none; the first there is is taken")
+            lost.add("usd-missing", asking, f"its camera {target} is none; the first there is is taken")
 
 
 def _value(product: Usd.Prim | None, prim: Usd.Prim, name: str, source: Source):
@@ -135,7 +135,7 @@ def _say_the_rest(prim: Usd.Prim, lost: Losses) -> None:
     usual = set(prim.GetPrimDefinition().GetPropertyNames())
     for name in sorted(set(prim.GetAuthoredPropertyNames()) - READ):
         if name in usual and (attribute := prim.GetAttribute(name)) and attribute.HasAuthoredValue():
-            lost.add(KIND, prim.GetPath(), f"its {name} is not carried")
+            lost.add(KIND, prim, f"its {name} is not carried")
 
 
 def _say_shape(source: Source, prim: Usd.Prim, found: dict, lost: Losses) -> None:
@@ -150,4 +150,4 @@ def _say_shape(source: Source, prim: Usd.Prim, found: dict, lost: Losses) -> Non
     policy = str(UsdRender.SettingsBase(prim).GetAspectRatioConformPolicyAttr().Get() or "expandAperture")
     keeps_height = policy == "adjustApertureWidth" or (policy == "expandAperture") == (picture > lens)
     if abs(math.log(picture / lens)) > NEARLY and not (keeps_height and policy in ("adjustApertureWidth", "expandAperture", "cropAperture")):
-        lost.add(KIND, prim.GetPath(), f"its aspectRatioConformPolicy {policy} is not carried: the camera's height is kept")
+        lost.add(KIND, prim, f"its aspectRatioConformPolicy {policy} is not carried: the camera's height is kept")

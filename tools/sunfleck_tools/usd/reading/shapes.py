@@ -181,7 +181,7 @@ class ShapeReader:
             what = "is refined once" if self._refiner.depth else "is not refined"
             self.lost.add(
                 "usd-subdivision",
-                prim.GetPath(),
+                prim,
                 f"{what}: the stage's subdivision surfaces have too many faces for two levels",
             )
         return self._refiner if self._refiner.depth > 0 else None
@@ -258,7 +258,7 @@ def _masks(bound: Bound, faces: int, code: float, lost: Losses) -> list[Masked]:
         mask = np.zeros(faces, bool)
         mask[chosen] = True
         if (mask & ~left).any():
-            lost.add("usd-primvar", subset.GetPath(), "has faces of a subset before it, whose material they keep")
+            lost.add("usd-primvar", subset, "has faces of a subset before it, whose material they keep")
         mask &= left
         left &= ~mask
         found.append((material, mask))

@@ -71,7 +71,7 @@ class Skins:
         span = Gf.Interval(*reach(self.source.codes))
         for root in [UsdSkel.Root(prim) for prim in prims if prim.IsA(UsdSkel.Root)]:
             if (is_crowded or not self._ties(root)) and not UsdSkel.BakeSkinning(root, span):
-                self.lost.add("usd-skeleton", root.GetPath(), "its skeleton cannot be followed; it rests")
+                self.lost.add("usd-skeleton", root, "its skeleton cannot be followed; it rests")
 
     def stands(self, prim: Usd.Prim, node: int) -> None:
         """Tells where a skeleton stands."""

@@ -194,7 +194,7 @@ def _say_what_is_chosen_in_vain(prim: Usd.Prim, lost: Losses) -> None:
         chosen, there = sets.GetVariantSelection(name), sets.GetVariantSet(name).GetVariantNames()
         if chosen and chosen not in there:
             what = f"the variant set `{name}` has no `{chosen}`; it has {', '.join(there)}"
-            lost.add("usd-missing", prim.GetPath(), what)
+            lost.add("usd-missing", prim, what)
 
 
 def _say_which_clips_are_missing(prim: Usd.Prim, lost: Losses) -> None:
@@ -212,7 +212,7 @@ def _say_which_clips_are_missing(prim: Usd.Prim, lost: Losses) -> None:
         for path in [*named, *([manifest.path] if manifest and manifest.path else [])]:
             if not _opens(layer, path):
                 what = f"the value clip `{path}` of the set `{name}` is not there, or cannot be read"
-                lost.add("usd-missing", prim.GetPath(), what)
+                lost.add("usd-missing", prim, what)
 
 
 def _layer_of_clips(prim: Usd.Prim) -> Sdf.Layer:

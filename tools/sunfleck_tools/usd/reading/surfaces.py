@@ -97,19 +97,19 @@ class Surfaces:
         shader, kind, dialect = surface_of(UsdShade.Material(prim))
         if shader is None or dialect is None:
             what = f"has a surface `{kind}` that is not known" if shader else "has no surface"
-            self.lost.add("usd-material", prim.GetPath(), f"{what}, and is grey here")
+            self.lost.add("usd-material", prim, f"{what}, and is grey here")
             looks.material["pbrMetallicRoughness"] = {"baseColorFactor": [*GREY, 1.0], "metallicFactor": 0.0}
             return looks
         if not dialect.is_exact:
             what = "is approximated by colour, roughness, metal, emission, opacity and coat"
-            self.lost.add("usd-material-approximated", prim.GetPath(), f"its surface `{kind}` {what}")
+            self.lost.add("usd-material-approximated", prim, f"its surface `{kind}` {what}")
         material = UsdShade.Material(prim)
         for what, source in (
             ("volume", material.ComputeVolumeSource()),
             ("displacement", material.ComputeDisplacementSource()),
         ):
             if source[0]:
-                self.lost.add("usd-material-input", prim.GetPath(), f"its {what} is not carried")
+                self.lost.add("usd-material-input", prim, f"its {what} is not carried")
         network = Network(shader, dialect, self.textures, layers)
         Preview(network, self.bakery, self.source.codes).read(looks, extras if dialect is PREVIEW else {})
         _keep_shares(

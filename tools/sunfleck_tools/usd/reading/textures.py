@@ -83,7 +83,7 @@ class Textures:
         producers = found.GetValueProducingAttributes() if found else []
         files = self._files(producers[0], str(shader.GetPath())) if producers else {}
         if not producers:
-            self.lost.add("usd-texture", shader.GetPath(), "has no file")
+            self.lost.add("usd-texture", shader, "has no file")
         if not files:
             return None
         space = self._space(shader, producers[0])
@@ -108,7 +108,7 @@ class Textures:
         value = producers[0].Get(self.code) if producers else None
         if producers and changes(producers[0], self.codes):
             what = f"its {name} changes over time; that of the first frame is taken"
-            self.lost.add("usd-material-animated", shader.GetPath(), what)
+            self.lost.add("usd-material-animated", shader, what)
         return default if value is None else value
 
     def _numbers(self, shader: UsdShade.Shader, name: str, default):
@@ -165,7 +165,7 @@ class Textures:
         if name != "auto" and not name.lower().startswith(LINEAR):
             self.lost.add(
                 "usd-material-input",
-                shader.GetPath(),
+                shader,
                 f"the colour space `{name}` is not known: its numbers are taken as linear Rec. 709",
             )
         return "raw" if name != "auto" else "auto"
@@ -175,7 +175,7 @@ class Textures:
         wraps = [str(self._value(shader, f"wrap{axis}", "repeat")) for axis in "ST"]
         if "black" in wraps:
             self.lost.add(
-                "usd-texture-wrap", shader.GetPath(), "black around a texture is not carried: its edges go on"
+                "usd-texture-wrap", shader, "black around a texture is not carried: its edges go on"
             )
         wraps = self._address_modes(shader, wraps)
         node, moved = _before(shader, "st") or _before(shader, "texcoord"), None
@@ -190,7 +190,7 @@ class Textures:
                 layer = layers.index(name)
             elif layers:
                 what = f"a texture by the coordinates `{name}`, which the mesh does not have, takes others"
-                self.lost.add("usd-material-input", shader.GetPath(), what)
+                self.lost.add("usd-material-input", shader, what)
         across, up = (WRAPS.get(wrap, WRAPS["repeat"]) for wrap in wraps)
         return Placement(layer, moved, (across, up))
 
@@ -200,7 +200,7 @@ class Textures:
         said = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant": "black"}
         if "constant" in modes:
             self.lost.add(
-                "usd-texture-wrap", shader.GetPath(), "one value around a texture is not carried: its edges go on"
+                "usd-texture-wrap", shader, "one value around a texture is not carried: its edges go on"
             )
         return [wrap if mode is None else said.get(str(mode), wrap) for wrap, mode in zip(wraps, modes)]
 
@@ -214,7 +214,7 @@ class Textures:
         found = [each for each in said if each is not None]
         if None in said or 0 in found[2] or moved is not None:
             what = "its tiling is moved by another node too, or is no numbers, and is left out"
-            self.lost.add("usd-material-input", shader.GetPath(), what)
+            self.lost.add("usd-material-input", shader, what)
             return moved
         tiling, offset, picture, tile = (np.array(each) for each in found)
         wide, high = (tiling * tile / picture).tolist()
@@ -226,11 +226,11 @@ class Textures:
         kind = str(node.GetIdAttr().Get()) if node else ""
         if node and not kind.startswith(COORDINATE_NODES):
             what = f"takes its coordinates through a {kind or 'node without a kind'}, which is passed over"
-            self.lost.add("usd-material-input", shader.GetPath(), what)
+            self.lost.add("usd-material-input", shader, what)
         for given in shader.GetInputs():
             name = given.GetBaseName()
             if name not in INPUTS and given.GetValueProducingAttributes():
-                self.lost.add("usd-material-input", shader.GetPath(), f"its {name} is not carried")
+                self.lost.add("usd-material-input", shader, f"its {name} is not carried")
 
     def _moved(self, shader: UsdShade.Shader) -> tuple | None:
         """The reverse of what export writes: glTF turns about the upper left corner, USD about
@@ -240,9 +240,7 @@ class Textures:
         numbers = [each for each in said if each is not None]
         if None in said:
             self.lost.add(
-                "usd-material-input",
-                shader.GetPath(),
-                "moves a texture by what are no numbers, and is left out",
+                "usd-material-input", shader, "moves a texture by what are no numbers, and is left out"
             )
             return None
         (degrees,), (wide, high), (x, y) = numbers

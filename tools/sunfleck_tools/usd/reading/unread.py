@@ -30,11 +30,11 @@ def say_unread(prim: Usd.Prim, source: Source, lost: Losses) -> None:
             attribute = prim.GetAttribute(name)
             value = attribute.Get(source.first)
             if value != rest:
-                lost.add("usd-motion", prim.GetPath(), f"its {name} of {value} is not carried: what moves is blurred as it moves")
+                lost.add("usd-motion", prim, f"its {name} of {value} is not carried: what moves is blurred as it moves")
     if "model:drawMode" in authored:
         mode = prim.GetAttribute("model:drawMode").Get(source.first)
         if mode not in DRAWN_AS_IT_IS:
-            lost.add("usd-shape", prim.GetPath(), f"its drawMode `{mode}` is not carried: it is drawn as it is")
+            lost.add("usd-shape", prim, f"its drawMode `{mode}` is not carried: it is drawn as it is")
 
 
 def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float | None:
@@ -48,7 +48,7 @@ def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float 
         attribute = prim.GetAttribute(name)
         fallback = prim.GetPrimDefinition().GetAttributeFallbackValue(name)
         if attribute and attribute.HasAuthoredValue() and _told(attribute.Get(source.first)) != _told(fallback):
-            lost.add("usd-camera-input", prim.GetPath(), f"its {name} is not carried")
+            lost.add("usd-camera-input", prim, f"its {name} is not carried")
     if not authored & set(EXPOSURE):
         return None
     scale = UsdGeom.Camera(prim).ComputeLinearExposureScale(source.first)
@@ -58,7 +58,7 @@ def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float 
         return None
     lost.add(
         "usd-camera-input",
-        prim.GetPath(),
+        prim,
         f"its exposure multiplies light by {scale:.6g}: pictures for eyes have it, frames hold the light itself",
     )
     return math.log2(scale)

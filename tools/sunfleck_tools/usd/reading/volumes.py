@@ -47,7 +47,7 @@ class Volumes:
         fog = nodes.of(node).get("extras", {}).pop(FOG, None)
         if fog is None:
             said = "is taken to scatter what meets it, 1 a unit of the stage where its density is 1"
-            nodes.lost.add("usd-volume", prim.GetPath(), said)
+            nodes.lost.add("usd-volume", prim, said)
             fog = {"density": 1.0 / nodes.source.metres}
         at = node
         if is_placed(volume.field, nodes.source):
