@@ -78,10 +78,9 @@ def material_of(gltf, source, folder):
         picture = nodes.new("ShaderNodeTexImage")
         picture.image = image_of(gltf, texture, folder)
     both, out = nodes.new("ShaderNodeAddShader"), nodes.new("ShaderNodeOutputMaterial")
-    transmission = ours.member("transmission")
     colors = {
         "ShaderNodeBsdfDiffuse": shading.need("baseColorFactor").numbers(4)[:3],
-        "ShaderNodeBsdfTranslucent": [0.0] * 3 if transmission is None else transmission.numbers(3),
+        "ShaderNodeBsdfTranslucent": ours.numbers_at("transmission", 0.0, 0.0, 0.0),
     }
     for slot, (kind, color) in enumerate(colors.items()):
         scattering = nodes.new(kind)

@@ -81,7 +81,7 @@ class Container:
 
     def view(self, index: Value) -> tuple[bytes, int, int, int]:
         """Buffer, first byte, length and stride (0 if tight) of a buffer view."""
-        view = self._views[index.index(self._views, "buffer view")]
+        view = index.item_of(self._views, "buffer view")
         data = self.buffer(view.need("buffer").index(self._described, "buffer"))
         start, length = int(view.number_at("byteOffset", 0, 0)), view.need("byteLength").whole()
         if start + length > len(data):

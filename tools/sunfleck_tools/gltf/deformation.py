@@ -20,7 +20,7 @@ class Bending:
         skin = node.source.member("skin")
         tied = any(primitive.joints is not None for primitive in mesh.primitives)
         if skin is not None and tied:
-            self._read_skin(gltf, skins[skin.index(skins, "skin")])
+            self._read_skin(gltf, skin.item_of(skins, "skin"))
         said = node.source.member("weights")
         self.rest = mesh.weights.copy()
         if said is not None:

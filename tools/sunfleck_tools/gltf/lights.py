@@ -26,7 +26,7 @@ class LightSource:
         self.punctual: Value | None = None
         if reference is not None:
             lights = gltf.document.group("extensions").group("KHR_lights_punctual").items("lights")
-            self.punctual = lights[reference.need("light").index(lights, "light")]
+            self.punctual = reference.need("light").item_of(lights, "light")
 
     @property
     def kind(self) -> str | None:

@@ -119,7 +119,7 @@ class Meshes:
         if accessor is None:
             return None
         described = self.gltf.accessors.described
-        width = 4 if described[accessor.index(described, "accessor")].text_at("type") == "VEC4" else 3
+        width = 4 if accessor.item_of(described, "accessor").text_at("type") == "VEC4" else 3
         found = self.gltf.accessors.floats(accessor, width)[:, :3]
         return found if len(found) == count and (found < 1.0).any() else None
 

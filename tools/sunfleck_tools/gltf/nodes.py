@@ -9,7 +9,6 @@ from .accessors import Accessors
 from .curves import Curve, unit
 from .values import Value
 
-PATHS = {"translation": 3, "rotation": 4, "scale": 3}
 RESTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 
 
@@ -49,7 +48,7 @@ class Node:
         """Matrices for column vectors."""
         if self.matrix is not None:
             return np.tile(self.matrix, (len(times_s), 1, 1))
-        return matrices(*(self.parts_at(path, times_s) for path in PATHS))
+        return matrices(*(self.parts_at(path, times_s) for path in RESTS))
 
     def world_from_node(self, times_s: np.ndarray) -> np.ndarray:
         """Matrices for column vectors."""
@@ -127,10 +126,7 @@ def node_name(source: Value, index: int) -> str:
 
 def _node(index: int, source: Value, key: str, parent: Node | None) -> Node:
     matrix = source.member("matrix")
-    rest = {}
-    for path, width in PATHS.items():
-        part = source.member(path)
-        rest[path] = np.array(RESTS[path] if part is None else part.numbers(width))
+    rest = {path: np.array(source.numbers_at(path, *RESTS[path])) for path in RESTS}
     rest["rotation"] = unit(rest["rotation"])
     placed = None if matrix is None else np.array(matrix.numbers(16)).reshape(4, 4).T
     return Node(index, node_name(source, index), key, parent, source, placed, rest)
@@ -144,20 +140,18 @@ def read_animations(document: Value, nodes: list[Node], accessors: Accessors) ->
         samplers = animation.items("samplers")
         for channel in animation.items("channels"):
             target = channel.need("target")
+            sampler = channel.need("sampler").item_of(samplers, "sampler")
             if (of := target.member("node")) is None:
-                _read_visibility(
-                    target, samplers[channel.need("sampler").index(samplers, "sampler")], by_index, accessors
-                )
+                _read_visibility(target, sampler, by_index, accessors)
                 continue
             node = by_index.get(of.index(sources, "node"))
             path = target.text_at("path")
-            sampler = samplers[channel.need("sampler").index(samplers, "sampler")]
             if node is None:
                 continue
             if path == "weights":
                 node.weights = _curve(sampler, accessors, 1, turns=False)
-            elif path in PATHS:
-                node.curves[path] = _curve(sampler, accessors, PATHS[path], turns=path == "rotation")
+            elif path in RESTS:
+                node.curves[path] = _curve(sampler, accessors, len(RESTS[path]), turns=path == "rotation")
 
 
 def _read_visibility(target: Value, sampler: Value, by_index: dict[int, Node], accessors: Accessors) -> None:

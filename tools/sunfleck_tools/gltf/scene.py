@@ -52,7 +52,7 @@ class Gltf:
         scenes = self.document.items("scenes")
         number = self.document.member("scene")
         if number is not None:
-            self.scene = scenes[number.index(scenes, "scene")]
+            self.scene = number.item_of(scenes, "scene")
         else:
             self.scene = scenes[0] if scenes else Value({}, self.document.file, "scenes")
         extras = self.scene.member("extras")

@@ -78,6 +78,10 @@ class Value:
             self.fail(f"there is no {what} {number}, of {len(of)}")
         return number
 
+    def item_of(self, items: "list[Value]", what: str) -> "Value":
+        """The item of a list that this counts to."""
+        return items[self.index(items, what)]
+
     def numbers(self, count: int) -> list[float]:
         """So many finite numbers."""
         found = [value.number() for value in self.each()]
@@ -97,6 +101,11 @@ class Value:
         """A number of an object."""
         found = self.member(name)
         return default if found is None else found.number(least, most)
+
+    def numbers_at(self, name: str, *default: float) -> list[float]:
+        """Numbers of an object, as many as the default has."""
+        found = self.member(name)
+        return list(default) if found is None else found.numbers(len(default))
 
     def text_at(self, name: str, default: str = "") -> str:
         """A string of an object."""

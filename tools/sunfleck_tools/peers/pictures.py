@@ -81,27 +81,24 @@ def read_texture(gltf: Gltf, info: Value) -> Texture:
     """The texture of a material."""
     document = gltf.document
     textures, images, samplers = (document.items(name) for name in ("textures", "images", "samplers"))
-    texture = textures[info.need("index").index(textures, "texture")]
-    image = images[texture.need("source").index(images, "image")]
+    texture = info.need("index").item_of(textures, "texture")
+    image = texture.need("source").item_of(images, "image")
     if (view := image.member("bufferView")) is not None:
         data, start, length, _ = gltf.container.view(view)
         data = data[start : start + length]
     else:
         data = gltf.container.linked(image.need("uri"))
     sampler = texture.member("sampler")
-    wrap = (
-        10497 if sampler is None else samplers[sampler.index(samplers, "sampler")].number_at("wrapS", 10497)
-    )
+    wrap = 10497 if sampler is None else sampler.item_of(samplers, "sampler").number_at("wrapS", 10497)
     layer, linear = info.number_at("texCoord", 0, 0, 7), np.eye(2)
     offset: np.ndarray = np.zeros(2)
     if (moved := info.extension("KHR_texture_transform")) is not None:
         layer = moved.number_at("texCoord", layer, 0, 7)
-        scale = moved.member("scale")
+        scale = moved.numbers_at("scale", 1.0, 1.0)
         angle = moved.number_at("rotation", 0.0)
         turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-        linear = turn @ np.diag([1.0, 1.0] if scale is None else scale.numbers(2))
-        said = moved.member("offset")
-        offset = offset if said is None else np.array(said.numbers(2), dtype=float)
+        linear = turn @ np.diag(scale)
+        offset = np.array(moved.numbers_at("offset", 0.0, 0.0))
     return Texture(_picture(data, image), WRAPS.get(int(wrap), "repeat"), int(layer), offset, linear)
 
 

@@ -178,7 +178,7 @@ class _Reader:
             )
         node, world_from_camera = chosen[0]
         described = self.gltf.document.items("cameras")
-        source = described[node.source.need("camera").index(described, "camera")]
+        source = node.source.need("camera").item_of(described, "camera")
         ours = source.group("extras").group("sunfleck_camera")
         if source.text_at("type") != "perspective" or any(
             ours.member(name) is not None for name in ("shift", "fstop")
@@ -205,8 +205,7 @@ class _Reader:
         source = self.materials[material]
         shading = source.group("pbrMetallicRoughness")
         beyond = [name for name in SURFACE_BEYOND if source.member(name) is not None]
-        emission = source.member("emissiveFactor")
-        beyond += ["emissiveFactor"] if emission is not None and any(emission.numbers(3)) else []
+        beyond += ["emissiveFactor"] if any(source.numbers_at("emissiveFactor", 0.0, 0.0, 0.0)) else []
         beyond += sorted(name for name in source.group("extensions").raw if not self._is_matte(name, source))
         beyond += [
             name
@@ -220,9 +219,9 @@ class _Reader:
                 f"{source.path}: other renderers get a matte surface of its base colour, without "
                 f"{', '.join(beyond)}"
             )
-        color, info = shading.member("baseColorFactor"), shading.member("baseColorTexture")
+        info = shading.member("baseColorTexture")
         texture = None if info is None else read_texture(self.gltf, info)
-        return [1.0] * 3 if color is None else color.numbers(4)[:3], texture
+        return shading.numbers_at("baseColorFactor", 1.0, 1.0, 1.0, 1.0)[:3], texture
 
     def _is_matte(self, extension: str, source: Value) -> bool:
         """True for what says that there is no shine."""

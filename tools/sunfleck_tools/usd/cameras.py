@@ -18,7 +18,7 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
     """The camera that stands at a node. Of parallel rays Blender 5.0 takes whole units
     where USD has tenths."""
     cameras = gltf.document.items("cameras")
-    source = cameras[node.source.need("camera").index(cameras, "camera")]
+    source = node.source.need("camera").item_of(cameras, "camera")
     extras = source.group("extras")
     ours = extras.group("sunfleck_camera") if isinstance(extras.raw, dict) else extras
     sensor = ours.number_at("sensor_width_mm", 36.0, 1e-3, 1e6) * TENTHS_PER_MM

@@ -81,8 +81,7 @@ class Surface:
         shader, source = self.shader, self.source
         shader.set("info:id", Types.Token, "UsdPreviewSurface", uniform=True)
         pbr = source.group("pbrMetallicRoughness")
-        factor = pbr.member("baseColorFactor")
-        red, green, blue, alpha = [1.0] * 4 if factor is None else factor.numbers(4)
+        red, green, blue, alpha = pbr.numbers_at("baseColorFactor", 1.0, 1.0, 1.0, 1.0)
         base = pbr.member("baseColorTexture")
         # What is unlit shines in its base colour, and is black besides.
         is_unlit = source.extension("KHR_materials_unlit") is not None
@@ -143,25 +142,20 @@ class Surface:
     def _ior(self) -> float:
         """The index that reflects as much along the normal as index, factor and colour of
         glTF do together."""
-        described, specular = (
-            self.source.extension("KHR_materials_ior"),
-            self.source.extension("KHR_materials_specular"),
-        )
+        described = self.source.extension("KHR_materials_ior")
+        specular = self.source.extension("KHR_materials_specular")
         index = 1.5 if described is None else described.number_at("ior", 1.5, 1.0, 100.0)
         factor = 1.0
         if specular is not None:
             factor = specular.number_at("specularFactor", 1.0, 0, 1)
-            color = specular.member("specularColorFactor")
-            if color is not None:
-                factor *= sum(color.numbers(3)) / 3
+            factor *= sum(specular.numbers_at("specularColorFactor", 1.0, 1.0, 1.0)) / 3
         reflected = min(((index - 1) / (index + 1)) ** 2 * factor, 0.99)
         return (1 + math.sqrt(reflected)) / (1 - math.sqrt(reflected))
 
     def _write_emission(self) -> None:
-        factor = self.source.member("emissiveFactor")
         strength = self.source.extension("KHR_materials_emissive_strength")
         scale = 1.0 if strength is None else strength.number_at("emissiveStrength", 1.0, 0)
-        red, green, blue = (scale * each for each in ([0.0] * 3 if factor is None else factor.numbers(3)))
+        red, green, blue = (scale * each for each in self.source.numbers_at("emissiveFactor", 0.0, 0.0, 0.0))
         picture = self.source.member("emissiveTexture")
         if picture is not None:
             texture = self._texture("emission", picture, (red, green, blue, 1))
@@ -178,7 +172,7 @@ class Surface:
 
     def _texture(self, name: str, info: Value, scale, bias=(0, 0, 0, 0), is_color: bool = True) -> Prim:
         owner = self.materials
-        texture = owner.texture_sources[info.need("index").index(owner.texture_sources, "texture")]
+        texture = info.need("index").item_of(owner.texture_sources, "texture")
         prim = self.prim.child(name, "Shader")
         prim.set("info:id", Types.Token, "UsdUVTexture", uniform=True)
         prim.set("inputs:file", Types.Asset, Sdf.AssetPath(owner.textures.file_of(texture)))
@@ -188,9 +182,7 @@ class Surface:
             prim.set("inputs:bias", Types.Float4, Gf.Vec4f(*bias))
         sampler = texture.member("sampler")
         wraps = (
-            Value({}, texture.file)
-            if sampler is None
-            else owner.samplers[sampler.index(owner.samplers, "sampler")]
+            Value({}, texture.file) if sampler is None else sampler.item_of(owner.samplers, "sampler")
         )
         for axis in "ST":
             prim.set(
@@ -221,11 +213,7 @@ class Surface:
 
     def _transform(self, name: str, transform: Value, source: Sdf.Path) -> Sdf.Path:
         """glTF turns clockwise about the upper left corner, USD anticlockwise about the lower left one."""
-        offset, scale = transform.member("offset"), transform.member("scale")
-        (u, v), (wide, high) = (
-            [0, 0] if offset is None else offset.numbers(2),
-            [1, 1] if scale is None else scale.numbers(2),
-        )
+        (u, v), (wide, high) = transform.numbers_at("offset", 0, 0), transform.numbers_at("scale", 1, 1)
         angle = transform.number_at("rotation", 0.0)
         prim = self.prim.child(f"{name}_place", "Shader")
         prim.set("info:id", Types.Token, "UsdTransform2d", uniform=True)
