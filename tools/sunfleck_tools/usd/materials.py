@@ -74,12 +74,17 @@ class Surface:
     def __init__(self, materials: Materials, prim: Prim, source: Value):
         self.materials, self.prim, self.source = materials, prim, source
         self.readers: dict[int, Sdf.Path] = {}
-        self.shader = prim.child("surface", "Shader")
+        self.shader = self._node("surface", "UsdPreviewSurface")
+
+    def _node(self, name: str, kind: str) -> Prim:
+        """A shader of a kind that USD has."""
+        node = self.prim.child(name, "Shader")
+        node.set("info:id", Types.Token, kind, uniform=True)
+        return node
 
     def write(self) -> None:
         """Writes shader, textures and readers of texture coordinates."""
         shader, source = self.shader, self.source
-        shader.set("info:id", Types.Token, "UsdPreviewSurface", uniform=True)
         pbr = source.group("pbrMetallicRoughness")
         red, green, blue, alpha = pbr.numbers_at("baseColorFactor", 1.0, 1.0, 1.0, 1.0)
         base = pbr.member("baseColorTexture")
@@ -116,10 +121,7 @@ class Surface:
 
     def _write_coat(self, pbr: Value, is_unlit: bool) -> None:
         shader = self.shader
-        roughness, metallic = (
-            pbr.number_at("roughnessFactor", 1.0, 0, 1),
-            pbr.number_at("metallicFactor", 1.0, 0, 1),
-        )
+        roughness, metallic = (pbr.number_at(f"{name}Factor", 1.0, 0, 1) for name in ("roughness", "metallic"))
         both = pbr.member("metallicRoughnessTexture")
         if both is None:
             shader.set("inputs:roughness", Types.Float, roughness)
@@ -132,12 +134,8 @@ class Surface:
         shader.set("inputs:ior", Types.Float, 1.0 if is_unlit else self._ior())
         coat = self.source.extension("KHR_materials_clearcoat")
         if coat is not None:
-            shader.set("inputs:clearcoat", Types.Float, coat.number_at("clearcoatFactor", 0.0, 0, 1))
-            shader.set(
-                "inputs:clearcoatRoughness",
-                Types.Float,
-                coat.number_at("clearcoatRoughnessFactor", 0.0, 0, 1),
-            )
+            for name in ("clearcoat", "clearcoatRoughness"):
+                shader.set(f"inputs:{name}", Types.Float, coat.number_at(f"{name}Factor", 0.0, 0, 1))
 
     def _ior(self) -> float:
         """The index that reflects as much along the normal as index, factor and colour of
@@ -173,8 +171,7 @@ class Surface:
     def _texture(self, name: str, info: Value, scale, bias=(0, 0, 0, 0), is_color: bool = True) -> Prim:
         owner = self.materials
         texture = info.need("index").item_of(owner.texture_sources, "texture")
-        prim = self.prim.child(name, "Shader")
-        prim.set("info:id", Types.Token, "UsdUVTexture", uniform=True)
+        prim = self._node(name, "UsdUVTexture")
         prim.set("inputs:file", Types.Asset, Sdf.AssetPath(owner.textures.file_of(texture)))
         prim.set("inputs:sourceColorSpace", Types.Token, "sRGB" if is_color else "raw")
         prim.set("inputs:scale", Types.Float4, Gf.Vec4f(*scale))
@@ -185,11 +182,8 @@ class Surface:
             Value({}, texture.file) if sampler is None else sampler.item_of(owner.samplers, "sampler")
         )
         for axis in "ST":
-            prim.set(
-                f"inputs:wrap{axis}",
-                Types.Token,
-                WRAPS.get(int(wraps.number_at(f"wrap{axis}", 10497)), "repeat"),
-            )
+            wrap = WRAPS.get(int(wraps.number_at(f"wrap{axis}", 10497)), "repeat")
+            prim.set(f"inputs:wrap{axis}", Types.Token, wrap)
         transform = info.extension("KHR_texture_transform")
         layer = int(info.number_at("texCoord", 0, 0, 7))
         if transform is not None:
@@ -204,8 +198,7 @@ class Surface:
         """What reads a set of texture coordinates."""
         if layer not in self.readers:
             name = texture_coordinates(layer)
-            prim = self.prim.child(f"read_{name}", "Shader")
-            prim.set("info:id", Types.Token, "UsdPrimvarReader_float2", uniform=True)
+            prim = self._node(f"read_{name}", "UsdPrimvarReader_float2")
             prim.set("inputs:varname", Types.String, name)
             prim.set("outputs:result", Types.Float2, None)
             self.readers[layer] = prim.path.AppendProperty("outputs:result")
@@ -215,8 +208,7 @@ class Surface:
         """glTF turns clockwise about the upper left corner, USD anticlockwise about the lower left one."""
         (u, v), (wide, high) = transform.numbers_at("offset", 0, 0), transform.numbers_at("scale", 1, 1)
         angle = transform.number_at("rotation", 0.0)
-        prim = self.prim.child(f"{name}_place", "Shader")
-        prim.set("info:id", Types.Token, "UsdTransform2d", uniform=True)
+        prim = self._node(f"{name}_place", "UsdTransform2d")
         prim.connect("inputs:in", Types.Float2, source)
         prim.set("inputs:scale", Types.Float2, Gf.Vec2f(wide, high))
         prim.set("inputs:rotation", Types.Float, math.degrees(angle))
