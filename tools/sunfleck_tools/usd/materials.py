@@ -121,7 +121,8 @@ class Surface:
 
     def _write_coat(self, pbr: Value, is_unlit: bool) -> None:
         shader = self.shader
-        roughness, metallic = (pbr.number_at(f"{name}Factor", 1.0, 0, 1) for name in ("roughness", "metallic"))
+        factors = (pbr.number_at(f"{name}Factor", 1.0, 0, 1) for name in ("roughness", "metallic"))
+        roughness, metallic = factors
         both = pbr.member("metallicRoughnessTexture")
         if both is None:
             shader.set("inputs:roughness", Types.Float, roughness)
