@@ -4,6 +4,7 @@ import math
 
 import bpy
 import kinds_hair as hairs
+import kinds_instances as instances
 import kinds_shine as shine
 import kinds_surfaces as surfaces
 import numpy
@@ -341,7 +342,7 @@ BESIDE = {
     "light nodes": (light_nodes, 6, EXACT), "sky with a disc": (sky_with_a_disc, 1, BAKED),
     "object colours": (object_colors, 10, EXACT), "properties": (properties, 10, EXACT), "seasons": (seasons, 1, EXACT),
     "places": (places, 10, EXACT), "particles, random": (particles_random, 8, EXACT), "particles, age": (particles_age, 8, EXACT),
-    "from instancer": (from_instancer, 1, EXACT), "colours of faces": (colors_of_faces, 1, EXACT),
+    "from instancer": (from_instancer, 1, EXACT), "tints": (instances.tints, 1, EXACT), "colours of faces": (colors_of_faces, 1, EXACT),
     "numbers of points": (numbers_of("POINT"), 1, BAKED), "numbers of faces": (numbers_of("FACE"), 1, BAKED),
     "vertex group": (vertex_group, 1, BAKED), "missing attribute": (missing_attribute, 1, EXACT), "strips": (strips, 10, EXACT), "velocities": (velocities, 6, EXACT),
     "two-sided": (surfaces.two_sided, 1, EXACT),

@@ -65,9 +65,8 @@ class Here:
         self.frame = self.scene.frame_current_final
         self.ids = numpy.ascontiguousarray(ids).view("V32").ravel().tolist()
         self.sources, self.shown = {}, {}
-        # Attributes of instances that materials ask for; of each instancer how many
-        # instances came, and theirs.
-        self.names, self.orders, self.tables = names, {}, {}
+        # Attributes of instances that materials ask for, and those of each instancer.
+        self.names, self.tables = names, {}
         # How many have the same key, as realised groups may.
         self.seen, self.lamps = {}, 0
 
@@ -81,19 +80,15 @@ class Here:
             found = self.sources[key] = Source(kind_of(thing), original, instance.parent.original)
         return found
 
-    def count(self, instance):
-        if self.names and instance.is_instance:
-            self.orders[instance.parent] = self.orders.get(instance.parent, -1) + 1
-
     def attributes(self, instance):
-        """Names and values of an instance's; instances come in the order in which their geometry has them."""
-        if not self.names or not instance.is_instance:
-            return ()
+        """Values of an instance's, by name."""
+        if not self.names:
+            return {}
         parent = instance.parent
         if parent not in self.tables:
-            self.tables[parent] = instances.attributes_of(parent, self.names)
-        table, order = self.tables[parent], self.orders[parent]
-        return table[order] if table and order < len(table) else ()
+            self.tables[parent] = instances.Attributed(parent, self.names)
+        path = [number for number in instance.persistent_id if number != instances.NO_NUMBER]
+        return self.tables[parent].of(path[::-1], instance.instance_object)
 
     def key(self, row, source, part):
         key = (*source.names, part, self.ids[row] if source.parent else b"", 0)
@@ -160,7 +155,6 @@ class Record:
             self.heed()
             thing = instance.object
             source = here.source(instance, thing)
-            here.count(instance)
             if instance.show_self and thing.type in SHAPES:
                 is_splat = getattr(thing.data, "type", "POINTS") != "POINTS"
                 self.shapes.add(("point-splats" if is_splat else SHAPES[thing.type], source.original.name))

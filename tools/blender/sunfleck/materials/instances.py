@@ -17,6 +17,8 @@ MOST, MOST_BAKED = 256, 16
 # Of more changes than these, of all things over all frames, facts are rounded as those of baked materials are.
 MOST_CHANGES = 20000
 WORD = 0xFFFFFFFF
+# Ends a `persistent_id`.
+NO_NUMBER = 0x7FFFFFFF
 # Of a mesh's copy for one side: 0 of the front, 1 of the back.
 SIDE = ("NEW_GEOMETRY", "Backfacing", "")
 UNKNOWN = (0.5, 0.5, 0.5, 1.0)
@@ -62,7 +64,7 @@ def of_attribute(kind, name, instance, thing, here):
         return properties.first((here.layer, here.scene, here.scene.world), name)
     owners = (thing, thing.data)
     if kind == "INSTANCER" and instance.is_instance:
-        own = dict(here.attributes(instance)).get(name)
+        own = here.attributes(instance).get(name)
         if own is not None:
             return own
         system, parent = instance.particle_system, instance.parent
@@ -78,20 +80,51 @@ def hashed(name):
     return particles.hash_of(text)
 
 
-def attributes_of(parent, names):
-    """By instance of a parent, in the graph's order: names and values of its instances' attributes; None
-    if there are none."""
-    geometry = parent.evaluated_geometry() if hasattr(parent, "evaluated_geometry") else None
-    cloud = geometry.instances_pointcloud() if geometry else None
-    if cloud is None:
-        return None
-    found = {}
-    for name in names & set(cloud.attributes.keys()):
-        data = cloud.attributes[name].data
-        fields = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color", "FLOAT_VECTOR": "vector", "FLOAT2": "vector"}
-        read = fields.get(cloud.attributes[name].data_type, "value")
-        found[name] = [properties.four(getattr(one, read)) for one in data]
-    return [tuple((name, values[row]) for name, values in found.items()) for row in range(len(cloud.points))]
+class Attributed:
+    """Attributes of what an object, a collection or a geometry instances, and of what that does, by the numbers that
+    lead there (`persistent_id`)."""
+
+    def __init__(self, source, names):
+        self.source, self.names, self.inner, self.values = source, names, {}, {}
+        self.rows, self.made = {}, []
+        geometry = source if isinstance(source, bpy.types.GeometrySet) else geometry_of(source)
+        cloud = geometry.instances_pointcloud() if geometry else None
+        if cloud is not None:
+            own, made = cloud.attributes, geometry.instance_references()
+            numbers = [one.value for one in own["id"].data] if "id" in own else range(len(cloud.points))
+            self.rows = {number: row for row, number in enumerate(numbers)}
+            self.made = [made[one.value] for one in own[".reference_index"].data]
+            self.values = {name: values_of(own[name]) for name in names & set(own.keys())}
+        elif collection := source if isinstance(source, bpy.types.Collection) else collection_of(source):
+            self.made = list(collection.all_objects)
+            self.rows = dict(enumerate(range(len(self.made))))
+
+    def of(self, path, shown):
+        """The outermost number first; the innermost attribute counts. `shown` is the object that is instanced."""
+        # The number of a part of a geometry is the last.
+        path = path[:-1] if shown == self.source else path
+        row = self.rows.get(path[0]) if path else None
+        if row is None:
+            return {}
+        if row not in self.inner:
+            self.inner[row] = Attributed(self.made[row], self.names)
+        return {name: values[row] for name, values in self.values.items()} | self.inner[row].of(path[1:], shown)
+
+
+def geometry_of(thing):
+    """What nodes make of an object: others make no instances."""
+    has_nodes = any(one.type == "NODES" for one in getattr(thing, "modifiers", ()))
+    return thing.evaluated_geometry() if has_nodes else None
+
+
+def collection_of(thing):
+    return getattr(thing, "instance_collection", None)
+
+
+def values_of(attribute):
+    fields = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color", "FLOAT_VECTOR": "vector", "FLOAT2": "vector"}
+    read = fields.get(attribute.data_type, "value")
+    return [properties.four(getattr(one, read)) for one in attribute.data]
 
 
 def used(facts, questions):
