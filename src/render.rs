@@ -350,7 +350,7 @@ impl<P: rounds::Picture> rounds::Picture for Watched<'_, P> {
         self.picture.add_round(round, film, watch);
         if let Some(look) = watch.look {
             look(&|| {
-                let mut so_far = film.resolve();
+                let mut so_far = film.look();
                 if let Some(before) = self.before {
                     so_far.add_light(before);
                 }

@@ -8,7 +8,7 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use sunfleck::diagnostic::{Diagnostic, Place};
-use sunfleck::film::{Channel, Frame};
+use sunfleck::film::Frame;
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
 /// Port on which tev listens unless it is told otherwise.
@@ -94,13 +94,13 @@ impl Live {
         let mut spent = self.spent.lock().unwrap_or_else(PoisonError::into_inner);
         if *spent <= self.began.elapsed().mul_f64(SHARE) {
             let started = Instant::now();
-            self.show(name, &so_far());
+            self.show(name, so_far());
             *spent += started.elapsed();
         }
     }
 
     /// Shows a picture, or a newer state of it. Never waits.
-    pub(super) fn show(&self, name: &str, frame: &Frame) {
+    pub(super) fn show(&self, name: &str, frame: Frame) {
         let Some(queue) = self.queue.as_ref().filter(|_| self.is_on()) else { return };
         let mut state = queue.lock();
         // What was not sent yet of the same picture is out of date.
@@ -108,7 +108,7 @@ impl Live {
         if state.waiting.len() >= MOST_WAITING {
             state.waiting.pop_front();
         }
-        state.waiting.push_back((name.to_owned(), frame.clone()));
+        state.waiting.push_back((name.to_owned(), frame));
         queue.news.notify_one();
     }
 }
@@ -174,8 +174,7 @@ fn send(address: &str, queue: &Queue) -> std::io::Result<()> {
 
 /// Sends all pixels, some rows a packet; those of a new picture are black before.
 fn send_frame(viewer: &mut TevClient, name: &str, frame: &Frame, is_new: bool) -> std::io::Result<()> {
-    let channels: Vec<&Channel> =
-        ["R", "G", "B", "A"].into_iter().filter_map(|name| frame.channel(name)).collect();
+    let channels = &frame.channels;
     let channel_names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
     if is_new {
         viewer.send(PacketCreateImage {

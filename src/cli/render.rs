@@ -155,13 +155,15 @@ impl Run<'_> {
             let exposure = plan.picture.exposure(frame);
             if live.is_on() {
                 let watch = Watch { cancelled: &cancelled, ..Watch::NOBODY };
-                live.show(&name, &plan.picture.rough(&exposure, &watch));
+                live.show(&name, plan.picture.rough(&exposure, &watch));
             }
             let stage = |stage, took| self.stats.took(frame, stage_key(stage), took);
             let watch = Watch { progress, cancelled: &cancelled, look, stage: &stage };
             let rendered = plan.picture.render(&exposure, &watch);
             self.stats.took(frame, "snapshot_seconds", exposure.took());
-            live.show(&name, &rendered.frame);
+            if live.is_on() {
+                live.show(&name, rendered.frame.colors());
+            }
             rendered
         });
         if stop.flag.load(Ordering::Relaxed) {

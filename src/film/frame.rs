@@ -1,6 +1,7 @@
 //! A finished picture: named channels of pixels. Invariant: every channel has one value for each
 //! pixel of the window, row by row from the top.
 
+use super::splats::BEAUTY;
 use crate::passes::{MATTE_LAYER, Pass, Precision};
 use crate::scene::{Size, Window};
 use half::f16;
@@ -130,6 +131,12 @@ impl Frame {
             }
         };
         Self { full: self.full, window, channels: self.channels.iter().map(part_of).collect() }
+    }
+
+    /// A copy without passes.
+    pub fn colors(&self) -> Self {
+        let colors = BEAUTY.into_iter().filter_map(|name| self.channel(name).cloned());
+        Self { channels: colors.collect(), ..*self }
     }
 
     /// A whole picture at a larger size, or the part of that inside a window: each pixel is the one that it

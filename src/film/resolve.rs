@@ -25,6 +25,14 @@ impl Film {
         self.frame(channels, fog)
     }
 
+    /// The colours so far, without passes: for whoever looks on.
+    pub fn look(&self) -> Frame {
+        let mut channels: Vec<Channel> = self.means().take(BEAUTY.len()).collect();
+        self.correct(&mut channels, HueSums::missing);
+        self.fill_from_neighbours(&mut channels, BEAUTY.len());
+        self.frame(channels, self.noisy_fog())
+    }
+
     /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
     pub fn resolve(&self) -> Frame {
         self.frame(self.channels(), self.noisy_fog())
@@ -51,36 +59,42 @@ impl Film {
     }
 
     fn channels(&self) -> Vec<Channel> {
-        let mut channels = self.means();
+        let mut channels: Vec<Channel> = self.means().collect();
         let mean_channels = channels.len();
-        let mut correct = |first: usize, missing: fn(&HueSums, f64) -> Rgb| {
-            let planes = channels[first..first + 3].iter_mut().map(|channel| &mut channel.pixels);
-            hues::correct(planes, &self.hues, &self.weights, missing);
-        };
-        correct(0, HueSums::missing);
+        self.correct(&mut channels, HueSums::missing);
         if let Some(number) = self.passes.mean.iter().position(|&pass| pass == Pass::Shafts) {
-            correct(BEAUTY.len() + 3 * number, HueSums::missing_shafts);
+            self.correct(&mut channels[BEAUTY.len() + 3 * number..], HueSums::missing_shafts);
         }
         channels.extend(self.nearest());
         if self.passes.mattes {
             channels.extend(mattes::channels(&self.mattes, &self.weights));
         }
-        let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
-        holes::fill(self.window, known, &mut channels, mean_channels);
+        self.fill_from_neighbours(&mut channels, mean_channels);
         channels
     }
 
+    /// Adds what hues lack to the first three channels.
+    fn correct(&self, channels: &mut [Channel], missing: fn(&HueSums, f64) -> Rgb) {
+        let planes = channels[..3].iter_mut().map(|channel| &mut channel.pixels);
+        hues::correct(planes, &self.hues, &self.weights, missing);
+    }
+
+    fn fill_from_neighbours(&self, channels: &mut [Channel], mean_channels: usize) {
+        let known = self.weights.iter().map(|&weight| weight != 0.0).collect();
+        holes::fill(self.window, known, channels, mean_channels);
+    }
+
     /// The beauty, and the passes that are averaged.
-    fn means(&self) -> Vec<Channel> {
+    fn means(&self) -> impl Iterator<Item = Channel> {
         let beauty = BEAUTY.into_iter().map(|name| (name, Precision::Half));
         let names = beauty.chain(names(&self.passes.mean)).enumerate();
-        let mean = |(offset, (name, precision))| {
+        let mean = move |(offset, (name, precision))| {
             let sums = self.sums.iter().skip(offset).step_by(self.passes.mean_channels());
             let mean =
                 |(&sum, &weight): (&f64, &f64)| if weight == 0.0 { 0.0 } else { (sum / weight) as f32 };
             Channel::new(name, precision, sums.zip(&self.weights).map(mean).collect())
         };
-        names.map(mean).collect()
+        names.map(mean)
     }
 
     /// The passes that show the nearest sample.
