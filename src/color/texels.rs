@@ -2,11 +2,16 @@
 //! up is what single precision would hold, and an image takes no more memory than its codes.
 
 use super::linear_from_srgb;
+use glam::{DVec2, DVec4};
 use std::sync::LazyLock;
 
 /// Linear RGBA texels, row by row from the top. Two of them are equal if all that is looked up is.
 #[derive(Clone, Debug)]
-pub struct Texels(Stored);
+pub struct Texels {
+    stored: Stored,
+    /// Whether between texels of 8 bits codes are mixed, and not light.
+    mixes_codes: bool,
+}
 
 /// Four numbers a texel.
 #[derive(Clone, Debug)]
@@ -39,13 +44,45 @@ fn curve(largest: u16, light: impl Fn(f64) -> f64) -> Vec<f32> {
 }
 
 impl Texels {
+    fn stored(stored: Stored) -> Self {
+        Self { stored, mixes_codes: false }
+    }
+
+    /// From now on colours of 8 bits in sRGB are smoothed as they are stored, as Cycles does (`svm_image_texture` in
+    /// its `kernel/svm/image.h` decodes what was interpolated).
+    pub fn mix_codes(&mut self) {
+        self.mixes_codes = matches!(self.stored, Stored::Bytes { .. });
+    }
+
+    /// Whether it does so.
+    pub fn mixes_codes(&self) -> bool {
+        self.mixes_codes
+    }
+
+    /// What lies between four of them, row by row, so far from the first to the last.
+    ///
+    /// # Panics
+    /// If one of them does not exist.
+    #[inline]
+    pub fn between(&self, indices: [usize; 4], DVec2 { x, y }: DVec2) -> DVec4 {
+        let mix = |[a, b, c, d]: [DVec4; 4]| a.lerp(b, x).lerp(c.lerp(d, x), y);
+        let codes = match &self.stored {
+            Stored::Bytes { codes, .. } if self.mixes_codes => codes,
+            _ => return mix(self.get_all(indices).map(|texel| DVec4::from_array(texel.map(f64::from)))),
+        };
+        let code = |index: usize| [0, 1, 2, 3].map(|channel| f64::from(codes[4 * index + channel]));
+        let [red, green, blue, alpha] = mix(indices.map(|index| DVec4::from_array(code(index)))).to_array();
+        let light = |code: f64| f64::from(SRGB_WORDS[(257.0 * code).round() as usize]);
+        DVec4::new(light(red), light(green), light(blue), alpha / 255.0)
+    }
+
     /// Texels from 8 bits a number, four numbers a texel; a rest of fewer is left out.
     pub fn of_bytes(codes: Vec<u8>, curve: CodeCurve) -> Self {
         let curve = match curve {
             CodeCurve::Srgb => SRGB_BYTES.as_slice(),
             CodeCurve::Linear => LINEAR_BYTES.as_slice(),
         };
-        Self(Stored::Bytes { codes, curve })
+        Self::stored(Stored::Bytes { codes, curve })
     }
 
     /// Texels from 16 bits a number, four numbers a texel; a rest of fewer is left out.
@@ -54,12 +91,12 @@ impl Texels {
             CodeCurve::Srgb => SRGB_WORDS.as_slice(),
             CodeCurve::Linear => LINEAR_WORDS.as_slice(),
         };
-        Self(Stored::Words { codes, curve })
+        Self::stored(Stored::Words { codes, curve })
     }
 
     /// Number of texels.
     pub fn len(&self) -> usize {
-        match &self.0 {
+        match &self.stored {
             Stored::Bytes { codes, .. } => codes.len() / 4,
             Stored::Words { codes, .. } => codes.len() / 4,
             Stored::Floats(texels) => texels.len(),
@@ -77,7 +114,7 @@ impl Texels {
     /// If there is no such texel.
     #[inline]
     pub fn get(&self, index: usize) -> [f32; 4] {
-        match &self.0 {
+        match &self.stored {
             Stored::Bytes { codes, curve } => light(&codes[4 * index..4 * index + 4], curve),
             Stored::Words { codes, curve } => light(&codes[4 * index..4 * index + 4], curve),
             Stored::Floats(texels) => texels[index],
@@ -90,7 +127,7 @@ impl Texels {
     /// If one of them does not exist.
     #[inline]
     pub fn get_all<const N: usize>(&self, indices: [usize; N]) -> [[f32; 4]; N] {
-        match &self.0 {
+        match &self.stored {
             Stored::Bytes { codes, curve } => {
                 indices.map(|index| light(&codes[4 * index..4 * index + 4], curve))
             }
@@ -105,7 +142,7 @@ impl Texels {
 
     /// All of them in single precision.
     pub fn into_floats(self) -> Vec<[f32; 4]> {
-        match self.0 {
+        match self.stored {
             Stored::Floats(texels) => texels,
             _ => self.iter().collect(),
         }
@@ -122,7 +159,7 @@ fn light<T: Copy + Into<u16>>(texel: &[T], curve: &[f32]) -> [f32; 4] {
 
 impl From<Vec<[f32; 4]>> for Texels {
     fn from(texels: Vec<[f32; 4]>) -> Self {
-        Self(Stored::Floats(texels))
+        Self::stored(Stored::Floats(texels))
     }
 }
 
@@ -137,13 +174,13 @@ impl IntoIterator for Texels {
 
 impl FromIterator<[f32; 4]> for Texels {
     fn from_iter<I: IntoIterator<Item = [f32; 4]>>(texels: I) -> Self {
-        Self(Stored::Floats(texels.into_iter().collect()))
+        Self::stored(Stored::Floats(texels.into_iter().collect()))
     }
 }
 
 impl PartialEq for Texels {
     fn eq(&self, other: &Self) -> bool {
-        self.iter().eq(other.iter())
+        self.mixes_codes == other.mixes_codes && self.iter().eq(other.iter())
     }
 }
 
@@ -167,6 +204,16 @@ mod tests {
                 assert_eq!(Texels::of_words(vec![code, 0, u16::MAX, code], kind).get(0), expected);
             }
         }
+    }
+
+    #[test]
+    fn codes_are_mixed_where_that_is_wanted() {
+        let mut texels = Texels::of_bytes(vec![0, 0, 0, 0, 255, 255, 255, 255], CodeCurve::Srgb);
+        let halfway = |texels: &Texels| texels.between([0, 1, 0, 1], DVec2::new(0.5, 0.3));
+        assert_eq!(halfway(&texels), DVec4::splat(0.5));
+        texels.mix_codes();
+        let [red, .., alpha] = halfway(&texels).to_array();
+        assert!((red - linear_from_srgb(0.5)).abs() < 1e-4 && alpha == 0.5, "{red} {alpha}");
     }
 
     #[test]

@@ -106,6 +106,10 @@ impl Writer<'_> {
         if material.has_bump_shadows {
             ours["bump_map_correction"] = json!(true);
         }
+        let textures = [material.base_color_texture, material.emission_texture.map(|map| map.texture)];
+        if textures.into_iter().flatten().any(|texture| self.scene.textures[texture].texels.mixes_codes()) {
+            ours["encoded_filtering"] = json!(true);
+        }
         if let (Some(metal), Some(_)) = (material.metal_color, material.coat) {
             ours["metal"] = json!(metal.to_array());
             if material.has_plain_metal {

@@ -57,9 +57,8 @@ impl Texture {
     }
 
     fn look_up(&self, uv: Vec2) -> DVec4 {
-        let (texels, DVec2 { x, y }) = self.between(uv);
-        let [a, b, c, d] = self.texels.get_all(texels).map(|texel| DVec4::from_array(texel.map(f64::from)));
-        a.lerp(b, x).lerp(c.lerp(d, x), y)
+        let (texels, at) = self.between(uv);
+        self.texels.between(texels, at)
     }
 }
 

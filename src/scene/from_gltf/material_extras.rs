@@ -37,6 +37,9 @@ pub(super) struct MaterialExtras {
     /// Whether Blender's *Bump Map Correction* is meant.
     #[serde(default)]
     bump_map_correction: bool,
+    /// Whether pictures of 8 bits are smoothed as they are stored.
+    #[serde(default)]
+    pub(super) encoded_filtering: bool,
     thin_dielectric: Option<Thin>,
     #[serde(flatten)]
     unknown: BTreeMap<String, Value>,

@@ -30,6 +30,12 @@ impl Builder<'_> {
                 self.check_shares(index, times_s.map(|time_s| material.at(time_s)).chain([material.clone()]));
             }
             self.report_changes(index, source);
+            if extras.is_some_and(|extras| extras.encoded_filtering) {
+                let emission = material.emission_texture.map(|map| map.texture);
+                for texture in material.base_color_texture.into_iter().chain(emission) {
+                    self.scene.textures[texture].texels.mix_codes();
+                }
+            }
             self.scene.materials.push(material);
         }
     }

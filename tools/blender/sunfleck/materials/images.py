@@ -120,6 +120,12 @@ def is_plain(image):
     return not hasattr(image, "values_of_texels") and image.colorspace_settings.name in PLAIN
 
 
+def has_codes(picture):
+    """Whether Cycles smooths its colours as they are stored: in 8 bits."""
+    image = picture and picture.image
+    return image is not None and hasattr(image, "is_float") and not image.is_float and image.colorspace_settings.name in IN_SRGB
+
+
 def wants_depth(image, is_color):
     """Whether 8 bits a channel are too few."""
     return image.is_float or image.depth > 32 or (is_color and image.colorspace_settings.name not in IN_SRGB)

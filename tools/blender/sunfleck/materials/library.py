@@ -18,7 +18,7 @@ from ..evaluated.geometry import ATLAS
 from ..evaluated.heeding import nobody
 from . import bake, closures, dependence, inputs, instances, principled, sheets, sockets
 from .colours import rec709
-from .images import Images
+from .images import Images, has_codes
 from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
 from .written import Writer, of_surface, shines
@@ -223,6 +223,8 @@ class Library:
         ours = {"principled": True} if shines(surface) else {}
         if "normalTexture" in said and material is not None and of_cycles(material, "use_bump_map_correction", True):
             ours["bump_map_correction"] = True
+        if any(has_codes(surface.sources[name].picture) for name in ("base", "emission") if name in surface.sources):
+            ours["encoded_filtering"] = True
         if "thin" in surface.sources:
             share, ior = sheets.unit(writer.number("thin")), max(1.0, writer.number("ior"))
             one_face = {"one_face": True} if surface.has_one_face else {}
