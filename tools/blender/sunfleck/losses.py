@@ -88,6 +88,8 @@ LOSSES = {
     "displacement": (WARNING, "true displacement by materials is not rendered"),
     "shadow-terminator": (WARNING, "a smooth mesh of few faces is dark where they turn away from a light, and Cycles "
                                    "moves its shadows (Shading > Shadow Terminator: Geometry Offset): subdivide it"),
+    "coincident-faces": (WARNING, "faces lie in one place, where Cycles' picture is dark and depends on which its rays "
+                                  "happen to meet first: delete one, or move it by a millimetre"),
     "custom-normals": (WARNING, "custom normals lean far from their faces, which say here on which side light falls; "
                                 "in Cycles the normals do"),
     "adaptive-subdivision": (WARNING, "a mesh that Cycles would subdivide by its size in the picture is "

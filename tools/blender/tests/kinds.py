@@ -363,7 +363,8 @@ BESIDE = {
     "bumps": (surfaces.bumps, 1, BAKED), "film scan": (surfaces.film_scan, 1, BAKED),
     "lacquered": (shine.lacquered, 1, EXACT), "hammered": (shine.hammered, 1, EXACT),
     "hammered weakly": (lambda scene: shine.hammered(scene, 0.4), 1, EXACT), "polished": (shine.polished, 1, EXACT),
-    "flattened": (surfaces.flattened, 1, EXACT),
+    "flattened": (surfaces.flattened, 1, EXACT), "box on the ground": (instances.box_on_the_ground, 1, EXACT),
+    "coarse picture": (surfaces.coarse_picture, 1, EXACT),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {
@@ -377,7 +378,7 @@ SAID = {
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"),
     "uneven spot": (uneven_spot, "light-uneven"), "scrolled": (surfaces.scrolled, "material-changes"),
-    "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
+    "doubled": (instances.doubled, "coincident-faces"), "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
     "leaning normals": (surfaces.leaning_normals, "custom-normals"), "few faces": (surfaces.few_faces, "shadow-terminator"),
     "window": (surfaces.window, "material-lost"), "added translucence": (surfaces.added_translucence, "material-lost"),
     "light info": (surfaces.light_info, "material-lost"), "hues": (surfaces.hues, "instance-colors"),

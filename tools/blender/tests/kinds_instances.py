@@ -1,4 +1,4 @@
-"""Of the scenes of `kinds` those of instances that instances are made of."""
+"""Of the scenes of `kinds` those of instances that instances are made of, and of what stands in one place."""
 
 import bpy
 import scenes
@@ -48,3 +48,18 @@ def vectors(nodes, low, high, seed=0):
         next(socket for socket in made.inputs if socket.enabled and socket.name == name).default_value = value
     return next(output for output in made.outputs if output.enabled)
 
+
+
+def doubled(scene):
+    """Leaves with another, turned over, in their place."""
+    for leaf in leaves(scene, matte()):
+        back = leaf.copy()
+        back.data = leaf.data.copy()
+        back.data.flip_normals()
+        scene.collection.objects.link(back)
+
+
+def box_on_the_ground(scene):
+    """Nobody sees where they touch."""
+    scenes.quad(scene, "ground", 6.0, matte().material)
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, 0.5))

@@ -9,7 +9,7 @@ import bpy
 from .. import extras, film, world, world_sun
 from ..losses import Finding
 from ..materials.library import Library, custom
-from . import counts, walk
+from . import coincident, counts, walk
 from .assemble import Assembly
 from .moments import Clock, Shutter, frames, seconds_a_frame
 from .record import Record
@@ -28,6 +28,7 @@ class Exported:
         self.findings += record.volumes.found
         self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
         self.findings += [Finding(id, f"`{name}`") for id, name in sorted(record.capture.otherwise)]
+        self.findings += [Finding("coincident-faces", f"`{name}`") for name in sorted(coincident.names(record))]
         if not assembly.shutter.is_centred:
             self.findings += [Finding("velocity-blur", f"`{name}`") for name in sorted(record.capture.drifted)]
 
