@@ -1,7 +1,7 @@
 """Figures of the render engine, printed: how much longer F12 takes than the program alone, when the first pixel
 shows, how fast Esc is heard, what 50 renders leave in memory.
 
-    SUNFLECK=target/release/sunfleck python tools/blender/figures.py [f12 second pixel esc memory pixels]
+    SUNFLECK=target/release/sunfleck python tools/blender/figures.py [f12 second pixel esc memory pixels viewport]
 
 In go names of figures, all without; out comes a line for each, by the Blender that runs this. Invariant: it is the
 engine as Blender calls it, without a window. Processor seconds tell more than the clock where others are at work.
@@ -26,6 +26,7 @@ import numpy
 import sunfleck
 from sunfleck import engine, render
 from sunfleck.engine import exporting, picture
+from sunfleck.engine.viewport import View, Viewport
 
 ROUNDS = 3
 FOLDER = Path(tempfile.mkdtemp(prefix="sunfleck_figures_"))
@@ -168,7 +169,54 @@ def pixels():
     yield f"pixels equal: {all(numpy.array_equal(ours.of((one,)), theirs.of((one,))) for one in 'RGB')}"
 
 
-FIGURES = {made.__name__: made for made in (f12, second, pixel, esc, memory, pixels)}
+def viewport():
+    """Of a region of 960x540 pixels: from a change to the first picture, and to the last."""
+    for name, more in (("default scene", lambda scene: scene), ("2,000 leaves in fog", lambda scene: in_fog(with_leaves(scene)))):
+        scene = more(default_scene())
+        shown, lamp, cube = Viewport(), scene.objects["Light"], scene.objects["Cube"]
+        roughness = cube.data.materials[0].node_tree.nodes["Principled BSDF"].inputs["Roughness"]
+        changes = {
+            "nothing shown yet": lambda: shown.changed(bpy.context.evaluated_depsgraph_get()),
+            "turned view": lambda: scene.camera.rotation_euler.rotate_axis("Z", 0.02),
+            "moved lamp": lambda: setattr(lamp.location, "z", lamp.location.z + 0.5),
+            "moved object": lambda: setattr(cube.location, "x", cube.location.x + 0.2),
+            "changed material": lambda: setattr(roughness, "default_value", 0.3),
+        }
+        for change, make in changes.items():
+            with Clock() as last:
+                first = shows(shown, scene, make, is_told=change.startswith(("moved", "changed")))
+            yield f"viewport, {name}, {change}: first picture after {first:.2f} s, last {last.wall:.2f} s"
+        shown.close()
+
+
+def in_fog(scene):
+    fog = bpy.data.objects.new("fog", None)
+    scene.collection.objects.link(fog)
+    fog.scale, fog.sunfleck_settings.is_fog, fog.sunfleck_settings.density = (6.0,) * 3, True, 0.05
+    return scene
+
+
+def shows(shown, scene, make, is_told):
+    """Seconds until a viewport shows a change, of which Blender tells it or not; then its last picture is awaited."""
+    tell, start = lambda _, graph: shown.changed(graph), time.perf_counter()
+    handlers = bpy.app.handlers.depsgraph_update_post
+    handlers.extend([tell] if is_told else [])
+    make()
+    bpy.context.view_layer.update()
+    if is_told:
+        handlers.remove(tell)
+    graph, camera, times = bpy.context.evaluated_depsgraph_get(), scene.camera, []
+    window = camera.calc_matrix_camera(graph, x=960, y=540)
+    shown.look(View((960, 540), camera.matrix_world.inverted(), window, True))
+    number = shown.number
+    while shown.poll():
+        if shown.number > number and not times:
+            times.append(time.perf_counter() - start)
+        time.sleep(0.005)
+    return times[0]
+
+
+FIGURES = {made.__name__: made for made in (f12, second, pixel, esc, memory, pixels, viewport)}
 
 if __name__ == "__main__":
     print(f"Blender {bpy.app.version_string}, load {os.getloadavg()[0]:.1f}")

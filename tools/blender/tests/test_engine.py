@@ -18,7 +18,7 @@ import numpy
 import scenes
 import stages
 import sunfleck
-from sunfleck import engine, export, render
+from sunfleck import engine, export, render, service
 from sunfleck.engine import cryptomatte, exporting, looking, picture
 from sunfleck.engine.viewport import STAGES, View, Viewport
 from sunfleck.evaluated.document import Document
@@ -500,6 +500,22 @@ class Engine(unittest.TestCase):
                     bpy.ops.render.render()
         started.assert_not_called()
         self.assertEqual((len(baked), there()), (1, before))
+
+    def test_a_viewport_shows_a_change_before_its_light_is_solved(self):
+        graph, camera, shown = bpy.context.evaluated_depsgraph_get(), self.scene.camera, Viewport()
+        window = camera.calc_matrix_camera(graph, x=SIZE[0], y=SIZE[1])
+        view = View(SIZE, camera.matrix_world.inverted(), window, True)
+        turned = View(SIZE, view.from_world @ numpy.diag((-1.0, 1.0, -1.0, 1.0)), window, True)
+        with mock.patch.object(service.Service, "render", autospec=True, side_effect=service.Service.render) as asked:
+            shown.changed(graph)
+            for one in (view, turned):
+                shown.look(one)
+                while shown.poll():
+                    pass
+        self.addCleanup(shown.close)
+        self.assertEqual((shown.number, shown.problem), (2 * len(STAGES), ""))
+        is_direct = ["--bounces=0" in call.args[1] for call in asked.call_args_list]
+        self.assertEqual(is_direct, [True] + [False] * (2 * len(STAGES) - 1))
 
     def test_a_viewport_sees_shifted_as_its_camera_does(self):
         camera = self.scene.camera

@@ -97,13 +97,16 @@ class Viewport:
         if executable is None:
             self.problem = program.MISSING
             return
-        if self.service is None or not self.service.is_alive():
+        is_new = self.service is None or not self.service.is_alive()
+        if is_new:
             self.service = service.Service(executable, self.path)
         share, samples = STAGES[self.stage]
         width, height = (max(1, round(share * side)) for side in self.view.size)
         flags = [f"--size={width}x{height}", f"--samples={samples}", "--passes=none"]
         flags.append(f"--frames={self.kept.frame}")
         flags.append(f"--out={self.path.with_suffix('.exr')}")
+        # A change shows before its light has been solved.
+        flags += ["--bounces=0"] if is_new and self.stage == 0 else []
         self.run = self.service.render(flags, self.view.camera())
 
     def poll(self):
