@@ -137,13 +137,14 @@ def bumps(scene):
     scene.objects["sun"].rotation_euler = (0.3, 1.3, 0.0)
 
 
-def coarse_picture(scene):
+def coarse_picture(scene, interpolation="Linear"):
     """Between texels of 8 bits Cycles mixes what they are stored as."""
     tree = matte()
     image = bpy.data.images.new("texels", 8, 8)
     image.pixels.foreach_set(numpy.repeat(numpy.indices((8, 8)).sum(0).ravel() % 2, 4).astype("f4"))
     image.pack()
-    tree.link(tree.node("TexImage", image=image).outputs["Color"], tree.shader.inputs["Base Color"])
+    node = tree.node("TexImage", image=image, interpolation=interpolation)
+    tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
     leaves(scene, tree)
 
 

@@ -15,6 +15,7 @@ PARTS = {
     "image-unreadable",
     "image-sequence",
     "texture-clip",
+    "texture-filter",
     "depends-on-view",
     "depends-on-...",
     "depends-on-side",

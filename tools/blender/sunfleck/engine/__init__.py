@@ -19,7 +19,7 @@ from .viewport import View, Viewport
 # How often one looks whether Blender wants to stop, seconds.
 LOOK_S = 0.02
 # Of the time for pictures that are not whole yet.
-SHOWN_SHARE = 0.03
+SHOWN_SHARE = 0.02
 
 
 class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):

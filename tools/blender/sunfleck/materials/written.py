@@ -83,6 +83,8 @@ class Writer:
             return None
         if picture.extension == "CLIP":
             self.losses.append("texture-clip")
+        if picture.interpolation in {"Closest", "Cubic"}:
+            self.losses.append("texture-filter")
         said = {
             "index": files.texture(self.document, image, picture),
             "texCoord": self.uv_number(picture.uv),
