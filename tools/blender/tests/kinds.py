@@ -365,6 +365,7 @@ BESIDE = {
     "hammered weakly": (lambda scene: shine.hammered(scene, 0.4), 1, EXACT), "polished": (shine.polished, 1, EXACT),
     "flattened": (surfaces.flattened, 1, EXACT), "box on the ground": (instances.box_on_the_ground, 1, EXACT),
     "coarse picture": (surfaces.coarse_picture, 1, EXACT),
+    "squares": (lambda scene: surfaces.coarse_picture(scene, "Closest", 4), 1, BAKED), "decal": (surfaces.decal, 1, BAKED),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {
@@ -376,7 +377,7 @@ SAID = {
     "volume of nodes": (nodes_volume, "volume"), "pencil of nodes": (nodes_pencil, "grease-pencil"),
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hairs.hair, "hair"),
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
-    "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"), "texels": (lambda scene: surfaces.coarse_picture(scene, "Closest"), "material-lost"),
+    "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"),
     "uneven spot": (uneven_spot, "light-uneven"), "scrolled": (surfaces.scrolled, "material-changes"),
     "doubled": (instances.doubled, "coincident-faces"), "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
     "leaning normals": (surfaces.leaning_normals, "custom-normals"), "few faces": (surfaces.few_faces, "shadow-terminator"),

@@ -137,13 +137,24 @@ def bumps(scene):
     scene.objects["sun"].rotation_euler = (0.3, 1.3, 0.0)
 
 
-def coarse_picture(scene, interpolation="Linear"):
+def coarse_picture(scene, interpolation="Linear", side=8):
     """Between texels of 8 bits Cycles mixes what they are stored as."""
     tree = matte()
-    image = bpy.data.images.new("texels", 8, 8)
-    image.pixels.foreach_set(numpy.repeat(numpy.indices((8, 8)).sum(0).ravel() % 2, 4).astype("f4"))
+    image = bpy.data.images.new("texels", side, side)
+    image.pixels.foreach_set(numpy.repeat(numpy.indices((side, side)).sum(0).ravel() % 2, 4).astype("f4"))
     image.pack()
     node = tree.node("TexImage", image=image, interpolation=interpolation)
+    tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def decal(scene):
+    """Nothing beyond the picture's edges."""
+    tree = matte()
+    node, place, asked = soft_picture(tree.material.node_tree, 1.0), tree.node("Mapping"), tree.node("TexCoord")
+    node.extension = "CLIP"
+    place.inputs["Scale"].default_value, place.inputs["Location"].default_value = (1.4, 1.4, 1.0), (-0.3, -0.2, 0.0)
+    tree.link(asked.outputs["UV"], place.inputs["Vector"]).link(place.outputs["Vector"], node.inputs["Vector"])
     tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
     leaves(scene, tree)
 

@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from . import blackbody
 
 CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "X": 0, "Y": 1, "Z": 2}
+# Texels of the longer side of a picture: bakes have twice as many.
+COARSE = 256
 
 
 class NotSimple(Exception):
@@ -137,12 +139,17 @@ def read_image(node, output):
     # Cycles shows its logarithms as they are, Blender what they stand for.
     if image.file_format == "CINEON":
         raise NotSimple(node)
+    place = coordinates(node.inputs["Vector"])
+    # Nothing beyond its edges, and other smoothing, which a bake of many texels has too: glTF has no word for these.
+    is_coarse = node.interpolation in {"Closest", "Cubic"} and max(image.size) <= COARSE
+    if is_coarse or (node.extension == "CLIP" and "scale" in place):
+        raise NotSimple(node)
     picture = Picture(
         image,
         extension=node.extension,
         interpolation=node.interpolation,
         by_alpha=by_alpha(node) if output.name == "Color" else "",
-        **coordinates(node.inputs["Vector"]),
+        **place,
     )
     return Source((1.0, 1.0, 1.0), picture, 3 if output.name == "Alpha" else "rgb")
 
