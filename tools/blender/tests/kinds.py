@@ -363,7 +363,7 @@ BESIDE = {
     "bumps": (surfaces.bumps, 1, BAKED), "film scan": (surfaces.film_scan, 1, BAKED),
     "lacquered": (shine.lacquered, 1, EXACT), "hammered": (shine.hammered, 1, EXACT),
     "hammered weakly": (lambda scene: shine.hammered(scene, 0.4), 1, EXACT), "polished": (shine.polished, 1, EXACT),
-    "flattened": (surfaces.flattened, 1, EXACT), "box on the ground": (instances.box_on_the_ground, 1, EXACT),
+    "flattened": (surfaces.flattened, 1, EXACT), "muted": (surfaces.muted, 1, EXACT), "box on the ground": (instances.box_on_the_ground, 1, EXACT),
     "coarse picture": (surfaces.coarse_picture, 1, EXACT),
     "squares": (lambda scene: surfaces.coarse_picture(scene, "Closest", 4), 1, BAKED), "decal": (surfaces.decal, 1, BAKED),
 }

@@ -148,6 +148,20 @@ def coarse_picture(scene, interpolation="Linear", side=8):
     leaves(scene, tree)
 
 
+def muted(scene):
+    """Nodes that are switched off: what leads through them counts, else what stands behind."""
+    trees = matte(), matte()
+    for tree, kind, name in zip(trees, ("HueSaturation", "Gamma"), ("Color", "Gamma")):
+        node = tree.node(kind, mute=True)
+        node.inputs["Color"].default_value, node.inputs[name].default_value = RED, RED if name == "Color" else 3.0
+        tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
+    through = trees[1].node("RGB")
+    through.outputs["Color"].default_value = GREEN
+    trees[1].link(through.outputs["Color"], next(node for node in trees[1].nodes if node.mute).inputs["Color"])
+    for number, leaf in enumerate(leaves(scene, trees[0])):
+        leaf.data.materials[0] = trees[number % 2].material
+
+
 def decal(scene):
     """Nothing beyond the picture's edges."""
     tree = matte()

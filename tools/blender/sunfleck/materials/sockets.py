@@ -68,12 +68,16 @@ def of(socket):
 
 
 def link_to(socket):
-    """The link that counts; reroutes are passed through."""
-    while socket.is_linked and socket.links and not socket.links[0].is_muted:
+    """The link that counts; reroutes and muted nodes are passed through. What leads nowhere is none, as in Cycles."""
+    while socket is not None and socket.is_linked and socket.links and not socket.links[0].is_muted:
         link = socket.links[0]
-        if link.from_node.type != "REROUTE":
+        if link.from_node.type == "REROUTE":
+            socket = link.from_node.inputs[0]
+        elif link.from_node.mute:
+            within = link.from_node.internal_links
+            socket = next((one.from_socket for one in within if one.to_socket == link.from_socket), None)
+        else:
             return link
-        socket = link.from_node.inputs[0]
     return None
 
 
