@@ -335,7 +335,7 @@ class Materials(Case):
 
     def test_random_colours_are_those_of_cycles(self):
         tree = self.randomly()
-        scenes.quad(self.scene, "some leaf", 1.0, tree.material)
+        scenes.quad(self.scene, "some leaf", 1.0, tree.material, (2.0, 0.0, 0.0))
         _, findings = self.said(tree.material, "shade 1")
         self.assertEqual(findings, {})
         of_mesh = {node["name"]: node["mesh"] for node in self.file["nodes"] if "mesh" in node}
