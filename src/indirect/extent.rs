@@ -8,7 +8,7 @@ use crate::canopy::core_bounds::{Bounds, Strays, Weighed, core_bounds, union};
 use crate::canopy::surroundings::Surroundings;
 use crate::math::Ray;
 use crate::ordinates::grid::Grid;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::{BVec3, DVec3};
 
 /// Nodes of the innermost grid, about, and of each about it.
@@ -48,9 +48,21 @@ const NEARLY_ALL: f64 = 0.95;
 /// Or as far as so many times the size of the innermost grid.
 const FARTHEST: f64 = 1e3;
 
+/// About a lamp fog without bounds counts as far as this optical depth.
+const LIT_DEPTH: f64 = 2.0;
+/// Or as far as so many times what the lamp is high above ground, and fog is high.
+const LIT_HEIGHTS: f64 = 8.0;
+/// And so many of fog's scale heights above the lamp.
+const LIT_ABOVE: f64 = 3.0;
+
 /// About all fog that has bounds and all leaves, without either about everything; then about that, as far as
 /// there are things or fog. The innermost comes first.
-pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, layers: Option<&Layers>) -> Vec<Grid> {
+pub(super) fn levels(
+    snapshot: &Snapshot,
+    surroundings: &Surroundings,
+    layers: Option<&Layers>,
+    glow: &[Luminaire],
+) -> Vec<Grid> {
     let things = surroundings.boxes(f64::INFINITY);
     let all = core_bounds(things, Strays::Lost);
     let fogs = bounded_fogs(snapshot);
@@ -62,20 +74,20 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, layers: O
         let leaf_m = surroundings.leaf_width_m(widest, FEW_LEAVES);
         leaf_m == 0.0 || fine_m(*bounds) < COARSEST * LEAVES_PER_CELL * leaf_m
     };
-    let Some(inner) = both.filter(is_fine_enough).or(leaves).or(fog).or(all) else { return Vec::new() };
+    let lit = layers.map_or_else(Vec::new, |layers| lit_fogs(snapshot, layers, glow));
+    let all_lit = || lit.iter().copied().reduce(union);
+    let inner = both.filter(is_fine_enough).or(leaves).or(fog).or(all).or_else(all_lit);
+    let Some(inner) = inner else { return Vec::new() };
     let all = [all, core_bounds(fogs, Strays::Lost)].into_iter().flatten().reduce(union);
     let world = match layers {
-        Some(layers) => layers.down_to_ground(all.map_or(inner, |all| union(all, inner))),
+        Some(layers) => {
+            let near = lit.iter().copied().filter(|lit| is_near(*lit, inner));
+            layers.down_to_ground(near.chain(all).fold(inner, union))
+        }
         None => world(snapshot, inner, all),
     };
     let inner = with_near_sides(inner, world);
-    let (side, fine) = (side(inner), fine_m(inner));
-    let leaf_m = match surroundings.leaf_width_m(widest.min(WALL_CELLS * fine), FEW_LEAVES) {
-        0.0 if fog.is_none() => surroundings.leaf_width_m(widest, 1),
-        leaf_m => leaf_m,
-    };
-    let finest = (LEAVES_PER_CELL * leaf_m).min(side.max_element() / FEWEST_CELLS);
-    let mut cell_m = fine.max(finest);
+    let mut cell_m = fine_m(inner).max(finest_m(surroundings, inner, widest, fog.is_some()));
     let ends = |(low, high): Bounds| {
         let [at_low, at_high] = [low.cmple(world.0), high.cmpge(world.1)];
         match layers {
@@ -96,12 +108,21 @@ pub(super) fn levels(snapshot: &Snapshot, surroundings: &Surroundings, layers: O
         let margin = if is_last { f64::INFINITY } else { MARGIN * (bounds.1 - bounds.0).max_element() };
         bounds = union(inner, ((bounds.0 - margin).max(world.0), (bounds.1 + margin).min(world.1)));
         let nodes = if grids.len() == 1 { OUTER_NODES } else { FAR_NODES };
-        let side = self::side(bounds);
+        let side = side(bounds);
         let even = (side.element_product() / nodes).cbrt().max(side.max_element() / OUTER_CELLS);
         cell_m = even.max(2.0 * cell_m);
         grids.extend(grid(bounds, cell_m));
     }
     grids
+}
+
+/// Cells that leaves want.
+fn finest_m(surroundings: &Surroundings, inner: Bounds, widest: f64, has_fog: bool) -> f64 {
+    let leaf_m = match surroundings.leaf_width_m(widest.min(WALL_CELLS * fine_m(inner)), FEW_LEAVES) {
+        0.0 if !has_fog => surroundings.leaf_width_m(widest, 1),
+        leaf_m => leaf_m,
+    };
+    (LEAVES_PER_CELL * leaf_m).min(side(inner).max_element() / FEWEST_CELLS)
 }
 
 fn grid((low, high): Bounds, cell_m: f64) -> Option<Grid> {
@@ -146,6 +167,27 @@ fn bounded_fogs(snapshot: &Snapshot) -> Vec<Weighed> {
     snapshot.medium.all_bounds().map(weighed).collect()
 }
 
+/// Fog about lamps and what glows: layers do not know their light.
+fn lit_fogs(snapshot: &Snapshot, layers: &Layers, glow: &[Luminaire]) -> Vec<Bounds> {
+    let up = layers.up().abs();
+    let about = |light: &Luminaire| {
+        let FrozenLight::Point { position, .. } = light.centre() else { return None };
+        let place = snapshot.world_from_relative(position);
+        let farthest_m = LIT_HEIGHTS * (layers.above_ground_m(place) + layers.scale_m());
+        let ray = Ray { origin: position, direction: up.any_orthonormal_vector() };
+        let reach_m = reach_m(snapshot, &ray, farthest_m, LIT_DEPTH);
+        let reach = reach_m * (DVec3::ONE - up) + reach_m.min(LIT_ABOVE * layers.scale_m()) * up;
+        Some((place - reach, place + reach))
+    };
+    snapshot.lights.iter().chain(glow).filter_map(about).collect()
+}
+
+/// Whether fog is not too far from a grid to be part of what lies about it.
+fn is_near(fog: Bounds, inner: Bounds) -> bool {
+    let [fog_at, inner_at] = [fog, inner].map(|(low, high)| 0.5 * (low + high));
+    fog_at.distance(inner_at) <= 0.5 * diagonal(fog) + ONE_GRID * diagonal(inner)
+}
+
 /// All that there is: things, and fog without bounds as far as it matters about the innermost grid.
 fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
     let known = things.map_or(inner, |things| union(things, inner));
@@ -153,22 +195,22 @@ fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
         return known;
     }
     let middle = 0.5 * (inner.0 + inner.1);
+    let farthest_m = FARTHEST * diagonal(inner);
     let ray = |direction: DVec3| Ray { origin: middle - snapshot.view.eye, direction };
-    let reach = |direction: DVec3| reach_m(snapshot, &ray(direction), (diagonal(inner), FOG_DEPTH));
+    let reach = |direction: DVec3| reach_m(snapshot, &ray(direction), farthest_m, FOG_DEPTH);
     let high = DVec3::new(reach(DVec3::X), reach(DVec3::Y), reach(DVec3::Z));
     let low = DVec3::new(reach(-DVec3::X), reach(-DVec3::Y), reach(-DVec3::Z));
     let mut fog = (middle - low, middle + high);
     let is_covered =
         [known.0.cmple(fog.0), known.1.cmpge(fog.1)].iter().all(|sides| sides.test(0) && sides.test(2));
     let beneath = if is_covered { 0.0 } else { DEPTH_BENEATH };
-    let lowest = middle.y - reach_m(snapshot, &ray(-DVec3::Y), (diagonal(inner), beneath));
+    let lowest = middle.y - reach_m(snapshot, &ray(-DVec3::Y), farthest_m, beneath);
     fog.0.y = fog.0.y.max(lowest.min(known.0.y));
     union(known, fog)
 }
 
 /// Reach of fog that matters, up to an optical depth.
-fn reach_m(snapshot: &Snapshot, ray: &Ray, (size_m, most): (f64, f64)) -> f64 {
-    let farthest = FARTHEST * size_m;
+fn reach_m(snapshot: &Snapshot, ray: &Ray, farthest: f64, most: f64) -> f64 {
     let along = snapshot.medium.along(ray, farthest);
     let depth = |reach_m: f64| along.optical_depth(reach_m).max_element();
     let enough = most.min(NEARLY_ALL * depth(farthest));

@@ -300,6 +300,16 @@ impl Layers {
         self.are_level() && self.ground_m().is_some()
     }
 
+    /// Where fog is thinner.
+    pub(super) fn up(&self) -> DVec3 {
+        self.heights.up
+    }
+
+    /// Height of a place of world space above the ground, if there is any, metres.
+    pub(super) fn above_ground_m(&self, world: DVec3) -> f64 {
+        self.ground_m().map_or(0.0, |ground_m| (self.heights.height_m(world) - ground_m).max(0.0))
+    }
+
     /// Height of the ground, if there is any, metres.
     pub(super) fn ground_m(&self) -> Option<f64> {
         self.heights.ground_m()

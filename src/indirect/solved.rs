@@ -53,14 +53,14 @@ impl Solved {
     ) -> Option<Self> {
         let mut surroundings = Surroundings::of(snapshot);
         let layers = layers(snapshot, &mut surroundings, bounces);
-        let grids = levels(snapshot, &surroundings, layers.as_ref());
-        let cell_m = grids.first().map_or(f64::INFINITY, |grid| grid.cell_m);
         let plain_glows = layers.as_ref().is_some_and(Layers::ground_glows);
         // Fog that shines is looked for by nobody.
         let is_swept = plain_glows || snapshot.medium.shines();
         let glow = snapshot.glow().filter(|glow| !is_swept && glow.is_looked_for());
         let glow = glow.map(|glow| glow.luminaires(snapshot));
         let has_glow = glow.is_none();
+        let grids = levels(snapshot, &surroundings, layers.as_ref(), glow.as_deref().unwrap_or_default());
+        let cell_m = grids.first().map_or(f64::INFINITY, |grid| grid.cell_m);
         let leaves = LeafIndex::new(snapshot, surroundings.leaves(cell_m));
         let context =
             Context { snapshot, surroundings: &surroundings, leaves: &leaves, bounces, glow, cancelled };

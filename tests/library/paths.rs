@@ -550,6 +550,27 @@ fn branches_are_as_bright_as_one_walk() {
     }
 }
 
+/// Nothing but plain ground and fog without bounds: the layers of these know nothing of a lamp.
+#[test]
+fn a_lamp_lights_fog_without_bounds() {
+    let mut scene = camera_at(DVec3::new(0.0, 1.2, 5.0));
+    add_box(&mut scene, DVec3::new(-90.0, -0.5, -90.0), DVec3::new(90.0, 0.0, 90.0), matte(0.3, 0.0));
+    add_layer(&mut scene, 0.0, 1.0, Rgb::splat(0.3), Rgb::splat(0.9), 0.3);
+    add_light(&mut scene, LightKind::Point, DVec3::new(0.5, 1.0, 0.0), DVec3::X, Rgb::splat(1.0));
+    let of_lamp = estimate(&scene, &by_paths(Bounces::NONE), 16).0;
+    for bounces in [Bounces::UpTo(1), Bounces::All] {
+        let trees = MeshTrees::new(&scene);
+        let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+        let grid = Indirect::new(&exposure, bounces, 1.0, &KeptLight::default(), &|| false);
+        let on_grid =
+            Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(bounces) };
+        let (paths, error) = estimate(&scene, &by_paths(bounces), 256);
+        let ratio = (estimate(&scene, &on_grid, 16).0 - of_lamp) / (paths - of_lamp);
+        println!("{bounces}: grid / paths {ratio:.4} +- {:.4}", error / (paths - of_lamp));
+        assert!((ratio - 1.0).abs().max_element() < 0.04, "{bounces}: {ratio}");
+    }
+}
+
 /// In even light all that reflects everything is as bright as that, also a mirror that is seen in a metal.
 #[test]
 fn a_metal_shows_the_sky_in_a_mirror() {

@@ -207,6 +207,49 @@ def night() -> str:
     )
 
 
+def lanterns(*, glowing: bool = False) -> str:
+    """Two lamps, or a cube that glows, beneath leaves in mist without bounds."""
+    lamps = {
+        "lamp": "Point(position_m: (-1.0, 1.5, -1.0), intensity_w_per_sr: (3.0, 2.0, 1.0))",
+        "lower": "Point(position_m: (1.8, 0.7, 0.5), intensity_w_per_sr: (1.0, 0.8, 0.6))",
+    }
+    cube = '(mesh: "cube", material: "glow", translation_m: (0.8, 0.9, 0.6), scale: 0.25)'
+    return scene(
+        "Constant(radiance_w_per_m2_sr: (0.002, 0.003, 0.006))",
+        meshes={**BASE["meshes"], "ground": "Quad(size_m: 80.0)"},
+        materials={**BASE["materials"], "glow": "(base_color: 0.5, emission_w_per_m2_sr: (30.0, 20.0, 10.0))"},
+        objects={**BASE["objects"], **({"cube": cube} if glowing else {})},
+        lights=None if glowing else lamps,
+        fog={"mist": "(scale_height_m: 1.2, density_per_m: 0.25, anisotropy: 0.7)"},
+    )
+
+
+def two_rooms() -> str:
+    """A room that the next one lights through a door, and that one a window."""
+    walls = {
+        "floor": block((-4, -0.2, -2), (4, 0, 2)),
+        "ceiling": block((-4, 2.8, -2), (4, 3, 2)),
+        "back": block((-4, 0, -2.2), (4, 2.8, -2)),
+        "front": block((-4, 0, 2), (4, 2.8, 2.2)),
+        "left": block((-4.2, 0, -2), (-4, 2.8, 2)),
+        "wall": block((-0.1, 0, -2), (0.1, 2.8, -0.5)),
+        "other wall": block((-0.1, 0, 0.5), (0.1, 2.8, 2)),
+        "above the door": block((-0.1, 2.1, -0.5), (0.1, 2.8, 0.5)),
+        "sill": block((4, 0, -2), (4.2, 1, 2)),
+        "lintel": block((4, 2.3, -2), (4.2, 2.8, 2)),
+        "jamb": block((4, 1, -2), (4.2, 2.3, -1)),
+        "other jamb": block((4, 1, 1), (4.2, 2.3, 2)),
+        "ground": '(mesh: "ground", material: "soil", translation_m: (0.0, -0.3, 0.0))',
+    }
+    return scene(
+        objects=walls,
+        leaves=None,
+        cameras={"main": "(position_m: (-3.6, 1.5, 1.2), look_at_m: (1.0, 1.1, -0.4), fov_deg: 70.0)"},
+        lights={"sun": "Sun(to_sun: (1.0, 0.6, 0.15), irradiance_w_per_m2: (12.0, 9.0, 5.5))"},
+        fog={"haze": "(min_m: (-4.0, 0.0, -2.0), max_m: (4.0, 2.8, 2.0), density_per_m: 0.05, anisotropy: 0.4)"},
+    )
+
+
 def dome() -> str:
     """Leaves that close over snow, with a gap towards the sky."""
     return scene(
@@ -270,6 +313,9 @@ SCENES = {
     "slits": slits,
     "canyon": canyon,
     "night": night,
+    "lanterns": lanterns,
+    "glowing lantern": lambda: lanterns(glowing=True),
+    "two rooms": two_rooms,
     "dome": dome,
     "sun in the sky": sun_sky,
     **{f"lamp {mm} mm": lambda mm=mm: lamp_room(mm / 1000) for mm in (100, 10, 1)},
