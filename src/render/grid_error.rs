@@ -15,12 +15,13 @@ use crate::scene::{Sampling, Size};
 use crate::snapshot::Snapshot;
 use crate::transport::Branches;
 use glam::DVec2;
+use std::f64::consts::PI;
 
 /// Walks that are tried first.
 const FIRST: u32 = 1 << 13;
 /// Walks at most at the usual tolerance, all and for each pixel of the picture.
 const MOST: f64 = (1 << 20) as f64;
-const MOST_A_PIXEL: f64 = 64.0;
+const MOST_A_PIXEL: f64 = 256.0;
 /// Random points of a walk above which it counts as more than one. Most take 3 to 30, and those in deep fog
 /// that absorbs nothing some 200.
 const POINTS_OF_A_WALK: f64 = 64.0;
@@ -36,8 +37,10 @@ const LEAST_MORE: f64 = 0.25;
 /// Walks side by side that are of the same half.
 const RUN: u32 = 1 << 9;
 
-/// Standard deviation of what errors are means over, in cells: no wider than blocks of a small picture.
+/// Standard deviation of what errors are means over, in cells, at least. As wide as blocks of so many pixels
+/// are in a small picture: a Gaussian covers `4 pi` of its variance.
 const SURROUNDINGS: f64 = 1.0;
+const PIXELS_OF_BLOCK: f64 = 100.0;
 /// Standard deviation of the surroundings over which errors are told apart from those elsewhere, in cells.
 const LOCAL: f64 = 4.0;
 /// Errors in blocks of pixels by those in surroundings, which are larger.
@@ -114,8 +117,9 @@ impl GridError {
             std::array::from_fn(|pass| schemes[pass].shares(moments, times))
         };
         let (correction, of_halves) = (shares(&all, 1.0), halves.each_ref().map(|half| shares(half, 2.0)));
+        let near_cells = surroundings(size);
         let light = Light::of(&all);
-        let left = Left::of(halves, &of_halves, &light);
+        let left = Left::of((halves, near_cells), &of_halves, &light);
         let squares = left.squares(&light);
         let mean_light = light.mean();
         // Of errors in luminance as much as of light: channels err alike.
@@ -158,11 +162,17 @@ fn branches_by_noise(halves: &[Moments; 2]) -> Branches {
     Branches { at_surfaces: share(at_surfaces), in_fog: share(in_fog) }
 }
 
+/// Standard deviation of what errors of a picture are means over, in cells.
+fn surroundings(size: Size) -> f64 {
+    let of_block = PIXELS_OF_BLOCK / (size.width as f64 * size.height as f64);
+    ((COLUMNS * ROWS) as f64 * of_block / (4.0 * PI)).sqrt().max(SURROUNDINGS)
+}
+
 /// Maximum number of walks for a picture of a size and a tolerance.
 fn most_walks(size: Size, tolerance: f64) -> f64 {
     /// Maximum at any tolerance, and factor on those at the usual one for each pixel.
     const AT_ALL: f64 = (1 << 22) as f64;
-    const TIMES: f64 = 8.0;
+    const TIMES: f64 = 2.0;
     let pixels = size.width as f64 * size.height as f64;
     let times = (USUAL / tolerance.clamp(1e-6, USUAL)).powi(2);
     (times * MOST.min(MOST_A_PIXEL * pixels)).min(AT_ALL).min(TIMES * MOST_A_PIXEL * pixels)
@@ -203,7 +213,11 @@ struct Left {
 }
 
 impl Left {
-    fn of(halves: &[Moments; 2], corrections: &[[Map<Rgb>; PASSES]; 2], light: &Light) -> Self {
+    fn of(
+        (halves, near_cells): (&[Moments; 2], f64),
+        corrections: &[[Map<Rgb>; PASSES]; 2],
+        light: &Light,
+    ) -> Self {
         let noise = Map::from_fn(|cell| {
             let of_pass = |pass: usize| {
                 let [one, other] = corrections.each_ref().map(|shares| shares[pass].of(cell));
@@ -216,10 +230,10 @@ impl Left {
             Self { products: Map::filled(0.0), pairs: Map::filled(0.0), variances: Map::filled(0.0), noise };
         for (half, other) in halves.iter().zip(corrections.iter().rev()) {
             let (sums, squares) = half.left(other);
-            let (near, count) = (sums.smoothed(SURROUNDINGS), half.count());
-            let count_near = count.smoothed(SURROUNDINGS);
+            let (near, count) = (sums.smoothed(near_cells), half.count());
+            let count_near = count.smoothed(near_cells);
             let squares = Map::from_fn(|cell| mean(squares.of(cell)));
-            let squares_near = squares.smoothed(SURROUNDINGS * 0.5_f64.sqrt());
+            let squares_near = squares.smoothed(near_cells * 0.5_f64.sqrt());
             for cell in 0..COLUMNS * ROWS {
                 // None with itself.
                 *all.products.cell_mut(cell) += mean(sums.of(cell) * near.of(cell)) - squares.of(cell);
