@@ -6,6 +6,7 @@ mod bearings;
 mod choice;
 mod correction;
 mod draws;
+mod error_left;
 mod grid_error;
 mod lattice;
 mod layout;

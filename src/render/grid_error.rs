@@ -4,6 +4,7 @@
 
 use super::Job;
 use super::correction::{Correction, Scheme, mean};
+use super::error_left::{Left, Light};
 use super::map::{COLUMNS, Map, ROWS, cell_at};
 use super::moments::Moments;
 use super::probes::{PASSES, probes};
@@ -41,14 +42,10 @@ const RUN: u32 = 1 << 9;
 /// are in a small picture: a Gaussian covers `4 pi` of its variance.
 const SURROUNDINGS: f64 = 1.0;
 const PIXELS_OF_BLOCK: f64 = 100.0;
-/// Standard deviation of the surroundings over which errors are told apart from those elsewhere, in cells.
-const LOCAL: f64 = 4.0;
 /// Errors in blocks of pixels by those in surroundings, which are larger.
 const FINER: f64 = 1.1;
 /// Width of the error that is told, in standard errors: nineteen of twenty blocks are within it.
 const TOLD: f64 = 2.0;
-/// Relative error of indirect light that is assumed before any is known.
-const EXPECTED: f64 = 0.03;
 
 /// Estimate of indirect light's error.
 pub(super) struct GridError {
@@ -176,110 +173,4 @@ fn most_walks(size: Size, tolerance: f64) -> f64 {
     let pixels = size.width as f64 * size.height as f64;
     let times = (USUAL / tolerance.clamp(1e-6, USUAL)).powi(2);
     (times * MOST.min(MOST_A_PIXEL * pixels)).min(AT_ALL).min(TIMES * MOST_A_PIXEL * pixels)
-}
-
-/// The grid's light of each pass, as probes have it in the mean.
-struct Light([Map<Rgb>; PASSES]);
-
-impl Light {
-    fn of(moments: &Moments) -> Self {
-        let count = moments.count().smoothed(SURROUNDINGS);
-        Self(std::array::from_fn(|pass| {
-            let sum = moments.grid(pass).smoothed(SURROUNDINGS);
-            Map::from_fn(|cell| sum.of(cell) / count.of(cell).max(f64::MIN_POSITIVE))
-        }))
-    }
-
-    /// Sum over all passes.
-    fn at(&self, cell: usize) -> Rgb {
-        self.0.iter().map(|light| light.of(cell)).sum()
-    }
-
-    fn mean(&self) -> Rgb {
-        self.0.iter().map(Map::sum).sum::<Rgb>() / (COLUMNS * ROWS) as f64
-    }
-}
-
-/// Residual that each half of the walks still finds where the other half has corrected. Products of two
-/// walks' errors have no noise in the mean: walks know nothing of one another.
-struct Left {
-    /// Sums of such products near each cell, and how many.
-    products: Map<f64>,
-    pairs: Map<f64>,
-    /// Variances of these sums.
-    variances: Map<f64>,
-    /// Square of the noise that a half's correction has more than that of all walks.
-    noise: Map<f64>,
-}
-
-impl Left {
-    fn of(
-        (halves, near_cells): (&[Moments; 2], f64),
-        corrections: &[[Map<Rgb>; PASSES]; 2],
-        light: &Light,
-    ) -> Self {
-        let noise = Map::from_fn(|cell| {
-            let of_pass = |pass: usize| {
-                let [one, other] = corrections.each_ref().map(|shares| shares[pass].of(cell));
-                0.5 * (one - other) * light.0[pass].of(cell)
-            };
-            let noise: Rgb = (0..PASSES).map(of_pass).sum();
-            mean(noise * noise)
-        });
-        let mut all =
-            Self { products: Map::filled(0.0), pairs: Map::filled(0.0), variances: Map::filled(0.0), noise };
-        for (half, other) in halves.iter().zip(corrections.iter().rev()) {
-            let (sums, squares) = half.left(other);
-            let (near, count) = (sums.smoothed(near_cells), half.count());
-            let count_near = count.smoothed(near_cells);
-            let squares = Map::from_fn(|cell| mean(squares.of(cell)));
-            let squares_near = squares.smoothed(near_cells * 0.5_f64.sqrt());
-            for cell in 0..COLUMNS * ROWS {
-                // None with itself.
-                *all.products.cell_mut(cell) += mean(sums.of(cell) * near.of(cell)) - squares.of(cell);
-                *all.pairs.cell_mut(cell) += count.of(cell) * (count_near.of(cell) - 1.0);
-                *all.variances.cell_mut(cell) += 2.0 * squares.of(cell) * squares_near.of(cell);
-            }
-        }
-        all
-    }
-
-    /// Squares of the error that is left, cell by cell: what walks find, by how sure they are, and else what
-    /// is to be expected. From the whole picture to the parts of it.
-    fn squares(&self, light: &Light) -> Map<f64> {
-        let Self { products, pairs, variances, noise } = self;
-        let cells = (COLUMNS * ROWS) as f64;
-        let of_light = Map::from_fn(|cell| mean(light.at(cell)).powi(2));
-        let square_of_light = of_light.sum() / cells;
-        let found = |products: f64, pairs: f64, variances: f64| {
-            let pairs = pairs.max(f64::MIN_POSITIVE);
-            (products / pairs, variances / (pairs * pairs))
-        };
-        let (product, variance) = found(products.sum(), pairs.sum(), variances.sum());
-        let expected = EXPECTED.powi(2) * square_of_light;
-        // As long as little is known, no more than that is hoped for.
-        let whole = judged(product - noise.sum() / cells, variance, expected) + doubt(variance, expected);
-        let [products, pairs, noise] = [products, pairs, noise].map(|map| map.smoothed(LOCAL));
-        let variances = variances.smoothed(LOCAL * 0.5_f64.sqrt());
-        let ones = Map::filled(1.0).smoothed(LOCAL);
-        Map::from_fn(|cell| {
-            let (product, variance) = found(products.of(cell), pairs.of(cell), variances.of(cell));
-            let expected =
-                if square_of_light > 0.0 { whole * of_light.of(cell) / square_of_light } else { 0.0 };
-            judged(product - noise.of(cell) / ones.of(cell), variance, expected)
-        })
-    }
-}
-
-/// A square that was found with such a variance, where one of that size was expected, give or take itself:
-/// the mean of both by their precision.
-fn judged(found: f64, variance: f64, expected: f64) -> f64 {
-    let precision = expected * expected / (expected * expected + variance).max(f64::MIN_POSITIVE);
-    expected + precision * (found.max(0.0) - expected)
-}
-
-/// Standard deviation of what is judged so.
-fn doubt(variance: f64, expected: f64) -> f64 {
-    let square = expected * expected;
-    (square * variance / (square + variance).max(f64::MIN_POSITIVE)).sqrt()
 }

@@ -1,0 +1,122 @@
+//! Error that is left of indirect light once walks have corrected it. In go sums over two halves of the walks
+//! and the corrections that each makes, out come squares of the error, cell by cell. Invariant: noise of the
+//! walks does not count as error, in the mean.
+
+use super::correction::mean;
+use super::map::{COLUMNS, Map, ROWS};
+use super::moments::Moments;
+use super::probes::PASSES;
+use crate::color::Rgb;
+
+/// Standard deviation of what the grid's light is a mean over, in cells.
+const SURROUNDINGS: f64 = 1.0;
+/// Standard deviation of the surroundings over which errors are told apart from those elsewhere, in cells.
+const LOCAL: f64 = 4.0;
+/// Relative error of indirect light that is assumed before any is known.
+const EXPECTED: f64 = 0.03;
+
+/// The grid's light of each pass, as probes have it in the mean.
+pub(super) struct Light(pub(super) [Map<Rgb>; PASSES]);
+
+impl Light {
+    pub(super) fn of(moments: &Moments) -> Self {
+        let count = moments.count().smoothed(SURROUNDINGS);
+        Self(std::array::from_fn(|pass| {
+            let sum = moments.grid(pass).smoothed(SURROUNDINGS);
+            Map::from_fn(|cell| sum.of(cell) / count.of(cell).max(f64::MIN_POSITIVE))
+        }))
+    }
+
+    /// Sum over all passes.
+    fn at(&self, cell: usize) -> Rgb {
+        self.0.iter().map(|light| light.of(cell)).sum()
+    }
+
+    pub(super) fn mean(&self) -> Rgb {
+        self.0.iter().map(Map::sum).sum::<Rgb>() / (COLUMNS * ROWS) as f64
+    }
+}
+
+/// Residual that each half of the walks still finds where the other half has corrected. Products of two
+/// walks' errors have no noise in the mean: walks know nothing of one another.
+pub(super) struct Left {
+    /// Sums of such products near each cell, and how many.
+    products: Map<f64>,
+    pairs: Map<f64>,
+    /// Variances of these sums.
+    variances: Map<f64>,
+    /// Square of the noise that a half's correction has more than that of all walks.
+    noise: Map<f64>,
+}
+
+impl Left {
+    pub(super) fn of(
+        (halves, near_cells): (&[Moments; 2], f64),
+        corrections: &[[Map<Rgb>; PASSES]; 2],
+        light: &Light,
+    ) -> Self {
+        let noise = Map::from_fn(|cell| {
+            let of_pass = |pass: usize| {
+                let [one, other] = corrections.each_ref().map(|shares| shares[pass].of(cell));
+                0.5 * (one - other) * light.0[pass].of(cell)
+            };
+            let noise: Rgb = (0..PASSES).map(of_pass).sum();
+            mean(noise * noise)
+        });
+        let mut all =
+            Self { products: Map::filled(0.0), pairs: Map::filled(0.0), variances: Map::filled(0.0), noise };
+        for (half, other) in halves.iter().zip(corrections.iter().rev()) {
+            let (sums, squares) = half.left(other);
+            let (near, count) = (sums.smoothed(near_cells), half.count());
+            let count_near = count.smoothed(near_cells);
+            let squares = Map::from_fn(|cell| mean(squares.of(cell)));
+            let squares_near = squares.smoothed(near_cells * 0.5_f64.sqrt());
+            for cell in 0..COLUMNS * ROWS {
+                // None with itself.
+                *all.products.cell_mut(cell) += mean(sums.of(cell) * near.of(cell)) - squares.of(cell);
+                *all.pairs.cell_mut(cell) += count.of(cell) * (count_near.of(cell) - 1.0);
+                *all.variances.cell_mut(cell) += 2.0 * squares.of(cell) * squares_near.of(cell);
+            }
+        }
+        all
+    }
+
+    /// Squares of the error that is left, cell by cell: what walks find, by how sure they are, and else what
+    /// is to be expected. From the whole picture to the parts of it.
+    pub(super) fn squares(&self, light: &Light) -> Map<f64> {
+        let Self { products, pairs, variances, noise } = self;
+        let cells = (COLUMNS * ROWS) as f64;
+        let of_light = Map::from_fn(|cell| mean(light.at(cell)).powi(2));
+        let square_of_light = of_light.sum() / cells;
+        let found = |products: f64, pairs: f64, variances: f64| {
+            let pairs = pairs.max(f64::MIN_POSITIVE);
+            (products / pairs, variances / (pairs * pairs))
+        };
+        let (product, variance) = found(products.sum(), pairs.sum(), variances.sum());
+        let expected = EXPECTED.powi(2) * square_of_light;
+        // As long as little is known, no more than that is hoped for.
+        let whole = judged(product - noise.sum() / cells, variance, expected) + doubt(variance, expected);
+        let [products, pairs, noise] = [products, pairs, noise].map(|map| map.smoothed(LOCAL));
+        let variances = variances.smoothed(LOCAL * 0.5_f64.sqrt());
+        let ones = Map::filled(1.0).smoothed(LOCAL);
+        Map::from_fn(|cell| {
+            let (product, variance) = found(products.of(cell), pairs.of(cell), variances.of(cell));
+            let expected =
+                if square_of_light > 0.0 { whole * of_light.of(cell) / square_of_light } else { 0.0 };
+            judged(product - noise.of(cell) / ones.of(cell), variance, expected)
+        })
+    }
+}
+
+/// A square that was found with such a variance, where one of that size was expected, give or take itself:
+/// the mean of both by their precision.
+fn judged(found: f64, variance: f64, expected: f64) -> f64 {
+    let precision = expected * expected / (expected * expected + variance).max(f64::MIN_POSITIVE);
+    expected + precision * (found.max(0.0) - expected)
+}
+
+/// Standard deviation of what is judged so.
+fn doubt(variance: f64, expected: f64) -> f64 {
+    let square = expected * expected;
+    (square * variance / (square + variance).max(f64::MIN_POSITIVE)).sqrt()
+}
