@@ -20,36 +20,42 @@ INTO = 1e-4
 
 def names(record):
     placed = list(of_first_moment(record))
-    if not placed:
-        return set()
-    corners = numpy.concatenate([found for *_, found in placed])
-    owners = numpy.repeat(numpy.arange(len(placed)), [len(found) for *_, found in placed])
-    closed, found = {}, set()
-    for one, other, is_opposed in heeding(record.heed, len(corners), lambda: list(overlapping(corners))):
-        pair = {owners[one], owners[other]}
-        if not (is_opposed and any(is_closed(record, placed[at][1], closed) for at in pair)):
-            found |= {placed[at][0] for at in pair}
-    return found
+    made = [record.geometries[number] for _, number, _ in placed]
+    return heeding(record.heed, sum(len(one.triangles) for one in made), lambda: found_in(placed, made))
 
 
 def of_first_moment(record):
-    """Name, number of a geometry and corners in the world of each thing that is there."""
+    """Name, number of a geometry and place of each thing that is there."""
     count = 0
     for thing in record.things.values():
         if thing.kind != "SURFACE" or thing.moments[0] != 0 or thing.shown[0] is None:
             continue
-        made, matrix = record.geometries[thing.shown[0][0]], record.all_matrices[thing.rows[0]].astype(float)
-        count += len(made.triangles)
+        number = thing.shown[0][0]
+        count += len(record.geometries[number].triangles)
         if count > MOST_TRIANGLES:
             return
-        world = made.positions @ matrix[:3, :3].T + matrix[:3, 3]
-        yield thing.object.name, thing.shown[0][0], world[made.corner_vertices[made.triangles]]
+        yield thing.object.name, number, record.all_matrices[thing.rows[0]].astype(float)
 
 
-def is_closed(record, number, known):
+def found_in(placed, made):
+    if not placed:
+        return set()
+    corners = [
+        (one.positions @ matrix[:3, :3].T + matrix[:3, 3])[one.corner_vertices[one.triangles]]
+        for one, (*_, matrix) in zip(made, placed)
+    ]
+    owners = numpy.repeat(numpy.arange(len(placed)), [len(one) for one in corners])
+    closed, found = {}, set()
+    for one, other, is_opposed in overlapping(numpy.concatenate(corners)):
+        pair = {owners[one], owners[other]}
+        if not (is_opposed and any(is_closed(placed[at][1], made[at], closed) for at in pair)):
+            found |= {placed[at][0] for at in pair}
+    return found
+
+
+def is_closed(number, made, known):
     """Whether each edge of a geometry is of two faces."""
     if number not in known:
-        made = record.geometries[number]
         vertices = made.corner_vertices[made.triangles]
         edges = numpy.sort(vertices[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         known[number] = bool((numpy.unique(edges, axis=0, return_counts=True)[1] == 2).all())
