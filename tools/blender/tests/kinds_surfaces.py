@@ -173,6 +173,15 @@ def decal(scene):
     leaves(scene, tree)
 
 
+def broadcast(scene):
+    """Colours of 8 bits in another curve than sRGB's."""
+    tree = matte()
+    picture = soft_picture(tree.material.node_tree, 1.0)
+    picture.image.colorspace_settings.name = "Rec.1886"
+    tree.link(picture.outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
 def film_scan(scene):
     """A Cineon file, whose logarithms Cycles shows as they are."""
     tree = matte()

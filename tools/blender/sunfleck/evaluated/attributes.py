@@ -35,11 +35,22 @@ def of_corners(mesh: bpy.types.Mesh, name: str, groups: Mapping[str, int] = NO_G
     if values is None:
         return numpy.tile(numpy.array(MISSING, "f4"), (count, 1))
     domain = mesh.attributes[name].domain
-    if domain == "POINT":
+    if domain == "EDGE":
+        values = of_vertices(mesh, values)
+    if domain in {"POINT", "EDGE"}:
         return values[numbers(mesh.loops, "vertex_index", count, "i4")]
     if domain == "FACE":
         return numpy.repeat(values, numbers(mesh.polygons, "loop_total", len(mesh.polygons), "i4"), axis=0)
     return values
+
+
+def of_vertices(mesh: bpy.types.Mesh, of_edges: Array) -> Array:
+    """The means of the edges at each vertex, as Cycles has them."""
+    ends = numbers(mesh.edges, "vertices", (len(mesh.edges), 2), "i4")
+    sums = numpy.zeros((len(mesh.vertices), of_edges.shape[1]), "f4")
+    numpy.add.at(sums, ends, of_edges[:, None])
+    counts = numpy.bincount(ends.ravel(), minlength=len(sums))
+    return (sums / numpy.maximum(counts, 1)[:, None]).astype("f4")
 
 
 def weights(mesh: bpy.types.Mesh, group: int) -> Array:
@@ -50,7 +61,7 @@ def weights(mesh: bpy.types.Mesh, group: int) -> Array:
 
 def values_of(attribute: bpy.types.Attribute | None) -> Array | None:
     """Rows of numbers; None of what Cycles knows nothing of."""
-    if attribute is None or attribute.domain == "EDGE" or attribute.data_type not in TYPES:
+    if attribute is None or attribute.data_type not in TYPES:
         return None
     field, width, kind = TYPES[attribute.data_type]
     return numbers(attribute.data, field, (len(attribute.data), width), kind).astype("f4")

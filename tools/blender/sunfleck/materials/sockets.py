@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from . import blackbody
 
 CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "X": 0, "Y": 1, "Z": 2}
+# Of what has 8 bits; a bake knows the others.
+KNOWN_SPACES = {"sRGB", "Non-Color", "Linear Rec.709"}
 # Texels of the longer side of a picture: bakes have twice as many.
 COARSE = 256
 
@@ -140,8 +142,8 @@ def read_image(node, output):
     image = node.image
     if image is None or node.projection != "FLAT" or image.source not in {"FILE", "GENERATED"}:
         raise NotSimple(node)
-    # Cycles shows its logarithms as they are, Blender what they stand for.
-    if image.file_format == "CINEON":
+    # Of a Cineon file Cycles shows the logarithms as they are, Blender what they stand for.
+    if image.file_format == "CINEON" or not (image.is_float or image.colorspace_settings.name in KNOWN_SPACES):
         raise NotSimple(node)
     place = coordinates(node.inputs["Vector"])
     # Nothing beyond its edges, and other smoothing, which a bake of many texels has too: glTF has no word for these.
