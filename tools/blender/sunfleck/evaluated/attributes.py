@@ -50,7 +50,8 @@ def of_vertices(mesh: bpy.types.Mesh, of_edges: Array) -> Array:
     sums = numpy.zeros((len(mesh.vertices), of_edges.shape[1]), "f4")
     numpy.add.at(sums, ends, of_edges[:, None])
     counts = numpy.bincount(ends.ravel(), minlength=len(sums))
-    return (sums / numpy.maximum(counts, 1)[:, None]).astype("f4")
+    means: Array = (sums / numpy.maximum(counts, 1)[:, None]).astype("f4")
+    return means
 
 
 def weights(mesh: bpy.types.Mesh, group: int) -> Array:
