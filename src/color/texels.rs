@@ -48,8 +48,8 @@ impl Texels {
         Self { stored, mixes_codes: false }
     }
 
-    /// From now on colours of 8 bits in sRGB are smoothed as they are stored, as Cycles does (`svm_image_texture` in
-    /// its `kernel/svm/image.h` decodes what was interpolated).
+    /// From now on colours of 8 bits in sRGB are smoothed as they are stored, as Cycles does
+    /// (`svm_image_texture` in its `kernel/svm/image.h` decodes what was interpolated).
     pub fn mix_codes(&mut self) {
         self.mixes_codes = matches!(self.stored, Stored::Bytes { .. });
     }

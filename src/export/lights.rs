@@ -33,41 +33,14 @@ impl Writer<'_> {
         self.carry_color(format!("{owner}.{name}"), &light.power.map_linear(|value| value * unit));
         let (brightest, color) = brightest(light.power.at(time_s));
         let mut ours = Map::new();
-        let mut say = |name: &str, value: Value| ours.insert(name.to_owned(), value);
-        let (kind, mut cone) = match &light.kind {
-            LightKind::Sun => ("directional", None),
-            LightKind::SunDisc(disc) => {
-                for (name, value) in sun_disc(disc, time_s)? {
-                    say(name, value);
-                }
-                ("directional", None)
-            }
-            LightKind::Point => ("point", None),
-            LightKind::Sphere { radius } => {
-                say("radius", json!(radius.at(time_s)));
-                ("point", None)
-            }
-            LightKind::Spot { outer_angle, blend, radius } => {
-                let (outer, radius) = (outer_angle.at(time_s), radius.at(time_s));
-                if radius > 0.0 {
-                    say("radius", json!(radius));
-                }
-                let inner = outer * (1.0 - blend.at(time_s).max(NARROWEST_EDGE));
-                ("spot", Some(json!({ "innerConeAngle": inner, "outerConeAngle": outer })))
-            }
-            LightKind::Area { shape, width, height, spread } => {
-                let shape = if *shape == AreaShape::Rectangle { "rectangle" } else { "ellipse" };
-                say("type", json!("area"));
-                say("shape", json!(shape));
-                say("size", json!([width.at(time_s), height.at(time_s)]));
-                if !spread.is_constant() || spread.at(time_s) < PI {
-                    say("spread", json!(spread.at(time_s)));
-                }
-                say("power_w", json!(brightest));
-                say("color", json!(color.to_array()));
-                self.set_extra(node, "sunfleck_light", Value::Object(ours));
-                return Ok(());
-            }
+        for (name, value) in fields(&light.kind, time_s)? {
+            ours.insert(name.to_owned(), value);
+        }
+        let Some((kind, cone)) = kind_in_gltf(&light.kind, time_s) else {
+            ours.insert("power_w".to_owned(), json!(brightest));
+            ours.insert("color".to_owned(), json!(color.to_array()));
+            self.set_extra(node, "sunfleck_light", Value::Object(ours));
+            return Ok(());
         };
         if !ours.is_empty() {
             self.set_extra(node, "sunfleck_light", Value::Object(ours));
@@ -75,7 +48,7 @@ impl Writer<'_> {
         let mut written = json!({
             "name": light.name, "type": kind, "color": color.to_array(), "intensity": brightest * LUMENS_PER_WATT,
         });
-        if let Some(cone) = cone.take() {
+        if let Some(cone) = cone {
             written["spot"] = cone;
         }
         self.lights.push(written);
@@ -84,6 +57,42 @@ impl Writer<'_> {
         self.extend_node(node, "KHR_lights_punctual", json!({ "light": number }));
         Ok(())
     }
+}
+
+/// Type of a light in glTF, and a spot's cone; `None` for an area light, which glTF has not.
+fn kind_in_gltf(kind: &LightKind, time_s: f64) -> Option<(&'static str, Option<Value>)> {
+    match kind {
+        LightKind::Sun | LightKind::SunDisc(_) => Some(("directional", None)),
+        LightKind::Point | LightKind::Sphere { .. } => Some(("point", None)),
+        LightKind::Spot { outer_angle, blend, .. } => {
+            let outer = outer_angle.at(time_s);
+            let inner = outer * (1.0 - blend.at(time_s).max(NARROWEST_EDGE));
+            Some(("spot", Some(json!({ "innerConeAngle": inner, "outerConeAngle": outer }))))
+        }
+        LightKind::Area { .. } => None,
+    }
+}
+
+/// Fields of `sunfleck_light` for what glTF does not know of a light.
+fn fields(kind: &LightKind, time_s: f64) -> Result<Vec<(&'static str, Value)>, Diagnostic> {
+    Ok(match kind {
+        LightKind::Sun | LightKind::Point => vec![],
+        LightKind::SunDisc(disc) => sun_disc(disc, time_s)?,
+        LightKind::Sphere { radius } => vec![("radius", json!(radius.at(time_s)))],
+        LightKind::Spot { radius, .. } => {
+            let radius = radius.at(time_s);
+            if radius > 0.0 { vec![("radius", json!(radius))] } else { vec![] }
+        }
+        LightKind::Area { shape, width, height, spread } => {
+            let shape = if *shape == AreaShape::Rectangle { "rectangle" } else { "ellipse" };
+            let size_m = [width.at(time_s), height.at(time_s)];
+            let mut fields = vec![("type", json!("area")), ("shape", json!(shape)), ("size", json!(size_m))];
+            if !spread.is_constant() || spread.at(time_s) < PI {
+                fields.push(("spread", json!(spread.at(time_s))));
+            }
+            fields
+        }
+    })
 }
 
 fn sun_disc(disc: &SunDisc, time_s: f64) -> Result<Vec<(&'static str, Value)>, Diagnostic> {

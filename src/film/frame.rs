@@ -1,11 +1,13 @@
 //! A finished picture: named channels of pixels. Invariant: every channel has one value for each
 //! pixel of the window, row by row from the top.
 
-use super::splats::BEAUTY;
 use crate::passes::{MATTE_LAYER, Pass, Precision};
 use crate::scene::{Size, Window};
 use half::f16;
 use std::fmt;
+
+/// Names of the beauty's channels, in the order of the sums.
+pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
 /// The largest value that a half-precision channel can store.
 pub const HALF_MAX: f32 = 65504.0;

@@ -1,9 +1,9 @@
 //! Sums become a picture. In goes a film, out comes a frame of named channels, in the order in which films
 //! keep their passes. Invariant: sums are divided by weights once, here.
 
+use super::frame::BEAUTY;
 use super::hues::{self, HueSums};
 use super::smooth::{self, FogPlanes};
-use super::splats::BEAUTY;
 use super::{Channel, Film, Frame, Precision, holes, mattes};
 use crate::color::Rgb;
 use crate::passes::Pass;

@@ -1,6 +1,7 @@
 //! Samples on their way to a film. In go samples, out come the numbers that the film keeps of each,
 //! packed. Invariant: their order is kept, and with it the rounding of sums.
 
+use super::frame::BEAUTY;
 use super::hues::{self, HueSums};
 use super::mattes::{self, MatteList};
 use super::pass_value::value;
@@ -8,9 +9,6 @@ use crate::passes::Pass;
 use crate::passes::PixelRule;
 use crate::scene::Window;
 use crate::transport::Sample;
-
-/// Names of the beauty's channels, in the order of the sums.
-pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
 /// Numbers that a sample's part in fog is packed in, see [`Film::fog`](super::Film).
 const FOG: usize = 4;

@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 const FIRST: u32 = 1 << 13;
 /// Walks at most at the usual tolerance, all and for each pixel of the picture.
 const MOST: f64 = (1 << 20) as f64;
-const MOST_A_PIXEL: f64 = 256.0;
+const MOST_A_PIXEL: f64 = 128.0;
 /// Random points of a walk above which it counts as more than one. Most take 3 to 30, and those in deep fog
 /// that absorbs nothing some 200.
 const POINTS_OF_A_WALK: f64 = 64.0;
@@ -169,7 +169,7 @@ fn surroundings(size: Size) -> f64 {
 fn most_walks(size: Size, tolerance: f64) -> f64 {
     /// Maximum at any tolerance, and factor on those at the usual one for each pixel.
     const AT_ALL: f64 = (1 << 22) as f64;
-    const TIMES: f64 = 2.0;
+    const TIMES: f64 = 4.0;
     let pixels = size.width as f64 * size.height as f64;
     let times = (USUAL / tolerance.clamp(1e-6, USUAL)).powi(2);
     (times * MOST.min(MOST_A_PIXEL * pixels)).min(AT_ALL).min(TIMES * MOST_A_PIXEL * pixels)

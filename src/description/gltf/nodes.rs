@@ -257,8 +257,8 @@ pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Repor
     document.extensions.lights_punctual.lights.iter().enumerate().map(&mut convert).collect()
 }
 
-/// Kind of a light, or the field for which it cannot shine, and what is wrong with it. Both angles of a spot's
-/// cone may be the same, which Blender's hard edges are, though glTF wants the inner one to be less.
+/// Kind of a light, or the field for which it cannot shine, and what is wrong with it. Both angles of a
+/// spot's cone may be the same, which Blender's hard edges are, though glTF wants the inner one to be less.
 fn light_kind(
     light: &json::Light,
     name: &str,

@@ -1,4 +1,4 @@
-//! Properties that a channel animates, by paths and pointers (KHR_animation_pointer), and their values' ranges.
+//! Properties that a channel animates, by paths and pointers (KHR_animation_pointer), and ranges of values.
 //! Invariant: a [`Channel`] names a thing that exists, and its values stay in range at and between its keys.
 
 use super::accessor::{Component, Wanted};
