@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 const MOST_WAITING: usize = 4;
 
 /// Pictures in between may take so much of the time.
-const SHARE: f64 = 0.03;
+const SHARE: f64 = 0.015;
 
 /// Values a packet, at most about: the viewer takes a packet as a whole.
 const VALUES: usize = 1 << 20;
