@@ -31,8 +31,8 @@ const POINTS_OF_A_WALK: f64 = 64.0;
 const USUAL: f64 = 0.02;
 /// Walks of the noisier kind that branch off a camera ray: the ray and the grid's answer cost little then.
 const MOST_BRANCHES: u32 = 8;
-/// Walks that are followed before they are added up.
-const BATCH: u32 = 1 << 14;
+/// Walks that are followed before they are added up, and somebody who waits for nothing is heard.
+const BATCH: f64 = (1 << 12) as f64;
 /// Walks at least by which their number grows, as a share of it. Their errors fall as its root.
 const LEAST_MORE: f64 = 0.25;
 /// Walks side by side that are of the same half.
@@ -76,8 +76,9 @@ impl GridError {
         let mut branches = Branches::ONE;
         let (mut walks, mut drawn) = (0.0, 0.0);
         loop {
-            for start in numbers.clone().step_by(BATCH as usize) {
-                let batch = start..numbers.end.min(start + BATCH);
+            let rays = (BATCH / branches.mean()) as u32;
+            for start in numbers.clone().step_by(rays as usize) {
+                let batch = start..numbers.end.min(start + rays);
                 for (number, probe) in batch.clone().zip(probes(batch, branches, snapshot, job, indirect)) {
                     halves[(number / RUN % 2) as usize].add(&probe);
                     drawn += f64::from(probe.drawn);
