@@ -24,7 +24,7 @@ const FIRST: u32 = 1 << 13;
 const MOST: f64 = (1 << 20) as f64;
 const MOST_A_PIXEL: f64 = 128.0;
 /// Random points of a walk above which it counts as more than one. Most take 3 to 30, and those in deep fog
-/// that absorbs nothing some 200.
+/// that absorbs nothing some 200. Branches count by their points.
 const POINTS_OF_A_WALK: f64 = 64.0;
 /// The usual tolerance, also where nobody has one, but wants to know the error. What walks miss by falls with
 /// the root of their number.
@@ -74,7 +74,7 @@ impl GridError {
         let mut halves = [Moments::none(), Moments::none()];
         let mut numbers = 0..FIRST;
         let mut branches = Branches::ONE;
-        let (mut walks, mut drawn) = (0.0, 0.0);
+        let (mut drawn, mut drawn_by_one) = (0.0, POINTS_OF_A_WALK);
         loop {
             let rays = (BATCH / branches.mean()) as u32;
             for start in numbers.clone().step_by(rays as usize) {
@@ -88,8 +88,10 @@ impl GridError {
                 }
             }
             let known = Self::of(&halves, survey, job.size);
-            walks += numbers.len() as f64 * branches.mean();
-            let room = most / walks.max(drawn / POINTS_OF_A_WALK) - 1.0;
+            if branches == Branches::ONE {
+                drawn_by_one = (drawn / f64::from(FIRST)).clamp(1.0, POINTS_OF_A_WALK);
+            }
+            let room = most * drawn_by_one / drawn.max(f64::from(numbers.end)) - 1.0;
             if known.relative <= tolerance || room < LEAST_MORE || cancelled() {
                 return known;
             }

@@ -77,7 +77,7 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
 }
 
 /// Mean of so many walks. Their random points are as even together as those of as many samples of a pixel.
-pub(super) fn mean_of(path: &mut Path, count: u32, walk: impl Fn(&mut Path) -> Rgb) -> Rgb {
+fn mean_of(path: &mut Path, count: u32, walk: impl Fn(&mut Path) -> Rgb) -> Rgb {
     if count == 1 {
         return walk(path);
     }

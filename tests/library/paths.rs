@@ -489,6 +489,18 @@ fn the_grid_has_the_same_light() {
     }
 }
 
+/// Indirect light from a grid over that of walks, where both have direct light too.
+fn grid_by_paths(scene: &Scene, bounces: Bounces, direct: Rgb) -> Rgb {
+    let trees = MeshTrees::new(scene);
+    let exposure = Exposure::new(scene, &trees, 0, 1.0, INSTANT);
+    let grid = Indirect::new(&exposure, bounces, 1.0, &KeptLight::default(), &|| false);
+    let on_grid = Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(bounces) };
+    let (paths, error) = estimate(scene, &by_paths(bounces), 256);
+    let ratio = (estimate(scene, &on_grid, 16).0 - direct) / (paths - direct);
+    println!("{bounces}: grid / paths {ratio:.4} +- {:.4}", error / (paths - direct));
+    ratio
+}
+
 /// Ground reaches beyond the grid about the fog that it lights: what comes in from there was scattered as
 /// often as it was, however many times are asked for.
 #[test]
@@ -501,14 +513,7 @@ fn ground_lights_fog_from_beyond_its_grid() {
     // What fog scatters of the sun is known.
     let of_sun = estimate(&scene, &by_paths(Bounces::NONE), 16).0;
     for bounces in [Bounces::UpTo(1), Bounces::UpTo(2), Bounces::UpTo(4), Bounces::All] {
-        let trees = MeshTrees::new(&scene);
-        let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
-        let grid = Indirect::new(&exposure, bounces, 1.0, &KeptLight::default(), &|| false);
-        let on_grid =
-            Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(bounces) };
-        let (paths, error) = estimate(&scene, &by_paths(bounces), 256);
-        let ratio = (estimate(&scene, &on_grid, 16).0 - of_sun) / (paths - of_sun);
-        println!("{bounces}: grid / paths {ratio:.4} +- {:.4}", error / (paths - of_sun));
+        let ratio = grid_by_paths(&scene, bounces, of_sun);
         assert!((ratio - 1.0).abs().max_element() < 0.02, "{bounces}: {ratio}");
     }
 }
@@ -559,14 +564,7 @@ fn a_lamp_lights_fog_without_bounds() {
     add_light(&mut scene, LightKind::Point, DVec3::new(0.5, 1.0, 0.0), DVec3::X, Rgb::splat(1.0));
     let of_lamp = estimate(&scene, &by_paths(Bounces::NONE), 16).0;
     for bounces in [Bounces::UpTo(1), Bounces::All] {
-        let trees = MeshTrees::new(&scene);
-        let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
-        let grid = Indirect::new(&exposure, bounces, 1.0, &KeptLight::default(), &|| false);
-        let on_grid =
-            Transport { volume: VolumeMethod::Segments, indirect: grid.as_ref(), ..by_paths(bounces) };
-        let (paths, error) = estimate(&scene, &by_paths(bounces), 256);
-        let ratio = (estimate(&scene, &on_grid, 16).0 - of_lamp) / (paths - of_lamp);
-        println!("{bounces}: grid / paths {ratio:.4} +- {:.4}", error / (paths - of_lamp));
+        let ratio = grid_by_paths(&scene, bounces, of_lamp);
         assert!((ratio - 1.0).abs().max_element() < 0.04, "{bounces}: {ratio}");
     }
 }
