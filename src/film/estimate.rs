@@ -26,6 +26,8 @@ pub struct BlockEstimate {
     /// Mean over its pixels of the squared standard error of their colour. Infinite where no
     /// pixel has two halves.
     pub variance: f64,
+    /// Variance of its pixels' luminance that is not noise: its contrast, by its luminance, squared.
+    pub detail: f64,
 }
 
 impl Film {
@@ -100,11 +102,9 @@ impl Film {
 impl BlockEstimate {
     /// Estimate over those of its pixels that are known. Where there is but one half, half as many samples
     /// vary twice as much.
-    pub fn of(pixels: impl Iterator<Item = PixelEstimate>) -> Self {
-        let (mut luminances, mut count) = (0.0, 0.0_f64);
-        let (mut variances, mut judged) = (0.0, 0.0);
-        for pixel in pixels {
-            luminances += pixel.luminance;
+    pub fn of(pixels: impl Iterator<Item = PixelEstimate> + Clone) -> Self {
+        let (mut variances, mut judged, mut count) = (0.0, 0.0, 0.0);
+        for pixel in pixels.clone() {
             count += 1.0;
             if let Some(variance) = pixel.variance {
                 variances += variance;
@@ -112,14 +112,25 @@ impl BlockEstimate {
             }
         }
         let of_halves = 2.0 * (count - judged);
-        Self {
-            luminance: luminances / count.max(1.0),
-            variance: if judged > 0.0 {
-                variances / judged * (judged + of_halves) / count
-            } else {
-                f64::INFINITY
-            },
+        let variance = if judged > 0.0 {
+            variances / judged * (judged + of_halves) / count
+        } else {
+            f64::INFINITY
+        };
+        Self::new(pixels.map(|pixel| pixel.luminance), variance)
+    }
+
+    /// Estimate by the luminance of each pixel and their mean squared error.
+    pub fn new(luminances: impl Iterator<Item = f64>, variance: f64) -> Self {
+        let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0_f64);
+        for luminance in luminances {
+            sum += luminance;
+            squares += luminance * luminance;
+            count += 1.0;
         }
+        let luminance = sum / count.max(1.0);
+        let detail = (squares / count.max(1.0) - luminance * luminance - variance).max(0.0);
+        Self { luminance, variance, detail }
     }
 }
 

@@ -17,6 +17,16 @@ const DARKEST: f64 = 0.1;
 /// samples enough: most of a block's error is that of the few pixels in which edges lie.
 const NEGLIGIBLE: f64 = 0.25;
 
+/// Error that shows in a block without contrast of its own.
+const SEEN: f64 = 0.02;
+
+/// Contrast of a block that masks as much as any tolerance allows: that of foliage.
+const FOLIAGE: f64 = 0.2;
+
+/// Power of the contrast by which the least contrast that one sees upon it grows (Legge & Foley 1980,
+/// "Contrast masking in human vision").
+const MASKING: f64 = 0.6;
+
 /// Number of blocks that are judged at once.
 const JUDGED_AT_ONCE: usize = 1024;
 
@@ -275,7 +285,7 @@ fn judge(film: &Film, blocks: &Blocks, completion: f64) -> (Vec<BlockEstimate>, 
                     variances[index] = variance as f32;
                 }
             }
-            estimates.push(BlockEstimate::of(pixels.into_iter().map(|(_, estimate)| estimate)));
+            estimates.push(BlockEstimate::of(pixels.iter().map(|&(_, estimate)| estimate)));
         }
     }
     (estimates, variances)
@@ -297,10 +307,18 @@ impl Goal<'_> {
     fn variance(&self, estimate: &BlockEstimate, block: usize) -> f64 {
         let Budget { share, share_so_far, before } = self.budget;
         // Errors of independent pictures add in squares.
-        let (others, spent) = before.get(block).map_or((0.0, 0.0), |other| (other.luminance, other.variance));
-        let of_all = (self.tolerance * visible(estimate.luminance + others, self.survey)).powi(2);
-        (share_so_far * of_all - spent).max(share * of_all)
+        let none = BlockEstimate { luminance: 0.0, variance: 0.0, detail: 0.0 };
+        let others = before.get(block).unwrap_or(&none);
+        let luminance = visible(estimate.luminance + others.luminance, self.survey);
+        let contrast = (estimate.detail + others.detail).sqrt() / luminance;
+        let of_all = (unmasked(self.tolerance, contrast) * luminance).powi(2);
+        (share_so_far * of_all - others.variance).max(share * of_all)
     }
+}
+
+/// Error that a block of such a contrast may have: fog and sky show what leaves mask.
+fn unmasked(tolerance: f64, contrast: f64) -> f64 {
+    (tolerance * (contrast / FOLIAGE).powf(MASKING)).max(SEEN).min(tolerance)
 }
 
 /// Estimated samples that blocks with so many a pixel still take, in blocks times samples a pixel.
@@ -326,5 +344,23 @@ impl Work {
         let start = self.done;
         (self.done, self.left) = (start + piece, left - piece);
         (start / all, self.done / all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn even_fog_shows_what_leaves_mask() {
+        for contrast in [FOLIAGE, 1.0] {
+            assert_eq!(unmasked(0.3, contrast), 0.3);
+        }
+        for contrast in [0.0, 1e-3, f64::NAN] {
+            assert_eq!(unmasked(0.3, contrast), SEEN);
+            assert_eq!(unmasked(0.005, contrast), 0.005);
+        }
+        let half = unmasked(0.3, FOLIAGE / 2.0);
+        assert!(SEEN < half && half < 0.3, "{half}");
     }
 }

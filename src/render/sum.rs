@@ -8,7 +8,7 @@ use super::{Job, Rendered, Statistics};
 use crate::color::{Rgb, luminance};
 use crate::film::{BlockEstimate, Blocks, Channel, Film, Frame};
 use crate::passes::{Pass, PassRow};
-use crate::scene::Sampling;
+use crate::scene::{Sampling, Window};
 
 /// The pictures so far.
 #[derive(Default)]
@@ -41,9 +41,8 @@ impl Sum {
     /// The blocks so far; none before the first picture.
     pub(super) fn estimates(&self) -> Vec<BlockEstimate> {
         let (Some(frame), Some(blocks)) = (&self.frame, &self.blocks) else { return Vec::new() };
-        let luminance = |block| mean_luminance(frame, blocks, block);
-        let blocks = self.variances.iter().enumerate();
-        blocks.map(|(block, &variance)| BlockEstimate { luminance: luminance(block), variance }).collect()
+        let of_block = |(block, &variance)| BlockEstimate::new(luminances(frame, blocks.pixels(block)), variance);
+        self.variances.iter().enumerate().map(of_block).collect()
     }
 
     /// The pictures so far, added up.
@@ -126,16 +125,18 @@ fn noise(mut blocks: Vec<NoisyBlock>) -> f64 {
 }
 
 fn mean_luminance(frame: &Frame, blocks: &Blocks, block: usize) -> f64 {
-    let window = blocks.pixels(block);
-    let channel = |name: &str, x: usize, y: usize| {
-        let pixel = frame.window.index(x, y);
-        pixel.zip(frame.channel(name)).map_or(0.0, |(pixel, channel)| f64::from(channel.pixels[pixel]))
-    };
-    let sum: f64 = window
-        .pixels()
-        .map(|(x, y)| luminance(Rgb::new(channel("R", x, y), channel("G", x, y), channel("B", x, y))))
-        .sum();
-    sum / (window.width * window.height) as f64
+    BlockEstimate::new(luminances(frame, blocks.pixels(block)), 0.0).luminance
+}
+
+/// Luminance of each pixel of a window of a frame, 0 outside it.
+fn luminances(frame: &Frame, window: Window) -> impl Iterator<Item = f64> {
+    let channels = ["R", "G", "B"].map(|name| frame.channel(name));
+    window.pixels().map(move |(x, y)| {
+        let of = |channel: Option<&Channel>| {
+            frame.window.index(x, y).zip(channel).map_or(0.0, |(pixel, channel)| f64::from(channel.pixels[pixel]))
+        };
+        luminance(Rgb::from(channels.map(of)))
+    })
 }
 
 #[cfg(test)]
