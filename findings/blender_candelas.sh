@@ -2,8 +2,8 @@
 # In one Blender scene 1000 candela from an IES file are 3.84 times as bright as 1000 candela from glTF.
 #
 # Expected: a candela is a candela; lamps of both files light a wall alike. What happens: Cycles takes a watt of an
-# IES file for 177.83 lumen (white light of an even spectrum), and Blender's glTF import takes it for 683 (green of
-# 555 nm). On a white wall at 2 m the one gives 5.623 W/sr, the other 1.464.
+# IES file for 177.83 lumen, those of daylight (D65), and Blender's glTF import takes it for 683, those of green at
+# 555 nm. On a white wall at 2 m the one gives 5.623 W/sr, the other 1.464.
 # Remedy: *Strength* of the IES texture at 0.2604 = 177.83 / 683, with the lamp's power at 1 W; all is then by 683.
 # Versions: bpy 5.3.0 with numpy 2.5.5, bpy 5.0.1 has the same (PyPI). Source: measured here;
 # https://projects.blender.org/blender/blender (intern/cycles/util/ies.cpp);

@@ -2,10 +2,10 @@
 # With Mitsuba's `path` a leaf that a mask cuts out of a card throws the shadow of the whole card in the sun.
 #
 # Expected: `mask` lets light through where it is open: what lies behind has the light of a sun as if nothing were
-# there. What happens: Mitsuba 3.9.1 looks for the light of emitters past any surface that is in the way, whatever its
-# opacity. Of a sky the light is found in another way, at twice the noise; of `directional`, `point` and `spot`, which
-# no ray can hit, all is lost, and `direct` loses the same. `max_depth` counts the mask as a bounce as well.
-# `volpath` is right in all cases, in scenes without any medium too.
+# there. What happens: Mitsuba 3.9.1 takes any surface between a point and an emitter for opaque, whatever its mask
+# says. Light of a sky is found as well where a ray meets it by chance; of `directional`, `point` and `spot`, which no
+# ray can meet, all is lost, and `direct` loses the same. `max_depth` counts the mask as a bounce: by 2 a sky has 0.45
+# of its light. `volpath` is right in all these cases, in scenes without any medium too.
 # Remedy: `volpath` wherever there is a mask, or a sun with a width.
 # Versions: Mitsuba 3.9.1 with numpy 2.5.5 (PyPI). Source: measured here; https://github.com/mitsuba-renderer/mitsuba3
 # (src/integrators/path.cpp; pull request 1961 is about such surfaces)
