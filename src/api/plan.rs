@@ -53,6 +53,7 @@ impl<'scene> Plan<'scene> {
         let mut remarks = scene.resolved.remarks.clone();
         remarks.0.extend(Exposure::remark(&scene.resolved, settings.shutter));
         remarks.0.extend(scene.resolved.held_fog(settings.shutter));
+        remarks.0.extend(scene.resolved.shared_grid_name());
         let job = Job {
             size: settings.size,
             window,
@@ -149,13 +150,12 @@ impl<'scene> Plan<'scene> {
 
     /// Exposure of pictures for eyes in powers of two where nobody says: as a small picture of a frame
     /// asks for, of `size` pixels and `samples` a pixel.
-    pub fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32) -> f64 {
+    pub fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32, watch: &Watch) -> f64 {
         let shutter = Shutter::instant(self.shutter(frame).middle_s());
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
         let exposure = Exposure::middle_of(scene, self.scene.trees(), self.camera, aspect, shutter);
-        render::render_keeping(&exposure, &self.small(size, samples), self.scene.light(), &Watch::NOBODY)
-            .frame
-            .auto_exposure_stops()
+        let small = self.small(size, samples);
+        render::render_keeping(&exposure, &small, self.scene.light(), watch).frame.auto_exposure_stops()
     }
 
     /// Provenance of a frame.

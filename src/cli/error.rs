@@ -85,9 +85,7 @@ fn flag(setting: Setting) -> &'static str {
 }
 
 pub(super) fn usage(flag: &str, found: String, expected: &str) -> CliError {
-    CliError::Usage(
-        Diagnostic::error(Place::Nowhere, format!("{flag}: {found}"))
-            .expected(expected)
-            .remedy(format!("change {flag}; `sunfleck inspect` says what the input holds")),
-    )
+    CliError::Usage(Diagnostic::error(Place::Nowhere, format!("{flag}: {found}")).expected(expected).remedy(
+        format!("change {flag}: `--help` says what there is, `sunfleck inspect` what the input holds"),
+    ))
 }

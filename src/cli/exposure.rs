@@ -9,6 +9,7 @@ use super::plan::Plan;
 use super::tell;
 use std::ops::RangeInclusive;
 use sunfleck::color::Display;
+use sunfleck::render::Watch;
 use sunfleck::scene::{RenderSettings, Size};
 
 /// Rows of the picture by which an exposure is chosen, and samples a pixel.
@@ -51,9 +52,9 @@ pub(super) fn reference_frame(frames: &RangeInclusive<i64>) -> i64 {
 impl Plan<'_> {
     /// The exposure of a small picture of the frame in the middle of the input's range. Works on
     /// the current rayon pool.
-    pub(super) fn auto_exposure_stops(&self) -> f64 {
+    pub(super) fn auto_exposure_stops(&self, watch: &Watch) -> f64 {
         let middle = reference_frame(&self.picture.settings.frames);
-        self.picture.auto_exposure_stops(middle, small(self.picture.job.size), SAMPLES)
+        self.picture.auto_exposure_stops(middle, small(self.picture.job.size), SAMPLES, watch)
     }
 }
 

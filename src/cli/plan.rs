@@ -46,6 +46,10 @@ impl<'scene> Plan<'scene> {
         arguments.scene.check(&picture.remarks)?;
         let frames = find_frames(arguments.frames.as_deref(), &picture.settings)?;
         let output = find_output(arguments.out.as_deref(), &picture.settings.name, &frames)?;
+        if let Some(last) = frames.as_slice().last().filter(|_| !arguments.dry_run) {
+            frame_file::check_name(&output.path(*last))
+                .map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?;
+        }
         Ok(Self { picture, frames, output })
     }
 }

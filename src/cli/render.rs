@@ -124,8 +124,17 @@ impl Run<'_> {
 
     /// Display of pictures beside the frames, if there are to be any.
     fn preview(&self) -> Result<Option<Display>, CliError> {
-        let Self { arguments, plan, pool, .. } = *self;
-        let measured = || Ok(pool.install(|| plan.auto_exposure_stops()));
+        let Self { arguments, plan, pool, stop, .. } = *self;
+        let measured = || {
+            let started = Instant::now();
+            let cancelled = || stop.flag.load(Ordering::Relaxed);
+            let watch = Watch { cancelled: &cancelled, ..Watch::NOBODY };
+            let stops = pool.install(|| plan.auto_exposure_stops(&watch));
+            let first = plan.frames.as_slice().first().copied().unwrap_or_default();
+            self.stats.took(first, "exposure_seconds", started.elapsed());
+            // What was begun and stopped is no picture to judge by.
+            stop.signal().map_or(Ok(stops), |number| Err(CliError::Signal(number)))
+        };
         let display =
             |PreviewArgument::Png| exposure::display(&arguments.display, &plan.picture.settings, measured);
         arguments.preview.map(display).transpose()

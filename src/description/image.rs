@@ -86,7 +86,8 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
         .decode()
         .map_err(|error| reject(format!("the image cannot be decoded: {}", error.to_string().trim_end())))?;
     if encoding == Encoding::Radiance {
-        radiances::of_hdr(decoded).map_err(reject)
+        let image = radiances::of_hdr(decoded).map_err(reject)?;
+        Ok(DecodedImage { doubt: radiances::exposure(bytes), ..image })
     } else {
         Ok(linear(decoded, encoding))
     }

@@ -4,6 +4,7 @@
 use super::LARGEST_NUMBER;
 use super::decoded_image::DecodedImage;
 use super::exr::{self, Fault};
+use crate::diagnostic::Loss;
 use ::image::DynamicImage;
 
 /// Radiances of an OpenEXR image.
@@ -24,6 +25,21 @@ pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
     let (width, height) = (rgb.width() as usize, rgb.height() as usize);
     let texel = |pixel: &::image::Rgb<f32>| [pixel[0], pixel[1], pixel[2], 1.0];
     checked(DecodedImage::new(width, height, rgb.pixels().map(texel).collect()))
+}
+
+/// Loss of what an image's numbers were multiplied by when it was made, if they were: other programs pass
+/// over it too. Source: "Radiance File Formats", Ward Larson (several lines of `EXPOSURE` multiply).
+pub(super) fn exposure(bytes: &[u8]) -> Option<(Loss, String)> {
+    let lines = bytes.split(|byte| *byte == b'\n').take_while(|line| !line.is_empty());
+    let exposures = lines.filter_map(|line| std::str::from_utf8(line.strip_prefix(b"EXPOSURE=")?).ok());
+    let product: f64 = exposures.filter_map(|exposure| exposure.trim().parse::<f64>().ok()).product();
+    (product != 1.0).then(|| {
+        let found = format!(
+            "its header has EXPOSURE={product}: with a strength of {} it has its radiance",
+            1.0 / product
+        );
+        (Loss::RadianceExposure, found)
+    })
 }
 
 /// Image, or the first texel at fault.
@@ -47,6 +63,17 @@ fn checked(image: DecodedImage) -> Result<DecodedImage, String> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exposures_of_a_header_multiply_and_pixels_have_none() {
+        let file =
+            |head: &str| format!("#?RADIANCE\n{head}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\nEXPOSURE=9\n");
+        let told = |head: &str| exposure(file(head).as_bytes()).map(|(_, found)| found);
+        assert!(
+            told("EXPOSURE=2.0\nEXPOSURE= 4\n").unwrap().contains("EXPOSURE=8: with a strength of 0.125")
+        );
+        assert_eq!([told(""), told("EXPOSURE=1\n"), told("EXPOSURE=two\n")], [const { None }; 3]);
+    }
 
     #[test]
     fn a_texel_that_is_no_radiance_is_named() {

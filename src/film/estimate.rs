@@ -112,11 +112,8 @@ impl BlockEstimate {
             }
         }
         let of_halves = 2.0 * (count - judged);
-        let variance = if judged > 0.0 {
-            variances / judged * (judged + of_halves) / count
-        } else {
-            f64::INFINITY
-        };
+        let variance =
+            if judged > 0.0 { variances / judged * (judged + of_halves) / count } else { f64::INFINITY };
         Self::new(pixels.map(|pixel| pixel.luminance), variance)
     }
 

@@ -41,6 +41,16 @@ pub fn check_folder(folder: &Path) -> Result<(), FrameFileError> {
     }
 }
 
+/// Whether a file of this name could be written where its folder is, or will be; nothing is left behind.
+///
+/// # Errors
+/// If the system takes no such name, or none that is longer by what names it while it is written.
+pub fn check_name(path: &Path) -> Result<(), FrameFileError> {
+    let there = folder_of(path).ancestors().find(|ancestor| ancestor.is_dir()).unwrap_or(Path::new("."));
+    let tried = path.file_name().map(|name| leftovers::temporary(there, name));
+    tried.transpose().map(drop).map_err(|source| FrameFileError::Write { path: path.to_owned(), source })
+}
+
 fn write_in(folder: &Path, path: &Path, name: &OsStr, parts: &[&[u8]]) -> io::Result<()> {
     let mut temporary = leftovers::temporary(folder, name)?;
     let unfinished = temporary.path().to_owned();
@@ -149,8 +159,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.exr");
         write(&path, b"old").unwrap();
+        check_name(&folder.path().join("not there/picture.exr")).unwrap();
         // A name that the folder cannot hold fails after the folder was made.
         let long = folder.path().join("x".repeat(300));
+        assert!(check_name(&long).unwrap_err().remedy().contains("shorter"));
         assert!(matches!(write(&long, b"new"), Err(FrameFileError::Write { .. })));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["picture.exr"]);

@@ -152,6 +152,9 @@ impl FrameFileError {
                 io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
                     "a part of the path is a file: move it away or choose another place (`--out`)"
                 }
+                io::ErrorKind::InvalidFilename => {
+                    "choose a name that is shorter (`--out`): while it is written it is 22 bytes longer"
+                }
                 io::ErrorKind::NotFound => {
                     "see that nothing else removes files there, such as a second run of the same frames"
                 }

@@ -57,7 +57,7 @@ mod region;
 mod shown;
 
 pub use animation::Animation;
-pub use atomic::{abandon_writes, check_folder, folder_of, write_whole};
+pub use atomic::{abandon_writes, check_folder, check_name, folder_of, write_whole};
 pub use compare::{ChannelErrors, CompareError, Comparison, Errors, IdErrors, compare, net_rmse};
 pub use difference_picture::difference_picture;
 pub use encode::write;

@@ -41,7 +41,8 @@ impl Sum {
     /// The blocks so far; none before the first picture.
     pub(super) fn estimates(&self) -> Vec<BlockEstimate> {
         let (Some(frame), Some(blocks)) = (&self.frame, &self.blocks) else { return Vec::new() };
-        let of_block = |(block, &variance)| BlockEstimate::new(luminances(frame, blocks.pixels(block)), variance);
+        let of_block =
+            |(block, &variance)| BlockEstimate::new(luminances(frame, blocks.pixels(block)), variance);
         self.variances.iter().enumerate().map(of_block).collect()
     }
 
@@ -133,7 +134,11 @@ fn luminances(frame: &Frame, window: Window) -> impl Iterator<Item = f64> {
     let channels = ["R", "G", "B"].map(|name| frame.channel(name));
     window.pixels().map(move |(x, y)| {
         let of = |channel: Option<&Channel>| {
-            frame.window.index(x, y).zip(channel).map_or(0.0, |(pixel, channel)| f64::from(channel.pixels[pixel]))
+            frame
+                .window
+                .index(x, y)
+                .zip(channel)
+                .map_or(0.0, |(pixel, channel)| f64::from(channel.pixels[pixel]))
         };
         luminance(Rgb::from(channels.map(of)))
     })

@@ -68,6 +68,18 @@ impl FogShape {
 }
 
 impl Scene {
+    /// Warning where several grids of a file have the name of one that counts.
+    pub fn shared_grid_name(&self) -> Option<Diagnostic> {
+        let shared = |fog: &Fog| {
+            let FogShape::Voxels(grids) = &fog.shape else { return None };
+            let (name, path) = (grids.shared_name.as_ref()?, grids.path.display());
+            Some(format!("fog `{}`: {path} has several grids `{name}`, the first counts", fog.name))
+        };
+        let found = self.fogs.iter().find_map(shared)?;
+        let remedy = "give each a name of its own where they are made";
+        Some(Diagnostic::warning(Loss::SharedGridName, Place::Nowhere, found).remedy(remedy))
+    }
+
     /// Warning where a shutter that opens shows fog of files without velocities.
     pub fn held_fog(&self, shutter_frames: f64) -> Option<Diagnostic> {
         let held = |fog: &Fog| {

@@ -23,6 +23,12 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Document, Diagnostic> {
     let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(path, bytes, error.valid_up_to()))?;
     // An editor's byte order mark is no part of the text.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.trim().is_empty() {
+        let place = place_of(path, bytes, 0);
+        return Err(Diagnostic::error(place, "the file is empty")
+            .expected("`Scene(version: 1, ..)` or `Sequence(version: 1, ..)`")
+            .remedy("docs/scene-format.md has examples"));
+    }
     let document = Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
@@ -89,7 +95,7 @@ fn diagnostic(path: &Path, text: &str, error: &SpannedError) -> Diagnostic {
         }
         Error::InvalidValueForType { expected, found } => {
             Diagnostic::error(place, format!("{} does not belong here", plain(found)))
-                .expected(expected.clone())
+                .expected(spoken(expected))
                 .remedy("change the value; docs/scene-format.md has every field's unit and range")
         }
         Error::ExpectedDifferentLength { expected, found } => {
@@ -127,6 +133,16 @@ fn plain(found: &str) -> String {
     let kinds = ["the unsigned integer ", "the integer ", "the floating point number "];
     let number = kinds.iter().find_map(|kind| found.strip_prefix(kind));
     number.map_or_else(|| found.to_owned(), |number| format!("the number {number}"))
+}
+
+/// Types of this program by what they are called elsewhere.
+fn spoken(expected: &str) -> String {
+    match expected {
+        "f64" | "f32" => String::from("a number"),
+        "u8" | "u16" | "u32" | "u64" | "usize" => String::from("a whole number, 0 or more"),
+        "i32" | "i64" => String::from("a whole number"),
+        other => other.to_owned(),
+    }
 }
 
 fn lower_first(message: &str) -> String {

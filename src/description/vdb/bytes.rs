@@ -7,6 +7,8 @@ pub(super) struct Fault {
     /// Bytes from the file's start.
     pub(super) at: usize,
     pub(super) what: String,
+    /// What helps, if writing it again does not.
+    pub(super) remedy: Option<&'static str>,
 }
 
 /// Numbers of a value at most.
@@ -82,7 +84,7 @@ impl<'a> Bytes<'a> {
     }
 
     pub(super) fn fault(&self, what: impl Into<String>) -> Fault {
-        Fault { at: self.at, what: what.into() }
+        Fault { at: self.at, what: what.into(), remedy: None }
     }
 
     pub(super) fn take(&mut self, count: usize) -> Read<&'a [u8]> {

@@ -79,11 +79,12 @@ pub fn load(path: &Path) -> Result<Vec<Grid>, LoadError> {
 /// # Errors
 /// See [`load`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<Grid>, LoadError> {
-    grids(bytes).map_err(|Fault { at, what }| {
+    let again = "write it again: Blender, Houdini and OpenVDB 3 or later write such files";
+    grids(bytes).map_err(|Fault { at, what, remedy }| {
         let found = format!("{what} (byte {at})");
         Diagnostic::error(Place::File(path.to_owned()), found)
             .expected("an OpenVDB file of version 222 to 225, whole, with finite numbers")
-            .remedy("write it again: Blender, Houdini and OpenVDB 3 or later write such files")
+            .remedy(remedy.unwrap_or(again))
             .into()
     })
 }

@@ -1,6 +1,6 @@
 //! Transforms of voxels. Source: `read` of the maps in `openvdb/math/Maps.h`.
 
-use super::bytes::{Bytes, Read};
+use super::bytes::{Bytes, Fault, Read};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Transform from a voxel's coordinates, whole at its middle, to the grid's own space.
@@ -14,7 +14,13 @@ pub(super) fn read(bytes: &mut Bytes) -> Read<DAffine3> {
         }
         "TranslationMap" => DAffine3::from_translation(vector(bytes)?),
         "AffineMap" | "UnitaryMap" => affine(bytes)?,
-        _ => return Err(bytes.fault(format!("its voxels lie as a `{kind}`, not along straight axes"))),
+        _ => {
+            let fault = bytes.fault(format!("its voxels lie as a `{kind}`, not along straight axes"));
+            return Err(Fault {
+                remedy: Some("resample it where it is made: even voxels in a box"),
+                ..fault
+            });
+        }
     };
     let size = transform.matrix3.determinant();
     if !transform.is_finite() || size == 0.0 || !size.is_finite() {

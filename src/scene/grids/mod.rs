@@ -8,7 +8,7 @@ mod velocities;
 
 use super::{FrameRate, Track};
 use crate::color::Rgb;
-use crate::description::vdb::{GridFile, GridFiles};
+use crate::description::vdb::{Grid, GridFile, GridFiles};
 use crate::math::{LitVoxels, Recent, Voxels};
 use glam::DAffine3;
 use rayon::prelude::*;
@@ -32,6 +32,8 @@ pub struct GridFrames {
     pub frames: Vec<GridFrame>,
     /// Emission where its grid is 1, W m^-3 sr^-1.
     pub emission: Track<Rgb>,
+    /// Name among those that count which several grids have.
+    pub shared_name: Option<String>,
     between: Between,
     kept: Recent<Asked, Option<Arc<FogVoxels>>>,
 }
@@ -108,6 +110,15 @@ pub struct FogPart {
 /// The frame before a time, and how far it lies behind; 0 is the frame itself.
 type Asked = (usize, u64);
 
+impl GridNames {
+    /// Name that several grids have, the first of which counts.
+    fn shared(&self, grids: &[Grid]) -> Option<String> {
+        let names = [Some(&self.density), self.albedo.as_ref(), self.emission.as_ref()];
+        let is_shared = |name: &&String| grids.iter().filter(|grid| grid.name == **name).count() > 1;
+        names.into_iter().flatten().find(is_shared).cloned()
+    }
+}
+
 impl GridFrame {
     /// Voxels of a time that are at hand.
     pub fn made(time_s: f64, voxels: FogVoxels) -> Self {
@@ -144,7 +155,8 @@ impl GridFrames {
             is_principled: false,
         };
         let emission = Track::from(Rgb::ZERO);
-        Self { path, names, frames, emission, between: Between::Held, kept: Recent::default() }
+        let (between, kept) = (Between::Held, Recent::default());
+        Self { path, names, frames, emission, shared_name: None, between, kept }
     }
 
     /// Grids at a time: between files carried from both by their velocities, or, without, those of
@@ -239,12 +251,40 @@ pub(super) fn grid_frames(
         Some(most) if most * frame_rate.seconds(1.0) > advection::FARTHEST => Between::CarriedTooFar,
         Some(_) => Between::Carried,
     };
+    let shared_name = files.frames.first().and_then(|file| names.shared(&file.grids()));
     Ok(GridFrames {
         path: files.path.clone(),
+        shared_name,
         names,
         frames: frames.into_iter().map(|(frame, _)| frame).collect(),
         emission: wanted.shines,
         between,
         kept: Recent::default(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_that_counts_is_told_if_several_grids_have_it() {
+        let grid = |name: &str| Grid {
+            name: name.to_owned(),
+            kind: String::new(),
+            floats: None,
+            vectors: None,
+            is_staggered: false,
+        };
+        let grids = ["density", "heat", "heat", "density"].map(grid);
+        let names = GridFrames::new(PathBuf::new(), "density", Vec::new()).names;
+        let hot = GridNames {
+            density: String::from("smoke"),
+            emission: Some(String::from("heat")),
+            ..names.clone()
+        };
+        assert_eq!(names.shared(&grids).as_deref(), Some("density"));
+        assert_eq!(hot.shared(&grids).as_deref(), Some("heat"));
+        assert_eq!(names.shared(&grids[1..]), None);
+    }
 }

@@ -74,8 +74,8 @@ def do_render(scene: bpy.types.Scene, known: argparse.Namespace, others: list[st
     run = render.Run(executable, glb, folder, [*own, *others])
     code: int = run.wait()
     for news in run.news():
-        if news["event"] in {"frame_written", "finished"}:
-            print(news)
+        if news["event"] == "frame_written":
+            print(f"frame {news['frame']} written to {news['path']}")
     for warning in run.warnings():
         print(warning, file=sys.stderr)
     if code:

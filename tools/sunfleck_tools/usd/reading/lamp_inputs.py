@@ -63,7 +63,10 @@ class LampInputs:
             np.clip(self.numbers("exposure", 0.0, codes), -60, 60)
         )
         tints = np.array([self._temperature(code) for code in codes.tolist()])
-        return np.clip(colors * tints * self._picture() * scale[:, None], 0, BRIGHTEST)
+        radiance = colors * tints * self._picture() * scale[:, None]
+        if (radiance < 0).any():
+            self.lost.add("usd-light-value", self.prim, "its light is below 0, and 0 is taken")
+        return np.clip(radiance, 0, BRIGHTEST)
 
     def _rows(self, name: str, default: tuple[float, ...], codes: np.ndarray) -> np.ndarray:
         """So many numbers as the default has, a row a code."""

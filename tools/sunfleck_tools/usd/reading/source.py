@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Pcp, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
-from ...errors import SceneError
+from ...errors import SceneError, ToolError
 from .clock import put_rates_right, read_clock
 from .losses import Losses
 from .options import ImportOptions
@@ -92,9 +92,10 @@ def usd_said(path: Path) -> Iterator[None]:
 
 
 def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
-    """Opens a stage; raises `SceneError` with what goes round in circles, and says what is missing."""
+    """Opens a stage; raises `SceneError` with what goes round in circles, `ToolError` if there is no file, and says
+    what is missing."""
     if not path.is_file():
-        raise SceneError(f"{path}: cannot be read: there is no such file")
+        raise ToolError(f"{path}: cannot be read: there is no such file", is_usage=False)
     stage = Usd.Stage.Open(str(path))
     put_rates_right(stage, lost)
     for variant in options.variants:
