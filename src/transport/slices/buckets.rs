@@ -5,35 +5,40 @@
 /// Things by number.
 #[derive(Debug)]
 pub(super) struct Buckets<T> {
-    unsorted: Vec<(u32, T)>,
-    sorted: Vec<T>,
+    items: Vec<T>,
+    /// Bucket of each.
+    buckets: Vec<u32>,
+    /// Their numbers by buckets: things are large, and stay where they are.
+    sorted: Vec<u32>,
     /// End of each bucket.
     ends: Vec<u32>,
 }
 
 impl<T> Default for Buckets<T> {
     fn default() -> Self {
-        Self { unsorted: Vec::new(), sorted: Vec::new(), ends: Vec::new() }
+        Self { items: Vec::new(), buckets: Vec::new(), sorted: Vec::new(), ends: Vec::new() }
     }
 }
 
 impl<T: Copy> Buckets<T> {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
-        self.unsorted.clear();
+        self.items.clear();
+        self.buckets.clear();
     }
 
     /// Adds a thing of a number.
     pub(super) fn push(&mut self, bucket: usize, item: T) {
-        self.unsorted.push((bucket as u32, item));
+        self.items.push(item);
+        self.buckets.push(bucket as u32);
     }
 
     /// Makes `buckets` buckets of what was pushed.
     pub(super) fn sort(&mut self, buckets: usize) {
-        let Self { unsorted, sorted, ends } = self;
+        let Self { buckets: of_items, sorted, ends, .. } = self;
         ends.clear();
         ends.resize(buckets, 0);
-        for (bucket, _) in unsorted.iter() {
+        for bucket in of_items.iter() {
             ends[*bucket as usize] += 1;
         }
         let mut start = 0;
@@ -42,19 +47,19 @@ impl<T: Copy> Buckets<T> {
             *end = start;
             start += count;
         }
-        sorted.clear();
-        sorted.extend(unsorted.iter().map(|(_, item)| *item));
-        for (bucket, item) in unsorted.iter() {
+        sorted.resize(of_items.len(), 0);
+        for (number, bucket) in (0..).zip(of_items.iter()) {
             let place = &mut ends[*bucket as usize];
-            sorted[*place as usize] = *item;
+            sorted[*place as usize] = number;
             *place += 1;
         }
     }
 
     /// Things of a number, once they are sorted.
-    pub(super) fn bucket(&self, bucket: usize) -> &[T] {
+    pub(super) fn bucket(&self, bucket: usize) -> impl Iterator<Item = T> {
         let start = if bucket == 0 { 0 } else { self.ends[bucket - 1] };
-        &self.sorted[start as usize..self.ends[bucket] as usize]
+        let numbers = &self.sorted[start as usize..self.ends[bucket] as usize];
+        numbers.iter().map(|number| self.items[*number as usize])
     }
 }
 

@@ -78,7 +78,7 @@ impl Edges {
             self.piece_ends.push(PieceEnd { area: chord.end, slope: slopes.end, origin: None });
             return &self.piece_ends;
         }
-        let segments: usize = sweeps.iter().map(|sweep| sweep.active().len()).sum();
+        let segments: usize = sweeps.iter().map(|sweep| sweep.active().count()).sum();
         let mut is_crowded = segments > CROWD;
         if !is_crowded {
             for sweep in sweeps {
@@ -112,7 +112,7 @@ impl Edges {
         let Self { ends, slopes, .. } = self;
         ends.clear();
         let segments = sweep.active();
-        if segments.is_empty() {
+        if segments.count() == 0 {
             return;
         }
         let is_within = |slope: &f64| end < *slope && *slope < start;

@@ -11,6 +11,7 @@
 //! `veiled.rs` finds the rays that blended surfaces touch. [`FogSlice`](crate::fog::FogSlice) says what fog
 //! does along a ray. Where it has no answer, the method for single rays does.
 
+mod active;
 mod border;
 mod buckets;
 mod chord;

@@ -8,6 +8,7 @@
 //! named by its reach for a distant light, and by its angle at the light for a near one. So a segment wholly
 //! above a ray shadows it over an interval of these names that is known beforehand.
 
+use super::active::Active;
 use super::buckets::{Buckets, partition_point_near};
 use super::light_rays::LightRays;
 use crate::accel::{Cut, PrimitiveId};
@@ -134,7 +135,7 @@ pub(super) struct Sweep {
     /// Number of the next part.
     next: usize,
     /// Segments that rays of the current part may meet, and have not all passed yet.
-    active: Vec<Segment>,
+    active: Active,
     /// Shadows of the segments above the current ray.
     shadows: IntervalSet,
     /// Names of the light's rays at which parts of that began and ended as they were added, and the
@@ -192,7 +193,7 @@ impl Sweep {
     /// Goes on to the next part of the slice, whose rays have slopes up to `highest_slope`. `darken` is told
     /// between which of the light's rays the shadow of what lies above has grown.
     pub(super) fn enter(&mut self, highest_slope: f64, darken: impl FnMut(f64, f64)) {
-        self.active.extend_from_slice(self.segments.bucket(self.next));
+        self.active.extend(self.segments.bucket(self.next));
         self.next += 1;
         self.pass(highest_slope, darken);
     }
@@ -209,7 +210,7 @@ impl Sweep {
     }
 
     /// Segments that rays of the current part may meet.
-    pub(super) fn active(&self) -> &[Segment] {
+    pub(super) fn active(&self) -> &Active {
         &self.active
     }
 
@@ -236,12 +237,9 @@ impl Sweep {
         };
         // Neighbouring triangles mostly touch, and are added as one.
         let mut pending: Option<[(f64, CutEnd); 2]> = None;
-        self.active.retain(|segment| {
-            if !segment.is_above(slope) {
-                return true;
-            }
+        self.active.pass(slope, |segment| {
             if rays.as_ref().is_some_and(|rays| !rays.of(segment.primitive).casts_shadow) {
-                return false;
+                return;
             }
             let shadow = segment.shadow_ends().map(|end| (end.name, segment.cut_end(end)));
             pending = match pending {
@@ -254,7 +252,6 @@ impl Sweep {
                     Some(shadow)
                 }
             };
-            false
         });
         pending.into_iter().for_each(add);
     }
@@ -269,10 +266,8 @@ impl Sweep {
         self.pass(ray.slope, darken);
         self.crossings.clear();
         let mut first: Option<(DVec2, usize)> = None;
-        for (index, segment) in self.active.iter().enumerate() {
-            if !segment.is_met_at(ray.slope) {
-                continue;
-            }
+        for index in self.active.met_at(ray.slope) {
+            let segment = self.active.segment(index);
             let point = segment.crossing(ray.direction);
             // What does not show throws its shadow yet.
             if self.shows(segment, point)
@@ -289,13 +284,13 @@ impl Sweep {
         let is_dark = |(index, crossing): (usize, &Crossing)| {
             let Crossing { segment, point, shadow: (start, end) } = *crossing;
             // What lies in the same place does not shadow it: two leaves in one plane, say.
-            let segment = &self.active[segment];
+            let segment = self.active.segment(segment);
             let is_there = || point.distance(place) <= segment.rounding * (place.length() + segment.length());
             index != met && start < name && name < end && !is_there()
         };
         let is_lit = !self.shadows.contains(name) && !self.crossings.iter().enumerate().any(is_dark);
         let distance = place.dot(ray.direction);
-        let primitive = self.active[self.crossings[met].segment].primitive;
+        let primitive = self.active.segment(self.crossings[met].segment).primitive;
         Some(Meeting { primitive, distance, is_lit })
     }
 
@@ -310,7 +305,7 @@ impl Sweep {
     /// than the segment there, whose own shadow must not end before.
     pub(super) fn shadows(&mut self, end: Option<f64>) -> (&IntervalSet, &IntervalSet) {
         if let (Some(index), Some(name)) = (self.met, end) {
-            let segment = &self.active[self.crossings[index].segment];
+            let segment = self.active.segment(self.crossings[index].segment);
             self.crossings[index].shadow = self.shadow_on(segment, name);
         }
         self.own_union.clear();

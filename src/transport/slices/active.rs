@@ -1,0 +1,75 @@
+//! Segments between the first ray of a sweep that may meet them and the one that passes them. In go segments
+//! and ever lower slopes, out come those that a ray meets or has passed. Invariant: they stay in their order,
+//! and each is passed once.
+
+use super::sweep::Segment;
+
+/// Segments, with what each ray asks of every one of them side by side: in a crown they are hundreds.
+#[derive(Debug, Default)]
+pub(super) struct Active {
+    segments: Vec<Segment>,
+    /// Slopes of the upper and the lower end of each; NaN once it is passed.
+    slopes: Vec<[f64; 2]>,
+    passed: usize,
+}
+
+impl Active {
+    pub(super) fn clear(&mut self) {
+        self.segments.clear();
+        self.slopes.clear();
+        self.passed = 0;
+    }
+
+    /// Adds segments behind the others.
+    pub(super) fn extend(&mut self, segments: impl Iterator<Item = Segment>) {
+        if 2 * self.passed > self.segments.len() {
+            self.forget_passed();
+        }
+        self.segments.extend(segments);
+        let new = &self.segments[self.slopes.len()..];
+        self.slopes.extend(new.iter().map(|segment| [segment.upper.slope, segment.lower.slope]));
+    }
+
+    fn forget_passed(&mut self) {
+        let mut slopes = self.slopes.iter();
+        self.segments.retain(|_| slopes.next().is_some_and(|[_, lower]| !lower.is_nan()));
+        self.slopes.retain(|[_, lower]| !lower.is_nan());
+        self.passed = 0;
+    }
+
+    /// Number of those that are not passed.
+    pub(super) fn count(&self) -> usize {
+        self.segments.len() - self.passed
+    }
+
+    /// Those that are not passed.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Segment> {
+        self.segments
+            .iter()
+            .zip(&self.slopes)
+            .filter(|(_, [_, lower])| !lower.is_nan())
+            .map(|(segment, _)| segment)
+    }
+
+    /// Segment by its number.
+    pub(super) fn segment(&self, number: usize) -> &Segment {
+        &self.segments[number]
+    }
+
+    /// Numbers of those that rays of a slope meet: see [`Segment::is_met_at`].
+    pub(super) fn met_at(&self, slope: f64) -> impl Iterator<Item = usize> {
+        let is_met = move |[upper, lower]: &[f64; 2]| slope <= *upper && *lower < slope;
+        self.slopes.iter().enumerate().filter(move |(_, slopes)| is_met(slopes)).map(|(number, _)| number)
+    }
+
+    /// Passes those that lie wholly above rays of a slope, one after another.
+    pub(super) fn pass(&mut self, slope: f64, mut passed: impl FnMut(&Segment)) {
+        for (segment, slopes) in self.segments.iter().zip(&mut self.slopes) {
+            if slope <= slopes[1] {
+                passed(segment);
+                *slopes = [f64::NAN; 2];
+                self.passed += 1;
+            }
+        }
+    }
+}
