@@ -2,7 +2,7 @@
 //! and ever lower slopes, out come those that a ray meets or has passed. Invariant: they stay in their order,
 //! and each is passed once.
 
-use super::sweep::Segment;
+use super::segment::Segment;
 
 /// Segments, with what each ray asks of every one of them side by side: in a crown they are hundreds.
 #[derive(Debug, Default)]

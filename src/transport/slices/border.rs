@@ -123,7 +123,7 @@ mod tests {
     };
     use crate::snapshot::{MeshTrees, Shutter};
     use crate::transport::slices::edges::EdgeOrigin;
-    use crate::transport::slices::sweep::CutEnd;
+    use crate::transport::slices::segment::CutEnd;
     use crate::transport::slices::{Ring, Slice};
     use glam::{DAffine3, DVec2};
     use proptest::prelude::*;

@@ -6,8 +6,9 @@
 
 use super::chord::Chord;
 use super::light_rays::LightRays;
+use super::segment::{CutEnd, Segment, ordered};
 use super::slice::Slice;
-use super::sweep::{CutEnd, Segment, Sweep, ordered};
+use super::sweep::Sweep;
 use crate::accel::PrimitiveId;
 use glam::DVec2;
 use std::ops::Range;

@@ -5,11 +5,12 @@
 //! chosen is a matter of sampling.
 //!
 //! To read it: `fan.rs` has the half planes, `slice.rs` the line that one is in the picture. `chord.rs` has
-//! the pixels that such a line crosses, `solve.rs` the one loop over them. `sweep.rs` (on `buckets.rs`) finds
-//! what a ray meets and which parts of it are lit; `slice_ray.rs` makes a colour of that. The rest serves
-//! these. `edges.rs` cuts chords, and `outline.rs` (on `border.rs`) says what lies between slices.
-//! `veiled.rs` finds the rays that blended surfaces touch. [`FogSlice`](crate::fog::FogSlice) says what fog
-//! does along a ray. Where it has no answer, the method for single rays does.
+//! the pixels that such a line crosses, `solve.rs` the one loop over them. `sweep.rs` (on `segment.rs`,
+//! `active.rs` and `buckets.rs`) finds what a ray meets and which parts of it are lit; `slice_ray.rs` makes a
+//! colour of that. The rest serves these. `edges.rs` cuts chords, and `outline.rs` (on `border.rs`) says what
+//! lies between slices. `veiled.rs` finds the rays that blended surfaces touch.
+//! [`FogSlice`](crate::fog::FogSlice) says what fog does along a ray. Where it has no answer, the method for
+//! single rays does.
 
 mod active;
 mod border;
@@ -20,6 +21,7 @@ mod fan;
 mod light_rays;
 mod outline;
 mod picture;
+mod segment;
 mod slice;
 mod slice_job;
 mod slice_ray;

@@ -11,6 +11,7 @@
 use super::active::Active;
 use super::buckets::{Buckets, partition_point_near};
 use super::light_rays::LightRays;
+use super::segment::{CutEnd, Segment, ends_beside_axis, ordered};
 use crate::accel::{Cut, PrimitiveId};
 use crate::math::{IntervalSet, PlanarRay};
 use crate::scene::Clip;
@@ -48,79 +49,6 @@ impl PlanarClip {
             point.y / point.x
         })
     }
-}
-
-/// A segment of the slice.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
-    pub(super) primitive: PrimitiveId,
-    pub(super) upper: End,
-    pub(super) lower: End,
-    /// See [`Cut::rounding`].
-    rounding: f64,
-}
-
-/// An end of a segment, with its triangle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CutEnd {
-    pub(super) primitive: PrimitiveId,
-    /// Reach and height.
-    pub(super) point: DVec2,
-}
-
-/// An end of a segment.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct End {
-    pub(super) point: DVec2,
-    pub(super) slope: f64,
-    /// The light's ray through it.
-    pub(super) name: f64,
-}
-
-impl Segment {
-    /// Whether rays of a slope meet it. An end on a ray counts as above it, for all segments alike.
-    pub(super) fn is_met_at(&self, slope: f64) -> bool {
-        slope <= self.upper.slope && !self.is_above(slope)
-    }
-
-    /// Whether all of it lies above rays of a slope.
-    fn is_above(&self, slope: f64) -> bool {
-        slope <= self.lower.slope
-    }
-
-    /// Crossing of a ray in a direction with the segment, which it is known to meet.
-    pub(super) fn crossing(&self, direction: DVec2) -> DVec2 {
-        let (a, b) = (self.upper.point, self.lower.point);
-        let (above, below) = (direction.perp_dot(a), direction.perp_dot(b));
-        let fraction = above / (above - below);
-        // Seen edge-on the two are alike, and any place will do.
-        let fraction = if fraction.is_nan() { 0.0 } else { fraction.clamp(0.0, 1.0) };
-        a + fraction * (b - a)
-    }
-
-    /// Intersection of one of the light's rays with the line that it lies on.
-    pub(super) fn point_on(&self, light_rays: LightRays, name: f64) -> DVec2 {
-        let (a, b) = (self.upper.point, self.lower.point);
-        let (origin, direction) = light_rays.line(name);
-        a + (origin - a).perp_dot(direction) / (b - a).perp_dot(direction) * (b - a)
-    }
-
-    pub(super) fn cut_end(&self, end: End) -> CutEnd {
-        CutEnd { primitive: self.primitive, point: end.point }
-    }
-
-    fn length(&self) -> f64 {
-        self.upper.point.distance(self.lower.point)
-    }
-
-    /// Between which ends its shadow lies, by their names.
-    fn shadow_ends(&self) -> [End; 2] {
-        if self.upper.name <= self.lower.name { [self.upper, self.lower] } else { [self.lower, self.upper] }
-    }
-}
-
-pub(super) fn ordered(a: f64, b: f64) -> (f64, f64) {
-    (a.min(b), a.max(b))
 }
 
 /// The state of the sweep.
@@ -315,45 +243,4 @@ impl Sweep {
         }
         (&self.shadows, &self.own_union)
     }
-}
-
-/// The ends of a cut, the upper first, without the part beyond the axis; `None` if nothing is left.
-fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End; 2]> {
-    let [a, b] = cut.ends;
-    if a.x.max(b.x) <= 0.0 {
-        return None;
-    }
-    let clipped = |end: DVec2, other: DVec2| {
-        // Not at -0 either, whose slope has the wrong sign.
-        if end.x > 0.0 {
-            return end;
-        }
-        let fraction = end.x / (end.x - other.x);
-        DVec2::new(0.0, end.y + fraction * (other.y - end.y))
-    };
-    let end = |point: DVec2| {
-        let slope = point.y / point.x;
-        // Through the camera itself: neither above nor below anything.
-        let slope = if slope.is_nan() { f64::NEG_INFINITY } else { slope };
-        End { point, slope, name: light_rays.through(point) }
-    };
-    let (mut a, mut b) = (end(clipped(a, b)), end(clipped(b, a)));
-    // Out of the camera itself, but for rounding: seen edge-on, so that no ray but one meets it.
-    let length = a.point.distance(b.point);
-    if a.point.length() <= cut.rounding * length {
-        a.slope = b.slope;
-    } else if b.point.length() <= cut.rounding * length {
-        b.slope = a.slope;
-    }
-    // Out of the light itself, a lamp in a wall: seen edge-on from there, so that it shadows no ray but one.
-    if let LightRays::From(height) = light_rays {
-        let same_m = cut.rounding * (length + height.abs());
-        let is_at_light = |end: &End| end.point.distance(DVec2::new(0.0, height)) <= same_m;
-        if is_at_light(&a) {
-            a.name = b.name;
-        } else if is_at_light(&b) {
-            b.name = a.name;
-        }
-    }
-    Some(if a.slope >= b.slope { [a, b] } else { [b, a] })
 }
