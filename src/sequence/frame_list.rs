@@ -67,7 +67,7 @@ impl FrameList {
                 let (first, last) = (sequence.start(), sequence.end());
                 Err(Diagnostic::error(Place::Nowhere, format!("frame {frame} is not part of the sequence"))
                     .expected(format!("frames from {first} to {last}"))
-                    .remedy("choose other --frames or widen the range in the sequence"))
+                    .remedy("choose other --frames, or widen the range: `frames` of a sequence, the frame range in Blender"))
             }
         }
     }

@@ -285,7 +285,7 @@ class Names(WithFolder):
     def test_a_picture_by_itself(self):
         path = write_frame(self.folder / "leaf_v2.exr", scene(1))
         code, out, _ = run("validate", path)
-        self.assertEqual((code, out.splitlines()[-1]), (0, f"{path}: 1 frame: 0 errors, 1 warnings"))
+        self.assertEqual((code, out.splitlines()[-1]), (0, f"{path}: 1 frame: 0 errors, 1 warning"))
         write_frame(self.folder / "leaf_v1.exr", scene(2))
         self.assertEqual(found(self.folder), [])
         path.write_bytes(path.read_bytes()[:-9])

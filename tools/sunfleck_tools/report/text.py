@@ -41,10 +41,14 @@ def verdict(checked: Checked) -> str:
     numbers = (
         "" if checked.listing.is_still else f", {format_frames(frame.number for frame in checked.frames)}"
     )
-    plural = "" if len(checked.frames) == 1 else "s"
-    looked = f"{checked.listing.pattern}: {len(checked.frames)} frame{plural}{numbers}"
-    errors, warnings = (checked.count(severity) for severity in (Severity.ERROR, Severity.WARNING))
+    looked = f"{checked.listing.pattern}: {_counted(len(checked.frames), 'frame')}{numbers}"
+    errors = _counted(checked.count(Severity.ERROR), "error")
+    warnings = _counted(checked.count(Severity.WARNING), "warning")
     if not checked.findings:
         return f"{looked}: nothing found"
     again = f"; render again: {format_frames(checked.rerender)}" if checked.rerender else ""
-    return f"{looked}: {errors} errors, {warnings} warnings{again}"
+    return f"{looked}: {errors}, {warnings}{again}"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
