@@ -13,8 +13,9 @@ use crate::snapshot::FrozenLight;
 /// In-scattered radiance of one light, estimated from `points` jittered points.
 pub(super) fn in_scattered(path: &mut Path, points: u32, ray: &Ray, way: &Way, light: &FrozenLight) -> Rgb {
     let snapshot = path.snapshot;
-    let Some((start, end)) = snapshot.medium.range(ray, way.distance) else { return Rgb::ZERO };
+    let range = snapshot.medium.range(ray, way.distance);
     let jitter = path.sampler.next_1d();
+    let Some((start, end)) = range.and_then(|range| lit(light, ray, range)) else { return Rgb::ZERO };
     let mut sum = Rgb::ZERO;
     for index in 0..points {
         let u = (f64::from(index) + jitter) / f64::from(points);
@@ -28,6 +29,20 @@ pub(super) fn in_scattered(path: &mut Path, points: u32, ray: &Ray, way: &Way, l
         sum += scattered_at(snapshot, ray, t, light, &way.blended) / pdf_per_m;
     }
     sum / f64::from(points)
+}
+
+/// The part of a range in which a light may be seen: beyond a spot's cone each place would be picked in vain.
+fn lit(light: &FrozenLight, ray: &Ray, (start, end): (f64, f64)) -> Option<(f64, f64)> {
+    let FrozenLight::Point { position, emission, .. } = light else { return Some((start, end)) };
+    let [mut first, mut second] =
+        emission.borders(ray, *position).map(|border| border.unwrap_or(start).clamp(start, end));
+    if first > second {
+        std::mem::swap(&mut first, &mut second);
+    }
+    let pieces = [(start, first), (first, second), (second, end)];
+    let is_lit =
+        |&(from, to): &(f64, f64)| from < to && emission.reaches(ray.at(0.5 * (from + to)) - *position);
+    pieces.into_iter().filter(is_lit).reduce(|hull, piece| (hull.0, piece.1))
 }
 
 fn equiangular(ray: &Ray, light: glam::DVec3, start: f64, end: f64, u: f64) -> (f64, f64) {
@@ -48,4 +63,31 @@ fn exponential(start: f64, end: f64, sigma_per_m: f64, u: f64) -> (f64, f64) {
     }
     let offset = -(-u * reach).ln_1p() / sigma_per_m;
     (start + offset, sigma_per_m * (-sigma_per_m * offset).exp() / reach)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use crate::light::{Cone, Emission};
+    use glam::DVec3;
+
+    /// A spot 2 m above a level ray lights 4 m of it by a cone of 45 degrees to either side. A ray that meets
+    /// only the cone's mirror image above it, and what ends before it, has nothing.
+    #[test]
+    fn a_spot_is_looked_for_within_its_cone() {
+        let cos = 0.5_f64.sqrt();
+        let cone = Cone { axis: DVec3::NEG_Y, cos_outer: cos, cos_inner: cos };
+        let spot = |height_m: f64| FrozenLight::Point {
+            position: DVec3::new(5.0, height_m, 0.0),
+            intensity: Rgb::ONE,
+            emission: Emission::Spot(cone),
+        };
+        let ray = Ray { origin: DVec3::ZERO, direction: DVec3::X };
+        let (from, to) = lit(&spot(2.0), &ray, (0.0, 20.0)).expect("it crosses the cone");
+        assert!((from - 3.0).abs() < 1e-9 && (to - 7.0).abs() < 1e-9, "{from} to {to}");
+        assert_eq!(lit(&spot(2.0), &ray, (4.0, 6.0)), Some((4.0, 6.0)));
+        assert_eq!(lit(&spot(2.0), &ray, (0.0, 2.9)), None);
+        assert_eq!(lit(&spot(-2.0), &ray, (0.0, 20.0)), None, "from above");
+    }
 }
