@@ -250,6 +250,37 @@ def two_rooms() -> str:
     )
 
 
+def tunnel() -> str:
+    """A tunnel of 15 m, open at its far end, with leaves before that."""
+    walls = {
+        "floor": block((-1.2, -0.2, -12), (1.2, 0, 3), "soil"),
+        "roof": block((-1.2, 2.4, -12), (1.2, 2.6, 3)),
+        "left": block((-1.4, -0.2, -12), (-1.2, 2.6, 3)),
+        "right": block((1.2, -0.2, -12), (1.4, 2.6, 3)),
+        "end": block((-1.4, -0.2, 3), (1.4, 2.6, 3.2)),
+        "ground": '(mesh: "ground", material: "soil", translation_m: (0.0, -0.3, -20.0), scale: 2.0)',
+    }
+    return scene(
+        objects=walls,
+        leaves={
+            "tree": '(count: 200, seed: 3, meshes: ["leaf"], materials: ["gold"], min_m: (-1.2, 0.3, -14.5), max_m: (1.2, 2.3, -12.3))'
+        },
+        cameras={"main": "(position_m: (0.3, 1.5, 2.0), look_at_m: (0.0, 1.2, -12.0), fov_deg: 60.0)"},
+        lights={"sun": "Sun(to_sun: (0.3, 0.8, -1.0), irradiance_w_per_m2: (12.0, 10.0, 8.0))"},
+        fog={"haze": "(min_m: (-1.2, 0.0, -12.0), max_m: (1.2, 2.4, 3.0), density_per_m: 0.08, anisotropy: 0.6)"},
+    )
+
+
+def spot() -> str:
+    """A narrow spot through leaves in thick fog."""
+    lamp = "position_m: (1.5, 3.4, -2.0), target_m: (-0.2, 0.6, 0.2), outer_deg: 20.0, blend: 0.0"
+    return scene(
+        "Constant(radiance_w_per_m2_sr: (0.004, 0.006, 0.012))",
+        lights={"spot": f"Spot({lamp}, intensity_w_per_sr: (60.0, 50.0, 40.0))"},
+        fog={"haze": "(min_m: (-3.0, 0.0, -3.0), max_m: (3.0, 3.0, 3.0), density_per_m: 0.7, anisotropy: 0.6)"},
+    )
+
+
 def dome() -> str:
     """Leaves that close over snow, with a gap towards the sky."""
     return scene(
@@ -316,6 +347,8 @@ SCENES = {
     "lanterns": lanterns,
     "glowing lantern": lambda: lanterns(glowing=True),
     "two rooms": two_rooms,
+    "tunnel": tunnel,
+    "spot": spot,
     "dome": dome,
     "sun in the sky": sun_sky,
     **{f"lamp {mm} mm": lambda mm=mm: lamp_room(mm / 1000) for mm in (100, 10, 1)},
