@@ -24,7 +24,7 @@ from .sockets import NotSimple, Picture, Source
 from .written import DEFAULTS
 
 # Counted up where the same tree comes to be baked otherwise: what was kept before is no longer looked at.
-WAY = 3
+WAY = 4
 SAMPLES = 4
 MARGIN_TEXELS = 4
 # An alpha is a mask if so few texels are in between.
@@ -142,8 +142,7 @@ class Baker:
         base, through = self.shared(*(numpy.minimum(pictures[name] / there, 1.0) for name in ("reflected", "through")))
         surface = Surface({
             "base": self.source("base", base),
-            "roughness": self.source("roughness", pictures["roughness"] / there),
-            "metallic": self.source("metallic", pictures["metallic"] / there),
+            **{name: self.source(name, numpy.clip(pictures[name] / there, 0.0, 1.0)) for name in ("roughness", "metallic")},
             "emission": self.source("emission", emission / strength if strength else emission),
             "emission_strength": Source((strength,) * 3),
         })

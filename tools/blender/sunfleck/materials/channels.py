@@ -85,7 +85,7 @@ class Channels:
     def of_principled(self, node):
         self.principled.append(node)
         self.note_normal(node)
-        cover = self.value(node.inputs["Alpha"])
+        cover = self.share(node.inputs["Alpha"])
         emission = self.product(
             self.value(node.inputs["Emission Color"]), self.value(node.inputs["Emission Strength"])
         )
@@ -137,6 +137,15 @@ class Channels:
 
     def number(self, colour):
         """As Blender makes a number of a colour, here as at the socket that it goes to."""
+    def share(self, socket):
+        """A number that ends at 0 and at 1."""
+        value = self.value(socket)
+        if not is_socket(value):
+            return min(1.0, max(0.0, value))
+        found = self.number(value)
+        found.node.use_clamp = True
+        return found
+
         made = self.tree.nodes.new("ShaderNodeMath")
         made.operation, made.inputs[1].default_value = "ADD", 0.0
         self.tree.links.new(colour, made.inputs[0])

@@ -15,7 +15,7 @@ from ..evaluated.geometry import digest
 PASSED_OVER = {
     "rna_type", "location", "location_absolute", "width", "height", "width_hidden", "dimensions", "select", "color", "use_custom_color",
     "show_options", "show_preview", "show_texture", "hide", "parent", "internal_links", "inputs", "outputs", "warning_propagation", "name",
-    "image_user", "texture_mapping", "color_mapping", "color_tag", "debug_zone_body_lazy_function_graph", "debug_zone_lazy_function_graph",
+    "image_user", "color_mapping", "color_tag", "debug_zone_body_lazy_function_graph", "debug_zone_lazy_function_graph",
 }
 
 
@@ -53,6 +53,8 @@ def told(value: Any, seen: tuple[bpy.types.NodeTree, ...]) -> Any:
         )
     if isinstance(value, bpy.types.CurveMapping):
         return [[(*point.location, point.handle_type) for point in curve.points] for curve in value.curves]
+    if isinstance(value, bpy.types.TexMapping):
+        return [*value.translation, *value.rotation, *value.scale, value.mapping_x, value.mapping_y, value.mapping_z, value.vector_type]
     if isinstance(value, bpy.types.ID):
         return value.name_full
     return tuple(value) if hasattr(value, "__len__") and not hasattr(value, "bl_rna") else None

@@ -416,6 +416,9 @@ def custom(owner):
     """Its custom properties that JSON can hold."""
     found = {}
     for name, value in owner.items():
+    # Factors of numbers end at 1, and what they multiply a picture by need not.
+    numbers = [surface.alpha, *map(source, ("metallic", "roughness", "coat", "coat_roughness"))]
+    are_apart |= any(number.picture is not None and number.number() > 1.0 for number in numbers)
         value = (
             value.to_dict()
             if hasattr(value, "to_dict")

@@ -17,6 +17,10 @@ CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "X": 0, "Y": 1, "Z": 2}
 KNOWN_SPACES = {"sRGB", "Non-Color", "Linear Rec.709"}
 # Texels of the longer side of a picture: bakes have twice as many.
 COARSE = 256
+# Ways between texels that glTF has no word for.
+OTHER_FILTERS = {"Closest", "Cubic", "Smart"}
+# Of a colour in linear Rec. 709.
+BRIGHTNESS = (0.2126, 0.7152, 0.0722)
 
 
 class NotSimple(Exception):
@@ -45,7 +49,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Source:
-    """`factor` (three numbers) times a picture's channel ("rgb", 0, 1, 2 or 3 for alpha) times a
+    """`factor` (three numbers) times a picture's channel ("rgb", "grey", 0, 1, 2 or 3 for alpha) times a
     colour attribute's."""
 
     factor: tuple
@@ -60,13 +64,31 @@ class Source:
     def number(self):
         """Of a constant: Blender makes numbers of colours by their brightness."""
         r, g, b = self.factor
-        return r if r == g == b else 0.2126 * r + 0.7152 * g + 0.0722 * b
+        return r if r == g == b else sum(weight * channel for weight, channel in zip(BRIGHTNESS, self.factor))
 
 
 def of(socket):
     """What gives an input's value."""
     link = link_to(socket)
-    return constant(socket) if link is None else of_output(link.from_socket)
+    if link is None:
+        return constant(socket)
+    source = of_output(link.from_socket)
+    if socket.type != "VALUE" or link.from_socket.type not in {"RGBA", "VECTOR"}:
+        return source
+    return grey(link.from_node, source, is_vector=link.from_socket.type == "VECTOR")
+
+
+def grey(node, source, is_vector):
+    """As Blender makes a number: of a colour its brightness, of a vector its mean."""
+    number = sum(source.factor) / 3.0 if is_vector else source.number()
+    if source.is_constant():
+        return Source((number,) * 3)
+    is_color = "rgb" in (source.picture and source.channel, source.attribute is not None and source.attribute_channel)
+    if not is_color:
+        return replace(source, factor=(number,) * 3)
+    if source.attribute is not None or is_vector or len(set(source.factor)) > 1:
+        raise NotSimple(node)
+    return replace(source, channel="grey")
 
 
 def link_to(socket):
@@ -147,8 +169,8 @@ def read_image(node, output):
         raise NotSimple(node)
     place = coordinates(node.inputs["Vector"])
     # Nothing beyond its edges, and other smoothing, which a bake of many texels has too: glTF has no word for these.
-    is_coarse = node.interpolation in {"Closest", "Cubic"} and max(image.size) <= COARSE
-    if is_coarse or (node.extension == "CLIP" and "scale" in place):
+    is_coarse = node.interpolation in OTHER_FILTERS and max(image.size) <= COARSE
+    if is_coarse or is_moved(node) or (node.extension == "CLIP" and "scale" in place):
         raise NotSimple(node)
     picture = Picture(
         image,
@@ -158,6 +180,14 @@ def read_image(node, output):
         **place,
     )
     return Source((1.0, 1.0, 1.0), picture, 3 if output.name == "Alpha" else "rgb")
+
+
+def is_moved(node):
+    """Whether a texture's own panel moves what it shows about."""
+    moves = node.texture_mapping
+    axes = (moves.mapping_x, moves.mapping_y, moves.mapping_z)
+    is_as_new = (*moves.translation, *moves.rotation) == (0.0,) * 6 and tuple(moves.scale) == (1.0,) * 3
+    return not is_as_new or axes != ("X", "Y", "Z") or moves.vector_type == "NORMAL"
 
 
 def by_alpha(node):
@@ -216,7 +246,17 @@ def read_mix(node, output):
         next(socket for socket in node.inputs if socket.enabled and socket.name == name)
         for name in ("Factor", "A", "B")
     )
-    return mixed(node, of(factor), of(a), of(b))
+    found = mixed(node, of(factor), of(a), of(b))
+    return clamped(node, found) if node.clamp_result and node.data_type == "RGBA" else found
+
+
+def clamped(node, source):
+    """From 0 to 1."""
+    if source.is_constant():
+        return Source(tuple(min(1.0, max(0.0, channel)) for channel in source.factor))
+    if source.attribute is not None or source.picture.image.is_float or not 0.0 <= min(source.factor) <= max(source.factor) <= 1.0:
+        raise NotSimple(node)
+    return source
 
 
 def read_mix_legacy(node, output):
@@ -228,7 +268,8 @@ def read_mix_legacy(node, output):
 def mixed(node, factor, a, b):
     if not factor.is_constant():
         raise NotSimple(node)
-    share = min(1.0, max(0.0, factor.number()))
+    share = factor.number()
+    share = min(1.0, max(0.0, share)) if getattr(node, "clamp_factor", True) else share
     if node.blend_type == "MULTIPLY" and getattr(node, "data_type", "RGBA") == "RGBA":
         if share == 1.0:
             return product(node, a, b)

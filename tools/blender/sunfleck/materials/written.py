@@ -9,7 +9,7 @@ import numpy
 from . import images as files
 from .colours import rec709
 from .principled import WHITE, Surface
-from .sockets import Source
+from .sockets import BRIGHTNESS, OTHER_FILTERS, Source
 
 BLACK = Source((0.0, 0.0, 0.0))
 DEFAULTS = {
@@ -83,7 +83,7 @@ class Writer:
             return None
         if picture.extension == "CLIP":
             self.losses.append("texture-clip")
-        if picture.interpolation in {"Closest", "Cubic"}:
+        if picture.interpolation in OTHER_FILTERS:
             self.losses.append("texture-filter")
         said = {
             "index": files.texture(self.document, image, picture),
@@ -157,7 +157,7 @@ class Writer:
         if found.size and found.max() > 1.0 + 1e-4:
             self.losses.append("picture-above-one")
         if is_number and found.shape[-1] == 3:
-            found = (found @ numpy.array([0.2126, 0.7152, 0.0722], "f4"))[..., None]
+            found = channel_of(found, "grey")
         rows = ((numpy.arange(height) + 0.5) * found.shape[0] / height).astype(int)
         columns = ((numpy.arange(width) + 0.5) * found.shape[1] / width).astype(int)
         return found[rows][:, columns]
@@ -282,6 +282,8 @@ def channel_of(pixels, channel):
 
 
 def shines(surface):
+    if channel == "grey":
+        return (pixels[..., :3] @ numpy.array(BRIGHTNESS, "f4"))[..., None]
     """Whether it is more than matte: then its shine is Cycles', which differs from glTF's own."""
     sources = (surface.sources.get(name, DEFAULTS[name]) for name in ("specular", "metallic", "coat"))
     return any(not source.is_constant() or source.number() > 0.0 for source in sources)
