@@ -17,10 +17,12 @@ import bpy
 from . import keys, world_picture, world_sun
 from .materials import dependence
 from .materials.colours import rec709
-from .materials.sockets import link_to
+from .materials.sockets import is_moved, link_to
 
 # Blender has the middle of the image in the direction of +X, sunfleck in that of +Y (glTF's -Z).
 QUARTER_TURN = -0.5 * math.pi
+# Texels across from which on a bake would be coarser than a picture's squares.
+FINE = 1024
 READ_AS_IT_IS = {".hdr", ".exr"}
 COLOURS_READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".webp"}
 
@@ -31,9 +33,16 @@ def backgrounds(scene):
     return [node for node in tree.nodes if node.type == "BACKGROUND"] if tree else []
 
 
+def surface_link(scene):
+    """What gives the world's light; None for nothing."""
+    tree = scene.world and scene.world.node_tree
+    output = tree.get_output_node("CYCLES") if tree else None
+    return link_to(output.inputs["Surface"]) if output else None
+
+
 def shines(scene):
     """Whether the world sends any light."""
-    return any(
+    return surface_link(scene) is not None and any(
         node.inputs["Strength"].default_value > 0.0
         and (node.inputs["Color"].is_linked or max(node.inputs["Color"].default_value[:3]) > 0.0)
         for node in backgrounds(scene)
@@ -49,23 +58,20 @@ def has_volume(scene):
 
 def is_plain(scene):
     """Whether it is one colour or one environment texture all around, which needs no baking."""
-    shaders = backgrounds(scene)
-    output = scene.world.node_tree.get_output_node("CYCLES") if shaders else None
-    if len(shaders) != 1 or output is None or not output.inputs["Surface"].is_linked:
-        return False
-    if output.inputs["Surface"].links[0].from_node != shaders[0] or shaders[0].inputs["Strength"].is_linked:
+    shaders, link = backgrounds(scene), surface_link(scene)
+    if link is None or [link.from_node] != shaders or shaders[0].inputs["Strength"].is_linked:
         return False
     if not shaders[0].inputs["Color"].is_linked:
         return True
     texture = environment(shaders[0])
-    return texture is not None and texture.projection == "EQUIRECTANGULAR" and turn(texture) is not None
+    if texture is None or texture.projection != "EQUIRECTANGULAR" or turn(texture) is None or is_moved(texture):
+        return False
+    return texture.interpolation == "Linear" or max(texture.image.size) > FINE
 
 
 def is_baked(scene):
     """Whether its nodes are more than that."""
-    tree = scene.world and scene.world.node_tree
-    output = tree.get_output_node("CYCLES") if tree else None
-    return bool(output and output.inputs["Surface"].is_linked) and not is_plain(scene)
+    return surface_link(scene) is not None and not is_plain(scene)
 
 
 def changes(scene):
