@@ -11,6 +11,8 @@ from .sockets import NotSimple, link_to
 COLORS = ("reflected", "through", "emission")
 NUMBERS = ("cover", "roughness", "metallic")
 NOTHING = {**dict.fromkeys(COLORS, (0.0, 0.0, 0.0)), **dict.fromkeys(NUMBERS, 0.0)}
+# Where nothing is linked to be mixed.
+BLACK = {**NOTHING, "cover": 1.0}
 # Shaders of one colour: which part it is, and how rough and metallic they are (None: as their socket says).
 PLAIN = {
     "BSDF_DIFFUSE": ("reflected", 1.0, 0.0),
@@ -39,6 +41,9 @@ class Channels:
         node = output.node
         if node.mute:
             raise NotSimple(node)
+        if output.type != "SHADER":
+            # A colour in a shader's place shines.
+            return {**BLACK, "emission": output}
         if node.type == "GROUP":
             return self.of_group(node, output)
         if node.type == "MIX_SHADER":
@@ -46,7 +51,8 @@ class Channels:
                 self.value(node.inputs[0]), self.of_input(node.inputs[1]), self.of_input(node.inputs[2])
             )
         if node.type == "ADD_SHADER":
-            a, b = self.of_input(node.inputs[0]), self.of_input(node.inputs[1])
+            a, b = (self.of_input(socket, NOTHING) for socket in node.inputs)
+            self.adds |= not any(same(one["reflected"], 0.0) for one in (a, b))
             found = {name: self.sum(a[name], b[name]) for name in NOTHING}
             # What only shines lies upon what is there, and nowhere else.
             covers = [one["cover"] for one in (a, b) if not is_light(one)] or [1.0]
@@ -54,20 +60,14 @@ class Channels:
         if node.type == "BSDF_TRANSPARENT":
             return dict(NOTHING)
         if node.type == "EMISSION":
-            return {
-                **NOTHING,
-                "emission": self.product(
-                    self.value(node.inputs["Color"]), self.value(node.inputs["Strength"])
-                ),
-                "cover": 1.0,
-            }
+            return {**BLACK, "emission": self.product(self.value(node.inputs["Color"]), self.value(node.inputs["Strength"]))}
         if node.type == "BSDF_PRINCIPLED":
             return self.of_principled(node)
         return self.of_plain(node)
 
-    def of_input(self, socket):
+    def of_input(self, socket, unlinked=BLACK):
         link = link_to(socket)
-        return self.of(link.from_socket) if link else dict(NOTHING)
+        return self.of(link.from_socket) if link else dict(unlinked)
 
     def of_plain(self, node):
         if node.type not in PLAIN:

@@ -12,6 +12,8 @@ from .principled import WHITE, Surface
 from .sockets import NotSimple, Source
 
 BLACK = Source((0.0, 0.0, 0.0))
+# From here on what bounces among facets shows.
+ROUGH = 0.3
 
 
 def read(link):
@@ -19,6 +21,9 @@ def read(link):
     node = link.from_node
     if node.mute:
         raise NotSimple(node)
+    if link.from_socket.type != "SHADER":
+        # A colour in a shader's place shines.
+        return principled.emission(sockets.of_output(link.from_socket))
     if node.type in {"GROUP", "GROUP_INPUT"}:
         with sockets.behind(link.from_socket) as socket:
             return of_socket(node, socket)
@@ -98,6 +103,20 @@ def shining(node, share, matte, mirror):
     return replace(matte, sources={**matte.sources, **added}, has_even_metal=mirror.has_even_metal)
 
 
+def shone_upon(node, matte, mirror):
+    """A mirror added: the mixture of both, each as much brighter as it has less of a share."""
+    base, color, roughness = matte.sources["base"], mirror.sources["base"], mirror.sources["roughness"]
+    share = 1.0 - max(base.factor)
+    if "through" in matte.sources or not max(color.factor) - 1e-6 <= share < 1.0:
+        raise NotSimple(node)
+    matte = replace(matte, sources={**matte.sources, "base": principled.scaled(base, 1.0 / (1.0 - share))})
+    color = replace(color, factor=tuple(min(1.0, channel / share) for channel in color.factor))
+    found = shining(node, share, matte, replace(mirror, sources={**mirror.sources, "base": color}))
+    # Facets of a brighter colour give more light to one another.
+    is_smooth = roughness.is_constant() and roughness.number() <= ROUGH
+    return found if is_smooth else replace(found, losses=[*found.losses, "mixed-shine"])
+
+
 def mixed(node):
     share = sockets.of(node.inputs[0])
     a, b = of_input(node, 1), of_input(node, 2)
@@ -155,8 +174,11 @@ def blended(node, share, a, b):
 
 
 def added(node):
-    """Light upon a surface."""
+    """Light or a mirror upon a surface."""
     a, b = of_input(node, 0), of_input(node, 1)
+    for one, other in ((a, b), (b, a)):
+        if is_matte(one) and is_mirror(other):
+            return shone_upon(node, one, other)
     light, surface = (a, b) if is_light(a) else (b, a)
     if not is_light(light) or glows(surface) or surface.alpha != WHITE:
         raise NotSimple(node)

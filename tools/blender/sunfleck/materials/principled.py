@@ -61,7 +61,7 @@ def read(shader):
     if shader.type == "BSDF_DIFFUSE":
         return diffuse(shader)
     if shader.type == "EMISSION":
-        return emission(shader)
+        return emission(sockets.of(shader.inputs["Color"]), sockets.of(shader.inputs["Strength"]))
     if shader.type == "BSDF_GLOSSY":
         return glossy(shader)
     if shader.type != "BSDF_PRINCIPLED" or shader.mute:
@@ -141,15 +141,10 @@ def glossy(shader):
     return Surface(sources, has_even_metal=True)
 
 
-def emission(shader):
+def emission(color, strength=WHITE):
     """Light alone, of a surface that reflects none."""
-    sources = {
-        "emission": sockets.of(shader.inputs["Color"]),
-        "emission_strength": sockets.of(shader.inputs["Strength"]),
-    }
-    return Surface(
-        {**sources, "base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE}
-    )
+    black = Source((0.0,) * 3)
+    return Surface({"emission": color, "emission_strength": strength, "base": black, "specular": black, "roughness": WHITE})
 
 
 def alpha(socket):
