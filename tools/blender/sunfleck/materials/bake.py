@@ -15,7 +15,7 @@ import numpy
 from ..evaluated.attributes import MADE
 from ..evaluated.geometry import digest
 from ..evaluated.heeding import nobody
-from . import principled, sockets
+from . import principled, sheets, sockets
 from .colours import rec709, working_space
 from .channels import COLORS, NUMBERS, Channels, is_socket
 from .fingerprint import of_tree
@@ -154,6 +154,8 @@ class Baker:
         if "normal" in pictures:
             surface.normal = (self.picture("normal", 0.5 + 0.5 * pictures["normal"]), 1.0)
         self.add_shine(surface, channels.principled)
+        if mixes_shine(channels):
+            self.losses.append("mixed-shine")
         surface.has_even_metal = channels.metals == {"BSDF_GLOSSY"} and not channels.principled
         principled.scatter(surface)
         surface.losses = list(self.losses)
@@ -174,8 +176,6 @@ class Baker:
             metallic = surface.sources["metallic"]
             is_metal = not metallic.is_constant() or metallic.number() > 0.0
             surface.sources["specular"] = Source((0.5 if is_metal else 0.0,) * 3)
-            if is_metal and metallic != WHITE:
-                self.losses.append("mixed-shine")
             return
         for name, socket in principled.SOCKETS.items():
             if name in surface.sources:
@@ -207,6 +207,20 @@ class Baker:
             self.canvas.uv,
             extension="EXTEND" if self.canvas.geometry else "REPEAT",
         )
+
+
+def mixes_shine(channels):
+    """Whether shaders shine each in a way of its own: one shine is left of them."""
+    shiny = [shader for shader in channels.principled if not all(sheets.is_zero(shader, name) for name in ("Specular IOR Level", "Metallic"))]
+    told = {tuple(map(value_of, (shader.inputs["Metallic"], shader.inputs["Roughness"]))) for shader in channels.principled}
+    kinds = len(channels.metals) + bool(channels.mattes) + bool(channels.principled)
+    return bool(shiny or channels.metals) and (kinds > 1 or len(told) > 1 or channels.adds)
+
+
+def value_of(socket):
+    """What is linked to it, or its number."""
+    link = sockets.link_to(socket)
+    return (link.from_node.name, link.from_socket.identifier) if link else socket.default_value
 
 
 def size_of(image):

@@ -33,8 +33,8 @@ class Channels:
 
     def __init__(self, tree):
         self.tree, self.bends, self.principled = tree, False, []
-        # Kinds of the shaders that are metal alone.
-        self.metals = set()
+        # Kinds of the shaders that are metal alone and of those that are matte, and whether any two are added up.
+        self.metals, self.mattes, self.adds = set(), set(), False
 
     def of(self, output):
         """The parts of a shader's output."""
@@ -75,7 +75,7 @@ class Channels:
         part, roughness, metallic = PLAIN[node.type]
         color = next(socket for socket in node.inputs if socket.name in {"Color", "Base Color"})
         self.note_normal(node)
-        self.metals |= {node.type} if metallic else set()
+        (self.metals if metallic else self.mattes).add(node.type)
         found = {**NOTHING, part: self.value(color), "cover": 1.0, "metallic": metallic}
         return {
             **found,
@@ -114,6 +114,8 @@ class Channels:
         self.bends |= within.bends
         self.principled += within.principled
         self.metals |= within.metals
+        self.mattes |= within.mattes
+        self.adds |= within.adds
         found = {}
         for name, part in parts.items():
             if not is_socket(part):
@@ -135,8 +137,6 @@ class Channels:
         value = socket.default_value
         return tuple(value[:3]) if hasattr(value, "__len__") else float(value)
 
-    def number(self, colour):
-        """As Blender makes a number of a colour, here as at the socket that it goes to."""
     def share(self, socket):
         """A number that ends at 0 and at 1."""
         value = self.value(socket)
@@ -146,6 +146,8 @@ class Channels:
         found.node.use_clamp = True
         return found
 
+    def number(self, colour):
+        """As Blender makes a number of a colour, here as at the socket that it goes to."""
         made = self.tree.nodes.new("ShaderNodeMath")
         made.operation, made.inputs[1].default_value = "ADD", 0.0
         self.tree.links.new(colour, made.inputs[0])

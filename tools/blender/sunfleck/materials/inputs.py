@@ -6,7 +6,7 @@ new node has it, is among them: later Blenders have more.
 
 import bpy
 
-from . import dependence, sheets, sockets
+from . import closures, dependence, sheets, sockets
 
 # Inputs by what they do to whom: None is honoured, or does nothing alone.
 OF_PRINCIPLED = {
@@ -43,8 +43,8 @@ def losses_of(node):
     # Of several distributions one scatters as our metal does.
     if node.type in NEARLY or getattr(node, "distribution", "MULTI_GGX") != "MULTI_GGX" and node.type == "BSDF_GLOSSY":
         yield f"nearly-{node.type}"
-    if node.type == "BSDF_PRINCIPLED" and has_rough_coat(node):
-        yield "rough-coat"
+    if node.type == "BSDF_PRINCIPLED":
+        yield from losses_of_principled(node)
     if node.type not in KNOWN:
         return
     known, usual = KNOWN[node.type], as_new(node.bl_idname)
@@ -54,6 +54,22 @@ def losses_of(node):
         loss = known.get(socket.name, f"input-{socket.name.lower().replace(' ', '-')}")
         if loss and not does_nothing(node, loss):
             yield loss
+
+
+def losses_of_principled(node):
+    if has_rough_coat(node):
+        yield "rough-coat"
+    if not sheets.is_zero(node, "Metallic") and not is_white(node.inputs["Specular Tint"]):
+        yield "metal-tint"
+    # Light that bounces among the facets of what is rough.
+    roughness = node.inputs["Roughness"]
+    is_rough = sockets.link_to(roughness) is not None or roughness.default_value > closures.ROUGH
+    if node.distribution != "MULTI_GGX" and is_rough and not all(sheets.is_zero(node, of) for of in ("Metallic", "Specular IOR Level")):
+        yield "single-scattering"
+
+
+def is_white(socket):
+    return not sockets.link_to(socket) and value_of(socket)[:3] == (1.0, 1.0, 1.0)
 
 
 def has_rough_coat(node):

@@ -34,6 +34,10 @@ class Writer:
         numbers = of_surface(surface, self.exposure)
         if max(rec709(self.source("base").factor)) > 1.0 + 1e-4:
             self.losses.append("base-above-one")
+        if number_of(self.source("coat")) > 1.0:
+            self.losses.append("coat-above-one")
+        if number_of(self.source("emission_strength")) < 0.0:
+            self.losses.append("emission-below-zero")
         pbr = {
             "baseColorFactor": numbers["base"],
             "metallicFactor": numbers["metallic"],
@@ -278,12 +282,12 @@ class Writer:
 
 def channel_of(pixels, channel):
     """(rows, columns, 3), or 1 of a single channel."""
+    if channel == "grey":
+        return (pixels[..., :3] @ numpy.array(BRIGHTNESS, "f4"))[..., None]
     return pixels[..., :3] if channel == "rgb" else pixels[..., channel : channel + 1]
 
 
 def shines(surface):
-    if channel == "grey":
-        return (pixels[..., :3] @ numpy.array(BRIGHTNESS, "f4"))[..., None]
     """Whether it is more than matte: then its shine is Cycles', which differs from glTF's own."""
     sources = (surface.sources.get(name, DEFAULTS[name]) for name in ("specular", "metallic", "coat"))
     return any(not source.is_constant() or source.number() > 0.0 for source in sources)
