@@ -17,7 +17,7 @@ Array = NDArray[Any]
 TYPES = {
     "FLOAT": ("value", 1, "f4"), "INT": ("value", 1, "i4"), "INT8": ("value", 1, "i1"), "BOOLEAN": ("value", 1, "?"),
     "FLOAT2": ("vector", 2, "f4"), "FLOAT_VECTOR": ("vector", 3, "f4"), "FLOAT_COLOR": ("color", 4, "f4"),
-    "BYTE_COLOR": ("color", 4, "f4"), "QUATERNION": ("value", 4, "f4"),
+    "BYTE_COLOR": ("color", 4, "f4"), "QUATERNION": ("value", 4, "f4"), "FLOAT4": ("vector", 4, "f4"),
 }
 # What Blender calls these when they are made anew.
 MADE = {1: ("FLOAT", "value"), 2: ("FLOAT2", "vector"), 3: ("FLOAT_VECTOR", "vector"), 4: ("FLOAT_COLOR", "color")}

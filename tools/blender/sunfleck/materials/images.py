@@ -100,6 +100,9 @@ class Images:
                     found[..., 3] = 1.0
                 if picture.by_alpha == "times":
                     found[..., :3] *= found[..., 3:]
+                    if not image.is_float:
+                        # Cycles drops what 8 bits do not hold; a little more is what single precision lacks.
+                        found[..., :3] = numpy.floor(255.0 * found[..., :3] + 1e-3) / 255.0
                 elif picture.by_alpha == "over":
                     found[..., :3] /= numpy.where(found[..., 3:] > 0.0, found[..., 3:], 1.0)
                 # Byte images are given as they are stored.
