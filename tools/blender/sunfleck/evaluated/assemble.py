@@ -193,6 +193,8 @@ class Assembly:
         said["mesh"] = mesh
         if bend is None:
             return
+        for material in materials:
+            self.materials.bend(material)
         times, weights = bend.keys()
         self.document.lists["meshes"][mesh]["weights"] = weights[0].tolist()
         if len(times) > 1:

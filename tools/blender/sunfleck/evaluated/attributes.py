@@ -21,12 +21,16 @@ TYPES = {
 }
 # What Blender calls these when they are made anew.
 MADE = {1: ("FLOAT", "value"), 2: ("FLOAT2", "vector"), 3: ("FLOAT_VECTOR", "vector"), 4: ("FLOAT_COLOR", "color")}
+# The name of the coordinates that Blender generates for a mesh, as an attribute.
+GENERATED = "sunfleck generated"
 NO_GROUPS: Mapping[str, int] = {}
 MISSING = (0.0, 0.0, 0.0, 1.0)
 
 
 def of_corners(mesh: bpy.types.Mesh, name: str, groups: Mapping[str, int] = NO_GROUPS) -> Array:
     """The empty name is the colours that render. `groups` are vertex groups by name: their weights are attributes."""
+    if name == GENERATED:
+        return generated(mesh)[numbers(mesh.loops, "vertex_index", len(mesh.loops), "i4")]
     name = name or mesh.attributes.default_color_name
     if name in groups and name not in mesh.attributes:
         return weights(mesh, groups[name])[numbers(mesh.loops, "vertex_index", len(mesh.loops), "i4")]
@@ -42,6 +46,14 @@ def of_corners(mesh: bpy.types.Mesh, name: str, groups: Mapping[str, int] = NO_G
     if domain == "FACE":
         return numpy.repeat(values, numbers(mesh.polygons, "loop_total", len(mesh.polygons), "i4"), axis=0)
     return values
+
+
+def generated(mesh: bpy.types.Mesh) -> Array:
+    """From 0 to 1 in the mesh's texture space, of each vertex where it was before anything bent it."""
+    size, middle = (numpy.array(of, "f4") for of in (mesh.texspace_size, mesh.texspace_location))
+    scale = numpy.divide(0.5, size, out=numpy.zeros(3, "f4"), where=size != 0.0)
+    found: Array = 0.5 + scale * (numbers(mesh.vertices, "undeformed_co", (len(mesh.vertices), 3), "f4") - middle)
+    return found
 
 
 def of_vertices(mesh: bpy.types.Mesh, of_edges: Array) -> Array:

@@ -9,6 +9,7 @@ import numpy
 
 from ..materials import dependence
 from . import geometry, strands
+from .attributes import GENERATED
 from .heeding import nobody
 
 # The attribute by which Cycles blurs what has it, metres a second.
@@ -108,6 +109,8 @@ class Capture:
         asked = {name for material in materials for name in self.library.colors_of(material)}
         has_velocities = self.seconds_a_frame and is_velocity(data.attributes.get(VELOCITY))
         colors = sorted(asked | {VELOCITY} if has_velocities else asked)
+        if thing.type != "MESH":
+            colors = [name for name in colors if name != GENERATED]
         if thing.type == "CURVES":
             is_flat = any(map(dependence.lets_through, materials))
             found = strands.of_curves(data, self.eye_in(thing, source), colors, is_flat)
@@ -147,7 +150,7 @@ class Capture:
             slot = min(max(system.settings.material - 1, 0), len(materials) - 1)
             is_flat = bool(materials) and dependence.lets_through(materials[slot])
             made = strands.of_particles(thing, system, self.eye_in(thing, source), is_flat)
-            if materials and self.library.colors_of(materials[slot]):
+            if materials and set(self.library.colors_of(materials[slot])) - {GENERATED}:
                 self.colorless.add(source.original.name)
             found = self.still[kept] = self.kept(
                 made, materials[slot : slot + 1] if materials else [], source

@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 import numpy
 
-from ..evaluated.attributes import MADE
+from ..evaluated.attributes import GENERATED, MADE
 from ..evaluated.geometry import digest
 from ..evaluated.heeding import nobody
 from . import principled, sheets, sockets
@@ -269,6 +269,8 @@ class Stage:
         self.scene.collection.objects.link(self.thing)
         if geometry:
             self.thing.scale = (geometry.size,) * 3
+            if GENERATED in geometry.colors:
+                generate(self.thing, geometry)
         self.layer = self.scene.view_layers[0]
         self.layer.objects.active = self.thing
         self.thing.select_set(True, view_layer=self.layer)
@@ -329,7 +331,7 @@ def mesh_of(geometry, uv):
     mesh.uv_layers[first].active_render = True
     mesh.uv_layers.active = mesh.uv_layers[uv]
     for name, values in geometry.colors.items():
-        if name in geometry.uvs:
+        if name in geometry.uvs or name == GENERATED:
             continue
         kind, field = MADE[values.shape[1]]
         attribute = mesh.attributes.new(name or "color", kind, "CORNER")
@@ -338,6 +340,20 @@ def mesh_of(geometry, uv):
         normals = geometry.normals[corners] if geometry.normals_of == "CORNER" else geometry.normals[vertices]
         mesh.normals_split_custom_set(normals.tolist())
     return mesh
+
+
+def generate(thing, geometry):
+    """Has what is baked on show the coordinates that Blender generated: those are of a mesh before it is bent."""
+    corners, mesh = geometry.colors[GENERATED], thing.data
+    rest = geometry.positions.copy()
+    rest[geometry.corner_vertices] = corners
+    mesh.use_auto_texspace, mesh.texspace_location, mesh.texspace_size = False, (0.5,) * 3, (0.5,) * 3
+    for part in ("rest", "bent"):
+        thing.shape_key_add(name=part)
+    key, rows = mesh.shape_keys, numpy.ascontiguousarray(rest, "f4").ravel()
+    mesh.vertices.foreach_set("co", rows)
+    key.key_blocks["rest"].points.foreach_set("co", rows)
+    key.key_blocks["bent"].value = 1.0
 
 
 def inner_trees(tree):

@@ -77,13 +77,13 @@ def is_of_surface(material):
     for node in nodes_of(material):
         if node.type in OF_SURFACES or (node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY"):
             return True
-        if node.type in PROCEDURAL and "Vector" in node.inputs and not node.inputs["Vector"].is_linked:
+        if is_unplaced(node):
             return True
         if node.type == "TEX_COORD" and any(
             output.is_linked and output.name != "UV" for output in node.outputs
         ):
             return True
-        if node.type == "UVMAP":
+        if node.type == "UVMAP" or is_tangential(node):
             uvs.add(node.uv_map)
         if (node.type == "TEX_COORD" and node.outputs["UV"].is_linked) or (
             node.type == "TEX_IMAGE" and not node.inputs["Vector"].is_linked
@@ -113,6 +113,35 @@ def colors_of(material):
         if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY":
             found.add(node.attribute_name)
     return found
+
+
+def is_tangential(node):
+    """Whether it bends normals by texture coordinates."""
+    return node.type == "NORMAL_MAP" and node.space == "TANGENT"
+
+
+def tangents_of(material):
+    """Names of the texture coordinates by which normals are bent."""
+    return {node.uv_map for node in nodes_of(material) if is_tangential(node)}
+
+
+def is_generated(material):
+    """Whether it looks at the coordinates that Blender generates."""
+    return any(is_unplaced(node) or (node.type == "TEX_COORD" and is_asked(node, "Generated")) for node in nodes_of(material))
+
+
+def is_asked(node, *names):
+    return not getattr(node, "from_instancer", False) and any(node.outputs[name].is_linked for name in names)
+
+
+def is_unplaced(node):
+    """Whether it is a texture that takes the coordinates that Blender generates."""
+    return node.type in PROCEDURAL and "Vector" in node.inputs and not node.inputs["Vector"].is_linked
+
+
+def is_of_shape(material):
+    """Whether it looks otherwise once a mesh is bent."""
+    return any(node.type == "TEX_COORD" and is_asked(node, "Object", "Normal") for node in nodes_of(material))
 
 
 def has_bumps(material):

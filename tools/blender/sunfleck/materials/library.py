@@ -14,6 +14,7 @@ import numpy
 from .. import extras, keys
 from ..film import of_cycles
 from ..losses import Finding
+from ..evaluated.attributes import GENERATED
 from ..evaluated.geometry import ATLAS
 from ..evaluated.heeding import nobody
 from . import bake, closures, dependence, inputs, instances, principled, sheets, sockets
@@ -145,6 +146,11 @@ class Library:
         look = self.look(material)
         look.losses = sorted({*look.losses, what})
 
+    def bend(self, material):
+        """It is on a mesh that bends, and is baked on one of its shapes."""
+        if self.look(material).baked and dependence.is_of_shape(material):
+            self.lose(material, "depends-on-shape")
+
     def is_seen(self, material):
         return self.look(material).surface is not None
 
@@ -162,7 +168,7 @@ class Library:
     def colors_of(self, material):
         """The names of the colour attributes that meshes have to bring."""
         if self.look(material).baked:
-            return sorted(dependence.colors_of(material))
+            return sorted(dependence.colors_of(material) | ({GENERATED} if dependence.is_generated(material) else set()))
         found = self.attribute(material)
         return [] if found is None else [found[0]]
 
@@ -218,6 +224,10 @@ class Library:
         writer = Writer(self.document, self.images, uv_number, self.exposure)
         surface = self.baked(material, look, canvas) if look.baked else look.surface
         said = writer.material(material.name if material else "default", surface, material not in self.changing)
+        if canvas is None and surface.normal and any(
+            uv_number(name) != uv_number(surface.normal[0].uv) for name in dependence.tangents_of(material)
+        ):
+            writer.losses.append("normal-map-uv")
         look.losses = sorted({*look.losses, *writer.losses})
         written = {**custom(material), **extras.of_material(material)} if material is not None else {}
         ours = {"principled": True} if shines(surface) else {}
