@@ -115,7 +115,7 @@ HONOURED = {"visible_camera", "visible_shadow", "is_holdout"}
 def of_object(thing, scene):
     name = f"`{thing.name}`"
     if thing.type == "LIGHT":
-        yield from of_light(name, thing)
+        yield from of_light(name, thing, scene)
         return
     if thing.type == "CAMERA":
         if any(
@@ -178,8 +178,8 @@ def is_linked(thing):
     return bool(linking and (linking.receiver_collection or linking.blocker_collection))
 
 
-def of_light(name, thing):
-    light = thing.data
+def of_light(name, thing, scene):
+    light, own = thing.data, scene.sunfleck_settings
     is_portal = light.type == "AREA" and of_cycles(light, "is_portal", False)
     has_size = light.type == "AREA" or (light.type != "SUN" and light.shadow_soft_size > 0.0)
     said = {
@@ -192,6 +192,7 @@ def of_light(name, thing):
         "light-shadowless": not light.use_shadow,
         "light-seen": has_size and thing.visible_camera,
         "light-rays": not all(getattr(thing, rays) for rays in RAYS),
+        "light-bounces": of_cycles(light, "max_bounces", 1024) < (1024 if own.all_bounces else own.bounces),
         "light-linking": is_linked(thing),
         "light-portal": is_portal,
     }

@@ -62,6 +62,9 @@ LOSSES = {
     "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
     "light-seen": (WARNING, "Cycles' camera sees lights that have a size; here it sees none but suns"),
     "light-rays": (WARNING, "lights light everything, whatever their ray visibility says"),
+    "light-blur": (WARNING, "a light that moves while the shutter is open shines from all along its way, and one that "
+                            "changes is as at the frame; Cycles' is as in the middle of the shutter"),
+    "light-bounces": (WARNING, "a light's own number of bounces is not honoured: it bounces as often as the others"),
     "light-linking": (WARNING, "light and shadow linking is not honoured: lights light everything"),
     "light-portal": (WARNING, "portals light nothing and are not exported"),
     # Things.

@@ -26,16 +26,16 @@ def power_w(light: bpy.types.Light, scale: Scale = (1.0, 1.0, 1.0)) -> float:
 
 def extent(light: bpy.types.Light, scale: Scale) -> float:
     """What the power of a light that is not normalised counts for: its area, m2, or of a sun's
-    disc at distance 1."""
+    disc as seen on what faces it."""
     if light.type == "SUN":
-        return math.pi * math.tan(0.5 * light.angle) ** 2 or 1.0
+        return math.pi * math.sin(0.5 * light.angle) ** 2 or 1.0
     if light.type == "AREA":
         width, height = area_size(light)
         shape = math.pi / 4.0 if light.shape in {"DISK", "ELLIPSE"} else 1.0
         return width * height * scale[0] * scale[1] * shape
     # A sphere, or a disc that turns to what it lights.
     faces = 1.0 if light.use_soft_falloff else 4.0
-    return faces * math.pi * float(light.shadow_soft_size) ** 2 or 1.0
+    return faces * (math.pi * float(light.shadow_soft_size) ** 2 or 1.0)
 
 
 def area_size(light: bpy.types.Light) -> tuple[float, float]:

@@ -195,6 +195,9 @@ class Record:
         """Of each moment, (moments, 4, 4)."""
         return self.all_matrices[thing.rows].astype(float)
 
+    def is_moving_light(self, thing):
+        return thing.kind == "LIGHT" and float(numpy.ptp(self.places(thing), axis=0).max()) > 1e-6
+
     def finish(self):
         """Puts the places of all moments together, and moments into the order of time: a frame
         itself is seen first."""

@@ -29,6 +29,9 @@ class Exported:
         self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
         self.findings += [Finding(id, f"`{name}`") for id, name in sorted(record.capture.otherwise)]
         self.findings += [Finding("coincident-faces", f"`{name}`") for name in sorted(coincident.names(record))]
+        if assembly.shutter.length:
+            moving = {thing.name for thing in record.things.values() if record.is_moving_light(thing)}
+            self.findings += [Finding("light-blur", f"`{name}`") for name in sorted(moving | assembly.uncentred)]
         if not assembly.shutter.is_centred:
             self.findings += [Finding("velocity-blur", f"`{name}`") for name in sorted(record.capture.drifted)]
 
@@ -92,7 +95,7 @@ class Job:
         self.record.finish()
         clock = Clock.of(self.scene, self.frames)
         assembly = Assembly(self.record, self.frames, self.shutter, clock, layer)
-        self.library.start(assembly.document, assembly.clock)
+        self.library.start(assembly.document, assembly.clock, self.shutter)
         assembly.add(self.library, self.values, lambda key, thing: self.properties(key, thing, path))
         assembly.document.scene_extras = scene_extras
         finish(self.scene, assembly, self.library, self.values, self.only)

@@ -99,6 +99,11 @@ class Values:
             said = {"target": f"{name}.{field}", "channel": channel}
             node = document.add("nodes", {"name": f"ctl_{name}.{field}", "extras": {"sunfleck_ctl": said}})
             places = values if values.shape[1] == 3 else numpy.pad(values, ((0, 0), (0, 2)))
+            if assembly.shutter.length and field.startswith("sunfleck_light."):
+                # While the shutter is open Cycles has lights as they are in its middle.
+                assembly.uncentred |= set() if assembly.shutter.is_centred else {name}
+                document.node_channel(node, "translation", assembly.clock.seconds(frames + assembly.shutter.switch), places, "STEP")
+                continue
             tolerance = numpy.array([TOLERANCE * max(1e-12, float(numpy.abs(values).max()))])
             stays = thinning.straight(frames[None], places[None], numpy.array([len(frames)]), tolerance)[0]
             document.node_channel(node, "translation", assembly.clock.seconds(frames[stays]), places[stays])

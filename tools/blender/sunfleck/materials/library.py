@@ -71,9 +71,9 @@ class Library:
         # Of materials whose sides differ, those of both.
         self.sides = {}
 
-    def start(self, document, clock):
+    def start(self, document, clock, shutter):
         """Materials go into this document from now on, their keys by this clock."""
-        self.document, self.clock, self.images = document, clock, Images(document)
+        self.document, self.clock, self.shutter, self.images = document, clock, shutter, Images(document)
 
     def look(self, material):
         if material not in self.looks:
@@ -351,10 +351,13 @@ class Library:
             said.setdefault("extensions", {}).setdefault("KHR_materials_emissive_strength", strength)
             self.document.extensions.add("KHR_materials_emissive_strength")
         frames = numpy.array([frame for frame, _ in track], float)
+        # While the shutter is open Cycles has materials as they are at the frame.
+        way = "STEP" if self.shutter.length else "LINEAR"
+        times = self.clock.seconds(frames + self.shutter.switch if self.shutter.length else frames)
         for name in sorted(changed):
             values = numpy.array([numbers[name] for _, numbers in track], float).reshape(len(track), -1)
             self.document.pointer_channel(
-                f"/materials/{number}/{POINTERS[name]}", self.clock.seconds(frames), values
+                f"/materials/{number}/{POINTERS[name]}", times, values, way
             )
 
 
@@ -413,6 +416,9 @@ def check_pictures(surface):
     pictures = [[one.picture, other.picture] for one, other in pairs]
     are_apart = any(None not in pair and pair[0].place() != pair[1].place() for pair in pictures)
     are_colours = all(source(name).channel == "rgb" for name in ("emission", "through"))
+    # Factors of numbers end at 1, and what they multiply a picture by need not.
+    numbers = [surface.alpha, *map(source, ("metallic", "roughness", "coat", "coat_roughness"))]
+    are_apart |= any(number.picture is not None and number.number() > 1.0 for number in numbers)
     if are_apart or not (are_colours and source("emission_strength").is_constant()):
         raise NotSimple(None)
 
@@ -426,9 +432,6 @@ def custom(owner):
     """Its custom properties that JSON can hold."""
     found = {}
     for name, value in owner.items():
-    # Factors of numbers end at 1, and what they multiply a picture by need not.
-    numbers = [surface.alpha, *map(source, ("metallic", "roughness", "coat", "coat_roughness"))]
-    are_apart |= any(number.picture is not None and number.number() > 1.0 for number in numbers)
         value = (
             value.to_dict()
             if hasattr(value, "to_dict")
