@@ -5,6 +5,7 @@ import math
 import bpy
 import kinds_hair as hairs
 import kinds_instances as instances
+import kinds_nodes as made
 import kinds_shine as shine
 import kinds_surfaces as surfaces
 import numpy
@@ -365,6 +366,11 @@ BESIDE = {
     "hammered weakly": (lambda scene: shine.hammered(scene, 0.4), 1, EXACT), "polished": (shine.polished, 1, EXACT),
     "flattened": (surfaces.flattened, 1, EXACT), "muted": (surfaces.muted, 1, EXACT), "box on the ground": (instances.box_on_the_ground, 1, EXACT),
     "coarse picture": (surfaces.coarse_picture, 1, EXACT),
+    "numbers of colours": (made.numbers_of_colours, 1, EXACT), "beyond one": (made.beyond_one, 1, EXACT),
+    "generated": (made.generated, 1, BAKED), "shining colour": (made.shining_colour, 1, EXACT),
+    "half mixed": (made.half_mixed, 1, EXACT), "open while it changes": (made.open_while_it_changes, 5, EXACT),
+    "open while light changes": (made.open_while_light_changes, 3, EXACT),
+    "lights for their size": (made.lights_for_their_size, 1, EXACT), "world switched off": (made.world_switched_off, 1, EXACT),
     "squares": (lambda scene: surfaces.coarse_picture(scene, "Closest", 4), 1, BAKED), "decal": (surfaces.decal, 1, BAKED),
 }
 # By name: how it is built, and what has to be said, as a warning.
@@ -387,6 +393,11 @@ SAID = {
     "fog of noise": (surfaces.fog_of_noise, "fog-material"),
     "fog about the camera": (surfaces.fog_about_the_camera, "fog-clipped"),
     "fog on the ground": (surfaces.fog_on_the_ground, "fog-touches"),
+    "two shines": (made.two_shines, "material-lost", "mixed-shine"),
+    "one scattering": (made.one_scattering, "material-lost", "single-scattering"),
+    "bent elsewhere": (made.bent_elsewhere, "material-lost", "normal-map-uv"),
+    "of what bends": (made.of_what_bends, "material-lost", "depends-on-shape"),
+    "moving lamp": (made.moving_lamp, "light-blur"), "light of one bounce": (made.light_of_one_bounce, "light-bounces"),
     "fog unseen": (lambda scene: surfaces.fog_box(scene, visible_camera=False), "ray-visibility"),
 }
 # What came after Blender 5.0.

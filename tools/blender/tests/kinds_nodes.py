@@ -1,0 +1,211 @@
+"""Of the scenes of `kinds` those of what nodes make of numbers, colours and coordinates: a leaf for each."""
+
+import math
+
+import bpy
+import numpy
+import scenes
+from kinds_parts import GREEN, RED, keyed, leaves, matte, output
+from kinds_surfaces import soft_picture
+
+
+def named(sockets, name):
+    """Of a node whose kinds of data have sockets of the same name."""
+    return next(socket for socket in sockets if socket.enabled and socket.name == name)
+
+
+def picture(tree, **values):
+    """Dark, with an alpha from .2 to 1 that nobody asks for."""
+    node = soft_picture(tree.material.node_tree, 0.2)
+    for name, value in values.items():
+        setattr(node, name, value)
+    return node
+
+
+def each(scene, trees):
+    for leaf, tree in zip(leaves(scene, trees[0], len(trees)), trees):
+        leaf.data.materials[0] = tree.material
+
+
+def math_of(tree, source, operation, value):
+    node = tree.node("Math", operation=operation)
+    node.inputs[1].default_value = value
+    tree.link(source, node.inputs[0])
+    return node.outputs["Value"]
+
+
+def mix_of(tree, kind, source=None, **values):
+    """Of two constants, or of a picture and one."""
+    node = tree.node("Mix", data_type=kind, **values)
+    is_color = kind == "RGBA"
+    named(node.inputs, "Factor").default_value = 1.0
+    named(node.inputs, "A").default_value = (0.5, 0.3, 0.2, 1.0) if is_color else 0.5
+    if source is None:
+        named(node.inputs, "Factor").default_value = 1.6
+        named(node.inputs, "B").default_value = (0.7, 0.2, 0.1, 1.0) if is_color else 0.7
+    else:
+        tree.link(source, named(node.inputs, "B"))
+    return named(node.outputs, "Result")
+
+
+def numbers_of_colours(scene):
+    """A colour at a number's socket is its brightness; factors of mixtures go beyond 1, and results end there."""
+    trees = [matte() for _ in range(5)]
+    made = (
+        math_of(trees[0], picture(trees[0]).outputs["Color"], "MULTIPLY", 0.7),
+        mix_of(trees[1], "FLOAT", picture(trees[1]).outputs["Color"]),
+        mix_of(trees[2], "RGBA", clamp_factor=False),
+        mix_of(trees[3], "RGBA", picture(trees[3]).outputs["Color"], blend_type="MULTIPLY", clamp_result=True),
+        mix_of(trees[4], "FLOAT", clamp_factor=False),
+    )
+    for tree, color in zip(trees, made):
+        tree.link(color, tree.shader.inputs["Base Color"])
+    each(scene, trees)
+
+
+def beyond_one(scene):
+    """What a picture is multiplied by; and pictures that their own panel moves, or that are smooth otherwise."""
+    trees = [matte() for _ in range(5)]
+    for tree, name in zip(trees, ("Roughness", "Metallic", "Alpha")):
+        node = picture(tree)
+        node.image.alpha_mode = "NONE"
+        tree.shader.inputs["Metallic"].default_value = float(name == "Roughness")
+        tree.shader.inputs["Roughness"].default_value = 0.7
+        tree.link(math_of(tree, node.outputs["Color"], "MULTIPLY", 1.7), tree.shader.inputs[name])
+    moved, coarse = picture(trees[3]), trees[4].node("TexImage", interpolation="Smart")
+    moved.texture_mapping.scale, moved.texture_mapping.translation = (2.0, 0.5, 1.0), (0.2, 0.1, 0.0)
+    coarse.image = bpy.data.images.new("coarse", 6, 6)
+    coarse.image.pixels.foreach_set(0.8 * numpy.repeat(numpy.indices((6, 6)).sum(0).ravel() % 2, 4).astype("f4"))
+    for tree, node in zip(trees[3:], (moved, coarse)):
+        tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
+    each(scene, trees)
+
+
+def chequered(name="Generated"):
+    tree = matte()
+    checks = tree.node("TexChecker")
+    checks.inputs["Scale"].default_value = 4.0
+    tree.link(tree.node("TexCoord").outputs[name], checks.inputs["Vector"])
+    tree.link(checks.outputs["Color"], tree.shader.inputs["Base Color"])
+    return tree
+
+
+def generated(scene):
+    """Coordinates of a mesh before it is bent and made finer, and in a texture space of its own."""
+    tree = chequered()
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=10, y_subdivisions=10, size=1.6, location=(-0.8, 0.0, 1.0), rotation=(1.4, 0.0, 0.0))
+    bent = bpy.context.object
+    bent.data.materials.append(tree.material)
+    bend = bent.modifiers.new("bend", "SIMPLE_DEFORM")
+    bend.deform_method, bend.angle, bend.deform_axis = "BEND", 1.5, "Z"
+    bent.modifiers.new("finer", "SUBSURF").render_levels = 1
+    leaf = leaves(scene, tree, 1)[0]
+    leaf.location.x, leaf.data.use_auto_texspace = 1.2, False
+    leaf.data.texspace_size, leaf.data.texspace_location = (2.0, 2.0, 1.0), (0.4, 0.0, 0.0)
+
+
+def of_what_bends(scene):
+    """Coordinates of the object on a shape that changes."""
+    leaf = leaves(scene, chequered("Object"), 1)[0]
+    leaf.shape_key_add(name="rest")
+    key = leaf.shape_key_add(name="narrow")
+    for point in key.data:
+        point.co.x *= 0.6
+    keyed(key, "value", (0.0, 1.0))
+
+
+def shining_colour(scene):
+    """In a shader's place."""
+    tree = matte()
+    tree.link(picture(tree).outputs["Color"], tree.output.inputs["Surface"])
+    leaves(scene, tree, 1)
+
+
+def half_mixed(scene):
+    """With nothing, which is black; and gloss that is added to a matte surface."""
+    trees = matte(), matte()
+    mix, add, gloss = trees[0].node("MixShader"), trees[1].node("AddShader"), trees[1].node("BsdfAnisotropic")
+    trees[0].link(trees[0].shader.outputs["BSDF"], mix.inputs[2]).link(mix.outputs[0], trees[0].output.inputs["Surface"])
+    gloss.inputs["Color"].default_value, gloss.inputs["Roughness"].default_value = (0.2, 0.2, 0.2, 1.0), 0.25
+    trees[1].link(trees[1].shader.outputs["BSDF"], add.inputs[0]).link(gloss.outputs["BSDF"], add.inputs[1])
+    trees[1].link(add.outputs[0], trees[1].output.inputs["Surface"])
+    each(scene, trees)
+    scene.objects["sun"].rotation_euler = (0.9, 0.1, 0.0)
+
+
+def two_shines(scene):
+    """A mask of noise tells two surfaces apart."""
+    tree = matte()
+    other = tree.node("BsdfPrincipled")
+    other.inputs["Base Color"].default_value, other.inputs["Roughness"].default_value = GREEN, 0.3
+    tree.mixed(output(tree.node("TexNoise"), "Factor", "Fac"), tree.shader, other)
+    leaves(scene, tree)
+
+
+def one_scattering(scene):
+    tree = matte()
+    tree.shader.distribution, tree.shader.inputs["Metallic"].default_value = "GGX", 1.0
+    leaves(scene, tree)
+
+
+def bent_elsewhere(scene):
+    """A normal map in one set of coordinates, along the axes of another."""
+    tree = matte()
+    bends, place = tree.node("NormalMap"), tree.node("UVMap", uv_map="turned")
+    image = picture(tree)
+    tree.link(place.outputs["UV"], image.inputs["Vector"]).link(image.outputs["Color"], bends.inputs["Color"])
+    tree.link(bends.outputs["Normal"], tree.shader.inputs["Normal"])
+    for leaf in leaves(scene, tree):
+        turned = leaf.data.uv_layers.new(name="turned")
+        turned.uv.foreach_set("vector", numpy.array([1, 0, 1, 1, 0, 1, 0, 0], "f4"))
+
+
+# What is open, and for how long.
+
+
+def open_while_it_changes(scene):
+    """Cycles has colours and glow as they are at the frame."""
+    tree = matte()
+    keyed(tree.shader.inputs["Base Color"], "default_value", (RED, GREEN))
+    keyed(tree.shader.inputs["Emission Strength"], "default_value", (0.1, 3.0))
+    leaves(scene, tree, 1)
+    render = scene.render
+    render.use_motion_blur, render.motion_blur_shutter, render.motion_blur_position = True, 1.0, "START"
+
+
+def open_while_light_changes(scene):
+    """Cycles has it as it is in the middle."""
+    leaves(scene, matte())
+    keyed(scene.objects["sun"].data, "energy", (1.0, 90.0))
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
+
+
+def moving_lamp(scene):
+    leaves(scene, matte())
+    keyed(scene.objects["sun"], "rotation_euler", ((0.3, 0.0, 0.0), (1.5, 1.0, 0.0)))
+    scene.render.use_motion_blur = True
+
+
+def lights_for_their_size(scene):
+    """A wide sun, and a lamp without a size."""
+    leaves(scene, matte())
+    sun = scene.objects["sun"].data
+    sun.angle, sun.normalize, sun.energy = math.radians(60.0), False, 2.0
+    lamp = bpy.data.lights.new("lamp", "POINT")
+    lamp.energy, lamp.normalize, lamp.shadow_soft_size, lamp.use_soft_falloff = 10.0, False, 0.0, False
+    scenes.add(scene, "lamp", lamp, (1.0, -2.0, 2.0)).visible_camera = False
+
+
+def light_of_one_bounce(scene):
+    leaves(scene, matte())
+    scene.objects["sun"].data.cycles.max_bounces = 1
+    scene.sunfleck_settings.bounces = 2
+
+
+def world_switched_off(scene):
+    leaves(scene, matte())
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    background = next(node for node in scene.world.node_tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Color"].default_value, background.mute = (1.0,) * 4, True
+    scene.sunfleck_settings.use_world = True
