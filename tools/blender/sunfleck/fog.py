@@ -53,11 +53,11 @@ def changing_mist(own):
 
 def of_material(thing):
     """None if it has no such material, or one that is more than numbers."""
-    link = volume_of(thing)
-    if link is None:
+    socket = volume_of(thing)
+    if socket is None:
         return None
     try:
-        found = read(link)
+        found = read(sockets.link_to(socket) or socket.links[0])
     except NotSimple:
         return None
     return said(found)
@@ -74,12 +74,12 @@ def said(found):
 
 
 def volume_of(thing):
-    """The link to what a thing is full of."""
+    """The socket of what a thing is full of, if anything is linked to it."""
     for slot in getattr(thing, "material_slots", ()):
         tree = slot.material and slot.material.node_tree
         output = principled.output_of(tree) if tree else None
-        if output and (link := sockets.link_to(output.inputs["Volume"])):
-            return link
+        if output and output.inputs["Volume"].is_linked:
+            return output.inputs["Volume"]
     return None
 
 
@@ -107,7 +107,7 @@ TOUCHING = 1e-6
 
 def touches(thing, others):
     """Whether a side of fog that is a mesh lies within a flat thing: Cycles meets one of them first, by chance."""
-    if thing.type != "MESH" or not volume_of(thing):
+    if thing.type != "MESH" or volume_of(thing) is None:
         return False
     into_cube = thing.matrix_world.inverted_safe()
     return any(is_in_side(other, into_cube @ other.matrix_world) for other in others if other.type == "MESH" and is_flat(other))

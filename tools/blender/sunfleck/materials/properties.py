@@ -24,7 +24,7 @@ def of(owner: Any, name: str) -> tuple[float, ...] | None:
     if value is None:
         try:
             # Of a part of a property, like `location.x`, nobody knows.
-            is_whole = type(owner.path_resolve(name, False)).__name__ == "bpy_prop"
+            is_whole = type(owner.path_resolve(name, False)).__name__ in {"bpy_prop", "bpy_prop_array"}
             value = owner.path_resolve(name) if is_whole else None
         except (ValueError, AttributeError):
             return None
