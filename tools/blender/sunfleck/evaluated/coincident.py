@@ -28,13 +28,15 @@ def of_first_moment(record):
     """Name, number of a geometry and place of each thing that is there."""
     count = 0
     for thing in record.things.values():
-        if thing.kind != "SURFACE" or thing.moments[0] != 0 or thing.shown[0] is None:
+        # The first moment that was looked at, which need not be the earliest.
+        at = thing.moments.index(0) if 0 in thing.moments else None
+        if thing.kind != "SURFACE" or at is None or thing.shown[at] is None:
             continue
-        number = thing.shown[0][0]
+        number = thing.shown[at][0]
         count += len(record.geometries[number].triangles)
         if count > MOST_TRIANGLES:
             return
-        yield thing.object.name, number, record.all_matrices[thing.rows[0]].astype(float)
+        yield thing.object.name, number, record.all_matrices[thing.rows[at]].astype(float)
 
 
 def found_in(placed, made):
