@@ -76,4 +76,4 @@ def of_image(image: bpy.types.Image) -> tuple[str, ...]:
     pixels = numpy.empty(image.size[0] * image.size[1] * 4 if image.channels else 0, "f4")
     if len(pixels):
         image.pixels.foreach_get(pixels)
-    return digest(pixels).hex(), image.colorspace_settings.name, image.alpha_mode, image.source
+    return digest(pixels).hex(), image.colorspace_settings.name, image.alpha_mode, image.source, str(bool(image.packed_file))

@@ -164,8 +164,10 @@ def read_image(node, output):
     image = node.image
     if image is None or node.projection != "FLAT" or image.source not in {"FILE", "GENERATED"}:
         raise NotSimple(node)
+    # Blender divides 8 bits by an alpha that is in them, Cycles does so in some versions.
     # Of a Cineon file Cycles shows the logarithms as they are, Blender what they stand for.
-    if image.file_format == "CINEON" or not (image.is_float or image.colorspace_settings.name in KNOWN_SPACES):
+    is_associated = image.depth == 32 and image.alpha_mode == "PREMUL"
+    if image.file_format == "CINEON" or is_associated or not (image.is_float or image.colorspace_settings.name in KNOWN_SPACES):
         raise NotSimple(node)
     place = coordinates(node.inputs["Vector"])
     # Nothing beyond its edges, and other smoothing, which a bake of many texels has too: glTF has no word for these.
