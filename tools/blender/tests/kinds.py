@@ -370,6 +370,7 @@ BESIDE = {
     "generated": (made.generated, 1, BAKED), "shining colour": (made.shining_colour, 1, EXACT),
     "half mixed": (made.half_mixed, 1, EXACT), "open while it changes": (made.open_while_it_changes, 5, EXACT),
     "open while light changes": (made.open_while_light_changes, 3, EXACT),
+    "associated": (made.associated, 1, BAKED), "paths": (made.paths, 1, EXACT),
     "lights for their size": (made.lights_for_their_size, 1, EXACT), "world switched off": (made.world_switched_off, 1, EXACT),
     "squares": (lambda scene: surfaces.coarse_picture(scene, "Closest", 4), 1, BAKED), "decal": (surfaces.decal, 1, BAKED),
 }
@@ -385,7 +386,8 @@ SAID = {
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"),
     "uneven spot": (uneven_spot, "light-uneven"), "scrolled": (surfaces.scrolled, "material-changes"),
-    "doubled": (instances.doubled, "coincident-faces"), "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
+    "doubled": (instances.doubled, "coincident-faces"),
+    "doubled while the shutter is open": (lambda scene: instances.doubled(scene, True), "coincident-faces"), "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
     "leaning normals": (surfaces.leaning_normals, "custom-normals"), "few faces": (surfaces.few_faces, "shadow-terminator"),
     "window": (surfaces.window, "material-lost"), "added translucence": (surfaces.added_translucence, "material-lost"),
     "light info": (surfaces.light_info, "material-lost"), "hues": (surfaces.hues, "instance-colors"),

@@ -50,8 +50,9 @@ def vectors(nodes, low, high, seed=0):
 
 
 
-def doubled(scene):
+def doubled(scene, is_open=False):
     """Leaves with another, turned over, in their place."""
+    scene.render.use_motion_blur = is_open
     for leaf in leaves(scene, matte()):
         back = leaf.copy()
         back.data = leaf.data.copy()

@@ -209,3 +209,23 @@ def world_switched_off(scene):
     background = next(node for node in scene.world.node_tree.nodes if node.type == "BACKGROUND")
     background.inputs["Color"].default_value, background.mute = (1.0,) * 4, True
     scene.sunfleck_settings.use_world = True
+
+
+def associated(scene):
+    """A file of 8 bits whose alpha is in its colours: versions of Cycles differ in what they make of it."""
+    tree = matte()
+    node = picture(tree)
+    node.image.alpha_mode = "PREMUL"
+    tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)
+
+
+def paths(scene):
+    """Several numbers of an object by their path."""
+    trees = matte(), matte()
+    for tree, path in zip(trees, ("color", "scale")):
+        asked = tree.node("Attribute", attribute_type="OBJECT", attribute_name=path)
+        tree.link(asked.outputs["Color"], tree.shader.inputs["Base Color"])
+    for number, leaf in enumerate(leaves(scene, trees[0])):
+        leaf.data.materials[0] = trees[number % 2].material
+        leaf.color, leaf.scale = (0.2 * number, 0.5, 0.1, 1.0), (0.8, 0.4, 0.2)
