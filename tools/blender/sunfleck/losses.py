@@ -93,6 +93,7 @@ LOSSES = {
                                    "moves its shadows (Shading > Shadow Terminator: Geometry Offset): subdivide it"),
     "coincident-faces": (WARNING, "faces lie in one place, where Cycles' picture is dark and depends on which its rays "
                                   "happen to meet first: delete one, or move it by a millimetre"),
+    "coincident-unknown": (INFO, "faces in one place are looked for in the first 400,000 triangles alone"),
     "custom-normals": (WARNING, "custom normals lean far from their faces, which say here on which side light falls; "
                                 "in Cycles the normals do"),
     "adaptive-subdivision": (WARNING, "a mesh that Cycles would subdivide by its size in the picture is "

@@ -18,7 +18,7 @@ import scenes
 import sunfleck
 from sunfleck import export, losses, render, world
 from sunfleck.materials import instances
-from test_addon import PROGRAM
+from test_addon import PROGRAM, document
 
 sys.path.append(str(Path(__file__).parents[2]))
 
@@ -160,6 +160,25 @@ class Named(Case):
         run = [sys.executable, "-W", "ignore", "-c", text, str(Path(sunfleck.__file__).parent)]
         done = subprocess.run(run, capture_output=True, text=True, cwd="/", env={**os.environ, "PYTHONPATH": ""})
         self.assertEqual(done.stdout.splitlines()[-2:], ["bl_ext.sunfleck.command True", "False"], done.stderr)
+
+
+class Returned(Case):
+    def test_colours_are_smoothed_as_they_are_stored_after_a_way_out_and_back(self):
+        scene = kinds.stage()
+        kinds.surfaces.coarse_picture(scene)
+        found = []
+        for name, way in (("scene", None), ("again", "scene")):
+            path = self.folder / f"{name}.glb"
+            if way is None:
+                export.export(scene, path)
+            else:
+                subprocess.run([PROGRAM, "export", self.folder / f"{way}.glb", path], check=True, capture_output=True)
+            self.assertIn("encoded_filtering", str(document(path)["materials"]))
+            picture = path.with_suffix(".exr")
+            command = [PROGRAM, "render", path, "--samples", "4", "--bounces", "0", "--size", "64x36", "--passes", "none"]
+            subprocess.run([*command, "--frames", "1", "--out", picture], check=True, capture_output=True)
+            found.append(beside.pixels_of(picture))
+        self.assertLess(numpy.abs(found[0] - found[1]).max(), 1e-6)
 
 
 class Heard(Case):

@@ -1,7 +1,7 @@
 """Faces that lie in one place: a ray of Cycles meets one of them by chance, and the other shades it.
 
 In go a record, out come names of things with such faces at the first moment. Invariant: the work is bounded by
-`MOST_TRIANGLES` and `MOST_PAIRS`; what is beyond is not looked at. What the faces of closed things hide from every
+`MOST_TRIANGLES` and `MOST_PAIRS`; what is beyond is not looked at (`is_whole`, of triangles). What the faces of closed things hide from every
 side, as the bottom of a box on the ground, is no such face.
 """
 
@@ -24,19 +24,28 @@ def names(record):
     return heeding(record.heed, sum(len(one.triangles) for one in made), lambda: found_in(placed, made))
 
 
+def is_whole(record):
+    """Whether all things are looked at."""
+    return sum(len(record.geometries[number].triangles) for _, number, _ in there(record)) <= MOST_TRIANGLES
+
+
 def of_first_moment(record):
-    """Name, number of a geometry and place of each thing that is there."""
+    """What is there, as far as it is looked at."""
     count = 0
-    for thing in record.things.values():
-        # The first moment that was looked at, which need not be the earliest.
-        at = thing.moments.index(0) if 0 in thing.moments else None
-        if thing.kind != "SURFACE" or at is None or thing.shown[at] is None:
-            continue
-        number = thing.shown[at][0]
-        count += len(record.geometries[number].triangles)
+    for thing in there(record):
+        count += len(record.geometries[thing[1]].triangles)
         if count > MOST_TRIANGLES:
             return
-        yield thing.object.name, number, record.all_matrices[thing.rows[at]].astype(float)
+        yield thing
+
+
+def there(record):
+    """Name, number of a geometry and place of each thing at the first moment that was looked at."""
+    for thing in record.things.values():
+        # With an open shutter others are earlier.
+        at = thing.moments.index(0) if thing.kind == "SURFACE" and 0 in thing.moments else None
+        if at is not None and thing.shown[at] is not None:
+            yield thing.object.name, thing.shown[at][0], record.all_matrices[thing.rows[at]].astype(float)
 
 
 def found_in(placed, made):

@@ -29,6 +29,7 @@ class Exported:
         self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
         self.findings += [Finding(id, f"`{name}`") for id, name in sorted(record.capture.otherwise)]
         self.findings += [Finding("coincident-faces", f"`{name}`") for name in sorted(coincident.names(record))]
+        self.findings += [] if coincident.is_whole(record) else [Finding("coincident-unknown")]
         if assembly.shutter.length:
             moving = {thing.name for thing in record.things.values() if record.is_moving_light(thing)}
             self.findings += [Finding("light-blur", f"`{name}`") for name in sorted(moving | assembly.uncentred)]
