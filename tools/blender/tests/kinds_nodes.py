@@ -122,13 +122,17 @@ def shining_colour(scene):
 
 
 def half_mixed(scene):
-    """With nothing, which is black; and gloss that is added to a matte surface."""
-    trees = matte(), matte()
+    """With nothing, which is black; gloss that is added to a matte surface; a leaf that shines and lets light through."""
+    trees = matte(), matte(), matte()
     mix, add, gloss = trees[0].node("MixShader"), trees[1].node("AddShader"), trees[1].node("BsdfAnisotropic")
     trees[0].link(trees[0].shader.outputs["BSDF"], mix.inputs[2]).link(mix.outputs[0], trees[0].output.inputs["Surface"])
     gloss.inputs["Color"].default_value, gloss.inputs["Roughness"].default_value = (0.2, 0.2, 0.2, 1.0), 0.25
     trees[1].link(trees[1].shader.outputs["BSDF"], add.inputs[0]).link(gloss.outputs["BSDF"], add.inputs[1])
     trees[1].link(add.outputs[0], trees[1].output.inputs["Surface"])
+    through = trees[2].node("BsdfTranslucent")
+    trees[2].shader.inputs["Specular IOR Level"].default_value, trees[2].shader.inputs["Roughness"].default_value = 0.5, 0.4
+    trees[2].shader.inputs["Base Color"].default_value = through.inputs["Color"].default_value = GREEN
+    trees[2].mixed(0.4, trees[2].shader, through)
     each(scene, trees)
     scene.objects["sun"].rotation_euler = (0.9, 0.1, 0.0)
 

@@ -15,7 +15,7 @@ BLACK = Source((0.0, 0.0, 0.0))
 DEFAULTS = {
     "base": WHITE, "metallic": BLACK, "roughness": Source((0.5,) * 3), "ior": Source((1.5,) * 3), "specular": Source((0.5,) * 3),
     "specular_tint": WHITE, "transmission": BLACK, "coat": BLACK, "coat_roughness": BLACK, "sheen": BLACK, "sheen_roughness": BLACK,
-    "sheen_tint": WHITE, "emission": WHITE, "emission_strength": BLACK, "thin": BLACK,
+    "sheen_tint": WHITE, "emission": WHITE, "emission_strength": BLACK, "thin": BLACK, "shine": WHITE,
 }
 
 
@@ -220,14 +220,12 @@ class Writer:
     def specular(self):
         """Cycles scales the reflectance along the normal by twice the level and by the tint, and at grazing
         angles all is reflected; with the level 0 nothing is."""
-        level, tint = self.number("specular"), rec709(self.flat("specular_tint").factor)
+        level, tint, share = self.number("specular"), rec709(self.flat("specular_tint").factor), self.number("shine")
         if level == 0.0:
             yield "KHR_materials_specular", {"specularFactor": 0.0}
-        elif level != 0.5 or tuple(tint) != (1.0, 1.0, 1.0):
-            yield (
-                "KHR_materials_specular",
-                {"specularColorFactor": [2.0 * level * channel for channel in tint]},
-            )
+        elif (level, *tint, share) != (0.5, 1.0, 1.0, 1.0, 1.0):
+            said = {"specularColorFactor": [2.0 * level * channel for channel in tint]}
+            yield "KHR_materials_specular", said if share == 1.0 else {**said, "specularFactor": share}
 
     def coat(self):
         coat, roughness = self.source("coat"), self.source("coat_roughness")
