@@ -363,7 +363,7 @@ BESIDE = {
     "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED), "clay": (surfaces.clay, 1, EXACT),
     "bumps": (surfaces.bumps, 1, BAKED), "film scan": (surfaces.film_scan, 1, BAKED), "broadcast": (surfaces.broadcast, 1, BAKED),
     "lacquered": (shine.lacquered, 1, EXACT), "hammered": (shine.hammered, 1, EXACT),
-    "hammered weakly": (lambda scene: shine.hammered(scene, 0.4), 1, EXACT), "polished": (shine.polished, 1, EXACT),
+    "hammered in objects' axes": (lambda scene: shine.hammered(scene, 0.6, "OBJECT"), 1, BAKED), "hammered weakly": (lambda scene: shine.hammered(scene, 0.4), 1, EXACT), "polished": (shine.polished, 1, EXACT),
     "flattened": (surfaces.flattened, 1, EXACT), "muted": (surfaces.muted, 1, EXACT), "box on the ground": (instances.box_on_the_ground, 1, EXACT),
     "coarse picture": (surfaces.coarse_picture, 1, EXACT),
     "numbers of colours": (made.numbers_of_colours, 1, EXACT), "beyond one": (made.beyond_one, 1, EXACT),

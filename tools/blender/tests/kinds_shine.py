@@ -33,7 +33,7 @@ def lacquered(scene):
     scene.objects["sun"].rotation_euler = (0.5 * math.pi, 0.0, 1.4)
 
 
-def hammered(scene, strength=1.0):
+def hammered(scene, strength=1.0, space="TANGENT"):
     """Metal and varnish whose normal map is so steep that some of it faces away from the camera, or inwards."""
     image = bpy.data.images.new("normals", 64, 64, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
@@ -48,7 +48,7 @@ def hammered(scene, strength=1.0):
         inputs["Metallic"].default_value, inputs["Roughness"].default_value = metallic, 0.4
         inputs["Specular IOR Level"].default_value = 0.5
         bends = tree.node("NormalMap")
-        bends.inputs["Strength"].default_value = strength
+        bends.inputs["Strength"].default_value, bends.space = strength, space
         tree.link(tree.node("TexImage", image=image).outputs["Color"], bends.inputs["Color"])
         tree.link(bends.outputs["Normal"], inputs["Normal"])
     for number, leaf in enumerate(leaves(scene, trees[0])):

@@ -24,7 +24,7 @@ from .sockets import NotSimple, Picture, Source
 from .written import DEFAULTS
 
 # Counted up where the same tree comes to be baked otherwise: what was kept before is no longer looked at.
-WAY = 4
+WAY = 5
 SAMPLES = 4
 MARGIN_TEXELS = 4
 # An alpha is a mask if so few texels are in between.
@@ -62,6 +62,8 @@ class Baker:
 
     def surface(self):
         copy = self.material.copy()
+        # Or Cycles would bend normals only as far as they mirror what is seen of them here.
+        copy.cycles.use_bump_map_correction = False
         try:
             tree = copy.node_tree
             output = principled.output_of(tree)
