@@ -118,9 +118,8 @@ def light(thing, exposure):
         said = {"angle": data.angle, "strength_w_m2": strength, **sun_disc(own)}
         return {**said, "visible_to_camera": True} if own.visible_to_camera else said
     if data.type == "AREA":
-        height = data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size
         return {
-            "type": "area", "shape": AREA_SHAPES[data.shape], "size": [data.size, height], "power_w": strength,
+            "type": "area", "shape": AREA_SHAPES[data.shape], "size": lights.written_size(data), "power_w": strength,
             "color": list(lights.color(data)), "spread": lights.spread(data),
         }
     return {"radius": data.shadow_soft_size, "power_w": strength}

@@ -191,13 +191,16 @@ def moving_lamp(scene):
 
 
 def lights_for_their_size(scene):
-    """A wide sun, and a lamp without a size."""
+    """A wide sun, a lamp without a size, and an area that has none, which gives no light."""
     leaves(scene, matte())
     sun = scene.objects["sun"].data
     sun.angle, sun.normalize, sun.energy = math.radians(60.0), False, 2.0
     lamp = bpy.data.lights.new("lamp", "POINT")
     lamp.energy, lamp.normalize, lamp.shadow_soft_size, lamp.use_soft_falloff = 10.0, False, 0.0, False
-    scenes.add(scene, "lamp", lamp, (1.0, -2.0, 2.0)).visible_camera = False
+    area = bpy.data.lights.new("area", "AREA")
+    area.energy, area.size = 1000.0, 0.0
+    for data in (lamp, area):
+        scenes.add(scene, data.name, data, (1.0, -2.0, 2.0), (0.0, 0.0, 1.0)).visible_camera = False
 
 
 def light_of_one_bounce(scene):

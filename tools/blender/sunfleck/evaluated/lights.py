@@ -21,6 +21,8 @@ Scale = tuple[float, float, float]
 def power_w(light: bpy.types.Light, scale: Scale = (1.0, 1.0, 1.0)) -> float:
     """Blender's watts, or of a sun W/m2, as if the light were normalised: exposure and size counted in."""
     power: float = light.energy * 2.0**light.exposure
+    if light.type == "AREA" and extent(light, scale) == 0.0:
+        return 0.0
     return power if light.normalize else power * extent(light, scale)
 
 
@@ -40,6 +42,11 @@ def extent(light: bpy.types.Light, scale: Scale) -> float:
 
 def area_size(light: bpy.types.Light) -> tuple[float, float]:
     return light.size, light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+
+
+def written_size(light: bpy.types.Light) -> list[float]:
+    """Of an area light; without a size, where it gives no light, next to nothing."""
+    return [max(1e-6, side) for side in area_size(light)]
 
 
 def spread(light: bpy.types.Light) -> float:

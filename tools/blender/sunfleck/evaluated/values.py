@@ -134,7 +134,7 @@ def light(thing, exposure):
             data.spot_blend,
         )
     if data.type == "AREA":
-        found["sunfleck_light.width"], found["sunfleck_light.height"] = lights.area_size(data)
+        found["sunfleck_light.width"], found["sunfleck_light.height"] = lights.written_size(data)
         found["sunfleck_light.spread"] = lights.spread(data)
     return found
 
