@@ -395,6 +395,7 @@ SAID = {
     "fog of noise": (surfaces.fog_of_noise, "fog-material"),
     "fog about the camera": (surfaces.fog_about_the_camera, "fog-clipped"),
     "fog on the ground": (surfaces.fog_on_the_ground, "fog-touches"),
+    "normals as colours": (made.normals_as_colours, "material-lost", "depends-on-place"),
     "two shines": (made.two_shines, "material-lost", "mixed-shine"),
     "one scattering": (made.one_scattering, "material-lost", "single-scattering"),
     "bent elsewhere": (made.bent_elsewhere, "material-lost", "normal-map-uv"),

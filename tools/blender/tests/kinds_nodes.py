@@ -236,3 +236,11 @@ def paths(scene):
     for number, leaf in enumerate(leaves(scene, trees[0])):
         leaf.data.materials[0] = trees[number % 2].material
         leaf.color, leaf.scale = (0.2 * number, 0.5, 0.1, 1.0), (0.8, 0.4, 0.2)
+
+
+def normals_as_colours(scene):
+    """Those are the world's."""
+    tree = matte()
+    bends = tree.node("Bump")
+    tree.link(picture(tree).outputs["Color"], bends.inputs["Height"]).link(bends.outputs["Normal"], tree.shader.inputs["Base Color"])
+    leaves(scene, tree)

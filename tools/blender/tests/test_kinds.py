@@ -17,7 +17,8 @@ import numpy
 import scenes
 import sunfleck
 from sunfleck import export, losses, render, world
-from sunfleck.materials import instances
+from sunfleck.evaluated import coincident
+from sunfleck.materials import bake, dependence, instances
 from test_addon import PROGRAM, document
 
 sys.path.append(str(Path(__file__).parents[2]))
@@ -125,6 +126,14 @@ class Said(Case):
         node.interpolation, node.texture_mapping.rotation = "Linear", (0.0, 0.0, 1.0)
         self.assertFalse(world.is_plain(scene))
 
+    def test_where_faces_are_not_looked_for_is_told(self):
+        scene = kinds.stage()
+        kinds.leaves(scene, kinds.matte())
+        for most, is_told in ((400_000, False), (3, True)):
+            with mock.patch.object(coincident, "MOST_TRIANGLES", most):
+                found = {finding.id for finding in export.exported(scene, self.folder / "scene.glb").findings}
+            self.assertEqual("coincident-unknown" in found, is_told)
+
     def test_fog_above_the_ground_does_not_touch_it(self):
         scene = kinds.stage()
         kinds.surfaces.fog_box(scene)
@@ -140,6 +149,14 @@ class Rounded(unittest.TestCase):
         self.assertEqual((levels.count, len(rounded)), (16, 16))
         off = max(abs(levels.rounded(one)[0][1][2] - one[0][1][2]) for one in facts)
         self.assertLess(off, 0.5 * 3.0 / 16 + 1e-9)
+
+    def test_lines_have_more_texels(self):
+        leaf = mock.Mock(triangles=[None] * 2)
+        self.assertEqual((bake.size_on(leaf), bake.size_on(leaf, has_lines=True)), (256, 1024))
+        tree = kinds.matte()
+        self.assertFalse(dependence.has_lines(tree.material))
+        tree.link(tree.node("Wireframe").outputs[0], tree.shader.inputs["Base Color"])
+        self.assertTrue(dependence.has_lines(tree.material))
 
     def test_a_kind_is_one_line(self):
         found = [losses.Finding("hair", f"`{number}`") for number in range(9)] + [losses.Finding("no-camera")]

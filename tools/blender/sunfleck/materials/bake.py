@@ -230,10 +230,11 @@ def size_of(image):
     return min(2048, max(512, 1 << max(0, int(image) - 1).bit_length()))
 
 
-def size_on(geometry):
-    """On a mesh: 24 texels for each side of its triangles' cells."""
+def size_on(geometry, has_lines=False):
+    """On a mesh: 24 texels for each side of its triangles' cells, thrice as many where lines are drawn on them."""
     columns = int(numpy.ceil(numpy.sqrt(numpy.ceil(len(geometry.triangles) / 2))))
-    return min(2048, max(256, 1 << (24 * columns - 1).bit_length()))
+    texels = 3 * 24 if has_lines else 24
+    return min(2048, max(1024 if has_lines else 256, 1 << (texels * columns - 1).bit_length()))
 
 
 def mean_of(surface):

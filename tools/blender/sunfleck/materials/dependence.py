@@ -43,7 +43,7 @@ COMPARED = {
     "VALUE", "MIX", "MIX_RGB", "MATH", "VECT_MATH", "SEPARATE_COLOR", "SEPRGB", "SEPXYZ", "SEPHSV", "COMBINE_COLOR", "COMBRGB",
     "COMBXYZ", "COMBHSV", "VALTORGB", "CURVE_RGB", "CURVE_FLOAT", "CURVE_VEC", "HUE_SAT", "BRIGHTCONTRAST", "GAMMA", "INVERT",
     "MAP_RANGE", "CLAMP", "RGBTOBW", "BLACKBODY", "WAVELENGTH", "MAPPING", "NORMAL", "VECTOR_ROTATE", "NORMAL_MAP", "BUMP",
-    "TANGENT", "SQUEEZE", "DISPLACEMENT", "VECTOR_DISPLACEMENT", "REROUTE", "FRAME", "GROUP", "GROUP_INPUT", "GROUP_OUTPUT",
+    "TANGENT", "DISPLACEMENT", "VECTOR_DISPLACEMENT", "REROUTE", "FRAME", "GROUP", "GROUP_INPUT", "GROUP_OUTPUT",
     "OUTPUT_MATERIAL", "MIX_SHADER", "ADD_SHADER", "EMISSION", "HOLDOUT", "SUBSURFACE_SCATTERING", "VECT_TRANSFORM",
     "NodeClosureInput", "NodeClosureOutput", "NodeEvaluateClosure", "NodeCombineBundle", "NodeSeparateBundle", "REPEAT_INPUT",
     "REPEAT_OUTPUT", "MENU_SWITCH",
@@ -144,6 +144,10 @@ def is_of_shape(material):
     return any(node.type == "TEX_COORD" and is_asked(node, "Object", "Normal") for node in nodes_of(material))
 
 
+def has_lines(material):
+    return any(node.type == "WIREFRAME" for node in nodes_of(material))
+
+
 def has_bumps(material):
     """Whether lengths in the world decide how normals are bent."""
     return any(node.type in {"BUMP", "DISPLACEMENT", "VECTOR_DISPLACEMENT"} for node in nodes_of(material))
@@ -196,8 +200,10 @@ def losses(material):
             found.add(VIEW if "CAMERA" in {node.convert_from, node.convert_to} else PLACE)
         if node.type in {"TEX_ENVIRONMENT", "TEX_SKY"} and not ("Vector" in node.inputs and node.inputs["Vector"].is_linked):
             found.add(PLACE)
-        if node.type in {"BUMP", "NORMAL_MAP"} and getattr(node, "space", "TANGENT") in {"WORLD", "BLENDER_WORLD"}:
-            found.add(PLACE)
+        if node.type in {"BUMP", "NORMAL_MAP"}:
+            # As a colour a normal is the world's.
+            is_seen = any(link.to_socket.type in {"RGBA", "VALUE"} for link in node.outputs["Normal"].links)
+            found.add(PLACE if is_seen or getattr(node, "space", "TANGENT") in {"WORLD", "BLENDER_WORLD"} else None)
     # Opaque sheets have a mesh for each side.
     return found - ({None, SIDE} if is_two_sided(material) and not is_transparent(material) else {None})
 

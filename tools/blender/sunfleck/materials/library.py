@@ -213,7 +213,7 @@ class Library:
     def canvas(self, material, geometry):
         """What it is baked on: the mesh, or the unit square of its texture coordinates."""
         if self.wants_atlas(material, geometry):
-            return bake.Canvas(geometry, ATLAS, bake.size_on(geometry))
+            return bake.Canvas(geometry, ATLAS, bake.size_on(geometry, dependence.has_lines(material)))
         uv = dependence.uv_of(material)
         sides = geometry.sides_m(uv) if dependence.has_bumps(material) else (1.0, 1.0)
         return bake.Canvas(None, uv, bake.size_of(dependence.largest_image(material)), sides)
