@@ -7,6 +7,7 @@ import numpy
 import scenes
 from kinds_parts import GREEN, RED, keyed, leaves, matte, output
 from kinds_surfaces import soft_picture
+from leaf_scenes import Tree as Nodes
 
 
 def named(sockets, name):
@@ -244,3 +245,17 @@ def normals_as_colours(scene):
     bends = tree.node("Bump")
     tree.link(picture(tree).outputs["Color"], bends.inputs["Height"]).link(bends.outputs["Normal"], tree.shader.inputs["Base Color"])
     leaves(scene, tree)
+
+
+def uv_of_nodes(scene):
+    """A grid whose texture coordinates nodes stored: in Blender 5.0 none of them renders."""
+    tree = matte()
+    tree.link(picture(tree).outputs["Color"], tree.shader.inputs["Base Color"])
+    made = Nodes(leaves(scene, tree, 1)[0])
+    grid, store, put = (made.node(f"GeometryNode{kind}") for kind in ("MeshGrid", "StoreNamedAttribute", "SetMaterial"))
+    store.data_type, store.domain, put.inputs["Material"].default_value = "FLOAT2", "CORNER", tree.material
+    store.inputs["Name"].default_value = "UVMap"
+    made.link(grid.outputs["Mesh"], store.inputs["Geometry"])
+    made.link(grid.outputs["UV Map"], named(store.inputs, "Value"))
+    made.link(store.outputs["Geometry"], put.inputs["Geometry"])
+    made.link(put.outputs["Geometry"], made.target.inputs["Geometry"])

@@ -15,6 +15,8 @@ from .heeding import heeding, nobody
 
 # The name of texture coordinates that are made for baking.
 ATLAS = "sunfleck bake"
+# The name of texture coordinates in place of those that render.
+NONE_RENDERS = "sunfleck none renders"
 # By what share of its extent a side of a mesh stands before its middle.
 SIDES_APART = 3e-5
 
@@ -150,6 +152,9 @@ def of_mesh(mesh, colors=(), uvs=(), groups=NO_GROUPS, heed=nobody):
     slots = heeded(numbers, mesh.polygons, "material_index", len(mesh.polygons), "i4")[faces]
     normals_of, normals = heeded(normals_and_owner, mesh)
     layers = {layer.name: heeded(numbers, layer.uv, "vector", (corners, 2), "f4") for layer in ordered_uvs(mesh)}
+    if layers and not any(layer.active_render for layer in mesh.uv_layers):
+        # As of meshes that nodes make in Blender 5.0: Cycles takes the corner of pictures.
+        layers = {NONE_RENDERS: numpy.zeros((corners, 2), "f4"), **layers}
     found = Geometry(
         name=mesh.name,
         positions=heeded(numbers, mesh.vertices, "co", (len(mesh.vertices), 3), "f4"),
