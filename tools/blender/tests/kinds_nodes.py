@@ -50,7 +50,7 @@ def mix_of(tree, kind, source=None, **values):
 
 
 def numbers_of_colours(scene):
-    """A colour at a number's socket is its brightness; factors of mixtures go beyond 1, and results end there."""
+    """At a number's socket they are brightness; factors of mixtures go beyond 1, results end there."""
     trees = [matte() for _ in range(5)]
     made = (
         math_of(trees[0], picture(trees[0]).outputs["Color"], "MULTIPLY", 0.7),
@@ -65,7 +65,7 @@ def numbers_of_colours(scene):
 
 
 def beyond_one(scene):
-    """What a picture is multiplied by; and pictures that their own panel moves, or that are smooth otherwise."""
+    """What pictures are multiplied by; pictures that their own panel moves, or that are smooth otherwise."""
     trees = [matte() for _ in range(5)]
     for tree, name in zip(trees, ("Roughness", "Metallic", "Alpha")):
         node = picture(tree)
@@ -123,7 +123,7 @@ def shining_colour(scene):
 
 
 def half_mixed(scene):
-    """With nothing, which is black; gloss that is added to a matte surface; a leaf that shines and lets light through."""
+    """With nothing, which is black; gloss added to what is matte; a leaf that shines and lets light through."""
     trees = matte(), matte(), matte()
     mix, add, gloss = trees[0].node("MixShader"), trees[1].node("AddShader"), trees[1].node("BsdfAnisotropic")
     trees[0].link(trees[0].shader.outputs["BSDF"], mix.inputs[2]).link(mix.outputs[0], trees[0].output.inputs["Surface"])

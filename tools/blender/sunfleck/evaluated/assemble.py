@@ -49,7 +49,8 @@ class Assembly:
         self.names, self.bends, self.lamps, self.lenses = {}, {}, {}, {}
         # Lights of the file that are no objects.
         self.nodes, self.suns_of_sky = {}, 0
-        # Things whose places shear, which takes two nodes; names of lights that change beside the shutter's middle.
+        # Things whose places shear, which takes two nodes, and names of lights that change while a shutter is
+        # open that is not open about the frame.
         self.sheared, self.uncentred = set(), set()
 
     def name(self, thing):

@@ -231,7 +231,7 @@ def size_of(image):
 
 
 def size_on(geometry, has_lines=False):
-    """On a mesh: 24 texels for each side of its triangles' cells, thrice as many where lines are drawn on them."""
+    """On a mesh: 24 texels for each side of its triangles' cells, thrice as many for lines."""
     columns = int(numpy.ceil(numpy.sqrt(numpy.ceil(len(geometry.triangles) / 2))))
     texels = 3 * 24 if has_lines else 24
     return min(2048, max(1024 if has_lines else 256, 1 << (texels * columns - 1).bit_length()))
@@ -346,7 +346,7 @@ def mesh_of(geometry, uv):
 
 
 def generate(thing, geometry):
-    """Has what is baked on show the coordinates that Blender generated: those are of a mesh before it is bent."""
+    """Has what is baked on show generated coordinates: those of a mesh before it is bent."""
     corners, mesh = geometry.colors[GENERATED], thing.data
     rest = geometry.positions.copy()
     rest[geometry.corner_vertices] = corners

@@ -33,7 +33,7 @@ class Channels:
 
     def __init__(self, tree):
         self.tree, self.bends, self.principled = tree, False, []
-        # Kinds of the shaders that are metal alone and of those that are matte, and whether any two are added up.
+        # Kinds of shaders that are metal alone, and that are matte; whether any are added up.
         self.metals, self.mattes, self.adds = set(), set(), False
 
     def of(self, output):

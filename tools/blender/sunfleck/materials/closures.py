@@ -103,8 +103,8 @@ def is_glazed(surface):
 
 
 def half_glazed(node, share, glazed, matte):
-    """A share of a surface shines: so does all of it, by that share. What the shine takes away is taken from that part
-    alone, as along the normal."""
+    """A share of a surface shines: so does all of it, by that share. What the shine takes away is that
+    part's alone, as along the normal."""
     ior = max(1.0, glazed.sources["ior"].number())
     glaze = min(0.5, 2.0 * glazed.sources["specular"].number() * ((ior - 1.0) / (ior + 1.0)) ** 2)
     left = 1.0 - share * glaze
