@@ -152,7 +152,10 @@ mod tests {
 
     fn of_blocks(film: &Film, blocks: &Blocks) -> Vec<BlockEstimate> {
         let of_pixel = |pixel| film.estimate(pixel);
-        let of_block = |block| BlockEstimate::of(blocks.pixels(block).pixels().filter_map(of_pixel));
+        let of_block = |block| {
+            let pixels: Vec<_> = blocks.pixels(block).pixels().filter_map(of_pixel).collect();
+            BlockEstimate::of(pixels.iter().copied())
+        };
         (0..blocks.count()).map(of_block).collect()
     }
 
