@@ -34,8 +34,7 @@ pub fn write_whole(path: &Path, parts: &[&[u8]]) -> Result<(), FrameFileError> {
 /// # Errors
 /// If the folder, or what there is of the way to it, is no folder or takes no files.
 pub fn check_folder(folder: &Path) -> Result<(), FrameFileError> {
-    let there = folder.ancestors().find(|ancestor| ancestor.exists()).unwrap_or(Path::new("."));
-    match tempfile::tempfile_in(there) {
+    match tempfile::tempfile_in(nearest(folder)) {
         Ok(_) => Ok(()),
         Err(source) => Err(FrameFileError::CreateFolder { path: folder.to_owned(), source }),
     }
@@ -46,9 +45,14 @@ pub fn check_folder(folder: &Path) -> Result<(), FrameFileError> {
 /// # Errors
 /// If the system takes no such name, or none that is longer by what names it while it is written.
 pub fn check_name(path: &Path) -> Result<(), FrameFileError> {
-    let there = folder_of(path).ancestors().find(|ancestor| ancestor.is_dir()).unwrap_or(Path::new("."));
+    let there = nearest(folder_of(path));
     let tried = path.file_name().map(|name| leftovers::temporary(there, name));
     tried.transpose().map(drop).map_err(|source| FrameFileError::Write { path: path.to_owned(), source })
+}
+
+/// What there is of the way to a folder.
+fn nearest(folder: &Path) -> &Path {
+    folder.ancestors().find(|ancestor| ancestor.exists()).unwrap_or(Path::new("."))
 }
 
 fn write_in(folder: &Path, path: &Path, name: &OsStr, parts: &[&[u8]]) -> io::Result<()> {

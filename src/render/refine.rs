@@ -236,6 +236,8 @@ impl<'a, P: Picture> Refinement<'a, P> {
     /// one that has missed an edge by chance lies next to one that has not.
     fn choose_pixels(&mut self, judgement: &Judgement) {
         let Self { goal, film, blocks, goes_on, .. } = self;
+        let negligible = |block: usize| NEGLIGIBLE * goal.variance(&judgement.blocks[block], block);
+        let negligible: Vec<f64> = (0..blocks.count()).map(negligible).collect();
         let variance = |(x, y)| {
             let variance = judgement.variances[film.window().index(x, y)?];
             (!variance.is_nan()).then(|| f64::from(variance))
@@ -245,7 +247,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
             let near = film.window().around(x, y);
             let near = near.filter(|&(x, y)| judgement.is_first || blocks.index(x, y) == Some(block));
             let greatest = near.filter_map(variance).reduce(f64::max).unwrap_or(f64::INFINITY);
-            !judgement.decides || greatest > NEGLIGIBLE * goal.variance(&judgement.blocks[block], block)
+            !judgement.decides || greatest > negligible[block]
         });
     }
 

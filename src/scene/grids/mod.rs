@@ -235,28 +235,30 @@ pub(super) fn grid_frames(
         let number = files.first_frame + index as i64;
         let of_frame = || if is_sequence { format!(" (frame {number})") } else { String::new() };
         let in_file = |found: String| format!("{}{}: {found}", files.path.display(), of_frame());
-        let voxels = parts::fog_voxels(&file.grids(), &names)
+        let grids = file.grids();
+        let voxels = parts::fog_voxels(&grids, &names)
             .map_err(|refused| Refused { found: in_file(refused.found), ..refused })?;
         let most = voxels.velocities.as_ref().map(|of| of.most(voxels.shape_from_voxel.matrix3.inverse()));
         let source =
             if is_sequence { Source::File(Arc::clone(file)) } else { Source::Made(Arc::new(voxels)) };
-        Ok((GridFrame { time_s: frame_rate.seconds(number as f64), source }, most))
+        Ok((GridFrame { time_s: frame_rate.seconds(number as f64), source }, most, names.shared(&grids)))
     });
     // Of several errors the first.
     let frames: Vec<_> = frames.collect();
     let frames = frames.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let most_a_second = frames.iter().map(|(_, most)| *most).try_fold(0.0, |all, most| Some(most?.max(all)));
+    let most_a_second =
+        frames.iter().map(|(_, most, _)| *most).try_fold(0.0, |all, most| Some(most?.max(all)));
     let between = match most_a_second.filter(|_| is_sequence) {
         None => Between::Held,
         Some(most) if most * frame_rate.seconds(1.0) > advection::FARTHEST => Between::CarriedTooFar,
         Some(_) => Between::Carried,
     };
-    let shared_name = files.frames.first().and_then(|file| names.shared(&file.grids()));
+    let shared_name = frames.iter().find_map(|(.., shared)| shared.clone());
     Ok(GridFrames {
         path: files.path.clone(),
         shared_name,
         names,
-        frames: frames.into_iter().map(|(frame, _)| frame).collect(),
+        frames: frames.into_iter().map(|(frame, ..)| frame).collect(),
         emission: wanted.shines,
         between,
         kept: Recent::default(),
