@@ -113,6 +113,10 @@ pub(super) struct RenderArguments {
     /// Threads to render with [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u32>,
+    /// Frames to render at once, each on its share of the threads; more take memory [default: 2, or a
+    /// quarter of the threads, if there is memory; 1 with --frame-timeout or --live].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=64), value_name = "N", allow_negative_numbers = true)]
+    pub(super) frames_at_once: Option<u32>,
     /// Give a frame up that takes longer to render, seconds, and go on with the next
     /// (exit code 5 at the end).
     #[arg(long, value_parser = parse_seconds, value_name = "S", allow_negative_numbers = true)]

@@ -33,6 +33,7 @@ mod stats;
 mod threads;
 mod unshown;
 mod words;
+mod workers;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
@@ -109,9 +110,11 @@ fn tell(message: &str) {
 /// The stream takes no more for any other reason: a full disk.
 fn answer(message: &str) -> Result<(), CliError> {
     match writeln!(std::io::stdout(), "{message}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(CliError::InputOutput(format!("the answer cannot be written: {error}")))
-        }
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritable(&error)),
         _ => Ok(()),
     }
+}
+
+fn unwritable(error: &std::io::Error) -> CliError {
+    CliError::InputOutput(format!("the answer cannot be written: {error}"))
 }

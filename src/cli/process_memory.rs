@@ -2,6 +2,7 @@
 //! Invariant: where the system does not tell, there is no limit.
 
 use std::fs::read_to_string;
+use std::path::Path;
 
 /// The most memory that the process has held so far, where Linux tells (proc(5), `VmHWM`).
 pub(super) fn peak_memory_bytes() -> Option<u64> {
@@ -9,6 +10,41 @@ pub(super) fn peak_memory_bytes() -> Option<u64> {
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = peak.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kibibytes)
+}
+
+/// Memory that there is for more of what has taken `peak_bytes` so far, in multiples of that: half of what is
+/// free (proc(5), `MemAvailable`), and three quarters of what the process's group may have (cgroups(7)).
+/// `None` elsewhere than on Linux.
+pub(super) fn times_more(peak_bytes: u64) -> Option<usize> {
+    let info = read_to_string("/proc/meminfo").ok()?;
+    let free = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let free_bytes = 1024 * free.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?;
+    let peak_bytes = peak_bytes.max(1);
+    let of_group = group_limit().map_or(u64::MAX, |limit| (limit / 4 * 3 / peak_bytes).saturating_sub(1));
+    usize::try_from(of_group.min(free_bytes / 2 / peak_bytes)).ok()
+}
+
+/// The least memory that a control group of the process may have, of either version.
+fn group_limit() -> Option<u64> {
+    let groups = read_to_string("/proc/self/cgroup").ok()?;
+    let limits = groups.lines().flat_map(|line| {
+        let mut parts = line.splitn(3, ':').skip(1);
+        let (kinds, group) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+        let (root, name) = match kinds {
+            "" => ("/sys/fs/cgroup", "memory.max"),
+            _ => ("/sys/fs/cgroup/memory", "memory.limit_in_bytes"),
+        };
+        let is_of_memory = kinds.is_empty() || kinds.split(',').any(|kind| kind == "memory");
+        let folders = Path::new(group).ancestors().filter(move |_| is_of_memory);
+        folders
+            .filter_map(move |folder| {
+                let folder = Path::new(root).join(folder.strip_prefix("/").unwrap_or(folder));
+                // `max` where there is none.
+                read_to_string(folder.join(name)).ok()?.trim().parse().ok()
+            })
+            .collect::<Vec<u64>>()
+    });
+    limits.min()
 }
 
 /// Address space below which there is not enough for most scenes.

@@ -2,9 +2,11 @@
 //! output carries only what programs read (`jsonl`, `openjd`); what people read goes to standard error.
 
 use super::words::ProgressArgument;
+use super::{CliError, unwritable};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use std::io::{IsTerminal, Write};
+use std::collections::BTreeMap;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -37,15 +39,19 @@ struct State {
     out: Box<dyn Write + Send>,
     frames: usize,
     skipped: usize,
-    /// Frames begun, the current one included.
+    /// Frames begun, those in progress included.
     begun: usize,
-    /// Frames on the disk; one fewer than those rendered while the last is being written.
+    /// Share done of each frame that is in progress.
+    in_progress: BTreeMap<i64, f64>,
+    /// Frames given up, and frames on the disk.
+    given_up: usize,
     written: usize,
     most_noise: Option<f64>,
-    fraction: f64,
     first_begun: Option<Instant>,
     /// The last whole per cent told; machines need not hear of less.
     percent_told: Option<u64>,
+    /// Why a line could not be written.
+    problem: Option<std::io::Error>,
 }
 
 impl Progress {
@@ -61,17 +67,6 @@ impl Progress {
     }
 
     fn to(style: ProgressArgument, out: Box<dyn Write + Send>) -> Self {
-        let state = State {
-            out,
-            frames: 0,
-            skipped: 0,
-            begun: 0,
-            written: 0,
-            most_noise: None,
-            fraction: 0.0,
-            first_begun: None,
-            percent_told: None,
-        };
         let bar = (style == ProgressArgument::Auto).then(|| {
             let bar = ProgressBar::new(0);
             match ProgressStyle::with_template("[{bar:30}] {percent:>3} %  {msg}") {
@@ -79,7 +74,7 @@ impl Progress {
                 Err(_) => bar,
             }
         });
-        Self { style, bar, state: Mutex::new(state) }
+        Self { style, bar, state: Mutex::new(State::new(out)) }
     }
 
     /// Tells of an event. May be called from any thread.
@@ -110,6 +105,15 @@ impl Progress {
                 }
             }
             ProgressArgument::None => {}
+        }
+    }
+
+    /// Says whether programs were told all.
+    pub(super) fn finish(&self) -> Result<(), CliError> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        match (self.style, state.problem.take()) {
+            (ProgressArgument::Jsonl | ProgressArgument::Openjd, Some(error)) => Err(unwritable(&error)),
+            _ => Ok(()),
         }
     }
 
@@ -151,35 +155,57 @@ impl Drop for Progress {
 }
 
 impl State {
+    fn new(out: Box<dyn Write + Send>) -> Self {
+        Self {
+            out,
+            frames: 0,
+            skipped: 0,
+            begun: 0,
+            in_progress: BTreeMap::new(),
+            given_up: 0,
+            written: 0,
+            most_noise: None,
+            first_begun: None,
+            percent_told: None,
+            problem: None,
+        }
+    }
+
     fn count(&mut self, event: &Event) {
         match event {
             Event::Started { frames } => self.frames = *frames,
             Event::FrameSkipped { .. } => self.skipped += 1,
-            Event::FrameStarted { .. } => {
+            Event::FrameStarted { frame } => {
                 self.begun += 1;
-                self.fraction = 0.0;
+                self.in_progress.insert(*frame, 0.0);
                 self.first_begun.get_or_insert_with(Instant::now);
             }
-            // Threads may tell of their shares out of order.
-            Event::FrameProgress { progress, .. } => self.fraction = self.fraction.max(progress.fraction),
-            Event::Finished(summary) if !summary.stopped => self.fraction = 1.0,
-            Event::FrameWritten { statistics, .. } => {
+            Event::FrameProgress { frame, progress } => {
+                // Threads may tell of their shares out of order.
+                let fraction = self.in_progress.entry(*frame).or_default();
+                *fraction = fraction.max(progress.fraction);
+            }
+            Event::FrameWritten { frame, statistics, .. } => {
                 self.written += 1;
+                self.in_progress.remove(frame);
                 let noises = self.most_noise.into_iter().chain(statistics.noise);
                 self.most_noise = noises.reduce(f64::max);
             }
-            Event::FrameGivenUp { .. } => self.fraction = 1.0,
+            Event::FrameGivenUp { frame, .. } => {
+                self.given_up += 1;
+                self.in_progress.remove(frame);
+            }
             Event::AbandonedRemoved { .. } | Event::PreviewOmitted { .. } | Event::Finished(_) => {}
         }
     }
 
-    /// Frames done, the share of the current one included.
+    /// Frames done, with the shares of those in progress.
     fn done(&self) -> f64 {
         self.skipped as f64 + self.rendered()
     }
 
     fn rendered(&self) -> f64 {
-        self.begun.saturating_sub(1) as f64 + self.fraction
+        (self.written + self.given_up) as f64 + self.in_progress.values().sum::<f64>()
     }
 
     fn percent(&self) -> u64 {
@@ -241,7 +267,9 @@ impl State {
 
     fn line(&mut self, line: &str) {
         // Who closed the pipe does not want to know; the frames are written all the same.
-        let _ = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
+        let written = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
+        let problem = written.err().filter(|error| error.kind() != ErrorKind::BrokenPipe);
+        self.problem = self.problem.take().or(problem);
     }
 }
 
@@ -431,7 +459,7 @@ mod tests {
         let lines = lines(ProgressArgument::Openjd);
         let told: Vec<&str> =
             lines.iter().filter_map(|line| line.strip_prefix("openjd_progress: ")).collect();
-        assert_eq!(told, ["0", "25", "37", "50"]);
+        assert_eq!(told, ["0", "25", "37", "50", "75"]);
         assert!(lines.iter().any(|line| line.starts_with("openjd_status: frame 3 written")));
     }
 
@@ -442,16 +470,17 @@ mod tests {
 
     #[test]
     fn the_time_left_is_a_bound_within_the_first_frame() {
-        let told = |begun: usize, fraction: f64| {
-            let first_begun = Instant::now().checked_sub(std::time::Duration::from_secs(10));
-            let (out, percent_told) = (Box::new(std::io::sink()), None);
-            let (frames, skipped, written, most_noise) = (4, 0, begun - 1, None);
-            State { out, frames, skipped, begun, written, most_noise, fraction, first_begun, percent_told }
-                .time_left()
+        let told = |written: usize, fractions: &[f64]| {
+            let mut state = State::new(Box::new(std::io::sink()));
+            state.first_begun = Instant::now().checked_sub(std::time::Duration::from_secs(10));
+            (state.frames, state.written) = (4, written);
+            state.in_progress = (2..).zip(fractions.iter().copied()).collect();
+            state.time_left()
         };
-        assert_eq!(told(1, 0.04), "");
-        assert_eq!(told(1, 0.5), ", at most 70 s left");
-        assert_eq!(told(2, 0.0), ", about 30 s left");
+        assert_eq!(told(0, &[0.04]), "");
+        assert_eq!(told(0, &[0.5]), ", at most 70 s left");
+        assert_eq!(told(1, &[0.0]), ", about 30 s left");
+        assert_eq!(told(1, &[0.75, 0.25]), ", about 10 s left");
     }
 
     #[test]

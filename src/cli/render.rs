@@ -10,8 +10,10 @@ use super::progress::{self, Progress};
 use super::signals::Stop;
 use super::stats::Stats;
 use super::threads;
+use super::workers::Workers;
 use super::{CliError, answer, exposure, tell};
 use rayon::ThreadPool;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use sunfleck::api::Scene;
@@ -24,7 +26,7 @@ use sunfleck::sequence::{self, Job, SequenceError};
 struct Run<'a> {
     arguments: &'a RenderArguments,
     stop: &'a Stop,
-    pool: &'a ThreadPool,
+    workers: Workers<'a>,
     plan: &'a Plan<'a>,
     live: Live,
     stats: Stats,
@@ -60,7 +62,11 @@ pub(super) fn of_scene(
     plan.picture.check_memory()?;
     let live = Live::new(arguments.live.as_deref())?;
     let stats = Stats::new(arguments.stats.as_deref(), remarks)?;
-    Run { arguments, stop, pool, plan: &plan, live, stats }.sequence()
+    // Frames that are timed or shown have all threads.
+    let one = arguments.frame_timeout.is_some() || live.is_on() || scene.resolved().is_still();
+    let asked = arguments.frames_at_once.map(|asked| asked as usize).or(one.then_some(1));
+    let workers = Workers::new(pool, asked);
+    Run { arguments, stop, workers, plan: &plan, live, stats }.sequence()
 }
 
 impl Run<'_> {
@@ -73,26 +79,27 @@ impl Run<'_> {
             skip: arguments.skip,
             preview: self.preview()?,
             stop: &stop.flag,
+            workers: &|left| self.workers.start(left),
         };
         let (dark_frames, doubts) = (DarkFrames::default(), Doubts::default());
         // Where nothing moves, every frame is the first.
         let is_still = plan.picture.scene.resolved().is_still();
-        let mut still_frame: Option<Rendered> = None;
+        let still_frame = OnceLock::new();
         let summary = sequence::run(
             job,
             |frame| plan.picture.provenance(frame),
-            |frame, progress| match &still_frame {
-                Some(same) => Ok(Some(same.clone())),
-                None => {
-                    let rendered = self.frame(frame, progress)?;
-                    if let Some(rendered) = &rendered {
-                        self.weigh(frame, rendered, &doubts)?;
-                    }
-                    if is_still {
-                        still_frame.clone_from(&rendered);
-                    }
-                    Ok(rendered)
+            |worker, frame, progress| {
+                if let Some(same) = still_frame.get() {
+                    return Ok(Some(Rendered::clone(same)));
                 }
+                let rendered = self.frame(self.workers.pool(worker), frame, progress)?;
+                if let Some(rendered) = &rendered {
+                    self.weigh(frame, rendered, &doubts)?;
+                    if is_still {
+                        still_frame.get_or_init(|| rendered.clone());
+                    }
+                }
+                Ok(rendered)
             },
             &|event| {
                 progress.report(&event);
@@ -106,6 +113,7 @@ impl Run<'_> {
             return Err(CliError::Signal(number));
         }
         self.stats.finish()?;
+        progress.finish()?;
         if summary.given_up.is_empty() { Ok(()) } else { Err(too_late(&summary.given_up)) }
     }
 
@@ -124,12 +132,12 @@ impl Run<'_> {
 
     /// Display of pictures beside the frames, if there are to be any.
     fn preview(&self) -> Result<Option<Display>, CliError> {
-        let Self { arguments, plan, pool, stop, .. } = *self;
+        let Self { arguments, plan, stop, workers, .. } = self;
         let measured = || {
             let started = Instant::now();
             let cancelled = || stop.flag.load(Ordering::Relaxed);
             let watch = Watch { cancelled: &cancelled, ..Watch::NOBODY };
-            let stops = pool.install(|| plan.auto_exposure_stops(&watch));
+            let stops = workers.pool(0).install(|| plan.auto_exposure_stops(&watch));
             let first = plan.frames.as_slice().first().copied().unwrap_or_default();
             self.stats.took(first, "exposure_seconds", started.elapsed());
             // What was begun and stopped is no picture to judge by.
@@ -143,6 +151,7 @@ impl Run<'_> {
     /// Renders a frame; none if it takes too long.
     fn frame(
         &self,
+        pool: &ThreadPool,
         frame: i64,
         progress: &(dyn Fn(render::Progress) + Sync),
     ) -> Result<Option<Rendered>, Halt> {
@@ -160,7 +169,7 @@ impl Run<'_> {
         let name = plan.output.path(frame).to_string_lossy().into_owned();
         let look = |so_far: &dyn Fn() -> Frame| live.look(&name, so_far);
         let look: Option<&render::Look> = if live.is_on() { Some(&look) } else { None };
-        let rendered = self.pool.install(|| {
+        let rendered = pool.install(|| {
             let exposure = plan.picture.exposure(frame);
             if live.is_on() {
                 let watch = Watch { cancelled: &cancelled, ..Watch::NOBODY };

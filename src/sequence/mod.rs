@@ -5,10 +5,14 @@
 
 mod event;
 mod frame_list;
+mod job;
 mod output_pattern;
+mod queue;
 mod run;
+mod writer;
 
 pub use event::{Event, SkipReason, Summary};
 pub use frame_list::FrameList;
+pub use job::{Job, SequenceError, Skip};
 pub use output_pattern::OutputPattern;
-pub use run::{Job, SequenceError, Skip, run};
+pub use run::run;

@@ -241,7 +241,7 @@ fn the_bytes_do_not_depend_on_threads_or_company() {
     for pass in ["indirect.R", "indirect_shafts.R"] {
         assert!(light.channel(pass).unwrap().pixels.iter().any(|&value| value > 0.0), "{pass} is dark");
     }
-    for threads in [2, 16] {
+    for threads in ["2", "16", "2 --frames-at-once 1"] {
         studio.succeed(&format!(
             "render tiny.ron --bounces all --frames 1-3 --passes all --threads {threads} --out many/"
         ));

@@ -1,10 +1,9 @@
 //! Runs over frames: what is written, what is skipped, and what is there after things went wrong.
 
 use glam::DAffine3;
-use std::cell::RefCell;
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex};
 use sunfleck::color::Display;
 use sunfleck::film::{Channel, Frame, Precision};
 use sunfleck::frame_file::{self, Provenance};
@@ -50,7 +49,7 @@ fn pattern(folder: &Path) -> OutputPattern {
 }
 
 fn job<'a>(frames: &'a FrameList, output: &'a OutputPattern, skip: Skip) -> Job<'a> {
-    Job { frames, output, skip, preview: None, stop: &GO_ON }
+    Job { frames, output, skip, preview: None, stop: &GO_ON, workers: &|_| 1 }
 }
 
 fn frames(text: &str) -> FrameList {
@@ -60,17 +59,17 @@ fn frames(text: &str) -> FrameList {
 /// Runs over `list` and says which frames were rendered.
 fn rendered(folder: &Path, list: &str, skip: Skip) -> (Vec<i64>, Summary) {
     let (list, output) = (frames(list), pattern(folder));
-    let rendered = RefCell::new(Vec::new());
+    let rendered = Mutex::new(Vec::new());
     let summary = run(
         job(&list, &output, skip),
         provenance,
-        |frame, _| {
-            rendered.borrow_mut().push(frame);
+        |_, frame, _| {
+            rendered.lock().unwrap().push(frame);
             Ok::<_, String>(done(picture(frame)))
         },
         &|_| {},
     );
-    (rendered.into_inner(), summary.unwrap())
+    (rendered.into_inner().unwrap(), summary.unwrap())
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -130,7 +129,7 @@ fn a_resumed_run_gives_the_bytes_of_a_run_at_once() {
 fn a_frame_with_nan_is_refused_by_name_and_the_frames_before_stay() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1-9"), pattern(folder.path()));
-    let render = |frame, _: &(dyn Fn(Progress) + Sync)| {
+    let render = |_: usize, frame, _: &(dyn Fn(Progress) + Sync)| {
         let mut picture = picture(frame);
         if frame == 2 {
             picture.channels[1].pixels[7] = f32::NAN;
@@ -148,7 +147,7 @@ fn a_frame_with_nan_is_refused_by_name_and_the_frames_before_stay() {
 fn a_failed_rendering_ends_the_run_after_the_frame_before_it_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1-9"), pattern(folder.path()));
-    let render = |frame, _: &(dyn Fn(Progress) + Sync)| {
+    let render = |_: usize, frame, _: &(dyn Fn(Progress) + Sync)| {
         if frame == 3 { Err("no light") } else { Ok(done(picture(frame))) }
     };
     let error = run(job(&list, &output, Skip::None), provenance, render, &|_| {}).unwrap_err();
@@ -160,7 +159,7 @@ fn a_failed_rendering_ends_the_run_after_the_frame_before_it_is_written() {
 fn a_frame_that_is_given_up_keeps_no_other_from_being_rendered() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1-4"), pattern(folder.path()));
-    let render = |frame, _: &(dyn Fn(Progress) + Sync)| {
+    let render = |_: usize, frame, _: &(dyn Fn(Progress) + Sync)| {
         Ok::<_, String>(if frame == 2 { None } else { done(picture(frame)) })
     };
     let summary = run(job(&list, &output, Skip::None), provenance, render, &|_| {}).unwrap();
@@ -174,7 +173,7 @@ fn a_disk_that_refuses_ends_the_run_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("file"), b"").unwrap();
     let (list, output) = (frames("1-9"), pattern(&folder.path().join("file")));
-    let render = |frame, _: &(dyn Fn(Progress) + Sync)| Ok::<_, String>(done(picture(frame)));
+    let render = |_: usize, frame, _: &(dyn Fn(Progress) + Sync)| Ok::<_, String>(done(picture(frame)));
     let error = run(job(&list, &output, Skip::None), provenance, render, &|_| {}).unwrap_err();
     let SequenceError::Write { frame: 1, source } = error else { panic!("{error}") };
     assert!(source.remedy().contains("--out"));
@@ -185,7 +184,7 @@ fn a_signal_stops_the_run_between_whole_frames() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1-9"), pattern(folder.path()));
     let stop = AtomicBool::new(false);
-    let render = |frame, _: &(dyn Fn(Progress) + Sync)| {
+    let render = |_: usize, frame, _: &(dyn Fn(Progress) + Sync)| {
         if frame == 3 {
             stop.store(true, Ordering::Relaxed);
             return Err("given up half-way");
@@ -196,6 +195,84 @@ fn a_signal_stops_the_run_between_whole_frames() {
     let summary = run(job, provenance, render, &|_| {}).unwrap();
     assert_eq!((summary.written, summary.not_reached, summary.stopped), (2, 7, true));
     assert_eq!(names(folder.path()), ["x.0001.exr", "x.0002.exr"]);
+}
+
+/// Runs over nine frames by three workers, after the first; frame 2 is done once frame 5 is. What is rendered
+/// comes of `render`.
+fn by_workers(
+    folder: &Path,
+    stop: &AtomicBool,
+    render: impl Fn(i64) -> Result<Option<Rendered>, &'static str> + Sync,
+) -> (Result<Summary, SequenceError<&'static str>>, Vec<i64>) {
+    let (list, output) = (frames("1-9"), pattern(folder));
+    let (is_done, news) = (Mutex::new(false), Condvar::new());
+    let written = Mutex::new(Vec::new());
+    let summary = run(
+        Job { stop, workers: &|left| left.min(3), ..job(&list, &output, Skip::None) },
+        provenance,
+        |_, frame, _| {
+            if frame == 2 {
+                let is_done = is_done.lock().unwrap();
+                drop(news.wait_while(is_done, |is_done| !*is_done).unwrap());
+            }
+            let rendered = render(frame);
+            if frame == 5 {
+                *is_done.lock().unwrap() = true;
+                news.notify_all();
+            }
+            rendered
+        },
+        &|event| {
+            if let Event::FrameWritten { frame, .. } = event {
+                written.lock().unwrap().push(frame);
+            }
+        },
+    );
+    (summary, written.into_inner().unwrap())
+}
+
+#[test]
+fn frames_that_are_done_early_are_written_in_their_turn() {
+    let (folder, one) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (most, now) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let (summary, written) = by_workers(folder.path(), &GO_ON, |frame| {
+        most.fetch_max(now.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+        let picture = picture(frame);
+        now.fetch_sub(1, Ordering::SeqCst);
+        Ok(done(picture))
+    });
+    assert_eq!(summary.unwrap().written, 9);
+    assert_eq!(written, (1..=9).collect::<Vec<_>>());
+    assert!(most.into_inner() <= 3);
+    rendered(one.path(), "1-9", Skip::None);
+    for name in names(one.path()) {
+        let bytes = |folder: &Path| std::fs::read(folder.join(&name)).unwrap();
+        assert_eq!(bytes(folder.path()), bytes(one.path()), "{name}");
+    }
+}
+
+/// Frames 4 and 5 are done before frame 2 is.
+#[test]
+fn behind_a_frame_that_fails_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let fails = |frame| if frame == 3 { Err("no light") } else { Ok(done(picture(frame))) };
+    let (summary, written) = by_workers(folder.path(), &GO_ON, fails);
+    assert_eq!(summary.unwrap_err().to_string(), "frame 3: no light");
+    assert_eq!((written, names(folder.path()).len()), (vec![1, 2], 2));
+}
+
+#[test]
+fn a_signal_stops_all_workers() {
+    let folder = tempfile::tempdir().unwrap();
+    let stop = AtomicBool::new(false);
+    let stopped = |frame| {
+        stop.fetch_or(frame == 5, Ordering::Relaxed);
+        if frame == 4 || frame == 5 { Err("given up half-way") } else { Ok(done(picture(frame))) }
+    };
+    let (summary, written) = by_workers(folder.path(), &stop, stopped);
+    let summary = summary.unwrap();
+    assert!(summary.stopped && summary.written == 3, "{summary:?}");
+    assert_eq!(written, [1, 2, 3]);
 }
 
 #[test]
@@ -212,7 +289,7 @@ fn previews_stand_beside_the_frames() {
     let folder = tempfile::tempdir().unwrap();
     let (list, output) = (frames("1"), pattern(folder.path()));
     let job = Job { preview: Some(Display::default()), ..job(&list, &output, Skip::None) };
-    run(job, provenance, |frame, _| Ok::<_, String>(done(picture(frame))), &|_| {}).unwrap();
+    run(job, provenance, |_, frame, _| Ok::<_, String>(done(picture(frame))), &|_| {}).unwrap();
     assert_eq!(names(folder.path()), ["x.0001.exr", "x.0001.png"]);
 }
 
@@ -227,7 +304,8 @@ fn kept_frames_get_previews_from_their_files() {
     let go = |list: &str, skip: Skip| {
         let list = frames(list);
         let job = Job { preview: Some(Display::default()), ..job(&list, &output, skip) };
-        let render = |frame: i64, _: &(dyn Fn(Progress) + Sync)| Ok::<_, String>(done(picture(frame)));
+        let render =
+            |_: usize, frame: i64, _: &(dyn Fn(Progress) + Sync)| Ok::<_, String>(done(picture(frame)));
         run(job, provenance, render, &|event| events.lock().unwrap().push(event)).unwrap();
         std::mem::take(&mut *events.lock().unwrap())
     };
@@ -258,7 +336,7 @@ fn events_tell_the_whole_story() {
     run(
         job(&list, &output, Skip::Valid),
         provenance,
-        |frame, progress| {
+        |_, frame, progress| {
             progress(Progress::new(0.5, None));
             Ok::<_, String>(done(picture(frame)))
         },

@@ -17,7 +17,8 @@ class EventBar:
 
     def __init__(self) -> None:
         self._bar = Bar()
-        self._frames, self._done, self._fraction = 1, 0, 0.0
+        self._frames, self._done = 1, 0
+        self._fractions: dict[int, float] = {}
 
     def __call__(self, event: Event) -> None:
         """The next event."""
@@ -26,10 +27,13 @@ class EventBar:
             self._frames = event["frames"]
         elif kind == "frame_progress":
             # Threads may tell of their shares out of order.
-            self._fraction = max(self._fraction, event["fraction"])
+            frame = event["frame"]
+            self._fractions[frame] = max(self._fractions.get(frame, 0.0), event["fraction"])
         elif kind in ("frame_written", "frame_given_up", "frame_skipped"):
-            self._done, self._fraction = self._done + 1, 0.0
-        share = 1.0 if kind == "finished" else min(1.0, (self._done + self._fraction) / max(1, self._frames))
+            self._done += 1
+            self._fractions.pop(event["frame"], None)
+        done = self._done + sum(self._fractions.values())
+        share = 1.0 if kind == "finished" else min(1.0, done / max(1, self._frames))
         self._bar.show(share, f"frame {min(self._done + 1, self._frames)} of {self._frames}")
 
     def close(self) -> None:

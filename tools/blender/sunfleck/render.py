@@ -138,7 +138,7 @@ class SUNFLECK_OT_render(bpy.types.Operator):
             folder,
             1,
         )
-        self.done, self.shown = 0, 0.0
+        self.done, self.shown, self.fractions = 0, 0.0, {}
         return True
 
     def execute(self, context):
@@ -180,8 +180,12 @@ class SUNFLECK_OT_render(bpy.types.Operator):
             self.total = max(1, news["frames"])
         elif news["event"] in {"frame_written", "frame_skipped", "frame_given_up"}:
             self.done += 1
-        # A frame begins while the one before is still being written: what was shown once stays.
-        self.shown = max(self.shown, min(1.0, (self.done + news.get("fraction", 0.0)) / self.total))
+            self.fractions.pop(news["frame"], None)
+        elif news["event"] == "frame_progress":
+            self.fractions[news["frame"]] = news["fraction"]
+        # Threads may tell of their shares out of order: what was shown once stays.
+        done = self.done + sum(self.fractions.values())
+        self.shown = max(self.shown, min(1.0, done / self.total))
         context.window_manager.progress_update(self.shown)
         context.workspace.status_text_set(f"sunfleck: {100.0 * self.shown:.0f} %, Esc stops")
 
