@@ -20,9 +20,10 @@ pub fn run(rounds: usize) {
         exposure: &exposure,
         size: Size { width: 240, height: 135 },
         mirror_depth: 4,
+        bounces: Bounces::All,
         planes: (depth_m(exposure.middle()), 0.1),
     };
-    let plan = Plan { stage, bounces: Bounces::All, reference_samples: 64, most_samples: 16, rounds };
+    let plan = Plan { stage, reference_samples: 64, most_samples: 16, rounds };
     println!("{}", table(&measure(&plan)));
 }
 
@@ -36,8 +37,6 @@ const BLOCK: usize = 10;
 pub(crate) struct Plan<'a> {
     /// The picture.
     pub(crate) stage: Stage<'a>,
-    /// Number of scatterings beyond the first.
-    pub(crate) bounces: Bounces,
     /// Samples a pixel of the reference, at least 2.
     pub(crate) reference_samples: u32,
     /// Samples a pixel of the dearest row, at least 1.
@@ -117,7 +116,7 @@ fn picture(plan: &Plan, method: Method, samples: u32, seed: u32) -> Frame {
         filter: PixelFilter::Box,
         seed,
         mirror_depth: plan.stage.mirror_depth,
-        bounces: plan.bounces,
+        bounces: plan.stage.bounces,
         method,
     };
     render(plan.stage.exposure, &job, &Watch::NOBODY).frame

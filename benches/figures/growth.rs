@@ -10,7 +10,7 @@ use std::fmt::Write;
 use std::time::Instant;
 use sunfleck::bench::{Effort, Method, Plot, PowerLaw, RelativeErrors, Series, Stage, Style, seconds, timed};
 use sunfleck::math::Sampler;
-use sunfleck::scene::{self, Instance, Motion, Node, Scene, Size, Track};
+use sunfleck::scene::{self, Bounces, Instance, Motion, Node, Scene, Size, Track};
 use sunfleck::snapshot::{Exposure, MeshTrees, Shutter};
 
 /// Growth with each quantity of `leaves500`, or with one of them: a table, and plots into docs/images/growth.
@@ -256,7 +256,7 @@ fn exposure<'a>(scene: &'a Scene, trees: &'a MeshTrees, size: Size) -> Exposure<
 }
 
 fn stage<'a>(exposure: &'a Exposure<'a>, size: Size) -> Stage<'a> {
-    Stage { exposure, size, mirror_depth: MIRROR_DEPTH, planes: (1.0, 1.0) }
+    Stage { exposure, size, mirror_depth: MIRROR_DEPTH, bounces: Bounces::NONE, planes: (1.0, 1.0) }
 }
 
 /// The scene with `count` instances of the mesh that is placed most often, anywhere among those that there

@@ -25,6 +25,8 @@ pub enum Method {
     Slices,
     /// Exact, on epipolar slices, to a tolerance: samples where they are needed.
     SlicesUntil,
+    /// Light of all orders by random walks: unbiased and noisy.
+    Paths,
 }
 
 /// Effort of a method.
@@ -65,6 +67,8 @@ pub struct Stage<'a> {
     pub size: Size,
     /// Maximum number of reflections of a ray.
     pub mirror_depth: u32,
+    /// Scatterings beyond the first.
+    pub bounces: Bounces,
     /// Depth that the literal method moves its image plane to, and its step, metres.
     pub planes: (f64, f64),
 }
@@ -73,6 +77,12 @@ impl<'a> Stage<'a> {
     /// The scene at the moment in the middle.
     pub fn snapshot(&self) -> &'a Snapshot<'a> {
         self.exposure.middle()
+    }
+
+    /// The method whose mean is the picture: ray by ray, and by random walks where light is scattered more
+    /// than once.
+    pub(super) fn unbiased(&self) -> Method {
+        if self.bounces == Bounces::NONE { Method::Segments } else { Method::Paths }
     }
 }
 
@@ -87,6 +97,17 @@ impl Method {
             Self::Segments => "segments",
             Self::Slices => "slices",
             Self::SlicesUntil => "slices-until",
+            Self::Paths => "paths",
+        }
+    }
+
+    /// Whether it makes a picture of so many scatterings that no other method makes: steps along the image
+    /// plane know single scattering alone, and walks of none are rays.
+    pub fn makes(self, bounces: Bounces) -> bool {
+        match self {
+            Self::Literal => bounces == Bounces::NONE,
+            Self::Paths => bounces != Bounces::NONE,
+            _ => true,
         }
     }
 
@@ -108,7 +129,7 @@ impl Method {
             Self::Literal => Vec::new(),
             Self::March | Self::MarchJittered => grid([4, 16, 64, 256]),
             Self::Equiangular => grid([1, 4, 16, 64]),
-            Self::Segments | Self::Slices => powers(2, 4096).map(Effort::of_samples).collect(),
+            Self::Segments | Self::Slices | Self::Paths => powers(2, 4096).map(Effort::of_samples).collect(),
             Self::SlicesUntil => (1..10)
                 .map(|n| Effort {
                     tolerance: Some(0.5_f64.powi(n)),
@@ -130,6 +151,7 @@ impl Method {
             Self::Equiangular => render::Method::Equiangular { points: steps },
             Self::Segments => render::Method::Segments,
             Self::Slices | Self::SlicesUntil => render::Method::Slices,
+            Self::Paths => render::Method::Paths,
         }
     }
 
@@ -147,7 +169,7 @@ impl Method {
             filter: PixelFilter::Box,
             seed,
             mirror_depth: stage.mirror_depth,
-            bounces: Bounces::NONE,
+            bounces: stage.bounces,
             method: self.of_render(effort, stage),
         };
         render(stage.exposure, &job, &Watch::NOBODY).frame

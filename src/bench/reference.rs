@@ -1,6 +1,6 @@
 //! The picture that all are measured against. In goes a snapshot, out comes a converged frame and
-//! its own noise. Invariant: made by the exact method ray by ray, from random numbers that no
-//! measured picture uses.
+//! its own noise. Invariant: made by a method without bias, from random numbers that no measured picture
+//! uses.
 
 use super::brute_force::{self, Deviation};
 use super::error::{colors, mean};
@@ -20,8 +20,8 @@ const MOST_TESTS: usize = 200_000_000;
 pub struct Reference {
     /// The picture.
     pub frame: Frame,
-    /// Samples a pixel; `None` if it was read from a file.
-    pub samples: Option<u32>,
+    /// Samples a pixel and the method; `None` if it was read from a file.
+    pub samples: Option<(u32, Method)>,
     /// Root mean square of its standard error, relative to the mean.
     pub noise: f64,
     /// Deviations from brute force of the method that made it, for each light; none without fog.
@@ -32,7 +32,8 @@ impl Reference {
     /// Renders both halves with `samples / 2` a pixel each; their difference is the noise.
     pub fn render(stage: &Stage, samples: u32) -> Self {
         let half = Effort::of_samples((samples / 2).max(2));
-        let [mut frame, other] = HALVES.map(|seed| Method::Segments.picture(stage, half, seed));
+        let method = stage.unbiased();
+        let [mut frame, other] = HALVES.map(|seed| method.picture(stage, half, seed));
         let square: f64 = colors(&frame).zip(colors(&other)).map(|(a, b)| (a - b) * (a - b)).sum();
         let values = colors(&frame).count() as f64;
         for channel in &mut frame.channels {
@@ -43,7 +44,7 @@ impl Reference {
         }
         // The variance of the mean of two is a quarter of that of their difference.
         let noise = 0.5 * (square / values).sqrt() / mean(&frame);
-        Self { frame, samples: Some(2 * half.samples), noise, deviations: Vec::new() }
+        Self { frame, samples: Some((2 * half.samples, method)), noise, deviations: Vec::new() }
     }
 
     /// A picture that is known already, and the root mean square of its standard error.
@@ -80,7 +81,10 @@ impl Reference {
 impl fmt::Display for Reference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.samples {
-            Some(samples) => write!(f, "reference: {samples} samples a pixel, ray by ray")?,
+            Some((samples, Method::Paths)) => {
+                write!(f, "reference: {samples} samples a pixel, by random walks")?;
+            }
+            Some((samples, _)) => write!(f, "reference: {samples} samples a pixel, ray by ray")?,
             None => write!(f, "reference: from a file")?,
         }
         write!(f, "; its noise {:.3} %", 100.0 * self.noise)?;

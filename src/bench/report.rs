@@ -234,7 +234,8 @@ pub fn plot(study: &Study) -> Plot {
         Method::Equiangular => 2,
         Method::March => 3,
         Method::MarchJittered => 4,
-        Method::Literal => 5,
+        // Never in one plot.
+        Method::Literal | Method::Paths => 5,
         // The colour of slices, with a marker of its own.
         Method::SlicesUntil => 8,
     };

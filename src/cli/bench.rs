@@ -17,7 +17,7 @@ use sunfleck::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, br
 use sunfleck::description;
 use sunfleck::diagnostic::{Diagnostic, Place, shown};
 use sunfleck::frame_file;
-use sunfleck::scene::{self, PixelFilter, RenderSettings, Scene, Size};
+use sunfleck::scene::{self, Bounces, PixelFilter, RenderSettings, Scene, Size};
 use sunfleck::snapshot::Shutter;
 
 /// Pictures of more pixels are made smaller unless `--size` asks for them: 480 x 270.
@@ -50,7 +50,8 @@ impl<'a> Subject<'a> {
         let most = if arguments.quick { QUICK_PIXELS } else { MOST_PIXELS };
         let size = arguments.size.unwrap_or_else(|| SizeArgument::Percent(fitting(scene.size(), most)));
         let size = resized(scene.size(), size)?;
-        let plan = Renderer::new(scene).size(size.width, size.height).plan()?;
+        let renderer = Renderer::new(scene).size(size.width, size.height);
+        let plan = arguments.bounces.into_iter().fold(renderer, Renderer::bounces).plan()?;
         let settings = plan.settings.clone();
         let frame = arguments.frame.unwrap_or(*settings.frames.start());
         if settings.only_these_frames && !settings.frames.contains(&frame) {
@@ -87,6 +88,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
     let peers = arguments.peers.as_deref().map(description::load_peers).transpose()?.unwrap_or_default();
     let known =
         arguments.reference.as_deref().map(|path| read_reference(path, arguments, subject)).transpose()?;
+    let methods = methods(arguments, subject.settings.bounces)?;
     for path in
         [output(arguments.csv.as_deref(), subject, "csv"), output(arguments.svg.as_deref(), subject, "svg")]
     {
@@ -104,6 +106,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         exposure: &exposure,
         size: subject.size,
         mirror_depth: subject.settings.mirror_depth,
+        bounces: subject.settings.bounces,
         planes: (bench::depth_m(snapshot), subject.settings.march_step_m),
     };
     let triangles = brute_force::triangles(subject.scene, snapshot.view.eye, subject.shutter.middle_s());
@@ -118,11 +121,10 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         reference.check(&stage, &triangles);
         reference
     });
-    let asked = |method: &Method| arguments.methods.as_ref().is_none_or(|asked| asked.contains(method));
     let plan = StudyPlan {
         stage,
         triangles: &triangles,
-        methods: Method::value_variants().iter().copied().filter(asked).collect(),
+        methods,
         rounds: arguments.rounds.unwrap_or(if quick { 2 } else { 3 }) as usize,
         longest_s: arguments.longest.unwrap_or(if quick { 0.5 } else { 8.0 }),
         most_samples: arguments.most_samples.unwrap_or(u32::MAX),
@@ -140,6 +142,21 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
     answer(bench::table(&study).trim_end())?;
     write(&output(arguments.csv.as_deref(), subject, "csv"), &bench::csv(&study))?;
     write(&output(arguments.svg.as_deref(), subject, "svg"), &bench::plot(&study).to_svg())
+}
+
+/// Methods that were asked for, or all that make light of so many bounces.
+fn methods(arguments: &BenchArguments, bounces: Bounces) -> Result<Vec<Method>, CliError> {
+    let all = Method::value_variants().iter().copied();
+    let Some(asked) = &arguments.methods else {
+        return Ok(all.filter(|method| method.makes(bounces)).collect());
+    };
+    match asked.iter().find(|method| !method.makes(bounces)) {
+        Some(method) => {
+            let found = format!("`{}` makes no picture with --bounces {bounces}", method.name());
+            Err(usage("--methods", found, "others, or `literal` with --bounces 0, `paths` with more"))
+        }
+        None => Ok(all.filter(|method| asked.contains(method)).collect()),
+    }
 }
 
 fn rendered_reference(arguments: &BenchArguments, stage: &Stage) -> Reference {

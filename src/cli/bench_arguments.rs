@@ -1,10 +1,11 @@
 //! The flags of `bench`. Invariant: what excludes another is refused by the grammar, before anything is read.
 
-use super::parse::{SizeArgument, parse_noise, parse_seconds, parse_size};
+use super::parse::{SizeArgument, parse_bounces, parse_noise, parse_seconds, parse_size};
 use super::shared_arguments::SceneArguments;
 use clap::Args;
 use std::path::PathBuf;
 use sunfleck::bench::Method;
+use sunfleck::scene::Bounces;
 
 #[derive(Args, Debug)]
 pub(super) struct BenchArguments {
@@ -20,7 +21,11 @@ pub(super) struct BenchArguments {
     /// Name of the camera [default: the sequence's, else the first].
     #[arg(long)]
     pub(super) camera: Option<String>,
-    /// Which methods [default: all].
+    /// How often light is scattered beyond direct light and single scattering [default: the scene's,
+    /// else all].
+    #[arg(long, value_parser = parse_bounces, value_name = "N|all")]
+    pub(super) bounces: Option<Bounces>,
+    /// Which methods [default: all that make such light: `literal` none beyond the first, `paths` more].
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
     pub(super) methods: Option<Vec<Method>>,
     /// How often each point is measured; the least time counts [default: 3, with --quick 2].

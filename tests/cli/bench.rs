@@ -15,14 +15,13 @@ fn number(row: &Row, column: &str) -> f64 {
 }
 
 /// Slow in no sense: 8 x 6 pixels.
-const TINY: &str = "bench scene.ron --size 8x6 --rounds 2 --longest 0.3 --reference-samples 256";
+const TINY: &str = "bench scene.ron --bounces 0 --size 8x6 --rounds 2 --longest 0.3 --reference-samples 256";
 
 #[test]
 fn all_methods_come_to_the_same_picture() {
     let studio = Studio::new();
     // This is no race: the effort is bounded, and no machine is as slow as the clock allows.
-    let unhurried =
-        "bench scene.ron --size 8x6 --rounds 2 --longest 3600 --most-samples 256 --reference-samples 512";
+    let unhurried = "bench scene.ron --bounces 0 --size 8x6 --rounds 2 --longest 3600 --most-samples 256 --reference-samples 512";
     let outcome = studio.succeed(&format!("{unhurried} --csv a/b.csv --svg a/b.svg"));
     let rows = rows(&studio, "a/b.csv");
     for method in ["march", "march-jittered", "equiangular", "segments", "slices", "slices-until"] {
@@ -41,6 +40,28 @@ fn all_methods_come_to_the_same_picture() {
             assert!(number(row, "p99") <= number(row, "max"));
         }
     }
+}
+
+/// The reference is by random walks, which come to it with more samples; the field comes near at once.
+#[test]
+fn all_light_is_measured_where_nobody_says_otherwise() {
+    let studio = Studio::new();
+    let flags = "--size 8x6 --rounds 1 --longest 3600 --most-samples 64 --reference-samples 1024";
+    let outcome = studio.succeed(&format!(
+        "bench scene.ron {flags} --methods slices,slices-until,paths --csv e.csv --svg e.svg"
+    ));
+    assert!(outcome.out.contains("1024 samples a pixel, by random walks"), "{}", outcome.out);
+    let rows = rows(&studio, "e.csv");
+    let errors = |method: &str| {
+        let own = rows.iter().filter(|row| row["method"] == method);
+        own.map(|row| number(row, "rmse_with_reference_noise")).collect::<Vec<_>>()
+    };
+    let (walks, field) = (errors("paths"), errors("slices-until"));
+    assert!(walks.first() > walks.last().map(|last| 2.0 * last).as_ref(), "{walks:?}");
+    let best = field.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(best < 0.03, "{field:?}");
+    studio.fail("bench scene.ron --methods literal", 2);
+    studio.fail("bench scene.ron --methods paths --bounces 0", 2);
 }
 
 #[test]
@@ -86,9 +107,11 @@ fn the_plot_is_whole_xml_and_has_the_peers() {
 #[test]
 fn a_picture_from_elsewhere_can_be_the_reference() {
     let studio = Studio::new();
-    studio.succeed("render scene.ron --size 8x6 --samples 512 --seed 3 --out reference.exr");
+    studio.succeed("render scene.ron --bounces 0 --size 8x6 --samples 512 --seed 3 --out reference.exr");
     let with = |more: &str| {
-        format!("bench scene.ron --size 8x6 --quick --methods slices --csv d.csv --svg d.svg {more}")
+        format!(
+            "bench scene.ron --bounces 0 --size 8x6 --quick --methods slices --csv d.csv --svg d.svg {more}"
+        )
     };
     let outcome = studio.succeed(&with("--reference reference.exr --reference-noise 0.001"));
     assert!(outcome.out.contains("reference: from a file"), "{}", outcome.out);
