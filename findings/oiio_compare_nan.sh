@@ -39,7 +39,8 @@ for name, spots, is_found in [
     result = oiio.ImageBufAlgo.compare(good, frame, 1e-3, 1e-3)
     idiff = subprocess.run(["venv/bin/idiff", "good.exr", "frame.exr"], capture_output=True, text=True)
     tool = subprocess.run(["venv/bin/oiiotool", "good.exr", "frame.exr", "--diff"], capture_output=True, text=True)
-    fixed = subprocess.run(["venv/bin/oiiotool", "frame.exr", "--fixnan", "error", "-o", "copy.exr"], capture_output=True)
+    fixnan = ["venv/bin/oiiotool", "frame.exr", "--fixnan", "error", "-o", "copy.exr"]
+    fixed = subprocess.run(fixnan, capture_output=True)
     verdicts = [idiff.stdout.split()[-1], tool.stdout.split()[-1]]
     print("OpenImageIO", oiio.VERSION_STRING, name, *verdicts, "rc", idiff.returncode, "failed", result.nfail,
           "error", result.error, "mean %.4f" % result.meanerror, "--fixnan rc", fixed.returncode, flush=True)
