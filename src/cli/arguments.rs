@@ -244,7 +244,7 @@ pub(super) struct DiffArguments {
     #[arg(long, value_name = "FILE|DIR|PATTERN")]
     pub(super) picture: Option<PathBuf>,
     /// The difference that is white there [default: 99.9 % are below].
-    #[arg(long, value_name = "X", value_parser = parse_white, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = parse_white, requires = "picture", allow_negative_numbers = true)]
     pub(super) white: Option<f64>,
     #[command(flatten)]
     pub(super) display: DisplayArguments,

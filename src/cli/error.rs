@@ -27,8 +27,11 @@ pub(super) enum CliError {
     #[error("{0}")]
     Frame(String),
     /// A signal ended the work (128 + its number).
-    #[error("stopped by signal {0}: what is whole is kept; `render` goes on with --skip valid")]
+    #[error("stopped by signal {0}: what is whole is kept")]
     Signal(u8),
+    /// One ended a run over frames (128 + its number).
+    #[error("stopped by signal {0}: what is whole is kept; `render` goes on with --skip valid")]
+    Interrupted(u8),
 }
 
 impl CliError {
@@ -39,7 +42,7 @@ impl CliError {
             Self::Scene(_) => SCENE,
             Self::InputOutput(_) => INPUT_OUTPUT,
             Self::Frame(_) => FRAME,
-            Self::Signal(number) => 128 + number,
+            Self::Signal(number) | Self::Interrupted(number) => 128 + number,
         }
     }
 }

@@ -28,6 +28,11 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     let scene = loading::resolve(description, &options, &arguments.scene.bakes, true)?;
     let frames = frames(arguments.frames.as_deref(), &scene)?;
     let (first, last) = (*frames.start(), *frames.end());
+    if first == last && arguments.frames.is_none() && !scene.resolved().is_still() {
+        tell(&format!(
+            "note: things move, and frame {first} alone is exported\n  remedy: --frames 1-48, or a sequence"
+        ));
+    }
     let folder = output.parent().unwrap_or(Path::new(""));
     let exported = scene.export(frames, folder).map_err(|error| CliError::Scene(Diagnostics(vec![error])))?;
     let remarks = Diagnostics([scene.resolved().remarks.0.clone(), exported.remarks.0].concat());

@@ -239,7 +239,11 @@ impl Outputs {
         if Animation::is_named(out) {
             return Ok(Self { pictures: None, sheet: None, animation: Some(out.to_owned()) });
         }
-        let pictures = OutputPattern::parse_as(out, name, "png").map_err(CliError::Usage)?;
+        let pictures = OutputPattern::parse_as(out, name, "png").map_err(|error| {
+            CliError::Usage(
+                error.remedy("end it in .png, in .apng or .webp for a movie, or in / if it is a folder"),
+            )
+        })?;
         // A single file for many frames is their contact sheet.
         if pictures.check(frames).is_err() {
             return Ok(Self { pictures: None, sheet: Some(out.to_owned()), animation: None });

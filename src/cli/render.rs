@@ -110,7 +110,7 @@ impl Run<'_> {
         dark_frames.tell_of(&plan.picture);
         doubts.tell();
         if let Some(number) = stop.signal().filter(|_| summary.stopped) {
-            return Err(CliError::Signal(number));
+            return Err(CliError::Interrupted(number));
         }
         self.stats.finish()?;
         progress.finish()?;
@@ -141,10 +141,13 @@ impl Run<'_> {
             let first = plan.frames.as_slice().first().copied().unwrap_or_default();
             self.stats.took(first, "exposure_seconds", started.elapsed());
             // What was begun and stopped is no picture to judge by.
-            stop.signal().map_or(Ok(stops), |number| Err(CliError::Signal(number)))
+            stop.signal().map_or(Ok(stops), |number| Err(CliError::Interrupted(number)))
         };
         let display =
             |PreviewArgument::Png| exposure::display(&arguments.display, &plan.picture.settings, measured);
+        if arguments.preview.is_none() && arguments.display.is_asked_for() {
+            tell("note: flags of pictures for eyes change no EXR\n  remedy: add --preview png");
+        }
         arguments.preview.map(display).transpose()
     }
 

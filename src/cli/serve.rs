@@ -107,9 +107,14 @@ fn read(desk: &Mutex<Desk>, to_server: &Sender<String>) {
 
 impl Server<'_> {
     fn answer(&mut self, line: &str, stop: &Stop) -> Value {
-        let request: Request = match serde_json::from_str(line) {
+        let refused = |id: &Value, error| answered(id, "refused", &format!("no request: {error}"));
+        let request: Value = match serde_json::from_str(line) {
             Ok(request) => request,
-            Err(error) => return answered(&Value::Null, "refused", &format!("no request: {error}")),
+            Err(error) => return refused(&Value::Null, error),
+        };
+        let request = match Request::deserialize(&request) {
+            Ok(request) => request,
+            Err(error) => return refused(request.get("id").unwrap_or(&Value::Null), error),
         };
         let Request { id, render, camera } = request;
         let Some(flags) = render else { return answered(&id, "ended", "") };

@@ -67,6 +67,12 @@ pub(super) struct DisplayArguments {
 }
 
 impl DisplayArguments {
+    /// Whether any of them was said.
+    pub(super) fn is_asked_for(&self) -> bool {
+        let Self { display, look, exposure, bloom } = self;
+        *display != Curve::default() || look.is_some() || exposure.is_some() || bloom.is_some()
+    }
+
     /// Display with an exposure in powers of two, and with the input's look unless another is asked for.
     pub(super) fn display(self, exposure_stops: f64, of_input: Look) -> Display {
         let Self { display: curve, look, bloom, .. } = self;

@@ -41,6 +41,9 @@ pub fn load_peers(path: &Path) -> Result<Vec<PeerRow>, LoadError> {
         Err(error) => table.refuse(1, error.to_string(), "text in UTF-8"),
     }
     table.check_headings();
+    if !table.problems.is_empty() {
+        return Err(LoadError::Invalid(Diagnostics(table.problems)));
+    }
     let mut rows = Vec::new();
     for record in lines.records() {
         match record {

@@ -138,6 +138,8 @@ fn what_is_no_request_is_answered_with_the_reason() {
         assert_eq!((&answer["outcome"], events), (&json!("refused"), 0), "{line}: {answer}");
         assert!(answer["error"].as_str().unwrap().contains(reason), "{line}: {answer}");
     }
+    let unknown = server.ask(&json!({ "id": 9, "rendr": [] }));
+    assert_eq!(unknown["id"], 9, "{unknown}");
     server.requests.write_all(b"\xff\n").unwrap();
     assert_eq!(server.answer().0["outcome"], "refused", "what is no text");
     let good = server.ask(&json!({ "id": [1, "x"], "render": ["--out", "x.exr", "--frames", "1"] }));

@@ -14,9 +14,11 @@ import numpy.typing as npt
 
 from sunfleck_tools import frame as files
 from sunfleck_tools.analysis import read_frame
+from sunfleck_tools.exr.codecs import FLAT
 from sunfleck_tools.exr.header import window_size
 
 from . import passes
+from .diagnostic import diagnostics
 from .errors import FileError
 from .flags import path_text
 
@@ -114,6 +116,9 @@ def read(path: str | os.PathLike[str]) -> Frame:
     file, frame = read_frame(0, name)
     if frame is None:
         remedy = "check the path" if file.read_error else "render the frame again"
-        raise FileError(f"{name}: error: {file.fault}\n  remedy: {remedy}", 4)
+        if file.unsupported:
+            remedy = f"flatten it: {FLAT}"
+        said = f"{name}: error: {file.fault}\n  remedy: {remedy}"
+        raise FileError(said, 4, diagnostics(said))
     counter = frame.header.values.get("imageCounter")
     return Frame(counter if isinstance(counter, int) else 0, frame)

@@ -5,6 +5,7 @@ not 0. What an input or the system did never gives a traceback.
 """
 
 import argparse
+import re
 import signal
 import sys
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from .errors import SceneError, Terminated, ToolError
 from .streams import patient_streams
 from .words import printable
 
+SEVERITY = re.compile(r"(^|: )(error|warning|note)(\[[\w-]+\])?: ")
 DISTRIBUTIONS = {"numpy": "numpy", "OpenEXR": "OpenEXR", "pxr": "usd-core", "PIL": "pillow"}
 """What is installed to import a package that some commands need."""
 
@@ -39,7 +41,10 @@ def _outcome(arguments: Sequence[str] | None) -> int:
         given = sys.argv[1:] if arguments is None else arguments
         if given and (successor := SUCCESSORS.get(given[0])):
             raise ToolError(f"`{given[0]}` is gone: `{successor}` does its work")
-        chosen = _parser().parse_args(arguments)
+        chosen, rest = _parser().parse_known_args(arguments)
+        if rest:
+            # By the command's own parser, whose usage it shows.
+            chosen.parser.error(f"unrecognized arguments: {' '.join(rest)}")
         return chosen.run(chosen)
     except SystemExit as exit:  # from argparse
         return exit.code if isinstance(exit.code, int) else USAGE
@@ -72,7 +77,9 @@ def _outcome(arguments: Sequence[str] | None) -> int:
 
 def _said(what: object, code: int) -> int:
     for line in str(what).splitlines() or [""]:
-        print(f"error: {printable(line)}", file=sys.stderr)
+        # What the program said has its severity, and remedies are indented below.
+        begin = "" if line.startswith("  ") or SEVERITY.search(line) else "error: "
+        print(f"{begin}{printable(line)}", file=sys.stderr)
     return code
 
 
@@ -104,5 +111,5 @@ def _parser() -> argparse.ArgumentParser:
         module = import_module(f".commands.{name}", __package__)
         command = commands.add_parser(name.replace("_", "-"), help=module.HELP, description=module.__doc__)
         module.add_arguments(command)
-        command.set_defaults(run=module.run)
+        command.set_defaults(run=module.run, parser=command)
     return parser

@@ -133,6 +133,9 @@ class Inputs(Failing):
         self.assertEqual((error.exit_code, error.place, error.remedy), (4, str(self.folder / "none.ron"), "check the path"))
         with self.assertRaisesRegex(sunfleck.FileError, "none.exr: .*\n  remedy: check the path"):
             sunfleck.read(self.folder / "none.exr")
+        with self.assertRaises(sunfleck.FileError) as raised:
+            sunfleck.read(self.folder / "none.exr")
+        self.assertEqual(raised.exception.remedy, "check the path")
         with self.assertRaises(sunfleck.FileError):
             sunfleck.inspect(self.folder / "none.ron")
 

@@ -115,6 +115,7 @@ class CommandLine(WithSequence):
             (2, self.folder, "--fps", "0"),
             (2, self.folder, "--skip-checks", "nothing"),
             (2, self.folder, "--max-flip", "0.1"),
+            (2, self.folder, "--max-relmse", "0.1"),
             (2, self.folder, "--processes", "0"),
             (4, self.folder, "--html", self.folder / "none/report.html"),
             (4, self.folder, "--stats", self.folder / "none.jsonl"),

@@ -18,9 +18,13 @@ def add_reading(parser: ArgumentParser) -> None:
 
 
 def frames(text: str) -> tuple[int, ...]:
-    """A list of frames, ascending."""
+    """A list of frames, ascending, or what the file holds that stands after `@`; `none` is a list."""
     try:
-        return tuple(sorted(parse_frames(text)))
+        if text.startswith("@"):
+            text = Path(text[1:]).read_text()
+        return () if text.strip() == "none" else tuple(sorted(parse_frames(text.strip())))
+    except OSError as error:
+        raise ArgumentTypeError(f"{text}: {error.strerror}") from None
     except ValueError as error:
         raise ArgumentTypeError(str(error)) from None
 
@@ -28,7 +32,7 @@ def frames(text: str) -> tuple[int, ...]:
 def frame_range(text: str) -> tuple[int, int]:
     """First and last frame of a range without gaps."""
     listed = frames(text)
-    if len(listed) != listed[-1] - listed[0] + 1:
+    if not listed or len(listed) != listed[-1] - listed[0] + 1:
         raise ArgumentTypeError(f"`{text}` leaves frames out: write the first and the last, 1-48")
     return listed[0], listed[-1]
 

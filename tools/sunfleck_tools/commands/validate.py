@@ -18,6 +18,7 @@ from . import FINDINGS, OK
 from .arguments import count, frame_rate, frames, positive
 
 HELP = "says whether a sequence of frames can be trusted"
+MOST_RELMSE = 0.01
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--reference", metavar="DIR|PATTERN", type=Path, help="frames to compare with, by number"
     )
     parser.add_argument(
-        "--max-relmse", metavar="X", type=positive, default=0.01, help="against --reference (0.01)"
+        "--max-relmse", metavar="X", type=positive, help=f"against --reference ({MOST_RELMSE})"
     )
     parser.add_argument(
         "--max-flip", metavar="X", type=positive, help="the same by mean FLIP (pip install flip-evaluator)"
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         frames=arguments.frames,
         fps=arguments.fps,
         reference=arguments.reference,
-        max_relmse=arguments.max_relmse,
+        max_relmse=_relmse_limit(arguments),
         max_flip=_flip_limit(arguments),
         stats=arguments.stats,
         skip_checks=arguments.skip_checks,
@@ -101,6 +102,12 @@ def run(arguments: argparse.Namespace) -> int:
         write_whole(arguments.write_missing, missing.encode() + b"\n")
         return OK
     return FINDINGS if report.fails(Severity(arguments.fail_on)) else OK
+
+
+def _relmse_limit(arguments: argparse.Namespace) -> float:
+    if arguments.max_relmse is not None and arguments.reference is None:
+        raise ToolError("--max-relmse compares with --reference, and there is none")
+    return MOST_RELMSE if arguments.max_relmse is None else arguments.max_relmse
 
 
 def _flip_limit(arguments: argparse.Namespace) -> float | None:

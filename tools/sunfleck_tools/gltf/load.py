@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from ..errors import SceneError
+from ..errors import SceneError, ToolError
 from ..program import find_program
 from .container import Container
 from .scene import Gltf
@@ -21,6 +21,8 @@ READ_HERE = {
     "KHR_materials_ior", "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
     "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_transform",
 }  # fmt: skip
+UNREADABLE = 4
+"""Exit code of the program."""
 READ_BY_PROGRAM = {
     "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_animation_pointer",
     "KHR_draco_mesh_compression", "KHR_meshopt_compression",
@@ -56,7 +58,8 @@ def load(
         command += ["--fps", str(fps)] if fps else []
         result = subprocess.run(command, capture_output=True, text=True, errors="replace")
         if result.returncode != 0:
-            raise SceneError(f"{source}: sunfleck export failed:\n{result.stderr.strip()}")
+            said = result.stderr.strip() or f"{source}: sunfleck export failed"
+            raise ToolError(said, is_usage=False) if result.returncode == UNREADABLE else SceneError(said)
         return Gltf(Container(exported))
 
 

@@ -396,6 +396,5 @@ class _Import:
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
         shown = (document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene, self.volumes.count)
-        # What is left out is said already.
-        if not any(shown) and {loss.kind for loss in self.lost.list()} <= {"usd-missing"}:
+        if not any(shown):
             self.lost.add("usd-empty", "/", "the stage holds nothing to be seen")
