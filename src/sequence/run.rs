@@ -97,6 +97,10 @@ impl<E> Worker<'_, E> {
                 Ok(rendered.map(|rendered| (rendered, provenance)))
             });
         let seconds = frame_started.elapsed().as_secs_f64();
+        if rendered.is_err() {
+            // No frame behind it is written.
+            self.queue.end();
+        }
         // Refused only by a writer that has ended; its error is the one to tell.
         self.to_writer.send(Finished { order, frame, rendered, seconds }).is_ok()
     }

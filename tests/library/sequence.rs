@@ -197,11 +197,11 @@ fn a_signal_stops_the_run_between_whole_frames() {
     assert_eq!(names(folder.path()), ["x.0001.exr", "x.0002.exr"]);
 }
 
-/// Runs over nine frames by three workers, after the first; frame 2 is done once frame 5 is. What is rendered
-/// comes of `render`.
+/// Runs over nine frames by three workers, after the first; frame 2 is done once frame `other` is. What is
+/// rendered comes of `render`.
 fn by_workers(
     folder: &Path,
-    stop: &AtomicBool,
+    (stop, other): (&AtomicBool, i64),
     render: impl Fn(i64) -> Result<Option<Rendered>, &'static str> + Sync,
 ) -> (Result<Summary, SequenceError<&'static str>>, Vec<i64>) {
     let (list, output) = (frames("1-9"), pattern(folder));
@@ -216,7 +216,7 @@ fn by_workers(
                 drop(news.wait_while(is_done, |is_done| !*is_done).unwrap());
             }
             let rendered = render(frame);
-            if frame == 5 {
+            if frame == other {
                 *is_done.lock().unwrap() = true;
                 news.notify_all();
             }
@@ -235,7 +235,7 @@ fn by_workers(
 fn frames_that_are_done_early_are_written_in_their_turn() {
     let (folder, one) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (most, now) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let (summary, written) = by_workers(folder.path(), &GO_ON, |frame| {
+    let (summary, written) = by_workers(folder.path(), (&GO_ON, 5), |frame| {
         most.fetch_max(now.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
         let picture = picture(frame);
         now.fetch_sub(1, Ordering::SeqCst);
@@ -251,12 +251,12 @@ fn frames_that_are_done_early_are_written_in_their_turn() {
     }
 }
 
-/// Frames 4 and 5 are done before frame 2 is.
+/// It has failed before frame 2 is done.
 #[test]
 fn behind_a_frame_that_fails_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let fails = |frame| if frame == 3 { Err("no light") } else { Ok(done(picture(frame))) };
-    let (summary, written) = by_workers(folder.path(), &GO_ON, fails);
+    let (summary, written) = by_workers(folder.path(), (&GO_ON, 3), fails);
     assert_eq!(summary.unwrap_err().to_string(), "frame 3: no light");
     assert_eq!((written, names(folder.path()).len()), (vec![1, 2], 2));
 }
@@ -266,10 +266,10 @@ fn a_signal_stops_all_workers() {
     let folder = tempfile::tempdir().unwrap();
     let stop = AtomicBool::new(false);
     let stopped = |frame| {
-        stop.fetch_or(frame == 5, Ordering::Relaxed);
-        if frame == 4 || frame == 5 { Err("given up half-way") } else { Ok(done(picture(frame))) }
+        stop.fetch_or(frame == 4, Ordering::Relaxed);
+        if frame == 4 { Err("given up half-way") } else { Ok(done(picture(frame))) }
     };
-    let (summary, written) = by_workers(folder.path(), &stop, stopped);
+    let (summary, written) = by_workers(folder.path(), (&stop, 4), stopped);
     let summary = summary.unwrap();
     assert!(summary.stopped && summary.written == 3, "{summary:?}");
     assert_eq!(written, [1, 2, 3]);
