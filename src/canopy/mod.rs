@@ -13,6 +13,7 @@ pub(crate) mod first_collisions;
 pub(crate) mod fluence;
 pub(crate) mod leaf_index;
 pub(crate) mod leaf_power;
+mod leaf_sums;
 mod node_fog;
 mod recollision;
 pub(crate) mod self_interaction;

@@ -22,7 +22,7 @@ pub(crate) struct Surfel {
 }
 
 /// Surfels of a chunk of leaves by its number; none beyond the last.
-type OfChunk<'a> = Box<dyn Fn(usize) -> Option<Vec<Surfel>> + 'a>;
+type OfChunk<'a> = Box<dyn Fn(usize) -> Option<Vec<Surfel>> + Send + Sync + 'a>;
 
 /// All surfels, made anew for each look at them.
 pub(crate) struct Surfels<'a> {
@@ -62,6 +62,14 @@ impl<'a> Surfels<'a> {
                 tell(&surfel);
             }
         });
+    }
+
+    /// Tells them in chunks of so many, at most.
+    pub(super) fn for_each_chunk_in(&self, grid: &Grid, at_once: usize, mut tell: impl FnMut(&[Surfel])) {
+        for mut surfels in (0..).map_while(&self.of_chunk) {
+            surfels.retain(|surfel| grid.holds(surfel.position));
+            surfels.chunks(at_once).for_each(&mut tell);
+        }
     }
 
     pub(crate) fn optics(&self, surfel: &Surfel) -> &SurfaceOptics {

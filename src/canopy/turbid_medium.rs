@@ -8,20 +8,16 @@
 use super::clumping::Clumping;
 use super::clumps::Clumps;
 use super::delta_scaled_fog::{DeltaScaledFog, FogCoefficients};
+use super::leaf_sums::{LeafArea, leaf_sums};
 use super::node_fog::fog_of_nodes;
-use super::surfels::{Surfel, Surfels};
+use super::surfels::Surfels;
 use crate::color::Rgb;
-use crate::ordinates::cross_sections::{
-    CrossSections, EVEN, Extinction, LobePairs, OrientedExtinction, OrientedScattering,
-};
+use crate::ordinates::cross_sections::{CrossSections, Extinction};
 use crate::ordinates::first_collision_source::FIRST_DEGREES;
-use crate::ordinates::harmonics::{COUNT, cosine_lobe};
 use crate::ordinates::moments::Moments;
-use crate::ordinates::occluders::{CutGrid, OFF_WALL};
-use crate::ordinates::surface_optics::SurfaceOptics;
+use crate::ordinates::occluders::CutGrid;
 use crate::scene::Bounces;
-use glam::DVec3;
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::PI;
 
 /// Leaf area of a node, as a share of the mean, that power is shared out over at the least. Rays meet all of
 /// a leaf, but its area lies at the nodes about its middle.
@@ -39,110 +35,6 @@ pub(crate) struct TurbidMedium {
     /// Nodes whose fog shines, with what it sends out in each direction, W m^-3 sr^-1.
     fog_emission: Vec<(usize, Rgb)>,
     pub(crate) clumping: Clumping,
-}
-
-/// Leaf area at a node.
-struct LeafArea {
-    node: usize,
-    /// Leaf area by volume, 1/m; of clumps what meets light from elsewhere.
-    density: f32,
-    /// Emission of leaves, by channel.
-    emitted: [[f32; COUNT]; 3],
-}
-
-/// Leaf area at a node as it is summed up.
-struct LeafSums {
-    area: LeafArea,
-    /// Leaf area by volume by outer products of normals: xx, yy, zz, xy, yz, zx.
-    density_by_normal: [f32; 6],
-    scattering: OrientedScattering,
-    /// Albedo times density.
-    sent: Rgb,
-}
-
-impl LeafSums {
-    fn at(node: usize) -> Self {
-        Self {
-            area: LeafArea { node, density: 0.0, emitted: [[0.0; COUNT]; 3] },
-            density_by_normal: [0.0; 6],
-            scattering: OrientedScattering::zero(node),
-            sent: Rgb::ZERO,
-        }
-    }
-
-    /// Puts them in clumps of a clumping index. Light that is scattered there several times has forgotten on
-    /// which side of a leaf.
-    fn clump(&mut self, clumping: &Clumping) {
-        let index = clumping.at(self.area.node);
-        if index == 1.0 || self.area.density <= 0.0 {
-            return;
-        }
-        let inside = clumping.inside(index, self.sent / f64::from(self.area.density));
-        for (channel, inside) in inside.to_array().into_iter().enumerate() {
-            let factors = [index * inside, index * index].map(|factor| factor as f32);
-            self.scattering.scale(channel, factors);
-            self.area.emitted[channel].iter_mut().for_each(|value| *value *= inside as f32);
-        }
-        self.area.density *= index as f32;
-        self.density_by_normal.iter_mut().for_each(|density| *density *= index as f32);
-    }
-
-    fn add(&mut self, surfel: &SurfelTerms, density: f32) {
-        self.area.density += density;
-        for (sum, product) in self.density_by_normal.iter_mut().zip(surfel.normals) {
-            *sum += density * product;
-        }
-        self.sent += f64::from(density) * surfel.sent;
-        for channel in 0..3 {
-            let factors = [density * surfel.even[channel], density * surfel.odd[channel]];
-            self.scattering.add(channel, &surfel.pairs, factors);
-            let emitted = density * surfel.emission[channel];
-            if emitted > 0.0 {
-                for index in EVEN {
-                    self.area.emitted[channel][index] += 2.0 * emitted * surfel.lobe[index];
-                }
-            }
-        }
-    }
-
-    /// Extinction by Ross' G-function, of which harmonics up to l = 2 are kept: `3/16 + 15/16 (n.w)^2`.
-    fn extinction(&self) -> OrientedExtinction {
-        let by_normal = self.density_by_normal.map(|density| 15.0 / 16.0 * density);
-        OrientedExtinction::new(3.0 / 16.0 * self.area.density, by_normal)
-    }
-}
-
-/// Terms of a surfel, per leaf area by volume.
-///
-/// Irradiances are `E+ = e - o`, `E- = e + o` by the even and odd parts of the moments along its normal; what
-/// leaves is `B+ + B- = 2 (rho + tau) e` and `B+ - B- = -2 (rho - tau) o`, sent out over `cos / pi`.
-struct SurfelTerms {
-    normals: [f32; 6],
-    lobe: [f32; COUNT],
-    pairs: LobePairs,
-    even: [f32; 3],
-    odd: [f32; 3],
-    emission: [f32; 3],
-    /// Share of light that it sends on.
-    sent: Rgb,
-}
-
-impl SurfelTerms {
-    fn of(surfel: &Surfel, optics: &SurfaceOptics) -> Self {
-        let DVec3 { x, y, z } = surfel.normal;
-        let lobe = cosine_lobe(surfel.normal).map(|value| value as f32);
-        let (reflectance, transmittance) = (optics.reflectance, optics.transmittance);
-        let channels = |color: Rgb| color.to_array().map(|value| value as f32);
-        Self {
-            normals: [x * x, y * y, z * z, x * y, y * z, z * x].map(|value| value as f32),
-            pairs: LobePairs::of(&lobe),
-            lobe,
-            even: channels(2.0 * FRAC_1_PI * (reflectance + transmittance)),
-            odd: channels(-2.0 * FRAC_1_PI * (reflectance - transmittance)),
-            emission: channels(optics.emission),
-            sent: reflectance + transmittance,
-        }
-    }
 }
 
 impl TurbidMedium {
@@ -227,25 +119,4 @@ impl TurbidMedium {
             }
         }
     }
-}
-
-/// Leaf area of the nodes about each surfel, on its side of walls.
-fn leaf_sums(cut: CutGrid, surfels: &Surfels) -> Vec<LeafSums> {
-    const NO_LEAVES: usize = usize::MAX;
-    let (mut sums, mut number_of): (Vec<LeafSums>, _) = (Vec::new(), vec![NO_LEAVES; cut.grid.count()]);
-    surfels.for_each_in(cut.grid, |surfel| {
-        let terms = SurfelTerms::of(surfel, surfels.optics(surfel));
-        let off_wall = surfel.position + OFF_WALL * cut.grid.cell_m * surfel.normal;
-        let corners = cut.corners(surfel.position, off_wall);
-        for (node, weight) in corners.iter().filter(|(_, weight)| *weight > 0.0) {
-            let number = &mut number_of[node];
-            if *number == NO_LEAVES {
-                *number = sums.len();
-                sums.push(LeafSums::at(node));
-            }
-            let area = f64::from(surfel.exposed) * surfel.area;
-            sums[*number].add(&terms, (weight * area / cut.grid.cell_volume()) as f32);
-        }
-    });
-    sums
 }

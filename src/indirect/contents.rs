@@ -67,9 +67,11 @@ impl<'a> Contents<'a> {
     pub(super) fn new(grid: &'a Grid, context: &Context<'a>) -> Self {
         let &Context { snapshot, surroundings, bounces, .. } = context;
         let triangles = surroundings.walls(WALL_CELLS * grid.cell_m);
-        let walls = SnapshotWalls::new(grid, snapshot, &triangles);
         let fog = DeltaScaledFog::new(&snapshot.medium, snapshot.view.eye, bounces);
-        let surfels = surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m);
+        let (walls, surfels) = rayon::join(
+            || SnapshotWalls::new(grid, snapshot, &triangles),
+            || surroundings.surfels(WALL_CELLS * grid.cell_m, grid.cell_m),
+        );
         let medium =
             TurbidMedium::new(CutGrid { grid, occluders: &walls.walls.occluders }, &fog, &surfels, bounces);
         let are_walls = triangles.iter().map(|triangle| triangle.primitive).collect();

@@ -35,6 +35,11 @@ impl Corners {
         self.nodes.into_iter().zip(self.weights)
     }
 
+    /// Nodes that count.
+    pub(crate) fn seen(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.iter().filter(|(_, weight)| *weight > 0.0)
+    }
+
     /// Those of some nodes alone; `None` if there are hardly any.
     pub(crate) fn only(&self, is_wanted: impl Fn(usize) -> bool) -> Option<Self> {
         const LEAST: f64 = 1e-3;

@@ -5,6 +5,7 @@
 use super::grid::Corners;
 use super::harmonics::COUNT;
 use crate::color::Rgb;
+use rayon::prelude::*;
 
 /// Moments of all nodes of a grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,11 +57,12 @@ impl Moments {
     }
 
     /// Each harmonic by itself.
-    pub(crate) fn map(&self, of_harmonic: impl Fn(&[f32]) -> Vec<f32>) -> Self {
-        Self {
-            nodes: self.nodes,
-            values: self.values.chunks_exact(self.nodes).flat_map(of_harmonic).collect(),
-        }
+    pub(crate) fn map(&self, of_harmonic: impl Fn(&[f32]) -> Vec<f32> + Sync) -> Self {
+        let mut mapped = self.emptied();
+        let harmonics = self.values.par_chunks_exact(self.nodes);
+        let to = mapped.values.par_chunks_exact_mut(self.nodes);
+        to.zip(harmonics).for_each(|(to, harmonic)| to.copy_from_slice(&of_harmonic(harmonic)));
+        mapped
     }
 
     /// `self += factor * other`, the factor by channel.

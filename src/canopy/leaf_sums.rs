@@ -1,0 +1,168 @@
+//! Leaf area at nodes, summed up over surfels. In go surfels, out come cross-sections by node. Invariant: to a
+//! node they are added in one order, however many threads do it.
+
+use super::clumping::Clumping;
+use super::surfels::{Surfel, Surfels};
+use crate::color::Rgb;
+use crate::ordinates::cross_sections::{EVEN, LobePairs, OrientedExtinction, OrientedScattering};
+use crate::ordinates::grid::Corners;
+use crate::ordinates::harmonics::{COUNT, cosine_lobe};
+use crate::ordinates::occluders::{CutGrid, OFF_WALL};
+use crate::ordinates::surface_optics::SurfaceOptics;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::FRAC_1_PI;
+
+/// Surfels that are placed before they are added: memory.
+const AT_ONCE: usize = 4096;
+/// Parts that nodes are shared out into, and the fewest nodes of one.
+const PARTS: usize = 32;
+const FEWEST_NODES: usize = 512;
+
+/// Leaf area at a node.
+pub(super) struct LeafArea {
+    pub(super) node: usize,
+    /// Leaf area by volume, 1/m; of clumps what meets light from elsewhere.
+    pub(super) density: f32,
+    /// Emission of leaves, by channel.
+    pub(super) emitted: [[f32; COUNT]; 3],
+}
+
+/// Leaf area at a node as it is summed up.
+pub(super) struct LeafSums {
+    pub(super) area: LeafArea,
+    /// Leaf area by volume by outer products of normals: xx, yy, zz, xy, yz, zx.
+    density_by_normal: [f32; 6],
+    pub(super) scattering: OrientedScattering,
+    /// Albedo times density.
+    sent: Rgb,
+}
+
+impl LeafSums {
+    fn at(node: usize) -> Self {
+        Self {
+            area: LeafArea { node, density: 0.0, emitted: [[0.0; COUNT]; 3] },
+            density_by_normal: [0.0; 6],
+            scattering: OrientedScattering::zero(node),
+            sent: Rgb::ZERO,
+        }
+    }
+
+    /// Puts them in clumps of a clumping index. Light that is scattered there several times has forgotten on
+    /// which side of a leaf.
+    pub(super) fn clump(&mut self, clumping: &Clumping) {
+        let index = clumping.at(self.area.node);
+        if index == 1.0 || self.area.density <= 0.0 {
+            return;
+        }
+        let inside = clumping.inside(index, self.sent / f64::from(self.area.density));
+        for (channel, inside) in inside.to_array().into_iter().enumerate() {
+            let factors = [index * inside, index * index].map(|factor| factor as f32);
+            self.scattering.scale(channel, factors);
+            self.area.emitted[channel].iter_mut().for_each(|value| *value *= inside as f32);
+        }
+        self.area.density *= index as f32;
+        self.density_by_normal.iter_mut().for_each(|density| *density *= index as f32);
+    }
+
+    fn add(&mut self, surfel: &SurfelTerms, density: f32) {
+        self.area.density += density;
+        for (sum, product) in self.density_by_normal.iter_mut().zip(surfel.normals) {
+            *sum += density * product;
+        }
+        self.sent += f64::from(density) * surfel.sent;
+        for channel in 0..3 {
+            let factors = [density * surfel.even[channel], density * surfel.odd[channel]];
+            self.scattering.add(channel, &surfel.pairs, factors);
+            let emitted = density * surfel.emission[channel];
+            if emitted > 0.0 {
+                for index in EVEN {
+                    self.area.emitted[channel][index] += 2.0 * emitted * surfel.lobe[index];
+                }
+            }
+        }
+    }
+
+    /// Extinction by Ross' G-function, of which harmonics up to l = 2 are kept: `3/16 + 15/16 (n.w)^2`.
+    pub(super) fn extinction(&self) -> OrientedExtinction {
+        let by_normal = self.density_by_normal.map(|density| 15.0 / 16.0 * density);
+        OrientedExtinction::new(3.0 / 16.0 * self.area.density, by_normal)
+    }
+}
+
+/// Terms of a surfel, per leaf area by volume.
+///
+/// Irradiances are `E+ = e - o`, `E- = e + o` by the even and odd parts of the moments along its normal; what
+/// leaves is `B+ + B- = 2 (rho + tau) e` and `B+ - B- = -2 (rho - tau) o`, sent out over `cos / pi`.
+struct SurfelTerms {
+    normals: [f32; 6],
+    lobe: [f32; COUNT],
+    pairs: LobePairs,
+    even: [f32; 3],
+    odd: [f32; 3],
+    emission: [f32; 3],
+    /// Share of light that it sends on.
+    sent: Rgb,
+}
+
+impl SurfelTerms {
+    fn of(surfel: &Surfel, optics: &SurfaceOptics) -> Self {
+        let DVec3 { x, y, z } = surfel.normal;
+        let lobe = cosine_lobe(surfel.normal).map(|value| value as f32);
+        let (reflectance, transmittance) = (optics.reflectance, optics.transmittance);
+        let channels = |color: Rgb| color.to_array().map(|value| value as f32);
+        Self {
+            normals: [x * x, y * y, z * z, x * y, y * z, z * x].map(|value| value as f32),
+            pairs: LobePairs::of(&lobe),
+            lobe,
+            even: channels(2.0 * FRAC_1_PI * (reflectance + transmittance)),
+            odd: channels(-2.0 * FRAC_1_PI * (reflectance - transmittance)),
+            emission: channels(optics.emission),
+            sent: reflectance + transmittance,
+        }
+    }
+}
+
+/// A surfel where it counts.
+struct Placed {
+    terms: SurfelTerms,
+    corners: Corners,
+    area_m2: f64,
+}
+
+/// Leaf area of the nodes about each surfel, on its side of walls.
+pub(super) fn leaf_sums(cut: CutGrid, surfels: &Surfels) -> Vec<LeafSums> {
+    const NO_LEAVES: usize = usize::MAX;
+    let volume_m3 = cut.grid.cell_volume();
+    let (mut sums, mut number_of): (Vec<LeafSums>, _) = (Vec::new(), vec![NO_LEAVES; cut.grid.count()]);
+    let placed = |surfel: &Surfel| {
+        let off_wall = surfel.position + OFF_WALL * cut.grid.cell_m * surfel.normal;
+        Placed {
+            terms: SurfelTerms::of(surfel, surfels.optics(surfel)),
+            corners: cut.corners(surfel.position, off_wall),
+            area_m2: f64::from(surfel.exposed) * surfel.area,
+        }
+    };
+    surfels.for_each_chunk_in(cut.grid, AT_ONCE, |chunk| {
+        let placed: Vec<Placed> = chunk.par_iter().map(placed).collect();
+        for node in placed.iter().flat_map(|surfel| surfel.corners.seen()).map(|(node, _)| node) {
+            if number_of[node] == NO_LEAVES {
+                number_of[node] = sums.len();
+                sums.push(LeafSums::at(node));
+            }
+        }
+        let count = sums.len().div_ceil(PARTS).max(FEWEST_NODES);
+        sums.par_chunks_mut(count).enumerate().for_each(|(part, sums)| {
+            for surfel in &placed {
+                for (node, weight) in surfel.corners.seen() {
+                    if let Some(sums) =
+                        number_of[node].checked_sub(part * count).and_then(|n| sums.get_mut(n))
+                    {
+                        sums.add(&surfel.terms, (weight * surfel.area_m2 / volume_m3) as f32);
+                    }
+                }
+            }
+        });
+    });
+    sums
+}
