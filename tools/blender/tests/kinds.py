@@ -370,7 +370,7 @@ BESIDE = {
     "generated": (made.generated, 1, BAKED), "shining colour": (made.shining_colour, 1, EXACT),
     "half mixed": (made.half_mixed, 1, EXACT), "open while it changes": (made.open_while_it_changes, 5, EXACT),
     "open while light changes": (made.open_while_light_changes, 3, EXACT),
-    "associated": (made.associated, 1, BAKED), "paths": (made.paths, 1, EXACT), "uv of nodes": (made.uv_of_nodes, 1, EXACT),
+    "associated": (made.associated, 1, BAKED), "alpha asked for": (made.alpha_asked_for, 1, BAKED), "paths": (made.paths, 1, EXACT), "uv of nodes": (made.uv_of_nodes, 1, EXACT),
     "lights for their size": (made.lights_for_their_size, 1, EXACT), "world switched off": (made.world_switched_off, 1, EXACT),
     "squares": (lambda scene: surfaces.coarse_picture(scene, "Closest", 4), 1, BAKED), "decal": (surfaces.decal, 1, BAKED),
 }

@@ -65,21 +65,19 @@ def numbers_of_colours(scene):
 
 
 def beyond_one(scene):
-    """What pictures are multiplied by; pictures that their own panel moves, or that are smooth otherwise."""
-    trees = [matte() for _ in range(5)]
-    for tree, name in zip(trees, ("Roughness", "Metallic", "Alpha")):
+    """What pictures are multiplied by; one that its own panel moves, and that is smooth otherwise."""
+    metal, cut, moved = matte(), matte(), matte()
+    for tree, names in ((metal, ("Roughness", "Metallic")), (cut, ("Alpha",))):
         node = picture(tree)
         node.image.alpha_mode = "NONE"
-        tree.shader.inputs["Metallic"].default_value = float(name == "Roughness")
-        tree.shader.inputs["Roughness"].default_value = 0.7
-        tree.link(math_of(tree, node.outputs["Color"], "MULTIPLY", 1.7), tree.shader.inputs[name])
-    moved, coarse = picture(trees[3]), trees[4].node("TexImage", interpolation="Smart")
-    moved.texture_mapping.scale, moved.texture_mapping.translation = (2.0, 0.5, 1.0), (0.2, 0.1, 0.0)
+        for name in names:
+            tree.link(math_of(tree, node.outputs["Color"], "MULTIPLY", 1.7), tree.shader.inputs[name])
+    coarse = moved.node("TexImage", interpolation="Smart")
     coarse.image = bpy.data.images.new("coarse", 6, 6)
     coarse.image.pixels.foreach_set(0.8 * numpy.repeat(numpy.indices((6, 6)).sum(0).ravel() % 2, 4).astype("f4"))
-    for tree, node in zip(trees[3:], (moved, coarse)):
-        tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
-    each(scene, trees)
+    coarse.texture_mapping.scale, coarse.texture_mapping.translation = (2.0, 0.5, 1.0), (0.2, 0.1, 0.0)
+    moved.link(coarse.outputs["Color"], moved.shader.inputs["Base Color"])
+    each(scene, [metal, metal, cut, moved, moved])
 
 
 def chequered(name="Generated"):
@@ -226,6 +224,20 @@ def associated(scene):
     node.image.alpha_mode = "PREMUL"
     tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
     leaves(scene, tree)
+
+
+def alpha_asked_for(scene):
+    """Whoever asks for alpha changes colours: of 8 bits, and of floats in which alpha is said not to be."""
+    trees = [matte() for _ in range(3)]
+    for tree, name in zip(trees, ("Roughness", "Alpha", "Roughness")):
+        node = picture(tree)
+        if tree is trees[2]:
+            node.image = bpy.data.images.new("floats", 32, 32, alpha=True, float_buffer=True)
+            node.image.pixels.foreach_set(numpy.tile(numpy.linspace(0.1, 0.6, 32, dtype="f4"), 32).repeat(4))
+            node.image.alpha_mode = "STRAIGHT"
+        tree.link(node.outputs["Color"], tree.shader.inputs["Base Color"])
+        tree.link(node.outputs["Alpha"], tree.shader.inputs[name])
+    each(scene, trees)
 
 
 def paths(scene):

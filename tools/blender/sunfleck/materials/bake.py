@@ -24,7 +24,7 @@ from .sockets import NotSimple, Picture, Source
 from .written import DEFAULTS
 
 # Counted up where the same tree comes to be baked otherwise: what was kept before is no longer looked at.
-WAY = 5
+WAY = 6
 SAMPLES = 4
 MARGIN_TEXELS = 4
 # An alpha is a mask if so few texels are in between.
@@ -128,6 +128,7 @@ class Baker:
             tree.links.new(combine.outputs[0], emission.inputs["Color"])
         else:
             tree.links.new(parts[name], emission.inputs["Color"])
+        ask_for_alpha(tree, emission)
         tree.links.new(emission.outputs[0], output.inputs["Surface"])
         found = stage.bake("EMIT")
         tree.links.new(before, output.inputs["Surface"])
@@ -209,6 +210,21 @@ class Baker:
             self.canvas.uv,
             extension="EXTEND" if self.canvas.geometry else "REPEAT",
         )
+
+
+def ask_for_alpha(tree, emission):
+    """Cycles shows other colours of a picture whose alpha is asked for: what asked may not be in what is baked."""
+    before = None
+    for node in [node for node in tree.nodes if node.type == "TEX_IMAGE" and node.outputs["Alpha"].is_linked]:
+        asking = tree.nodes.new("ShaderNodeMath")
+        # As good as 1, and nothing that Cycles could leave out.
+        asking.operation, asking.inputs[1].default_value, asking.inputs[2].default_value = "MULTIPLY_ADD", 1e-30, 1.0
+        tree.links.new(node.outputs["Alpha"], asking.inputs[0])
+        if before:
+            tree.links.new(before, asking.inputs[2])
+        before = asking.outputs[0]
+    if before:
+        tree.links.new(before, emission.inputs["Strength"])
 
 
 def mixes_shine(channels):

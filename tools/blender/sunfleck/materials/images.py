@@ -19,6 +19,8 @@ from .colours import rec709
 KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 # As Blender names them: what holds colours in sRGB's curve, and what holds plain numbers.
 IN_SRGB = {"sRGB"}
+# Of light: so little less is no reason to write a picture anew.
+UNSEEN = 1e-3
 PLAIN = {"Non-Color"}
 
 
@@ -77,11 +79,16 @@ class Images:
         return data if data and (any(map(data.startswith, KINDS)) or data[8:12] == b"WEBP") else None
 
     def is_as_it_is(self, picture):
-        """Whether alpha does nothing to its colours."""
+        """Whether alpha does nothing to its colours, or next to nothing to what is seen of them."""
         if not picture.by_alpha:
             return True
         pixels = self.pixels(replace(picture, by_alpha=""))
-        return pixels is None or bool(numpy.all(pixels[..., 3] >= 1.0))
+        if pixels is None or bool(numpy.all(pixels[..., 3] >= 1.0)):
+            return True
+        if picture.by_alpha != "there and back":
+            return False
+        seen = [(one[..., :3] * pixels[..., 3:]).sum() for one in (pixels, self.pixels(picture))]
+        return bool(seen[0] - seen[1] <= UNSEEN * seen[0])
 
     def pixels(self, picture):
         """Scene-linear or plain values, rows from the bottom; None if there are none."""
@@ -98,13 +105,7 @@ class Images:
                 found = found.reshape(height, width, 4)
                 if image.alpha_mode == "NONE":
                     found[..., 3] = 1.0
-                if picture.by_alpha == "times":
-                    found[..., :3] *= found[..., 3:]
-                    if not image.is_float:
-                        # Cycles drops what 8 bits do not hold; a little more is what single precision lacks.
-                        found[..., :3] = numpy.floor(255.0 * found[..., :3] + 1e-3) / 255.0
-                elif picture.by_alpha == "over":
-                    found[..., :3] /= numpy.where(found[..., 3:] > 0.0, found[..., 3:], 1.0)
+                found[..., :3] = by_alpha(found[..., :3], found[..., 3:], picture.by_alpha, image.is_float)
                 # Byte images are given as they are stored.
                 if not image.is_float and image.colorspace_settings.name in IN_SRGB:
                     found = numpy.concatenate([linear(found[..., :3]), found[..., 3:]], axis=-1)
@@ -116,6 +117,22 @@ class Images:
     def encoded(self, pixels, is_color, deep):
         values = numpy.concatenate([srgb(pixels[..., :3]), pixels[..., 3:]], axis=-1) if is_color else pixels
         return png(values[..., :3] if numpy.all(values[..., 3] >= 1.0) else values, deep)
+
+
+def by_alpha(colors, alpha, way, is_float):
+    """Colours as Blender gives them by what Cycles does to them (`sockets.by_alpha`)."""
+    left = numpy.where(alpha > 0.0, alpha, 1.0)
+    if way == "times" and is_float:
+        # Of 16 bits: Blender's have alpha in them, and Cycles multiplies as they are stored.
+        return linear(alpha * srgb(colors / left))
+    found = colors
+    if way in {"times", "there and back"}:
+        # Cycles drops what 8 bits do not hold; a little more is what single precision lacks.
+        found = numpy.floor(255.0 * alpha * colors + 1e-3) / 255.0
+    if way in {"over", "there and back"}:
+        # Where nothing is to be seen colours stay, as what is smooth beside it has them in part.
+        found = numpy.where(alpha > 0.0, found / left, colors)
+    return found
 
 
 def is_plain(image):

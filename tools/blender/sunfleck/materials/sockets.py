@@ -40,7 +40,7 @@ class Picture:
     scale: tuple = (1.0, 1.0)
     extension: str = "REPEAT"
     interpolation: str = "Linear"
-    # What Cycles does to its colours by its alpha: "times", "over" or nothing.
+    # What Cycles does to its colours by its alpha: "times", "over", "there and back" or nothing.
     by_alpha: str = ""
 
     def place(self):
@@ -164,10 +164,8 @@ def read_image(node, output):
     image = node.image
     if image is None or node.projection != "FLAT" or image.source not in {"FILE", "GENERATED"}:
         raise NotSimple(node)
-    # Blender divides 8 bits by an alpha that is in them, Cycles does so in some versions.
     # Of a Cineon file Cycles shows the logarithms as they are, Blender what they stand for.
-    is_associated = image.depth == 32 and image.alpha_mode == "PREMUL"
-    if image.file_format == "CINEON" or is_associated or not (image.is_float or image.colorspace_settings.name in KNOWN_SPACES):
+    if image.file_format == "CINEON" or has_odd_alpha(image) or not (image.is_float or image.colorspace_settings.name in KNOWN_SPACES):
         raise NotSimple(node)
     place = coordinates(node.inputs["Vector"])
     # Nothing beyond its edges, and other smoothing, which a bake of many texels has too: glTF has no word for these.
@@ -192,14 +190,29 @@ def is_moved(node):
     return not is_as_new or axes != ("X", "Y", "Z") or moves.vector_type == "NORMAL"
 
 
+# Depths of pictures with an alpha: of 8 bits, of 16 and of floats.
+WITH_ALPHA = {32, 64, 128}
+# Whether alpha is in the colours, as files of a format usually have it.
+USUAL_ALPHA = {"PNG": "STRAIGHT", "OPEN_EXR": "PREMUL", "OPEN_EXR_MULTILAYER": "PREMUL"}
+
+
+def has_odd_alpha(image):
+    """Whether its colours are said to have alpha in them or not otherwise than usual: there Blender and Cycles
+    differ, and so do Cycles' versions."""
+    is_simple = image.depth not in WITH_ALPHA or image.alpha_mode not in {"STRAIGHT", "PREMUL"}
+    usual = "STRAIGHT" if image.depth == 32 else USUAL_ALPHA.get(image.file_format) if image.source == "FILE" else None
+    return not is_simple and image.alpha_mode != usual
+
+
 def by_alpha(node):
-    """Colours are multiplied by alpha where nobody asks for it, and where someone does they are not."""
+    """Colours are multiplied by alpha where nobody asks for it. Where someone does they are divided again, of 8 bits
+    by what is left of them."""
     image, is_asked = node.image, node.outputs["Alpha"].is_linked
-    if image.depth not in {32, 64, 128} or image.colorspace_settings.is_data:
+    if image.depth not in WITH_ALPHA or image.colorspace_settings.is_data:
         return ""
-    if is_asked:
-        return "over" if image.alpha_mode == "PREMUL" else ""
-    return "times" if image.alpha_mode == "STRAIGHT" else ""
+    if image.alpha_mode == "STRAIGHT":
+        return "" if is_asked and image.depth > 32 else "there and back" if is_asked else "times"
+    return "over" if is_asked and image.alpha_mode == "PREMUL" else ""
 
 
 def coordinates(socket):

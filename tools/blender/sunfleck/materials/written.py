@@ -4,6 +4,8 @@ In go sources, out comes a material of the file. Invariant: factors lie in glTF'
 texture that stand in different pictures are put together in a new one, texel by texel.
 """
 
+from dataclasses import replace
+
 import numpy
 
 from . import images as files
@@ -106,7 +108,7 @@ class Writer:
         if base.picture is None and alpha.picture is None:
             return None
         fits = base.channel == "rgb" and (
-            alpha.picture is None or (alpha.picture == base.picture and alpha.channel == 3)
+            alpha.picture is None or (alpha.picture == replace(base.picture, by_alpha="") and alpha.channel == 3)
         )
         if base.picture and fits:
             self.check_range(base.picture)
