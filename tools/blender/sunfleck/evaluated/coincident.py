@@ -56,9 +56,12 @@ def found_in(placed, made):
         for one, (*_, matrix) in zip(made, placed)
     ]
     owners = numpy.repeat(numpy.arange(len(placed)), [len(one) for one in corners])
-    closed, found = {}, set()
-    for one, other, is_opposed in overlapping(numpy.concatenate(corners)):
+    closed, found, corners = {}, set(), numpy.concatenate(corners)
+    for one, other, is_opposed in overlapping(corners):
         pair = {owners[one], owners[other]}
+        # A bent quad of a bevel is two triangles of which one may lie folded over the other.
+        if is_opposed and abs(one - other) == 1 and (corners[one][:, None] == corners[other]).all(axis=2).sum() == 2:
+            continue
         if not (is_opposed and any(is_closed(placed[at][1], made[at], closed) for at in pair)):
             found |= {placed[at][0] for at in pair}
     return found
@@ -78,10 +81,12 @@ def overlapping(corners):
     normals = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = numpy.linalg.norm(normals, axis=1)
     scale = max(float(numpy.abs(corners).max(initial=0.0)), 1e-30)
-    kept = numpy.flatnonzero(lengths > (NEAR * scale) ** 2)
+    # What is thinner than that is no face, as at the poles of a surface.
+    longest = numpy.linalg.norm(numpy.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1, initial=0.0)
+    kept = numpy.flatnonzero(lengths > NEAR * scale * longest)
     corners, normals = corners[kept], normals[kept] / lengths[kept, None]
-    # Of a plane both sides are one; along its longest axis one looks at it.
-    axis = numpy.abs(normals).argmax(axis=1)
+    # Of a plane both sides are one; along its longest axis one looks at it, of a slanted one along the same.
+    axis = numpy.abs(numpy.rint(normals / SORTED)).argmax(axis=1)
     ways = numpy.sign(numpy.take_along_axis(normals, axis[:, None], 1))
     planes = numpy.column_stack([ways * normals, ways[:, 0] * numpy.einsum("ij,ij->i", normals, corners[:, 0]) / scale])
     planes = (numpy.rint(planes / SORTED).astype(int) * HASHED).sum(axis=1)
