@@ -22,7 +22,8 @@ LOSSES = {
                                "frame"),
     "world-lights-nothing": (WARNING, "the sky is seen and lights nothing: choose in the panel what it lights"),
     "world-rays": (WARNING, "the sky is seen and lights, whatever the world's ray visibility says"),
-    "world-depends-on-rays": (WARNING, "the world's nodes tell rays apart: it is and lights as the camera sees it"),
+    "world-depends-on-rays": (WARNING, "the world's nodes tell rays apart, or look at the camera: it is and lights as "
+                                       "a camera sees it that looks all around"),
     "world-volume": (WARNING, "the world's volume is not exported: tick Fog everywhere in the panel"),
     "border": (WARNING, "a render border is not in the file: Frame and Animation render that region alone"),
     "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a "

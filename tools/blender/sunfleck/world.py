@@ -80,8 +80,9 @@ def changes(scene):
 
 
 def depends_on_rays(scene):
-    """Whether it is another for the camera than for what it lights."""
-    return any(dependence.LOST.get(node.type) == dependence.VIEW for node in dependence.nodes_of(scene.world))
+    """Whether it is another for the camera than for what it lights, or goes along with the camera."""
+    nodes = dependence.nodes_of(scene.world)
+    return any(dependence.LOST.get(node.type) == dependence.VIEW or dependence.is_asked_of_view(node) for node in nodes)
 
 
 def of_world(scene, path):

@@ -3,6 +3,7 @@
 import math
 
 import bpy
+import kinds_clear as clear
 import kinds_hair as hairs
 import kinds_instances as instances
 import kinds_nodes as made
@@ -266,6 +267,14 @@ def world_by_rays(scene):
     scene.sunfleck_settings.use_world = True
 
 
+def world_by_the_window(scene):
+    world_by_rays(scene)
+    nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
+    background = next(node for node in nodes if node.type == "BACKGROUND")
+    links.remove(background.inputs["Strength"].links[0])
+    links.new(nodes.new("ShaderNodeTexCoord").outputs["Window"], background.inputs["Color"])
+
+
 def keyed_shutter(scene):
     leaves(scene, matte())
     scene.render.use_motion_blur = True
@@ -370,13 +379,14 @@ BESIDE = {
     "generated": (made.generated, 1, BAKED), "shining colour": (made.shining_colour, 1, EXACT),
     "half mixed": (made.half_mixed, 1, EXACT), "open while it changes": (made.open_while_it_changes, 5, EXACT),
     "open while light changes": (made.open_while_light_changes, 3, EXACT),
-    "associated": (made.associated, 1, BAKED), "alpha asked for": (made.alpha_asked_for, 1, BAKED), "paths": (made.paths, 1, EXACT), "uv of nodes": (made.uv_of_nodes, 1, EXACT),
+    "associated": (made.associated, 1, BAKED), "alpha asked for": (made.alpha_asked_for, 1, BAKED),
+    "stained": (clear.stained, 1, EXACT), "flame": (clear.flame, 1, BAKED), "paths": (made.paths, 1, EXACT), "uv of nodes": (made.uv_of_nodes, 1, EXACT),
     "lights for their size": (made.lights_for_their_size, 1, EXACT), "world switched off": (made.world_switched_off, 1, EXACT),
     "squares": (lambda scene: surfaces.coarse_picture(scene, "Closest", 4), 1, BAKED), "decal": (surfaces.decal, 1, BAKED),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {
-    "world by rays": (world_by_rays, "world-depends-on-rays"), "sheen": (surfaces.sheen, "material-lost"),
+    "world by rays": (world_by_rays, "world-depends-on-rays"), "world by the window": (world_by_the_window, "world-depends-on-rays"), "sheen": (surfaces.sheen, "material-lost"),
     "thin metal of a texture": (surfaces.thin_metal_of_a_texture, "material-lost"),
     "two-sided and transparent": (surfaces.two_sided_and_transparent, "material-lost"),
     "keyed shutter": (keyed_shutter, "shutter-changes"),
@@ -384,7 +394,7 @@ SAID = {
     "volume of nodes": (nodes_volume, "volume"), "pencil of nodes": (nodes_pencil, "grease-pencil"),
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hairs.hair, "hair"),
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
-    "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained": (surfaces.stained, "material-lost"),
+    "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained gloss": (clear.stained_gloss, "material-lost", "transparent-tint"),
     "uneven spot": (uneven_spot, "light-uneven"), "scrolled": (surfaces.scrolled, "material-changes"),
     "doubled": (instances.doubled, "coincident-faces"),
     "doubled while the shutter is open": (lambda scene: instances.doubled(scene, True), "coincident-faces"), "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),

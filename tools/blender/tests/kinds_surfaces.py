@@ -282,15 +282,6 @@ def scrolled(scene):
     leaves(scene, tree)
 
 
-def stained(scene):
-    """Transparent in a colour."""
-    tree = matte()
-    glass = tree.node("BsdfTransparent")
-    glass.inputs["Color"].default_value = GREEN
-    tree.mixed(0.4, tree.shader, glass)
-    leaves(scene, tree)
-
-
 def two_sided(scene):
     """Every other leaf shows its back."""
     tree = matte()

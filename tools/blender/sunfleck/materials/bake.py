@@ -29,6 +29,8 @@ SAMPLES = 4
 MARGIN_TEXELS = 4
 # An alpha is a mask if so few texels are in between.
 SOFT_SHARE = 0.02
+# Of what glows where nothing else is, so that 8 bits hold it: alpha counts for light too.
+LEAST_COVER = 1.0 / 255.0
 
 
 class Pixels:
@@ -136,7 +138,8 @@ class Baker:
 
     def put_together(self, pictures, channels):
         """The surface of the pictures; what shines of a Principled BSDF keeps its other numbers."""
-        cover = pictures["cover"]
+        glows = pictures["emission"].max(axis=-1, keepdims=True) > 0.0
+        cover = numpy.where(glows, numpy.maximum(pictures["cover"], LEAST_COVER), pictures["cover"])
         there = numpy.maximum(cover, 1e-4)
         emission = pictures["emission"] / there
         if (pictures["reflected"] + pictures["through"] - cover).max() > 2e-3:
@@ -152,7 +155,8 @@ class Baker:
         if pictures["through"].max() > 1e-4:
             surface.sources["through"] = self.source("through", through)
         surface.alpha = self.source("alpha", cover)
-        if not surface.alpha.is_constant() and float(((cover > 0.02) & (cover < 0.98)).mean()) < SOFT_SHARE:
+        is_sharp = float(((cover > 0.02) & (cover < 0.98)).mean()) < SOFT_SHARE and not (glows & (cover < 0.5)).any()
+        if not surface.alpha.is_constant() and is_sharp:
             surface.cutoff = 0.5
         if "normal" in pictures:
             surface.normal = (self.picture("normal", 0.5 + 0.5 * pictures["normal"]), 1.0)

@@ -50,10 +50,13 @@ def of_socket(node, socket):
 
 
 def transparent(node):
+    """Nothing, or what tints all that goes straight through it."""
     color = sockets.of(node.inputs["Color"])
-    if not (color.is_constant() and min(color.factor) > 1.0 - 1e-6):
+    if not (color.is_constant() and 0.0 <= min(color.factor) <= max(color.factor) <= 1.0):
         raise NotSimple(node)
-    return Surface({"base": BLACK, "specular": BLACK, "roughness": WHITE}, alpha=BLACK)
+    sources = {"base": BLACK, "specular": BLACK, "roughness": WHITE}
+    is_clear = min(color.factor) > 1.0 - 1e-6
+    return Surface(sources, alpha=BLACK) if is_clear else Surface({**sources, "filter": color})
 
 
 def translucent(node):
@@ -76,7 +79,7 @@ def glows(surface):
 
 def is_matte(surface):
     """Neither a shine nor a light, and opaque."""
-    if "thin" in surface.sources:
+    if {"thin", "filter"} & surface.sources.keys():
         return False
     specular, metallic = surface.sources.get("specular"), surface.sources.get("metallic", BLACK)
     has_shine = (
@@ -152,7 +155,7 @@ def mixed(node):
         return covered(node, share, a, b)
     if not share.is_constant() or a.normal != b.normal:
         raise NotSimple(node)
-    if is_matte(a) and is_matte(b):
+    if all(is_matte(one) or is_filter(one) for one in (a, b)):
         return matte(node, value, a, b)
     for share, one, other in ((1.0 - value, a, b), (value, b, a)):
         if is_glazed(one) and is_matte(other):
@@ -174,7 +177,7 @@ def covered(node, share, a, b):
             share = inverted(node, share)
         else:
             share = Source((1.0 - share.number(),) * 3)
-    if glows(there) or there.cutoff is not None or there.alpha != WHITE:
+    if there.cutoff is not None or there.alpha != WHITE:
         raise NotSimple(node)
     return replace(there, alpha=share)
 
@@ -186,9 +189,12 @@ def inverted(node, share):
 
 def matte(node, share, a, b):
     """Two matte surfaces: what is reflected and what goes through each in one colour."""
-    base = blended(node, share, a.sources["base"], b.sources["base"])
-    through = blended(node, share, a.sources.get("through", BLACK), b.sources.get("through", BLACK))
-    return Surface({"base": base, "specular": BLACK, "roughness": WHITE, "through": through}, normal=a.normal)
+    parts = {
+        name: blended(node, share, a.sources.get(name, BLACK), b.sources.get(name, BLACK)) for name in ("base", "through", "filter")
+    }
+    if parts["filter"] == BLACK:
+        del parts["filter"]
+    return Surface({**parts, "specular": BLACK, "roughness": WHITE}, normal=a.normal)
 
 
 def blended(node, share, a, b):
@@ -207,16 +213,23 @@ def added(node):
         if is_matte(one) and is_mirror(other):
             return shone_upon(node, one, other)
     light, surface = (a, b) if is_light(a) else (b, a)
+    if is_nothing(surface):
+        # A flame: all that is behind it shows through.
+        surface = replace(surface, sources={**surface.sources, "filter": WHITE}, alpha=WHITE)
     if not is_light(light) or glows(surface) or surface.alpha != WHITE:
         raise NotSimple(node)
     kept = {name: light.sources[name] for name in ("emission", "emission_strength")}
     return replace(surface, sources={**surface.sources, **kept})
 
 
+def is_filter(surface):
+    return "filter" in surface.sources and not glows(surface)
+
+
 def is_light(surface):
     return (
         surface.sources.get("base") == BLACK
-        and "through" not in surface.sources
+        and not {"through", "filter"} & surface.sources.keys()
         and glows(surface)
         and surface.alpha == WHITE
     )

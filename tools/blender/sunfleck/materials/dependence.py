@@ -134,6 +134,11 @@ def is_asked(node, *names):
     return not getattr(node, "from_instancer", False) and any(node.outputs[name].is_linked for name in names)
 
 
+def is_asked_of_view(node):
+    """Whether it gives coordinates of the picture or of the camera."""
+    return node.type == "TEX_COORD" and is_asked(node, "Window", "Camera")
+
+
 def is_unplaced(node):
     """Whether it is a texture that takes the coordinates that Blender generates."""
     return node.type in PROCEDURAL and "Vector" in node.inputs and not node.inputs["Vector"].is_linked

@@ -241,6 +241,8 @@ class Library:
             ours["thin_dielectric"] = {"share": share, "ior": ior, **one_face}
         if surface.has_even_metal:
             ours["even_metal"] = True
+        if "filter" in surface.sources:
+            ours["filter_color"] = list(rec709(surface.sources["filter"].factor))
         if "metal" in surface.sources:
             ours["plain_metal"], ours["metal"] = True, list(rec709(surface.sources["metal"].factor))
         if ours:
@@ -383,7 +385,8 @@ def looked_at(material):
         check_bumps(material)
         check_attributes(surface)
         check_pictures(surface)
-        return Look(surface, [loss for loss in losses if loss != "transmission" or "thin" not in surface.sources])
+        honoured = {"transparent-tint", *({"transmission"} if "thin" in surface.sources else ())}
+        return Look(surface, [loss for loss in losses if loss not in honoured])
     except NotSimple as more:
         node = more.args[0] if more.args else None
         return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")

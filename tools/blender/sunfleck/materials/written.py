@@ -107,10 +107,10 @@ class Writer:
         base, alpha = self.source("base"), self.surface.alpha
         if base.picture is None and alpha.picture is None:
             return None
-        fits = base.channel == "rgb" and (
+        is_whole = base.picture and (
             alpha.picture is None or (alpha.picture == replace(base.picture, by_alpha="") and alpha.channel == 3)
         )
-        if base.picture and fits:
+        if is_whole and base.channel == "rgb":
             self.check_range(base.picture)
             return self.info(base.picture, self.images.whole(base.picture, is_color=True))
         width, height = self.common_size(base, alpha)
@@ -197,7 +197,7 @@ class Writer:
     def put_alpha(self, said, surface):
         if surface.cutoff is not None:
             said["alphaMode"], said["alphaCutoff"] = "MASK", surface.cutoff
-        elif not (surface.alpha.is_constant() and surface.alpha.number() >= 1.0):
+        elif "filter" in surface.sources or not (surface.alpha.is_constant() and surface.alpha.number() >= 1.0):
             said["alphaMode"] = "BLEND"
 
     def extensions(self):
