@@ -4,12 +4,12 @@ In goes a scene, out come findings (`losses`); what only the export itself finds
 whatever Blender renders and sunfleck does not is among them.
 """
 
-from . import extras, film, fog, volumes, world
+from . import extras, film, fog, nearness, volumes, world
 from .evaluated import lights, walk
 from .film import of_cycles
 from .keys import curves_of
 from .losses import Finding, ordered
-from .materials import colours, dependence, principled, sockets
+from .materials import colours, dependence, inputs, principled, sockets
 
 
 def check(scene):
@@ -190,13 +190,20 @@ def of_light(name, thing, scene):
         "light-soft-falloff": light.type in {"POINT", "SPOT"} and has_size and light.use_soft_falloff,
         "light-nodes": lights.of_nodes(light) is None,
         "light-shadowless": not light.use_shadow,
-        "light-seen": has_size and thing.visible_camera,
+        "light-seen": has_size and (thing.visible_camera or (thing.visible_glossy and has_mirrors(scene))),
+        "light-near": light.type in {"POINT", "SPOT"} and nearness.is_near_to_any(thing, scene.objects),
         "light-rays": not all(getattr(thing, rays) for rays in RAYS),
         "light-bounces": of_cycles(light, "max_bounces", 1024) < (1024 if own.all_bounces else own.bounces),
         "light-linking": is_linked(thing),
         "light-portal": is_portal,
     }
     yield from (Finding(id, name) for id, is_so in said.items() if is_so)
+
+
+def has_mirrors(scene):
+    """Whether anything is so smooth that one sees lights in it."""
+    materials = {slot.material for thing in rendered(scene) for slot in thing.material_slots if slot.material}
+    return any(map(inputs.is_smooth, materials))
 
 
 def is_uneven(place, is_round):

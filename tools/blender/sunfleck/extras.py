@@ -16,6 +16,8 @@ from .materials.colours import rec709
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
 
 
+# In no file of halves, nor of floats beside anything that is lit.
+NEXT_TO_BLACK = 1e-30
 LOOKS = {f"AgX - {look.replace('-', ' ').title()}": look for look in (
     "very-high-contrast", "high-contrast", "medium-high-contrast", "medium-low-contrast", "low-contrast", "very-low-contrast",
     "punchy", "greyscale")}
@@ -82,8 +84,12 @@ def of_scene(scene, path=None):
         sky = {"color": [0.0] * 3, "strength": 0.0}
     if sky:
         sky["strength"] *= film.exposure(scene)
-        unseen = {"visible_to_camera": False} if scene.render.film_transparent else {}
-        written["sunfleck_env"] = {**sky, "lights": world.lights(scene), **unseen}
+        is_dark, is_opaque = max(sky.get("color", [1.0])) * sky["strength"] == 0.0, not scene.render.film_transparent
+        if is_dark and is_opaque and world.is_sky(scene):
+            # A background that is seen, or the film would let through what has none.
+            sky = {"color": [NEXT_TO_BLACK] * 3, "strength": 1.0, "lights": "nothing"}
+        unseen = {} if is_opaque else {"visible_to_camera": False}
+        written["sunfleck_env"] = {"lights": world.lights(scene), **sky, **unseen}
     return written
 
 

@@ -39,6 +39,7 @@ LOSSES = {
     "view-transform": (INFO, "pictures for eyes have the view AgX with its looks, without gamma, curves and white "
                              "balance: Blender shows frames by its own view"),
     "color-overrides": (WARNING, "the view layer's own world, and its own material on volumes and fog, is not honoured"),
+    "layer-passes": (WARNING, "the view layer asks for passes that are not rendered"),
     "layer-filters": (WARNING, "surfaces, hair, sky and blur that a view layer leaves out are rendered"),
     "camera-culling": (WARNING, "what Cycles would cull, far away or beside the picture, is there"),
     # Cameras.
@@ -61,13 +62,16 @@ LOSSES = {
     "light-nodes": (WARNING, "light nodes are more than an Emission of one colour and strength: the light's "
                              "own power and colour count alone"),
     "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
-    "light-seen": (WARNING, "Cycles' camera sees lights that have a size; here it sees none but suns"),
+    "light-seen": (WARNING, "Cycles' camera sees lights that have a size, and so do smooth surfaces; here they see "
+                            "none but suns, and smooth surfaces a few points of them"),
+    "light-near": (WARNING, "something lies within a light's radius, or within ten of it where its falloff is soft: "
+                            "it is lit otherwise in Cycles"),
     "light-rays": (WARNING, "lights light everything, whatever their ray visibility says"),
     "light-blur": (WARNING, "a light that moves while the shutter is open shines from all along its way, and one that "
                             "changes is as at the frame; Cycles' is as in the middle of the shutter"),
     "light-bounces": (WARNING, "a light's own number of bounces is not honoured: it bounces as often as the others"),
     "light-linking": (WARNING, "light and shadow linking is not honoured: lights light everything"),
-    "light-portal": (WARNING, "portals light nothing and are not exported"),
+    "light-portal": (INFO, "portals light nothing and are not exported"),
     # Things.
     "volume": (WARNING, "a volume is not rendered"),
     "volume-lost": (WARNING, "of a volume something is lost"),

@@ -42,6 +42,9 @@ class SUNFLECK_PT_render(ScenePanel, bpy.types.Panel):
         column.prop(own, "use_samples")
         column.prop(own, "samples" if own.use_samples else "tolerance")
         column.prop(own, "filter")
+        if hasattr(context.scene, "cycles"):
+            # Of the film, in a panel that Blender shows with Cycles alone.
+            column.prop(context.scene.cycles, "film_exposure")
         column.prop(own, "all_bounces")
         if not own.all_bounces:
             column.prop(own, "bounces")

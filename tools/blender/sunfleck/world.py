@@ -15,6 +15,7 @@ from urllib.parse import quote
 import bpy
 
 from . import keys, world_picture, world_sun
+from .film import ENGINE
 from .materials import dependence
 from .materials.colours import rec709
 from .materials.sockets import is_moved, link_to
@@ -108,8 +109,7 @@ def of_world(scene, path):
     }
 
 
-# Of the render engine; while it is chosen, the world is the sky unless the panel says otherwise.
-ENGINE = "SUNFLECK"
+# While our engine is chosen, the world is the sky unless the panel says otherwise.
 SAYS_SKY = ("use_world", "background_strength", "sky_lights")
 
 

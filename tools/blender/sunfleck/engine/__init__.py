@@ -11,8 +11,8 @@ import bpy
 
 from .. import program
 from ..evaluated import walk
+from ..film import ENGINE
 from ..losses import by_kind
-from ..world import ENGINE
 from . import exporting, looking, panels, passes, picture, stepping
 from .viewport import View, Viewport
 

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import bpy
 
-from .. import check, extras, render, service
+from .. import check, extras, film, render, service
 from ..evaluated import scenes, values, walk
 from ..evaluated.moments import Shutter
-from ..losses import ordered
+from ..losses import Finding, ordered
 from ..materials.library import custom
 from . import passes, patching
 
@@ -93,7 +93,8 @@ def exported(engine, graph):
 def told(scene, layer):
     """What the panels say of a scene and its layer."""
     override = layer.material_override
-    return {**custom(scene), **extras.of_scene(scene), "override": override and override.name_full}
+    said = {"override": override and override.name_full, "film": film.exposure(scene)}
+    return {**custom(scene), **extras.of_scene(scene), **said}
 
 
 def is_as_told(graph, kept):
@@ -122,6 +123,8 @@ def refuse(findings):
 def anew(engine, graph, path):
     scene, frame = graph.scene, graph.scene.frame_current
     findings = [one for one in check.check(scene) if one.id not in DONE_BY_BLENDER | OF_EACH_FRAME]
+    lacking = passes.lacking(graph.view_layer)
+    findings += [Finding("layer-passes", f"`{graph.view_layer.name}`", ", ".join(lacking))] if lacking else []
     refuse(findings)
     try:
         with scenes.Job(scene, frame) as job:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import bpy
 
-from ..world import ENGINE
+from ..film import ENGINE
 
 # What is set there the engine does not heed.
 NOT_OURS = {

@@ -50,6 +50,25 @@ def wanted(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[str]:
     ]
 
 
+# A layer's switches that are no passes of their own, and those of Cycles that are.
+NO_PASSES = {"use_pass_combined", "use_pass_cryptomatte_accurate"}
+OF_CYCLES = ("pass_", "use_pass_", "denoising_store_")
+
+
+def lacking(layer: bpy.types.ViewLayer) -> list[str]:
+    """What a view layer asks for beyond those, by Blender's names."""
+    ours = NO_PASSES | {one.switch for one in PASSES.values()}
+    asked = [(layer, ("use_pass_",)), (getattr(layer, "cycles", None), OF_CYCLES)]
+    found = [
+        one.name
+        for owner, starts in asked
+        for one in (owner.bl_rna.properties if owner else ())
+        if one.type == "BOOLEAN" and one.identifier.startswith(starts) and one.identifier not in ours
+        and getattr(owner, one.identifier)
+    ]
+    return found + [one.name for one in (*layer.aovs, *layer.lightgroups)]
+
+
 def registered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Iterator[tuple[str, str, str]]:
     """Name, channels and kind of each pass that Blender is told of."""
     yield COMBINED, "RGBA", "COLOR"

@@ -17,8 +17,8 @@ from bpy.app.handlers import persistent
 from .. import keys
 from ..evaluated import simulations, walk
 from ..evaluated.moments import Shutter
+from ..film import ENGINE
 from ..materials import blackbody, colours, inputs
-from ..world import ENGINE
 from . import passes
 
 # By the names of scenes that render.
