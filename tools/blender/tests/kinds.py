@@ -6,6 +6,7 @@ import bpy
 import kinds_clear as clear
 import kinds_hair as hairs
 import kinds_instances as instances
+import kinds_lamps as lamps
 import kinds_nodes as made
 import kinds_shine as shine
 import kinds_surfaces as surfaces
@@ -37,49 +38,6 @@ def sky_with_a_disc(scene):
     sky.sun_elevation, sky.sun_rotation = math.radians(35.0), math.radians(200.0)
     scene.world.node_tree.links.new(sky.outputs["Color"], background.inputs["Color"])
     background.inputs["Strength"].default_value = 0.1
-
-
-def lamp(scene, kind):
-    data = bpy.data.lights.new("lamp", kind)
-    data.energy = 200.0
-    if kind != "AREA":
-        data.use_soft_falloff = False
-    thing = scenes.add(scene, "lamp", data, (1.0, -2.0, 2.0))
-    thing.visible_camera = False
-    bpy.data.objects.remove(scene.objects["sun"])
-    return thing
-
-
-def lamp_for_its_size(scene):
-    """A sphere that is the brighter the larger it is."""
-    leaves(scene, matte())
-    data = lamp(scene, "POINT").data
-    data.normalize, data.shadow_soft_size = False, 0.2
-
-
-def softbox(scene):
-    """An area light behind a grid that opens."""
-    leaves(scene, matte())
-    thing = lamp(scene, "AREA")
-    thing.rotation_euler, thing.data.size = (0.6, 0.2, 0.0), 0.5
-    keyed(thing.data, "spread", (0.5, 2.0))
-
-
-def mesh_lamp(scene):
-    """A glowing face above the picture lights a corner of two walls."""
-    bpy.data.objects.remove(scene.objects["sun"])
-    scenes.quad(scene, "floor", 6.0, scenes.material("floor", (0.7,) * 3))
-    wall = scenes.quad(scene, "wall", 6.0, scenes.material("wall", (0.8, 0.5, 0.3)), (0.0, 1.5, 1.0))
-    wall.rotation_euler.x = 1.5
-    glow = scenes.material("glow", (0.0,) * 3)
-    inputs = glow.node_tree.nodes["Principled BSDF"].inputs
-    inputs["Emission Color"].default_value, inputs["Emission Strength"].default_value = (1.0,) * 4, 8.0
-    scenes.quad(scene, "lamp", 0.8, glow, (0.3, -0.6, 3.2)).rotation_euler.x = 2.6
-
-
-def uneven_spot(scene):
-    leaves(scene, matte())
-    lamp(scene, "SPOT").scale = (2.0, 0.5, 1.0)
 
 
 # What differs from leaf to leaf, and changes.
@@ -365,10 +323,10 @@ BESIDE = {
     "fog box": (surfaces.fog_box, 6, EXACT),
     "face of glass": (surfaces.rough_transmission, 1, EXACT), "face of smoother glass": (lambda scene: surfaces.rough_transmission(scene, 0.2), 1, EXACT),
     "face of glass, textured": (surfaces.textured_transmission, 1, EXACT), "glossy leaf": (surfaces.glossy_leaf, 1, EXACT),
-    "picture with alpha": (surfaces.picture_with_alpha, 1, EXACT), "lamp for its size": (lamp_for_its_size, 1, EXACT),
+    "picture with alpha": (surfaces.picture_with_alpha, 1, EXACT), "lamp for its size": (lamps.lamp_for_its_size, 1, EXACT),
     "thin wall of a texture": (surfaces.thin_wall_of_a_texture, 1, BAKED), "keys in a group": (grouped, 6, EXACT),
     "light in a group": (light_in_a_group, 6, EXACT), "fog in a group": (surfaces.fog_in_a_group, 1, EXACT),
-    "path of a property": (path_of_a_property, 1, EXACT), "softbox": (softbox, 6, EXACT),
+    "path of a property": (path_of_a_property, 1, EXACT), "softbox": (lamps.softbox, 6, EXACT),
     "free normals": (surfaces.free_normals, 1, EXACT), "pictures apart": (surfaces.pictures_apart, 1, BAKED), "clay": (surfaces.clay, 1, EXACT),
     "bumps": (surfaces.bumps, 1, BAKED), "film scan": (surfaces.film_scan, 1, BAKED), "broadcast": (surfaces.broadcast, 1, BAKED),
     "lacquered": (shine.lacquered, 1, EXACT), "hammered": (shine.hammered, 1, EXACT),
@@ -395,7 +353,8 @@ SAID = {
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hairs.hair, "hair"),
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained gloss": (clear.stained_gloss, "material-lost", "transparent-tint"),
-    "uneven spot": (uneven_spot, "light-uneven"), "scrolled": (surfaces.scrolled, "material-changes"),
+    "uneven spot": (lamps.uneven_spot, "light-uneven"), "lamp in a mirror": (lamps.in_a_mirror, "light-seen"),
+    "soft lamp by a leaf": (lamps.soft_by_a_leaf, "light-near"), "lamp about a leaf": (lamps.about_a_leaf, "light-near"), "scrolled": (surfaces.scrolled, "material-changes"),
     "doubled": (instances.doubled, "coincident-faces"),
     "doubled while the shutter is open": (lambda scene: instances.doubled(scene, True), "coincident-faces"), "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
     "leaning normals": (surfaces.leaning_normals, "custom-normals"), "few faces": (surfaces.few_faces, "shadow-terminator"),

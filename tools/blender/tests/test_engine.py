@@ -19,7 +19,7 @@ import scenes
 import stages
 import sunfleck
 from sunfleck import engine, export, render, service
-from sunfleck.engine import cryptomatte, exporting, looking, picture
+from sunfleck.engine import cryptomatte, exporting, looking, passes, picture
 from sunfleck.engine.viewport import STAGES, View, Viewport
 from sunfleck.evaluated.document import Document
 from sunfleck.materials import bake, inputs
@@ -113,6 +113,30 @@ class Engine(unittest.TestCase):
         before, after = (one.of("RGB").reshape(-1, 3) for one in (seen, unseen))
         numpy.testing.assert_array_equal(after[alpha == 1.0], before[alpha == 1.0])
         self.assertEqual(after[alpha == 0.0].max(), 0.0)
+
+    def test_an_opaque_film_is_opaque_over_a_black_world(self):
+        for world in (None, bpy.data.worlds.new("black")):
+            self.scene.world = world
+            if world:
+                world.use_nodes = True
+                world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+            for is_transparent, least in ((False, 1.0), (True, 0.0)):
+                self.scene.render.film_transparent = is_transparent
+                self.assertEqual(self.still().of(("A",)).min(), least)
+
+    def test_the_exposure_of_the_film_is_that_of_cycles(self):
+        self.scene.render.use_persistent_data = True
+        before = self.still().of("RGB").max()
+        self.scene.cycles.film_exposure = 2.0
+        self.assertAlmostEqual(self.still().of("RGB").max() / before, 2.0, 5)
+
+    def test_passes_that_nobody_renders_are_told(self):
+        layer = self.scene.view_layers[0]
+        layer.use_pass_z = layer.use_pass_normal = True
+        self.assertEqual(passes.lacking(layer), [])
+        layer.use_pass_mist = layer.cycles.use_pass_volume_direct = True
+        layer.aovs.add().name = "mask"
+        self.assertEqual(passes.lacking(layer), ["Mist", "Volume Direct", "mask"])
 
     def test_an_animation_has_every_frame(self):
         stages.moving(self.scene.objects["quad"])

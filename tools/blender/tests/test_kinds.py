@@ -85,7 +85,7 @@ class Glowing(Case):
     def test_its_light_bounces_as_often_as_in_cycles(self):
         """By random walks, and on the grid; what glows is itself not in the picture."""
         scene = kinds.stage()
-        kinds.mesh_lamp(scene)
+        kinds.lamps.mesh_lamp(scene)
         size = (scene.render.resolution_x, scene.render.resolution_y)
         for bounces in (1, 2):
             wish = beside.Wish(PROGRAM, 1, size, 256, 512, bounces)
@@ -133,6 +133,13 @@ class Said(Case):
             with mock.patch.object(coincident, "MOST_TRIANGLES", most):
                 found = {finding.id for finding in export.exported(scene, self.folder / "scene.glb").findings}
             self.assertEqual("coincident-unknown" in found, is_told)
+
+    def test_a_bevelled_box_has_no_faces_in_one_place(self):
+        """Its slanted ones lie between two axes."""
+        scene = kinds.stage()
+        bpy.ops.mesh.primitive_cube_add(size=1.2, location=(0.0, 0.0, 1.0))
+        bpy.context.active_object.modifiers.new("bevel", "BEVEL").width = 0.1
+        self.assertEqual(export.export(scene, self.folder / "scene.glb"), [])
 
     def test_fog_above_the_ground_does_not_touch_it(self):
         scene = kinds.stage()

@@ -1,0 +1,68 @@
+"""Of the scenes of `kinds` those of lamps."""
+
+import bpy
+import scenes
+from kinds_parts import keyed, leaves, matte
+
+
+def lamp(scene, kind):
+    data = bpy.data.lights.new("lamp", kind)
+    data.energy = 200.0
+    if kind != "AREA":
+        data.use_soft_falloff = False
+    thing = scenes.add(scene, "lamp", data, (1.0, -2.0, 2.0))
+    thing.visible_camera = False
+    bpy.data.objects.remove(scene.objects["sun"])
+    return thing
+
+
+def lamp_for_its_size(scene):
+    """A sphere that is the brighter the larger it is."""
+    leaves(scene, matte())
+    data = lamp(scene, "POINT").data
+    data.normalize, data.shadow_soft_size = False, 0.2
+
+
+def softbox(scene):
+    """An area light behind a grid that opens."""
+    leaves(scene, matte())
+    thing = lamp(scene, "AREA")
+    thing.rotation_euler, thing.data.size = (0.6, 0.2, 0.0), 0.5
+    keyed(thing.data, "spread", (0.5, 2.0))
+
+
+def mesh_lamp(scene):
+    """A glowing face above the picture lights a corner of two walls."""
+    bpy.data.objects.remove(scene.objects["sun"])
+    scenes.quad(scene, "floor", 6.0, scenes.material("floor", (0.7,) * 3))
+    wall = scenes.quad(scene, "wall", 6.0, scenes.material("wall", (0.8, 0.5, 0.3)), (0.0, 1.5, 1.0))
+    wall.rotation_euler.x = 1.5
+    glow = scenes.material("glow", (0.0,) * 3)
+    inputs = glow.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Emission Color"].default_value, inputs["Emission Strength"].default_value = (1.0,) * 4, 8.0
+    scenes.quad(scene, "lamp", 0.8, glow, (0.3, -0.6, 3.2)).rotation_euler.x = 2.6
+
+
+def uneven_spot(scene):
+    leaves(scene, matte())
+    lamp(scene, "SPOT").scale = (2.0, 0.5, 1.0)
+
+
+def in_a_mirror(scene):
+    """The camera sees it in leaves alone."""
+    tree = matte()
+    tree.shader.inputs["Metallic"].default_value, tree.shader.inputs["Roughness"].default_value = 1.0, 0.0
+    leaves(scene, tree)
+    lamp(scene, "AREA")
+
+
+def soft_by_a_leaf(scene):
+    leaves(scene, matte())
+    data = lamp(scene, "SPOT").data
+    data.use_soft_falloff, data.shadow_soft_size = True, 0.5
+
+
+def about_a_leaf(scene):
+    leaves(scene, matte())
+    thing = lamp(scene, "POINT")
+    thing.location, thing.data.shadow_soft_size = (0.0, 0.1, 1.0), 0.3
