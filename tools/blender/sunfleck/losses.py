@@ -12,7 +12,7 @@ ERROR, WARNING, INFO = "ERROR", "WARNING", "INFO"
 LOSSES = {
     # The scene.
     "no-camera": (WARNING, "the scene has no active camera: sunfleck takes the first, or makes one up"),
-    "unit-scale": (WARNING, "the unit scale is not exported: one Blender unit is one metre"),
+    "unit-scale": (INFO, "the unit scale is not exported: one Blender unit is one metre"),
     "world-not-exported": (WARNING, "the world is not exported: tick World as sky in the panel, or give a "
                                     "background and a sun for its light"),
     "world-baked": (INFO, "the world's nodes are baked to a picture of 1024 x 512 texels"),
