@@ -23,6 +23,7 @@ from sunfleck.engine import cryptomatte, exporting, looking, passes, picture
 from sunfleck.engine.viewport import STAGES, View, Viewport
 from sunfleck.evaluated.document import Document
 from sunfleck.materials import bake, inputs
+from test_addon import document
 
 PROGRAM = os.environ.get("SUNFLECK", "sunfleck")
 SIZE = 32, 18
@@ -129,6 +130,26 @@ class Engine(unittest.TestCase):
         before = self.still().of("RGB").max()
         self.scene.cycles.film_exposure = 2.0
         self.assertAlmostEqual(self.still().of("RGB").max() / before, 2.0, 5)
+
+    def test_a_film_on_a_leaf_shows_its_picture_of_the_frame(self):
+        for frame in (1, 2):
+            image = bpy.data.images.new("frame", 4, 4)
+            image.pixels.foreach_set([*[0.2 * frame] * 3, 1.0] * 16)
+            image.filepath_raw, image.file_format = str(self.folder / f"film_{frame}.png"), "PNG"
+            image.save()
+        material = self.scene.objects["quad"].data.materials[0]
+        node = material.node_tree.nodes.new("ShaderNodeTexImage")
+        node.image = bpy.data.images.load(str(self.folder / "film_1.png"))
+        node.image.source, node.image_user.frame_duration, node.image_user.use_auto_refresh = "SEQUENCE", 2, True
+        material.node_tree.links.new(node.outputs["Color"], material.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
+        self.scene.render.use_persistent_data = True
+        # Codes 51 and 102 in sRGB.
+        for frame, color in ((1, 0.0331), (2, 0.1329)):
+            self.scene.frame_set(frame)
+            self.still()
+            file = max(exporting.folder().glob("*.glb"), key=os.path.getmtime)
+            said = document(file)["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"]
+            self.assertAlmostEqual(said[0], color, 4)
 
     def test_passes_that_nobody_renders_are_told(self):
         layer = self.scene.view_layers[0]

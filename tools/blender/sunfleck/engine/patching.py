@@ -14,6 +14,7 @@ from .. import check, extras
 from ..evaluated import lights, places, scenes
 from ..evaluated.assemble import turned
 from ..evaluated.moments import Clock
+from ..materials import dependence
 
 REST = {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0, 1.0, 1.0]}
 # Of these another number of keys is no news.
@@ -27,6 +28,8 @@ def put(graph, kept):
     if changed is None or not is_the_same(graph, record, changed):
         return False
     if record.changes and (graph.scene.frame_current != kept.frame or any(one.type != "LIGHT" for one in changed)):
+        return False
+    if graph.scene.frame_current != kept.frame and any(map(dependence.is_of_film, bpy.data.materials)):
         return False
     matrices = matrices_of(graph)
     if matrices.shape != record.all_matrices.shape:

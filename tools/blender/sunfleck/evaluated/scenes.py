@@ -60,7 +60,7 @@ class Job:
 
     def __init__(self, scene, only=None):
         self.scene, self.only, self.frames = scene, only, frames(scene, only)
-        self.library, self.values, self.shutter = Library(film.exposure(scene)), Values(scene), Shutter.of(scene)
+        self.library, self.values, self.shutter = Library(film.exposure(scene), only is not None), Values(scene), Shutter.of(scene)
         self.library.watch(bpy.data.materials)
         blur_s = seconds_a_frame(scene.render) if self.shutter.length else 0.0
         self.record = Record(self.library, self.watch, blur_s)

@@ -15,7 +15,7 @@ import numpy
 from ..evaluated.attributes import GENERATED, MADE
 from ..evaluated.geometry import digest
 from ..evaluated.heeding import nobody
-from . import principled, sheets, sockets
+from . import dependence, principled, sheets, sockets
 from .colours import rec709, working_space
 from .channels import COLORS, NUMBERS, Channels, is_socket
 from .fingerprint import of_tree
@@ -97,13 +97,16 @@ class Baker:
         how = repr((WAY, SAMPLES, working_space(), bpy.app.version)).encode()
         key = digest(of_tree(self.material.node_tree), self.canvas.key(), how)
         kept = folder() / f"{key.hex()}.npz"
-        if kept.is_file():
+        # Of pictures in several files the key knows one.
+        is_known = not dependence.is_of_film(self.material, {"SEQUENCE", "MOVIE", "TILED"})
+        if is_known and kept.is_file():
             with numpy.load(kept) as file:
                 made = {name: file[name] for name in file.files}
         else:
             with Stage(copy, self.canvas) as stage:
                 made = {name: self.baked(stage, copy, name, parts) for name in baked}
-            keep(kept, made)
+            if is_known:
+                keep(kept, made)
         if "numbers" in made:
             packed = made.pop("numbers")
             found.update(
@@ -283,6 +286,8 @@ class Stage:
     def __enter__(self):
         self.scene = bpy.data.scenes.new("sunfleck bake")
         self.scene.render.engine = "CYCLES"
+        # Films show their picture of the frame at hand.
+        self.scene.frame_set(bpy.context.scene.frame_current)
         self.scene.cycles.samples, self.scene.cycles.use_denoising = SAMPLES, False
         self.scene.render.bake.margin = MARGIN_TEXELS
         geometry = self.canvas.geometry

@@ -37,6 +37,8 @@ LOST_OUTPUTS = {
     },
     "TEX_COORD": {"Camera": VIEW, "Window": VIEW, "Reflection": VIEW},
 }
+# Sources of images that change from frame to frame.
+FILMS = {"SEQUENCE", "MOVIE"}
 # Whatever else there is has not been compared with Cycles.
 COMPARED = {
     *PROCEDURAL, *OF_SURFACES, *OF_INSTANCES, *LOST, *LOST_OUTPUTS, "TEX_IMAGE", "UVMAP", "ATTRIBUTE", "VERTEX_COLOR", "RGB",
@@ -251,12 +253,9 @@ def lets_through(material):
     return is_transparent(material) or any(map(is_passing, nodes_of(material)))
 
 
-def is_of_film(material):
-    """Whether an image of it changes from frame to frame."""
-    return any(
-        getattr(node, "image", None) and node.image.source in {"SEQUENCE", "MOVIE"}
-        for node in nodes_of(material)
-    )
+def is_of_film(material, sources=FILMS):
+    """Whether an image of it changes from frame to frame, or has one of some sources."""
+    return any(getattr(node, "image", None) and node.image.source in sources for node in nodes_of(material))
 
 
 def largest_image(material):

@@ -57,9 +57,9 @@ class Look:
 class Library:
     """Of a document."""
 
-    def __init__(self, exposure=1.0):
-        # What materials emit is multiplied by the exposure.
-        self.exposure = exposure
+    def __init__(self, exposure=1.0, is_still=False):
+        # What materials emit is multiplied by the exposure. Of a still films are what they show at the frame at hand.
+        self.exposure, self.is_still = exposure, is_still
         # Raises if nobody wants what is made any more.
         self.heed = nobody
         self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
@@ -80,9 +80,9 @@ class Library:
             if self.differs(material):
                 # As good as any instance's.
                 one = self.copies[material, ()] = instances.copy(material, (), f"{material.name} 0")
-                self.looks[one] = self.looks[material] = looked_at(one)
+                self.looks[one] = self.looks[material] = looked_at(one, self.is_still)
             else:
-                self.looks[material] = looked_at(material)
+                self.looks[material] = looked_at(material, self.is_still)
             if material is not None and dependence.is_two_sided(material):
                 self.sides[material] = tuple(self.side(material, is_back) for is_back in (False, True))
         return self.looks[material]
@@ -371,14 +371,14 @@ def what_stays(surface):
     return numbers, [picture and picture.place() for picture in pictures]
 
 
-def looked_at(material):
+def looked_at(material, is_still):
     if material is None:
         return Look(DEFAULT)
     link = principled.surface_link(material)
     if link is None:
         return Look(None if is_volume(material) else NOTHING)
     losses = sorted(dependence.losses(material) | inputs.losses(material))
-    if dependence.is_of_film(material):
+    if dependence.is_of_film(material) and not is_still:
         losses.append("image-sequence")
     try:
         surface = closures.read(link)
