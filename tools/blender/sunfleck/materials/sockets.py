@@ -110,6 +110,14 @@ def constant(socket):
     return Source(tuple(value[:3]) if hasattr(value, "__len__") else (float(value),) * 3)
 
 
+def constants(node, inputs):
+    """Of inputs that all have to be constant."""
+    sources = [of(socket) for socket in inputs]
+    if not all(source.is_constant() for source in sources):
+        raise NotSimple(node)
+    return sources
+
+
 def of_output(output):
     node = output.node
     if node.mute:
@@ -320,22 +328,15 @@ def read_math(node, output):
 
 
 def read_ramp(node, output):
-    value = of(node.inputs[0])
-    if not value.is_constant():
-        raise NotSimple(node)
+    value = constants(node, node.inputs[:1])[0]
     color = node.color_ramp.evaluate(value.number())
     return Source((color[3],) * 3 if output.name == "Alpha" else tuple(color[:3]))
 
 
 def read_hue(node, output):
     """Of constants alone."""
-    hue, saturation, value, share = (
-        of(node.inputs[name])
-        for name in ("Hue", "Saturation", "Value", "Fac" if "Fac" in node.inputs else "Factor")
-    )
-    color = of(node.inputs["Color"])
-    if not all(source.is_constant() for source in (hue, saturation, value, share, color)):
-        raise NotSimple(node)
+    names = ("Hue", "Saturation", "Value", "Fac" if "Fac" in node.inputs else "Factor", "Color")
+    hue, saturation, value, share, color = constants(node, (node.inputs[name] for name in names))
     h, s, v = colorsys.rgb_to_hsv(*color.factor)
     turned = colorsys.hsv_to_rgb(
         (h + hue.number() + 0.5) % 1.0, min(1.0, max(0.0, s * saturation.number())), v * value.number()
@@ -350,11 +351,8 @@ def read_range(node, output):
     if node.data_type != "FLOAT" or node.interpolation_type != "LINEAR":
         raise NotSimple(node)
     names = ("Value", "From Min", "From Max", "To Min", "To Max")
-    sources = [
-        of(next(socket for socket in node.inputs if socket.enabled and socket.name == name)) for name in names
-    ]
-    if not all(source.is_constant() for source in sources):
-        raise NotSimple(node)
+    there = {socket.name: socket for socket in node.inputs if socket.enabled}
+    sources = constants(node, (there[name] for name in names))
     value, from_low, from_high, low, high = (source.number() for source in sources)
     share = (value - from_low) / (from_high - from_low) if from_high != from_low else 0.0
     share = min(1.0, max(0.0, share)) if node.clamp else share
@@ -362,20 +360,14 @@ def read_range(node, output):
 
 
 def read_blackbody(node, output):
-    temperature = of(node.inputs["Temperature"])
-    if not temperature.is_constant():
-        raise NotSimple(node)
-    return Source(blackbody.color(temperature.number()))
+    return Source(blackbody.color(constants(node, [node.inputs["Temperature"]])[0].number()))
 
 
 def read_combine(node, output):
     """Three constants."""
     if getattr(node, "mode", "RGB") != "RGB":
         raise NotSimple(node)
-    sources = [of(socket) for socket in list(node.inputs)[:3]]
-    if not all(source.is_constant() for source in sources):
-        raise NotSimple(node)
-    return Source(tuple(source.number() for source in sources))
+    return Source(tuple(source.number() for source in constants(node, node.inputs[:3])))
 
 
 def read_attribute(node, output):
