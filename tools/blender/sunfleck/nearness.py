@@ -24,11 +24,12 @@ def distance(thing, place, reach):
     """In the world; beyond a reach it may be any."""
     if thing.type != "MESH" or thing.hide_render or not thing.data.polygons:
         return numpy.inf
-    corners = numpy.array([thing.matrix_world @ Vector(corner) for corner in thing.bound_box])
-    beyond = numpy.maximum(corners.min(axis=0) - numpy.array(place), numpy.array(place) - corners.max(axis=0)).max()
-    if beyond >= reach:
+    world = thing.matrix_world
+    low, high = Vector(thing.bound_box[0]), Vector(thing.bound_box[6])
+    radius = 0.5 * (high - low).length * max(map(abs, world.to_scale()))
+    if (world @ (0.5 * (low + high)) - place).length - radius >= reach:
         return numpy.inf
-    mesh, local = thing.data, thing.matrix_world.inverted_safe() @ place
+    mesh, local = thing.data, world.inverted_safe() @ place
     if len(mesh.polygons) > MOST_FACES:
         found = numpy.empty(3 * len(mesh.vertices), "f4")
         mesh.vertices.foreach_get("co", found)
@@ -36,4 +37,4 @@ def distance(thing, place, reach):
     else:
         tree = BVHTree.FromPolygons([one.co for one in mesh.vertices], [one.vertices for one in mesh.polygons])
         nearest = tree.find_nearest(local)[0]
-    return numpy.inf if nearest is None else float((thing.matrix_world @ Vector(nearest) - place).length)
+    return numpy.inf if nearest is None else float((world @ Vector(nearest) - place).length)
