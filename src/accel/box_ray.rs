@@ -89,6 +89,10 @@ impl<L: Lanes> BoxRay<L> {
                 let node = &tree.nodes[child as usize];
                 let (hits, near) = self.meet(simd, node, t_far);
                 if hits != 0 {
+                    // Most of them are visited after some others, and no cache holds all of a large scene.
+                    if hits & (hits - 1) != 0 {
+                        each_lane(hits, |lane| visitor.expect(simd, node.children[lane]));
+                    }
                     child = nearest(simd, node, hits, near, stack);
                     continue;
                 }
@@ -108,8 +112,20 @@ impl<L: Lanes> BoxRay<L> {
 }
 
 pub(super) trait LeafVisitor<S: Simd> {
+    /// Hears of a child that may be visited after some others.
+    #[inline(always)]
+    fn expect(&self, _simd: S, _child: u32) {}
+
     /// Visits a leaf, may shorten `t_far`, and says whether the query is over.
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;
+}
+
+#[inline(always)]
+fn each_lane(mut lanes: u32, mut say: impl FnMut(usize)) {
+    while lanes != 0 {
+        say(lanes.trailing_zeros() as usize % WIDTH);
+        lanes &= lanes - 1;
+    }
 }
 
 /// The nearest of the children that are hit; the others go onto the stack, the farthest first.

@@ -14,7 +14,7 @@ use super::{
     shear::Shear,
     simd::{Kernel, Lanes, Simd},
     stack::Stack,
-    wide_tree::padding,
+    wide_tree::{LEAF, padding},
 };
 use crate::math::Ray;
 use glam::DVec3;
@@ -31,7 +31,7 @@ const BESIDE_AN_EDGE: f64 = 1e-3;
 /// A query that goes through the instances.
 pub(super) struct RayQuery<'a> {
     ray: &'a Ray,
-    instances: &'a [Instance],
+    instances: Instances<'a>,
     skip: Option<PrimitiveId>,
     any: bool,
     t_max: f64,
@@ -51,21 +51,31 @@ impl Kernel for Trace<'_> {
     type Output = Option<Hit>;
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<Hit> {
-        let Self { instances: Instances { tree, list: instances }, ray, t_max, skip, any } = self;
+        let Self { instances, ray, t_max, skip, any } = self;
         let mut stack = Stack::new();
         let padding = padding(ray.origin.abs().max_element()) as f32;
         let (origin, direction) = (ray.origin.as_vec3().to_array(), ray.direction.as_vec3().to_array());
         let box_ray = BoxRay::new(simd, origin, direction, padding, 0.0);
         let mut query = RayQuery { ray, instances, skip, any, t_max, nearest: None };
-        box_ray.visit_leaves(simd, tree, round_up(t_max), &mut stack, &mut query);
+        box_ray.visit_leaves(simd, instances.tree, round_up(t_max), &mut stack, &mut query);
         query.nearest
     }
 }
 
 impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
     #[inline(always)]
+    fn expect(&self, simd: S, child: u32) {
+        let Instances { tree, list } = self.instances;
+        if child & LEAF != 0 {
+            simd.prefetch(&list[(child & !LEAF) as usize]);
+        } else {
+            simd.prefetch(&tree.nodes[child as usize]);
+        }
+    }
+
+    #[inline(always)]
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool {
-        let instance = &self.instances[leaf as usize];
+        let instance = &self.instances.list[leaf as usize];
         let mesh = &*instance.mesh;
         let mesh_from_relative = instance.mesh_from_relative();
         let origin = mesh_from_relative.transform_point3(self.ray.origin);
