@@ -65,6 +65,15 @@ impl<L: Lanes> BoxRay<L> {
         (near.le(far).bits(), near)
     }
 
+    /// Whether it may meet anything of a tree before `t_far`, as far as its uppermost boxes say.
+    #[inline(always)]
+    pub(super) fn may_meet<S: Simd<Lanes = L>>(&self, simd: S, tree: &WideTree, t_far: f32) -> bool {
+        match tree.root {
+            Some(root) if root & LEAF == 0 => self.meet(simd, &tree.nodes[root as usize], t_far).0 != 0,
+            root => root.is_some(),
+        }
+    }
+
     /// Visits the leaves whose boxes the ray meets before `t_far`, near ones first. Says whether a
     /// visit ended the query.
     #[inline(always)]

@@ -92,6 +92,11 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
             padding(from_origin) as f32,
             round_down(-t_centre),
         );
+        let local_t_far = round_up(self.t_max - t_centre);
+        // A leaf lies across its box in relative space: most rays through that pass by.
+        if !box_ray.may_meet(simd, &mesh.tree, local_t_far) {
+            return false;
+        }
         let reach = from_origin + f64::from(mesh.tree.bounds.magnitude().max_element());
         let slack = padding(reach) / direction.abs().max_element();
         let t_end = if self.any { self.t_max } else { f64::INFINITY };
@@ -112,7 +117,6 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
             skip: self.skip.filter(|skip| skip.instance == instance.index).map_or(u32::MAX, |s| s.triangle),
             query: self,
         };
-        let local_t_far = round_up(query.query.t_max - t_centre);
         let over = box_ray.visit_leaves(simd, &mesh.tree, local_t_far, stack, &mut query);
         *t_far = round_up(self.t_max);
         over
