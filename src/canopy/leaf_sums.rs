@@ -1,5 +1,5 @@
-//! Leaf area at nodes, summed up over surfels. In go surfels, out come cross-sections by node. Invariant: to a
-//! node they are added in one order, however many threads do it.
+//! Leaf area at nodes, summed up over surfels. In go surfels, out come cross-sections by node. Invariant: to
+//! a node they are added in one order, however many threads do it.
 
 use super::clumping::Clumping;
 use super::surfels::{Surfel, Surfels};
