@@ -57,8 +57,18 @@ impl FoggyRay<'_> {
         let wanted = -(v * (-depth[channel]).exp_m1()).ln_1p();
         let t = self.place_at_depth(range, wanted, |color| color[channel]);
         let through = exp_minus(self.optical_depth(t));
-        let per_m = (weights * through * self.extinction(t)).element_sum() / lost.element_sum();
+        let per_m = self.picked(weights, losses, t);
         (per_m > 0.0).then(|| Loss { t, through_per_density: through / per_m })
+    }
+
+    /// Probability density of [`Self::pick_loss`] for a place, 1/m.
+    pub fn picked(&self, weights: Rgb, losses: &Losses, t: f64) -> f64 {
+        let (start, end) = losses.range;
+        if t < start || end < t {
+            return 0.0;
+        }
+        let through = exp_minus(self.optical_depth(t));
+        (weights * through * self.extinction(t)).element_sum() / losses.lost.element_sum()
     }
 
     /// Distance on a part of the ray at which `wanted` of its optical depth lies behind. `of` makes one

@@ -9,6 +9,7 @@ use super::visibility::Way;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::FrozenLight;
+use glam::DVec3;
 
 /// In-scattered radiance of one light, estimated from `points` jittered points.
 pub(super) fn in_scattered(path: &mut Path, points: u32, ray: &Ray, way: &Way, light: &FrozenLight) -> Rgb {
@@ -31,6 +32,25 @@ pub(super) fn in_scattered(path: &mut Path, points: u32, ray: &Ray, way: &Way, l
     sum / f64::from(points)
 }
 
+/// A place in a lamp's light before a distance, and its density, 1/m.
+pub(super) fn pick(path: &mut Path, ray: &Ray, distance: f64, lamp: &FrozenLight) -> Option<(f64, f64)> {
+    let u = path.sampler.next_1d();
+    let FrozenLight::Point { position, .. } = lamp else { return None };
+    let (start, end) = lit(lamp, ray, path.snapshot.medium.range(ray, distance)?)?;
+    Some(equiangular(ray, *position, start, end, u))
+}
+
+/// Probability density of [`pick`] for a place, 1/m.
+pub(super) fn per_m(path: &Path, (ray, distance): (&Ray, f64), lamp: &FrozenLight, t: f64) -> f64 {
+    let range = path.snapshot.medium.range(ray, distance);
+    match (lamp, range.and_then(|range| lit(lamp, ray, range))) {
+        (FrozenLight::Point { position, .. }, Some((start, end))) if start <= t && t <= end => {
+            Angle::of(ray, *position).per_m((start, end), t)
+        }
+        _ => 0.0,
+    }
+}
+
 /// The part of a range in which a light may be seen: beyond a spot's cone each place would be picked in vain.
 fn lit(light: &FrozenLight, ray: &Ray, (start, end): (f64, f64)) -> Option<(f64, f64)> {
     let FrozenLight::Point { position, emission, .. } = light else { return Some((start, end)) };
@@ -45,14 +65,35 @@ fn lit(light: &FrozenLight, ray: &Ray, (start, end): (f64, f64)) -> Option<(f64,
     pieces.into_iter().filter(is_lit).reduce(|hull, piece| (hull.0, piece.1))
 }
 
-fn equiangular(ray: &Ray, light: glam::DVec3, start: f64, end: f64, u: f64) -> (f64, f64) {
-    let nearest = (light - ray.origin).dot(ray.direction);
-    let gap = ray.at(nearest).distance(light).max(f64::MIN_POSITIVE);
-    let angle = |t: f64| ((t - nearest) / gap).atan();
-    let (from, to) = (angle(start), angle(end));
-    let offset = gap * (from + u * (to - from)).tan();
-    let t = (nearest + offset).clamp(start, end);
-    (t, gap / ((to - from) * (gap * gap + offset * offset)))
+fn equiangular(ray: &Ray, light: DVec3, start: f64, end: f64, u: f64) -> (f64, f64) {
+    let angle = Angle::of(ray, light);
+    let (from, to) = (angle.at(start), angle.at(end));
+    let t = (angle.nearest + angle.gap * (from + u * (to - from)).tan()).clamp(start, end);
+    (t, angle.per_m((start, end), t))
+}
+
+/// Angle at a light along a ray.
+struct Angle {
+    /// Where the ray is nearest to it, and how near, metres.
+    nearest: f64,
+    gap: f64,
+}
+
+impl Angle {
+    fn of(ray: &Ray, light: DVec3) -> Self {
+        let nearest = (light - ray.origin).dot(ray.direction);
+        Self { nearest, gap: ray.at(nearest).distance(light).max(f64::MIN_POSITIVE) }
+    }
+
+    fn at(&self, t: f64) -> f64 {
+        ((t - self.nearest) / self.gap).atan()
+    }
+
+    /// Density of what is even in it over a range, 1/m.
+    fn per_m(&self, (start, end): (f64, f64), t: f64) -> f64 {
+        let offset = t - self.nearest;
+        self.gap / ((self.at(end) - self.at(start)) * (self.gap * self.gap + offset * offset))
+    }
 }
 
 fn exponential(start: f64, end: f64, sigma_per_m: f64, u: f64) -> (f64, f64) {
@@ -68,9 +109,7 @@ fn exponential(start: f64, end: f64, sigma_per_m: f64, u: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Rgb;
     use crate::light::{Cone, Emission};
-    use glam::DVec3;
 
     /// A spot 2 m above a level ray lights 4 m of it by a cone of 45 degrees to either side. A ray that meets
     /// only the cone's mirror image above it, and what ends before it, has nothing.

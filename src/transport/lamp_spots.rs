@@ -16,17 +16,17 @@ use crate::snapshot::{FrozenLight, SurfacePoint};
 use glam::DVec3;
 
 /// A lamp that rays start from.
-struct Lamp<'a> {
-    light: &'a FrozenLight,
-    position: DVec3,
-    emission: &'a Emission,
+pub(super) struct Lamp<'a> {
+    pub(super) light: &'a FrozenLight,
+    pub(super) position: DVec3,
+    pub(super) emission: &'a Emission,
     /// Probability of picking it.
-    chance: f64,
+    pub(super) chance: f64,
 }
 
 impl<'a> Lamp<'a> {
     /// Lamps among some lights.
-    fn among(lights: &'a [FrozenLight]) -> impl Iterator<Item = Self> + Clone + 'a {
+    pub(super) fn among(lights: &'a [FrozenLight]) -> impl Iterator<Item = Self> + Clone + 'a {
         let is_lamp = |light: &&FrozenLight| matches!(light, FrozenLight::Point { .. });
         let chance = 1.0 / lights.iter().filter(is_lamp).count() as f64;
         lights.iter().filter_map(move |light| match light {
@@ -35,6 +35,11 @@ impl<'a> Lamp<'a> {
                 Some(Self { light, position: *position, emission, chance })
             }
         })
+    }
+
+    /// A ray of it that two uniform numbers pick.
+    pub(super) fn ray(&self, u: [f64; 2]) -> Ray {
+        Ray { origin: self.position, direction: self.emission.pick(u) }
     }
 
     /// Probability density with which its rays meet a point that nothing hides, 1/m^2.
@@ -56,7 +61,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     }
     let [which, u, v] = path.sampler.next_3d();
     let Some(lamp) = lamps.clone().nth((which * count as f64) as usize) else { return Rgb::ZERO };
-    let ray = Ray { origin: lamp.position, direction: lamp.emission.pick([u, v]) };
+    let ray = lamp.ray([u, v]);
     let Some(hit) = snapshot.casting().nearest_hit(&ray, f64::INFINITY, None) else { return Rgb::ZERO };
     let spot = snapshot.surface(&ray, &hit);
     let per_m2 = lamp.per_m2(spot.position, spot.geometric_normal);

@@ -9,6 +9,7 @@ mod equiangular;
 mod fog_glow;
 mod glow;
 mod indirect;
+mod lamp_fog;
 mod lamp_spots;
 mod leg;
 mod lit_segments;

@@ -11,9 +11,9 @@
 
 use super::connection::{Receiver, Turn};
 use super::direct;
-use super::equiangular;
 use super::fog_glow;
 use super::glow;
+use super::lamp_fog;
 use super::lamp_spots;
 use super::lobes::Lobes;
 use super::march;
@@ -139,7 +139,7 @@ impl Leg {
             let blended = snapshot.blended.nearest_hit(&self.ray, end, self.leaving);
             let hit = blended.or(opaque);
             let distance = hit.map_or(f64::INFINITY, |hit| hit.t);
-            *sum += self.throughput * self.of_lamps(path, distance);
+            *sum += self.throughput * lamp_fog::on_leg(path, &self.ray, self.turn, distance);
             let way = Way { distance, ..Way::default() };
             *sum += self.throughput * fog_glow::on_the_way(path, &self.ray, &way);
             if let Some(place) = self.lost_in_fog(path, distance) {
@@ -155,15 +155,6 @@ impl Leg {
             }
             (self.ray.origin, self.leaving) = (point.position, Some(point.primitive));
         }
-    }
-
-    /// Radiance of lamps that fog scatters into the leg before `distance`. Points are picked by
-    /// equiangular sampling: near a lamp light grows as 1 / r^2, and other sampling would have unbounded
-    /// variance.
-    fn of_lamps(&self, path: &mut Path, distance: f64) -> Rgb {
-        let way = Way { distance, ..Way::default() };
-        let lamps = path.light.lights.iter().filter(|light| matches!(light, FrozenLight::Point { .. }));
-        lamps.map(|lamp| equiangular::in_scattered(path, 1, &self.ray, &way, lamp)).sum()
     }
 
     /// Collision with fog before `distance`, by chance. The throughput then is as if it were certain
@@ -242,7 +233,7 @@ impl Vertex {
                     scattered: &|direction| direct::scattered_per_radiance(point, direction),
                     picked: &|direction| share * lobes.picked(point, direction),
                 };
-                glow::scattered(path, &receiver) + lamp_spots::scattered(path, &receiver)
+                beside_the_walk(path, &receiver)
             }
             Self::Fog(Ray { origin, direction }) => {
                 let medium = &path.snapshot.medium;
@@ -253,7 +244,7 @@ impl Vertex {
                     scattered: &|to| medium.scattering_at(*origin, direction.dot(to)),
                     picked: &|to| picked_henyey_greenstein(g, direction.dot(to)),
                 };
-                glow::scattered(path, &receiver) + lamp_spots::scattered(path, &receiver)
+                beside_the_walk(path, &receiver)
             }
         }
     }
@@ -280,6 +271,13 @@ impl Vertex {
         };
         (leg.throughput.is_finite() && leg.throughput.max_element() > 0.0).then_some(leg)
     }
+}
+
+/// Radiance of places that are picked because they are bright, as a vertex scatters it towards the eye.
+fn beside_the_walk(path: &mut Path, receiver: &Receiver) -> Rgb {
+    glow::scattered(path, receiver)
+        + lamp_spots::scattered(path, receiver)
+        + lamp_fog::scattered(path, receiver)
 }
 
 /// A direction from which a surface scatters light towards the eye, by one of its lobes or its mirror; what

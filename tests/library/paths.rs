@@ -297,6 +297,26 @@ fn a_lamp_far_away_is_a_sun() {
     assert!(((lamp - sun).abs() - SIGMAS * error).max_element() < 0.0, "{lamp} {sun} +- {error}");
 }
 
+/// Walks look for a lamp's light all along their legs, and on rays of all lamps alike: the more dark ones, the
+/// less often on its own. What they find is the same.
+#[test]
+fn dark_lamps_change_no_light() {
+    let with_dark = |count: usize| {
+        let mut scene = dark_leaves();
+        for number in 0..=count {
+            let power = Rgb::splat(if number == 0 { 20.0 } else { 1e-9 });
+            let place = DVec3::new(0.3 - 0.2 * number as f64, 1.0, -4.0);
+            add_light(&mut scene, LightKind::Point, place, DVec3::NEG_Z, power);
+        }
+        estimate(&scene, &by_paths(Bounces::All), 32)
+    };
+    let [(alone, error), (among_dark, other)] = [0, 3].map(with_dark);
+    println!("alone {alone:.4} +- {error:.4}, among dark ones {among_dark:.4} +- {other:.4}");
+    assert!(error.max_element() < 0.03 * alone.max_element(), "{error} tells little");
+    let off = (alone - among_dark).abs() - SIGMAS * (error * error + other * other).map(f64::sqrt);
+    assert!(off.max_element() <= 0.0, "{alone} alone, {among_dark} among dark ones");
+}
+
 /// Fog over a floor, in a sun that stands before the camera.
 fn haze(g: f64) -> Scene {
     let mut scene = camera_at(DVec3::ZERO);
