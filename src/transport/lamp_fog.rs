@@ -54,8 +54,8 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
 }
 
 /// Radiance of lamps that fog scatters into a leg before `distance`, by a place for each of them. Places are
-/// picked by equiangular sampling: near a lamp light grows as 1 / r^2, and other sampling would have unbounded
-/// variance.
+/// picked by equiangular sampling: near a lamp light grows as 1 / r^2, and other sampling would have no
+/// finite variance.
 pub(super) fn on_leg(path: &mut Path, ray: &Ray, turn: Option<Turn>, distance: f64) -> Rgb {
     let snapshot = path.snapshot;
     // Past a blended surface nobody looked for it.
