@@ -297,8 +297,8 @@ fn a_lamp_far_away_is_a_sun() {
     assert!(((lamp - sun).abs() - SIGMAS * error).max_element() < 0.0, "{lamp} {sun} +- {error}");
 }
 
-/// Walks look for a lamp's light all along their legs, and on rays of all lamps alike: the more dark ones, the
-/// less often on its own. What they find is the same.
+/// Walks look for a lamp's light all along their legs, and on rays of all lamps alike: the more dark ones,
+/// the less often on its own. What they find is the same.
 #[test]
 fn dark_lamps_change_no_light() {
     let with_dark = |count: usize| {

@@ -1,8 +1,8 @@
 """Lights as Mitsuba's emitters. What it has no emitter for is refused.
 
 A sun with a disc is a disc far away: Mitsuba has none. Its radiance is E / (pi sin^2(half angle)), that of a
-sphere I / (pi r^2), that of a flat lamp P / (pi area). Spheres are black and throw shadows, which lamps here do
-not: 28 of 5 cm take 1 % of each other's light.
+sphere I / (pi r^2), that of a flat lamp P / (pi area). Spheres are black and throw shadows, which lamps here
+do not: 28 of 5 cm take 1 % of each other's light.
 """
 
 import mitsuba as mi
