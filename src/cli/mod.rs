@@ -110,11 +110,9 @@ fn tell(message: &str) {
 /// The stream takes no more for any other reason: a full disk.
 fn answer(message: &str) -> Result<(), CliError> {
     match writeln!(std::io::stdout(), "{message}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritable(&error)),
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(CliError::InputOutput(format!("the answer cannot be written: {error}")))
+        }
         _ => Ok(()),
     }
-}
-
-fn unwritable(error: &std::io::Error) -> CliError {
-    CliError::InputOutput(format!("the answer cannot be written: {error}"))
 }

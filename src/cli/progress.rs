@@ -2,11 +2,10 @@
 //! output carries only what programs read (`jsonl`, `openjd`); what people read goes to standard error.
 
 use super::words::ProgressArgument;
-use super::{CliError, unwritable};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -50,8 +49,6 @@ struct State {
     first_begun: Option<Instant>,
     /// The last whole per cent told; machines need not hear of less.
     percent_told: Option<u64>,
-    /// Why a line could not be written.
-    problem: Option<std::io::Error>,
 }
 
 impl Progress {
@@ -108,15 +105,6 @@ impl Progress {
         }
     }
 
-    /// Says whether programs were told all.
-    pub(super) fn finish(&self) -> Result<(), CliError> {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        match (self.style, state.problem.take()) {
-            (ProgressArgument::Jsonl | ProgressArgument::Openjd, Some(error)) => Err(unwritable(&error)),
-            _ => Ok(()),
-        }
-    }
-
     fn draw(&self, state: &mut State, event: &Event) {
         let Some(bar) = &self.bar else { return };
         match event {
@@ -167,7 +155,6 @@ impl State {
             most_noise: None,
             first_begun: None,
             percent_told: None,
-            problem: None,
         }
     }
 
@@ -267,9 +254,7 @@ impl State {
 
     fn line(&mut self, line: &str) {
         // Who closed the pipe does not want to know; the frames are written all the same.
-        let written = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
-        let problem = written.err().filter(|error| error.kind() != ErrorKind::BrokenPipe);
-        self.problem = self.problem.take().or(problem);
+        let _ = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
     }
 }
 

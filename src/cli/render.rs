@@ -113,7 +113,6 @@ impl Run<'_> {
             return Err(CliError::Interrupted(number));
         }
         self.stats.finish()?;
-        progress.finish()?;
         if summary.given_up.is_empty() { Ok(()) } else { Err(too_late(&summary.given_up)) }
     }
 
