@@ -47,7 +47,8 @@ fn orthographic_pictures_show_areas_true() {
     orthographic(&mut file, 2.5, 2.5);
     file.animate("/cameras/0/orthographic/ymag", "SCALAR", "LINEAR", &[0.0, 1.0], &[1.25, 2.5]);
     for (frame, half_height) in [("0", 1.25), ("12", 1.875), ("24", 2.5)] {
-        let flags = ["--frames", frame, "--size", "10%", "--samples", "64", "--volume", "segments"];
+        let flags =
+            ["--frames", frame, "--size", "25%", "--samples", "64", "--volume", "segments", "--bounces", "0"];
         let red = rendered(folder.path(), &file, &flags);
         let mean = red.iter().map(|value| f64::from(*value)).sum::<f64>() / red.len() as f64;
         let share = f64::min(1.0, 1.0 / (half_height * half_height));
