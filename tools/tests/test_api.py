@@ -199,10 +199,12 @@ class Progress(WithFolder):
         bar = EventBar()
         bar._bar = mock.Mock()
         for event in (
-            {"event": "started", "frames": 4}, {"event": "frame_written"}, {"event": "frame_progress", "fraction": 0.5},
-            {"event": "frame_progress", "fraction": 0.25}, {"event": "frame_written"}, {"event": "finished"},
+            {"event": "started", "frames": 4}, {"event": "frame_written", "frame": 1},
+            {"event": "frame_progress", "frame": 2, "fraction": 0.5}, {"event": "frame_progress", "frame": 2, "fraction": 0.25},
+            {"event": "frame_progress", "frame": 3, "fraction": 0.25}, {"event": "frame_written", "frame": 2},
+            {"event": "finished"},
         ):  # fmt: skip
             bar(event)
         shown = [call.args for call in bar._bar.show.call_args_list]
-        self.assertEqual([share for share, _ in shown], [0.0, 0.25, 0.375, 0.375, 0.5, 1.0])
+        self.assertEqual([share for share, _ in shown], [0.0, 0.25, 0.375, 0.375, 0.4375, 0.5625, 1.0])
         self.assertEqual(shown[2][1], "frame 2 of 4")
