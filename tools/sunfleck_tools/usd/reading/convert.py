@@ -396,5 +396,6 @@ class _Import:
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
         shown = (document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene, self.volumes.count)
-        if not any(shown):
+        # What is left out is said already.
+        if not any(shown) and {loss.kind for loss in self.lost.list()} <= {"usd-missing"}:
             self.lost.add("usd-empty", "/", "the stage holds nothing to be seen")
