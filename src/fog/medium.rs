@@ -45,7 +45,7 @@ impl Medium {
     }
 
     /// Whether some of it is fog by voxels.
-    pub(super) fn has_voxels(&self) -> bool {
+    pub fn has_voxels(&self) -> bool {
         self.banks.iter().any(|fog| fog.voxels().is_some())
     }
 

@@ -2,7 +2,8 @@
 //! uniform numbers. Out comes an estimate of the radiance from there. Invariant: places on a leg and places
 //! on a lamp's rays make up the whole, by the balance heuristic (see `connection.rs`).
 //!
-//! A leg hardly ever crosses a narrow beam, or the bright fog about a lamp. A ray of the lamp goes there.
+//! A leg hardly ever crosses a narrow beam. A ray of the lamp goes there. Light that goes all ways is met by
+//! legs as well, and depths in voxels take longer than they save.
 
 use super::connection::{Receiver, Turn};
 use super::equiangular;
@@ -11,16 +12,20 @@ use super::march::scattered_at;
 use super::path::Path;
 use crate::accel::InstanceTree;
 use crate::color::Rgb;
+use crate::light::Emission;
 use crate::math::Ray;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{FrozenLight, Snapshot};
 use glam::DVec3;
 
 /// Radiance of fog in a lamp's light that the receiver scatters, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let snapshot = path.snapshot;
-    let lamps = Lamp::among(path.light.lights);
+    if snapshot.medium.is_empty() {
+        return Rgb::ZERO;
+    }
+    let lamps = beams(snapshot, path.light.lights);
     let count = lamps.clone().count();
-    if count == 0 || snapshot.medium.is_empty() {
+    if count == 0 {
         return Rgb::ZERO;
     }
     let [which, u, v] = path.sampler.next_3d();
@@ -53,6 +58,15 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     if sum.is_finite() { sum } else { Rgb::ZERO }
 }
 
+/// Lamps whose rays are followed, with the probability of picking each of them.
+fn beams<'a>(snapshot: &Snapshot, lights: &'a [FrozenLight]) -> impl Iterator<Item = Lamp<'a>> + Clone {
+    let has_voxels = snapshot.medium.has_voxels();
+    let is_beam = move |lamp: &Lamp| !has_voxels && !matches!(lamp.emission, Emission::Even);
+    let beams = Lamp::among(lights).filter(is_beam);
+    let chance = 1.0 / beams.clone().count() as f64;
+    beams.map(move |lamp| Lamp { chance, ..lamp })
+}
+
 /// Radiance of lamps that fog scatters into a leg before `distance`, by a place for each of them. Places are
 /// picked by equiangular sampling: near a lamp light grows as 1 / r^2, and other sampling would have no
 /// finite variance.
@@ -61,17 +75,19 @@ pub(super) fn on_leg(path: &mut Path, ray: &Ray, turn: Option<Turn>, distance: f
     // Past a blended surface nobody looked for it.
     let turn = turn.filter(|turn| turn.place == ray.origin);
     let mut sum = Rgb::ZERO;
+    let mut beams = beams(snapshot, path.light.lights).peekable();
     for lamp in Lamp::among(path.light.lights) {
+        let beam = beams.next_if(|beam| std::ptr::eq(beam.light, lamp.light));
         let Some((t, per_m)) = equiangular::pick(path, ray, distance, lamp.light) else { continue };
         let found = scattered_at(snapshot, ray, t, lamp.light, &[]) / per_m;
         if found == Rgb::ZERO {
             continue;
         }
-        let share = |turn: Turn| {
+        let share = |(turn, beam): (Turn, Lamp)| {
             let by_leg = turn.density * per_m;
-            by_leg / (by_leg + per_m3(snapshot, &lamp, ray.at(t)) * t * t)
+            by_leg / (by_leg + per_m3(snapshot, &beam, ray.at(t)) * t * t)
         };
-        sum += turn.map_or(1.0, share) * found;
+        sum += turn.zip(beam).map_or(1.0, share) * found;
     }
     sum
 }

@@ -306,9 +306,10 @@ fn dark_lamps_change_no_light() {
         for number in 0..=count {
             let power = Rgb::splat(if number == 0 { 20.0 } else { 1e-9 });
             let place = DVec3::new(0.3 - 0.2 * number as f64, 1.0, -4.0);
-            add_light(&mut scene, LightKind::Point, place, DVec3::NEG_Z, power);
+            let kind = LightKind::Spot { outer_angle: 0.9.into(), blend: 0.2.into(), radius: 0.0.into() };
+            add_light(&mut scene, kind, place, DVec3::NEG_Z, power);
         }
-        estimate(&scene, &by_paths(Bounces::All), 32)
+        estimate(&scene, &by_paths(Bounces::All), 64)
     };
     let [(alone, error), (among_dark, other)] = [0, 3].map(with_dark);
     println!("alone {alone:.4} +- {error:.4}, among dark ones {among_dark:.4} +- {other:.4}");
