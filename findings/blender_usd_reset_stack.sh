@@ -18,13 +18,13 @@ venv/bin/pip install --quiet bpy==5.3.0 usd-core==26.11
 cat >rig.usda <<'END'
 #usda 1.0
 (
-    defaultPrim = "root"
+    defaultPrim = "rig"
     metersPerUnit = 1
     upAxis = "Z"
     endTimeCode = 10
     startTimeCode = 0
 )
-def Xform "root"
+def Xform "rig"
 {
     double3 xformOp:translate.timeSamples = { 0: (5, 0, 0), 10: (15, 0, 0) }
     uniform token[] xformOpOrder = ["xformOp:translate"]
@@ -54,7 +54,7 @@ from pxr import Usd, UsdGeom
 
 stage = Usd.Stage.Open("rig.usda")
 for name in ("mesh", "camera", "lamp"):
-    prim = UsdGeom.Xformable(stage.GetPrimAtPath("/root/" + name))
+    prim = UsdGeom.Xformable(stage.GetPrimAtPath("/rig/" + name))
     found = [prim.ComputeLocalToWorldTransform(time).ExtractTranslation()[0] for time in (0, 10)]
     print("USD", Usd.GetVersion(), name, "from", *found, flush=True)
     if found != [1, 1]:
