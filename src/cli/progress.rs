@@ -230,7 +230,7 @@ impl State {
                     0 => String::new(),
                     _ => format!("; {clamped} values too bright for half precision were clamped to 65504"),
                 };
-                let count = format!("{} of {}", self.skipped + self.written, self.frames);
+                let count = format!("{} of {} frames", self.skipped + self.written, self.frames);
                 let path = shown(path);
                 format!(
                     "frame {frame} written to {path} in {seconds:.1} s{} ({count}{}){clamping}",
@@ -411,7 +411,7 @@ mod tests {
         let lines = lines(ProgressArgument::Plain);
         assert_eq!(lines.len(), 4, "{lines:#?}");
         assert_eq!(lines[0], "frame 1 skipped: there already, and valid");
-        let start = "frame 2 written to x.2.exr in 0.5 s, noise 1.8 %, 22.2 % of the picture noisier than asked for: it had all --samples it may have (2 of 4, about ";
+        let start = "frame 2 written to x.2.exr in 0.5 s, noise 1.8 %, 22.2 % of the picture noisier than asked for: it had all --samples it may have (2 of 4 frames, about ";
         assert!(lines[1].starts_with(start), "{}", lines[1]);
         assert_eq!(
             lines[3],
