@@ -1,6 +1,7 @@
 //! Placed meshes and the questions one may ask them. Invariant: relative space throughout, and the
 //! instance numbers of answers are positions in the list the tree was made of, counted from where its
-//! maker wants. What keeps still may be a tree of its own, which the trees of many moments share.
+//! maker wants. What keeps still may be a tree of its own, which the trees of many moments share, about
+//! whatever origin each has.
 
 use super::each_shadow::{AddEachShadow, TriangleShadow};
 use super::hit::{Hit, PrimitiveId};
@@ -20,8 +21,7 @@ use std::sync::Arc;
 /// All placed meshes of a frame.
 #[derive(Debug)]
 pub struct InstanceTree {
-    /// Those that it shares with other trees, and where their numbers end.
-    shared: Option<(Arc<Self>, u32)>,
+    shared: Option<SharedTree>,
     tree: WideTree,
     instances: Vec<Instance>,
     /// Positions in `instances`, by number; nowhere what nothing can hit.
@@ -31,6 +31,17 @@ pub struct InstanceTree {
     level: Level,
 }
 
+/// Instances that a tree shares with others.
+#[derive(Clone, Debug)]
+pub struct SharedTree {
+    /// Tree of them.
+    pub tree: Arc<InstanceTree>,
+    /// Their number: where others' numbers begin.
+    pub count: u32,
+    /// Origin of whoever shares it, in its relative space.
+    pub origin: DVec3,
+}
+
 impl InstanceTree {
     /// Builds the tree. There may be no mesh at all. A mesh whose matrix is singular, because it is
     /// scaled to nothing for instance, is never hit and throws no shadow.
@@ -38,12 +49,13 @@ impl InstanceTree {
         Self::numbered((0..).zip(placed))
     }
 
-    /// Tree of others beside the first `count` instances, which another tree has.
-    pub fn beside(shared: Arc<Self>, count: u32, others: Vec<PlacedMesh>) -> Self {
-        let mut tree = Self::numbered((count..).zip(others));
-        let boxes = [shared.bounds, tree.bounds].into_iter().flatten();
+    /// Tree of others beside the first instances, which another tree has.
+    pub fn beside(shared: SharedTree, others: Vec<PlacedMesh>) -> Self {
+        let mut tree = Self::numbered((shared.count..).zip(others));
+        let of_shared = shared.tree.bounds.map(|(low, high)| (low - shared.origin, high - shared.origin));
+        let boxes = [of_shared, tree.bounds].into_iter().flatten();
         tree.bounds = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-        tree.shared = Some((shared, count));
+        tree.shared = Some(shared);
         tree
     }
 
@@ -96,14 +108,17 @@ impl InstanceTree {
     /// The nearest hit with `0 < t < t_max` (metres), on either side of a triangle, `skip` left out:
     /// name the triangle there on which the ray starts.
     pub fn nearest_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> Option<Hit> {
-        let of_shared = self.shared().and_then(|shared| shared.nearest_hit(ray, t_max, skip));
+        let of_shared = self.shared.as_ref();
+        let of_shared =
+            of_shared.and_then(|shared| shared.tree.nearest_hit(&ray.moved(shared.origin), t_max, skip));
         let t_max = of_shared.map_or(t_max, |hit| hit.t);
         self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: false }).or(of_shared)
     }
 
     /// Whether there is any hit with `0 < t < t_max` (metres), `skip` left out.
     pub fn any_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> bool {
-        self.shared().is_some_and(|shared| shared.any_hit(ray, t_max, skip))
+        let of_shared = self.shared.as_ref();
+        of_shared.is_some_and(|shared| shared.tree.any_hit(&ray.moved(shared.origin), t_max, skip))
             || self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: true }).is_some()
     }
 
@@ -111,45 +126,44 @@ impl InstanceTree {
     /// through a triangle within the asked part, though it may end on one: a triangle counts as a whole
     /// as before or behind the ray.
     pub fn add_shadows(&self, plane: &LightPlane, shadows: &mut IntervalSet) {
-        if let Some(shared) = self.shared() {
-            shared.add_shadows(plane, shadows);
+        if let Some(shared) = &self.shared {
+            shared.tree.add_shadows(&plane.moved(shared.origin), shadows);
         }
         self.level.run(AddShadows { instances: self.instances(), plane, shadows });
     }
 
     /// Appends the shadow of each triangle on the plane's ray by itself. The ray may pass through triangles.
     pub fn add_each_shadow(&self, plane: &LightPlane, shadows: &mut Vec<TriangleShadow>) {
-        if let Some(shared) = self.shared() {
-            shared.add_each_shadow(plane, shadows);
+        if let Some(shared) = &self.shared {
+            shared.tree.add_each_shadow(&plane.moved(shared.origin), shadows);
         }
         AddEachShadow { instances: self.instances(), plane, shadows }.run(Portable);
     }
 
     /// Appends what the half plane cuts, in an order that depends on the tree alone.
     pub fn add_cuts(&self, half_plane: &HalfPlane, cuts: &mut Vec<Cut>) {
-        if let Some(shared) = self.shared() {
-            shared.add_cuts(half_plane, cuts);
+        if let Some(shared) = &self.shared {
+            let half_plane = HalfPlane { eye: half_plane.eye + shared.origin, ..*half_plane };
+            shared.tree.add_cuts(&half_plane, cuts);
         }
         self.level.run(AddCuts { instances: self.instances(), half_plane, cuts });
     }
 
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {
-        self.instances.is_empty() && self.shared().is_none_or(Self::is_empty)
-    }
-
-    fn shared(&self) -> Option<&Self> {
-        self.shared.as_ref().map(|(shared, _)| &**shared)
+        self.instances.is_empty() && self.shared.as_ref().is_none_or(|shared| shared.tree.is_empty())
     }
 
     /// Where the mesh of a number is. It must be one that can be hit.
-    pub fn relative_from_mesh(&self, number: u32) -> &DAffine3 {
-        if let Some((shared, count)) = &self.shared
-            && number < *count
+    pub fn relative_from_mesh(&self, number: u32) -> DAffine3 {
+        if let Some(shared) = &self.shared
+            && number < shared.count
         {
-            return shared.relative_from_mesh(number);
+            let mut relative_from_mesh = shared.tree.relative_from_mesh(number);
+            relative_from_mesh.translation -= shared.origin;
+            return relative_from_mesh;
         }
-        &self.instances[self.positions[(number - self.first_number) as usize] as usize].relative_from_mesh
+        self.instances[self.positions[(number - self.first_number) as usize] as usize].relative_from_mesh
     }
 
     fn instances(&self) -> Instances<'_> {
@@ -235,14 +249,22 @@ mod tests {
         };
         let placed: Vec<PlacedMesh> = (0..40).map(place).collect();
         let (still, others) = placed.split_at(25);
-        let shared = Arc::new(InstanceTree::new(still.to_vec()));
-        let beside = InstanceTree::beside(shared, 25, others.to_vec());
-        let alone = InstanceTree::new(placed);
+        let alone = InstanceTree::new(placed.clone());
+        let beside = |origin: DVec3| {
+            let mut still = still.to_vec();
+            still.iter_mut().for_each(|placed| placed.relative_from_mesh.translation += origin);
+            let shared = SharedTree { tree: Arc::new(InstanceTree::new(still)), count: 25, origin };
+            InstanceTree::beside(shared, others.to_vec())
+        };
+        // Of another origin all agree but for the rounding of their boxes and blocks.
+        let [beside, moved] = [DVec3::ZERO, DVec3::new(0.5, -0.25, 0.125)].map(beside);
         assert_eq!(beside.bounds(), alone.bounds());
         for number in 0..40 {
-            assert_eq!(beside.relative_from_mesh(number), alone.relative_from_mesh(number));
+            let place = alone.relative_from_mesh(number);
+            assert_eq!(beside.relative_from_mesh(number), place);
+            assert!(moved.relative_from_mesh(number).abs_diff_eq(place, 1e-12));
         }
-        let mut of_shared = 0;
+        let (mut of_shared, mut shaded_m) = (0, 0.0);
         for number in 0..1000 {
             let mut sampler = Sampler::new(4, number, 0, 0);
             let direction = vector(&mut sampler).normalize();
@@ -250,6 +272,9 @@ mod tests {
             let hit = alone.nearest_hit(&ray, 100.0, None);
             assert_eq!(beside.nearest_hit(&ray, 100.0, None), hit);
             assert_eq!(beside.any_hit(&ray, 100.0, None), hit.is_some());
+            assert_eq!(moved.any_hit(&ray, 100.0, None), hit.is_some());
+            let [own, of_moved] = [hit, moved.nearest_hit(&ray, 100.0, None)].map(|hit| hit.map(|hit| hit.t));
+            assert!(own.zip(of_moved).is_none_or(|(own, moved)| (own - moved).abs() < 1e-5));
             of_shared += usize::from(hit.is_some_and(|hit| hit.primitive.instance < 25));
             let range = (0.0, hit.map_or(10.0, |hit| hit.t));
             let plane = LightPlane::towards_direction(&ray, vector(&mut sampler).normalize(), range).unwrap();
@@ -259,7 +284,22 @@ mod tests {
                 shadows.as_slice().to_vec()
             };
             assert_eq!(shadows(&beside), shadows(&alone));
+            let metres = |tree| shadows(tree).iter().map(|(start, end)| end - start).sum::<f64>();
+            assert!((metres(&moved) - metres(&alone)).abs() < 1e-4);
+            shaded_m += metres(&alone);
+            let half_plane =
+                HalfPlane { eye: ray.origin, axis: DVec3::Y, outward: DVec3::X, lowest_slope: -100.0 };
+            let cuts = |tree: &InstanceTree| {
+                let mut cuts = Vec::new();
+                tree.add_cuts(&half_plane, &mut cuts);
+                cuts.sort_by_key(|cut| (cut.primitive.instance, cut.primitive.triangle));
+                cuts
+            };
+            for (moved, own) in cuts(&moved).iter().zip(cuts(&alone)) {
+                assert_eq!(moved.primitive, own.primitive);
+                assert!(moved.ends.iter().zip(own.ends).all(|(moved, own)| moved.distance(own) < 1e-4));
+            }
         }
-        assert!(of_shared > 50, "{of_shared}");
+        assert!(of_shared > 50 && shaded_m > 50.0, "{of_shared} {shaded_m}");
     }
 }

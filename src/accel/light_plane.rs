@@ -28,6 +28,11 @@ impl Functional {
         Self { gradient, offset: -gradient.dot(root) }
     }
 
+    /// Function of positions that are `by` farther on.
+    fn moved(&self, by: DVec3) -> Self {
+        Self { gradient: self.gradient, offset: self.offset - self.gradient.dot(by) }
+    }
+
     pub(super) fn at(&self, point: DVec3) -> f64 {
         self.gradient.dot(point) + self.offset
     }
@@ -162,6 +167,14 @@ impl LightPlane {
             is_fan: true,
             needs_doubles: height < NEARLY_COLLINEAR * to_light.length(),
         })
+    }
+
+    /// The same plane, all of which lies `by` farther on.
+    pub(super) fn moved(&self, by: DVec3) -> Self {
+        let PlaneFunctions { out_of_plane, along, depth, towards_light } = &self.functions;
+        let [out_of_plane, along, depth, towards_light] =
+            [out_of_plane, along, depth, towards_light].map(|function| function.moved(by));
+        Self { functions: PlaneFunctions { out_of_plane, along, depth, towards_light }, ..*self }
     }
 }
 

@@ -34,7 +34,7 @@ mod wide_tree;
 pub use each_shadow::TriangleShadow;
 pub use hit::{Hit, PrimitiveId};
 pub use instance::PlacedMesh;
-pub use instance_tree::InstanceTree;
+pub use instance_tree::{InstanceTree, SharedTree};
 pub use level::{Vectorized, vectorized};
 pub use light_plane::LightPlane;
 pub use mesh_tree::MeshTree;

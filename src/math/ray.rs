@@ -12,6 +12,11 @@ pub struct Ray {
 }
 
 impl Ray {
+    /// The same ray, all of which lies `by` farther on.
+    pub fn moved(&self, by: DVec3) -> Self {
+        Self { origin: self.origin + by, direction: self.direction }
+    }
+
     /// The point at distance `t`, in metres.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction

@@ -201,7 +201,7 @@ impl Bands {
 
 impl SeenMesh {
     fn new(mesh: &DrawnMesh, projection: &Projection) -> Self {
-        let camera_from_mesh = projection.camera_from_mesh(*mesh.relative_from_mesh);
+        let camera_from_mesh = projection.camera_from_mesh(mesh.relative_from_mesh);
         let vertex =
             |position: &Vec3| projection.vertex(camera_from_mesh.transform_point3(position.as_dvec3()));
         Self { vertices: mesh.positions.iter().map(vertex).collect(), is_blended: mesh.is_blended }

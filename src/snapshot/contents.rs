@@ -6,7 +6,7 @@ use super::mesh_parts::MeshParts;
 use super::moment::{Moment, PlacedInstances};
 use super::ray_visibility::{casting, rays_of};
 use super::{FrozenSky, Luminaire, MeshTrees, Snapshot, View};
-use crate::accel::InstanceTree;
+use crate::accel::{InstanceTree, SharedTree};
 use crate::fog::Medium;
 use crate::scene::{Material, Pose, Scene};
 use glam::{DAffine3, DVec3};
@@ -24,7 +24,7 @@ pub struct Contents<'scene> {
     /// Instances with opaque and with blended triangles.
     classes: [PlacedInstances; 2],
     /// Tree of those of the opaque ones that keep still, if other moments share it.
-    still: Option<Arc<InstanceTree>>,
+    still: Option<SharedTree>,
     materials: Cow<'scene, [Material]>,
     lights: Vec<Luminaire>,
     medium: Medium,
@@ -39,7 +39,7 @@ impl<'scene> Contents<'scene> {
         let lights = moment.lights(shining, &medium);
         let classes = moment.instances(trees);
         let [opaque, _] = &classes;
-        let still = moment.still.map(|still| still.tree(&opaque.meshes[..opaque.still]));
+        let still = moment.still.and_then(|still| still.tree(&opaque.meshes[..opaque.still], origin));
         Self {
             scene,
             is_blended: Arc::clone(&trees.is_blended),
@@ -82,10 +82,12 @@ impl<'scene> Contents<'scene> {
         let casting = casting(&self.classes, rays.as_ref());
         let [mut opaque, blended] = self.classes;
         let first_blended = opaque.placed.len();
-        let others = opaque.meshes.split_off(opaque.still);
         let tree = match self.still {
-            Some(still) => InstanceTree::beside(still, opaque.still as u32, others),
-            None => InstanceTree::new(others),
+            Some(still) => {
+                let others = opaque.meshes.split_off(opaque.still);
+                InstanceTree::beside(still, others)
+            }
+            None => InstanceTree::new(opaque.meshes),
         };
         let blended_tree = InstanceTree::numbered((first_blended as u32..).zip(blended.meshes));
         let boxes = [tree.bounds(), blended_tree.bounds()].into_iter().flatten();

@@ -104,7 +104,7 @@ impl<'scene> Exposure<'scene> {
     fn freeze(&self) -> Frozen<'scene> {
         let started = Clock::now();
         let is_shared = self.times_s.len() > 1;
-        let still = is_shared.then(|| Still::of(self.scene, self.framing.camera)).flatten();
+        let still = is_shared.then(|| Still::of(self.scene)).flatten();
         let freeze = |&time_s: &f64| {
             let instant = Instant { time_s, frame_s: self.middle_s, still: still.as_ref() };
             let snapshot = Snapshot::at(self.scene, self.trees, self.framing, instant, &self.shining);

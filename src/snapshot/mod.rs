@@ -169,7 +169,7 @@ impl<'scene> Snapshot<'scene> {
     }
 
     /// Where an instance is.
-    fn relative_from_mesh(&self, number: usize) -> &DAffine3 {
+    fn relative_from_mesh(&self, number: usize) -> DAffine3 {
         let tree = if number < self.first_blended { &self.tree } else { &self.blended };
         tree.relative_from_mesh(number as u32)
     }

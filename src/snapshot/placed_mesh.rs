@@ -11,7 +11,7 @@ use glam::{DAffine3, Vec3};
 #[derive(Clone, Copy)]
 pub struct DrawnMesh<'a> {
     /// Transform.
-    pub relative_from_mesh: &'a DAffine3,
+    pub relative_from_mesh: DAffine3,
     /// Vertices as they are bent, in its own space.
     pub positions: &'a [Vec3],
     /// Whether they are not where they are in the file.

@@ -1,21 +1,28 @@
 //! What keeps still while the shutter is open. In goes a scene, out come the instances that stand in one
-//! place at all times, and the tree of these. Invariant: it is the same at every moment.
+//! place at all times, and the tree of these. Invariant: it is the same at every moment, wherever the camera
+//! is by then.
 
-use crate::accel::{InstanceTree, PlacedMesh};
+use crate::accel::{InstanceTree, PlacedMesh, SharedTree};
 use crate::scene::Scene;
+use glam::DVec3;
 use std::sync::{Arc, OnceLock};
+
+/// How far the camera may go, as a share of the diagonal of what keeps still. Trees are about an origin in
+/// single precision, which is only as good as everywhere else near it.
+const FARTHEST: f64 = 0.01;
 
 /// Instances that keep still. Most of a wood does, and a tree of it for each moment would be most of the
 /// memory.
 pub(super) struct Still {
     /// By the scene's numbers.
     keeps: Vec<bool>,
-    tree: OnceLock<Arc<InstanceTree>>,
+    /// Tree of them, and the origin that it is about, in the world.
+    tree: OnceLock<(Arc<InstanceTree>, DVec3)>,
 }
 
 impl Still {
-    /// `None` where nothing keeps still beside the camera.
-    pub(super) fn of(scene: &Scene, camera: usize) -> Option<Self> {
+    /// `None` where nothing keeps still.
+    pub(super) fn of(scene: &Scene) -> Option<Self> {
         let mut nodes: Vec<bool> = Vec::with_capacity(scene.nodes.len());
         for node in &scene.nodes {
             let is_carried = node.parent.is_some_and(|parent| !nodes[parent]);
@@ -23,17 +30,22 @@ impl Still {
         }
         let keeps = scene.instances.iter();
         let keeps: Vec<bool> = keeps.map(|one| one.deformation.is_none() && nodes[one.node]).collect();
-        let is_any = nodes[scene.cameras[camera].node] && keeps.contains(&true);
-        is_any.then_some(Self { keeps, tree: OnceLock::new() })
+        keeps.contains(&true).then_some(Self { keeps, tree: OnceLock::new() })
     }
 
     pub(super) fn keeps(&self, instance: usize) -> bool {
         self.keeps[instance]
     }
 
-    /// Tree of those with opaque triangles, which are given in the scene's order.
-    pub(super) fn tree(&self, opaque: &[PlacedMesh]) -> Arc<InstanceTree> {
-        Arc::clone(self.tree.get_or_init(|| Arc::new(InstanceTree::new(opaque.to_vec()))))
+    /// Tree of those with opaque triangles, which are given in the scene's order about an origin of the
+    /// world. `None` where that is too far from the first that asked.
+    pub(super) fn tree(&self, opaque: &[PlacedMesh], origin: DVec3) -> Option<SharedTree> {
+        let made = || (Arc::new(InstanceTree::new(opaque.to_vec())), origin);
+        let (tree, about) = self.tree.get_or_init(made);
+        let origin = origin - about;
+        let diagonal = tree.bounds().map_or(0.0, |(low, high)| low.distance(high));
+        let count = opaque.len() as u32;
+        (origin.length() <= FARTHEST * diagonal).then(|| SharedTree { tree: Arc::clone(tree), count, origin })
     }
 }
 
@@ -41,8 +53,9 @@ impl Still {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::scene::{Camera, Clip, Extend, Instance, Key, Lens, Motion, Rotation, Segment, Track};
-    use glam::{DQuat, DVec2, DVec3};
+    use crate::accel::MeshTree;
+    use crate::scene::{Extend, Instance, Key, Motion, Rotation, Segment, Track};
+    use glam::{DAffine3, DQuat, Vec3};
 
     fn moving() -> Motion {
         let key = |time_s, x| Key { time_s, value: DVec3::new(x, 0.0, 0.0), to_next: Segment::Linear };
@@ -56,12 +69,8 @@ mod tests {
     }
 
     /// Things that stand, that move and that stand on what moves.
-    fn scene(camera: Motion) -> Scene {
+    fn scene() -> Scene {
         let mut scene = Scene::default();
-        let node = scene.add_node(String::new(), None, camera);
-        let lens = Lens::Perspective { fov_y: Track::from(1.0) };
-        let (shift, clip) = (DVec2::ZERO, Clip::NONE);
-        scene.cameras.push(Camera { name: String::new(), node, lens, shift, aperture: None, clip });
         let stands = scene.add_node(String::new(), None, Motion::STILL);
         let moves = scene.add_node(String::new(), None, moving());
         let rides = scene.add_node(String::new(), Some(moves), Motion::STILL);
@@ -72,12 +81,21 @@ mod tests {
 
     #[test]
     fn what_moves_and_what_it_carries_does_not_keep_still() {
-        let still = Still::of(&scene(Motion::STILL), 0).unwrap();
+        let still = Still::of(&scene()).unwrap();
         assert_eq!(still.keeps, [true, false, false]);
     }
 
+    /// A camera that goes a little way shares the tree; one that goes far has its own.
     #[test]
-    fn nothing_keeps_still_for_a_camera_that_moves() {
-        assert!(Still::of(&scene(moving()), 0).is_none());
+    fn a_tree_is_shared_by_who_is_near() {
+        let still = Still::of(&scene()).unwrap();
+        let mesh = Arc::new(MeshTree::new(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]]));
+        let placed = [0.0, 99.0].map(|x| {
+            let relative_from_mesh = DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
+            PlacedMesh { mesh: Arc::clone(&mesh), relative_from_mesh }
+        });
+        let origins =
+            [5.0, 5.9, 6.1].map(|x| still.tree(&placed, DVec3::X * x).map(|shared| shared.origin.x));
+        assert_eq!(origins.map(|x| x.map(|x| (10.0 * x).round())), [Some(0.0), Some(9.0), None]);
     }
 }
