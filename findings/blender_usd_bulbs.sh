@@ -80,9 +80,10 @@ for kind, (first, one), (second, two), area, factor in [
     for metres, wanted in [(1, 1), (0.01, factor)]:
         lengths = [size / metres if name in ("width", "height", "radius") else size
                    for name, size in [(first, one), (second, two)]]
-        found = irradiance(STAGE % (metres, kind, first, lengths[0], second, lengths[1], 10 / metres)) / (10 * area / 10**2)
-        print("bpy", bpy.app.version_string, kind, second, "with", metres, "m to the unit gives %.4g times what it should"
-              % found, flush=True)
+        true = 10 * area / 10**2
+        found = irradiance(STAGE % (metres, kind, first, lengths[0], second, lengths[1], 10 / metres)) / true
+        print("bpy", bpy.app.version_string, kind, second, "with", metres,
+              "m to the unit gives %.4g times what it should" % found, flush=True)
         if abs(found / wanted - 1) > 0.03:
             raise SystemExit("this has changed")
 END

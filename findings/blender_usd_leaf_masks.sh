@@ -106,8 +106,8 @@ for name, (surface, texture), wanted in [
     ("tinted", ("", TINT), (0, 0.3)), ("tinted, with a threshold", (CUT, TINT), (0, 0.3)),
 ]:
     found = coverage(surface, texture)
-    print("bpy", bpy.app.version_string, "card whose leaf is on the right,", name + ": alpha %.2f left, %.2f right" % found,
-          flush=True)
+    print("bpy", bpy.app.version_string, "card whose leaf is on the right,", name + ":",
+          "alpha %.2f left, %.2f right" % found, flush=True)
     if max(abs(a - b) for a, b in zip(found, wanted)) > 0.02:
         raise SystemExit("this has changed")
 END

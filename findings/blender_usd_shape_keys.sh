@@ -81,7 +81,8 @@ for case, wanted in [("still", [0] * 4), ("relative", [4] * 4), ("grouped", [3] 
                 UsdSkel.BakeSkinning(UsdSkel.Root(prim), Gf.Interval(1, 1))
         mesh = next(UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
         heights.append([round(point[2], 4) for point in mesh.GetPointsAttr().Get(1)])
-    print("bpy 5.3.0", case, "corners by Blender:", drawn, "by its USD with shape keys:", heights[0], "without:", heights[1])
+    print("bpy 5.3.0", case, "corners by Blender:", drawn, "by its USD with shape keys:", heights[0],
+          "without:", heights[1])
     if heights != [wanted, drawn]:
         raise SystemExit("this has changed")
 END

@@ -82,7 +82,8 @@ texel = bpy.data.images.new("texel", 4, 4)
 texel.filepath_raw, texel.file_format = os.path.abspath("texel.png"), "PNG"
 texel.save()
 for name, (first, last), wanted in [
-    ("offset", ((0, 0), (0.5, 0.25)), (0, 0, 0)), ("rotation", (0.3, 1.3), (0, 0.51, 0.5)), ("scale", ((2, 3), (3, 4)), (0, 0.5, 0.3)),
+    ("offset", ((0, 0), (0.5, 0.25)), (0, 0, 0)), ("rotation", (0.3, 1.3), (0, 0.51, 0.5)),
+    ("scale", ((2, 3), (3, 4)), (0, 0.5, 0.3)),
 ]:
     write("keys.gltf", name, (first, last))
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -94,8 +95,8 @@ for name, (first, last), wanted in [
         between = np.array(first) + (np.array(last) - np.array(first)) * frame / scene.render.fps
         now[name] = between.tolist()
         found.append(max(apart(by_blender(uv), by_gltf(uv, **now)) for uv in CORNERS))
-    print("bpy", bpy.app.version_string, "keys of", name + ": corners are off by %.2f, %.2f, %.2f of the picture" % tuple(found),
-          "at 0, 0.5 and 1 s", flush=True)
+    print("bpy", bpy.app.version_string, "keys of", name + ": corners are off by",
+          "%.2f, %.2f, %.2f of the picture at 0, 0.5 and 1 s" % tuple(found), flush=True)
     if max(abs(a - b) for a, b in zip(found, wanted)) > 0.01:
         raise SystemExit("this has changed")
 END
