@@ -8,7 +8,7 @@ from pxr import Gf
 from ..gltf.nodes import Node
 from ..gltf.scene import Gltf
 from .prims import Prim, Types
-from .samples import Sampler, thinned
+from .samples import Sampler
 
 TENTHS_PER_MM = 0.01
 DEFAULT_ASPECT = 16 / 9
@@ -28,7 +28,7 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
         half = lens.need("ymag").number(1e-9)
         aspect = width / height if height else lens.need("xmag").number(1e-9) / half
         prim.set("projection", Types.Token, "orthographic")
-        codes, heights = _controlled(node, "sunfleck_camera.height", 2 * half, gltf, sampler)
+        codes, heights = sampler.numbers(gltf.control(node.name, "sunfleck_camera.height"), 2 * half)
         heights = heights * (1 if for_blender else 10)
         prim.animate("verticalAperture", Types.Float, codes, heights.tolist())
         prim.animate("horizontalAperture", Types.Float, codes, (aspect * heights).tolist())
@@ -39,9 +39,8 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
         frame_width, frame_height = sensor, sensor / aspect
         prim.set("horizontalAperture", Types.Float, frame_width)
         prim.set("verticalAperture", Types.Float, frame_height)
-        codes, angles = _controlled(
-            node, "sunfleck_camera.yfov", lens.need("yfov").number(1e-9, math.pi), gltf, sampler
-        )
+        fov_y = lens.need("yfov").number(1e-9, math.pi)
+        codes, angles = sampler.numbers(gltf.control(node.name, "sunfleck_camera.yfov"), fov_y)
         prim.animate("focalLength", Types.Float, codes, (0.5 * frame_height / np.tan(0.5 * angles)).tolist())
     _write_shift(prim, ours, frame_width, frame_height)
     prim.set(
@@ -51,9 +50,8 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
     )
     if ours.member("fstop") is not None and ours.member("focus_distance") is not None:
         for name, field in (("fStop", "fstop"), ("focusDistance", "focus_distance")):
-            codes, values = _controlled(
-                node, f"sunfleck_camera.{field}", ours.need(field).number(0), gltf, sampler
-            )
+            control = gltf.control(node.name, f"sunfleck_camera.{field}")
+            codes, values = sampler.numbers(control, ours.need(field).number(0))
             prim.animate(name, Types.Float, codes, values.tolist())
     opening, closing = gltf.settings.shutter
     if closing > opening:
@@ -73,14 +71,3 @@ def _write_shift(prim: Prim, ours, frame_width: float, frame_height: float) -> N
         if value:
             prim.set(f"{name}ApertureOffset", Types.Float, value * longer)
 
-
-def _controlled(
-    node: Node, field: str, rest: float, gltf: Gltf, sampler: Sampler
-) -> tuple[np.ndarray, np.ndarray]:
-    """Codes and values of a number that may change."""
-    control = gltf.control(node.name, field)
-    if control is None:
-        return sampler.frames[:1], np.array([rest])
-    codes = sampler.codes(control.curve)
-    codes, rows = thinned(codes, control.at(sampler.seconds(codes))[:, :1])
-    return codes, rows[:, 0]

@@ -14,7 +14,7 @@ from pxr import Gf, Vt
 
 from ..gltf.lights import LightSource
 from ..gltf.nodes import Node
-from ..gltf.scene import Gltf
+from ..gltf.scene import Control, Gltf
 from .prims import Prim, Types, vectors
 from .samples import Sampler, thinned
 
@@ -44,15 +44,12 @@ def write_light(prim: Prim, kind: str, node: Node, gltf: Gltf, sampler: Sampler,
 
 class _Light:
     def __init__(self, prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool):
-        self.prim, self.node, self.gltf, self.sampler, self.for_blender = (
-            prim,
-            node,
-            gltf,
-            sampler,
-            for_blender,
-        )
+        self.prim, self.sampler, self.for_blender = prim, sampler, for_blender
         self.source = LightSource(node, gltf)
         self.ours = self.source.ours
+
+    def _control(self, field: str) -> Control | None:
+        return self.source.gltf.control(self.source.node.name, f"sunfleck_light.{field}")
 
     def write(self, kind: str) -> None:
         self.prim.set("inputs:normalize", Types.Bool, True)
@@ -78,7 +75,7 @@ class _Light:
         intensity = self.source.power()
         first = self._power("power_w", intensity, 4 * math.pi, 4.0)
         radius = self.ours.number_at("radius", 0.0, 0.0)
-        if radius == 0 and self.gltf.control(self.node.name, "sunfleck_light.radius") is None:
+        if radius == 0 and self._control("radius") is None:
             self.prim.set("treatAsPoint", Types.Bool, True)
             self.prim.set("inputs:radius", Types.Float, POINT_RADIUS)
         else:
@@ -99,38 +96,26 @@ class _Light:
         else:
             self._number("inputs:radius", "width", width, lambda values: 0.5 * values)
             if width != height and width > 0:
-                order = (
-                    list(self.prim.spec.attributes["xformOpOrder"].default or []) if self._has_place() else []
-                )
                 self.prim.set("xformOp:scale:ellipse", Types.Float3, Gf.Vec3f(1.0, height / width, 1.0))
-                if order:
-                    self.prim.spec.attributes["xformOpOrder"].default = Vt.TokenArray(
-                        [*order, "xformOp:scale:ellipse"]
-                    )
+                said = self.prim.spec.attributes.get("xformOpOrder")
+                order = Vt.TokenArray([*((said and said.default) or []), "xformOp:scale:ellipse"])
+                if said:
+                    said.default = order
                 else:
-                    self.prim.set(
-                        "xformOpOrder",
-                        Types.TokenArray,
-                        Vt.TokenArray(["xformOp:scale:ellipse"]),
-                        uniform=True,
-                    )
+                    self.prim.set("xformOpOrder", Types.TokenArray, order, uniform=True)
         self.prim.remember({"power_w": first.tolist()})
-
-    def _has_place(self) -> bool:
-        return "xformOpOrder" in self.prim.spec.attributes
 
     def _power(
         self, field: str, still: np.ndarray, carried_per_unit: float, intensity_per_unit: float
     ) -> np.ndarray:
         """Writes intensity and colour; what it is at first."""
-        control = self.gltf.control(self.node.name, f"sunfleck_light.{field}")
+        control = self._control(field)
         codes, rows = self.sampler.frames[:1], still[None]
         if control is not None:
-            codes = self.sampler.codes(control.curve)
-            carried = control.at(self.sampler.seconds(codes)) / carried_per_unit
             # One number multiplies the colour that the light has.
-            rows = carried * self.source.color() if carried.shape[1] == 1 else carried
-            codes, rows = thinned(codes, rows)
+            color = 1.0 if control.axis is None else self.source.color()
+            at = lambda times_s: control.at(times_s) / carried_per_unit * color
+            codes, rows = self.sampler.rows(control.curve, at)
         brightest = rows.max(axis=1)
         colors = np.where(
             brightest[:, None] > 0, rows / np.where(brightest > 0, brightest, 1.0)[:, None], 1.0
@@ -140,12 +125,8 @@ class _Light:
         return rows[0]
 
     def _number(self, name: str, field: str, still: float, convert=lambda values: values) -> None:
-        control = self.gltf.control(self.node.name, f"sunfleck_light.{field}")
-        codes, rows = self.sampler.frames[:1], np.array([[still]])
-        if control is not None:
-            codes = self.sampler.codes(control.curve)
-            codes, rows = thinned(codes, control.at(self.sampler.seconds(codes))[:, :1])
-        self.prim.animate(name, Types.Float, codes, convert(rows[:, 0]).tolist())
+        codes, numbers = self.sampler.numbers(self._control(field), still)
+        self.prim.animate(name, Types.Float, codes, convert(numbers).tolist())
 
 
 def _made(codes, colors):

@@ -6,7 +6,7 @@ from pxr import Gf, Vt
 from ..gltf.nodes import RESTS, Node
 from ..gltf.scene import Gltf
 from .prims import Prim, Types, quaternions, vectors
-from .samples import JUMP, Sampler, thinned
+from .samples import JUMP, Sampler
 from .turns import steadied
 
 HIDDEN_SCALE = 1e-4
@@ -44,8 +44,7 @@ def write_turn_and_scale(prim: Prim, node: Node, sampler: Sampler) -> None:
 
 def _write_part(prim: Prim, node: Node, path: str, sampler: Sampler) -> list[str]:
     name, kind, make = OPERATIONS[path]
-    codes = sampler.codes(node.curves.get(path))
-    codes, rows = thinned(codes, node.parts_at(path, sampler.seconds(codes)))
+    codes, rows = sampler.rows(node.curves.get(path), lambda times_s: node.parts_at(path, times_s))
     order, rest = [], None
     if path == "rotation":
         rows, rest = steadied(rows)
@@ -70,8 +69,7 @@ def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_
         curve, at = node.shown, node.shown.at
     else:
         return False
-    codes = sampler.codes(curve)
-    codes, rows = thinned(codes, at(sampler.seconds(codes))[:, :1] >= 0.5)
+    codes, rows = sampler.rows(curve, lambda times_s: at(times_s)[:, :1] >= 0.5)
     shown = rows[:, 0].tolist()
     prim.animate("visibility", Types.Token, codes, ["inherited" if each else "invisible" for each in shown])
     if not for_blender or len(codes) == 1:

@@ -5,13 +5,12 @@
 
 import json
 
-import numpy as np
 from pxr import Gf, Sdf
 
 from ..gltf.nodes import Node
-from ..gltf.scene import Gltf
+from ..gltf.scene import Control, Gltf
 from .prims import Prim, Types
-from .samples import Sampler, thinned
+from .samples import Sampler
 
 SPACE = "userProperties:"
 
@@ -24,7 +23,7 @@ def write_properties(prim: Prim, name: str, fields: dict, owner: str, gltf: Gltf
         if control is None:
             _write(prim, attribute, value)
         else:
-            _animate(prim, attribute, control, gltf, sampler)
+            _animate(prim, attribute, control, sampler)
 
 
 def say_leaf_id(prim: Prim, node: Node) -> None:
@@ -55,9 +54,8 @@ def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _animate(prim: Prim, attribute: str, control, gltf: Gltf, sampler: Sampler) -> None:
-    codes = sampler.codes(control.curve)
-    codes, rows = thinned(codes, np.asarray(control.at(sampler.seconds(codes))))
+def _animate(prim: Prim, attribute: str, control: Control, sampler: Sampler) -> None:
+    codes, rows = sampler.rows(control.curve, control.at)
     if rows.shape[1] == 1:
         prim.animate(attribute, Types.Double, codes, rows[:, 0].tolist(), custom=True)
     else:

@@ -4,10 +4,12 @@ lines stay straight.
 Time codes are frames. Besides whole frames there is a sample at each key between two of them.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..gltf.curves import Curve
-from ..gltf.scene import Settings
+from ..gltf.scene import Control, Settings
 
 WHOLE = 1e-3
 """Keys as near to a whole frame lie on it: they are stored in single precision."""
@@ -44,6 +46,20 @@ class Sampler:
     def seconds(self, codes: np.ndarray) -> np.ndarray:
         """When they are."""
         return self.settings.seconds(codes)
+
+    def rows(
+        self, curve: Curve | None, at: Callable[[np.ndarray], np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Codes of a curve and the rows there, without samples within a run of equal ones."""
+        codes = self.codes(curve)
+        return thinned(codes, at(self.seconds(codes)))
+
+    def numbers(self, control: Control | None, still: float) -> tuple[np.ndarray, np.ndarray]:
+        """The same of a number that may change."""
+        if control is None:
+            return self.frames[:1], np.array([still])
+        codes, rows = self.rows(control.curve, lambda times_s: control.at(times_s)[:, :1])
+        return codes, rows[:, 0]
 
 
 def thinned(codes: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
