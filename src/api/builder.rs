@@ -24,58 +24,42 @@ impl Scene {
     }
 }
 
-impl SceneBuilder {
-    /// Adds a shape. Files lie relative to the folder that the program runs in.
-    pub fn shape(mut self, name: &str, shape: Shape) -> Self {
-        self.parts.file.meshes.push(name, shape);
-        self
-    }
+/// A method for each section of a scene file: it adds a part by its name.
+macro_rules! sections {
+    ($($(#[$doc:meta])* $part:ident: $section:ident, $type:ty;)*) => {
+        impl SceneBuilder {$(
+            $(#[$doc])*
+            pub fn $part(mut self, name: &str, $part: $type) -> Self {
+                self.parts.file.$section.push(name, $part);
+                self
+            }
+        )*}
+    };
+}
 
+sections! {
+    /// Adds a shape. Files lie relative to the folder that the program runs in.
+    shape: meshes, Shape;
+    /// Adds what surfaces are made of.
+    material: materials, Material;
+    /// Places a mesh or a group.
+    object: objects, Object;
+    /// Scatters leaves.
+    leaves: leaves, Leaves;
+    /// Lets leaves fall.
+    fall: fall, Fall;
+    /// Adds a camera; the first one looks unless somebody wants another.
+    camera: cameras, Camera;
+    /// Adds a light.
+    light: lights, Light;
+    /// Adds a bank of fog.
+    fog: fog, Fog;
+}
+
+impl SceneBuilder {
     /// Adds a shape by its triangles.
     pub fn mesh(mut self, name: &str, triangles: Triangles) -> Self {
         self.parts.triangles.push((name.to_owned(), triangles));
-        self
-    }
-
-    /// Adds what surfaces are made of.
-    pub fn material(mut self, name: &str, material: Material) -> Self {
-        self.parts.file.materials.push(name, material);
-        self
-    }
-
-    /// Places a mesh or a group.
-    pub fn object(mut self, name: &str, object: Object) -> Self {
-        self.parts.file.objects.push(name, object);
-        self
-    }
-
-    /// Scatters leaves.
-    pub fn leaves(mut self, name: &str, leaves: Leaves) -> Self {
-        self.parts.file.leaves.push(name, leaves);
-        self
-    }
-
-    /// Lets leaves fall.
-    pub fn fall(mut self, name: &str, fall: Fall) -> Self {
-        self.parts.file.fall.push(name, fall);
-        self
-    }
-
-    /// Adds a camera; the first one looks unless somebody wants another.
-    pub fn camera(mut self, name: &str, camera: Camera) -> Self {
-        self.parts.file.cameras.push(name, camera);
-        self
-    }
-
-    /// Adds a light.
-    pub fn light(mut self, name: &str, light: Light) -> Self {
-        self.parts.file.lights.push(name, light);
-        self
-    }
-
-    /// Adds a bank of fog.
-    pub fn fog(mut self, name: &str, fog: Fog) -> Self {
-        self.parts.file.fog.push(name, fog);
         self
     }
 

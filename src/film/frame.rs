@@ -97,6 +97,18 @@ impl Channel {
 }
 
 impl Frame {
+    /// Frame of another window, black where there are no pixels.
+    pub fn within(self, window: Window) -> Self {
+        if self.window == window {
+            return self;
+        }
+        let channel = |channel: &Channel| {
+            let value = |(x, y)| self.window.index(x, y).map_or(0.0, |index| channel.pixels[index]);
+            Channel { pixels: window.pixels().map(value).collect(), ..channel.clone() }
+        };
+        Self { full: self.full, window, channels: self.channels.iter().map(channel).collect() }
+    }
+
     /// Adds the light of another picture of the same passes: beauty and shafts. What the other says of
     /// surfaces and fog it says of the same ones, so that stays.
     pub fn add_light(&mut self, other: &Self) {

@@ -4,8 +4,8 @@
 use super::compare::intersection;
 use super::{FrameFile, Picture};
 use crate::color::Display;
-use crate::film::{Channel, Frame};
-use crate::scene::{Size, Window};
+use crate::film::Frame;
+use crate::scene::Size;
 
 /// From no difference to the largest: darker to lighter, so that it can be read without colours.
 const HEAT: [[f64; 3]; 5] =
@@ -27,7 +27,7 @@ pub fn difference_picture(
 ) -> Result<Picture, String> {
     let frames = [output, reference].map(FrameFile::shown);
     let window = intersection(frames[0].window, frames[1].window).ok_or("they have no pixel in common")?;
-    let [output, reference] = frames.map(|frame| cut(&frame, window));
+    let [output, reference] = frames.map(|frame| frame.within(window));
     let shown = [Picture::of(&output, display)?, Picture::of(&reference, display)?];
     let size = Size { width: window.width, height: window.height };
     let heat = heat(size, &differences(&output, &reference), white);
@@ -36,14 +36,6 @@ pub fn difference_picture(
         all.paste(column * (size.width + GAP), 0, picture);
     }
     Ok(all)
-}
-
-fn cut(frame: &Frame, window: Window) -> Frame {
-    let channel = |channel: &Channel| {
-        let value = |(x, y)| frame.window.index(x, y).map_or(0.0, |index| channel.pixels[index]);
-        Channel { pixels: window.pixels().map(value).collect(), ..channel.clone() }
-    };
-    Frame { full: frame.full, window, channels: frame.channels.iter().map(channel).collect() }
 }
 
 /// The largest of each pixel's channels; no number where a value is none.

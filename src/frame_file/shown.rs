@@ -24,7 +24,7 @@ impl FrameFile {
         let mut frame = Frame { full, window, channels };
         let most = (MOST_EMPTY * window.width * window.height).max(LARGEST_EMPTY);
         if !is_own && full.width.saturating_mul(full.height) <= most {
-            frame = whole(&frame);
+            frame = frame.within(Window::whole(full));
         }
         frame
     }
@@ -106,17 +106,4 @@ impl FrameFile {
         let named = |(name, pixels): (&str, Vec<f32>)| Channel { name: name.to_owned(), precision, pixels };
         ["R", "G", "B"].into_iter().zip(planes).map(named).collect()
     }
-}
-
-/// Black where there are no pixels.
-fn whole(frame: &Frame) -> Frame {
-    let window = Window::whole(frame.full);
-    if frame.window == window {
-        return frame.clone();
-    }
-    let channel = |channel: &Channel| {
-        let value = |(x, y)| frame.window.index(x, y).map_or(0.0, |index| channel.pixels[index]);
-        Channel { pixels: window.pixels().map(value).collect(), ..channel.clone() }
-    };
-    Frame { full: frame.full, window, channels: frame.channels.iter().map(channel).collect() }
 }

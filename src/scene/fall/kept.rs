@@ -100,8 +100,7 @@ struct Hashing<R> {
 
 impl<R: Read> Hashing<R> {
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let mut bytes = [0; N];
-        self.file.read_exact(&mut bytes).ok()?;
+        let bytes = take(&mut self.file)?;
         self.hash.update(&bytes);
         Some(bytes)
     }
@@ -136,39 +135,30 @@ fn leaf_bytes(leaf: &Flown) -> Option<Vec<u8>> {
 const LENGTH: usize = size_of::<u64>();
 
 fn leaf_of(bytes: &[u8]) -> Option<Flown> {
-    let mut reader = Reader(bytes);
+    let mut rest = bytes;
     let mut tail = Vec::new();
-    for _ in 0..u64::from_le_bytes(reader.take()?) {
-        let (time_s, middle) = (reader.number()?, DVec3::from_array(reader.numbers()?));
-        tail.push(Pose { time_s, middle, turn: DQuat::from_array(reader.numbers()?) });
+    for _ in 0..u64::from_le_bytes(take(&mut rest)?) {
+        let ([time_s], middle) = (numbers(&mut rest)?, DVec3::from_array(numbers(&mut rest)?));
+        tail.push(Pose { time_s, middle, turn: DQuat::from_array(numbers(&mut rest)?) });
     }
     tail.shrink_to_fit();
-    let velocity = DVec3::from_array(reader.numbers()?);
-    let mut rest = reader.0;
+    let velocity = DVec3::from_array(numbers(&mut rest)?);
     let head = if rest.is_empty() { None } else { Some((Track::read(&mut rest)?, Track::read(&mut rest)?)) };
     Flown { head, tail, velocity }.checked()
 }
 
-struct Reader<'a>(&'a [u8]);
+fn take<const N: usize>(file: &mut impl Read) -> Option<[u8; N]> {
+    let mut bytes = [0; N];
+    file.read_exact(&mut bytes).ok()?;
+    Some(bytes)
+}
 
-impl Reader<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (first, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(*first)
+fn numbers<const N: usize>(file: &mut impl Read) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = f64::from_le_bytes(take(file)?);
     }
-
-    fn number(&mut self) -> Option<f64> {
-        self.take().map(f64::from_le_bytes)
-    }
-
-    fn numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
-        let mut numbers = [0.0; N];
-        for number in &mut numbers {
-            *number = self.number()?;
-        }
-        Some(numbers)
-    }
+    Some(numbers)
 }
 
 #[cfg(test)]
