@@ -22,7 +22,6 @@ pub struct Renderer<'a> {
     method: Method,
     samples: Option<u32>,
     tolerance: Option<f64>,
-    bounces: Option<Bounces>,
     progress: &'a (dyn Fn(Progress) + Sync),
     cancelled: &'a (dyn Fn() -> bool + Sync),
 }
@@ -39,7 +38,6 @@ impl<'a> Renderer<'a> {
             method: Method::Auto,
             samples: None,
             tolerance: None,
-            bounces: None,
             progress: Watch::NOBODY.progress,
             cancelled: Watch::NOBODY.cancelled,
         }
@@ -80,7 +78,7 @@ impl<'a> Renderer<'a> {
 
     /// Number of scatterings beyond direct light and single scattering.
     pub fn bounces(mut self, bounces: Bounces) -> Self {
-        self.bounces = Some(bounces);
+        self.settings.bounces = bounces;
         self
     }
 
@@ -171,7 +169,6 @@ impl<'a> Renderer<'a> {
     #[doc(hidden)]
     pub fn plan(&self) -> Result<Plan<'a>, RenderError> {
         let mut settings = self.settings.clone();
-        settings.bounces = self.bounces.unwrap_or(settings.bounces);
         settings.sampling = Sampling::said(self.samples, self.tolerance).unwrap_or(settings.sampling);
         Plan::new(self.scene, settings, self.crop, self.method)
     }

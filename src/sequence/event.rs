@@ -5,7 +5,7 @@ use crate::diagnostic::shown;
 use crate::film::Dark;
 use crate::render::{Progress, Statistics};
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +84,7 @@ pub enum SkipReason {
 }
 
 /// Summary of a run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Frames written.
     pub written: usize,
@@ -105,20 +105,6 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Summary of a run into a folder that has not begun.
-    pub(super) fn of_nothing(folder: &Path) -> Self {
-        Self {
-            written: 0,
-            skipped_valid: 0,
-            skipped_existing: 0,
-            given_up: Vec::new(),
-            not_reached: 0,
-            seconds: 0.0,
-            folder: folder.to_owned(),
-            stopped: false,
-        }
-    }
-
     pub(super) fn count_skipped(&mut self, reason: SkipReason) {
         match reason {
             SkipReason::Valid => self.skipped_valid += 1,

@@ -45,7 +45,7 @@ impl<'a> Queue<'a> {
         provenance: &'a (dyn Fn(i64) -> Provenance + Sync),
         report: &'a (dyn Fn(Event) + Sync),
     ) -> Self {
-        let summary = Summary::of_nothing(job.output.folder());
+        let summary = Summary { folder: job.output.folder().to_owned(), ..Summary::default() };
         let state = State { taken: 0, begun: 0, done: 0, workers: 1, has_ended: false, summary };
         Self { job, provenance, report, state: Mutex::new(state), news: Condvar::new() }
     }

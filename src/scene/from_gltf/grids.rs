@@ -4,7 +4,7 @@
 use super::{Builder, extras};
 use crate::color::Rgb;
 use crate::diagnostic::Diagnostic;
-use crate::scene::grids::{Refused, Wanted, grid_frames};
+use crate::scene::grids::{GridNames, Refused, USUAL_GRID, grid_frames};
 use crate::scene::{FogShape, Track};
 
 impl Builder<'_> {
@@ -33,15 +33,15 @@ impl Builder<'_> {
                 "`emission_grid` and `emission`, or neither; `emission_kelvin` above 0 beside both";
             self.report.error(format!("{path}.emission"), found, expected);
         }
-        let wanted = Wanted {
-            density: fog.grid.as_deref(),
-            albedo: fog.albedo_grid.as_deref(),
-            emission: fog.emission_grid.as_deref(),
+        let names = GridNames {
+            density: fog.grid.clone().unwrap_or_else(|| USUAL_GRID.to_owned()),
+            albedo: fog.albedo_grid.clone(),
+            emission: fog.emission_grid.clone(),
             kelvin,
             is_principled: fog.emission_principled,
-            shines: Track::from(emission.unwrap_or(Rgb::ZERO)),
         };
-        let grids = grid_frames(self.source.grids.get(uri)?, wanted, frame_rate);
+        let shines = Track::from(emission.unwrap_or(Rgb::ZERO));
+        let grids = grid_frames(self.source.grids.get(uri)?, names, shines, frame_rate);
         let told = |Refused { found, expected, remedy }| {
             let place = self.report.at(format!("{path}.vdb"));
             self.report.push(Diagnostic::error(place, found).expected(expected).remedy(remedy));

@@ -5,7 +5,7 @@ use super::Resolver;
 use super::track;
 use crate::color::Rgb;
 use crate::description::ron;
-use crate::scene::grids::{Refused, Wanted, grid_frames};
+use crate::scene::grids::{GridNames, Refused, USUAL_GRID, grid_frames};
 use crate::scene::{GridFrames, Track};
 use std::path::Path;
 
@@ -23,7 +23,7 @@ impl Resolver<'_> {
             let remedy = format!("take `{field}` out, or add a bank of fog of its own");
             self.problems.error(owner, &found, "one of the two", &remedy);
         }
-        let (emission, shines) = (fog.emission_grid.as_deref(), &fog.emission_w_per_m3_sr);
+        let (emission, shines) = (&fog.emission_grid, &fog.emission_w_per_m3_sr);
         if emission.is_some() != shines.is_some() || (fog.emission_kelvin.is_some() && emission.is_none()) {
             let found = "what shines is said by halves";
             let expected =
@@ -32,15 +32,15 @@ impl Resolver<'_> {
         }
         let place = format!("{owner}.emission_w_per_m3_sr");
         let shines = shines.as_ref().and_then(|shines| track(shines, &place, &mut self.problems));
-        let wanted = Wanted {
-            density: fog.grid.as_deref(),
-            albedo: fog.albedo_grid.as_deref(),
-            emission,
+        let shines = shines.unwrap_or_else(|| Track::from(Rgb::ZERO));
+        let names = GridNames {
+            density: fog.grid.clone().unwrap_or_else(|| USUAL_GRID.to_owned()),
+            albedo: fog.albedo_grid.clone(),
+            emission: fog.emission_grid.clone(),
             kelvin: fog.emission_kelvin.map(ron::Number::si),
             is_principled: false,
-            shines: shines.unwrap_or_else(|| Track::from(Rgb::ZERO)),
         };
-        let grids = grid_frames(self.grids.get(path)?, wanted, self.frame_rate);
+        let grids = grid_frames(self.grids.get(path)?, names, shines, self.frame_rate);
         let told = |Refused { found, expected, remedy }| {
             self.problems.error(owner, found, &expected, remedy);
         };

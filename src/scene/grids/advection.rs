@@ -42,7 +42,7 @@ pub(super) fn between(
     };
     let of_parts = carries(files.map(|file| file.shape_from_voxel))?;
     let space = files[0].shape_from_voxel;
-    let mut fog = FogVoxels::nothing(space);
+    let mut fog = FogVoxels { shape_from_voxel: space, ..FogVoxels::default() };
     for FogPart { extinction, albedo, .. } in parts_of(files) {
         let alike = |part: &&FogPart| (part.extinction, part.albedo) == (extinction, albedo);
         let voxels = files.map(|file| file.parts.iter().find(alike).map(|part| &part.voxels.voxels));

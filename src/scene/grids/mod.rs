@@ -17,7 +17,7 @@ use std::sync::Arc;
 use velocities::Velocities;
 
 /// Default name of a grid of density.
-const USUAL_GRID: &str = "density";
+pub(super) const USUAL_GRID: &str = "density";
 /// Frames of a sequence whose voxels are in memory: those about a time, and what lies between.
 const KEPT: usize = 3;
 
@@ -50,7 +50,7 @@ pub enum Between {
 }
 
 /// Names of grids.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridNames {
     /// Grid that is multiplied by the fog's density.
     pub density: String,
@@ -82,7 +82,7 @@ enum Source {
 }
 
 /// Fog by voxels at one time.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct FogVoxels {
     /// From coordinates of voxels, whole at their middles.
     pub shape_from_voxel: DAffine3,
@@ -130,30 +130,14 @@ impl FogVoxels {
     /// Fog that scatters alike throughout and does not shine.
     pub fn plain(shape_from_voxel: DAffine3, voxels: Voxels) -> Self {
         let part = FogPart { extinction: Rgb::ONE, albedo: Rgb::ONE, voxels: Arc::new(voxels.into()) };
-        Self { parts: vec![part], ..Self::nothing(shape_from_voxel) }
-    }
-
-    fn nothing(shape_from_voxel: DAffine3) -> Self {
-        Self {
-            shape_from_voxel,
-            parts: Vec::new(),
-            shape_from_shining: DAffine3::IDENTITY,
-            shining: Vec::new(),
-            velocities: None,
-        }
+        Self { shape_from_voxel, parts: vec![part], ..Self::default() }
     }
 }
 
 impl GridFrames {
     /// Frames of grids of one name, without emission.
     pub fn new(path: PathBuf, density: &str, frames: Vec<GridFrame>) -> Self {
-        let names = GridNames {
-            density: density.to_owned(),
-            albedo: None,
-            emission: None,
-            kelvin: None,
-            is_principled: false,
-        };
+        let names = GridNames { density: density.to_owned(), ..GridNames::default() };
         let emission = Track::from(Rgb::ZERO);
         let (between, kept) = (Between::Held, Recent::default());
         Self { path, names, frames, emission, shared_name: None, between, kept }
@@ -206,30 +190,13 @@ pub(super) struct Refused {
     pub(super) remedy: &'static str,
 }
 
-/// Which grids of files are meant, and how they shine.
-pub(super) struct Wanted<'a> {
-    pub(super) density: Option<&'a str>,
-    pub(super) albedo: Option<&'a str>,
-    pub(super) emission: Option<&'a str>,
-    pub(super) kelvin: Option<f64>,
-    pub(super) is_principled: bool,
-    pub(super) shines: Track<Rgb>,
-}
-
-/// The grids of names in files, of a sequence at a frame rate.
+/// The grids of names in files, shining as said, of a sequence at a frame rate.
 pub(super) fn grid_frames(
     files: &GridFiles,
-    wanted: Wanted,
+    names: GridNames,
+    emission: Track<Rgb>,
     frame_rate: FrameRate,
 ) -> Result<GridFrames, Refused> {
-    let owned = |name: Option<&str>| name.map(str::to_owned);
-    let names = GridNames {
-        density: wanted.density.unwrap_or(USUAL_GRID).to_owned(),
-        albedo: owned(wanted.albedo),
-        emission: owned(wanted.emission),
-        kelvin: wanted.kelvin,
-        is_principled: wanted.is_principled,
-    };
     let is_sequence = files.frames.len() > 1;
     let frames = files.frames.par_iter().enumerate().map(|(index, file)| {
         let number = files.first_frame + index as i64;
@@ -259,7 +226,7 @@ pub(super) fn grid_frames(
         shared_name,
         names,
         frames: frames.into_iter().map(|(frame, ..)| frame).collect(),
-        emission: wanted.shines,
+        emission,
         between,
         kept: Recent::default(),
     })

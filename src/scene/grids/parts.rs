@@ -30,7 +30,7 @@ pub(super) fn fog_voxels(grids: &[Grid], names: &GridNames) -> Result<FogVoxels,
         }
         Some(name) => {
             let parts = by_albedo((&names.density, density), (name, vectors(grids, name)?))?;
-            FogVoxels { parts, ..FogVoxels::nothing(density.transform) }
+            FogVoxels { shape_from_voxel: density.transform, parts, ..FogVoxels::default() }
         }
     };
     if let Some(name) = &names.emission {
