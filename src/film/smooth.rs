@@ -1,13 +1,13 @@
-//! Shafts smoothed over the picture, where each pixel has points of the light and the lens of its own. In go
-//! a frame and how noisy its pixels are, out come its shafts with less noise, in the beauty as well.
+//! Shafts smoothed over the picture, where each pixel samples the light and the lens at points of its own.
+//! In go a frame and how noisy its pixels are, out come its shafts with less noise, in the beauty as well.
 //! Invariants: what a pixel has depends on those within [`REACH_PX`]. As noise falls, shafts become what
 //! they were.
 //!
 //! A shaft is as wide as the light's half shadow, and noise is as narrow as a slice. Where things of several
 //! distances lie in a pixel, its shafts go with its transmittance, which has no noise but theirs. So shafts
 //! are a straight line over transmittance in the surroundings of each pixel (He, Sun & Tang 2010, "Guided
-//! image filtering", with weights). What they then lack is added back by how much of it is no noise (James &
-//! Stein 1961).
+//! image filtering", with weights). What that loses is added back as far as it is no noise (James & Stein
+//! 1961).
 
 use super::{Channel, Frame};
 use crate::passes::Pass;

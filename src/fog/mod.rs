@@ -2,7 +2,7 @@
 //! Invariant: a shadow is something that this module is told; it knows no surfaces, cameras or pixels.
 //!
 //! [`Medium`] is what all fog together is asked: `medium.rs` by points and rays, `scattered.rs` for the light
-//! of a ray, [`FogSlice`] for all rays of a half plane. What it is made of are banks (`bank.rs`), whose
+//! of a ray, [`FogSlice`] for all rays of a half plane. It is made of banks (`bank.rs`), whose
 //! density is even or thins out with height (`falloff.rs`). Which closed form a ray's stretch has
 //! (`stretch.rs`), if any, is decided in `sun_stretch.rs` and `near_light.rs`; transport never knows.
 

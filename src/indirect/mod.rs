@@ -4,7 +4,7 @@
 //!
 //! Direct light and single scattering stay exact, in `transport`. What comes after is solved on world grids
 //! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
-//! medium there. `source_iteration.rs` is the loop over orders. About the grids fog over plain ground is a
+//! medium there. `source_iteration.rs` is the loop over orders. Around the grids, fog over plain ground is a
 //! stack of layers (`layers.rs`).
 
 mod contents;

@@ -4,7 +4,7 @@
 //!
 //! [`PlaneParallel`] is a stack of layers over ground, which differ with height alone. On a grid a
 //! [`source_iteration::Problem`] is solved by source iteration: `sweep` carries light along every ordinate,
-//! and `cross_sections` and `walls` make the next order's sources of it.
+//! and `cross_sections` and `walls` turn it into the next order's sources.
 
 mod angle_set;
 pub(crate) mod angular_radiance;

@@ -1,5 +1,5 @@
 //! Correction of the grid's indirect light by random walks, smoothed over the picture. In go sums over
-//! probes, out comes by which share of itself each pass's light is to grow where. Invariant: what is no
+//! probes, out comes the share by which each pass's light is to grow, place by place. Invariant: what is no
 //! more than noise changes nothing, and the share has no jumps, neither from place to place nor as noise
 //! falls.
 //!

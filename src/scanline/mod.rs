@@ -4,7 +4,7 @@
 //! shared with `accel`, so that each can vouch for the other.
 //!
 //! Visibility comes first, then light (Burns and Hunt 2013, "The Visibility Buffer"). Bands of rows find
-//! which triangle each sample shows, then each pixel is shaded once a triangle that it shows. The light is
+//! which triangle each sample shows, then each pixel is shaded once for each of these. The light is
 //! that of `transport` without shadows and without light in fog; fog dims what lies behind it.
 
 mod bands;
