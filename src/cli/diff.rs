@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
     let pictures = Pictures::of(arguments, "difference", &arguments.reference)?;
     let work = Work { arguments, pictures, limits: arguments.limits.all(), doubts: ColorDoubts::default() };
     let comparison = work.compare(paths, 0).map_err(|error| match error {
-        Fault::File(error) => failure(error),
+        Fault::File(error) | Fault::Picture(error) => failure(error),
         Fault::Comparison(error) => CliError::Scene(Diagnostics(vec![
             Diagnostic::error(Place::File(arguments.output.clone()), error.to_string())
                 .expected(format!("a frame of the same size and with channels of {}", shown(paths[1])))
@@ -62,16 +62,18 @@ fn run_of_folders(arguments: &DiffArguments, paths: [&Path; 2]) -> Result<(), Cl
         ));
     };
     let pictures = Pictures::of(arguments, "difference", middle)?;
+    if let Some(pictures) = &pictures {
+        pictures.pattern.check(numbers.len()).map_err(CliError::Usage)?;
+    }
     let work = Work { arguments, pictures, limits: arguments.limits.all(), doubts: ColorDoubts::default() };
     let line = |&number: &i64| {
         let pair = ours.get(&number).zip(theirs.get(&number)).ok_or_else(|| {
             let lacking = paths[usize::from(ours.contains_key(&number))];
             format!("{} has no such frame", shown(lacking))
         });
-        match pair
-            .and_then(|(one, other)| work.compare([one, other], number).map_err(|error| error.to_string()))
-        {
-            Ok(comparison) => {
+        let compared = pair.map(|(one, other)| work.compare([one, other], number));
+        Ok(match compared {
+            Ok(Ok(comparison)) => {
                 let headline = headline(&comparison);
                 let too_much = work.too_much(comparison);
                 let is_kept = too_much.is_empty();
@@ -79,13 +81,16 @@ fn run_of_folders(arguments: &DiffArguments, paths: [&Path; 2]) -> Result<(), Cl
                     if is_kept { String::new() } else { format!("; too much: {}", too_much.join("; ")) };
                 (is_kept, format!("frame {number}: {headline}{over}"))
             }
+            Ok(Err(Fault::Picture(error))) => return Err(failure(error)),
+            Ok(Err(reason)) => (false, format!("frame {number}: {reason}")),
             Err(reason) => (false, format!("frame {number}: {reason}")),
-        }
+        })
     };
     let mut bad = 0;
     for group in numbers.chunks(rayon::current_num_threads()) {
-        let lines: Vec<(bool, String)> = group.par_iter().map(line).collect();
-        for (is_kept, line) in lines {
+        let lines: Vec<Result<(bool, String), CliError>> = group.par_iter().map(line).collect();
+        for line in lines {
+            let (is_kept, line) = line?;
             answer(&line)?;
             bad += usize::from(!is_kept);
         }
@@ -124,13 +129,15 @@ enum Fault {
     File(#[from] FrameFileError),
     #[error("{0}")]
     Comparison(#[from] CompareError),
+    #[error("{0}")]
+    Picture(FrameFileError),
 }
 
 impl Pictures {
     /// If they are asked for, in the exposure that a frame asks for unless the user said one.
     fn of(arguments: &DiffArguments, name: &str, frame: &Path) -> Result<Option<Self>, CliError> {
         let Some(out) = &arguments.picture else { return Ok(None) };
-        let pattern = OutputPattern::parse_as(out, name, "png").map_err(CliError::Usage)?;
+        let pattern = OutputPattern::parse_as(out, name, "png", "--picture").map_err(CliError::Usage)?;
         let measured = || frame_file::read(frame).map(|file| file.shown().auto_exposure_stops());
         Ok(Some(Self {
             pattern,
@@ -151,8 +158,8 @@ impl Work<'_> {
             let path = pattern.path(number);
             self.doubts.tell_shown(paths[0], &output);
             let picture = difference_picture(output, reference, display, self.arguments.white)
-                .map_err(|reason| FrameFileError::Encode { path: path.clone(), reason })?;
-            picture.write(&path)?;
+                .map_err(|reason| FrameFileError::Encode { path: path.clone(), reason });
+            picture.and_then(|picture| picture.write(&path)).map_err(Fault::Picture)?;
         }
         Ok(comparison)
     }
@@ -173,7 +180,7 @@ impl Work<'_> {
         let DiffArguments { output, reference, .. } = self.arguments;
         let found = format!("too far from {}: {too_far}", shown(reference));
         let diagnostic = Diagnostic::error(Place::File(output.clone()), found)
-            .expected("errors within the limits given, in channels that both frames have")
+            .expected("errors within the limits given, in frames and channels that both have")
             .remedy("see which channels differ in the table, or raise the limit of theirs, such as --max-rmse diffuse.*=0.01");
         Err(CliError::Frame(diagnostic.to_string()))
     }

@@ -232,14 +232,15 @@ impl Outputs {
         let Some(out) = out else {
             let folder = Path::new("out").join(format!("{name}.preview"));
             let pattern = folder.join(format!("{name}.####.png"));
-            let pictures = OutputPattern::parse_as(&pattern, name, "png").map_err(CliError::Usage)?;
+            let pictures =
+                OutputPattern::parse_as(&pattern, name, "png", "--out").map_err(CliError::Usage)?;
             let sheet = Some(folder.join(format!("{name}.sheet.png")));
             return Ok(Self { pictures: Some(pictures), sheet, animation: None });
         };
         if Animation::is_named(out) {
             return Ok(Self { pictures: None, sheet: None, animation: Some(out.to_owned()) });
         }
-        let pictures = OutputPattern::parse_as(out, name, "png").map_err(|error| {
+        let pictures = OutputPattern::parse_as(out, name, "png", "--out").map_err(|error| {
             CliError::Usage(
                 error.remedy("end it in .png, in .apng or .webp for a movie, or in / if it is a folder"),
             )

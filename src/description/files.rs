@@ -3,6 +3,7 @@
 
 use super::LoadError;
 use sha2::{Digest, Sha256};
+use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -93,8 +94,10 @@ impl Files {
         self.hash.update(bytes);
     }
 
-    /// The files that were read, in the order of reading.
-    pub fn into_paths(self) -> Vec<PathBuf> {
+    /// The files that were read, each once, in the order of reading.
+    pub fn into_paths(mut self) -> Vec<PathBuf> {
+        let mut seen = HashSet::new();
+        self.read.retain(|path| seen.insert(path.clone()));
         self.read
     }
 

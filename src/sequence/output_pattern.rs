@@ -25,12 +25,14 @@ pub struct OutputPattern {
     /// Least digits of the frame's number; `None` is a pattern without the number.
     digits: Option<usize>,
     after: OsString,
+    /// Option of the command line that it is of, such as `--out`.
+    option: &'static str,
 }
 
 impl OutputPattern {
     /// Pattern when nothing is said.
     pub fn default_for(sequence_name: &str) -> Self {
-        Self::in_folder(Path::new("out").join(sequence_name), sequence_name, "exr")
+        Self::in_folder(Path::new("out").join(sequence_name), sequence_name, "exr", "--out")
     }
 
     /// Reads what follows `--out`.
@@ -38,10 +40,10 @@ impl OutputPattern {
     /// # Errors
     /// If it is neither a folder nor the name of an EXR file, or has more than one place for the number.
     pub fn parse(text: impl AsRef<OsStr>, sequence_name: &str) -> Result<Self, Diagnostic> {
-        Self::parse_as(text, sequence_name, "exr")
+        Self::parse_as(text, sequence_name, "exr", "--out")
     }
 
-    /// Parses a pattern for files that end in another extension.
+    /// Parses a pattern for files that end in another extension, or of another option.
     ///
     /// # Errors
     /// As [`OutputPattern::parse`].
@@ -49,14 +51,15 @@ impl OutputPattern {
         text: impl AsRef<OsStr>,
         sequence_name: &str,
         extension: &str,
+        option: &'static str,
     ) -> Result<Self, Diagnostic> {
         let path = Path::new(&text);
-        let error = |why: &str| error(path, why, extension);
+        let error = |why: &str| error(path, why, extension, option);
         let Some(last) = text.as_ref().as_encoded_bytes().last() else {
             return Err(error("the name is empty"));
         };
         if std::path::is_separator(char::from(*last)) || path.is_dir() {
-            return Ok(Self::in_folder(path.to_owned(), sequence_name, extension));
+            return Ok(Self::in_folder(path.to_owned(), sequence_name, extension, option));
         }
         let Some(file) = path.file_name().map(OsStr::as_encoded_bytes) else {
             return Err(error("it does not end in the name of a file"));
@@ -64,7 +67,7 @@ impl OutputPattern {
         let placeholders = placeholders(file);
         if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension)) {
             if path.extension().is_none() && placeholders.is_empty() {
-                return Ok(Self::in_folder(path.to_owned(), sequence_name, extension));
+                return Ok(Self::in_folder(path.to_owned(), sequence_name, extension, option));
             }
             return Err(error(&format!("the file's name does not end in .{extension}"))
                 .remedy(format!("end it in .{extension}, or in / if it is a folder")));
@@ -85,20 +88,22 @@ impl OutputPattern {
                 before: name_of(file),
                 digits: None,
                 after: OsString::new(),
+                option,
             }),
             [only] => Ok(Self {
                 folder: folder.to_owned(),
                 before: name_of(&file[..only.start]),
                 digits: Some(only.digits),
                 after: name_of(&file[only.end..]),
+                option,
             }),
             _ => Err(error("it has several places for the frame's number")),
         }
     }
 
-    fn in_folder(folder: PathBuf, sequence_name: &str, extension: &str) -> Self {
+    fn in_folder(folder: PathBuf, sequence_name: &str, extension: &str, option: &'static str) -> Self {
         let (before, after) = (format!("{sequence_name}.").into(), format!(".{extension}").into());
-        Self { folder, before, digits: Some(4), after }
+        Self { folder, before, digits: Some(4), after, option }
     }
 
     /// Refuses to write several frames to one file.
@@ -114,10 +119,10 @@ impl OutputPattern {
         let mut numbered = only.file_stem().unwrap_or_default().to_owned();
         numbered.push(".####.");
         numbered.push(extension);
-        let found = format!("--out: {frames} frames would all be written to {}", shown(&only));
+        let found = format!("{}: {frames} frames would all be written to {}", self.option, shown(&only));
         Err(Diagnostic::error(Place::Nowhere, found)
             .expected("a place for the frame's number: ####, %04d or $F4")
-            .remedy(format!("write for instance --out {}", shown(&self.folder.join(numbered)))))
+            .remedy(format!("write for instance {} {}", self.option, shown(&self.folder.join(numbered)))))
     }
 
     /// The file of a frame. Negative numbers have as many digits as others, after their sign.
@@ -219,11 +224,11 @@ fn number(digits: &[u8]) -> usize {
     if digits.is_empty() { 1 } else { digits.iter().fold(0, add) }
 }
 
-fn error(path: &Path, why: &str, extension: &str) -> Diagnostic {
+fn error(path: &Path, why: &str, extension: &str, option: &str) -> Diagnostic {
     let example = format!("out/name.####.{extension}");
-    Diagnostic::error(Place::Nowhere, format!("--out: cannot write frames to `{}`: {why}", shown(path)))
+    Diagnostic::error(Place::Nowhere, format!("{option}: cannot write frames to `{}`: {why}", shown(path)))
         .expected(format!("a folder, or a file name with a place for the frame's number, such as {example}"))
-        .remedy(format!("write for instance --out {example}"))
+        .remedy(format!("write for instance {option} {example}"))
 }
 
 #[cfg(test)]
@@ -260,10 +265,13 @@ mod tests {
             let pattern = OutputPattern::parse(text, "name").unwrap();
             assert_eq!(pattern.path(frame), Path::new(expected), "{text}");
         }
-        let pictures = OutputPattern::parse_as("a/x.##.png", "name", "png").unwrap();
+        let pictures = OutputPattern::parse_as("a/x.##.png", "name", "png", "--out").unwrap();
         assert_eq!(pictures.path(3), Path::new("a/x.03.png"));
         assert!(
-            OutputPattern::parse_as("a/x.##.exr", "name", "png").unwrap_err().to_string().contains(".png")
+            OutputPattern::parse_as("a/x.##.exr", "name", "png", "--out")
+                .unwrap_err()
+                .to_string()
+                .contains(".png")
         );
         assert_eq!(OutputPattern::default_for("fall").path(3), Path::new("out/fall/fall.0003.exr"));
     }

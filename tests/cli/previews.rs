@@ -82,6 +82,12 @@ fn frames_that_are_there_are_shown_as_they_are() {
         "{}",
         lacking.out
     );
+    let refused = studio.fail("diff a a --picture both.png", 2);
+    assert!(refused.contains("--picture both.####.png"), "{refused}");
+    let refused = studio.fail("diff a a --picture both.####.jpg", 2);
+    assert!(refused.contains("--picture") && !refused.contains("--out"), "{refused}");
+    std::fs::write(studio.path("taken"), "").unwrap();
+    studio.fail("diff a a --picture taken/both.####.png", 4);
     studio.succeed("preview a --out both.apng --fps 12");
     let refused = studio.fail("preview tiny.ron --frames 1 --size 16385x1 --out wide.webp", 4);
     assert!(refused.contains("16384") && refused.contains("remedy"), "{refused}");
