@@ -4,7 +4,7 @@
 use super::{Writer, beside};
 use crate::color::{Look, Rgb};
 use crate::diagnostic::{Diagnostic, Loss, Place};
-use crate::scene::{Bounces, Fog, FogShape, RenderSettings, Sampling, SkyLight, SkyPicture, Texture};
+use crate::scene::{Bounces, Fog, FogShape, RenderSettings, Sampling, Sky, SkyLight, SkyPicture, Texture};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use exr::image::write::WritableImage;
 use exr::image::{Image, SpecificChannels};
@@ -79,8 +79,8 @@ impl Writer<'_> {
     }
 
     /// The sky as it is at the start, if the file can carry it.
-    fn sky(&mut self) -> Result<Option<Value>, Diagnostic> {
-        let Some(sky) = self.scene.sky.as_ref() else { return Ok(None) };
+    fn sky(&mut self, sky: Option<&Sky>) -> Result<Option<Value>, Diagnostic> {
+        let Some(sky) = sky else { return Ok(None) };
         let (strength, rotation) =
             (sky.strength.at(self.moments.start_s), sky.rotation.at(self.moments.start_s));
         let scaled = |color: Rgb| json!((color * strength).to_array());
@@ -150,8 +150,14 @@ impl Writer<'_> {
         if self.scene.background != Rgb::ZERO {
             extras["sunfleck_env"] = json!({ "color": self.scene.background.to_array(), "strength": 1.0 });
         }
-        if let Some(sky) = self.sky()? {
+        if let Some(sky) = self.sky(self.scene.sky.as_ref())? {
             extras["sunfleck_env"] = sky;
+        }
+        if let Some(backdrop) = self.sky(self.scene.backdrop.as_ref())? {
+            if self.scene.sky.is_none() {
+                extras["sunfleck_env"] = json!({ "color": [0.0, 0.0, 0.0] });
+            }
+            extras["sunfleck_env"]["backdrop"] = backdrop;
         }
         Ok(extras)
     }

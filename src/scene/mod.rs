@@ -104,6 +104,8 @@ pub struct Scene {
     pub animations: Vec<Animation>,
     /// Custom properties of a glTF file meant for us, as they stand there.
     pub properties: Vec<Property>,
+    /// What the camera sees in the sky's place; mirrors see the sky.
+    pub backdrop: Option<Sky>,
     /// Everything that the description asks for and that is not honoured, or only nearly.
     pub remarks: Diagnostics,
 }

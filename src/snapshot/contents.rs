@@ -107,6 +107,8 @@ impl<'scene> Contents<'scene> {
             medium: self.medium,
             background: self.scene.background,
             sky: self.sky,
+            // One of a file: it does not change.
+            backdrop: self.scene.backdrop.as_ref().and_then(|backdrop| FrozenSky::new(backdrop, 0.0)),
             motion: None,
             mattes: None,
             seen_fog: OnceLock::new(),

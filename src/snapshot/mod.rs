@@ -110,6 +110,8 @@ pub struct Snapshot<'scene> {
     pub sky: Option<FrozenSky<'scene>>,
     /// Motion of surfaces, if anybody asks.
     pub motion: Option<Arc<MotionField>>,
+    /// What the camera sees in its place.
+    pub backdrop: Option<FrozenSky<'scene>>,
     /// Cryptomatte ids of the scene's instances, if anybody asks.
     pub mattes: Option<Arc<[u32]>>,
     /// Fog as the camera sees it, if that is known for all its rays.
@@ -192,8 +194,11 @@ impl<'scene> Snapshot<'scene> {
 
     /// Radiance beyond the scene on a ray from the camera, which may not see the sky.
     pub fn seen_beyond(&self, direction: DVec3) -> Rgb {
-        if self.sky.is_some_and(|sky| !sky.is_seen()) {
-            return self.background + self.suns_along(direction);
+        let suns = || self.suns_along(direction);
+        match (&self.backdrop, &self.sky) {
+            (Some(backdrop), _) => backdrop.along(direction) + suns(),
+            (None, Some(sky)) if !sky.is_seen() => self.background + suns(),
+            _ => self.radiance_beyond(direction),
         }
         self.radiance_beyond(direction)
     }
@@ -205,7 +210,8 @@ impl<'scene> Snapshot<'scene> {
 
     /// Whether camera rays that leave the scene see something, suns aside.
     pub fn has_background(&self) -> bool {
-        self.background != Rgb::ZERO || self.sky.is_some_and(|sky| sky.is_seen())
+        let is_seen = self.backdrop.is_some() || self.sky.is_some_and(|sky| sky.is_seen());
+        is_seen || self.background != Rgb::ZERO
     }
 
     /// Whether no camera ray that leaves the scene sees anything, not even a sun.

@@ -75,6 +75,8 @@ pub struct GltfScene {
     pub lights: Vec<Light>,
     /// Image of the sky in the scene's extras, if it has one.
     pub sky_image: Option<DecodedImage>,
+    /// Image of what the camera sees in place of the sky.
+    pub backdrop_image: Option<DecodedImage>,
     /// Images that the extras of suns name, by those names.
     pub sun_images: BTreeMap<String, DecodedImage>,
     /// OpenVDB files that the extras of fog name, by those names.

@@ -12,12 +12,8 @@ use std::collections::BTreeMap;
 
 /// Reads them all; what else is malformed is reported with the other extras.
 pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report) -> Result<(), LoadError> {
-    let named = scene.extras.get("sunfleck_env").and_then(|sky| sky.get("image"));
-    if let Some(uri) = named.and_then(|name| name.as_str()) {
-        let place = format!("scenes[{}].extras.sunfleck_env.image", scene.scene);
-        let bytes = bytes_of(scene, uri, &place, files)?;
-        scene.sky_image = decoded(bytes, &place, Encoding::Radiance, report);
-    }
+    scene.sky_image = of_sky(scene, "image", files, report)?;
+    scene.backdrop_image = of_sky(scene, "backdrop/image", files, report)?;
     let mut on_suns = BTreeMap::new();
     for index in shown_suns(scene) {
         let named = scene.nodes[index].extras.get("sunfleck_light").and_then(|light| light.get("image"));
@@ -36,6 +32,20 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
     }
     scene.sun_images = on_suns;
     Ok(())
+}
+
+/// The image that a field of `sunfleck_env` names.
+fn of_sky(
+    scene: &GltfScene,
+    field: &str,
+    files: &mut Files,
+    report: &mut Report,
+) -> Result<Option<DecodedImage>, LoadError> {
+    let named = scene.extras.pointer(&format!("/sunfleck_env/{field}"));
+    let Some(uri) = named.and_then(|name| name.as_str()) else { return Ok(None) };
+    let place = format!("scenes[{}].extras.sunfleck_env.{}", scene.scene, field.replace('/', "."));
+    let bytes = bytes_of(scene, uri, &place, files)?;
+    Ok(decoded(bytes, &place, Encoding::Radiance, report))
 }
 
 fn shown_suns(scene: &GltfScene) -> impl Iterator<Item = usize> {

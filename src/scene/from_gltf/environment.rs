@@ -29,6 +29,8 @@ struct Environment {
     lights: SkyLight,
     #[serde(default = "seen")]
     visible_to_camera: bool,
+    /// What the camera sees in its place: neither its light nor what is seen of it counts.
+    backdrop: Option<Box<Environment>>,
 }
 
 #[derive(Deserialize)]
@@ -51,21 +53,37 @@ fn one() -> Channels {
     Channels::Same(1.0)
 }
 
-/// Background and sky, from the scene's extras.
+/// Background, sky and backdrop, from the scene's extras.
 ///
-/// An image has been read already; if that failed, that has been reported.
+/// Images have been read already; if that failed, that has been reported.
 pub(super) fn surroundings(
     source: &GltfScene,
+    [image, of_backdrop]: [Option<DecodedImage>; 2],
+    report: &mut Report,
+) -> (Rgb, Option<Sky>, Option<Sky>) {
+    let path = format!("scenes[{}]", source.scene);
+    let found = read::<Environment>(&source.extras, "sunfleck_env", &path, report);
+    let Some(mut found) = found else { return (Rgb::ZERO, None, None) };
+    let path = format!("{path}.extras.sunfleck_env");
+    let backdrop = found.backdrop.take().map(|backdrop| {
+        found.visible_to_camera = false;
+        let seen = Environment { lights: SkyLight::Surfaces, visible_to_camera: true, ..*backdrop };
+        sky_of(&seen, of_backdrop, format!("{path}.backdrop"), report).1
+    });
+    let (background, sky) = sky_of(&found, image, path, report);
+    (background, sky, backdrop.flatten())
+}
+
+/// Background or sky of one.
+fn sky_of(
+    found: &Environment,
     image: Option<DecodedImage>,
+    path: String,
     report: &mut Report,
 ) -> (Rgb, Option<Sky>) {
     let nothing = (Rgb::ZERO, None);
-    let path = format!("scenes[{}]", source.scene);
-    let found = read::<Environment>(&source.extras, "sunfleck_env", &path, report);
-    let Some(found) = found else { return nothing };
-    let path = format!("{path}.extras.sunfleck_env");
     let strength = Rgb::from(found.strength);
-    let Some(picture) = picture(&found, image, &path, report) else { return nothing };
+    let Some(picture) = picture(found, image, &path, report) else { return nothing };
     let colors = match picture {
         SkyPicture::Gradient { zenith, horizon, ground } => vec![zenith, horizon, ground],
         SkyPicture::Even(color) => vec![color],

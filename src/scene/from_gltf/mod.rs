@@ -61,10 +61,10 @@ pub(super) fn resolve(
 ) -> Result<(Scene, RenderSettings), Diagnostics> {
     let mut report = Report::new(&source.path);
     std::mem::take(&mut source.remarks).0.into_iter().for_each(|remark| report.push(remark));
-    let sky_image = source.sky_image.take();
+    let sky_images = [source.sky_image.take(), source.backdrop_image.take()];
     let sun_images = sun_pictures::images(std::mem::take(&mut source.sun_images));
     let (sunfleck, fog) = extras::scene_extras(&source, &mut report);
-    let surroundings = environment::surroundings(&source, sky_image, &mut report);
+    let surroundings = environment::surroundings(&source, sky_images, &mut report);
     let mut animations = animations::choose(&mut source, options.animation.as_deref(), &mut report);
     let (mut settings, clock) = settings::settings(&source, &sunfleck, &mut report);
 
@@ -89,7 +89,7 @@ pub(super) fn resolve(
     builder.add_meshes_and_instances();
     builder.add_lights(options.light_units, sunfleck.light_units.as_deref());
     builder.add_fogs(fog);
-    (builder.scene.background, builder.scene.sky) = surroundings;
+    (builder.scene.background, builder.scene.sky, builder.scene.backdrop) = surroundings;
     builder.add_cameras(&sunfleck, &mut settings);
     builder.apply_controls();
     builder.settle_suns();
@@ -99,7 +99,8 @@ pub(super) fn resolve(
     let Builder { mut scene, mut report, outlines, .. } = builder;
     let is_seen = |light: &Light| matches!(&light.kind, LightKind::SunDisc(disc) if disc.visible_to_camera);
     let has_sun_in_view = scene.lights.iter().any(is_seen);
-    if scene.instances.is_empty() && scene.fogs.is_empty() && scene.sky.is_none() && !has_sun_in_view {
+    let is_dark_behind = scene.sky.is_none() && scene.backdrop.is_none();
+    if scene.instances.is_empty() && scene.fogs.is_empty() && is_dark_behind && !has_sun_in_view {
         let (found, place) = (Loss::NothingToDraw.sentence(), report.file());
         report.push(Diagnostic::warning(Loss::NothingToDraw, place, found));
     }

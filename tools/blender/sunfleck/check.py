@@ -71,7 +71,7 @@ def of_scene(scene):
                 yield Finding("sky-disc")
         if world.changes(scene):
             yield Finding("world-changes")
-        if scene.world and world.depends_on_rays(scene):
+        if scene.world and world.depends_on_rays(scene) and not world.is_split(scene):
             yield Finding("world-depends-on-rays")
         if world.lights(scene) == "nothing" and (world.shines(scene) or world.is_baked(scene)):
             yield Finding("world-lights-nothing")

@@ -83,12 +83,15 @@ def of_scene(scene, path=None):
         # Else the program lights what has no light.
         sky = {"color": [0.0] * 3, "strength": 0.0}
     if sky:
-        sky["strength"] *= film.exposure(scene)
+        for one in (sky, sky.get("backdrop", {"strength": 0.0})):
+            one["strength"] *= film.exposure(scene)
         is_dark, is_opaque = max(sky.get("color", [1.0])) * sky["strength"] == 0.0, not scene.render.film_transparent
-        if is_dark and is_opaque and world.is_sky(scene):
+        if is_dark and is_opaque and world.is_sky(scene) and "backdrop" not in sky:
             # A background that is seen, or the film would let through what has none.
             sky = {"color": [NEXT_TO_BLACK] * 3, "strength": 1.0, "lights": "nothing"}
         unseen = {} if is_opaque else {"visible_to_camera": False}
+        if not is_opaque:
+            sky.pop("backdrop", None)
         written["sunfleck_env"] = {"lights": world.lights(scene), **sky, **unseen}
     return written
 

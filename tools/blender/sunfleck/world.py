@@ -10,11 +10,12 @@ import re
 import shutil
 from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 from urllib.parse import quote
 
 import bpy
 
-from . import keys, world_picture, world_sun
+from . import keys, world_picture, world_rays, world_sun
 from .film import ENGINE
 from .materials import dependence
 from .materials.colours import rec709
@@ -82,13 +83,37 @@ def changes(scene):
 
 def depends_on_rays(scene):
     """Whether it is another for the camera than for what it lights, or goes along with the camera."""
-    nodes = dependence.nodes_of(scene.world)
-    return any(dependence.LOST.get(node.type) == dependence.VIEW or dependence.is_asked_of_view(node) for node in nodes)
+    return any(map(tells_rays_apart, dependence.nodes_of(scene.world)))
+
+
+def tells_rays_apart(node):
+    return dependence.LOST.get(node.type) == dependence.VIEW or dependence.is_asked_of_view(node)
+
+
+def is_split(scene):
+    """Whether the camera sees another world than lights things, and that is all."""
+    if not (scene.world and scene.world.node_tree and lights(scene) != "nothing" and world_rays.tells_camera_apart(scene.world)):
+        return False
+    asking = [node for node in dependence.nodes_of(scene.world) if tells_rays_apart(node)]
+    return all(node.type == "LIGHT_PATH" and node.id_data == scene.world.node_tree for node in asking)
 
 
 def of_world(scene, path):
-    """`sunfleck_env` without `lights`, its image written beside `path`; `None` if there is none or
-    nowhere to write it."""
+    """`sunfleck_env` without `lights`, its images written beside `path`; `None` if there is none or
+    nowhere to write them."""
+    if not is_split(scene):
+        return of_one(scene, path)
+    found = []
+    for is_camera, stem in ((False, ""), (True, "_backdrop")):
+        with world_rays.seen_by(scene.world, is_camera) as world:
+            stand_in = SimpleNamespace(world=world, sunfleck_settings=scene.sunfleck_settings, render=scene.render)
+            beside = path and Path(path).with_stem(Path(path).stem + stem)
+            found.append(of_one(stand_in, beside) or {"color": [0.0, 0.0, 0.0], "strength": 1.0})
+    return {**found[0], "backdrop": found[1]}
+
+
+def of_one(scene, path):
+    """The same of a world that is one for all rays."""
     if not is_plain(scene):
         if path is None or not is_baked(scene):
             return None
@@ -131,7 +156,8 @@ def lights(scene):
 
 def has_sun(scene):
     """Whether the disc of its Sky Texture is exported as a sun."""
-    return is_sky(scene) and lights(scene) != "nothing" and world_sun.disc_of(scene.world) is not None
+    is_light = is_sky(scene) and lights(scene) != "nothing" and not is_split(scene)
+    return is_light and world_sun.disc_of(scene.world) is not None
 
 
 def smears_disc(scene):

@@ -1,0 +1,53 @@
+"""A world that the camera sees otherwise than it lights things, by *Is Camera Ray*: two worlds.
+
+In goes a world, out comes either of them, for a while. Invariant: whatever else tells rays apart is left as it is.
+"""
+
+from contextlib import contextmanager
+
+import bpy
+
+from .materials import sockets
+
+CAMERA = "Is Camera Ray"
+
+
+def tells_camera_apart(world):
+    """Whether its nodes ask for camera rays and for no others."""
+    asked = [node for node in world.node_tree.nodes if node.type == "LIGHT_PATH"]
+    outputs = {output.name for node in asked for output in node.outputs if output.is_linked}
+    return outputs == {CAMERA}
+
+
+@contextmanager
+def seen_by(world, is_camera):
+    copy = world.copy()
+    try:
+        settle(copy.node_tree, is_camera)
+        yield copy
+    finally:
+        bpy.data.worlds.remove(copy)
+
+
+def settle(tree, is_camera):
+    """The answer takes the question's place, and of shaders mixed by it one is left."""
+    answer = tree.nodes.new("ShaderNodeValue")
+    answer.outputs[0].default_value = float(is_camera)
+    for node in [one for one in tree.nodes if one.type == "LIGHT_PATH"]:
+        for link in list(node.outputs[CAMERA].links):
+            tree.links.new(answer.outputs[0], link.to_socket)
+        tree.nodes.remove(node)
+    surface = tree.get_output_node("CYCLES").inputs["Surface"]
+    while (link := sockets.link_to(surface)) and link.from_node.type == "MIX_SHADER":
+        mix = link.from_node
+        share = sockets.link_to(mix.inputs[0])
+        if share is None or share.from_node != answer:
+            return
+        chosen = sockets.link_to(mix.inputs[2 if is_camera else 1])
+        tree.nodes.remove(mix)
+        if chosen is None:
+            return
+        tree.links.new(chosen.from_socket, surface)
+    if link and link.from_node.type == "BACKGROUND":
+        for node in [one for one in tree.nodes if one.type == "BACKGROUND" and one != link.from_node]:
+            tree.nodes.remove(node)
