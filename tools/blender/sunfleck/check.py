@@ -141,6 +141,8 @@ def of_object(thing, scene):
             yield Finding("fog-clipped", name)
         if fog.touches(thing, scene.objects):
             yield Finding("fog-touches", name)
+        if fog.overlaps(thing, scene.objects):
+            yield Finding("fog-overlaps", name)
         if not all(getattr(thing, rays) for rays in (*RAYS, "visible_camera", "visible_shadow")):
             yield Finding("ray-visibility", name)
         return

@@ -106,11 +106,40 @@ TOUCHING = 1e-6
 
 
 def touches(thing, others):
-    """Whether a side of fog that is a mesh lies within a flat thing: Cycles meets one of them first, by chance."""
+    """Whether a side of fog that is a mesh lies within a flat thing or another fog's side: Cycles meets one of them
+    first, by chance."""
     if thing.type != "MESH" or volume_of(thing) is None:
         return False
     into_cube = thing.matrix_world.inverted_safe()
-    return any(is_in_side(other, into_cube @ other.matrix_world) for other in others if other.type == "MESH" and is_flat(other))
+    flat = (other for other in others if other.type == "MESH" and is_flat(other))
+    sides = (numpy.abs(numpy.abs(bounds) - 1.0) for _, bounds in fog_within(thing, others))
+    return any(side.min() < TOUCHING for side in sides) or any(is_in_side(other, into_cube @ other.matrix_world) for other in flat)
+
+
+def overlaps(thing, others):
+    """Whether other fog lies in some of it, whose light goes other ways and is of another colour."""
+    own = numbers(thing)
+    is_inside = lambda bounds: (bounds[0] < 1.0 - TOUCHING).all() and (bounds[1] > TOUCHING - 1.0).all()
+    return any(is_inside(bounds) and is_otherwise(own, numbers(other)) for other, bounds in fog_within(thing, others))
+
+
+def is_otherwise(one, other):
+    hues = [numpy.multiply(fog["density"], fog["albedo"]) for fog in (one, other)]
+    is_of_a_hue = numpy.linalg.norm(numpy.cross(*hues)) <= 1e-3 * numpy.prod([numpy.linalg.norm(hue) for hue in hues])
+    return abs(one["anisotropy"] - other["anisotropy"]) > 1e-3 and not is_of_a_hue
+
+
+def fog_within(thing, others):
+    """Other cubes of fog that reach into one's, with their lows and highs in its own axes."""
+    into_cube = thing.matrix_world.inverted_safe()
+    for other in others:
+        if other == thing or other.hide_render or not other.sunfleck_settings.is_fog:
+            continue
+        place = into_cube @ other.matrix_world
+        reach = numpy.abs(numpy.array(place.to_3x3())).sum(axis=1)
+        bounds = numpy.array([place.translation - Vector(reach), place.translation + Vector(reach)])
+        if (bounds[0] < 1.0 + TOUCHING).all() and (bounds[1] > -1.0 - TOUCHING).all():
+            yield other, bounds
 
 
 def is_flat(thing):

@@ -105,10 +105,12 @@ LOSSES = {
                                       "subdivided as often as its modifier says"),
     "fog-not-a-cube": (WARNING, "fog fills the cube from -1 to 1 of an object, and its mesh reaches "
                                 "elsewhere"),
+    "fog-overlaps": (WARNING, "fogs of other anisotropies and colours overlap: each colour goes its own way here, and "
+                              "all go as their mean does in Cycles"),
     "fog-material": (WARNING, "the fog's own volume material is more than numbers: those of its panel count"),
     "fog-clipped": (WARNING, "the camera is in fog, which begins at the camera here and at its clip start in "
                              "Cycles: make that smaller"),
-    "fog-touches": (WARNING, "a side of the fog lies in a surface, and Cycles' picture depends on which of them its "
+    "fog-touches": (WARNING, "a side of the fog lies in a surface or another fog's side, and Cycles' picture depends on which of them its "
                              "rays happen to meet first: move one by a millimetre"),
     "velocity-blur": (WARNING, "what is blurred by velocities moves from where it is at the frame, and not in "
                                "the middle of the shutter"),

@@ -377,3 +377,5 @@ LATER = {
     "light info": (5, 1),
     **dict.fromkeys((name for name in (*BESIDE, *SAID) if name.startswith("thin ")), (5, 2)),
 }
+    "fogs that overlap": (surfaces.two_fogs, "fog-overlaps"),
+    "fogs side by side": (lambda scene: surfaces.two_fogs(scene, (4.0, 0.1, 0.1)), "fog-touches"),

@@ -385,6 +385,17 @@ def fog_on_the_ground(scene):
     bpy.context.active_object.location.z = 1.0
 
 
+def two_fogs(scene, offset=(1.0, 0.1, 0.1)):
+    """The other one scatters backwards, and in blue."""
+    fog_box(scene)
+    one = bpy.context.active_object
+    other = scenes.add(scene, "other", one.data.copy(), [sum(axis) for axis in zip(one.location, offset)])
+    other.scale, other.sunfleck_settings.is_fog = one.scale, True
+    other.data.materials[0] = one.data.materials[0].copy()
+    scatter = next(node for node in other.data.materials[0].node_tree.nodes if node.type == "VOLUME_SCATTER")
+    scatter.inputs["Color"].default_value, scatter.inputs["Anisotropy"].default_value = (0.1, 0.3, 1.0, 1.0), -0.3
+
+
 def fog_of_noise(scene):
     tree, scatter = fog_box(scene)
     tree.link(output(tree.node("TexNoise"), "Factor", "Fac"), scatter.inputs["Density"])
