@@ -8,7 +8,7 @@ use std::time::Instant;
 use sunfleck::color::Rgb;
 use sunfleck::fog::{FogBank, LitSegments, Medium, exp_minus, henyey_greenstein};
 use sunfleck::math::{IntervalSet, Ray, Sampler, gauss_legendre};
-use sunfleck::snapshot::{Emission, FrozenLight};
+use sunfleck::snapshot::{Emission, FrozenLight, LampShape};
 
 const RAYS: u32 = 200;
 
@@ -40,6 +40,7 @@ const LAMP: FrozenLight = FrozenLight::Point {
     position: DVec3::new(1.5, 2.0, -5.0),
     intensity: Rgb::ONE,
     emission: Emission::Even,
+    shape: LampShape::NONE,
 };
 
 fn fog(g: f64) -> Medium {

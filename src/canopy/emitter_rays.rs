@@ -3,7 +3,7 @@
 
 use super::delta_scaled_fog::DeltaScaledFog;
 use crate::color::Rgb;
-use crate::light::Emission;
+use crate::light::{Emission, LampShape};
 use crate::math::{Ray, kronecker};
 use crate::ordinates::grid::Grid;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
@@ -28,6 +28,8 @@ pub(crate) struct PowerRay {
     pub(crate) depths: [Rgb; 2],
     /// Or of a lamp: its light has no direction, so no forward peak of it is kept apart.
     pub(crate) is_of_sun: bool,
+    /// Lamp whose share of the power counts at a place.
+    pub(crate) shape: LampShape,
 }
 
 impl PowerRay {
@@ -37,7 +39,8 @@ impl PowerRay {
         let mean = |of: &dyn Fn(&Self) -> DVec3| rays.clone().map(of).sum::<DVec3>() / count;
         let ray = Ray { origin: mean(&|ray| ray.ray.origin), direction: mean(&|ray| ray.ray.direction) };
         let depths = [0, 1].map(|which| mean(&|ray| ray.depths[which]));
-        Self { ray, power: count * mean(&|ray| ray.power), depths, is_of_sun: true }
+        let power = count * mean(&|ray| ray.power);
+        Self { ray, power, depths, is_of_sun: true, shape: LampShape::NONE }
     }
 }
 
@@ -89,7 +92,7 @@ impl Emitters<'_> {
                 });
                 let ray = Ray { origin, direction: -to_light };
                 let power = spacing * spacing * irradiance;
-                rays.push(PowerRay { ray, power, depths, is_of_sun: true });
+                rays.push(PowerRay { ray, power, depths, is_of_sun: true, shape: LampShape::NONE });
             }
         }
         rays
@@ -112,11 +115,12 @@ pub(crate) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
         let across = (1.0 - along * along).max(0.0).sqrt();
         let direction = along * axis + across * (cos * right + sin * up);
         let point = light.point([0.37, 0.11, 0.73].map(|phase| kronecker(phase, number * 7)));
-        let FrozenLight::Point { position, intensity, emission } = point else {
+        let FrozenLight::Point { position, intensity, emission, shape } = point else {
             unreachable!("a lamp is one all over")
         };
         let power = solid_angle * intensity * emission.share(direction);
-        PowerRay { ray: Ray { origin: position, direction }, power, depths: [Rgb::ZERO; 2], is_of_sun: false }
+        let ray = Ray { origin: position, direction };
+        PowerRay { ray, power, depths: [Rgb::ZERO; 2], is_of_sun: false, shape }
     };
     (0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO).collect()
 }

@@ -244,7 +244,7 @@ impl FirstCollisions<'_> {
         if is_inside && !self.are_walls.contains(&point.primitive) {
             let dimming = self.fog.dimming_of(from.is_of_sun);
             let fog = exp_minus(from.depths[0] + dimming.rough_optical_depth(ray, t));
-            self.land(point, power * fog * point.alpha, left);
+            self.land(point, from.shape.share(point.position) * power * fog * point.alpha, left);
         }
     }
 
@@ -261,7 +261,7 @@ impl FirstCollisions<'_> {
 
     fn light_fog(
         &self,
-        PowerRay { ray, depths, is_of_sun, .. }: &PowerRay,
+        PowerRay { ray, depths, is_of_sun, shape, .. }: &PowerRay,
         (start, end): (f64, f64),
         power: Rgb,
         fluence: &mut Fluence,
@@ -284,6 +284,7 @@ impl FirstCollisions<'_> {
                 left[which] = here * through;
                 here
             });
+            let length = length * shape.share(ray.at(middle));
             let (amount, peak) = (length * here[0], length * (here[0] - here[1]));
             if self.cut.occluders.are_near(node) {
                 let place = in_world.at(middle);

@@ -6,7 +6,7 @@ use super::Writer;
 use super::materials::png;
 use crate::color::{LUMENS_PER_WATT, Rgb};
 use crate::diagnostic::Diagnostic;
-use crate::scene::{AreaShape, Julia, Light, LightKind, SunDisc, SunPicture, SunShows};
+use crate::scene::{AreaShape, Julia, LampTraits, Light, LightKind, SunDisc, SunPicture, SunShows};
 use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use serde_json::{Map, Value, json};
 use std::f64::consts::PI;
@@ -29,11 +29,12 @@ impl Writer<'_> {
         for (name, number) in light.kind.numbers() {
             self.carry_number(format!("{owner}.{name}"), number);
         }
+        let traits = self.scene.lamp_traits.get(&light.node).copied().unwrap_or_default();
         let (name, unit) = light.kind.blenders_power();
         self.carry_color(format!("{owner}.{name}"), &light.power.map_linear(|value| value * unit));
         let (brightest, color) = brightest(light.power.at(time_s));
         let mut ours = Map::new();
-        for (name, value) in fields(&light.kind, time_s)? {
+        for (name, value) in fields(&light.kind, time_s)?.into_iter().chain(fields_of(traits)) {
             ours.insert(name.to_owned(), value);
         }
         let Some((kind, cone)) = kind_in_gltf(&light.kind, time_s) else {
@@ -93,6 +94,17 @@ fn fields(kind: &LightKind, time_s: f64) -> Result<Vec<(&'static str, Value)>, D
             fields
         }
     })
+}
+
+/// Fields for traits that a lamp has.
+fn fields_of(traits: LampTraits) -> impl Iterator<Item = (&'static str, Value)> {
+    let LampTraits { soft_falloff, visible_to_camera, visible_in_mirrors } = traits;
+    let named = [
+        ("soft_falloff", soft_falloff),
+        ("visible_to_camera", visible_to_camera),
+        ("visible_in_mirrors", visible_in_mirrors),
+    ];
+    named.into_iter().filter(|(_, has)| *has).map(|(name, _)| (name, json!(true)))
 }
 
 fn sun_disc(disc: &SunDisc, time_s: f64) -> Result<Vec<(&'static str, Value)>, Diagnostic> {

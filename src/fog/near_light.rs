@@ -14,7 +14,7 @@ use super::LitSegments;
 use super::beer_lambert::exp_minus;
 use super::stretch::Stretch;
 use crate::color::Rgb;
-use crate::light::Emission;
+use crate::light::{Emission, LampShape};
 use crate::math::{Antiderivative, gauss_legendre};
 use glam::DVec3;
 use std::ops::Range;
@@ -24,6 +24,7 @@ pub(super) struct NearLight<'a> {
     stretch: &'a Stretch<'a>,
     light: DVec3,
     emission: Emission,
+    shape: LampShape,
     nearest: f64,
     gap: f64,
     /// Nodes for a falloff that is itself a polynomial: its degree, halved and rounded up.
@@ -62,18 +63,21 @@ const LARGEST_RATIO: f64 = 1e150;
 const DEEPEST: f64 = 30.0;
 
 impl<'a> NearLight<'a> {
-    pub(super) fn new(stretch: &'a Stretch, light: DVec3, emission: Emission) -> Self {
+    pub(super) fn new(stretch: &'a Stretch, light: DVec3, emission: Emission, shape: LampShape) -> Self {
         let ray = stretch.ray;
         let to_light = light - ray.origin;
         let nearest = to_light.dot(ray.direction);
         let gap = ray.direction.cross(to_light).length();
         let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length());
         let gap = gap.max(SMALLEST_SHARE * stretch.end).max(f64::MIN_POSITIVE);
-        // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge.
-        let more_nodes = if matches!(emission, Emission::Spot(_)) { 2 } else { 0 };
+        // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge. Poles of soft
+        // falloff lie at least `pi / 4` from the real axis, as no point is farther from the middle than `r`.
+        let is_plain = !matches!(emission, Emission::Spot(_)) && shape.softened_m2 == 0.0;
+        let more_nodes = if is_plain { 0 } else { 2 };
         let densest_per_m = stretch.medium.most_extinction_per_m();
         let poles = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut near = Self { stretch, light, emission, nearest, gap, more_nodes, densest_per_m, poles };
+        let mut near =
+            Self { stretch, light, emission, shape, nearest, gap, more_nodes, densest_per_m, poles };
         near.poles = near.poles();
         near
     }
@@ -218,9 +222,10 @@ impl<'a> NearLight<'a> {
         let exp = x.exp();
         let (sinh, cosh) = (0.5 * (exp - 1.0 / exp), 0.5 * (exp + 1.0 / exp));
         let t = (self.nearest + self.gap * sinh).clamp(range.start, range.end);
-        let way = self.light - self.stretch.ray.at(t);
+        let place = self.stretch.ray.at(t);
+        let way = self.light - place;
         let to_light = way / way.length().max(f64::MIN_POSITIVE);
-        let share = self.emission.share(-to_light);
+        let share = self.emission.share(-to_light) * self.shape.share(place);
         share / cosh * self.stretch.scattering(t, -sinh / cosh) * exp_minus(self.stretch.tau(t))
     }
 }

@@ -39,8 +39,8 @@ impl Medium {
                         sum += share * sunny.integral(start, end);
                     });
                 }
-                FrozenLight::Point { position, emission, .. } => {
-                    sum += NearLight::new(&stretch, position, emission).integral(range, lit);
+                FrozenLight::Point { position, emission, shape, .. } => {
+                    sum += NearLight::new(&stretch, position, emission, shape).integral(range, lit);
                 }
             }
         });

@@ -155,7 +155,7 @@ impl WallLight<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::Emission;
+    use crate::light::{Emission, LampShape};
     use std::f64::consts::PI;
 
     /// A lamp sends half of its light to a wide wall, however near it is; far away it is a point's.
@@ -164,7 +164,8 @@ mod tests {
         let lit = |half_m: f64, height_m: f64| {
             let square = Square { middle: DVec3::ZERO, half: [half_m * DVec3::X, half_m * DVec3::Y] };
             let (position, intensity) = (height_m * DVec3::Z, Rgb::splat(3.0));
-            square.lit(&FrozenLight::Point { position, intensity, emission: Emission::Even }, DVec3::Z).1.x
+            let (emission, shape) = (Emission::Even, LampShape::NONE);
+            square.lit(&FrozenLight::Point { position, intensity, emission, shape }, DVec3::Z).1.x
         };
         for height_m in [1e-9, 1e-3, 1e-2] {
             let power = 4.0 * 1e4 * lit(100.0, height_m);

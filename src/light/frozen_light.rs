@@ -1,7 +1,7 @@
 //! A frozen light without extent: a point in, direction and irradiance out. Invariant: directions
 //! point from the lit point towards the light.
 
-use super::Emission;
+use super::{Emission, LampShape};
 use crate::color::Rgb;
 use glam::DVec3;
 
@@ -23,6 +23,8 @@ pub enum FrozenLight {
         intensity: Rgb,
         /// Share of the intensity by direction.
         emission: Emission,
+        /// The lamp that it is a point of.
+        shape: LampShape,
     },
 }
 
@@ -48,14 +50,15 @@ impl FrozenLight {
     pub fn arriving_at(&self, point: DVec3) -> (DVec3, f64, Rgb) {
         match *self {
             Self::Sun { to_light, irradiance } => (to_light, f64::INFINITY, irradiance),
-            Self::Point { position, intensity, emission } => {
+            Self::Point { position, intensity, emission, shape } => {
                 let way = position - point;
                 let distance = way.length();
                 if distance == 0.0 {
                     return (DVec3::Y, 0.0, Rgb::ZERO);
                 }
                 let to_light = way / distance;
-                (to_light, distance, intensity * emission.share(-to_light) / (distance * distance))
+                let share = emission.share(-to_light) * shape.share(point);
+                (to_light, distance, intensity * share / (distance * distance))
             }
         }
     }
@@ -65,20 +68,28 @@ impl FrozenLight {
 mod tests {
     use super::*;
 
+    fn lamp(position: DVec3, emission: Emission, shape: LampShape) -> FrozenLight {
+        FrozenLight::Point { position, intensity: Rgb::splat(8.0), emission, shape }
+    }
+
     #[test]
     fn inverse_square() {
-        let intensity = Rgb::splat(8.0);
-        let light = FrozenLight::Point { position: DVec3::ZERO, intensity, emission: Emission::Even };
+        let light = lamp(DVec3::ZERO, Emission::Even, LampShape::NONE);
         let (to_light, distance, irradiance) = light.arriving_at(DVec3::new(0.0, -2.0, 0.0));
         assert_eq!((to_light, distance, irradiance), (DVec3::Y, 2.0, Rgb::splat(2.0)));
     }
 
+    /// On its axis a disc of radius 1 gives `I / (d^2 + 1)`.
+    #[test]
+    fn a_soft_lamp_is_a_disc() {
+        let light = lamp(DVec3::ZERO, Emission::Even, LampShape { softened_m2: 1.0, ..LampShape::NONE });
+        let (_, _, irradiance) = light.arriving_at(DVec3::new(0.0, -2.0, 0.0));
+        assert!((irradiance.x - 8.0 / 5.0).abs() < 1e-12, "{irradiance}");
+    }
+
     #[test]
     fn a_point_on_the_light_is_dark_and_not_undefined() {
-        let normal = DVec3::Z;
-        let intensity = Rgb::ONE;
-        let light =
-            FrozenLight::Point { position: DVec3::ONE, intensity, emission: Emission::Flat { normal } };
+        let light = lamp(DVec3::ONE, Emission::Flat { normal: DVec3::Z }, LampShape::NONE);
         assert_eq!(light.arriving_at(DVec3::ONE), (DVec3::Y, 0.0, Rgb::ZERO));
     }
 }

@@ -3,6 +3,8 @@
 
 mod emission;
 mod frozen_light;
+mod lamp_shape;
 
 pub use emission::{Cone, Emission};
 pub use frozen_light::{FrozenLight, LightPlace};
+pub use lamp_shape::LampShape;

@@ -3,7 +3,7 @@
 //! Invariant: the whole picture is surveyed whatever part of it is wanted, so all crops agree.
 
 use super::Job;
-use crate::color::{Rgb, luminance};
+use crate::color::luminance;
 use crate::indirect::Indirect;
 use crate::math::Sampler;
 use crate::snapshot::Snapshot;
@@ -55,7 +55,7 @@ impl Survey {
     }
 }
 
-/// Mean over the picture of a component. Rays into a sun are left out, if there are others: it is a thousand
+/// Mean over the picture of a component. Rays into a sun or lamp are left out, if there are others: it is a thousand
 /// times as bright as all the rest, and were it among these few rays the whole picture would count as dark.
 fn mean_luminance(snapshot: &Snapshot, job: &Job, indirect: Option<&Indirect>, component: Component) -> f64 {
     let transport = job.transport(indirect);
@@ -65,8 +65,7 @@ fn mean_luminance(snapshot: &Snapshot, job: &Job, indirect: Option<&Indirect>, c
         let ray = snapshot.view.ray(middle(number % columns, columns), middle(number / columns, rows));
         (number as u32, ray)
     });
-    let (mut rays, into_suns): (Vec<_>, Vec<_>) =
-        rays.partition(|(_, ray)| snapshot.suns_along(ray.direction) == Rgb::ZERO);
+    let (mut rays, into_suns): (Vec<_>, Vec<_>) = rays.partition(|(_, ray)| !snapshot.sees_light(ray));
     if rays.is_empty() {
         rays = into_suns;
     }

@@ -19,6 +19,7 @@ mod from_ron;
 mod grids;
 mod julia;
 mod keyed;
+mod lamp_traits;
 mod light;
 mod limits;
 mod material;
@@ -53,6 +54,7 @@ pub use fog::{Fog, FogShape, HeightFalloff, MOST_FOGS};
 pub use grids::{FogPart, FogVoxels, GridFrame, GridFrames, GridNames};
 pub use julia::Julia;
 pub use keyed::Keyed;
+pub use lamp_traits::LampTraits;
 pub use light::{AreaShape, Light, LightKind, SunDisc};
 pub use material::{
     AlphaMode, Clearcoat, Coat, Dielectric, Material, MaterialNumbers, Painted, Sheen, TextureMap,
@@ -91,6 +93,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Lights.
     pub lights: Vec<Light>,
+    /// Traits of lamps, by their nodes.
+    pub lamp_traits: BTreeMap<NodeIndex, LampTraits>,
     /// Units that the lights of a glTF file were taken to be measured in, as neither it nor anyone else
     /// says.
     pub guessed_light_units: Option<LightUnits>,
@@ -100,12 +104,12 @@ pub struct Scene {
     pub background: Rgb,
     /// Sky behind the scene, added to the background; it lights the scene.
     pub sky: Option<Sky>,
+    /// What the camera sees in the sky's place; mirrors see the sky.
+    pub backdrop: Option<Sky>,
     /// The animations of a glTF file, played or not.
     pub animations: Vec<Animation>,
     /// Custom properties of a glTF file meant for us, as they stand there.
     pub properties: Vec<Property>,
-    /// What the camera sees in the sky's place; mirrors see the sky.
-    pub backdrop: Option<Sky>,
     /// Everything that the description asks for and that is not honoured, or only nearly.
     pub remarks: Diagnostics,
 }

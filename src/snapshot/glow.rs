@@ -4,7 +4,7 @@
 use super::{Luminaire, Snapshot};
 use crate::accel::PrimitiveId;
 use crate::color::{Rgb, luminance};
-use crate::light::{Emission, FrozenLight};
+use crate::light::{Emission, FrozenLight, LampShape};
 use crate::math::Ray;
 use glam::DVec3;
 use std::ops::Range;
@@ -134,6 +134,7 @@ impl Glow {
                 position: place + OFF * across.length().sqrt() * normal,
                 intensity: 2.0 * seen.alpha * seen.emission / per_m2,
                 emission: Emission::Flat { normal },
+                shape: LampShape::NONE,
             }
         };
         Luminaire::of_points((0..POINTS).map(point).collect())

@@ -4,10 +4,11 @@
 //!
 //! The points do not depend on who is lit, so that a whole slice of rays may share one.
 
+use super::Watcher;
 use crate::color::Rgb;
-use crate::light::{Cone, Emission, FrozenLight};
+use crate::light::{Cone, Emission, FrozenLight, LampShape};
 use crate::math::disc_from_square;
-use crate::scene::{AreaShape, DiscPicture, Light, LightKind, SkySun};
+use crate::scene::{AreaShape, DiscPicture, LampTraits, Light, LightKind, SkySun};
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -18,13 +19,15 @@ const WITHOUT_GRID: f64 = FRAC_PI_2 - 1e-6;
 /// A light of any shape at one time, in relative space: a distribution over lights without extent.
 #[derive(Clone, Debug)]
 pub struct Luminaire {
-    centre: FrozenLight,
-    extent: Extent,
+    pub(super) centre: FrozenLight,
+    pub(super) extent: Extent,
+    /// Intensity without fog, W/sr, of a lamp that the camera and that mirrors see.
+    shown: [Option<Rgb>; 2],
 }
 
 /// Distribution of a light's points about its centre.
 #[derive(Clone, Debug)]
-enum Extent {
+pub(super) enum Extent {
     /// No extent.
     None,
     /// Directions of a disc: the sines of its radius along two unit vectors at right angles to its centre.
@@ -44,7 +47,8 @@ impl Luminaire {
         let axes = relative_from_light.matrix3;
         let beam = (-axes.z_axis).try_normalize().unwrap_or(DVec3::NEG_Z);
         let position = relative_from_light.translation;
-        let point = |intensity: Rgb, emission| FrozenLight::Point { position, intensity, emission };
+        let shape = LampShape { centre: position, ..LampShape::NONE };
+        let point = |intensity: Rgb, emission| FrozenLight::Point { position, intensity, emission, shape };
         let ball = |radius: f64| if radius > 0.0 { Extent::Ball { radius } } else { Extent::None };
         let (centre, extent) = match &light.kind {
             LightKind::Sun => (FrozenLight::Sun { to_light: -beam, irradiance: power }, Extent::None),
@@ -91,7 +95,7 @@ impl Luminaire {
                 (centre, Extent::Flat { shape: *shape, half_axes })
             }
         };
-        Self { centre, extent }
+        Self { centre, extent, shown: [None; 2] }
     }
 
     /// A sun that the picture of a sky shows: it only lights, for the picture is seen.
@@ -101,18 +105,45 @@ impl Luminaire {
         let (x, y) = to_sun.any_orthonormal_pair();
         let half_axes = [x * sin_radius, y * sin_radius];
         let extent = Extent::Disc { half_axes, picture: None, is_visible: false };
-        Self { centre: FrozenLight::Sun { to_light: to_sun, irradiance }, extent }
+        Self { centre: FrozenLight::Sun { to_light: to_sun, irradiance }, extent, shown: [None; 2] }
     }
 
     /// Luminaire of many points, each with all of its power.
     pub(super) fn of_points(points: Arc<[FrozenLight]>) -> Option<Self> {
-        let &FrozenLight::Point { position, intensity, .. } = points.first()? else { return None };
-        let centre = FrozenLight::Point { position, intensity, emission: Emission::Even };
-        Some(Self { centre, extent: Extent::Points(points) })
+        let &FrozenLight::Point { position, intensity, shape, .. } = points.first()? else { return None };
+        let centre = FrozenLight::Point { position, intensity, emission: Emission::Even, shape };
+        Some(Self { centre, extent: Extent::Points(points), shown: [None; 2] })
+    }
+
+    /// Luminaire with the traits of a lamp.
+    pub fn with(mut self, traits: LampTraits) -> Self {
+        let FrozenLight::Point { intensity, shape, .. } = &mut self.centre else { return self };
+        let area = match &self.extent {
+            Extent::Ball { radius } => PI * radius * radius,
+            Extent::Flat { half_axes: [right, up], .. } => 4.0 * right.cross(*up).length(),
+            _ => return self,
+        };
+        if let (Extent::Ball { radius }, true) = (&self.extent, traits.soft_falloff) {
+            shape.softened_m2 = radius * radius;
+        }
+        shape.shown_m2 = if traits.visible_in_mirrors { area } else { 0.0 };
+        self.shown = [traits.visible_to_camera, traits.visible_in_mirrors].map(|is| is.then_some(*intensity));
+        self
+    }
+
+    /// Intensity of a lamp that somebody sees, W/sr.
+    pub(super) fn shown_to(&self, watcher: Watcher) -> Option<Rgb> {
+        self.shown[watcher as usize]
+    }
+
+    /// Whether a lobe of an alpha shows it at a place as an image.
+    pub fn shows_in(&self, alpha: f64, place: DVec3) -> bool {
+        matches!(self.centre, FrozenLight::Point { shape, .. } if shape.shows_in(alpha, place))
     }
 
     /// Luminaire without power.
     pub fn switched_off(mut self) -> Self {
+        self.shown = [None; 2];
         match &mut self.centre {
             FrozenLight::Sun { irradiance: power, .. } | FrozenLight::Point { intensity: power, .. } => {
                 *power = Rgb::ZERO;
@@ -191,8 +222,8 @@ impl Luminaire {
                 let irradiance = irradiance / cos.max(f64::MIN_POSITIVE);
                 FrozenLight::Sun { to_light: to_point, irradiance }
             }
-            FrozenLight::Point { position, intensity, emission } => {
-                FrozenLight::Point { position: position + offset, intensity, emission }
+            FrozenLight::Point { position, intensity, emission, shape } => {
+                FrozenLight::Point { position: position + offset, intensity, emission, shape }
             }
         };
         (point, hue)
@@ -200,7 +231,7 @@ impl Luminaire {
 
     /// Whether any ray that leaves the scene sees it.
     pub fn is_visible(&self) -> bool {
-        matches!(self.extent, Extent::Disc { is_visible: true, .. })
+        self.shown[0].is_some() || matches!(self.extent, Extent::Disc { is_visible: true, .. })
     }
 
     /// Radiance seen by a ray that leaves the scene in that direction.

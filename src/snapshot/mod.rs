@@ -19,6 +19,7 @@ mod placed_mesh;
 mod ray_visibility;
 mod seen_fog;
 mod self_shading;
+mod shown_lamps;
 mod sky;
 mod still;
 mod surface;
@@ -33,7 +34,7 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 use still::Still;
 
-pub use crate::light::{Cone, Emission, FrozenLight, LightPlace};
+pub use crate::light::{Cone, Emission, FrozenLight, LampShape, LightPlace};
 pub use blended::{BlendedHit, NEGLIGIBLE};
 pub use contents::Contents;
 pub use exposure::Exposure;
@@ -46,6 +47,7 @@ pub use motion_field::MotionField;
 pub use placed_mesh::DrawnMesh;
 pub use ray_visibility::RaysOfInstances;
 pub use seen_fog::{SeenFog, SeenRay};
+pub use shown_lamps::Watcher;
 pub use sky::FrozenSky;
 pub use surface::{Facet, SurfacePoint};
 
@@ -108,10 +110,10 @@ pub struct Snapshot<'scene> {
     pub background: Rgb,
     /// The sky, unless it is dark.
     pub sky: Option<FrozenSky<'scene>>,
-    /// Motion of surfaces, if anybody asks.
-    pub motion: Option<Arc<MotionField>>,
     /// What the camera sees in its place.
     pub backdrop: Option<FrozenSky<'scene>>,
+    /// Motion of surfaces, if anybody asks.
+    pub motion: Option<Arc<MotionField>>,
     /// Cryptomatte ids of the scene's instances, if anybody asks.
     pub mattes: Option<Arc<[u32]>>,
     /// Fog as the camera sees it, if that is known for all its rays.
@@ -200,7 +202,6 @@ impl<'scene> Snapshot<'scene> {
             (None, Some(sky)) if !sky.is_seen() => self.background + suns(),
             _ => self.radiance_beyond(direction),
         }
-        self.radiance_beyond(direction)
     }
 
     /// The part of it that suns show themselves.
@@ -214,7 +215,7 @@ impl<'scene> Snapshot<'scene> {
         is_seen || self.background != Rgb::ZERO
     }
 
-    /// Whether no camera ray that leaves the scene sees anything, not even a sun.
+    /// Whether no camera ray that leaves the scene sees anything, not even a sun or lamp.
     pub fn is_dark_beyond(&self) -> bool {
         !self.has_background() && !self.lights.iter().any(Luminaire::is_visible)
     }

@@ -159,7 +159,9 @@ impl<'scene> Moment<'scene, '_> {
         let luminaire = |(light, _): (&Light, _)| {
             let relative_from_light = self.relative_from(light.node);
             let extinction_per_m = medium.extinction_at(relative_from_light.translation);
-            let luminaire = Luminaire::new(light, relative_from_light, self.time_s).in_fog(extinction_per_m);
+            let traits = self.scene.lamp_traits.get(&light.node).copied().unwrap_or_default();
+            let luminaire = Luminaire::new(light, relative_from_light, self.time_s).with(traits);
+            let luminaire = luminaire.in_fog(extinction_per_m);
             if self.placements[light.node].visible { luminaire } else { luminaire.switched_off() }
         };
         shining.map(luminaire).chain(of_sky).collect()

@@ -2,6 +2,7 @@
 //! eye. Invariant: the flat triangle judges both what the light falls on and what the eye sees. So a light is
 //! either before a surface or behind it, whatever the shading normal says.
 
+use super::lamps_seen;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scattering::bump_shadow;
@@ -11,38 +12,43 @@ use std::f64::consts::FRAC_1_PI;
 
 /// Radiance that a surface scatters towards the eye of all lights, W m^-2 sr^-1: `f / pi * sum(cos *
 /// irradiance * visibility * transmittance)`. `f` is the albedo for lights before the surface, the
-/// transmission for those behind it.
+/// transmission for those behind it. What `lamps_seen::images` finds is left out.
 pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
-    lights.iter().map(|light| of_light(snapshot, light, point)).sum()
+    let beside_images = |light| {
+        lit(snapshot, point, Unshadowed::beside_images(light, point), |shadow_ray, distance| {
+            snapshot.visibility(shadow_ray, distance, Some(point.primitive))
+        })
+    };
+    lights.iter().map(beside_images).sum()
 }
 
 /// Radiance that a surface scatters towards the eye of one light, W m^-2 sr^-1.
 pub(super) fn of_light(snapshot: &Snapshot, light: &FrozenLight, point: &SurfacePoint) -> Rgb {
-    scattered_if(snapshot, light, point, |shadow_ray, distance| {
+    lit(snapshot, point, Unshadowed::new(light, point), |shadow_ray, distance| {
         snapshot.visibility(shadow_ray, distance, Some(point.primitive))
     })
 }
 
-/// Radiance as [`of_light`] has it, where the transmittance of blended surfaces is known.
+/// Radiance as [`scattered`] has it of one light, where the transmittance of blended surfaces is known.
 pub(super) fn scattered_past_blended(
     snapshot: &Snapshot,
     light: &FrozenLight,
     point: &SurfacePoint,
     let_through: Rgb,
 ) -> Rgb {
-    scattered_if(snapshot, light, point, |shadow_ray, distance| {
+    lit(snapshot, point, Unshadowed::beside_images(light, point), |shadow_ray, distance| {
         let is_hidden = snapshot.casting().any_hit(shadow_ray, distance, Some(point.primitive));
         if is_hidden { Rgb::ZERO } else { let_through }
     })
 }
 
-fn scattered_if(
+fn lit(
     snapshot: &Snapshot,
-    light: &FrozenLight,
     point: &SurfacePoint,
+    unshadowed: Option<Unshadowed>,
     visible: impl Fn(&Ray, f64) -> Rgb,
 ) -> Rgb {
-    let Some(unshadowed) = Unshadowed::new(light, point) else { return Rgb::ZERO };
+    let Some(unshadowed) = unshadowed else { return Rgb::ZERO };
     let Unshadowed { radiance, to_light, distance } = unshadowed;
     let visible = visible(&Ray { origin: point.position, direction: to_light }, distance);
     if visible == Rgb::ZERO {
@@ -74,6 +80,22 @@ impl Unshadowed {
         let radiance = arriving * scattered_per_radiance(point, to_light);
         (radiance != Rgb::ZERO).then_some(Self { radiance, to_light, distance })
     }
+
+    /// Without the shine of surfaces that show the light as an image.
+    #[inline]
+    pub(super) fn beside_images(light: &FrozenLight, point: &SurfacePoint) -> Option<Self> {
+        if !lamps_seen::is_image(light, point) {
+            return Self::new(light, point);
+        }
+        let (to_light, distance, arriving) = light.arriving_at(point.position);
+        let [all, shine] = [point, &shining(point)].map(|point| scattered_per_radiance(point, to_light));
+        Some(Self { radiance: arriving * (all - shine).max(Rgb::ZERO), to_light, distance })
+    }
+}
+
+/// A surface that only shines as another does.
+pub(super) fn shining(point: &SurfacePoint) -> SurfacePoint {
+    SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, mirror: Rgb::ZERO, ..*point }
 }
 
 /// BSDF times cosine from a direction towards the eye, 1/sr, all layers included.

@@ -109,7 +109,7 @@ fn exponential(start: f64, end: f64, sigma_per_m: f64, u: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::{Cone, Emission};
+    use crate::light::{Cone, Emission, LampShape};
 
     /// A spot 2 m above a level ray lights 4 m of it by a cone of 45 degrees to either side. A ray that meets
     /// only the cone's mirror image above it, and what ends before it, has nothing.
@@ -121,6 +121,7 @@ mod tests {
             position: DVec3::new(5.0, height_m, 0.0),
             intensity: Rgb::ONE,
             emission: Emission::Spot(cone),
+            shape: LampShape::NONE,
         };
         let ray = Ray { origin: DVec3::ZERO, direction: DVec3::X };
         let (from, to) = lit(&spot(2.0), &ray, (0.0, 20.0)).expect("it crosses the cone");

@@ -11,6 +11,7 @@ mod glow;
 mod indirect;
 mod lamp_fog;
 mod lamp_spots;
+mod lamps_seen;
 mod leg;
 mod lit_segments;
 mod lobes;

@@ -7,7 +7,8 @@ use super::path::{Illumination, Path, Scratch, Start, Transport};
 use super::shafts;
 use super::stack::Stack;
 use super::visibility::{RayEnd, Way, ray_end};
-use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures, direct, fog_glow, indirect, sky_light};
+use super::{MATTES_OF_A_SAMPLE, Matte, Sample, SurfaceFeatures};
+use super::{direct, fog_glow, indirect, lamps_seen, sky_light};
 use crate::color::Rgb;
 use crate::math::{Ray, Sampler};
 use crate::snapshot::{BlendedHit, Snapshot, SurfacePoint};
@@ -182,7 +183,8 @@ impl Path<'_> {
             let scattered = self.scattered_once((ray, from), &way) + indirect;
             (scattered, indirect, self.through_fog((ray, from), distance))
         };
-        let (in_front, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
+        let (mut in_front, seen_through) = self.blended((ray, from), shafts, &way.blended, mirrors_left);
+        in_front += lamps_seen::on_the_way(self, (ray, from), &way);
         let transmittance = fog * seen_through;
         let behind = match &surface {
             None if is_hole || matches!(from, Start::Shine(_)) => Shown::default(),
@@ -286,22 +288,23 @@ impl Path<'_> {
         Shown::emitted(self.light.emitted(point)) + self.mirrored(ray, point, mirrors_left)
     }
 
-    /// Radiance that a mirror reflects towards the eye; nothing if the surface is none.
+    /// Radiance that a mirror reflects towards the eye, and that of lamps that show in a smooth surface.
     fn mirrored(&mut self, ray: &Ray, point: &SurfacePoint, mirrors_left: u32) -> Shown {
+        let images = Shown::emitted(lamps_seen::images(self, point));
         if mirrors_left == 0 || point.mirror == Rgb::ZERO {
-            return Shown::default();
+            return images;
         }
         let normal = point.shading_normal;
         let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
         // An interpolated normal may send light through the surface: no mirror does.
         let leaves = reflected.dot(point.geometric_normal) > 0.0;
         if !leaves {
-            return Shown::default();
+            return images;
         }
         let ray = Ray { origin: point.position, direction: reflected.normalize() };
         let (seen, _) = self.follow(&ray, Start::Surface(point.primitive), mirrors_left - 1);
         let indirect = seen.shown.indirect + seen.airlight.indirect_shafts;
-        Shown { indirect, ..seen.shown }.weakened(point.mirror)
+        images + Shown { indirect, ..seen.shown }.weakened(point.mirror)
     }
 }
 

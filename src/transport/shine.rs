@@ -2,7 +2,7 @@
 //! that it reflects of its surroundings, about the mirrored direction. Invariant: lights are not among
 //! what is seen, nor is the sky but by a ray of its own, as direct light has them.
 
-use super::direct::scattered_per_radiance;
+use super::direct::{scattered_per_radiance, shining};
 use super::lobes::Lobes;
 use super::path::{Illumination, Path, Start, Transport, VolumeMethod};
 use super::sky_light;
@@ -14,7 +14,7 @@ use glam::DVec2;
 
 /// Radiance of what was scattered before that a surface reflects in its shine, W m^-2 sr^-1.
 pub(super) fn seen(path: &mut Path, indirect: &Indirect, point: &SurfacePoint) -> Rgb {
-    let shining = SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, mirror: Rgb::ZERO, ..*point };
+    let shining = shining(point);
     let of_sky = if indirect.has_sky() && path.light.has_rest {
         sky_light::from_sky(path, &shining)
     } else {

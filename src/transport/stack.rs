@@ -213,7 +213,7 @@ mod tests {
         AlphaMode, Camera, Clip, Instance, Lens, Material, Mesh, Motion, Node, Scene, Texture, Track,
         Triangle, Wrap,
     };
-    use crate::snapshot::{Emission, MeshTrees, Shutter};
+    use crate::snapshot::{Emission, LampShape, MeshTrees, Shutter};
     use crate::transport::Branches;
     use crate::transport::lit_segments::shade;
     use crate::transport::visibility::Way;
@@ -280,7 +280,8 @@ mod tests {
     }
 
     fn lamp(position: DVec3) -> FrozenLight {
-        FrozenLight::Point { position, intensity: Rgb::splat(9.0), emission: Emission::Even }
+        let (intensity, emission, shape) = (Rgb::splat(9.0), Emission::Even, LampShape::NONE);
+        FrozenLight::Point { position, intensity, emission, shape }
     }
 
     fn sun(to_light: DVec3) -> FrozenLight {

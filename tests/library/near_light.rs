@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use sunfleck::color::Rgb;
 use sunfleck::fog::{FogBank, LitSegments, Medium, exp_minus, henyey_greenstein};
 use sunfleck::math::{IntervalSet, Ray, gauss_legendre};
-use sunfleck::snapshot::{Cone, Emission, FrozenLight};
+use sunfleck::snapshot::{Cone, Emission, FrozenLight, LampShape};
 
 /// The project's bar for near lights, relative to the whole ray.
 const BAR: f64 = 2e-6;
@@ -26,7 +26,7 @@ fn case(sigma: f64, g: f64, light: DVec3, direction: DVec3, emission: Emission) 
     Case {
         medium: Medium::new(vec![fog]),
         ray: Ray { origin: DVec3::ZERO, direction: direction.normalize() },
-        light: FrozenLight::Point { position: light, intensity: Rgb::ONE, emission },
+        light: FrozenLight::Point { position: light, intensity: Rgb::ONE, emission, shape: LampShape::NONE },
         sigma,
         g,
     }

@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::description::LARGEST_NUMBER;
 use crate::description::gltf;
 use crate::diagnostic::Loss;
-use crate::scene::{AreaShape, Light, LightKind, NodeIndex, SunDisc, Track};
+use crate::scene::{AreaShape, LampTraits, Light, LightKind, NodeIndex, SunDisc, Track};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -54,8 +54,12 @@ pub(super) struct LightExtras {
     /// Whole angle that a grid before an area light lets light through.
     spread: Option<f64>,
     casts_shafts: Option<bool>,
-    /// Whether camera and mirrors see the disc of a sun.
+    /// Whether the camera sees it, of a sun mirrors too.
     visible_to_camera: bool,
+    /// Whether smooth surfaces show it.
+    visible_in_mirrors: bool,
+    /// Soft falloff of a point or spot.
+    soft_falloff: bool,
     /// Picture on that disc: a file beside this one or a data URI, or a Julia set, and how much darker its
     /// edge is.
     pub(super) image: Option<String>,
@@ -89,6 +93,12 @@ impl Builder<'_> {
             self.report.not_honoured(Loss::LightWithoutShafts, &node.name);
         }
         Some(extras)
+    }
+
+    /// Gives a lamp the traits that its node's property says.
+    pub(super) fn set_traits(&mut self, node: NodeIndex, extras: &LightExtras) {
+        let &LightExtras { soft_falloff, visible_to_camera, visible_in_mirrors, .. } = extras;
+        self.scene.set_lamp_traits(node, LampTraits { soft_falloff, visible_to_camera, visible_in_mirrors });
     }
 
     /// Gives a light of glTF the size that its node's property says.

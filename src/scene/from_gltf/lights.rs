@@ -18,6 +18,9 @@ impl Builder<'_> {
             let Some(number) = self.node_numbers[index] else { continue };
             let extras = self.light_extras(index, node);
             let path = format!("nodes[{index}].extras.sunfleck_light");
+            if let Some(extras) = &extras {
+                self.set_traits(number, extras);
+            }
             if let Some(light) = node.light {
                 any = true;
                 self.add_light(light, number, units, extras.as_ref(), &path);

@@ -15,7 +15,7 @@ use crate::transport::radiance::{mattes, mean};
 use crate::transport::shafts::{Stretch, by_segments};
 use crate::transport::visibility::Way;
 use crate::transport::{Branches, Sample};
-use crate::transport::{fog_glow, indirect};
+use crate::transport::{fog_glow, indirect, lamps_seen};
 
 /// A ray of a slice and what it meets first.
 pub(super) struct SliceRay<'a> {
@@ -83,7 +83,7 @@ impl SliceRay<'_> {
             });
         let is_hole = self.meeting.is_some_and(|(meeting, _)| snapshot.is_holdout(meeting.primitive));
         let shows = |(meeting, facet): &(Meeting, &Facet)| {
-            let is_seen_around = transport.indirect.is_some();
+            let is_seen_around = transport.indirect.is_some() || snapshot.shows_lamps(0.0, ray.origin);
             let has_light = meeting.is_lit || facet.shows(is_seen_around) || path.indirect().is_some();
             !is_hole && (has_light || transport.features)
         };
@@ -101,13 +101,15 @@ impl SliceRay<'_> {
         let indirect_shafts = path
             .indirect()
             .map_or(Rgb::ZERO, |indirect| indirect.seen_in_fog(snapshot, ray, distance, transmittance));
-        let glow = fog_glow::on_the_way(&path, ray, &Way { distance, ..Way::default() });
+        let way = Way { distance, ..Way::default() };
+        let glow = fog_glow::on_the_way(&path, ray, &way);
+        let lamps = lamps_seen::on_the_way(&path, (ray, Start::Camera), &way);
         let shafts = shafts + indirect_shafts + glow;
         let held_out = if is_hole { mean(transmittance) } else { 0.0 };
         let mattes = mattes(snapshot, &[], surface.as_ref());
         let leg = Leg::new(
             Airlight { shafts, indirect_shafts, transmittance },
-            Shown { radiance: shafts, ..Shown::default() },
+            Shown { radiance: shafts, ..Shown::default() } + lamps,
             behind,
             LegEnd { is_covered: self.meeting.is_some(), held_out, mattes },
         );
@@ -118,7 +120,7 @@ impl SliceRay<'_> {
     /// the light, if that is known.
     fn reflected(&self, path: &mut Path, point: &SurfacePoint, is_lit: bool, to_light: Option<Rgb>) -> Shown {
         let SliceJob { snapshot, transport, light, .. } = *self.job;
-        let unshadowed = if is_lit { Unshadowed::new(light, point) } else { None };
+        let unshadowed = if is_lit { Unshadowed::beside_images(light, point) } else { None };
         let of_light = unshadowed.map_or(Rgb::ZERO, |Unshadowed { radiance, to_light: way, distance }| {
             radiance
                 * to_light

@@ -9,7 +9,7 @@ from .evaluated import lights, walk
 from .film import of_cycles
 from .keys import curves_of
 from .losses import Finding, ordered
-from .materials import colours, dependence, inputs, principled, sockets
+from .materials import colours, dependence, principled, sockets
 
 
 def check(scene):
@@ -183,16 +183,13 @@ def is_linked(thing):
 def of_light(name, thing, scene):
     light, own = thing.data, scene.sunfleck_settings
     is_portal = light.type == "AREA" and of_cycles(light, "is_portal", False)
-    has_size = light.type == "AREA" or (light.type != "SUN" and light.shadow_soft_size > 0.0)
     said = {
         "light-power": light.energy < 0.0,
         "light-spread": light.type == "AREA" and light.spread < lights.NARROWEST_SPREAD,
         "light-square": light.type == "SPOT" and light.use_square,
         "light-uneven": light.type in {"AREA", "SPOT"} and is_uneven(thing.matrix_world, light.type == "SPOT"),
-        "light-soft-falloff": light.type in {"POINT", "SPOT"} and has_size and light.use_soft_falloff,
         "light-nodes": lights.of_nodes(light) is None,
         "light-shadowless": not light.use_shadow,
-        "light-seen": has_size and (thing.visible_camera or (thing.visible_glossy and has_mirrors(scene))),
         "light-near": light.type in {"POINT", "SPOT"} and nearness.is_near_to_any(thing, scene.objects),
         "light-rays": not all(getattr(thing, rays) for rays in RAYS),
         "light-bounces": of_cycles(light, "max_bounces", 1024) < (1024 if own.all_bounces else own.bounces),
@@ -200,12 +197,6 @@ def of_light(name, thing, scene):
         "light-portal": is_portal,
     }
     yield from (Finding(id, name) for id, is_so in said.items() if is_so)
-
-
-def has_mirrors(scene):
-    """Whether anything is so smooth that one sees lights in it."""
-    materials = {slot.material for thing in rendered(scene) for slot in thing.material_slots if slot.material}
-    return any(map(inputs.is_smooth, materials))
 
 
 def is_uneven(place, is_round):

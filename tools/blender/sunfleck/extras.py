@@ -129,9 +129,14 @@ def light(thing, exposure):
     if data.type == "AREA":
         return {
             "type": "area", "shape": AREA_SHAPES[data.shape], "size": lights.written_size(data), "power_w": strength,
-            "color": list(lights.color(data)), "spread": lights.spread(data),
+            "color": list(lights.color(data)), "spread": lights.spread(data), **seen_by(thing),
         }
-    return {"radius": data.shadow_soft_size, "power_w": strength}
+    falloff = {"soft_falloff": data.use_soft_falloff}
+    return {"radius": data.shadow_soft_size, "power_w": strength, **falloff, **seen_by(thing)}
+
+
+def seen_by(lamp):
+    return {"visible_to_camera": lamp.visible_camera, "visible_in_mirrors": lamp.visible_glossy}
 
 
 def sun_disc(own):

@@ -57,15 +57,10 @@ LOSSES = {
     "light-spread": (WARNING, "the spread of an area light is at least 0.01 radians"),
     "light-square": (WARNING, "a square spot is round"),
     "light-uneven": (WARNING, "a spot under an uneven scale is round, and a sheared area light has right angles"),
-    "light-soft-falloff": (INFO, "a light with soft falloff is a sphere, and no disc that turns to what it "
-                                 "lights"),
     "light-nodes": (WARNING, "light nodes are more than an Emission of one colour and strength: the light's "
                              "own power and colour count alone"),
     "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
-    "light-seen": (WARNING, "Cycles' camera sees lights that have a size, and so do smooth surfaces; here they see "
-                            "none but suns, and smooth surfaces a few points of them"),
-    "light-near": (WARNING, "something lies within a light's radius, or within ten of it where its falloff is soft: "
-                            "it is lit otherwise in Cycles"),
+    "light-near": (WARNING, "something lies within a light's radius: it is lit otherwise in Cycles"),
     "light-rays": (WARNING, "lights light everything, whatever their ray visibility says"),
     "light-blur": (WARNING, "a light that moves while the shutter is open shines from all along its way, and one that "
                             "changes is as at the frame; Cycles' is as in the middle of the shutter"),
@@ -105,13 +100,13 @@ LOSSES = {
                                       "subdivided as often as its modifier says"),
     "fog-not-a-cube": (WARNING, "fog fills the cube from -1 to 1 of an object, and its mesh reaches "
                                 "elsewhere"),
-    "fog-overlaps": (WARNING, "fogs of other anisotropies and colours overlap: each colour goes its own way here, and "
-                              "all go as their mean does in Cycles"),
     "fog-material": (WARNING, "the fog's own volume material is more than numbers: those of its panel count"),
     "fog-clipped": (WARNING, "the camera is in fog, which begins at the camera here and at its clip start in "
                              "Cycles: make that smaller"),
     "fog-touches": (WARNING, "a side of the fog lies in a surface or another fog's side, and Cycles' picture depends on which of them its "
                              "rays happen to meet first: move one by a millimetre"),
+    "fog-overlaps": (WARNING, "fogs of other anisotropies and colours overlap: each colour goes its own way here, and "
+                              "all go as their mean does in Cycles"),
     "velocity-blur": (WARNING, "what is blurred by velocities moves from where it is at the frame, and not in "
                                "the middle of the shutter"),
     # Materials.

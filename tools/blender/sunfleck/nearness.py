@@ -8,15 +8,11 @@ import numpy
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-# Cycles' disc of soft falloff, turned to what it lights, is darker than a sphere by the square of radius by distance.
-SOFT_RADII = 10.0
 MOST_FACES = 20_000
 
 
 def is_near_to_any(lamp, others):
-    light = lamp.data
-    reach = light.shadow_soft_size * (SOFT_RADII if light.use_soft_falloff else 1.0)
-    place = lamp.matrix_world.translation
+    reach, place = lamp.data.shadow_soft_size, lamp.matrix_world.translation
     return reach > 0.0 and any(distance(thing, place, reach) < reach for thing in others)
 
 

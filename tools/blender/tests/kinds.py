@@ -215,14 +215,31 @@ def light_in_a_group(scene):
     sun.node_tree.links.new(node.outputs["out"], output.inputs["Surface"])
 
 
-def world_by_rays(scene):
+def world_by_rays(scene, rays="Is Camera Ray"):
     leaves(scene, matte())
     scene.world = bpy.data.worlds.new("world")
     scene.world.use_nodes = True
     nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
     background = next(node for node in nodes if node.type == "BACKGROUND")
-    links.new(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], background.inputs["Strength"])
+    links.new(nodes.new("ShaderNodeLightPath").outputs[rays], background.inputs["Strength"])
     scene.sunfleck_settings.use_world = True
+
+
+def two_worlds(scene):
+    """The camera sees a gradient, and a mirror what lights the leaves."""
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
+    light, seen, mix = (nodes.new(f"ShaderNode{kind}") for kind in ("Background", "Background", "MixShader"))
+    light.inputs["Color"].default_value, light.inputs["Strength"].default_value = (0.3, 0.6, 1.0, 1.0), 0.7
+    links.new(nodes.new("ShaderNodeTexGradient").outputs["Color"], seen.inputs["Color"])
+    links.new(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], mix.inputs[0])
+    for number, shader in ((1, light), (2, seen)):
+        links.new(shader.outputs["Background"], mix.inputs[number])
+    links.new(mix.outputs["Shader"], next(one for one in nodes if one.type == "OUTPUT_WORLD").inputs["Surface"])
+    mirror = matte()
+    mirror.shader.inputs["Metallic"].default_value, mirror.shader.inputs["Roughness"].default_value = 1.0, 0.1
+    leaves(scene, matte())[2].data.materials[0] = mirror.material
 
 
 def world_by_the_window(scene):
@@ -340,11 +357,13 @@ BESIDE = {
     "associated": (made.associated, 1, BAKED), "alpha asked for": (made.alpha_asked_for, 1, BAKED),
     "stained": (clear.stained, 1, EXACT), "flame": (clear.flame, 1, BAKED), "paths": (made.paths, 1, EXACT), "uv of nodes": (made.uv_of_nodes, 1, EXACT),
     "lights for their size": (made.lights_for_their_size, 1, EXACT), "world switched off": (made.world_switched_off, 1, EXACT),
+    "lamps in mirrors": (lamps.in_mirrors, 1, EXACT), "lamps seen": (lamps.seen, 1, EXACT), "soft lamp by a leaf": (lamps.soft_by_a_leaf, 1, EXACT),
+    "world by rays": (two_worlds, 1, BAKED),
     "squares": (lambda scene: surfaces.coarse_picture(scene, "Closest", 4), 1, BAKED), "decal": (surfaces.decal, 1, BAKED),
 }
 # By name: how it is built, and what has to be said, as a warning.
 SAID = {
-    "world by rays": (world_by_rays, "world-depends-on-rays"), "world by the window": (world_by_the_window, "world-depends-on-rays"), "sheen": (surfaces.sheen, "material-lost"),
+    "world by shine": (lambda scene: world_by_rays(scene, "Is Glossy Ray"), "world-depends-on-rays"), "world by the window": (world_by_the_window, "world-depends-on-rays"), "sheen": (surfaces.sheen, "material-lost"),
     "thin metal of a texture": (surfaces.thin_metal_of_a_texture, "material-lost"),
     "two-sided and transparent": (surfaces.two_sided_and_transparent, "material-lost"),
     "keyed shutter": (keyed_shutter, "shutter-changes"),
@@ -353,8 +372,8 @@ SAID = {
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hairs.hair, "hair"),
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained gloss": (clear.stained_gloss, "material-lost", "transparent-tint"),
-    "uneven spot": (lamps.uneven_spot, "light-uneven"), "lamp in a mirror": (lamps.in_a_mirror, "light-seen"),
-    "soft lamp by a leaf": (lamps.soft_by_a_leaf, "light-near"), "lamp about a leaf": (lamps.about_a_leaf, "light-near"), "scrolled": (surfaces.scrolled, "material-changes"),
+    "uneven spot": (lamps.uneven_spot, "light-uneven"), 
+    "lamp about a leaf": (lamps.about_a_leaf, "light-near"), "scrolled": (surfaces.scrolled, "material-changes"),
     "doubled": (instances.doubled, "coincident-faces"),
     "doubled while the shutter is open": (lambda scene: instances.doubled(scene, True), "coincident-faces"), "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
     "leaning normals": (surfaces.leaning_normals, "custom-normals"), "few faces": (surfaces.few_faces, "shadow-terminator"),
@@ -364,6 +383,8 @@ SAID = {
     "fog of noise": (surfaces.fog_of_noise, "fog-material"),
     "fog about the camera": (surfaces.fog_about_the_camera, "fog-clipped"),
     "fog on the ground": (surfaces.fog_on_the_ground, "fog-touches"),
+    "fogs that overlap": (surfaces.two_fogs, "fog-overlaps"),
+    "fogs side by side": (lambda scene: surfaces.two_fogs(scene, (4.0, 0.1, 0.1)), "fog-touches"),
     "normals as colours": (made.normals_as_colours, "material-lost", "depends-on-place"),
     "two shines": (made.two_shines, "material-lost", "mixed-shine"),
     "one scattering": (made.one_scattering, "material-lost", "single-scattering"),
@@ -377,5 +398,3 @@ LATER = {
     "light info": (5, 1),
     **dict.fromkeys((name for name in (*BESIDE, *SAID) if name.startswith("thin ")), (5, 2)),
 }
-    "fogs that overlap": (surfaces.two_fogs, "fog-overlaps"),
-    "fogs side by side": (lambda scene: surfaces.two_fogs(scene, (4.0, 0.1, 0.1)), "fog-touches"),

@@ -48,18 +48,45 @@ def uneven_spot(scene):
     lamp(scene, "SPOT").scale = (2.0, 0.5, 1.0)
 
 
-def in_a_mirror(scene):
-    """The camera sees it in leaves alone."""
-    tree = matte()
-    tree.shader.inputs["Metallic"].default_value, tree.shader.inputs["Roughness"].default_value = 1.0, 0.0
-    leaves(scene, tree)
-    lamp(scene, "AREA")
+def in_mirrors(scene):
+    """The camera sees them in smooth leaves alone, of metal and of glaze."""
+    trees = matte(), matte()
+    for tree, metallic in zip(trees, (1.0, 0.0)):
+        inputs = tree.shader.inputs
+        inputs["Metallic"].default_value, inputs["Roughness"].default_value = metallic, 0.03
+        inputs["Specular IOR Level"].default_value = 0.5
+    for number, leaf in enumerate(leaves(scene, trees[0])):
+        leaf.data.materials[0] = trees[number % 2].material
+    for kind, x in (("AREA", -1.2), ("POINT", 1.0)):
+        data = bpy.data.lights.new("lamp", kind)
+        data.energy = 100.0
+        setattr(data, "size" if kind == "AREA" else "shadow_soft_size", 0.7)
+        thing = scenes.add(scene, "lamp", data, (x, -3.0, 2.0), (x, 0.0, 1.0))
+        thing.visible_camera = False
+
+
+def seen(scene):
+    """Of every kind, before leaves and behind fog."""
+    leaves(scene, matte())
+    scene.objects["sun"].data.energy = 0.5
+    for number, (kind, soft) in enumerate((("POINT", False), ("POINT", True), ("SPOT", False), ("AREA", False), ("AREA", False))):
+        data = bpy.data.lights.new("lamp", kind)
+        data.energy = 3.0
+        x = 0.8 * number - 1.6
+        if kind == "AREA":
+            data.shape, data.size, data.size_y, data.spread = "RECTANGLE" if number == 3 else "ELLIPSE", 0.5, 0.3, 3.0 - 0.5 * number
+        else:
+            data.use_soft_falloff, data.shadow_soft_size = soft, 0.2
+        thing = scenes.add(scene, "lamp", data, (x, 0.3 * number - 1.6, 0.4 + 0.2 * number), (0.8 * x, -5.0, 0.8))
+        thing.visible_camera = True
 
 
 def soft_by_a_leaf(scene):
+    """Soft falloff, as near as its radius."""
     leaves(scene, matte())
-    data = lamp(scene, "SPOT").data
-    data.use_soft_falloff, data.shadow_soft_size = True, 0.5
+    data = lamp(scene, "POINT").data
+    scene.objects["lamp"].location, data.energy = (0.2, -0.6, 1.3), 20.0
+    data.use_soft_falloff, data.shadow_soft_size = True, 0.2
 
 
 def about_a_leaf(scene):

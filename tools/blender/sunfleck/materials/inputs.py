@@ -72,19 +72,6 @@ def losses_of_principled(node):
 SMOOTH = 0.1
 
 
-def is_smooth(material):
-    """Whether lights are seen in it."""
-    return any(map(is_smooth_shader, dependence.nodes_of(material)))
-
-
-def is_smooth_shader(node):
-    is_low = lambda name: not sockets.link_to(node.inputs[name]) and node.inputs[name].default_value < SMOOTH
-    if node.type == "BSDF_PRINCIPLED":
-        shines = not all(sheets.is_zero(node, name) for name in ("Metallic", "Specular IOR Level"))
-        return (shines and is_low("Roughness")) or (not sheets.is_zero(node, "Coat Weight") and is_low("Coat Roughness"))
-    return node.type == "BSDF_GLOSSY" and is_low("Roughness")
-
-
 def is_white(socket):
     return not sockets.link_to(socket) and value_of(socket)[:3] == (1.0, 1.0, 1.0)
 

@@ -1,0 +1,66 @@
+//! Lamps that are seen: by the camera, in mirrors, and in surfaces so smooth that their highlights are
+//! images. In go rays and points of surfaces, out comes radiance. Invariant: light of a lamp that a smooth
+//! surface reflects is either found here or by rays to the lamp (`direct.rs`), as `LampShape::shows_in` says.
+
+use super::direct::{scattered_per_radiance, shining};
+use super::leg::Shown;
+use super::lobes::Lobes;
+use super::path::{Path, Start};
+use super::visibility::Way;
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::snapshot::{FrozenLight, SurfacePoint, Watcher};
+use glam::DVec2;
+
+/// Light of lamps that a ray meets on its way, past blended surfaces.
+pub(super) fn on_the_way(path: &Path, (ray, from): (&Ray, Start), way: &Way) -> Shown {
+    let (snapshot, mut sum) = (path.snapshot, Rgb::ZERO);
+    let (watcher, shown) = match from {
+        _ if !path.light.has_rest => return Shown::default(),
+        Start::Camera => (Watcher::Camera, snapshot.view.shown_along(ray)),
+        Start::Surface(_) => (Watcher::Mirror, 0.0..f64::INFINITY),
+        // Found with the surface.
+        Start::Shine(_) => return Shown::default(),
+    };
+    for (t, radiance) in snapshot.lamps_met(watcher, ray) {
+        if t < way.distance && shown.contains(&t) {
+            let before = way.blended.iter().take_while(|hit| hit.t < t);
+            let seen_through: Rgb = before.map(|hit| hit.point.see_through).product();
+            sum += seen_through * path.through_fog((ray, from), t) * radiance;
+        }
+    }
+    Shown::emitted(sum)
+}
+
+/// Alpha of the narrowest lobe of a surface.
+fn narrowest(point: &SurfacePoint) -> Option<f64> {
+    let coat = point.layers.as_ref().and_then(|layers| layers.clearcoat.as_ref()).map(|coat| &coat.gloss);
+    point.gloss.iter().chain(coat).map(|gloss| gloss.alpha()).reduce(f64::min)
+}
+
+/// Whether a surface shows a light as an image.
+pub(super) fn is_image(light: &FrozenLight, point: &SurfacePoint) -> bool {
+    let FrozenLight::Point { shape, .. } = light else { return false };
+    shape.shown_m2 > 0.0 && narrowest(point).is_some_and(|alpha| shape.shows_in(alpha, point.position))
+}
+
+/// Radiance of lamps that a surface shows as images, by one ray about the mirrored direction.
+pub(super) fn images(path: &mut Path, point: &SurfacePoint) -> Rgb {
+    let snapshot = path.snapshot;
+    let alpha = narrowest(point).filter(|&alpha| snapshot.shows_lamps(alpha, point.position));
+    let (Some(alpha), true) = (alpha, path.light.has_rest) else { return Rgb::ZERO };
+    let shining = shining(point);
+    let Some(lobes) = Lobes::of(&shining) else { return Rgb::ZERO };
+    let direction = lobes.pick(&shining, DVec2::from(path.sampler.next_2d()));
+    let per_picked = scattered_per_radiance(&shining, direction) / lobes.picked(&shining, direction);
+    if per_picked == Rgb::ZERO || !per_picked.is_finite() {
+        return Rgb::ZERO;
+    }
+    let ray = Ray { origin: point.position, direction };
+    let shown = snapshot.lights.iter().filter(|light| light.shows_in(alpha, point.position));
+    let seen = |(t, radiance): (f64, Rgb)| {
+        let visible = snapshot.visibility(&ray, t, Some(point.primitive));
+        radiance * visible * snapshot.medium.transmittance(ray.origin, direction, t)
+    };
+    per_picked * shown.filter_map(|light| light.met_by(Watcher::Mirror, &ray)).map(seen).sum::<Rgb>()
+}
