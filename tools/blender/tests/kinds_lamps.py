@@ -60,7 +60,7 @@ def in_mirrors(scene):
     for kind, x in (("AREA", -1.2), ("POINT", 1.0)):
         data = bpy.data.lights.new("lamp", kind)
         data.energy = 100.0
-        setattr(data, "size" if kind == "AREA" else "shadow_soft_size", 0.7)
+        setattr(data, *(("size", 2.0) if kind == "AREA" else ("shadow_soft_size", 1.0)))
         thing = scenes.add(scene, "lamp", data, (x, -3.0, 2.0), (x, 0.0, 1.0))
         thing.visible_camera = False
 
