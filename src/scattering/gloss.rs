@@ -99,7 +99,8 @@ impl Gloss {
     /// Coat as Cycles' Principled BSDF has it, of the index that its reflectance along the normal stands for.
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;
-        let fresnel = Fresnel::of_reflectance(f0.max_element());
+        // Of a share of a surface both reflectances are that share of its own.
+        let fresnel = Fresnel::of_reflectance(f0.max_element() / f90.max_element().max(f64::MIN_POSITIVE));
         let own = Self { microfacets: self.microfacets.under(Shadowing::Correlated), ..self };
         let further = own.further(f0 + (f90 - f0) * fresnel.mean());
         let repeated = Some(Reflectance { f0: further * f0, f90: further * f90 });
