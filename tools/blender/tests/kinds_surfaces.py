@@ -265,6 +265,30 @@ def mixed_by_chance(scene):
     leaves(scene, tree)
 
 
+def cut_leaf(scene):
+    """Clipped by a picture's alpha; a part of it shines, lit and seen at grazing angles."""
+    tree = matte()
+    image = bpy.data.images.new("cut", 8, 8, alpha=True)
+    pixels = numpy.ones((8, 8, 4), "f4")
+    pixels[:3, :5, 3] = 0.0
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    picture, above = tree.node("TexImage", image=image), tree.node("Math", operation="GREATER_THAN")
+    through, clear, inner, outer = (
+        tree.node(kind) for kind in ("BsdfTranslucent", "BsdfTransparent", "MixShader", "MixShader")
+    )
+    tree.shader.inputs["Specular IOR Level"].default_value, tree.shader.inputs["Roughness"].default_value = 0.2, 0.5
+    tree.shader.inputs["Base Color"].default_value = through.inputs["Color"].default_value = GREEN
+    inner.inputs[0].default_value = 0.6
+    tree.link(picture.outputs["Alpha"], above.inputs[0]).link(above.outputs["Value"], outer.inputs[0])
+    for mix, (first, second) in ((inner, (tree.shader, through)), (outer, (clear, inner))):
+        tree.link(first.outputs[0], mix.inputs[1]).link(second.outputs[0], mix.inputs[2])
+    tree.link(outer.outputs["Shader"], tree.output.inputs["Surface"])
+    for leaf in leaves(scene, tree):
+        leaf.rotation_euler.x = 0.3
+    scene.objects["sun"].rotation_euler = (-1.2, 0.0, 0.0)
+
+
 def keyed_coat(scene):
     tree = matte()
     keyed(tree.shader.inputs["Coat Weight"], "default_value", (0.0, 1.0))

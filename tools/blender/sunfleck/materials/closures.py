@@ -117,8 +117,8 @@ def half_glazed(node, share, glazed, matte):
         for name in ("base", "through")
     )
     made = {**glazed.sources, "base": base, "through": through, "shine": Source((share,) * 3)}
-    # Of little shine, and of a strong one, light that grazes it is up to 1 % darker than in Cycles.
-    is_near = share >= 0.5 and glaze <= 0.05
+    # Up to an index of 1.8 and within 0.3 %, whatever the share; beyond, light that grazes it is up to 1 % darker.
+    is_near = glaze <= 0.09
     return replace(glazed, sources=made, losses=glazed.losses if is_near else [*glazed.losses, "mixed-shine"])
 
 
@@ -145,8 +145,12 @@ def shone_upon(node, matte, mirror):
 
 
 def mixed(node):
-    share = sockets.of(node.inputs[0])
+    share, cutoff = principled.alpha(node.inputs[0])
     a, b = of_input(node, 1), of_input(node, 2)
+    if cutoff is not None:
+        if not is_nothing(a) or is_nothing(b):
+            raise NotSimple(node)
+        return replace(covered(node, share, a, b), cutoff=cutoff)
     if share.is_constant():
         value = min(1.0, max(0.0, share.number()))
         if value in (0.0, 1.0):
