@@ -7,9 +7,9 @@ use std::sync::Arc;
 use sunfleck::color::Rgb;
 use sunfleck::math::{Ray, Sampler};
 use sunfleck::scene::{
-    AreaShape, Julia, Light, LightKind, SunDisc, SunPicture, SunShows, Texture, Track, Wrap,
+    AreaShape, Julia, LampTraits, Light, LightKind, SunDisc, SunPicture, SunShows, Texture, Track, Wrap,
 };
-use sunfleck::snapshot::Luminaire;
+use sunfleck::snapshot::{Luminaire, Watcher};
 
 /// A light of power 1 at the origin that shines along -Z.
 fn luminaire(kind: LightKind) -> Luminaire {
@@ -55,6 +55,43 @@ fn disc_on_its_axis() {
     let expected = PI * radiance * radius * radius / (radius * radius + height * height);
     assert_close(irradiance(&light, DVec3::NEG_Z * height, DVec3::Z), expected, 1e-4);
     assert_eq!(irradiance(&light, DVec3::Z * height, DVec3::NEG_Z), 0.0, "it shines from one side");
+}
+
+/// Soft falloff: a disc that faces what it lights gives `I / (r^2 + d^2)`, on a plane that faces it.
+#[test]
+fn soft_falloff_is_a_disc_s() {
+    let radius = 0.3;
+    let soft = LampTraits { soft_falloff: true, ..LampTraits::default() };
+    let light = luminaire(LightKind::Sphere { radius: Track::from(radius) }).with(soft);
+    for distance in [0.4, 0.7, 2.0] {
+        let expected = 1.0 / (radius * radius + distance * distance);
+        assert_close(irradiance(&light, DVec3::X * distance, DVec3::NEG_X), expected, 3e-3);
+    }
+}
+
+/// What is seen of a lamp is what it lights with: radiances over its outline add up to its irradiance.
+#[test]
+fn lamps_are_seen_as_bright_as_they_light() {
+    let seen = LampTraits { visible_to_camera: true, ..LampTraits::default() };
+    let sphere = LightKind::Sphere { radius: Track::from(0.3) };
+    let kinds = [sphere, area(AreaShape::Ellipse, 0.5, 0.8), gridded(AreaShape::Rectangle, [0.5, 0.3], 1.5)];
+    for (kind, soft_falloff) in kinds.into_iter().flat_map(|kind| [(kind.clone(), false), (kind, true)]) {
+        let light = luminaire(kind).with(LampTraits { soft_falloff, ..seen });
+        let (eye, count) = (DVec3::new(0.2, -0.1, -1.5), 1 << 15);
+        let mut sum = 0.0;
+        for sample in 0..count {
+            let (x, y) = Sampler::new(11, 0, 0, sample).next_2d();
+            let way = DVec3::new(x - 0.5, y - 0.5, 1.0);
+            let ray = Ray { origin: eye, direction: way.normalize() };
+            assert_eq!(light.met_by(Watcher::Mirror, &ray), None, "only the camera sees it");
+            if let Some((t, radiance)) = light.met_by(Watcher::Camera, &ray) {
+                assert!((1.0..1.8).contains(&t), "{t}");
+                // A plane's cosine, and the solid angle of a square metre at one metre.
+                sum += radiance.x / way.length().powi(4) / f64::from(count);
+            }
+        }
+        assert_close(sum, irradiance(&light, eye, DVec3::Z), 1e-2);
+    }
 }
 
 /// Under a corner of a rectangle (Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-3).
