@@ -190,7 +190,7 @@ def of_light(name, thing, scene):
         "light-uneven": light.type in {"AREA", "SPOT"} and is_uneven(thing.matrix_world, light.type == "SPOT"),
         "light-nodes": lights.of_nodes(light) is None,
         "light-shadowless": not light.use_shadow,
-        "light-near": light.type in {"POINT", "SPOT"} and nearness.is_near_to_any(thing, scene.objects),
+        "light-near": light.type in {"POINT", "SPOT"} and (nearness.is_near_to_any(thing, scene.objects) or nearness.is_in_fog(thing, scene.objects)),
         "light-rays": not all(getattr(thing, rays) for rays in RAYS),
         "light-bounces": of_cycles(light, "max_bounces", 1024) < (1024 if own.all_bounces else own.bounces),
         "light-linking": is_linked(thing),

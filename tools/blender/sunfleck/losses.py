@@ -60,7 +60,8 @@ LOSSES = {
     "light-nodes": (WARNING, "light nodes are more than an Emission of one colour and strength: the light's "
                              "own power and colour count alone"),
     "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
-    "light-near": (WARNING, "something lies within a light's radius: it is lit otherwise in Cycles"),
+    "light-near": (WARNING, "something lies within a light's radius, or fog about it: within two radii it is lit "
+                            "otherwise in Cycles"),
     "light-rays": (WARNING, "lights light everything, whatever their ray visibility says"),
     "light-blur": (WARNING, "a light that moves while the shutter is open shines from all along its way, and one that "
                             "changes is as at the frame; Cycles' is as in the middle of the shutter"),

@@ -373,7 +373,7 @@ SAID = {
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained gloss": (clear.stained_gloss, "material-lost", "transparent-tint"),
     "uneven spot": (lamps.uneven_spot, "light-uneven"), 
-    "lamp about a leaf": (lamps.about_a_leaf, "light-near"), "scrolled": (surfaces.scrolled, "material-changes"),
+    "lamp about a leaf": (lamps.about_a_leaf, "light-near"), "lamp in fog": (lamps.about_fog, "light-near"), "scrolled": (surfaces.scrolled, "material-changes"),
     "doubled": (instances.doubled, "coincident-faces"),
     "doubled while the shutter is open": (lambda scene: instances.doubled(scene, True), "coincident-faces"), "two-sided leaf": (surfaces.two_sided_and_translucent, "material-lost"),
     "leaning normals": (surfaces.leaning_normals, "custom-normals"), "few faces": (surfaces.few_faces, "shadow-terminator"),

@@ -1,6 +1,7 @@
 """Of the scenes of `kinds` those of lamps."""
 
 import bpy
+import kinds_surfaces as surfaces
 import scenes
 from kinds_parts import keyed, leaves, matte
 
@@ -93,3 +94,9 @@ def about_a_leaf(scene):
     leaves(scene, matte())
     thing = lamp(scene, "POINT")
     thing.location, thing.data.shadow_soft_size = (0.0, 0.1, 1.0), 0.3
+
+
+def about_fog(scene):
+    surfaces.fog_box(scene)
+    thing = lamp(scene, "POINT")
+    thing.location, thing.data.shadow_soft_size = (0.0, 1.0, 1.0), 0.1
