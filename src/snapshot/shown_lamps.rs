@@ -21,6 +21,7 @@ pub enum Watcher {
 impl Luminaire {
     /// Where a ray meets it, metres, and its radiance there, W m^-2 sr^-1; `None` if it is not seen.
     pub fn met_by(&self, watcher: Watcher, ray: &Ray) -> Option<(f64, Rgb)> {
+        let intensity = self.shown_to(watcher)?;
         let FrozenLight::Point { position, emission, shape, .. } = self.centre else { return None };
         let to_centre = position - ray.origin;
         let (t, area) = match &self.extent {
@@ -52,7 +53,6 @@ impl Luminaire {
             }
             _ => return None,
         };
-        let intensity = self.shown_to(watcher)?;
         (t > 0.0).then(|| (t, intensity * emission.share(-ray.direction) / area))
     }
 }
