@@ -56,8 +56,8 @@ impl Survey {
 }
 
 /// Mean over the picture of a component. Rays into a sun or lamp are left out, if there are others: it is a
-/// thousand times as bright as all the rest, and were it among these few rays the whole picture would count as
-/// dark.
+/// thousand times as bright as all the rest, and were it among these few rays the whole picture would count
+/// as dark.
 fn mean_luminance(snapshot: &Snapshot, job: &Job, indirect: Option<&Indirect>, component: Component) -> f64 {
     let transport = job.transport(indirect);
     let (columns, rows) = RAYS;

@@ -4,7 +4,6 @@
 //!
 //! The points do not depend on who is lit, so that a whole slice of rays may share one.
 
-use super::Watcher;
 use crate::color::Rgb;
 use crate::light::{Cone, Emission, FrozenLight, LampShape};
 use crate::math::disc_from_square;
@@ -15,6 +14,15 @@ use std::sync::Arc;
 
 /// Half angle of an area light's spread from which on there is no grid, radians: pi / 2 in single precision.
 const WITHOUT_GRID: f64 = FRAC_PI_2 - 1e-6;
+
+/// Who sees a lamp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Watcher {
+    /// The camera.
+    Camera,
+    /// Mirrors and other smooth surfaces.
+    Mirror,
+}
 
 /// A light of any shape at one time, in relative space: a distribution over lights without extent.
 #[derive(Clone, Debug)]

@@ -40,14 +40,13 @@ pub use contents::Contents;
 pub use exposure::Exposure;
 pub use glow::Glow;
 pub use lens::View;
-pub use luminaire::Luminaire;
+pub use luminaire::{Luminaire, Watcher};
 pub use mesh_parts::{MeshPart, PartPlace};
 pub use mesh_trees::MeshTrees;
 pub use motion_field::MotionField;
 pub use placed_mesh::DrawnMesh;
 pub use ray_visibility::RaysOfInstances;
 pub use seen_fog::{SeenFog, SeenRay};
-pub use shown_lamps::Watcher;
 pub use sky::FrozenSky;
 pub use surface::{Facet, SurfacePoint};
 

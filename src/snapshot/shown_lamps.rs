@@ -1,22 +1,13 @@
 //! Lamps that show themselves. In go rays, out come distances and radiances. Invariant: they block nothing,
 //! as in Cycles, where rays go on through them.
 
-use super::luminaire::{Extent, Luminaire};
+use super::luminaire::{Extent, Luminaire, Watcher};
 use super::{FrozenLight, Snapshot};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scene::AreaShape;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
-
-/// Who sees a lamp.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Watcher {
-    /// The camera.
-    Camera,
-    /// Mirrors and other smooth surfaces.
-    Mirror,
-}
 
 impl Luminaire {
     /// Where a ray meets it, metres, and its radiance there, W m^-2 sr^-1; `None` if it is not seen.

@@ -2,7 +2,6 @@
 //! eye. Invariant: the flat triangle judges both what the light falls on and what the eye sees. So a light is
 //! either before a surface or behind it, whatever the shading normal says.
 
-use super::lamps_seen;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scattering::bump_shadow;
@@ -84,13 +83,25 @@ impl Unshadowed {
     /// Without the shine of surfaces that show the light as an image.
     #[inline]
     pub(super) fn beside_images(light: &FrozenLight, point: &SurfacePoint) -> Option<Self> {
-        if !lamps_seen::is_image(light, point) {
+        if !is_image(light, point) {
             return Self::new(light, point);
         }
         let (to_light, distance, arriving) = light.arriving_at(point.position);
         let [all, shine] = [point, &shining(point)].map(|point| scattered_per_radiance(point, to_light));
         Some(Self { radiance: arriving * (all - shine).max(Rgb::ZERO), to_light, distance })
     }
+}
+
+/// Alpha of the narrowest lobe of a surface.
+pub(super) fn narrowest(point: &SurfacePoint) -> Option<f64> {
+    let coat = point.layers.as_ref().and_then(|layers| layers.clearcoat.as_ref()).map(|coat| &coat.gloss);
+    point.gloss.iter().chain(coat).map(|gloss| gloss.alpha()).reduce(f64::min)
+}
+
+/// Whether a surface shows a light as an image.
+fn is_image(light: &FrozenLight, point: &SurfacePoint) -> bool {
+    let FrozenLight::Point { shape, .. } = light else { return false };
+    shape.shown_m2 > 0.0 && narrowest(point).is_some_and(|alpha| shape.shows_in(alpha, point.position))
 }
 
 /// A surface that only shines as another does.

@@ -2,14 +2,14 @@
 //! images. In go rays and points of surfaces, out comes radiance. Invariant: light of a lamp that a smooth
 //! surface reflects is either found here or by rays to the lamp (`direct.rs`), as `LampShape::shows_in` says.
 
-use super::direct::{scattered_per_radiance, shining};
+use super::direct::{narrowest, scattered_per_radiance, shining};
 use super::leg::Shown;
 use super::lobes::Lobes;
 use super::path::{Path, Start};
 use super::visibility::Way;
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::snapshot::{FrozenLight, SurfacePoint, Watcher};
+use crate::snapshot::{SurfacePoint, Watcher};
 use glam::DVec2;
 
 /// Light of lamps that a ray meets on its way, past blended surfaces.
@@ -30,18 +30,6 @@ pub(super) fn on_the_way(path: &Path, (ray, from): (&Ray, Start), way: &Way) -> 
         }
     }
     Shown::emitted(sum)
-}
-
-/// Alpha of the narrowest lobe of a surface.
-fn narrowest(point: &SurfacePoint) -> Option<f64> {
-    let coat = point.layers.as_ref().and_then(|layers| layers.clearcoat.as_ref()).map(|coat| &coat.gloss);
-    point.gloss.iter().chain(coat).map(|gloss| gloss.alpha()).reduce(f64::min)
-}
-
-/// Whether a surface shows a light as an image.
-pub(super) fn is_image(light: &FrozenLight, point: &SurfacePoint) -> bool {
-    let FrozenLight::Point { shape, .. } = light else { return false };
-    shape.shown_m2 > 0.0 && narrowest(point).is_some_and(|alpha| shape.shows_in(alpha, point.position))
 }
 
 /// Radiance of lamps that a surface shows as images, by one ray about the mirrored direction.
