@@ -302,14 +302,15 @@ fn add_up(exposure: &Exposure, job: &Job, light: &Light, watch: &Watch) -> Rende
     sum.finish(job, survey, error)
 }
 
-/// Components whose sum a picture from slices is: the light of each light, and that of the sky if it
-/// lights anything and indirect light does not have it already.
+/// Components whose sum a picture is: the light of each light, and that of the sky if it lights anything and
+/// indirect light does not have it already. Without any it is all at once: what glows, and indirect light.
 fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component> {
     // The rest goes with one of the lights: by itself it would be traced once more, to the same surfaces.
     let lights = (0..exposure.middle().lights.len())
         .map(|number| Component::Light(OneLight { number, with_rest: number == 0 }));
     let has_sky = exposure.has_sky_light() && !indirect.is_some_and(Indirect::has_sky);
-    lights.chain(has_sky.then_some(Component::Sky)).collect()
+    let components: Vec<_> = lights.chain(has_sky.then_some(Component::Sky)).collect();
+    if components.is_empty() { vec![Component::All] } else { components }
 }
 
 /// The ray of a sample at a place of the picture, in pixels, and the moment that it sees.

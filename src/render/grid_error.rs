@@ -131,8 +131,8 @@ impl GridError {
             Map::from_fn(|cell| correction[pass].of(cell) * light.0[pass].of(cell)).sum() / cells
         };
         let added = luminance((0..PASSES).map(added).sum());
-        // The few rays of a survey may miss what is small and bright.
-        let picture = (survey.mean + added).max(0.5 * (luminance(mean_light) + added));
+        // Many more rays than a survey has know indirect light.
+        let picture = survey.direct + luminance(mean_light) + added;
         let told = TOLD * (squares.sum() / cells).sqrt();
         let relative = if told > 0.0 { told / picture.max(f64::MIN_POSITIVE) } else { 0.0 };
         Self { correction: Correction { size, shares: correction }, squares, relative }

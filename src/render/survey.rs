@@ -17,6 +17,8 @@ const RAYS: (usize, usize) = (16, 9);
 pub(super) struct Survey {
     /// Mean luminance of the picture.
     pub(super) mean: f64,
+    /// The same without indirect light.
+    pub(super) direct: f64,
     /// The components by what they add to it, the brightest first.
     pub(super) components: Vec<Component>,
     /// Share of each component in the variance that the picture may have, in the same order.
@@ -34,7 +36,12 @@ impl Survey {
         indirect: Option<&Indirect>,
         components: Vec<Component>,
     ) -> Self {
-        let with_luminance = |component| (component, mean_luminance(snapshot, job, indirect, component));
+        let mut direct = 0.0;
+        let with_luminance = |component| {
+            let [all, of_indirect] = mean_luminances(snapshot, job, indirect, component);
+            direct += all - of_indirect;
+            (component, all)
+        };
         let mut by_brightness: Vec<(Component, f64)> = components.into_iter().map(with_luminance).collect();
         by_brightness.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mean: f64 = by_brightness.iter().map(|(_, luminance)| luminance).sum();
@@ -45,20 +52,25 @@ impl Survey {
         let share = |luminance| EVEN_SHARE * even + (1.0 - EVEN_SHARE) * proportion(luminance);
         let (components, shares) =
             by_brightness.into_iter().map(|(component, luminance)| (component, share(luminance))).unzip();
-        Self { mean, components, shares }
+        Self { mean, direct, components, shares }
     }
 
     /// Survey of a picture that nobody judges.
     pub(super) fn omitted(components: Vec<Component>) -> Self {
         let count = components.len();
-        Self { mean: 0.0, components, shares: vec![1.0 / count as f64; count] }
+        Self { mean: 0.0, direct: 0.0, components, shares: vec![1.0 / count as f64; count] }
     }
 }
 
-/// Mean over the picture of a component. Rays into a sun or lamp are left out, if there are others: it is a
-/// thousand times as bright as all the rest, and were it among these few rays the whole picture would count
-/// as dark.
-fn mean_luminance(snapshot: &Snapshot, job: &Job, indirect: Option<&Indirect>, component: Component) -> f64 {
+/// Mean over the picture of a component, and of indirect light in it. Rays into a sun or lamp are left out, if
+/// there are others: it is a thousand times as bright as all the rest, and were it among these few rays the
+/// whole picture would count as dark.
+fn mean_luminances(
+    snapshot: &Snapshot,
+    job: &Job,
+    indirect: Option<&Indirect>,
+    component: Component,
+) -> [f64; 2] {
     let transport = job.transport(indirect);
     let (columns, rows) = RAYS;
     let middle = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
@@ -70,12 +82,13 @@ fn mean_luminance(snapshot: &Snapshot, job: &Job, indirect: Option<&Indirect>, c
     if rays.is_empty() {
         rays = into_suns;
     }
-    let luminances: Vec<f64> = rays
+    let luminances: Vec<[f64; 2]> = rays
         .par_iter()
         .map_init(Scratch::default, |scratch, (number, ray)| {
             let mut sampler = Sampler::new(job.seed, *number, 0, 0);
-            luminance(transport.radiance_of(component, snapshot, ray, &mut sampler, scratch).radiance)
+            let sample = transport.radiance_of(component, snapshot, ray, &mut sampler, scratch);
+            [sample.radiance, sample.indirect + sample.indirect_shafts].map(luminance)
         })
         .collect();
-    luminances.iter().sum::<f64>() / luminances.len() as f64
+    [0, 1].map(|part| luminances.iter().map(|parts| parts[part]).sum::<f64>() / luminances.len() as f64)
 }

@@ -432,6 +432,24 @@ fn the_grids_error_is_told() {
     assert!(mean > 0.3 * told, "{mean} {told}");
 }
 
+/// The error is told as a share of the whole picture, also where only the sky lights it, whose light the grid
+/// has: a lamp that adds nothing changes little.
+#[test]
+fn error_is_a_share_of_pictures_without_lights_too() {
+    let told = |has_lamp: bool| {
+        let mut scene = camera_at(DVec3::ZERO);
+        add_leaves(&mut scene, 60, Material { base_color: Rgb::splat(0.5), ..Material::default() });
+        scene.sky = Sky::new(EVEN_SKY);
+        if has_lamp {
+            add_light(&mut scene, LightKind::Point, DVec3::Y, DVec3::NEG_Y, Rgb::splat(1e-9));
+        }
+        rendered(&scene, Bounces::All, Method::Segments, vec![Pass::Error]).statistics.grid_error
+    };
+    let [without, with] = [false, true].map(|has_lamp| told(has_lamp).expect("errors are asked for"));
+    println!("told: {without:.4} without a lamp, {with:.4} with one");
+    assert!((0.67..1.5).contains(&(without / with)), "{without} {with}");
+}
+
 /// Means of blocks of 10x10 pixels, and the standard errors of those.
 pub(crate) struct Truth {
     blocks: Vec<(Rgb, Rgb)>,
