@@ -2,7 +2,7 @@
 //! promise holds whatever is estimated.
 
 use crate::checkout;
-use crate::common::{INSTANT, add_light, camera_at};
+use crate::common::{INSTANT, add_fog, add_light, camera_at};
 use glam::DVec3;
 use std::sync::Arc;
 use sunfleck::color::{Rgb, luminance};
@@ -55,6 +55,19 @@ fn colors(frame: &Frame) -> Vec<Rgb> {
 
 fn luminances(frame: &Frame) -> Vec<f64> {
     colors(frame).into_iter().map(luminance).collect()
+}
+
+/// A lamp in fog, just between two blocks of the picture: of a slice between them no more than the very
+/// beginning may lie in one of them.
+#[test]
+fn a_lamp_between_blocks_shines_on_neither_more() {
+    let mut scene = camera_at(DVec3::ZERO);
+    add_light(&mut scene, LightKind::Point, DVec3::new(0.0, 0.2, -4.5), DVec3::NEG_Z, Rgb::splat(6.0));
+    let (low, high) = (DVec3::new(-2.5, -1.5, -7.0), DVec3::new(2.5, 1.5, -2.0));
+    add_fog(&mut scene, low, high, Rgb::splat(0.3), Rgb::ONE, 0.0);
+    let [slices, rays] = [Method::Slices, Method::Segments]
+        .map(|method| luminances(&picture(&scene, &Job { method, ..until(0.02) }).frame).iter().sum::<f64>());
+    assert!((slices / rays - 1.0).abs() < 0.02, "{slices} by slices, {rays} by rays");
 }
 
 /// The square by which a colour is off, its channels weighed as luminance weighs them.

@@ -145,8 +145,8 @@ impl Outline {
     }
 
     /// Calls back with the parts of a slice that is rotated by so much, not farther from the ends of what the
-    /// slice has in a region than an edge may move, in pixels of a picture that are not said to be unwanted,
-    /// as [`Slice::crossings`] is told.
+    /// slice has in a region than an edge may move, nor than they are from its beginning, in pixels of a
+    /// picture that are not said to be unwanted, as [`Slice::crossings`] is told.
     pub fn parts(
         &mut self,
         beside: &Slice,
@@ -174,8 +174,10 @@ impl Outline {
                 };
                 let found = next + skipped;
                 let [start, end] = self.stretches[found].slopes.map(|slope| beside.length_at_slope(slope));
+                // Fog's light has no bounds towards the light's image: a region's corner there, far smaller
+                // than a pixel, must not stand for whole ones.
                 (stretch, runs, low, high) =
-                    (Some(found), self.runs_of(found), start - farthest, end + farthest);
+                    (Some(found), self.runs_of(found), start - farthest, end + farthest.min(end));
             }
             let [from, to] = crossing.lengths;
             let (mut from, to) = (from.max(low), to.min(high));
@@ -313,7 +315,8 @@ mod tests {
             // But for what lies beyond the slice's ends.
             let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
             let end = slice.slopes(&crossings[pieces - 1])[1];
-            let [low, high] = [(slice.slopes(&crossings[0])[0], -farthest), (end, farthest)]
+            let most = farthest.min(beside.length_at_slope(end));
+            let [low, high] = [(slice.slopes(&crossings[0])[0], -farthest), (end, most)]
                 .map(|(slope, beyond)| beside.area_at((beside.length_at_slope(slope) + beyond).clamp(0.0, beside.length)));
             prop_assert!((passed - (high - low)).abs() < 1e-9 * beside.area_per_rad, "{passed} {low} {high}");
         }
