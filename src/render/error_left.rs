@@ -45,7 +45,7 @@ pub(super) struct Left {
     pairs: Map<f64>,
     /// Variances of these sums.
     variances: Map<f64>,
-    /// Square of the noise that a half's correction has more than that of all walks.
+    /// Square of the noise of the correction, as means over surroundings have it. A half's has twice as much.
     noise: Map<f64>,
 }
 
@@ -55,14 +55,15 @@ impl Left {
         corrections: &[[Map<Rgb>; PASSES]; 2],
         light: &Light,
     ) -> Self {
-        let noise = Map::from_fn(|cell| {
+        let noise = Map::from_fn(|cell| -> Rgb {
             let of_pass = |pass: usize| {
                 let [one, other] = corrections.each_ref().map(|shares| shares[pass].of(cell));
                 0.5 * (one - other) * light.0[pass].of(cell)
             };
-            let noise: Rgb = (0..PASSES).map(of_pass).sum();
-            mean(noise * noise)
+            (0..PASSES).map(of_pass).sum()
         });
+        let near = noise.averaged(near_cells);
+        let noise = Map::from_fn(|cell| mean(noise.of(cell) * near.of(cell)));
         let mut all =
             Self { products: Map::filled(0.0), pairs: Map::filled(0.0), variances: Map::filled(0.0), noise };
         for (half, other) in halves.iter().zip(corrections.iter().rev()) {
@@ -81,8 +82,8 @@ impl Left {
         all
     }
 
-    /// Squares of the error that is left, cell by cell: what walks find, by how sure they are, and else what
-    /// is to be expected. From the whole picture to the parts of it.
+    /// Squares of the error that is left, cell by cell: noise of the correction, and of the rest what walks
+    /// find, by how sure they are, and else what is to be expected. From the whole picture to its parts.
     pub(super) fn squares(&self, light: &Light) -> Map<f64> {
         let Self { products, pairs, variances, noise } = self;
         let cells = (COLUMNS * ROWS) as f64;
@@ -95,15 +96,17 @@ impl Left {
         let (product, variance) = found(products.sum(), pairs.sum(), variances.sum());
         let expected = EXPECTED.powi(2) * square_of_light;
         // As long as little is known, no more than that is hoped for.
-        let whole = judged(product - noise.sum() / cells, variance, expected) + doubt(variance, expected);
-        let [products, pairs, noise] = [products, pairs, noise].map(|map| map.smoothed(LOCAL));
+        let rest = product - 2.0 * noise.sum() / cells;
+        let whole = judged(rest, variance, expected) + doubt(variance, expected);
+        let [products, pairs] = [products, pairs].map(|map| map.smoothed(LOCAL));
+        let noise = noise.averaged(LOCAL);
         let variances = variances.smoothed(LOCAL * 0.5_f64.sqrt());
-        let ones = Map::filled(1.0).smoothed(LOCAL);
         Map::from_fn(|cell| {
             let (product, variance) = found(products.of(cell), pairs.of(cell), variances.of(cell));
             let expected =
                 if square_of_light > 0.0 { whole * of_light.of(cell) / square_of_light } else { 0.0 };
-            judged(product - noise.of(cell) / ones.of(cell), variance, expected)
+            let noise = noise.of(cell).max(0.0);
+            noise + judged(product - 2.0 * noise, variance, expected)
         })
     }
 }
@@ -119,4 +122,40 @@ fn judged(found: f64, variance: f64, expected: f64) -> f64 {
 fn doubt(variance: f64, expected: f64) -> f64 {
     let square = expected * expected;
     (square * variance / (square + variance).max(f64::MIN_POSITIVE)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::map::cell_at;
+    use super::super::probes::Probe;
+    use super::*;
+    use glam::DVec2;
+
+    /// By how much error counts where both halves' corrections of an exact grid are off, this way and that.
+    fn told(off: impl Fn(usize) -> f64) -> f64 {
+        let mut half = Moments::none();
+        for cell in 0..COLUMNS * ROWS {
+            let (column, row) = ((cell % COLUMNS) as f64, (cell / COLUMNS) as f64);
+            let place = DVec2::new((column + 0.5) / COLUMNS as f64, (row + 0.5) / ROWS as f64);
+            assert_eq!(cell_at(place), cell);
+            let light = [Rgb::ONE, Rgb::ZERO];
+            half.add(&Probe { place, walk: light, grid: light, drawn: 1 });
+        }
+        let shares = |sign: f64| {
+            let of_surfaces = Map::from_fn(|cell| Rgb::splat(sign * off(cell)));
+            [of_surfaces, Map::filled(Rgb::ZERO)]
+        };
+        let light = Light::of(&half);
+        let left = Left::of((&[half.clone(), half], 1.0), &[shares(1.0), shares(-1.0)], &light);
+        left.squares(&light).of(COLUMNS / 2 + COLUMNS * (ROWS / 2)).sqrt()
+    }
+
+    /// Noise of a correction counts as error, but for what is nothing in the mean of surroundings.
+    #[test]
+    fn noise_counts_by_its_mean_over_surroundings() {
+        let (everywhere, in_turns) = (told(|_| 0.1), told(|cell| if cell % 2 == 0 { 0.1 } else { -0.1 }));
+        println!("everywhere {everywhere:.4}, in turns {in_turns:.4}");
+        assert!((everywhere - 0.1).abs() < 0.005, "{everywhere}");
+        assert!(in_turns < 0.03, "{in_turns}");
+    }
 }

@@ -63,6 +63,12 @@ impl<T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>> Map<T> {
         Self::from_fn(|cell| along(&across.0, cell % COLUMNS, COLUMNS, ROWS, cell / COLUMNS))
     }
 
+    /// Means about each cell, by the same weights.
+    pub(super) fn averaged(&self, sigma: f64) -> Self {
+        let (sums, cells) = (self.smoothed(sigma), Map::filled(1.0).smoothed(sigma));
+        Self::from_fn(|cell| sums.of(cell) * (1.0 / cells.of(cell)))
+    }
+
     /// Value at a place of the picture, interpolated between the middles of cells.
     pub(super) fn at(&self, place: DVec2) -> T {
         let between = |at: f64, count: usize| {
