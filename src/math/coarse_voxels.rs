@@ -10,9 +10,7 @@ use std::sync::OnceLock;
 
 /// Directions towards the sky along each side of the square that stands for the sphere.
 const SKY_SIDE: usize = 12;
-/// Spacing of depths towards the sky, in coarse voxels: directions are farther apart than that tells.
-const SKY_SPACING: f64 = 1.5;
-/// Maximum number of coarse voxels that have depths in all directions: 40 MB.
+/// Maximum number of coarse voxels that have depths in all directions: 80 MB.
 const MOST_UNDER_SKY: f64 = (1 << 17) as f64;
 
 /// Voxels that are means of others.
@@ -69,7 +67,7 @@ impl CoarseVoxels {
         // Made outside of the lock: whoever helps to make them may want them too.
         let made = || {
             let middle = (DVec2::new(column as f64, row as f64) + 0.5) / SKY_SIDE as f64;
-            VoxelDepths::new(&self.voxels, sphere_from_square(middle), SKY_SPACING)
+            VoxelDepths::new(&self.voxels, sphere_from_square(middle), 1.0)
         };
         let depths = depths.get().unwrap_or_else(|| {
             let made = made();
