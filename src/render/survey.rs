@@ -62,9 +62,9 @@ impl Survey {
     }
 }
 
-/// Mean over the picture of a component, and of indirect light in it. Rays into a sun or lamp are left out, if
-/// there are others: it is a thousand times as bright as all the rest, and were it among these few rays the
-/// whole picture would count as dark.
+/// Mean over the picture of a component, and of indirect light in it. Rays into a sun or lamp are left out,
+/// if there are others: it is a thousand times as bright as all the rest, and were it among these few rays
+/// the whole picture would count as dark.
 fn mean_luminances(
     snapshot: &Snapshot,
     job: &Job,
