@@ -66,7 +66,8 @@ def cycles_seconds(scene: Path, size: str, theirs: np.ndarray, noise: float, aim
 def main() -> None:
     """Prints a line for each scene."""
     command = parser(__doc__)
-    command.add_argument("names", nargs="*", help="of scenes, or of changes (all of them)")
+    names = "of scenes, or of changes (all of them): " + ", ".join([*SCENES, *CHANGES])
+    command.add_argument("names", nargs="*", help=names)
     command.add_argument("--changes", action="store_true", help="what must not matter, instead of scenes")
     command.add_argument("--tolerance", default="0.02")
     command.add_argument("--size", default="160x90")
@@ -74,6 +75,8 @@ def main() -> None:
     command.add_argument("--cycles", action="store_true", help="the same by Cycles, to as little an error")
     command.add_argument("--kept", type=Path, help="a folder that keeps scenes, and what walks found")
     arguments = command.parse_args()
+    if unknown := [name for name in arguments.names if name not in {*SCENES, *CHANGES}]:
+        command.error(f"there is no scene {', '.join(unknown)}: see --help for their names")
     how = ["--tolerance", arguments.tolerance, "--samples", "1024"]
     with tempfile.TemporaryDirectory() as folder:
         kept = arguments.kept or Path(folder)
