@@ -284,7 +284,7 @@ impl FirstCollisions<'_> {
                 left[which] = here * through;
                 here
             });
-            let length = length * shape.share(ray.at(middle));
+            let length = length * shape.share_in_fog(ray.at(middle));
             let (amount, peak) = (length * here[0], length * (here[0] - here[1]));
             if self.cut.occluders.are_near(node) {
                 let place = in_world.at(middle);

@@ -225,7 +225,7 @@ impl<'a> NearLight<'a> {
         let place = self.stretch.ray.at(t);
         let way = self.light - place;
         let to_light = way / way.length().max(f64::MIN_POSITIVE);
-        let share = self.emission.share(-to_light) * self.shape.share(place);
+        let share = self.emission.share(-to_light) * self.shape.share_in_fog(place);
         share / cosh * self.stretch.scattering(t, -sinh / cosh) * exp_minus(self.stretch.tau(t))
     }
 }

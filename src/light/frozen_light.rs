@@ -48,6 +48,15 @@ impl FrozenLight {
 
     /// Direction to the light, distance, and unshadowed irradiance on a plane facing it, W/m^2.
     pub fn arriving_at(&self, point: DVec3) -> (DVec3, f64, Rgb) {
+        self.arriving(point, LampShape::share)
+    }
+
+    /// The same of a point in fog, to which nothing faces: its fluence, W/m^2.
+    pub fn arriving_in_fog(&self, point: DVec3) -> (DVec3, f64, Rgb) {
+        self.arriving(point, LampShape::share_in_fog)
+    }
+
+    fn arriving(&self, point: DVec3, share: impl Fn(&LampShape, DVec3) -> f64) -> (DVec3, f64, Rgb) {
         match *self {
             Self::Sun { to_light, irradiance } => (to_light, f64::INFINITY, irradiance),
             Self::Point { position, intensity, emission, shape } => {
@@ -57,7 +66,7 @@ impl FrozenLight {
                     return (DVec3::Y, 0.0, Rgb::ZERO);
                 }
                 let to_light = way / distance;
-                let share = emission.share(-to_light) * shape.share(point);
+                let share = emission.share(-to_light) * share(&shape, point);
                 (to_light, distance, intensity * share / (distance * distance))
             }
         }
@@ -85,6 +94,20 @@ mod tests {
         let light = lamp(DVec3::ZERO, Emission::Even, LampShape { softened_m2: 1.0, ..LampShape::NONE });
         let (_, _, irradiance) = light.arriving_at(DVec3::new(0.0, -2.0, 0.0));
         assert!((irradiance.x - 8.0 / 5.0).abs() < 1e-12, "{irradiance}");
+    }
+
+    /// By what a disc and a sphere fill, as written: within the sphere, at its surface, beyond; far away as on surfaces.
+    #[test]
+    fn a_soft_lamp_in_fog_is_a_disc_for_all_directions() {
+        let shape = LampShape { softened_m2: 0.09, ..LampShape::NONE };
+        for (d, expected) in
+            [(0.15_f64, 0.5527864045000421), (0.3, 0.2928932188134524), (0.6, 0.7880061741721575)]
+        {
+            let found = shape.share_in_fog(DVec3::X * d);
+            assert!((found - expected).abs() < 1e-12, "{d}: {found}");
+        }
+        let far = DVec3::Y * 30.0;
+        assert!((shape.share_in_fog(far) / shape.share(far) - 1.0).abs() < 1e-6);
     }
 
     #[test]

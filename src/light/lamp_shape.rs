@@ -32,6 +32,21 @@ impl LampShape {
         squared / (squared + self.softened_m2)
     }
 
+    /// Share of a sphere's fluence that arrives at a place in fog by soft falloff: the disc fills `2 pi (1 - d /
+    /// s)` steradians with `s^2 = d^2 + r^2`, a sphere `2 pi (1 - sqrt(1 - r^2 / d^2))`, or half of all where a
+    /// place is within.
+    #[inline]
+    pub fn share_in_fog(&self, place: DVec3) -> f64 {
+        if self.softened_m2 == 0.0 {
+            return 1.0;
+        }
+        let squared = place.distance_squared(self.centre);
+        let (d, s) = (squared.sqrt(), (squared + self.softened_m2).sqrt());
+        // Without the differences, which cancel far away.
+        let tangent = (squared - self.softened_m2).max(0.0).sqrt();
+        if tangent > 0.0 { d * (d + tangent) / (s * (s + d)) } else { self.softened_m2 / (s * (s + d)) }
+    }
+
     /// Whether a lobe of GGX of so narrow an alpha shows the lamp's outline at a place.
     pub fn shows_in(&self, alpha: f64, place: DVec3) -> bool {
         /// Till then rays to the lamp have less noise than rays of the lobe (measured, 64 samples).

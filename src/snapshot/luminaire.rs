@@ -161,10 +161,11 @@ impl Luminaire {
     }
 
     /// Luminaire in fog of an extinction, 1/m. A sphere shines at its surface, but its points lie within:
-    /// it gets back what fog would take on the way out.
+    /// it gets back what fog would take on the way out. The disc of soft falloff is in the middle.
     pub fn in_fog(mut self, extinction_per_m: Rgb) -> Self {
-        if let (Extent::Ball { radius }, FrozenLight::Point { intensity, .. }) =
+        if let (Extent::Ball { radius }, FrozenLight::Point { intensity, shape, .. }) =
             (&self.extent, &mut self.centre)
+            && shape.softened_m2 == 0.0
         {
             *intensity *= extinction_per_m.map(|extinction| surface_per_ball(extinction * radius));
         }

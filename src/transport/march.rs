@@ -58,7 +58,7 @@ pub(super) fn scattered_at(
     blended: &[BlendedHit],
 ) -> Rgb {
     let point = ray.at(t);
-    let (to_light, light_distance, arriving) = light.arriving_at(point);
+    let (to_light, light_distance, arriving) = light.arriving_in_fog(point);
     let scattering = snapshot.medium.scattering_at(point, to_light.dot(ray.direction));
     if arriving == Rgb::ZERO || scattering == Rgb::ZERO {
         return Rgb::ZERO;

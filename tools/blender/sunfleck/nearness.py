@@ -17,10 +17,10 @@ def is_near_to_any(lamp, others):
 
 
 def is_in_fog(lamp, others):
-    """Whether fog scatters the light of a lamp with an extent right about it; that of a spot of a sphere is as in Cycles."""
+    """Whether fog scatters the light of a point that is a sphere right about it; spots and soft falloff are as in Cycles."""
     light, place = lamp.data, lamp.matrix_world.translation
-    is_alike = light.shadow_soft_size == 0.0 or (light.type == "SPOT" and not light.use_soft_falloff)
-    return not is_alike and any(is_within(thing, place) for thing in others)
+    is_sphere = light.type == "POINT" and light.shadow_soft_size > 0.0 and not light.use_soft_falloff
+    return is_sphere and any(is_within(thing, place) for thing in others)
 
 
 def is_within(thing, place):

@@ -358,6 +358,7 @@ BESIDE = {
     "stained": (clear.stained, 1, EXACT), "flame": (clear.flame, 1, BAKED), "paths": (made.paths, 1, EXACT), "uv of nodes": (made.uv_of_nodes, 1, EXACT),
     "lights for their size": (made.lights_for_their_size, 1, EXACT), "world switched off": (made.world_switched_off, 1, EXACT),
     "lamps in mirrors": (lamps.in_mirrors, 1, EXACT), "lamps seen": (lamps.seen, 1, EXACT), "soft lamp by a leaf": (lamps.soft_by_a_leaf, 1, EXACT),
+    "soft lamp in fog": (lamps.soft_in_fog, 1, EXACT),
     "world by rays": (two_worlds, 1, BAKED), "cut leaf": (surfaces.cut_leaf, 1, EXACT),
     "squares": (lambda scene: surfaces.coarse_picture(scene, "Closest", 4), 1, BAKED), "decal": (surfaces.decal, 1, BAKED),
 }

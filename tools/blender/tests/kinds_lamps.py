@@ -90,6 +90,14 @@ def soft_by_a_leaf(scene):
     data.use_soft_falloff, data.shadow_soft_size = True, 0.2
 
 
+def soft_in_fog(scene):
+    """Soft falloff, which new lamps have, with fog right about it."""
+    surfaces.fog_box(scene)
+    thing = lamp(scene, "POINT")
+    thing.location, thing.data.energy = (0.0, 2.0, 1.0), 8.0
+    thing.data.use_soft_falloff, thing.data.shadow_soft_size = True, 0.3
+
+
 def about_a_leaf(scene):
     leaves(scene, matte())
     thing = lamp(scene, "POINT")
