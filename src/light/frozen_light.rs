@@ -96,7 +96,7 @@ mod tests {
         assert!((irradiance.x - 8.0 / 5.0).abs() < 1e-12, "{irradiance}");
     }
 
-    /// By what a disc and a sphere fill, as written: within the sphere, at its surface, beyond; far away as on surfaces.
+    /// By what a disc and a sphere fill: within the sphere, at its surface, beyond; far away as on surfaces.
     #[test]
     fn a_soft_lamp_in_fog_is_a_disc_for_all_directions() {
         let shape = LampShape { softened_m2: 0.09, ..LampShape::NONE };

@@ -154,7 +154,6 @@ mod tests {
     #[test]
     fn noise_counts_by_its_mean_over_surroundings() {
         let (everywhere, in_turns) = (told(|_| 0.1), told(|cell| if cell % 2 == 0 { 0.1 } else { -0.1 }));
-        println!("everywhere {everywhere:.4}, in turns {in_turns:.4}");
         assert!((everywhere - 0.1).abs() < 0.005, "{everywhere}");
         assert!(in_turns < 0.03, "{in_turns}");
     }
