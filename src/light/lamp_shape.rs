@@ -32,9 +32,10 @@ impl LampShape {
         squared / (squared + self.softened_m2)
     }
 
-    /// Share of a sphere's fluence that arrives at a place in fog by soft falloff: the disc fills `2 pi (1 - d /
-    /// s)` steradians with `s^2 = d^2 + r^2`, a sphere `2 pi (1 - sqrt(1 - r^2 / d^2))`, or half of all where a
-    /// place is within.
+    /// Share of a sphere's fluence that arrives at a place in fog by soft falloff.
+    ///
+    /// The disc fills `2 pi (1 - d / s)` steradians with `s^2 = d^2 + r^2`. A sphere fills
+    /// `2 pi (1 - sqrt(1 - r^2 / d^2))`, or half of all where a place is within.
     #[inline]
     pub fn share_in_fog(&self, place: DVec3) -> f64 {
         if self.softened_m2 == 0.0 {
