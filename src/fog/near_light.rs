@@ -70,8 +70,8 @@ impl<'a> NearLight<'a> {
         let gap = ray.direction.cross(to_light).length();
         let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length());
         let gap = gap.max(SMALLEST_SHARE * stretch.end).max(f64::MIN_POSITIVE);
-        // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge. Soft falloff is smooth but
-        // where the ray enters the lamp's sphere: there its slope has no bound.
+        // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge. Soft falloff is smooth
+        // but where the ray enters the lamp's sphere: there its slope has no bound.
         let is_plain = !matches!(emission, Emission::Spot(_)) && shape.softened_m2 == 0.0;
         let more_nodes = if is_plain { 0 } else { 2 };
         let densest_per_m = stretch.medium.most_extinction_per_m();
