@@ -6,6 +6,7 @@ use super::{Camera, Lens, Light, Motion, Scene, Track};
 use crate::description::ron::{FIELDS_OF_VIEW_DEG, NEAREST_FOCUS_M, SMALLEST_F_STOP};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use glam::{DMat3, DVec3, Vec3};
+use rayon::prelude::*;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -62,11 +63,11 @@ fn far_nodes(scene: &Scene) -> Vec<Excess> {
     for instance in &scene.instances {
         extent_at[instance.node] = extents[instance.mesh].max(extent_at[instance.node]);
     }
+    let own: Vec<Reach> = scene.nodes.par_iter().map(|node| Reach::of(&node.motion)).collect();
     let mut reaches: Vec<Reach> = Vec::with_capacity(scene.nodes.len());
     let mut found = Vec::new();
-    for (node, extent) in scene.nodes.iter().zip(extent_at) {
+    for ((node, own), extent) in scene.nodes.iter().zip(own).zip(extent_at) {
         let parent = node.parent.map_or(Reach { offset_m: 0.0, scale: 1.0 }, |parent| reaches[parent]);
-        let own = Reach::of(&node.motion);
         let reach = Reach {
             offset_m: parent.offset_m + parent.scale * own.offset_m,
             scale: parent.scale * own.scale,

@@ -195,6 +195,12 @@ impl Scene {
         placements
     }
 
+    /// Whether a node and all its parents are visible at a time: [`Placement::visible`] of one alone.
+    pub fn is_visible(&self, node: NodeIndex, time_s: f64) -> bool {
+        let mut parents = std::iter::successors(Some(node), |&node| self.nodes[node].parent);
+        parents.all(|node| self.nodes[node].visible.at(time_s))
+    }
+
     /// An instance's vertices at a time for which `placements` are, and where their space is.
     pub fn vertices(
         &self,

@@ -180,8 +180,8 @@ impl<'scene> Moment<'scene, '_> {
 
 /// Whether each of a scene's lights shines, and then each sun of its sky.
 pub(super) fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
-    let placements = scene.placements(time_s);
-    let shines = |light: &Light| placements[light.node].visible && light.power.at(time_s).max_element() > 0.0;
+    let shines =
+        |light: &Light| light.power.at(time_s).max_element() > 0.0 && scene.is_visible(light.node, time_s);
     let suns = scene.sky.iter().flat_map(|sky| sky.suns_at(time_s));
     let of_sky = suns.map(|sun| sun.irradiance.max_element() > 0.0);
     scene.lights.iter().map(shines).chain(of_sky).collect()

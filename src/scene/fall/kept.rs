@@ -1,11 +1,10 @@
-//! Bakes as bytes, and back. In goes a fall, out come its flights, from where bakes are kept if they are
-//! there. Invariant: what comes from there is what baking gives, to the last bit, or it is not taken. Its
-//! name says what was baked and by which edition of this code. Its checksum says that nothing is damaged.
+//! Bakes as bytes, and back. In go leaves, out they come from where bakes are kept, if they are there.
+//! Invariant: what comes from there is what baking gives, to the last bit, or it is not taken. Its name says
+//! what was baked and by which edition of this code. Its checksum says that nothing is damaged.
 //!
-//! Little-endian: `MAGIC`, number of leaves, of each leaf its number of bytes and its flight; CRC-32 of all
-//! that. Nothing is in memory twice: flights are read one after another.
+//! Little-endian: what it holds, number of leaves, of each leaf its number of bytes and those; CRC-32 of all
+//! that. Nothing is in memory twice: leaves are read one after another.
 
-use super::Fall;
 use super::flown::Flown;
 use super::leaf::Pose;
 use crate::scene::Track;
@@ -13,41 +12,85 @@ use crate::scene::baking::Baking;
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
-use std::fmt::{self, Write};
+use std::fmt::{self, Debug, Write};
 use std::io::Read;
 
 /// Edition, to be raised with every change of what falls give: old bakes have old names then.
 pub(super) const EDITION: u32 = 4;
-const MAGIC: &[u8; 16] = b"sunfleck bake 4\n";
 /// Fewer leaves are baked before a file is found.
-const FEWEST: u32 = 20;
+const FEWEST: usize = 20;
 
-impl Fall {
-    /// Flights of all leaves, in order, out of the store if they are in it.
-    pub(in crate::inside::scene) fn fly_or_recall(&self, baking: &Baking) -> Vec<Flown> {
-        let tell = |done| (baking.tell)(done, self.count);
-        if self.count < FEWEST {
-            return self.fly(&tell);
+/// A leaf that is kept.
+pub(super) trait Kept: Sized + Sync {
+    /// First bytes of a file of such leaves.
+    const MAGIC: &[u8; 16];
+
+    /// Appends its bytes; `None` of a leaf that is not kept: its keys are beyond what tracks keep in few bytes.
+    fn write(&self, bytes: &mut Vec<u8>) -> Option<()>;
+
+    /// Leaf of all these bytes; `None` of any that `write` did not give.
+    fn read(bytes: &[u8]) -> Option<Self>;
+}
+
+/// So many leaves, out of the store if they are in it under this name, else baked and put there.
+pub(super) fn recalled<L: Kept>(
+    name: &str,
+    count: usize,
+    baking: &Baking,
+    bake: impl FnOnce() -> Vec<L>,
+) -> Vec<L> {
+    if count < FEWEST {
+        return bake();
+    }
+    let recalled = (baking.recall)(name).and_then(decode);
+    if let Some(leaves) = recalled.filter(|leaves: &Vec<L>| leaves.len() == count) {
+        return leaves;
+    }
+    let leaves = bake();
+    if let Some(parts) = encode(&leaves) {
+        (baking.keep)(name, &parts.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    }
+    leaves
+}
+
+/// Name of a bake by all that it depends on.
+pub(super) fn name_of(what: &impl Debug) -> String {
+    let mut hash = Hashed(Sha256::new());
+    // Shortest decimals give numbers back to the last bit, so that they tell all numbers apart.
+    let written = write!(hash, "{EDITION} {what:?}");
+    debug_assert!(written.is_ok());
+    hash.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+impl Kept for Flown {
+    const MAGIC: &[u8; 16] = b"sunfleck bake 4\n";
+
+    fn write(&self, bytes: &mut Vec<u8>) -> Option<()> {
+        bytes.extend((self.tail.len() as u64).to_le_bytes());
+        for pose in &self.tail {
+            let numbers = [[pose.time_s].as_slice(), &pose.middle.to_array(), &pose.turn.to_array()].concat();
+            bytes.extend(numbers.into_iter().flat_map(f64::to_le_bytes));
         }
-        let name = self.name();
-        let recalled = (baking.recall)(&name).and_then(decode);
-        if let Some(flown) = recalled.filter(|flown| flown.len() == self.count as usize) {
-            return flown;
+        bytes.extend(self.velocity.to_array().into_iter().flat_map(f64::to_le_bytes));
+        if let Some((places, turns)) = &self.head {
+            places.write(bytes)?;
+            turns.write(bytes)?;
         }
-        let flown = self.fly(&tell);
-        if let Some(parts) = encode(&flown) {
-            (baking.keep)(&name, &parts.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        }
-        flown
+        Some(())
     }
 
-    /// Name by all that flights depend on.
-    pub(super) fn name(&self) -> String {
-        let mut hash = Hashed(Sha256::new());
-        // Shortest decimals give numbers back to the last bit, so that they tell all numbers apart.
-        let written = write!(hash, "{EDITION} {self:?}");
-        debug_assert!(written.is_ok());
-        hash.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let mut rest = bytes;
+        let mut tail = Vec::new();
+        for _ in 0..u64::from_le_bytes(take(&mut rest)?) {
+            let ([time_s], middle) = (numbers(&mut rest)?, DVec3::from_array(numbers(&mut rest)?));
+            tail.push(Pose { time_s, middle, turn: DQuat::from_array(numbers(&mut rest)?) });
+        }
+        tail.shrink_to_fit();
+        let velocity = DVec3::from_array(numbers(&mut rest)?);
+        let head =
+            if rest.is_empty() { None } else { Some((Track::read(&mut rest)?, Track::read(&mut rest)?)) };
+        Self { head, tail, velocity }.checked()
     }
 }
 
@@ -60,9 +103,9 @@ impl Write for Hashed {
     }
 }
 
-/// Parts of a file; `None` if a flight has keys beyond what tracks keep in few bytes.
-pub(super) fn encode(leaves: &[Flown]) -> Option<Vec<Vec<u8>>> {
-    let head = [MAGIC.as_slice(), &(leaves.len() as u64).to_le_bytes()].concat();
+/// Parts of a file; `None` if a leaf is not kept.
+pub(super) fn encode<L: Kept>(leaves: &[L]) -> Option<Vec<Vec<u8>>> {
+    let head = [L::MAGIC.as_slice(), &(leaves.len() as u64).to_le_bytes()].concat();
     let mut parts = vec![head];
     parts.par_extend(leaves.par_iter().map(|leaf| leaf_bytes(leaf).unwrap_or_default()));
     if parts.iter().any(Vec::is_empty) {
@@ -76,16 +119,16 @@ pub(super) fn encode(leaves: &[Flown]) -> Option<Vec<Vec<u8>>> {
 }
 
 /// `None` of anything that `encode` did not write.
-pub(super) fn decode(file: impl Read) -> Option<Vec<Flown>> {
+pub(super) fn decode<L: Kept>(file: impl Read) -> Option<Vec<L>> {
     let mut file = Hashing { file, hash: crc32fast::Hasher::new() };
-    if &file.take::<16>()? != MAGIC {
+    if &file.take::<16>()? != L::MAGIC {
         return None;
     }
     let (mut leaves, mut bytes) = (Vec::new(), Vec::new());
     for _ in 0..u64::from_le_bytes(file.take()?) {
         let length = u64::from_le_bytes(file.take()?);
         file.read(length, &mut bytes)?;
-        leaves.push(leaf_of(&bytes)?);
+        leaves.push(L::read(&bytes)?);
     }
     let found = file.hash.clone().finalize();
     let whole = u32::from_le_bytes(file.take()?) == found && file.take::<1>().is_none();
@@ -114,40 +157,16 @@ impl<R: Read> Hashing<R> {
     }
 }
 
-/// Its number of bytes and those; `None` of a flight that is not kept.
-fn leaf_bytes(leaf: &Flown) -> Option<Vec<u8>> {
-    let mut bytes = vec![0; LENGTH];
-    bytes.extend((leaf.tail.len() as u64).to_le_bytes());
-    for pose in &leaf.tail {
-        let numbers = [[pose.time_s].as_slice(), &pose.middle.to_array(), &pose.turn.to_array()].concat();
-        bytes.extend(numbers.into_iter().flat_map(f64::to_le_bytes));
-    }
-    bytes.extend(leaf.velocity.to_array().into_iter().flat_map(f64::to_le_bytes));
-    if let Some((places, turns)) = &leaf.head {
-        places.write(&mut bytes)?;
-        turns.write(&mut bytes)?;
-    }
-    let length = (bytes.len() - LENGTH) as u64;
-    bytes[..LENGTH].copy_from_slice(&length.to_le_bytes());
+/// Its number of bytes and those; `None` of a leaf that is not kept.
+fn leaf_bytes(leaf: &impl Kept) -> Option<Vec<u8>> {
+    let mut bytes = vec![0; size_of::<u64>()];
+    leaf.write(&mut bytes)?;
+    let length = (bytes.len() - size_of::<u64>()) as u64;
+    bytes[..size_of::<u64>()].copy_from_slice(&length.to_le_bytes());
     Some(bytes)
 }
 
-const LENGTH: usize = size_of::<u64>();
-
-fn leaf_of(bytes: &[u8]) -> Option<Flown> {
-    let mut rest = bytes;
-    let mut tail = Vec::new();
-    for _ in 0..u64::from_le_bytes(take(&mut rest)?) {
-        let ([time_s], middle) = (numbers(&mut rest)?, DVec3::from_array(numbers(&mut rest)?));
-        tail.push(Pose { time_s, middle, turn: DQuat::from_array(numbers(&mut rest)?) });
-    }
-    tail.shrink_to_fit();
-    let velocity = DVec3::from_array(numbers(&mut rest)?);
-    let head = if rest.is_empty() { None } else { Some((Track::read(&mut rest)?, Track::read(&mut rest)?)) };
-    Flown { head, tail, velocity }.checked()
-}
-
-fn take<const N: usize>(file: &mut impl Read) -> Option<[u8; N]> {
+pub(super) fn take<const N: usize>(file: &mut impl Read) -> Option<[u8; N]> {
     let mut bytes = [0; N];
     file.read_exact(&mut bytes).ok()?;
     Some(bytes)
@@ -164,11 +183,9 @@ fn numbers<const N: usize>(file: &mut impl Read) -> Option<[f64; N]> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::super::Fall;
     use super::super::tests::{calm, every_way, fall, level, storm};
     use super::*;
-    use std::cell::{Cell, RefCell};
-    use std::collections::BTreeMap;
-    use std::io::Cursor;
 
     fn few() -> Vec<Flown> {
         Fall { count: 20, ..fall(every_way(), storm(), level()) }.fly(&|_| {})
@@ -182,8 +199,8 @@ mod tests {
     fn what_is_kept_comes_back_to_the_last_bit() {
         let leaves = few();
         let bytes = bytes_of(&leaves);
-        assert_eq!(decode(&bytes[..]).unwrap(), leaves);
-        assert_eq!(decode(&bytes_of(&[])[..]).unwrap(), []);
+        assert_eq!(decode::<Flown>(&bytes[..]).unwrap(), leaves);
+        assert_eq!(decode::<Flown>(&bytes_of(&[])[..]).unwrap(), []);
         // Nothing is kept twice as large as need be.
         let keys = |leaf: &Flown| match &leaf.head {
             Some((places, turns)) => places.times_s().len() * 22 + turns.times_s().len() * 20,
@@ -199,18 +216,18 @@ mod tests {
         for place in (0..bytes.len()).step_by(7) {
             let mut damaged = bytes.clone();
             damaged[place] ^= 1;
-            assert!(decode(&damaged[..]).is_none(), "byte {place}");
+            assert!(decode::<Flown>(&damaged[..]).is_none(), "byte {place}");
         }
         for length in (0..bytes.len()).step_by(13) {
-            assert!(decode(&bytes[..length]).is_none(), "{length} bytes");
+            assert!(decode::<Flown>(&bytes[..length]).is_none(), "{length} bytes");
         }
         // Nor is what has a checksum and does not hold together.
         for count in [3_u64, u64::MAX] {
             let mut content = bytes[..bytes.len() - 4].to_vec();
-            content[MAGIC.len()..MAGIC.len() + 8].copy_from_slice(&count.to_le_bytes());
+            content[Flown::MAGIC.len()..Flown::MAGIC.len() + 8].copy_from_slice(&count.to_le_bytes());
             let checksum = crc32fast::hash(&content);
             content.extend(checksum.to_le_bytes());
-            assert!(decode(&content[..]).is_none(), "{count} leaves");
+            assert!(decode::<Flown>(&content[..]).is_none(), "{count} leaves");
         }
     }
 
@@ -224,38 +241,8 @@ mod tests {
             Fall { speed_gain: (1.0 + f64::EPSILON).into(), ..fall(every_way(), storm(), level()) },
             Fall { motion: None, ..fall(every_way(), storm(), level()) },
         ];
-        let names: std::collections::BTreeSet<String> = falls.iter().map(Fall::name).collect();
+        let names: std::collections::BTreeSet<String> = falls.iter().map(name_of).collect();
         assert_eq!(names.len(), falls.len());
-        assert_eq!(falls[0].name(), fall(every_way(), storm(), level()).name());
-    }
-
-    #[test]
-    fn a_bake_is_recalled_and_another_falls_leaves_are_not_taken() {
-        let (many, other) = (
-            Fall { count: FEWEST, release_s: (0.0, 0.0), ..fall(every_way(), calm(), level()) },
-            Fall { count: FEWEST - 1, ..fall(every_way(), calm(), level()) },
-        );
-        let (kept, baked) = (RefCell::new(BTreeMap::<String, Vec<u8>>::new()), Cell::new(0));
-        let recall = |name: &str| {
-            let bytes = kept.borrow().get(name)?.clone();
-            Some(Box::new(Cursor::new(bytes)) as Box<dyn Read>)
-        };
-        let keep = |name: &str, parts: &[&[u8]]| {
-            baked.set(baked.get() + 1);
-            kept.borrow_mut().insert(name.to_owned(), parts.concat());
-        };
-        let baking = Baking { tell: &|_, _| {}, recall: &recall, keep: &keep };
-        let flown = many.fly_or_recall(&baking);
-        assert_eq!((many.fly_or_recall(&baking), baked.get()), (flown.clone(), 1));
-        // Few leaves are not worth a file.
-        other.fly_or_recall(&baking);
-        assert_eq!(baked.get(), 1);
-        // Leaves that were never anywhere, and too few of them, under the right name and checksum.
-        let nowhere: Vec<Flown> =
-            flown.iter().map(|leaf| Flown { head: None, tail: Vec::new(), ..leaf.clone() }).collect();
-        for (foreign, bakes) in [(nowhere, 2), (flown[1..].to_vec(), 3)] {
-            kept.borrow_mut().insert(many.name(), bytes_of(&foreign));
-            assert_eq!((many.fly_or_recall(&baking), baked.get()), (flown.clone(), bakes));
-        }
+        assert_eq!(name_of(&falls[0]), name_of(&fall(every_way(), storm(), level())));
     }
 }

@@ -5,6 +5,7 @@
 //!
 //! docs/decisions/falling.md says what is modelled, what is dressing, and what was compared with whom.
 
+mod at_rest;
 mod emitter;
 mod flight;
 mod flown;
@@ -30,7 +31,8 @@ mod tests;
 
 use crate::description::ron::FallMotion;
 use crate::math::Chance;
-use crate::scene::Track;
+use crate::scene::{Baking, Track};
+use flown::Flown;
 use glam::{DQuat, DVec3};
 use keys::Tolerance;
 use leaf::{Leaf, Surroundings};
@@ -38,14 +40,13 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+pub(super) use at_rest::at_rest;
 pub(super) use emitter::{Emitter, Surface};
 pub(super) use flight::LONGEST_FLIGHT_S;
-pub(super) use flown::Flown;
 pub(super) use ground::Ground;
 pub(super) use manner::sum as sum_of_shares;
 pub(super) use obstacles::Obstacles;
 pub(super) use outline::Outline;
-pub(super) use pile::come_to_rest;
 pub(super) use wind::{Eddies, Gusts, Wind};
 
 /// Curves may pass this far from a leaf's poses, over its length; and radians.
@@ -152,6 +153,11 @@ impl Fall {
                 all
             })
             .collect()
+    }
+
+    /// Flights of all leaves, told to those who wait.
+    fn fly_and_tell(&self, baking: &Baking) -> Vec<Flown> {
+        self.fly(&|done| (baking.tell)(done, self.count))
     }
 
     /// Point of its mesh that is the leaf's middle, scaled, and the distance at which its curves may pass

@@ -5,12 +5,13 @@
 //! Leaves are stiff, and lie on heights over a grid ([`Heap`]): docs/decisions/falling.md says
 //! what that leaves undone.
 
-use super::flown::{Flown, Tracks};
+use super::at_rest::AtRest;
+use super::flown::Flown;
 use super::ground::Ground;
 use super::heap::{Heap, Lie, Sheet};
 use super::landing::{self, LEAST_INTERVAL_S, Settling};
 use super::leaf::{Leaf, Pose};
-use super::{Fall, Fallen, Look, lean};
+use super::{Fall, Look, lean};
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 use std::mem;
@@ -30,8 +31,8 @@ struct Landing {
     settling: Settling,
 }
 
-/// All leaves of each fall, in their order. `falls` lie on one ground.
-pub(in crate::inside::scene) fn come_to_rest(mut falls: Vec<(&Fall, Vec<Flown>)>) -> Vec<Vec<Fallen>> {
+/// All leaves of each fall, in their order; `None` of one that was never anywhere. `falls` lie on one ground.
+pub(super) fn come_to_rest(mut falls: Vec<(&Fall, Vec<Flown>)>) -> Vec<Vec<Option<AtRest>>> {
     let mut heap =
         Heap::new(falls.iter().flat_map(|(fall, _)| fall.species.iter().map(|kind| kind.length_m)));
     let sheets: Vec<Vec<Vec<Sheet>>> = (falls.iter())
@@ -49,12 +50,8 @@ pub(in crate::inside::scene) fn come_to_rest(mut falls: Vec<(&Fall, Vec<Flown>)>
         order.extend(touches.filter_map(|(number, flown)| Some((flown.tail.last()?.time_s, block, number))));
     }
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let mut fallen: Vec<Vec<Option<Fallen>>> = (falls.iter_mut())
-        .map(|(fall, flown)| {
-            let leaves = flown.par_iter_mut().enumerate();
-            leaves.map(|(number, flown)| fall.never_landed(number as u32, flown)).collect()
-        })
-        .collect();
+    let mut at_rest: Vec<Vec<Option<AtRest>>> =
+        (falls.iter_mut()).map(|(_, flown)| flown.par_iter_mut().map(never_landed).collect()).collect();
     for part in order.chunks(LANDINGS_AT_A_TIME) {
         let landed = part.iter().map(|&(_, block, number)| {
             let fall = falls[block].0;
@@ -72,29 +69,29 @@ pub(in crate::inside::scene) fn come_to_rest(mut falls: Vec<(&Fall, Vec<Flown>)>
             })
             .collect();
         for (block, number, leaf) in leaves {
-            fallen[block][number] = leaf;
+            at_rest[block][number] = leaf;
         }
     }
-    fallen.into_iter().map(|leaves| leaves.into_iter().flatten().collect()).collect()
+    at_rest
+}
+
+/// The leaf that went this way and is still in the air; `None` if it is not, or of a way without a pose.
+fn never_landed(flown: &mut Flown) -> Option<AtRest> {
+    if !flown.tail.is_empty() {
+        return None;
+    }
+    let (translation, rotation) = flown.head.take()?;
+    Some(AtRest { translation, rotation, landed: false })
 }
 
 impl Fall {
-    /// The leaf that went this way and is still in the air; `None` if it is not, or of a way without a pose.
-    fn never_landed(&self, number: u32, flown: &mut Flown) -> Option<Fallen> {
-        if flown.tail.is_empty() { Some(self.fallen(number, flown.head.take()?, false)) } else { None }
-    }
-
     /// The leaf that went this way and landed; `None` of a way without a pose.
-    fn landed(&self, number: u32, flown: Flown, landing: Landing) -> Option<Fallen> {
+    fn landed(&self, number: u32, flown: Flown, landing: Landing) -> Option<AtRest> {
         let Landing { until, touch, settling } = landing;
         let settling = settling.poses(&self.leaf(number), &self.ground);
         let (middle, tolerance) = self.keyed_as(number);
-        Some(self.fallen(number, flown.into_rest(until, touch, settling, middle, tolerance)?, true))
-    }
-
-    fn fallen(&self, number: u32, (translation, rotation): Tracks, landed: bool) -> Fallen {
-        let Look { species, outline, material, scale, release_s, .. } = self.look(number);
-        Fallen { species, outline, material, scale, translation, rotation, release_s, landed }
+        let (translation, rotation) = flown.into_rest(until, touch, settling, middle, tolerance)?;
+        Some(AtRest { translation, rotation, landed: true })
     }
 }
 
@@ -176,6 +173,11 @@ mod tests {
         [Fall { seed: 8, ..one.clone() }, one]
     }
 
+    /// Leaves of each fall at rest: each was somewhere.
+    fn lying(falls: Vec<(&Fall, Vec<Flown>)>) -> Vec<Vec<AtRest>> {
+        come_to_rest(falls).into_iter().map(|leaves| leaves.into_iter().flatten().collect()).collect()
+    }
+
     fn flown(falls: &[Fall]) -> Vec<(&Fall, Vec<Flown>)> {
         falls.iter().map(|fall| (fall, fall.fly(&|_| {}))).collect()
     }
@@ -189,7 +191,7 @@ mod tests {
     }
 
     /// A mesh as it lies.
-    fn triangles(fall: &Fall, number: u32, leaf: &Fallen) -> Vec<[DVec3; 3]> {
+    fn triangles(fall: &Fall, number: u32, leaf: &AtRest) -> Vec<[DVec3; 3]> {
         let Look { shape, scale, .. } = fall.look(number);
         let (place, turn) = (leaf.translation.at(1e4), leaf.rotation.at(1e4));
         let in_the_world = |corner: DVec3| place + turn * ((corner + shape.middle) * scale);
@@ -212,7 +214,7 @@ mod tests {
     }
 
     /// The deepest that any leaf is below one that landed before, and how many are at all.
-    fn deepest(falls: &[(&Fall, Vec<Flown>)], fallen: &[Vec<Fallen>]) -> (f64, usize) {
+    fn deepest(falls: &[(&Fall, Vec<Flown>)], fallen: &[Vec<AtRest>]) -> (f64, usize) {
         let mut leaves = Vec::new();
         for ((fall, flown), fallen) in falls.iter().zip(fallen) {
             for (number, (flown, leaf)) in (0..).zip(flown.iter().zip(fallen)) {
@@ -233,13 +235,13 @@ mod tests {
     fn leaves_lie_on_each_other_and_not_through() {
         let falls = crowd();
         let together = flown(&falls);
-        let (deepest_together, pairs) = deepest(&together, &come_to_rest(together.clone()));
+        let (deepest_together, pairs) = deepest(&together, &lying(together.clone()));
         // Each as if there were no others.
-        let apart: Vec<Vec<Fallen>> = (together.iter())
+        let apart: Vec<Vec<AtRest>> = (together.iter())
             .map(|(fall, flown)| {
                 let alone = |number: usize| {
                     let others = up_in_the_air(flown, |other| other == number);
-                    come_to_rest(vec![(*fall, others)]).remove(0).swap_remove(number)
+                    lying(vec![(*fall, others)]).remove(0).swap_remove(number)
                 };
                 (0..flown.len()).map(alone).collect()
             })
@@ -253,14 +255,14 @@ mod tests {
     fn later_leaves_move_none_that_lies() {
         let falls = crowd();
         let all = flown(&falls);
-        let lying = come_to_rest(all.clone());
+        let all_lie = lying(all.clone());
         let until_s = 4.0;
         let early = |flown: &Flown| flown.tail.last().unwrap().time_s < until_s;
         let fewer: Vec<(&Fall, Vec<Flown>)> = (all.iter())
             .map(|(fall, flown)| (*fall, up_in_the_air(flown, |number| early(&flown[number]))))
             .collect();
         let mut compared = 0;
-        for ((then, now), (_, flown)) in come_to_rest(fewer).iter().zip(&lying).zip(&all) {
+        for ((then, now), (_, flown)) in lying(fewer).iter().zip(&all_lie).zip(&all) {
             for ((then, now), _) in then.iter().zip(now).zip(flown).filter(|(_, flown)| early(flown)) {
                 assert_eq!(then, now);
                 compared += 1;
@@ -274,7 +276,7 @@ mod tests {
         for (wind, bar_m_per_s) in [(calm(), 4.0), (storm(), 10.0)] {
             let falls = crowd().map(|fall| Fall { wind: wind.clone(), ..fall });
             let all = flown(&falls);
-            for (fallen, (_, flown)) in come_to_rest(all.clone()).iter().zip(&all) {
+            for (fallen, (_, flown)) in lying(all.clone()).iter().zip(&all) {
                 for (leaf, flown) in fallen.iter().zip(flown) {
                     let lands_s = flown.tail.last().unwrap().time_s;
                     let place = |moment: i32| leaf.translation.at(lands_s + f64::from(moment) / 480.0);
@@ -293,7 +295,7 @@ mod tests {
         let falls = crowd();
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| come_to_rest(flown(&falls)))
+            pool.install(|| lying(flown(&falls)))
         };
         assert_eq!(on(1), on(3));
     }

@@ -82,7 +82,7 @@ fn hills() -> Ground {
 
 /// All leaves of a fall, which has its ground for itself.
 fn bake(fall: &Fall) -> Vec<Fallen> {
-    come_to_rest(vec![(fall, fall.fly(&|_| {}))]).remove(0)
+    at_rest(&[fall], &Baking::ALONE).remove(0)
 }
 
 /// Points of the leaf's outline in the world.

@@ -7,15 +7,14 @@ use crate::description::ron;
 use crate::diagnostic::{Diagnostic, Loss};
 use crate::math::Chance;
 use crate::scene::fall::{
-    Eddies, Emitter, Fall, Fallen, Flown, Ground, Gusts, LONGEST_FLIGHT_S, Obstacles, Outline, Species,
-    Surface, Wind, come_to_rest, sum_of_shares,
+    Eddies, Emitter, Fall, Fallen, Ground, Gusts, LONGEST_FLIGHT_S, Obstacles, Outline, Species, Surface,
+    Wind, at_rest, sum_of_shares,
 };
 use crate::scene::{
     Baking, Extend, Key, MaterialIndex, MeshIndex, Motion, RayVisibility, Rotation, Segment, Track,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
-use std::mem;
 
 /// Leaves are scaled to their lengths, and followed by points all over them: wider ones would need millions.
 const MOST_WIDTH_TO_LENGTH: f64 = 100.0;
@@ -36,13 +35,12 @@ struct Dress {
 /// The draw of a leaf's tint: none of a flight is so high.
 const TINT: u64 = 1 << 32;
 
-/// A block whose leaves have flown.
+/// A block and what its leaves are.
 struct Flock<'a> {
     name: &'a str,
     block: &'a ron::Fall,
     fall: Fall,
     dresses: Vec<Dress>,
-    flown: Vec<Flown>,
 }
 
 impl Resolver<'_> {
@@ -61,19 +59,18 @@ impl Resolver<'_> {
         }
         let blocks = file.fall.iter();
         let mut flocks: Vec<Flock<'_>> =
-            blocks.filter_map(|(name, block)| self.flock(name, block, &grounds, baking)).collect();
+            blocks.filter_map(|(name, block)| self.flock(name, block, &grounds)).collect();
         while !flocks.is_empty() {
             let ground = flocks[0].block.ground.clone();
             let (together, others) = flocks.into_iter().partition(|flock| flock.block.ground == ground);
             flocks = others;
-            self.come_to_rest(together);
+            self.come_to_rest(&together, baking);
         }
     }
 
-    fn come_to_rest(&mut self, mut flocks: Vec<Flock<'_>>) {
-        let flown: Vec<Vec<Flown>> = flocks.iter_mut().map(|flock| mem::take(&mut flock.flown)).collect();
-        let falls: Vec<(&Fall, Vec<Flown>)> = flocks.iter().map(|flock| &flock.fall).zip(flown).collect();
-        for (leaves, Flock { name, block, dresses, .. }) in come_to_rest(falls).into_iter().zip(&flocks) {
+    fn come_to_rest(&mut self, flocks: &[Flock<'_>], baking: &Baking) {
+        let falls: Vec<&Fall> = flocks.iter().map(|flock| &flock.fall).collect();
+        for (leaves, Flock { name, block, dresses, .. }) in at_rest(&falls, baking).into_iter().zip(flocks) {
             let in_the_air = leaves.iter().filter(|leaf| !leaf.landed).count();
             if in_the_air > 0 {
                 let found = format!(
@@ -90,14 +87,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Lets the leaves of `block` fly.
-    fn flock<'b>(
-        &mut self,
-        name: &'b str,
-        block: &'b ron::Fall,
-        grounds: &Grounds<'_>,
-        baking: &Baking,
-    ) -> Option<Flock<'b>> {
+    /// What falls by `block`.
+    fn flock<'b>(&mut self, name: &'b str, block: &'b ron::Fall, grounds: &Grounds<'_>) -> Option<Flock<'b>> {
         let owner = format!("fall.{name}");
         if !self.has_room_for(&owner, block.count.0) || !self.has_room_to_fall(&owner, block.count.0) {
             return None;
@@ -131,8 +122,7 @@ impl Resolver<'_> {
             release_s: (block.release_s.at(0.0), block.release_s.at(1.0)),
             speed_gain: speed_gain?,
         };
-        let flown = fall.fly_or_recall(baking);
-        Some(Flock { name, block, fall, dresses, flown })
+        Some(Flock { name, block, fall, dresses })
     }
 
     /// Counts so many leaves more that fall. Whether all may that the file asks for: else
