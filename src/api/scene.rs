@@ -13,7 +13,7 @@ use crate::snapshot::MeshTrees;
 use sha2::{Digest, Sha256};
 use std::fmt;
 use std::ops::RangeInclusive;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// A scene in all its frames, and how it wants to be rendered.
@@ -24,6 +24,8 @@ pub struct Scene {
     /// SHA-256 over all input files; and over the camera that was brought along, if any.
     pub(super) content_hash: String,
     input_hash: String,
+    /// Files that it was read from.
+    files: Vec<PathBuf>,
     /// Built as frames need them.
     trees: OnceLock<MeshTrees>,
     /// Indirect light of the last frame.
@@ -133,11 +135,12 @@ impl Scene {
         baking: &Baking,
     ) -> Result<Self, Diagnostics> {
         let content_hash = description.content_hash.clone();
+        let files = description.files.clone();
         let (resolved, settings) = scene::resolve_telling(description, options, baking)?;
         let settings = options.overrule(&settings);
         let (trees, light) = (OnceLock::new(), KeptLight::default());
         let (options, input_hash) = (options.clone(), content_hash.clone());
-        Ok(Self { resolved, settings, options, content_hash, input_hash, trees, light })
+        Ok(Self { resolved, settings, options, content_hash, input_hash, files, trees, light })
     }
 
     /// Has a camera that a program brings along, in place of the last such; without one it is as its files
@@ -152,6 +155,11 @@ impl Scene {
     /// Export as a glTF file for a folder, with its motion over some frames.
     pub fn export(&self, frames: RangeInclusive<i64>, folder: &Path) -> Result<Exported, Diagnostic> {
         export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() }, folder)
+    }
+
+    /// Files that it was read from.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     pub fn resolved(&self) -> &scene::Scene {

@@ -37,9 +37,7 @@ struct Subject<'a> {
 fn load(arguments: &BenchArguments) -> Result<api::Scene, CliError> {
     let description = description::load(&arguments.input)?;
     for (flag, output) in [("--csv", &arguments.csv), ("--svg", &arguments.svg)] {
-        if let Some(output) = output {
-            loading::check_not_read(flag, output, &description.files)?;
-        }
+        loading::check_not_read(flag, output, &description.files)?;
     }
     loading::seen(description, &arguments.scene, arguments.size, arguments.camera.as_ref(), true)
 }

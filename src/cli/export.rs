@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
         return Err(usage("OUT.glb", found, "a name that ends in .glb"));
     }
     let description = description::load(&arguments.input)?;
-    loading::check_not_read("OUT.glb", output, &description.files)?;
+    loading::check_not_read("OUT.glb", [output], &description.files)?;
     // Whoever reads the file lights it if it has no light, so it gets none unless it is to have it.
     let no_default_light = arguments.scene.default_light != Some(Switch::On);
     let options = ResolveOptions { no_default_light, ..arguments.scene.options() };

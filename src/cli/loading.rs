@@ -8,6 +8,7 @@ use super::error::usage;
 use super::parse::SizeArgument;
 use super::saving::clear_folder;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::HashMap;
 use std::env;
 use std::fs::{self, DirEntry};
 use std::io::{BufReader, IsTerminal as _, Read};
@@ -86,10 +87,16 @@ pub(super) fn resolve(
     Ok(scene?)
 }
 
-/// Refuses to write over a file that the input consists of.
-pub(super) fn check_not_read(flag: &str, output: &Path, inputs: &[PathBuf]) -> Result<(), CliError> {
-    let Ok(written) = output.canonicalize() else { return Ok(()) };
-    match inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input == written)) {
+/// Refuses to write over files that the input consists of.
+pub(super) fn check_not_read<P: AsRef<Path>>(
+    flag: &str,
+    outputs: impl IntoIterator<Item = P>,
+    inputs: &[PathBuf],
+) -> Result<(), CliError> {
+    let inputs: HashMap<PathBuf, &PathBuf> =
+        inputs.iter().filter_map(|input| Some((input.canonicalize().ok()?, input))).collect();
+    let read = |output: P| inputs.get(&output.as_ref().canonicalize().ok()?).copied();
+    match outputs.into_iter().find_map(read) {
         None => Ok(()),
         Some(input) => Err(usage(
             flag,

@@ -7,7 +7,7 @@ use super::parse::{Crop, SizeArgument};
 use super::{CliError, loading};
 use std::borrow::Cow;
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use sunfleck::api::{self, Renderer, Scene};
 use sunfleck::description::{self, LoadError};
 use sunfleck::diagnostic::shown;
@@ -28,9 +28,7 @@ pub(super) struct Plan<'scene> {
 pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, CliError> {
     check_output(arguments)?;
     let description = description::load(&arguments.input)?;
-    if let Some(stats) = &arguments.stats {
-        loading::check_not_read("--stats", stats, &description.files)?;
-    }
+    loading::check_not_read("--stats", &arguments.stats, &description.files)?;
     loading::seen(
         description,
         &arguments.scene,
@@ -50,8 +48,35 @@ impl<'scene> Plan<'scene> {
             frame_file::check_name(&output.path(*last))
                 .map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?;
         }
-        Ok(Self { picture, frames, output })
+        let plan = Self { picture, frames, output };
+        loading::check_not_read("--out", plan.written(arguments), scene.files())?;
+        match &arguments.stats {
+            Some(stats) if plan.written(arguments).any(|path| is_same(&path, stats)) => {
+                let found = format!("{} is a frame of this run, and would be lost", shown(stats));
+                Err(usage("--stats", found, "a file of another name"))
+            }
+            _ => Ok(plan),
+        }
     }
+
+    /// Files that the run writes: frames, and pictures beside them.
+    fn written(&self, arguments: &RenderArguments) -> impl Iterator<Item = PathBuf> {
+        let has_pictures = arguments.preview.is_some();
+        self.frames.as_slice().iter().flat_map(move |&frame| {
+            let path = self.output.path(frame);
+            let picture = has_pictures.then(|| path.with_extension("png"));
+            std::iter::once(path).chain(picture)
+        })
+    }
+}
+
+/// Whether two names are of one file, which may not be there yet.
+fn is_same(one: &Path, other: &Path) -> bool {
+    let folder = |path: &Path| {
+        let folder = frame_file::folder_of(path);
+        folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+    };
+    one.file_name() == other.file_name() && folder(one) == folder(other)
 }
 
 fn renderer<'a>(scene: &'a Scene, arguments: &RenderArguments) -> Result<Renderer<'a>, CliError> {

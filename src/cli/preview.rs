@@ -64,6 +64,8 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     let outputs = Outputs::new(arguments.out.as_deref(), &settings.name, frames.len())?;
     let measured = || pool.install(|| source.auto_exposure_stops(&settings)).map_err(failure);
     let display = exposure::display(&arguments.display, &settings, measured)?;
+    let inputs = scene.as_ref().map_or(&[][..], Scene::files);
+    loading::check_not_read("--out", outputs.paths(&frames), inputs)?;
     outputs.clear(&frames);
     let dark_frames = DarkFrames::default();
     let started = Instant::now();
@@ -254,6 +256,12 @@ impl Outputs {
 }
 
 impl Outputs {
+    fn paths(&self, frames: &[i64]) -> impl Iterator<Item = PathBuf> {
+        let pictures =
+            self.pictures.iter().flat_map(|pattern| frames.iter().map(|&frame| pattern.path(frame)));
+        pictures.chain(self.sheet.clone()).chain(self.animation.clone())
+    }
+
     /// Removes what killed runs left of these files.
     fn clear(&self, frames: &[i64]) {
         if let Some(pictures) = &self.pictures {

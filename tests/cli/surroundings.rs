@@ -92,8 +92,26 @@ fn pipes_and_devices_are_no_files() {
 fn what_is_read_is_not_written_over() {
     let studio = Studio::new();
     studio.succeed("export tiny.ron own.glb");
-    let before = (studio.bytes("scene.ron"), studio.bytes("own.glb"));
+    studio.succeed("render tiny.ron --frames 1 --size 8x4 --bounces 0 --out sky.exr");
+    std::fs::write(
+        studio.path("under.ron"),
+        r#"Scene(version: 1, cameras: {"c": (position_m: (0, 1, 0), look_at_m: (0, 0, 0.1))},
+            sky: Image(image: "sky.exr"))"#,
+    )
+    .unwrap();
+    std::fs::write(
+        studio.path("leaf.obj"),
+        "mtllib leaf.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl leaf\nf 1/1 2/2 3/3\n",
+    )
+    .unwrap();
+    std::fs::write(studio.path("leaf.mtl"), "newmtl leaf\nmap_Kd leaf.png\n").unwrap();
+    studio.succeed("preview tiny.ron --frames 1 --size 8x4 --out leaf.png");
+    let files = ["scene.ron", "own.glb", "sky.exr", "leaf.png"];
+    let before = files.map(|file| studio.bytes(file));
     for line in [
+        "render under.ron --frames 1 --out ./sky.exr",
+        "preview leaf.obj --out leaf.png",
+        "render leaf.obj --frames 1 --out leaf.exr --preview png",
         "render tiny.ron --out a/ --stats scene.ron",
         "render tiny.ron --out a/ --stats ./tiny.ron",
         "export own.glb own.glb",
@@ -105,7 +123,17 @@ fn what_is_read_is_not_written_over() {
             "{line}: {message}"
         );
     }
-    assert!(before == (studio.bytes("scene.ron"), studio.bytes("own.glb")));
+    for line in [
+        "render tiny.ron --frames 1 --out y.exr --stats ./y.exr",
+        "render tiny.ron --frames 1-2 --out w/y.####.exr --preview png --stats w/y.0002.png",
+    ] {
+        let message = studio.fail(line, USAGE);
+        assert!(
+            message.contains("is a frame of this run") && message.contains("remedy: "),
+            "{line}: {message}"
+        );
+    }
+    assert!(before == files.map(|file| studio.bytes(file)));
 }
 
 #[test]

@@ -118,6 +118,8 @@ class CommandLine(WithSequence):
             (2, self.folder, "--max-relmse", "0.1"),
             (2, self.folder, "--processes", "0"),
             (4, self.folder, "--html", self.folder / "none/report.html"),
+            (2, self.folder, "--html", frame_path(self.folder, 1)),
+            (2, self.folder, "--write-missing", frame_path(self.folder, 1)),
             (4, self.folder, "--stats", self.folder / "none.jsonl"),
             (2, self.folder, "--stats", frame_path(self.folder, 1)),
             (2,),

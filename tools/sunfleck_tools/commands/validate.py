@@ -76,6 +76,9 @@ def run(arguments: argparse.Namespace) -> int:
         return OK
     if arguments.target is None:
         raise ToolError("validate what? name a folder, or a pattern such as out/name.####.exr")
+    for flag, path in (("--html", arguments.html), ("--write-missing", arguments.write_missing)):
+        if path is not None and (path.suffix.lower() == ".exr" or path == arguments.stats):
+            raise ToolError(f"{flag} {path} would be lost: it is read here; name another file, .html or .txt")
     options = Options(
         frames=arguments.frames,
         fps=arguments.fps,
