@@ -4,8 +4,8 @@
 # Expected: a node with EXT_mesh_gpu_instancing is a node; what turns it, or a node above it, turns all its instances. So
 # a swirl of thousands of leaves is one animated node. What happens: gltfpack 1.3 takes instances out of the tree into
 # nodes of their own at the root, at the transform of rest, and leaves the animation at the old node, which is empty now.
-# All leaves stand still, with `-kn` too. The same mesh without the extension turns as it
-# should. The file is valid, gltfpack's statistics tell of the animation, and nothing is said of what it has lost.
+# All leaves stand still, with `-kn` too. The same mesh without the extension turns as it should. The file is valid, the
+# animation is still in it, and nothing is said.
 # Remedy: pack with gltf-transform (`quantize`, `meshopt`), which leaves instances where they are; or `uninstance` before.
 # Versions: gltfpack 1.3.0 (npm). Source: measured here; https://github.com/zeux/meshoptimizer (pull request 696, which
 # reads the extension since 2024, knows of it)
