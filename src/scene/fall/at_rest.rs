@@ -28,7 +28,7 @@ pub(in crate::inside::scene) fn at_rest(falls: &[&Fall], baking: &Baking) -> Vec
     };
     let leaves = recalled(&name_of(&names), count, baking, || {
         let flown = falls.iter().zip(&names).map(|(&fall, name)| (fall, fly(fall, name)));
-        come_to_rest(flown.collect()).concat()
+        come_to_rest(flown.collect()).into_iter().flatten().collect()
     });
     let mut leaves = leaves.into_iter();
     let of = |fall: &&Fall| {
