@@ -20,31 +20,12 @@ import bpy
 import numpy
 
 import scenes
+from beside_stage import lamp, stage
 import sunfleck
 from sunfleck_tools.peers import beside
 from common import parser
 
 SIZE = (160, 90)
-
-
-def stage():
-    """A floor, a wall that leans, and a card above the floor to throw a shadow."""
-    scene = scenes.empty(size=SIZE)
-    scenes.camera(scene)
-    scenes.quad(scene, "floor", 8.0, scenes.material("floor", (0.6, 0.5, 0.4)))
-    wall = scenes.quad(scene, "wall", 6.0, scenes.material("wall", (0.3, 0.5, 0.7)), (0.0, 3.0, 1.0))
-    wall.rotation_euler = (math.radians(80.0), 0.0, 0.0)
-    scenes.quad(scene, "card", 0.8, scenes.material("card", (0.7, 0.2, 0.1)), (0.3, 0.2, 0.9))
-    return scene
-
-
-def lamp(scene, kind, location=(1.2, -0.8, 2.2), towards=(0.0, 0.6, 0.2), **values):
-    data = bpy.data.lights.new(kind.lower(), kind)
-    for name, value in values.items():
-        setattr(data, name, value)
-    made = scenes.add(scene, kind.lower(), data, location, towards)
-    made.visible_camera = False
-    return made
 
 
 def fog(scene, density=0.15):
