@@ -1,4 +1,4 @@
-//! A look at a frame in moments: triangles one after another into a depth buffer, without a ray, a tree or a
+//! A quick look at a frame: triangles one after another into a depth buffer, without a ray, a tree or a
 //! shadow. In goes a [`Snapshot`], out comes a [`Frame`]. Invariants: a pixel is a function of snapshot and
 //! size alone. What is seen where is decided in double precision from the triangles' vertices. No code is
 //! shared with `accel`, so that each can vouch for the other.
