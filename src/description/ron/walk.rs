@@ -2,7 +2,7 @@
 //! Invariant: nothing is written; what refuses to be is told by its path, as `Sun.fractal.real`.
 
 use serde::Serialize;
-use serde_json::ser::{Formatter, Serializer};
+use serde_json::ser::{CharEscape, CompactFormatter, Formatter, Serializer};
 use std::io::{Result, Write, sink};
 
 /// The path of the first field that refuses to be written, and what it says.
@@ -61,6 +61,12 @@ impl Formatter for Walk<'_> {
         Ok(())
     }
 
+    fn write_char_escape<W: Write + ?Sized>(&mut self, out: &mut W, escape: CharEscape) -> Result<()> {
+        let mut escaped = Vec::new();
+        CompactFormatter.write_char_escape(&mut escaped, escape)?;
+        self.write_string_fragment(out, &String::from_utf8_lossy(&escaped))
+    }
+
     fn end_object_key<W: Write + ?Sized>(&mut self, _: &mut W) -> Result<()> {
         self.is_in_name = false;
         Ok(())
@@ -74,8 +80,9 @@ impl Formatter for Walk<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Animated, Camera, Julia, Light, Sun};
+    use super::super::{Animated, Camera, Julia, Light, Material, Sun};
     use super::*;
+    use std::collections::BTreeMap;
 
     #[test]
     fn the_path_leads_to_the_first_fault() {
@@ -86,5 +93,9 @@ mod tests {
         let camera = Camera { fov_deg: keyed, ..Camera::default() };
         assert_eq!(fault(&camera).map(|(path, _)| path).as_deref(), Some("fov_deg.keys[1].at_s"));
         assert_eq!(fault(&Camera::default()), None);
+        let dark = Material::default().with(|material| material.opacity = Some(f64::NAN.into()));
+        let named = BTreeMap::from([(r#"a "leaf""#, dark)]);
+        let path = fault(&named).map(|(path, _)| path);
+        assert_eq!(path.as_deref(), Some(r#"a \"leaf\".opacity"#));
     }
 }
