@@ -65,8 +65,12 @@ def write(made, samples: int, seed: int, target: Path) -> None:
 
 
 def prepare(scene: PeerScene, denoiser: str | None = None):
-    """Builds the scene; what comes back renders so many samples a pixel, and returns the picture and CPU seconds."""
-    made = build(scene, denoiser)
+    """Builds the scene; what comes back renders it (`renders`)."""
+    return renders(build(scene, denoiser))
+
+
+def renders(made):
+    """What renders Blender's scene with so many samples a pixel, and returns the picture and CPU seconds."""
     target = Path(tempfile.mkdtemp()) / "picture.exr"
 
     def render(samples: int, seed: int):
@@ -74,7 +78,7 @@ def prepare(scene: PeerScene, denoiser: str | None = None):
         write(made, samples, seed, target)
         seconds = time.process_time() - started
         image = bpy.data.images.load(str(target), check_existing=False)
-        width, height = scene.size
+        width, height = image.size
         picture = numpy.array(image.pixels[:], float).reshape(height, width, 4)[::-1, :, :3]
         bpy.data.images.remove(image)
         return picture, seconds

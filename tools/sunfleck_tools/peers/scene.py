@@ -34,13 +34,14 @@ SURFACE_BEYOND = ("normalTexture", "emissiveTexture")
 @dataclass
 class Surface:
     """Triangles in world space that share a Lambert reflectance, and maybe a texture that multiplies it
-    (`uvs` then are a vertex's)."""
+    (`uvs` then are a vertex's); `material` is the file's."""
 
     positions: np.ndarray
     triangles: np.ndarray
     uvs: np.ndarray
     reflectance: list[float]
     texture: Texture | None
+    material: int | None
 
 
 @dataclass
@@ -197,7 +198,7 @@ class _Reader:
             found = None if texture is None else primitive.uvs.get(texture.layer)
             uvs.append(np.zeros((len(points), 2)) if texture is None or found is None else texture.placed(found))
         positions = np.concatenate([points for points, _ in pieces])
-        return Surface(positions, np.concatenate(triangles), np.concatenate(uvs), reflectance, texture)
+        return Surface(positions, np.concatenate(triangles), np.concatenate(uvs), reflectance, texture, material)
 
     def _reflectance(self, material: int | None) -> tuple[list[float], Texture | None]:
         if material is None:

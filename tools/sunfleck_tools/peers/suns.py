@@ -4,30 +4,37 @@ comes another file."""
 import json
 import math
 import struct
+from collections.abc import Callable
 from pathlib import Path
 
 JSON_CHUNK, HEADER_BYTES = 0x4E4F534A, 20
 
 
-def with_sun(glb: Path, sun: str, made: Path) -> Path:
-    """Writes the file with its sun `ahead` of the camera, or with a disc of so many degrees."""
+def changed(glb: Path, made: Path, change: Callable[[dict], None]) -> Path:
+    """Writes a GLB with a change to its document, all else as it was."""
     data = glb.read_bytes()
-    json_bytes = struct.unpack_from("<I", data, 12)[0]
-    document, rest = (
-        json.loads(data[HEADER_BYTES : HEADER_BYTES + json_bytes]),
-        data[HEADER_BYTES + json_bytes :],
-    )
-    nodes = document["nodes"]
-    node = next(node for node in nodes if "KHR_lights_punctual" in node.get("extensions", {}))
-    if sun == "ahead":
-        camera = next(node for node in nodes if "camera" in node)["matrix"]
-        # It shines along its -z, the camera looks along its own: half a turn about y.
-        turned = [-value for value in camera[0:4]] + camera[4:8] + [-value for value in camera[8:12]]
-        node["matrix"] = turned + node["matrix"][12:]
-    else:
-        node.setdefault("extras", {}).setdefault("sunfleck_light", {})["angle"] = math.radians(float(sun))
+    json_end = HEADER_BYTES + struct.unpack_from("<I", data, 12)[0]
+    document, rest = json.loads(data[HEADER_BYTES:json_end]), data[json_end:]
+    change(document)
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     header = struct.pack("<4sIIII", b"glTF", 2, HEADER_BYTES + len(text) + len(rest), len(text), JSON_CHUNK)
     made.write_bytes(header + text + rest)
     return made
+
+
+def with_sun(glb: Path, sun: str, made: Path) -> Path:
+    """Writes the file with its sun `ahead` of the camera, or with a disc of so many degrees."""
+
+    def change(document: dict) -> None:
+        nodes = document["nodes"]
+        node = next(node for node in nodes if "KHR_lights_punctual" in node.get("extensions", {}))
+        if sun == "ahead":
+            camera = next(node for node in nodes if "camera" in node)["matrix"]
+            # It shines along its -z, the camera looks along its own: half a turn about y.
+            turned = [-value for value in camera[0:4]] + camera[4:8] + [-value for value in camera[8:12]]
+            node["matrix"] = turned + node["matrix"][12:]
+        else:
+            node.setdefault("extras", {}).setdefault("sunfleck_light", {})["angle"] = math.radians(float(sun))
+
+    return changed(glb, made, change)
