@@ -19,4 +19,4 @@ pub use method::{Effort, Method, Stage, timed};
 pub use plot::{Plot, Series, Style};
 pub use reference::Reference;
 pub use report::{csv, plot, seconds, table};
-pub use study::{Peer, Point, Study, StudyPlan, run};
+pub use study::{Point, Study, StudyPlan, run};

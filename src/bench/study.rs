@@ -4,6 +4,7 @@
 
 use super::method::timed;
 use super::{Effort, Literal, Method, Reference, RelativeErrors, Stage};
+use crate::description::PeerRow;
 use glam::DVec3;
 
 /// Plan of the measurement.
@@ -43,27 +44,14 @@ pub struct Point {
     pub literal: Option<Literal>,
 }
 
-/// A point that was measured elsewhere.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Peer {
-    /// Name of the renderer, with its version.
-    pub renderer: String,
-    /// Samples a pixel.
-    pub samples: u32,
-    /// Processor time, seconds.
-    pub cpu_s: f64,
-    /// RMSE, relative to the mean of the reference.
-    pub rmse: f64,
-}
-
 /// Everything that was measured.
 pub struct Study {
     /// Title of the picture.
     pub title: String,
     /// Method by method, efforts from cheap to dear.
     pub points: Vec<Point>,
-    /// Points from elsewhere.
-    pub peers: Vec<Peer>,
+    /// Points from elsewhere, with errors relative to the mean of the reference.
+    pub peers: Vec<PeerRow>,
     /// Description of the reference; the frame itself is kept by the caller.
     pub reference_note: String,
 }

@@ -13,8 +13,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use sunfleck::api::{self, Plan, Renderer};
-use sunfleck::bench::{self, Method, Peer, Reference, Stage, Study, StudyPlan, brute_force};
-use sunfleck::description;
+use sunfleck::bench::{self, Method, Reference, Stage, Study, StudyPlan, brute_force};
+use sunfleck::description::{self, PeerRow};
 use sunfleck::diagnostic::{Diagnostic, Place, shown};
 use sunfleck::frame_file;
 use sunfleck::scene::{self, Bounces, PixelFilter, RenderSettings, Scene, Size};
@@ -135,7 +135,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
         title: format!("{}, {width} x {height} pixels, one thread", subject.settings.name),
         reference_note: reference.to_string(),
         points,
-        peers: peers.into_iter().map(|row| peer(row, mean)).collect(),
+        peers: peers.into_iter().map(|row| PeerRow { rmse: row.rmse / mean, ..row }).collect(),
     };
     answer(bench::table(&study).trim_end())?;
     write(&output(arguments.csv.as_deref(), subject, "csv"), &bench::csv(&study))?;
@@ -161,16 +161,6 @@ fn rendered_reference(arguments: &BenchArguments, stage: &Stage) -> Reference {
     let samples = arguments.reference_samples.unwrap_or(if arguments.quick { 32 } else { 256 });
     tell(&format!("the reference: {samples} samples a pixel"));
     Reference::render(stage, samples)
-}
-
-/// Another renderer's picture, its error relative to the mean.
-fn peer(row: description::PeerRow, mean: f64) -> Peer {
-    Peer {
-        renderer: format!("{} {}", row.renderer, row.version).trim_end().to_owned(),
-        samples: row.samples,
-        cpu_s: row.cpu_s,
-        rmse: row.rmse / mean,
-    }
 }
 
 fn read_reference(path: &Path, arguments: &BenchArguments, subject: &Subject) -> Result<Reference, CliError> {

@@ -15,10 +15,8 @@ const MOST_TOLD: usize = 20;
 /// One picture of another renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeerRow {
-    /// Name of the renderer.
+    /// Name of the renderer, with its version.
     pub renderer: String,
-    /// Version, or nothing.
-    pub version: String,
     /// Samples a pixel.
     pub samples: u32,
     /// Processor time without loading, seconds.
@@ -98,9 +96,9 @@ impl Table<'_> {
             self.positive(record, line, "cpu_s"),
             self.positive(record, line, "rmse"),
         );
+        let [name, version] = ["renderer", "version"].map(|heading| self.value(record, heading));
         Some(PeerRow {
-            renderer: self.value(record, "renderer").to_owned(),
-            version: self.value(record, "version").to_owned(),
+            renderer: format!("{name} {version}").trim_end().to_owned(),
             samples: samples? as u32,
             cpu_s: cpu_s?,
             rmse: rmse?,
@@ -137,16 +135,15 @@ mod tests {
 
     #[test]
     fn columns_stand_in_any_order_and_remarks_are_passed_over() {
-        let rows = load("# measured on a Tuesday\nrmse, renderer, cpu_s, spp\n0.05, Some Tracer, 3.5, 16\n")
-            .unwrap();
-        let expected = PeerRow {
-            renderer: "Some Tracer".into(),
-            version: String::new(),
-            samples: 16,
-            cpu_s: 3.5,
-            rmse: 0.05,
+        let told = |headings: &str, version: &str| {
+            let text = format!(
+                "# measured on a Tuesday\nrmse, renderer, cpu_s, spp{headings}\n0.05, Some Tracer, 3.5, 16{version}\n"
+            );
+            load(&text).unwrap()
         };
-        assert_eq!(rows, [expected]);
+        let row = |renderer: &str| PeerRow { renderer: renderer.into(), samples: 16, cpu_s: 3.5, rmse: 0.05 };
+        assert_eq!(told("", ""), [row("Some Tracer")]);
+        assert_eq!(told(", version", ", 1.2"), [row("Some Tracer 1.2")]);
     }
 
     #[test]
