@@ -1,14 +1,12 @@
 //! Cameras. Invariant: one for every node of the scene that holds one, in the order of the nodes.
 
 use super::Builder;
-use super::extras::{self, Sunfleck};
+use super::extras::{self, Sunfleck, Unknown};
 use crate::description::gltf::{self, Property};
 use crate::diagnostic::Loss;
 use crate::scene::{Aperture, Camera, Clip, Lens, RenderSettings, Track};
 use glam::DVec2;
 use serde::Deserialize;
-use serde_json::Value;
-use std::collections::BTreeMap;
 
 /// Shifts of lenses beyond this are refused.
 const MOST_SHIFT: f64 = 100.0;
@@ -24,7 +22,7 @@ struct ThinLens {
     sensor_width_mm: f64,
     blades: Option<u32>,
     #[serde(flatten)]
-    unknown: BTreeMap<String, Value>,
+    unknown: Unknown,
 }
 
 /// Blender's default sensor.
@@ -72,10 +70,8 @@ impl Builder<'_> {
     fn camera_extras(&mut self, camera: &gltf::Camera) -> Option<ThinLens> {
         let path = format!("camera `{}`", camera.name);
         let lens: ThinLens = extras::read(&camera.extras, "sunfleck_camera", &path, &mut self.report)?;
-        for name in lens.unknown.keys() {
-            let field = format!("sunfleck_camera.{name}` of `{}", camera.name);
-            self.report.not_honoured(Loss::UnknownField, &field);
-        }
+        let name = |field: &str| format!("sunfleck_camera.{field}` of `{}", camera.name);
+        extras::tell_unknown(&lens.unknown, &mut self.report, name);
         if lens.shift.is_some_and(|shift| !shift.iter().all(|shift| shift.abs() <= MOST_SHIFT)) {
             let found = format!("the lens is shifted by {:?}", lens.shift.unwrap_or_default());
             let expected = "two numbers from -100 to 100, in lengths of the picture's longer side";

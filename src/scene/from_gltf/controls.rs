@@ -3,7 +3,7 @@
 //! come its tracks. Invariant: every key, and every curve between keys, is within its field's range.
 
 use super::Builder;
-use super::extras::{self, Channels};
+use super::extras::{self, Channels, Unknown};
 use super::light_extras::{NARROWEST_SPREAD, WIDEST_SPREAD};
 use crate::color::Rgb;
 use crate::description::gltf::Property;
@@ -16,8 +16,7 @@ use crate::scene::{
 };
 use glam::DVec3;
 use serde::Deserialize;
-use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// `sunfleck_ctl` of a node.
@@ -28,7 +27,7 @@ struct Control {
     /// `translation` or `scale`, for one number followed by `.x`, `.y` or `.z`.
     channel: String,
     #[serde(flatten)]
-    unknown: BTreeMap<String, Value>,
+    unknown: Unknown,
 }
 
 /// Track that a node carries.
@@ -76,10 +75,7 @@ impl Builder<'_> {
             let control = extras::read(&node.extras, "sunfleck_ctl", &path, &mut self.report);
             let Some(Control { target, channel, unknown }) = control else { continue };
             let path = format!("{path}.extras.sunfleck_ctl");
-            for field in unknown.keys() {
-                let field = format!("{path}.{field}");
-                self.report.not_honoured(Loss::UnknownField, &field);
-            }
+            extras::tell_unknown(&unknown, &mut self.report, |field| format!("{path}.{field}"));
             let Some(carried) = self.carried(number, &channel) else {
                 let found = format!("`{channel}` is no channel");
                 let expected = "translation or scale, or one number of it such as translation.x";

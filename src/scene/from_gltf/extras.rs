@@ -12,6 +12,9 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
+/// Fields of a property that are none of its own.
+pub(super) type Unknown = BTreeMap<String, Value>;
+
 /// `sunfleck`: how the scene is to be rendered.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -44,7 +47,7 @@ pub(super) struct Sunfleck {
     pub(super) shutter_offset: Option<f64>,
     pub(super) unit_scale: Option<f64>,
     #[serde(flatten)]
-    unknown: BTreeMap<String, Value>,
+    unknown: Unknown,
 }
 
 /// `sunfleck_fog` of a scene or `sunfleck_fog_volume` of a node.
@@ -81,7 +84,7 @@ pub(super) struct Fog {
     /// Billows that drift in the box of a node.
     pub(super) mist: Option<Mist>,
     #[serde(flatten)]
-    pub(super) unknown: BTreeMap<String, Value>,
+    pub(super) unknown: Unknown,
 }
 
 /// `mist` of a node's fog, with names and defaults of a scene file; metres along the box's axes.
@@ -96,7 +99,7 @@ pub(super) struct Mist {
     pub(super) edge: Option<f64>,
     pub(super) seed: Option<u32>,
     #[serde(flatten)]
-    pub(super) unknown: BTreeMap<String, Value>,
+    pub(super) unknown: Unknown,
 }
 
 /// `sunfleck_leaf` of a material: a share of the light comes out on the other side, diffuse.
@@ -107,7 +110,7 @@ pub(super) struct Leaf {
     /// Colour of transmitted light; without one that of the surface.
     pub(super) transmit_color: Option<Channels>,
     #[serde(flatten)]
-    pub(super) unknown: BTreeMap<String, Value>,
+    pub(super) unknown: Unknown,
 }
 
 /// `sunfleck_object` of a node: which rays meet its mesh.
@@ -118,13 +121,13 @@ pub(super) struct ObjectRays {
     casts_shadow: bool,
     holdout: bool,
     #[serde(flatten)]
-    unknown: BTreeMap<String, Value>,
+    unknown: Unknown,
 }
 
 impl Default for ObjectRays {
     fn default() -> Self {
         let RayVisibility { visible_to_camera, casts_shadow, holdout } = RayVisibility::USUAL;
-        Self { visible_to_camera, casts_shadow, holdout, unknown: BTreeMap::new() }
+        Self { visible_to_camera, casts_shadow, holdout, unknown: Unknown::new() }
     }
 }
 
@@ -170,13 +173,16 @@ pub(super) fn read<T: DeserializeOwned>(
     report.keep(read)
 }
 
+/// Says which fields of a property are none, by the name that each goes by.
+pub(super) fn tell_unknown(unknown: &Unknown, report: &mut Report, name: impl Fn(&str) -> String) {
+    unknown.keys().for_each(|field| report.not_honoured(Loss::UnknownField, &name(field)));
+}
+
 /// Everything that the scene's own extras say.
 pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> (Sunfleck, Option<Fog>) {
     let path = format!("scenes[{}]", source.scene);
     let sunfleck: Sunfleck = read(&source.extras, "sunfleck", &path, report).unwrap_or_default();
-    for name in sunfleck.unknown.keys() {
-        report.not_honoured(Loss::UnknownField, &format!("sunfleck.{name}"));
-    }
+    tell_unknown(&sunfleck.unknown, report, |field| format!("sunfleck.{field}"));
     if sunfleck.version.is_some_and(|version| version != 1.0) {
         report.error(format!("{path}.extras.sunfleck.version"), "this version is not known", "version 1");
     }
@@ -203,9 +209,7 @@ impl Builder<'_> {
         let read: Option<ObjectRays> =
             read(extras, "sunfleck_object", &format!("nodes[{node}]"), &mut self.report);
         let ObjectRays { visible_to_camera, casts_shadow, holdout, unknown } = read.unwrap_or_default();
-        for name in unknown.keys() {
-            self.report.not_honoured(Loss::UnknownField, &format!("sunfleck_object.{name}"));
-        }
+        tell_unknown(&unknown, &mut self.report, |field| format!("sunfleck_object.{field}"));
         RayVisibility { visible_to_camera, casts_shadow, holdout }
     }
 

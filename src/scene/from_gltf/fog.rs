@@ -105,10 +105,7 @@ impl Builder<'_> {
     }
 
     fn add_fog(&mut self, name: &str, node: NodeIndex, fog: extras::Fog, shape: FogShape, path: &str) {
-        for field in fog.unknown.keys() {
-            let field = format!("{path}.{field}");
-            self.report.not_honoured(Loss::UnknownField, &field);
-        }
+        extras::tell_unknown(&fog.unknown, &mut self.report, |field| format!("{path}.{field}"));
         if let Motion::Still(parent_from_cube) = &self.scene.nodes[node].motion
             && parent_from_cube.matrix3.determinant() == 0.0
         {

@@ -3,15 +3,13 @@
 //! Invariant: sizes are finite and in range; any other is an error at its own JSON path.
 
 use super::Builder;
-use super::extras::{self, Channels};
+use super::extras::{self, Channels, Unknown};
 use crate::color::Rgb;
 use crate::description::LARGEST_NUMBER;
 use crate::description::gltf;
 use crate::diagnostic::Loss;
 use crate::scene::{AreaShape, LampTraits, Light, LightKind, NodeIndex, SunDisc, Track};
 use serde::Deserialize;
-use serde_json::Value;
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::ops::RangeBounds;
 
@@ -68,7 +66,7 @@ pub(super) struct LightExtras {
     /// Rotation of the picture, anticlockwise.
     pub(super) picture_rotation: Option<f64>,
     #[serde(flatten)]
-    unknown: BTreeMap<String, Value>,
+    unknown: Unknown,
 }
 
 /// One number for both, or width and height.
@@ -83,12 +81,11 @@ impl Builder<'_> {
     /// Reads `sunfleck_light` of a node.
     pub(super) fn light_extras(&mut self, index: usize, node: &gltf::Node) -> Option<LightExtras> {
         let path = format!("nodes[{index}]");
-        let extras: LightExtras = extras::read(&node.extras, "sunfleck_light", &path, &mut self.report)?;
+        let mut extras: LightExtras = extras::read(&node.extras, "sunfleck_light", &path, &mut self.report)?;
         // A sun's strength stands in the light itself; Blender's own number beside it is for people.
-        for field in extras.unknown.keys().filter(|field| *field != "strength_w_m2") {
-            let field = format!("{path}.extras.sunfleck_light.{field}");
-            self.report.not_honoured(Loss::UnknownField, &field);
-        }
+        extras.unknown.remove("strength_w_m2");
+        let name = |field: &str| format!("{path}.extras.sunfleck_light.{field}");
+        extras::tell_unknown(&extras.unknown, &mut self.report, name);
         if extras.casts_shafts == Some(false) {
             self.report.not_honoured(Loss::LightWithoutShafts, &node.name);
         }

@@ -2,14 +2,12 @@
 //! material that glTF has, out comes the material it really is. Invariant: shares add up to 1 at most.
 
 use super::Builder;
-use super::extras::{self, Channels};
+use super::extras::{self, Channels, Unknown};
 use crate::color::Rgb;
 use crate::description::gltf;
 use crate::diagnostic::Loss;
 use crate::scene::{Coat, Dielectric, Material, Painted, TextureMap};
 use serde::Deserialize;
-use serde_json::Value;
-use std::collections::BTreeMap;
 
 /// Excess over 1 of shares that should add up to 1: Blender and others hold colours in single precision,
 /// and properties in double, so that 0.6 and 0.4 make 1.000000024.
@@ -42,7 +40,7 @@ pub(super) struct MaterialExtras {
     pub(super) encoded_filtering: bool,
     thin_dielectric: Option<Thin>,
     #[serde(flatten)]
-    unknown: BTreeMap<String, Value>,
+    unknown: Unknown,
 }
 
 /// `thin_dielectric` of it.
@@ -97,10 +95,8 @@ impl Builder<'_> {
         let path = format!("materials[{index}]");
         let mut extras: MaterialExtras =
             extras::read(&source.extras, "sunfleck_material", &path, &mut self.report)?;
-        for field in extras.unknown.keys() {
-            let field = format!("sunfleck_material.{field}` of `{}", source.name);
-            self.report.not_honoured(Loss::UnknownField, &field);
-        }
+        let name = |field: &str| format!("sunfleck_material.{field}` of `{}", source.name);
+        extras::tell_unknown(&extras.unknown, &mut self.report, name);
         if let Some(thin) = &mut extras.thin_dielectric {
             let path = format!("{path}.extras.sunfleck_material.thin_dielectric");
             for (name, value, range) in

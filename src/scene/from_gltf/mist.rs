@@ -4,7 +4,6 @@
 
 use super::Builder;
 use super::extras;
-use crate::diagnostic::Loss;
 use crate::math::Recent;
 use crate::scene::drift::Drift;
 use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, usual_voxel_m};
@@ -24,9 +23,7 @@ impl Builder<'_> {
         path: &str,
     ) -> Option<(FogShape, NodeIndex)> {
         let path = format!("{path}.mist");
-        for field in mist.unknown.keys() {
-            self.report.not_honoured(Loss::UnknownField, &format!("{path}.{field}"));
-        }
+        extras::tell_unknown(&mist.unknown, &mut self.report, |field| format!("{path}.{field}"));
         if fog.vdb.is_some() {
             self.report.error(
                 path,

@@ -44,10 +44,7 @@ impl Builder<'_> {
     fn leaf(&mut self, index: usize, material: &gltf::Material) -> Option<Leaf> {
         let path = format!("materials[{index}]");
         let leaf: Leaf = extras::read(&material.extras, "sunfleck_leaf", &path, &mut self.report)?;
-        for name in leaf.unknown.keys() {
-            let name = format!("sunfleck_leaf.{name}");
-            self.report.not_honoured(Loss::UnknownField, &name);
-        }
+        extras::tell_unknown(&leaf.unknown, &mut self.report, |field| format!("sunfleck_leaf.{field}"));
         let path = format!("{path}.extras.sunfleck_leaf");
         let color = leaf.transmit_color.map_or(Rgb::ONE, Rgb::from);
         let numbers = [("translucency", Rgb::splat(leaf.translucency)), ("transmit_color", color)];
