@@ -166,8 +166,14 @@ pub(super) fn read<T: DeserializeOwned>(
             whole if whole == "." => path,
             part => format!("{path}.{part}"),
         };
-        Diagnostic::error(report.at(at), error.into_inner().to_string())
-            .expected("a custom property as sunfleck defines it")
+        let found = error.into_inner().to_string();
+        // What a struct of ours is called means nothing to whoever wrote the file.
+        let (found, expected) = match found.split_once(", expected struct") {
+            Some((found, _)) => (found, "fields in curly brackets, `{\"field\": value, ..}`"),
+            None => (found.as_str(), "a custom property as sunfleck defines it"),
+        };
+        Diagnostic::error(report.at(at), found)
+            .expected(expected)
             .remedy("correct this custom property and export the file again")
     });
     report.keep(read)
