@@ -186,6 +186,14 @@ impl Gloss {
         self.principled.map(|own| 1.0 - self.cover * (1.0 - self.let_out(own, cos)))
     }
 
+    /// Factors that make of [`Gloss::beneath`], if it is a Principled BSDF's, one that takes that many times as
+    /// much.
+    pub fn leaves_in_turn(&self, takes: [f64; 2], cos_eye: f64) -> [f64; 2] {
+        let Some(own) = self.principled.filter(|_| takes != [1.0; 2]) else { return [1.0; 2] };
+        let left = self.let_out(own, cos_eye.max(0.0)).max(f64::MIN_POSITIVE);
+        takes.map(|takes| (1.0 - takes * (1.0 - left)).max(0.0) / left)
+    }
+
     /// Share of light towards the eye that a Principled BSDF's coat lets out, for all colours that of the
     /// one it reflects most (Cycles 5.0, `closure_layering_weight`). As there microfacets count alike, and
     /// what others hide of their light is taken off all of it (`bsdf_microfacet_estimate_albedo`).
@@ -268,6 +276,19 @@ mod tests {
                 assert!((there - back).abs().max_element() <= 1e-14 * there.max_element());
                 assert_eq!(gloss.beneath(v.z, l.z), gloss.beneath(l.z, v.z));
             }
+        }
+    }
+
+    /// A coat on half of a surface is half as strong on all of it.
+    #[test]
+    fn a_coat_takes_from_its_own_share_alone() {
+        let whole = Gloss::new(Rgb::splat(0.04), Rgb::ONE, 0.5).principled();
+        let half = Gloss::new(Rgb::splat(0.02), Rgb::splat(0.5), 0.5).principled();
+        for cos in [0.02, 0.2, 0.6, 1.0] {
+            let [own, beside] =
+                half.leaves_in_turn([2.0, 0.0], cos).map(|factor| factor * half.beneath(cos, 0.5).x);
+            assert!((own - whole.beneath(cos, 0.5).x).abs() < 1e-2, "{cos}: {own}");
+            assert!((beside - 1.0).abs() < 1e-12, "{cos}: {beside}");
         }
     }
 

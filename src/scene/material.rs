@@ -32,6 +32,9 @@ pub struct Material {
     pub coat: Option<Coat>,
     /// Whether its coat is that of Blender's Principled BSDF, as Cycles has it.
     pub is_principled: bool,
+    /// How many times what that coat takes from beneath it is taken from the base colour and from transmission: a
+    /// share of a surface may lie beside its coat.
+    pub coat_takes: [f64; 2],
     /// Reflectance of metal along the normal, if it is not `base_color`: nothing goes through metal.
     pub metal_color: Option<Rgb>,
     /// Whether no texture multiplies that.
@@ -191,6 +194,7 @@ impl Default for Material {
             emission_texture: None,
             coat: None,
             is_principled: false,
+            coat_takes: [1.0; 2],
             metal_color: None,
             has_plain_metal: false,
             has_even_metal: false,

@@ -218,14 +218,19 @@ impl Facet<'_> {
         let to_eye = -ray.direction;
         let bent = material.normal_map.map_or(unbent, |map| self.bent(unbent, map, weights));
         let unbent_normal = material.has_bump_shadows.then_some(unbent);
+        let shine_normal = unbent_normal.map_or(bent, |_| shine_normal(geometric_normal, to_eye, bent));
+        let [reflected, transmitted] = match &gloss {
+            Some(gloss) => gloss.leaves_in_turn(material.coat_takes, shine_normal.dot(to_eye)),
+            None => [1.0; 2],
+        };
         SurfacePoint {
             position: ray.at(distance),
             geometric_normal,
             shading_normal: bent,
             unbent_normal,
-            shine_normal: unbent_normal.map_or(bent, |_| shine_normal(geometric_normal, to_eye, bent)),
-            albedo: base_color * matte,
-            transmission: transmission * matte,
+            shine_normal,
+            albedo: reflected * base_color * matte,
+            transmission: transmitted * transmission * matte,
             gloss,
             dielectric,
             layers,

@@ -32,6 +32,8 @@ pub(super) struct MaterialExtras {
     /// Whether Blender's Principled BSDF is meant.
     #[serde(default)]
     principled: bool,
+    /// How many times what its coat takes is taken from base colour and transmission.
+    coat_takes: Option<[f64; 2]>,
     /// Whether Blender's *Bump Map Correction* is meant.
     #[serde(default)]
     bump_map_correction: bool,
@@ -66,6 +68,7 @@ impl MaterialExtras {
             (material.mirror, material.painted) = (mirror.into(), Painted::BaseColor);
         }
         material.is_principled = self.principled;
+        material.coat_takes = self.coat_takes.unwrap_or(material.coat_takes);
         material.has_bump_shadows = self.bump_map_correction;
         material.metal_color = self.metal.map_or(material.metal_color, |metal| Some(metal.into()));
         material.has_plain_metal = self.metal.is_some() && self.plain_metal;
@@ -97,6 +100,11 @@ impl Builder<'_> {
             extras::read(&source.extras, "sunfleck_material", &path, &mut self.report)?;
         let name = |field: &str| format!("sunfleck_material.{field}` of `{}", source.name);
         extras::tell_unknown(&extras.unknown, &mut self.report, name);
+        for takes in extras.coat_takes.iter_mut().flatten().filter(|takes| **takes < 0.0) {
+            let path = format!("{path}.extras.sunfleck_material.coat_takes");
+            self.report.put_right(Loss::ValueOutOfRange, &path, *takes);
+            *takes = 0.0;
+        }
         if let Some(thin) = &mut extras.thin_dielectric {
             let path = format!("{path}.extras.sunfleck_material.thin_dielectric");
             for (name, value, range) in

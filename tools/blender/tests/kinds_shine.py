@@ -4,7 +4,8 @@ import math
 
 import bpy
 import numpy
-from kinds_parts import leaves, matte
+from kinds_parts import GREEN, RED, leaves, matte
+from kinds_surfaces import soft_picture
 
 
 def polished(scene, distribution="MULTI_GGX"):
@@ -54,3 +55,22 @@ def hammered(scene, strength=1.0, space="TANGENT"):
     for number, leaf in enumerate(leaves(scene, trees[0])):
         leaf.data.materials[0] = trees[number % 2].material
     scene.objects["sun"].rotation_euler = (0.3, 1.3, 0.0)
+
+
+def grazed_leaves(scene, is_baked=False):
+    """A leaf's glaze is on what it reflects, and not on what it lets through: seen nearly along them, from both sides."""
+    tree, sun = matte(), bpy.data.objects["sun"]
+    through = tree.node("BsdfTranslucent")
+    tree.shader.inputs["Specular IOR Level"].default_value, tree.shader.inputs["Roughness"].default_value = 0.5, 0.4
+    colours = {tree.shader.inputs["Base Color"]: GREEN, through.inputs["Color"]: RED}
+    picture = soft_picture(tree.material.node_tree, 1.0)
+    for socket, colour in colours.items():
+        socket.default_value = colour
+        if is_baked:
+            hue = tree.node("HueSaturation")
+            hue.inputs["Value"].default_value = max(colour)
+            tree.link(picture.outputs["Color"], hue.inputs["Color"]).link(hue.outputs["Color"], socket)
+    tree.mixed(0.4, tree.shader, through)
+    for number, leaf in enumerate(leaves(scene, tree)):
+        leaf.rotation_euler, leaf.location.z = (0.0, 0.0, 0.3 * number), 0.4 + 0.3 * number
+    sun.rotation_euler = (0.3, 0.2, 0.0)

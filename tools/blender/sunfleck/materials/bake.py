@@ -6,7 +6,7 @@ geometry, at the same size, is taken from the folder.
 """
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -15,9 +15,9 @@ import numpy
 from ..evaluated.attributes import GENERATED, MADE
 from ..evaluated.geometry import digest
 from ..evaluated.heeding import nobody
-from . import dependence, principled, sheets, sockets
+from . import closures, dependence, principled, sheets, sockets
 from .colours import rec709, working_space
-from .channels import COLORS, NUMBERS, Channels, is_socket
+from .channels import COLORS, NUMBERS, SHINE, Channels, is_socket
 from .fingerprint import of_tree
 from .principled import WHITE, Surface
 from .sockets import NotSimple, Picture, Source
@@ -73,7 +73,8 @@ class Baker:
             parts = channels.of(sockets.link_to(output.inputs["Surface"]).from_socket)
             bends = channels.bends or sockets.link_to(output.inputs["Displacement"]) is not None
             pictures = self.pictures(copy, parts, bends)
-            return self.put_together(pictures, channels)
+            surface = self.put_together(pictures, channels)
+            return glazed_in_part(surface, channels, parts.get(SHINE, 0.0)) or surface
         finally:
             trees = inner_trees(copy.node_tree)
             bpy.data.materials.remove(copy)
@@ -217,6 +218,23 @@ class Baker:
             self.canvas.uv,
             extension="EXTEND" if self.canvas.geometry else "REPEAT",
         )
+
+
+def glazed_in_part(surface, channels, share):
+    """A leaf of one even glaze, through whose other share all light goes that does; None of whatever else there is."""
+    is_leaf = len(channels.principled) == 1 and channels.mattes == {"BSDF_TRANSLUCENT"} and not (channels.metals or channels.adds)
+    if not (is_leaf and 0.0 < share < 1.0 and closures.is_even_glaze(surface)):
+        return None
+    # That of the glaze: Translucent BSDFs were counted as rough.
+    rough, left = surface.sources["roughness"], 1.0 - share
+    if rough.picture:
+        texels = rough.factor[0] * rough.picture.image.values_of_texels
+        rough = replace(rough, factor=(1.0,) * 3, picture=replace(rough.picture, image=Pixels(
+            rough.picture.image.name, numpy.clip((texels - left) / share, 0.0, 1.0).astype("f4"))))
+    else:
+        rough = Source((max(0.0, rough.number() - left) / share,) * 3)
+    sources = {**surface.sources, "roughness": rough, "shine": Source((share,) * 3)}
+    return replace(surface, sources=sources, shine_takes=(1.0 / share, 0.0), losses=[one for one in surface.losses if one != "mixed-shine"])
 
 
 def ask_for_alpha(tree, emission):

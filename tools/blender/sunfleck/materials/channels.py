@@ -5,12 +5,16 @@ Invariant: parts are weighted by how much of the surface is there ("cover"). So 
 are mixtures of parts.
 """
 
+import math
+
 from . import sheets
 from .sockets import NotSimple, link_to
 
 COLORS = ("reflected", "through", "emission")
 NUMBERS = ("cover", "roughness", "metallic")
 NOTHING = {**dict.fromkeys(COLORS, (0.0, 0.0, 0.0)), **dict.fromkeys(NUMBERS, 0.0)}
+# Of what is there, the share of Principled BSDFs, where it is one number.
+SHINE, UNKNOWN = "shine", math.nan
 # Where nothing is linked to be mixed.
 BLACK = {**NOTHING, "cover": 1.0}
 # Shaders of one colour: which part it is, and how rough and metallic they are (None: as their socket says).
@@ -54,6 +58,7 @@ class Channels:
             a, b = (self.of_input(socket, NOTHING) for socket in node.inputs)
             self.adds |= not any(same(one["reflected"], 0.0) for one in (a, b))
             found = {name: self.sum(a[name], b[name]) for name in NOTHING}
+            found[SHINE] = shine_of(0.5, a, b)
             # What only shines lies upon what is there, and nowhere else.
             covers = [one["cover"] for one in (a, b) if not is_light(one)] or [1.0]
             return {**found, "cover": covers[0] if len(covers) == 1 else self.most(*covers)}
@@ -96,7 +101,7 @@ class Channels:
             "reflected": self.mix(share, base, 0.0), "through": self.product(base, share),
             "emission": self.product(emission, cover), "cover": cover,
             "roughness": self.product(self.value(node.inputs["Roughness"]), cover),
-            "metallic": self.product(self.value(node.inputs["Metallic"]), cover),
+            "metallic": self.product(self.value(node.inputs["Metallic"]), cover), SHINE: 1.0,
         }
 
     def note_normal(self, node):
@@ -154,7 +159,7 @@ class Channels:
         return made.outputs[0]
 
     def mixed(self, share, a, b):
-        return {name: self.mix(share, a[name], b[name]) for name in NOTHING}
+        return {**{name: self.mix(share, a[name], b[name]) for name in NOTHING}, SHINE: shine_of(share, a, b)}
 
     def mix(self, share, a, b):
         if not is_socket(share):
@@ -197,6 +202,15 @@ class Channels:
             socket.default_value = (*color, 1.0)
         else:
             socket.default_value = value[0] if isinstance(value, tuple) else value
+
+
+def shine_of(share, a, b):
+    """Of a mixture: what is not there has none."""
+    shines = [one.get(SHINE, 0.0) for one in (a, b) if not same(one["cover"], 0.0)] or [0.0]
+    if min(shines) == max(shines):
+        return shines[0]
+    is_told = isinstance(share, float) and same(a["cover"], 1.0) and same(b["cover"], 1.0)
+    return shines[0] + min(1.0, max(0.0, share)) * (shines[1] - shines[0]) if is_told else UNKNOWN
 
 
 def is_light(parts):

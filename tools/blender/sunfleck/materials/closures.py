@@ -100,26 +100,23 @@ def is_mirror(surface):
 
 def is_glazed(surface):
     """A Principled BSDF that is matte beneath an even shine, and nothing else."""
+    return is_even_glaze(surface) and not glows(surface) and surface.alpha == WHITE and surface.cutoff is None
+
+
+def is_even_glaze(surface):
+    """Whether its shine is that of one dielectric."""
     none = (surface.sources.get(name) for name in ("metallic", "coat", "sheen", "transmission"))
-    is_plain = all(source == BLACK for source in none) and all(surface.sources[name].is_constant() for name in ("specular", "ior"))
-    return is_plain and "thin" not in surface.sources and not glows(surface) and surface.alpha == WHITE and surface.cutoff is None
+    is_plain = all(source == BLACK for source in none) and all(surface.sources.get(name, BLACK).is_constant() for name in ("specular", "ior"))
+    return is_plain and "thin" not in surface.sources
 
 
 def half_glazed(node, share, glazed, matte):
-    """A share of a surface shines: so does all of it, by that share. What the shine takes away is that
-    part's alone, as along the normal."""
-    ior = max(1.0, glazed.sources["ior"].number())
-    glaze = min(0.5, 2.0 * glazed.sources["specular"].number() * ((ior - 1.0) / (ior + 1.0)) ** 2)
-    left = 1.0 - share * glaze
-    parts = (glazed, share * (1.0 - glaze) / left), (matte, (1.0 - share) / left)
-    base, through = (
-        blended(node, 0.5, *(principled.scaled(one.sources.get(name, BLACK), 2.0 * weight) for one, weight in parts))
-        for name in ("base", "through")
-    )
-    made = {**glazed.sources, "base": base, "through": through, "shine": Source((share,) * 3)}
-    # Up to an index of 1.8 and within 0.3 %, whatever the share; beyond, light that grazes it is up to 1 % darker.
-    is_near = glaze <= 0.09
-    return replace(glazed, sources=made, losses=glazed.losses if is_near else [*glazed.losses, "mixed-shine"])
+    """A share of a surface shines: so does all of it, by that share, and takes what it takes from that part alone."""
+    beneath, made = ([one.sources.get(name, BLACK) for name in ("base", "through")] for one in (glazed, matte))
+    mixed = [blended(node, 1.0 - share, *parts) for parts in zip(beneath, made)]
+    takes = tuple(sum(own.factor) / sum(all.factor) if any(all.factor) else 1.0 for own, all in zip(beneath, mixed))
+    sources = {**glazed.sources, **dict(zip(("base", "through"), mixed)), "shine": Source((share,) * 3)}
+    return replace(glazed, sources=sources, shine_takes=takes)
 
 
 def shining(node, share, matte, mirror):
