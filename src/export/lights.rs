@@ -98,9 +98,10 @@ fn fields(kind: &LightKind, time_s: f64) -> Result<Vec<(&'static str, Value)>, D
 
 /// Fields for traits that a lamp has.
 fn fields_of(traits: LampTraits) -> impl Iterator<Item = (&'static str, Value)> {
-    let LampTraits { soft_falloff, visible_to_camera, visible_in_mirrors } = traits;
+    let LampTraits { soft_falloff, shines_inward, visible_to_camera, visible_in_mirrors } = traits;
     let named = [
         ("soft_falloff", soft_falloff),
+        ("shines_inward", shines_inward),
         ("visible_to_camera", visible_to_camera),
         ("visible_in_mirrors", visible_in_mirrors),
     ];

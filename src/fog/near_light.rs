@@ -70,8 +70,7 @@ impl<'a> NearLight<'a> {
         let gap = ray.direction.cross(to_light).length();
         let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length());
         let gap = gap.max(SMALLEST_SHARE * stretch.end).max(f64::MIN_POSITIVE);
-        // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge. Soft falloff is smooth
-        // but where the ray enters the lamp's sphere: there its slope has no bound.
+        // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge.
         let is_plain = !matches!(emission, Emission::Spot(_)) && shape.softened_m2 == 0.0;
         let more_nodes = if is_plain { 0 } else { 2 };
         let densest_per_m = stretch.medium.most_extinction_per_m();
@@ -89,12 +88,16 @@ impl<'a> NearLight<'a> {
             return sum;
         }
         let mut start = range.start;
-        // The slope of a spot's falloff changes at kinks.
-        for end in self.emission.kinks(self.stretch.ray, self.light).into_iter().flatten().chain([range.end])
-        {
-            let end = end.clamp(start, range.end);
-            sum += self.smooth_integral(&(start..end), lit);
-            start = end;
+        // The slope of a spot's falloff changes at kinks, and light at the surface of the lamp.
+        let [a, b] = self.emission.kinks(self.stretch.ray, self.light);
+        let [c, d] = self.shape.crossings(self.stretch.ray);
+        let mut ends = [a, b, c, d, None].map(|end| end.unwrap_or(range.end));
+        ends.sort_unstable_by(f64::total_cmp);
+        for end in ends.map(|end| end.clamp(range.start, range.end)) {
+            if end > start {
+                sum += self.smooth_integral(&(start..end), lit);
+                start = end;
+            }
         }
         sum
     }

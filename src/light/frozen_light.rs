@@ -76,6 +76,7 @@ impl FrozenLight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Ray;
 
     fn lamp(position: DVec3, emission: Emission, shape: LampShape) -> FrozenLight {
         FrozenLight::Point { position, intensity: Rgb::splat(8.0), emission, shape }
@@ -108,6 +109,17 @@ mod tests {
         }
         let far = DVec3::Y * 30.0;
         assert!((shape.share_in_fog(far) / shape.share(far) - 1.0).abs() < 1e-6);
+    }
+
+    /// Points of a sphere give half of what all of its surface gives within it.
+    #[test]
+    fn a_sphere_that_shines_inward_fills_itself() {
+        let shape = LampShape { inward_m2: 0.09, ..LampShape::NONE };
+        assert_eq!([0.2, 0.4].map(|d| shape.share_in_fog(DVec3::X * d)), [2.0, 1.0]);
+        let ray = |y: f64| Ray { origin: DVec3::new(-1.0, y, 0.0), direction: DVec3::X };
+        let [enter, leave] = shape.crossings(&ray(0.0)).map(|t| t.expect("it crosses"));
+        assert!((enter - 0.7).abs() < 1e-12 && (leave - 1.3).abs() < 1e-12, "{enter} {leave}");
+        assert_eq!(shape.crossings(&ray(0.4)), [None; 2]);
     }
 
     #[test]

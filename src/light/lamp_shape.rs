@@ -1,6 +1,7 @@
 //! What a point of a lamp knows of all of it. In go places, out come shares of light. Invariant: without an
 //! extent there is nothing to know.
 
+use crate::math::Ray;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -11,13 +12,15 @@ pub struct LampShape {
     pub centre: DVec3,
     /// Square of the radius of a lamp with soft falloff, m^2; 0 of all others.
     pub softened_m2: f64,
+    /// Square of the radius of a sphere that shines inward too, m^2; 0 of all others.
+    pub inward_m2: f64,
     /// Area that smooth surfaces show, m^2; 0 if they show none.
     pub shown_m2: f64,
 }
 
 impl LampShape {
     /// A lamp without an extent.
-    pub const NONE: Self = Self { centre: DVec3::ZERO, softened_m2: 0.0, shown_m2: 0.0 };
+    pub const NONE: Self = Self { centre: DVec3::ZERO, softened_m2: 0.0, inward_m2: 0.0, shown_m2: 0.0 };
 
     /// Share of a sphere's light that arrives at a place by soft falloff.
     ///
@@ -32,20 +35,28 @@ impl LampShape {
         squared / (squared + self.softened_m2)
     }
 
-    /// Share of a sphere's fluence that arrives at a place in fog by soft falloff.
+    /// Share of a sphere's fluence that arrives at a place in fog.
     ///
-    /// The disc fills `2 pi (1 - d / s)` steradians with `s^2 = d^2 + r^2`. A sphere fills
+    /// Within a sphere its points give half of what its surface gives if that shines inward. By soft falloff the disc fills `2 pi (1 - d / s)` steradians with `s^2 = d^2 + r^2`. A sphere fills
     /// `2 pi (1 - sqrt(1 - r^2 / d^2))`, or half of all where a place is within.
     #[inline]
     pub fn share_in_fog(&self, place: DVec3) -> f64 {
-        if self.softened_m2 == 0.0 {
-            return 1.0;
-        }
         let squared = place.distance_squared(self.centre);
+        if self.softened_m2 == 0.0 {
+            return if squared < self.inward_m2 { 2.0 } else { 1.0 };
+        }
         let (d, s) = (squared.sqrt(), (squared + self.softened_m2).sqrt());
         // Without the differences, which cancel far away.
         let tangent = (squared - self.softened_m2).max(0.0).sqrt();
         if tangent > 0.0 { d * (d + tangent) / (s * (s + d)) } else { self.softened_m2 / (s * (s + d)) }
+    }
+
+    /// Where a ray crosses the sphere within which its share in fog is another, in order.
+    pub fn crossings(&self, ray: &Ray) -> [Option<f64>; 2] {
+        let to_centre = self.centre - ray.origin;
+        let along = to_centre.dot(ray.direction);
+        let squared = self.softened_m2.max(self.inward_m2) - to_centre.cross(ray.direction).length_squared();
+        if squared > 0.0 { [along - squared.sqrt(), along + squared.sqrt()].map(Some) } else { [None; 2] }
     }
 
     /// Whether a lobe of GGX of so narrow an alpha shows the lamp's outline at a place.

@@ -7,6 +7,8 @@ use super::{NodeIndex, Scene};
 pub struct LampTraits {
     /// Blender's *Soft Falloff*: it is a disc that faces whatever it lights, and no sphere.
     pub soft_falloff: bool,
+    /// Whether a sphere's surface shines inward too, as Cycles' does.
+    pub shines_inward: bool,
     /// Whether the camera sees it, and what lies behind it through it.
     pub visible_to_camera: bool,
     /// Whether mirrors and other smooth surfaces do.

@@ -131,8 +131,10 @@ impl Luminaire {
             Extent::Flat { half_axes: [right, up], .. } => 4.0 * right.cross(*up).length(),
             _ => return self,
         };
-        if let (Extent::Ball { radius }, true) = (&self.extent, traits.soft_falloff) {
-            shape.softened_m2 = radius * radius;
+        if let Extent::Ball { radius } = &self.extent {
+            let of = |has: bool| if has { radius * radius } else { 0.0 };
+            shape.softened_m2 = of(traits.soft_falloff);
+            shape.inward_m2 = of(traits.shines_inward && !traits.soft_falloff);
         }
         shape.shown_m2 = if traits.visible_in_mirrors { area } else { 0.0 };
         self.shown = [traits.visible_to_camera, traits.visible_in_mirrors].map(|is| is.then_some(*intensity));

@@ -58,6 +58,8 @@ pub(super) struct LightExtras {
     visible_in_mirrors: bool,
     /// Soft falloff of a point or spot.
     soft_falloff: bool,
+    /// Whether a sphere's surface shines inward too.
+    shines_inward: bool,
     /// Picture on that disc: a file beside this one or a data URI, or a Julia set, and how much darker its
     /// edge is.
     pub(super) image: Option<String>,
@@ -94,8 +96,9 @@ impl Builder<'_> {
 
     /// Gives a lamp the traits that its node's property says.
     pub(super) fn set_traits(&mut self, node: NodeIndex, extras: &LightExtras) {
-        let &LightExtras { soft_falloff, visible_to_camera, visible_in_mirrors, .. } = extras;
-        self.scene.set_lamp_traits(node, LampTraits { soft_falloff, visible_to_camera, visible_in_mirrors });
+        let &LightExtras { soft_falloff, shines_inward, visible_to_camera, visible_in_mirrors, .. } = extras;
+        let traits = LampTraits { soft_falloff, shines_inward, visible_to_camera, visible_in_mirrors };
+        self.scene.set_lamp_traits(node, traits);
     }
 
     /// Gives a light of glTF the size that its node's property says.

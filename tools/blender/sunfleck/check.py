@@ -21,7 +21,7 @@ def check(scene):
         if not (thing.sunfleck_settings.is_fog or thing.type == "VOLUME"):
             materials.update(slot.material for slot in thing.material_slots if slot.material)
     for material in sorted(materials, key=lambda material: material.name):
-        found += of_material(material)
+        found += of_material(material, scene.sunfleck_settings)
     return ordered(found)
 
 
@@ -55,7 +55,7 @@ def of_scene(scene):
         "color-overrides": layer.world_override is not None or (layer.material_override is not None and has_fog(scene)),
         "layer-filters": not all(getattr(layer, part) for part in LAYER_PARTS) or (render.use_motion_blur and not layer.use_motion_blur),
         "camera-culling": render.use_simplify and any(of_cycles(scene, by, False) for by in ("use_camera_cull", "use_distance_cull")),
-        "world-volume": world.has_volume(scene),
+        "world-volume": world.volume_of(scene) is not None and fog.of_world(scene) is None,
         "world-rays": bool(scene.world) and not all(of_cycles(scene.world, rays, True, "cycles_visibility") for rays in WORLD_RAYS),
         "shutter-changes": render.use_motion_blur and any(curve.data_path.startswith("render.motion_blur") for curve in curves_of(scene)),
         "shutter-shape": render.use_motion_blur and not is_box(scene),
@@ -63,13 +63,15 @@ def of_scene(scene):
         "view-transform": not extras.is_shown_alike(scene.view_settings),
     }
     yield from (Finding(id) for id, is_so in said.items() if is_so)
-    own = scene.sunfleck_settings
+    own, everywhere = scene.sunfleck_settings, fog.of_world(scene)
+    if everywhere:
+        yield from fog_everywhere(everywhere, scene)
     if world.is_sky(scene):
         if world.is_baked(scene):
             yield Finding("world-baked")
             if world.smears_disc(scene):
                 yield Finding("sky-disc")
-        if world.changes(scene):
+        if world.changes(scene) and not everywhere:
             yield Finding("world-changes")
         if scene.world and world.depends_on_rays(scene) and not world.is_split(scene):
             yield Finding("world-depends-on-rays")
@@ -77,6 +79,16 @@ def of_scene(scene):
             yield Finding("world-lights-nothing")
     elif own.background_strength == 0.0 and world.shines(scene):
         yield Finding("world-not-exported")
+
+
+def fog_everywhere(found, scene):
+    if world.changes(scene):
+        yield Finding("world-changes")
+    if fog.is_clipped_of(found, scene.camera):
+        yield Finding("fog-clipped", "the world")
+    boxes = (thing for thing in scene.objects if thing.sunfleck_settings.is_fog and not thing.hide_render)
+    if any(fog.is_otherwise(found, fog.numbers(thing)) for thing in boxes):
+        yield Finding("fog-overlaps", "the world")
 
 
 def has_fog(scene):
@@ -190,7 +202,7 @@ def of_light(name, thing, scene):
         "light-uneven": light.type in {"AREA", "SPOT"} and is_uneven(thing.matrix_world, light.type == "SPOT"),
         "light-nodes": lights.of_nodes(light) is None,
         "light-shadowless": not light.use_shadow,
-        "light-near": light.type in {"POINT", "SPOT"} and (nearness.is_near_to_any(thing, scene.objects) or nearness.is_in_fog(thing, scene.objects)),
+        "light-near": light.type in {"POINT", "SPOT"} and nearness.is_near_to_any(thing, scene.objects),
         "light-rays": not all(getattr(thing, rays) for rays in RAYS),
         "light-bounces": of_cycles(light, "max_bounces", 1024) < (1024 if own.all_bounces else own.bounces),
         "light-linking": is_linked(thing),
@@ -207,7 +219,7 @@ def is_uneven(place, is_round):
     return not straight or (is_round and max(lengths) - min(lengths) > 1e-3 * max(lengths))
 
 
-def of_material(material):
+def of_material(material, own):
     name = f"the material `{material.name}`"
     output = principled.output_of(material.node_tree) if material.node_tree else None
     if output is None:
@@ -216,10 +228,20 @@ def of_material(material):
         yield Finding(
             "volume-beside-surface" if sockets.link_to(output.inputs["Surface"]) else "volume-material", name
         )
+    if not (own.all_bounces or own.bounces) and any(map(is_mirror, dependence.nodes_of(material))):
+        yield Finding("mirror-bounces", name)
     if dependence.is_transparent(material) and not material.use_transparent_shadow:
         yield Finding("material-shadows", name)
     if sockets.link_to(output.inputs["Displacement"]) and material.displacement_method != "BUMP":
         yield Finding("displacement", name)
+
+
+def is_mirror(node):
+    """Whether it is perfectly smooth metal."""
+    roughness = node.inputs.get("Roughness")
+    is_metal = node.type in {"BSDF_GLOSSY", "BSDF_ANISOTROPIC", "BSDF_METALLIC"} or (
+        node.type == "BSDF_PRINCIPLED" and (node.inputs["Metallic"].is_linked or node.inputs["Metallic"].default_value > 0.0))
+    return is_metal and not roughness.is_linked and roughness.default_value == 0.0
 
 
 def is_hidden_at_times(thing):

@@ -74,6 +74,8 @@ def of_scene(scene, path=None):
         written["sunfleck_fog"] = {
             **fog.of_settings(own), "scale_height": own.scale_height, "base_height": own.base_height
         }
+    elif found := fog.of_world(scene):
+        written["sunfleck_fog"] = found
     sky = None
     if world.is_sky(scene):
         sky = world.of_world(scene, path)
@@ -131,7 +133,7 @@ def light(thing, exposure):
             "type": "area", "shape": AREA_SHAPES[data.shape], "size": lights.written_size(data), "power_w": strength,
             "color": list(lights.color(data)), "spread": lights.spread(data), **seen_by(thing),
         }
-    falloff = {"soft_falloff": data.use_soft_falloff}
+    falloff = {"soft_falloff": data.use_soft_falloff, "shines_inward": data.type == "POINT" and not data.use_soft_falloff}
     return {"radius": data.shadow_soft_size, "power_w": strength, **falloff, **seen_by(thing)}
 
 

@@ -1,14 +1,16 @@
-"""Fog of a thing: what its own volume material says, else what its panel does.
+"""Fog of a thing and of the world: what its own volume material says, else what its panel does.
 
 In go objects and settings, out come extinction, albedo and anisotropy. Invariant: a material that is more
 than numbers is not half read: then it is the panel that counts, and check says so.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy
 from mathutils import Vector
 
+from . import world
 from .materials import principled, sockets
 from .materials.colours import rec709
 from .materials.sockets import NotSimple
@@ -54,13 +56,14 @@ def changing_mist(own):
 def of_material(thing):
     """None if it has no such material, or one that is more than numbers."""
     socket = volume_of(thing)
-    if socket is None:
-        return None
+    return socket and numbers_of(socket)
+
+
+def numbers_of(socket):
     try:
-        found = read(sockets.link_to(socket) or socket.links[0])
+        return said(read(sockets.link_to(socket) or socket.links[0]))
     except NotSimple:
         return None
-    return said(found)
 
 
 def said(found):
@@ -71,6 +74,23 @@ def said(found):
         "density": extinction.tolist(), "albedo": numpy.clip(albedo, 0.0, 1.0).tolist(),
         "anisotropy": min(0.999, max(-0.999, found.anisotropy)),
     }
+
+
+# Optical depths after which nothing is seen of what lies behind: fog of the world ends there.
+DEEP = 20.0
+
+
+def of_world(scene):
+    """The same of the world's own volume, in a box about all there is; None if nothing of it counts."""
+    socket = world.volume_of(scene)
+    found = socket and not scene.sunfleck_settings.use_fog and numbers_of(socket)
+    least = min((density for density in found["density"] if density > 0.0), default=0.0) if found else 0.0
+    if least == 0.0:
+        return None
+    farthest = max((thing.matrix_world.translation.length for thing in scene.objects), default=0.0)
+    # A camera that moves a little does not move the fog.
+    reach = DEEP / least + 2.0 ** math.ceil(math.log2(1.0 + farthest))
+    return {"bounds": [[-reach] * 3, [reach] * 3], **found}
 
 
 def volume_of(thing):
@@ -94,11 +114,13 @@ LEAST_DEPTH = 2e-3
 
 def is_clipped(thing, eye):
     """Whether a camera stands within the fog, and its clipping takes some away in Cycles."""
-    if eye is None or eye.type != "CAMERA":
-        return False
-    within = thing.matrix_world.inverted_safe() @ eye.matrix_world.translation
-    depth = eye.data.clip_start * float(numpy.max(numbers(thing)["density"]))
-    return depth > LEAST_DEPTH and max(map(abs, within)) <= 1.0
+    within = eye and thing.matrix_world.inverted_safe() @ eye.matrix_world.translation
+    return bool(eye) and is_clipped_of(numbers(thing), eye) and max(map(abs, within)) <= 1.0
+
+
+def is_clipped_of(found, eye):
+    """Whether fog of those numbers is."""
+    return eye is not None and eye.type == "CAMERA" and eye.data.clip_start * float(numpy.max(found["density"])) > LEAST_DEPTH
 
 
 # Of the fog's cube: so near is one and the same place.

@@ -24,7 +24,7 @@ LOSSES = {
     "world-rays": (WARNING, "the sky is seen and lights, whatever the world's ray visibility says"),
     "world-depends-on-rays": (WARNING, "the world's nodes tell rays apart, or look at the camera: it is and lights as "
                                        "a camera sees it that looks all around"),
-    "world-volume": (WARNING, "the world's volume is not exported: tick Fog everywhere in the panel"),
+    "world-volume": (WARNING, "the world's volume is more than numbers, or Fog everywhere in the panel takes its place"),
     "border": (WARNING, "a render border is not in the file: Frame and Animation render that region alone"),
     "pixel-aspect": (WARNING, "pixels are square here: the picture has the shape that Blender's has on a "
                               "screen with pixels of its aspect"),
@@ -60,8 +60,7 @@ LOSSES = {
     "light-nodes": (WARNING, "light nodes are more than an Emission of one colour and strength: the light's "
                              "own power and colour count alone"),
     "light-shadowless": (WARNING, "lights that cast no shadows cast them here"),
-    "light-near": (WARNING, "something lies within a light's radius, or fog about it: within two radii it is lit "
-                            "otherwise in Cycles"),
+    "light-near": (WARNING, "something lies within a light's radius: within two radii it is lit otherwise in Cycles"),
     "light-rays": (WARNING, "lights light everything, whatever their ray visibility says"),
     "light-blur": (WARNING, "a light that moves while the shutter is open shines from all along its way, and one that "
                             "changes is as at the frame; Cycles' is as in the middle of the shutter"),
@@ -115,6 +114,7 @@ LOSSES = {
     "material-not-honoured": (WARNING, "the material is not honoured"),
     "material-lost": (WARNING, "of the material something is lost"),
     "material-glows": (INFO, "what glows is seen, and lights other things only where light bounces"),
+    "mirror-bounces": (WARNING, "without bounces a mirror shows what is lit about it, and in Cycles is black there"),
     "material-shadows": (WARNING, "what is transparent casts shadows that are so too"),
     "material-changes": (WARNING, "the material changes in a way that is not honoured"),
     "instance-colors": (WARNING, "colours that differ from instance to instance are rounded to a number of "

@@ -16,22 +16,6 @@ def is_near_to_any(lamp, others):
     return reach > 0.0 and any(distance(thing, place, reach) < reach for thing in others)
 
 
-def is_in_fog(lamp, others):
-    """Whether fog scatters the light of a point that is a sphere right about it; spots and soft falloff are as in Cycles."""
-    light, place = lamp.data, lamp.matrix_world.translation
-    is_sphere = light.type == "POINT" and light.shadow_soft_size > 0.0 and not light.use_soft_falloff
-    return is_sphere and any(is_within(thing, place) for thing in others)
-
-
-def is_within(thing, place):
-    """Whether a place is in a thing's fog: the cube from -1 to 1, or a volume's box."""
-    if thing.hide_render or not (thing.sunfleck_settings.is_fog or thing.type == "VOLUME"):
-        return False
-    low, high = ((-1.0,) * 3, (1.0,) * 3) if thing.sunfleck_settings.is_fog else (thing.bound_box[0], thing.bound_box[6])
-    local = thing.matrix_world.inverted_safe() @ place
-    return all(least <= along <= most for least, along, most in zip(low, local, high))
-
-
 def distance(thing, place, reach):
     """In the world; beyond a reach it may be any."""
     if thing.type != "MESH" or thing.hide_render or not thing.data.polygons:

@@ -51,11 +51,11 @@ def shines(scene):
     )
 
 
-def has_volume(scene):
-    """Whether the world is full of something."""
+def volume_of(scene):
+    """The socket of what the world is full of, if anything is linked to it."""
     tree = scene.world and scene.world.node_tree
     output = tree.get_output_node("CYCLES") if tree else None
-    return bool(output and output.inputs["Volume"].is_linked)
+    return output.inputs["Volume"] if output and output.inputs["Volume"].is_linked else None
 
 
 def is_plain(scene):

@@ -49,6 +49,13 @@ def uneven_spot(scene):
     lamp(scene, "SPOT").scale = (2.0, 0.5, 1.0)
 
 
+def mirror_alone(scene):
+    tree = matte()
+    tree.shader.inputs["Metallic"].default_value, tree.shader.inputs["Roughness"].default_value = 1.0, 0.0
+    leaves(scene, tree)
+    scene.sunfleck_settings.all_bounces = False
+
+
 def in_mirrors(scene):
     """The camera sees them in smooth leaves alone, of metal and of glaze."""
     trees = matte(), matte()
@@ -90,21 +97,16 @@ def soft_by_a_leaf(scene):
     data.use_soft_falloff, data.shadow_soft_size = True, 0.2
 
 
-def soft_in_fog(scene):
-    """Soft falloff, which new lamps have, with fog right about it."""
-    surfaces.fog_box(scene)
+def in_fog(scene, is_soft, anisotropy):
+    """With fog right about it; new lamps have soft falloff."""
+    _, scatter = surfaces.fog_box(scene)
+    scatter.inputs["Anisotropy"].default_value = anisotropy
     thing = lamp(scene, "POINT")
     thing.location, thing.data.energy = (0.0, 2.0, 1.0), 8.0
-    thing.data.use_soft_falloff, thing.data.shadow_soft_size = True, 0.3
+    thing.data.use_soft_falloff, thing.data.shadow_soft_size = is_soft, 0.3
 
 
 def about_a_leaf(scene):
     leaves(scene, matte())
     thing = lamp(scene, "POINT")
     thing.location, thing.data.shadow_soft_size = (0.0, 0.1, 1.0), 0.3
-
-
-def about_fog(scene):
-    surfaces.fog_box(scene)
-    thing = lamp(scene, "POINT")
-    thing.location, thing.data.shadow_soft_size = (0.0, 1.0, 1.0), 0.1

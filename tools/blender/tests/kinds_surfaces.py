@@ -392,6 +392,21 @@ def fog_box(scene, **rays):
     return tree, scatter
 
 
+def world_of_fog(scene):
+    """A world that is full of it swallows its own light; lamps are seen."""
+    leaves(scene, matte())
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    tree = scene.world.node_tree
+    scatter = tree.nodes.new("ShaderNodeVolumeScatter")
+    scatter.inputs["Color"].default_value, scatter.inputs["Anisotropy"].default_value = (1.0, 0.6, 0.3, 1.0), 0.2
+    scatter.inputs["Density"].default_value = 0.03
+    tree.links.new(scatter.outputs[0], tree.nodes["World Output"].inputs["Volume"])
+    light = bpy.data.lights.new("lamp", "POINT")
+    light.energy, light.shadow_soft_size = 200.0, 0.1
+    scenes.add(scene, "lamp", light, (0.5, -3.0, 3.0))
+
+
 def fog_in_a_group(scene):
     tree, scatter = fog_box(scene)
     node = group_of(tree.material.node_tree, "ShaderNodeVolumeScatter", Density=0.3)
