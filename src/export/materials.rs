@@ -100,8 +100,8 @@ impl Writer<'_> {
         if material.is_principled {
             ours["principled"] = json!(true);
         }
-        if material.coat_takes != [1.0; 2] {
-            ours["coat_takes"] = json!(material.coat_takes);
+        if material.coat_takes != [Rgb::ONE; 2] {
+            ours["coat_takes"] = json!(material.coat_takes.map(|takes| takes.to_array()));
         }
         if material.has_even_metal {
             ours["even_metal"] = json!(true);

@@ -188,10 +188,10 @@ impl Gloss {
 
     /// Factors that make of [`Gloss::beneath`], if it is a Principled BSDF's, one that takes that many times as
     /// much.
-    pub fn leaves_in_turn(&self, takes: [f64; 2], cos_eye: f64) -> [f64; 2] {
-        let Some(own) = self.principled.filter(|_| takes != [1.0; 2]) else { return [1.0; 2] };
+    pub fn leaves_in_turn(&self, takes: [Rgb; 2], cos_eye: f64) -> [Rgb; 2] {
+        let Some(own) = self.principled.filter(|_| takes != [Rgb::ONE; 2]) else { return [Rgb::ONE; 2] };
         let left = self.let_out(own, cos_eye.max(0.0)).max(f64::MIN_POSITIVE);
-        takes.map(|takes| (1.0 - takes * (1.0 - left)).max(0.0) / left)
+        takes.map(|takes| (Rgb::ONE - takes * (1.0 - left)).max(Rgb::ZERO) / left)
     }
 
     /// Share of light towards the eye that a Principled BSDF's coat lets out, for all colours that of the
@@ -285,8 +285,9 @@ mod tests {
         let whole = Gloss::new(Rgb::splat(0.04), Rgb::ONE, 0.5).principled();
         let half = Gloss::new(Rgb::splat(0.02), Rgb::splat(0.5), 0.5).principled();
         for cos in [0.02, 0.2, 0.6, 1.0] {
+            let takes = [Rgb::splat(2.0), Rgb::ZERO];
             let [own, beside] =
-                half.leaves_in_turn([2.0, 0.0], cos).map(|factor| factor * half.beneath(cos, 0.5).x);
+                half.leaves_in_turn(takes, cos).map(|factor| factor.x * half.beneath(cos, 0.5).x);
             assert!((own - whole.beneath(cos, 0.5).x).abs() < 1e-2, "{cos}: {own}");
             assert!((beside - 1.0).abs() < 1e-12, "{cos}: {beside}");
         }

@@ -34,7 +34,7 @@ pub struct Material {
     pub is_principled: bool,
     /// How many times what that coat takes from beneath it is taken from the base colour and from transmission: a
     /// share of a surface may lie beside its coat.
-    pub coat_takes: [f64; 2],
+    pub coat_takes: [Rgb; 2],
     /// Reflectance of metal along the normal, if it is not `base_color`: nothing goes through metal.
     pub metal_color: Option<Rgb>,
     /// Whether no texture multiplies that.
@@ -194,7 +194,7 @@ impl Default for Material {
             emission_texture: None,
             coat: None,
             is_principled: false,
-            coat_takes: [1.0; 2],
+            coat_takes: [Rgb::ONE; 2],
             metal_color: None,
             has_plain_metal: false,
             has_even_metal: false,

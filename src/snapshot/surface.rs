@@ -221,7 +221,7 @@ impl Facet<'_> {
         let shine_normal = unbent_normal.map_or(bent, |_| shine_normal(geometric_normal, to_eye, bent));
         let [reflected, transmitted] = match &gloss {
             Some(gloss) => gloss.leaves_in_turn(material.coat_takes, shine_normal.dot(to_eye)),
-            None => [1.0; 2],
+            None => [Rgb::ONE; 2],
         };
         SurfacePoint {
             position: ray.at(distance),

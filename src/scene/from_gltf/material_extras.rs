@@ -33,7 +33,7 @@ pub(super) struct MaterialExtras {
     #[serde(default)]
     principled: bool,
     /// How many times what its coat takes is taken from base colour and transmission.
-    coat_takes: Option<[f64; 2]>,
+    coat_takes: Option<[Channels; 2]>,
     /// Whether Blender's *Bump Map Correction* is meant.
     #[serde(default)]
     bump_map_correction: bool,
@@ -68,7 +68,7 @@ impl MaterialExtras {
             (material.mirror, material.painted) = (mirror.into(), Painted::BaseColor);
         }
         material.is_principled = self.principled;
-        material.coat_takes = self.coat_takes.unwrap_or(material.coat_takes);
+        material.coat_takes = self.coat_takes.map_or(material.coat_takes, |takes| takes.map(Rgb::from));
         material.has_bump_shadows = self.bump_map_correction;
         material.metal_color = self.metal.map_or(material.metal_color, |metal| Some(metal.into()));
         material.has_plain_metal = self.metal.is_some() && self.plain_metal;
@@ -100,10 +100,13 @@ impl Builder<'_> {
             extras::read(&source.extras, "sunfleck_material", &path, &mut self.report)?;
         let name = |field: &str| format!("sunfleck_material.{field}` of `{}", source.name);
         extras::tell_unknown(&extras.unknown, &mut self.report, name);
-        for takes in extras.coat_takes.iter_mut().flatten().filter(|takes| **takes < 0.0) {
-            let path = format!("{path}.extras.sunfleck_material.coat_takes");
-            self.report.put_right(Loss::ValueOutOfRange, &path, *takes);
-            *takes = 0.0;
+        for takes in extras.coat_takes.iter_mut().flatten() {
+            let least = Rgb::from(*takes).min_element();
+            if least < 0.0 {
+                let path = format!("{path}.extras.sunfleck_material.coat_takes");
+                self.report.put_right(Loss::ValueOutOfRange, &path, least);
+                *takes = Channels::Each(Rgb::from(*takes).max(Rgb::ZERO).to_array());
+            }
         }
         if let Some(thin) = &mut extras.thin_dielectric {
             let path = format!("{path}.extras.sunfleck_material.thin_dielectric");

@@ -57,10 +57,10 @@ def hammered(scene, strength=1.0, space="TANGENT"):
     scene.objects["sun"].rotation_euler = (0.3, 1.3, 0.0)
 
 
-def grazed_leaves(scene, is_baked=False):
-    """A leaf's glaze is on what it reflects, and not on what it lets through: seen nearly along them, from both sides."""
+def grazed_leaves(scene, beside="BsdfTranslucent", is_baked=False):
+    """A leaf's glaze is on what it reflects, and not on what lies beside: seen nearly along them, from both sides."""
     tree, sun = matte(), bpy.data.objects["sun"]
-    through = tree.node("BsdfTranslucent")
+    through = tree.node(beside)
     tree.shader.inputs["Specular IOR Level"].default_value, tree.shader.inputs["Roughness"].default_value = 0.5, 0.4
     colours = {tree.shader.inputs["Base Color"]: GREEN, through.inputs["Color"]: RED}
     picture = soft_picture(tree.material.node_tree, 1.0)

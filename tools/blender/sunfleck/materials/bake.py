@@ -234,7 +234,7 @@ def glazed_in_part(surface, channels, share):
     else:
         rough = Source((max(0.0, rough.number() - left) / share,) * 3)
     sources = {**surface.sources, "roughness": rough, "shine": Source((share,) * 3)}
-    return replace(surface, sources=sources, shine_takes=(1.0 / share, 0.0), losses=[one for one in surface.losses if one != "mixed-shine"])
+    return replace(surface, sources=sources, shine_takes=([1.0 / share] * 3, [0.0] * 3), losses=[one for one in surface.losses if one != "mixed-shine"])
 
 
 def ask_for_alpha(tree, emission):

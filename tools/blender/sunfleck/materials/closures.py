@@ -114,7 +114,8 @@ def half_glazed(node, share, glazed, matte):
     """A share of a surface shines: so does all of it, by that share, and takes what it takes from that part alone."""
     beneath, made = ([one.sources.get(name, BLACK) for name in ("base", "through")] for one in (glazed, matte))
     mixed = [blended(node, 1.0 - share, *parts) for parts in zip(beneath, made)]
-    takes = tuple(sum(own.factor) / sum(all.factor) if any(all.factor) else 1.0 for own, all in zip(beneath, mixed))
+    takes = tuple(
+        [part / whole if whole > 0.0 else 1.0 for part, whole in zip(own.factor, of_all.factor)] for own, of_all in zip(beneath, mixed))
     sources = {**glazed.sources, **dict(zip(("base", "through"), mixed)), "shine": Source((share,) * 3)}
     return replace(glazed, sources=sources, shine_takes=takes)
 

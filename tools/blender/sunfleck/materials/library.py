@@ -231,7 +231,7 @@ class Library:
         look.losses = sorted({*look.losses, *writer.losses})
         written = {**custom(material), **extras.of_material(material)} if material is not None else {}
         ours = {"principled": True} if shines(surface) else {}
-        if surface.shine_takes != (1.0, 1.0):
+        if surface.shine_takes:
             ours["coat_takes"] = list(surface.shine_takes)
         if "normalTexture" in said and material is not None and of_cycles(material, "use_bump_map_correction", True):
             ours["bump_map_correction"] = True

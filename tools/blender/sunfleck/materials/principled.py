@@ -35,7 +35,7 @@ class Surface:
     # Whether a dielectric is one face of a body, and no thin wall.
     has_one_face: bool = False
     # How many times what its shine takes from beneath is taken from the base colour, and from what goes through.
-    shine_takes: tuple = (1.0, 1.0)
+    shine_takes: tuple | None = None
     losses: list = field(default_factory=list)
 
     def share_through(self):
