@@ -1,7 +1,6 @@
 //! Depths of voxels towards a sun. In go voxels and a direction, out come depths of any place by a lattice
 //! of lines along it. Invariant: at the lattice's nodes they are exact; between them they are linear.
 
-use super::lattice::Lattice;
 use super::{Ray, Voxels};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,9 +15,22 @@ pub struct VoxelDepths {
     axes: [DVec3; 3],
     low: DVec3,
     spacing: f64,
-    /// Towards the sun fastest.
-    lattice: Lattice,
+    /// Lines along the second axis, by the first.
+    columns: usize,
+    /// Lines, and one behind the last.
+    lines: Vec<Line>,
+    /// At the nodes of one line after the other, from the last before the fog to the first behind it: on the
+    /// rest of a line depths stay the same.
     depths: Vec<f32>,
+}
+
+/// Where a line's depths are.
+#[derive(Clone, Copy)]
+struct Line {
+    /// Among all.
+    first: usize,
+    /// Nodes of the lattice before it.
+    skipped: u32,
 }
 
 /// Addresses alone: depths never change.
@@ -46,18 +58,30 @@ impl VoxelDepths {
         let spacing = spacing * (nodes / MOST_NODES).cbrt().max(1.0);
         let size = (to - from).to_array().map(|side| (side / spacing).ceil() as usize + 1);
         let places: Vec<f64> = (0..size[2]).map(|index| spacing * index as f64).collect();
-        let mut depths = vec![0.0; size.iter().product()];
-        depths.par_chunks_mut(size[2]).enumerate().for_each(|(number, depths)| {
-            let [i, j] = [number / size[1], number % size[1]].map(|index| spacing * index as f64);
-            let origin = (from.x + i) * right + (from.y + j) * across + from.z * up;
-            let line = Ray { origin, direction: up };
-            let before = voxels.integrals(&line, &places);
-            let all = before[size[2] - 1];
-            for (value, before) in depths.iter_mut().zip(before) {
-                *value = ((all - before) / voxels.most()) as f32;
+        let row = |i: usize| {
+            let (mut lines, mut depths) = (Vec::with_capacity(size[1]), Vec::new());
+            for j in 0..size[1] {
+                let [i, j] = [i, j].map(|index| spacing * index as f64);
+                let origin = (from.x + i) * right + (from.y + j) * across + from.z * up;
+                let before = voxels.integrals(&Ray { origin, direction: up }, &places);
+                let all = before[size[2] - 1];
+                let skipped = before.iter().take_while(|before| **before == 0.0).count().saturating_sub(1);
+                let until = before.iter().take_while(|before| **before < all).count();
+                lines.push(Line { first: depths.len(), skipped: skipped as u32 });
+                let depth = |before: &f64| ((all - before) / voxels.most()) as f32;
+                depths.extend(before[skipped.min(until)..=until].iter().map(depth));
             }
-        });
-        Self { axes, low: from, spacing, lattice: Lattice { size }, depths }
+            (lines, depths)
+        };
+        let rows: Vec<_> = (0..size[0]).into_par_iter().map(row).collect();
+        let count = rows.iter().map(|(_, depths)| depths.len()).sum();
+        let (mut lines, mut depths) = (Vec::with_capacity(size[0] * size[1] + 1), Vec::with_capacity(count));
+        for (row, of_row) in rows {
+            lines.extend(row.iter().map(|line| Line { first: depths.len() + line.first, ..*line }));
+            depths.extend(of_row);
+        }
+        lines.push(Line { first: depths.len(), skipped: 0 });
+        Self { axes, low: from, spacing, columns: size[1], lines, depths }
     }
 
     /// A line of the voxels' own space in the lattice's.
@@ -66,12 +90,30 @@ impl VoxelDepths {
         Ray { origin: along(line.origin) - self.low / self.spacing, direction: along(line.direction) }
     }
 
-    /// Depth at a place of the lattice's space.
+    /// Depth at a place of the lattice's space. Before the lattice, seen from the sun, there is nothing;
+    /// behind it all.
     pub fn of(&self, at: DVec3) -> f64 {
-        if self.lattice.holds(at) {
-            return self.lattice.at(at, |node| f64::from(self.depths[node]));
+        let last = [self.lines.len() / self.columns - 1, self.columns - 1];
+        if !(at.x >= 0.0 && at.y >= 0.0 && at.x <= last[0] as f64 && at.y <= last[1] as f64) {
+            return 0.0;
         }
-        // Before the lattice, seen from the sun, there is nothing; behind it all.
-        if at.z < 0.0 { self.of(at.with_z(0.0)) } else { 0.0 }
+        let (i, j) = (at.x as usize, at.y as usize);
+        let between = |i: usize| {
+            let line = i * self.columns + j;
+            let near = self.on_line(line, at.z);
+            near + (at.y - j as f64) * (self.on_line(line + usize::from(j < last[1]), at.z) - near)
+        };
+        let near = between(i);
+        near + (at.x - i as f64) * (between(i + usize::from(i < last[0])) - near)
+    }
+
+    /// Depth so many steps along a line.
+    fn on_line(&self, line: usize, steps: f64) -> f64 {
+        let Line { first, skipped } = self.lines[line];
+        let last = self.lines[line + 1].first - 1 - first;
+        let steps = (steps - f64::from(skipped)).clamp(0.0, last as f64);
+        let node = steps as usize;
+        let [here, next] = [node, last.min(node + 1)].map(|node| f64::from(self.depths[first + node]));
+        here + (steps - node as f64) * (next - here)
     }
 }
