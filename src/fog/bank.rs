@@ -20,6 +20,9 @@ const FARTHEST_M: f64 = 1e15;
 /// Optical depth, at most, of what may count as one voxel.
 const DEEPEST: f64 = 0.125;
 
+/// Beyond this optical depth nothing is seen.
+pub(super) const OPAQUE: f64 = 60.0;
+
 /// Density of fog, as a share of the densest. A new kind is a variant: see docs/decisions/fog.md.
 #[derive(Clone, Debug)]
 enum Density {
@@ -86,7 +89,10 @@ impl FogBank {
     /// Fog with optical depths ready for lights at these places.
     pub fn lit_by(self, lights: &[LightPlace]) -> Self {
         match self.density {
-            Density::Voxels(voxels) => Self { density: Density::Voxels(voxels.lit_by(lights)), ..self },
+            Density::Voxels(voxels) => {
+                let voxels = voxels.lit_by(lights, self.sigma_t.max_element());
+                Self { density: Density::Voxels(voxels), ..self }
+            }
             _ => self,
         }
     }
@@ -249,10 +255,17 @@ impl FogBank {
         distance * (leave - enter).max(0.0)
     }
 
-    /// Metres of densest fog from a point to a light.
+    /// Metres of densest fog from a point to a light; of voxels those that make it opaque are enough.
     pub(super) fn metres_to(&self, point: DVec3, light: LightPlace) -> f64 {
         match light {
-            LightPlace::Towards(to_light) => self.length(point, to_light, f64::INFINITY),
+            LightPlace::Towards(to_light) => {
+                let Some(voxels) = self.voxels() else { return self.length(point, to_light, f64::INFINITY) };
+                let ray = Ray { origin: point, direction: to_light };
+                let most = OPAQUE / self.sigma_t.min_element();
+                let metres =
+                    |(enter, leave): (f64, f64)| voxels.metres_up_to(&ray, (enter.max(0.0), leave), most);
+                self.span(&ray).map_or(0.0, metres)
+            }
             LightPlace::At(position) => self.length_between(point, position),
         }
     }

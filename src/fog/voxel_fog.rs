@@ -53,20 +53,22 @@ impl VoxelFog {
         Self { grid, voxel_from_relative, widest_voxel_m, suns: Vec::new(), lamps: Vec::new() }
     }
 
-    pub(super) fn lit_by(self, lights: &[LightPlace]) -> Self {
+    /// `densest_per_m` is the extinction where it is densest.
+    pub(super) fn lit_by(self, lights: &[LightPlace], densest_per_m: f64) -> Self {
         let sun = |to_light: DVec3| {
             let direction = self.voxel_from_relative.transform_vector3(to_light);
-            let depths = self.grid.depths_towards(direction);
-            Sun { to_light, metres_per_voxel: direction.length().recip(), depths }
+            let metres_per_voxel = direction.length().recip();
+            let depths = self.grid.depths_towards(direction, densest_per_m * metres_per_voxel)?;
+            Some(Sun { to_light, metres_per_voxel, depths })
         };
         let lamp = |position: DVec3| {
             let place = (STEPS * self.voxel_from_relative.transform_point3(position)).round() / STEPS;
-            Lamp { place, means: self.grid.means_to(place) }
+            Lamp { place, means: self.grid.means_to(place, densest_per_m * self.widest_voxel_m) }
         };
         let (mut suns, mut lamps) = (Vec::new(), Vec::new());
         for light in lights {
             match *light {
-                LightPlace::Towards(to_light) => suns.push(sun(to_light)),
+                LightPlace::Towards(to_light) => suns.extend(sun(to_light)),
                 LightPlace::At(position) if lamps.len() < MOST_LAMPS => lamps.push(lamp(position)),
                 LightPlace::At(_) => {}
             }
@@ -84,6 +86,12 @@ impl VoxelFog {
     /// Between two places on a ray, as dense as the densest.
     pub(super) fn metres(&self, ray: &Ray, start: f64, end: f64) -> f64 {
         self.grid.voxels.integral(&self.line(ray), (start, end)) / self.grid.voxels.most()
+    }
+
+    /// The same, or some number above `most` as soon as it is above that.
+    pub(super) fn metres_up_to(&self, ray: &Ray, span: (f64, f64), most: f64) -> f64 {
+        let densest = self.grid.voxels.most();
+        self.grid.voxels.integral_up_to(&self.line(ray), span, most * densest) / densest
     }
 
     /// Metres of densest fog from the first of some places on a ray, which are in order, to each.

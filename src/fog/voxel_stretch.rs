@@ -3,6 +3,7 @@
 //! product with what gets through, in every cell by itself.
 
 use super::FogBank;
+use super::bank::OPAQUE;
 use super::beer_lambert::exp_minus;
 use super::phase::henyey_greenstein;
 use super::stretch::Stretch;
@@ -11,6 +12,10 @@ use super::voxel_fog::MetresToSun;
 use crate::color::Rgb;
 use crate::math::{Ray, gauss_legendre};
 use glam::DVec3;
+
+/// Optical depth of the densest fog, and share of a voxel at least, that one rule has at most.
+const DEEPEST: f64 = 2.0;
+const THINNEST: f64 = 1.0 / 64.0;
 
 /// Stretch, with what does not change on it.
 pub(super) struct VoxelStretch<'a> {
@@ -25,6 +30,10 @@ pub(super) struct VoxelStretch<'a> {
     others_scatter: bool,
     /// Length over which the depth to the sun is about a cubic, where no cell says it, metres.
     longest_m: f64,
+    /// Length over which light may fall to little, metres.
+    steepest_m: f64,
+    /// Whether some of it may be hidden by the rest.
+    is_deep: bool,
 }
 
 /// Voxels between the ray and a sun.
@@ -49,7 +58,7 @@ impl<'a> VoxelStretch<'a> {
         let Stretch { medium, ray, start, .. } = *stretch;
         let cos = to_light.dot(ray.direction);
         let (mut inside, mut to_sun, mut others) = (Vec::new(), Vec::new(), 0);
-        let mut longest_m = f64::INFINITY;
+        let (mut longest_m, mut voxel_m) = (f64::INFINITY, f64::INFINITY);
         let way = Ray { origin: ray.at(stretch.middle()), direction: to_light };
         for (number, fog) in medium.banks().iter().enumerate() {
             let Some(voxels) = fog.voxels() else {
@@ -60,6 +69,7 @@ impl<'a> VoxelStretch<'a> {
                 let scattering = fog.sigma_s * henyey_greenstein(cos, fog.g);
                 let metres_at_start = cells.metres(start);
                 inside.push(Bank { cells, sigma_t: fog.sigma_t, scattering, metres_at_start });
+                voxel_m = voxels.voxel_m(ray).min(voxel_m);
             }
             if fog.lies_on(&way) {
                 to_sun.push(ToSun { fog, lattice: voxels.towards_sun(ray, to_light) });
@@ -68,7 +78,19 @@ impl<'a> VoxelStretch<'a> {
         }
         let others_scatter = stretch.is_inside_of(others);
         let changes = !inside.is_empty() || !to_sun.is_empty();
-        changes.then_some(Self { stretch, cos, inside, to_sun, others, others_scatter, longest_m })
+        let steepest_m = (DEEPEST / medium.most_extinction_per_m()).max(THINNEST * voxel_m);
+        let is_deep = medium.most_extinction_per_m() * (stretch.end - start) > OPAQUE;
+        changes.then_some(Self {
+            stretch,
+            cos,
+            inside,
+            to_sun,
+            others,
+            others_scatter,
+            longest_m,
+            steepest_m,
+            is_deep,
+        })
     }
 
     /// Integral over a lit part, 1/sr.
@@ -76,7 +98,7 @@ impl<'a> VoxelStretch<'a> {
         let mut sum = Rgb::ZERO;
         let mut cursors: Vec<usize> = self.inside.iter().map(|bank| bank.cells.cursor(start)).collect();
         let mut from = start;
-        while from < end {
+        while from < end && !self.is_opaque(from, &cursors) {
             let (mut to, mut is_in_a_cell) = (end, false);
             for (bank, cursor) in self.inside.iter().zip(&mut cursors) {
                 let (border, is_cell) = bank.cells.next_border(cursor, from);
@@ -86,12 +108,23 @@ impl<'a> VoxelStretch<'a> {
             if self.others_scatter {
                 to = to.min((from + self.longest_m).max(from.next_up()));
             }
+            if is_in_a_cell {
+                to = to.min((from + self.steepest_m).max(from.next_up()));
+            }
             if is_in_a_cell || self.others_scatter {
                 sum += self.within_cells(from, to, &cursors);
             }
             from = to;
         }
         sum
+    }
+
+    /// Whether voxels hide a place.
+    fn is_opaque(&self, t: f64, cursors: &[usize]) -> bool {
+        let depth = |(bank, cursor): (&Bank, &usize)| {
+            bank.sigma_t.min_element() * (bank.cells.at(*cursor, t).0 - bank.metres_at_start)
+        };
+        self.is_deep && self.inside.iter().zip(cursors).map(depth).sum::<f64>() > OPAQUE
     }
 
     /// Between two places that no border of a cell lies between.

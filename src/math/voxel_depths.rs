@@ -9,6 +9,10 @@ use std::fmt;
 /// Nodes lie farther apart where there would be more.
 const MOST_NODES: f64 = (1 << 23) as f64;
 
+/// So many at most lie nearer together than `FINE` voxels.
+const MOST_FINE_NODES: f64 = (1 << 21) as f64;
+const FINE: f64 = 0.5;
+
 /// Depths in voxels of the densest, towards one direction.
 pub struct VoxelDepths {
     /// Unit vectors: across, across, and towards the sun.
@@ -54,8 +58,8 @@ impl VoxelDepths {
             let along = DVec3::from_array(axes.map(|axis| axis.dot(corner)));
             (from, to) = (from.min(along), to.max(along));
         }
-        let nodes = (to - from).element_product() / spacing.powi(3);
-        let spacing = spacing * (nodes / MOST_NODES).cbrt().max(1.0);
+        let apart = |most: f64| ((to - from).element_product() / most).cbrt();
+        let spacing = spacing.max(apart(MOST_FINE_NODES).min(FINE)).max(apart(MOST_NODES));
         let size = (to - from).to_array().map(|side| (side / spacing).ceil() as usize + 1);
         let places: Vec<f64> = (0..size[2]).map(|index| spacing * index as f64).collect();
         let row = |i: usize| {

@@ -10,9 +10,6 @@ use glam::DVec3;
 use std::fmt;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Spacing of the nodes, in voxels.
-const SPACING: f64 = 0.5;
-
 /// They lie farther apart where there would be more: means over many voxels change little.
 const MOST_NODES: f64 = (1 << 18) as f64;
 
@@ -37,11 +34,11 @@ impl fmt::Debug for VoxelMeans {
 }
 
 impl VoxelMeans {
-    /// `lamp` is a place of the voxels' own space.
-    pub(super) fn new(voxels: &Voxels, lamp: DVec3) -> Self {
+    /// `lamp` is a place of the voxels' own space; nodes lie so far apart, in voxels.
+    pub(super) fn new(voxels: &Voxels, lamp: DVec3, spacing: f64) -> Self {
         let (low, high) = voxels.bounds();
-        let nodes = (high - low).element_product() / SPACING.powi(3);
-        let spacing = SPACING * (nodes / MOST_NODES).cbrt().max(1.0);
+        let nodes = (high - low).element_product() / spacing.powi(3);
+        let spacing = spacing * (nodes / MOST_NODES).cbrt().max(1.0);
         let size = (high - low).to_array().map(|side| (side / spacing).ceil() as usize + 1);
         let lattice = Lattice { size };
         let means = (0..lattice.count()).map(|_| AtomicU32::new(UNKNOWN)).collect();

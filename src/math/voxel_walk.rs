@@ -4,6 +4,7 @@
 use super::voxels::{Corners, Neighbours, Voxels};
 use super::{Cubic, Ray};
 use glam::{DVec3, IVec3};
+use std::ops::ControlFlow;
 
 /// Values of a cell along the part of a line that passes through it.
 pub struct Passed {
@@ -24,7 +25,20 @@ impl Passed {
 impl Voxels {
     /// Calls `passed` for the cells on a part of a line of the voxels' own space, in order; those that hold
     /// nothing are left out. The line's direction has any length.
-    pub fn for_each_cell(&self, line: &Ray, (start, end): (f64, f64), mut passed: impl FnMut(Passed)) {
+    pub fn for_each_cell(&self, line: &Ray, range: (f64, f64), mut passed: impl FnMut(Passed)) {
+        self.try_for_each_cell(line, range, |cell| {
+            passed(cell);
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// The same, until `passed` breaks off.
+    fn try_for_each_cell(
+        &self,
+        line: &Ray,
+        (start, end): (f64, f64),
+        mut passed: impl FnMut(Passed) -> ControlFlow<()>,
+    ) {
         let (low, high) = self.bounds();
         let way = Way::new(line);
         let Some((mut t, end)) = way.clipped((low, high), (start, end)) else { return };
@@ -38,7 +52,9 @@ impl Voxels {
                 let leaves = exits[axis].clamp(t, end);
                 if leaves > t && corners.values.iter().any(|value| *value > 0.0) {
                     let values = way.cubic(&corners.values, line.at(t) - cell.as_dvec3());
-                    passed(Passed { start: t, end: leaves, values });
+                    if passed(Passed { start: t, end: leaves, values }).is_break() {
+                        return;
+                    }
                 }
                 t = leaves;
                 cell[axis] += way.step[axis];
@@ -78,6 +94,16 @@ impl Voxels {
     pub fn integral(&self, line: &Ray, range: (f64, f64)) -> f64 {
         let mut sum = 0.0;
         self.for_each_cell(line, range, |cell| sum += cell.integral());
+        sum
+    }
+
+    /// The same, or some number above `most` as soon as it is above that.
+    pub fn integral_up_to(&self, line: &Ray, range: (f64, f64), most: f64) -> f64 {
+        let mut sum = 0.0;
+        self.try_for_each_cell(line, range, |cell| {
+            sum += cell.integral();
+            if sum > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
         sum
     }
 
@@ -281,5 +307,24 @@ mod tests {
         builder.add(IVec3::ZERO, [1.0]);
         builder.add(IVec3::splat(1 << 20), [1.0]);
         assert!(matches!(builder.built(), Err(VoxelsError::TooWide(_))));
+        for corner in [i32::MIN, i32::MAX - 7] {
+            let mut builder = VoxelsBuilder::default();
+            builder.add(IVec3::splat(corner), [1.0]);
+            assert_eq!(builder.built().expect_err("it lies too far out"), VoxelsError::TooFar);
+        }
+    }
+
+    /// Who wants no more than some gets all where there is less, and more than that where there is more.
+    #[test]
+    fn what_is_too_much_is_not_counted() {
+        let voxels = apart();
+        for line in lines() {
+            let all = voxels.integral(&line, (0.0, 120.0));
+            let some = voxels.integral_up_to(&line, (0.0, 120.0), 1.0);
+            assert!(
+                if all > 1.0 { 1.0 < some && some <= all } else { some == all },
+                "{line:?}: {all} {some}"
+            );
+        }
     }
 }

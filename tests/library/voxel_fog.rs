@@ -148,6 +148,30 @@ fn a_march_of_many_steps_finds_the_same_light() {
     }
 }
 
+/// Voxels so wide and thick that light ends within one of them, and thicker ones, too many for a lattice.
+#[test]
+fn a_march_finds_the_light_of_thick_voxels() {
+    let march = Transport { volume: VolumeMethod::March(MarchSteps::Count(20_000)), ..EXACT };
+    let wide =
+        DAffine3::from_translation(DVec3::new(-1.5, -1.5, -6.5)) * DAffine3::from_scale(DVec3::splat(1.5));
+    let mut few = VoxelsBuilder::default();
+    let value = |place: usize| if place & 7 < 2 && place >> 3 & 7 < 3 && place >> 6 < 2 { 1.0 } else { 0.0 };
+    few.add(IVec3::ZERO, (0..512).map(|place| value(place) * (1 + place * 7 % 5) as f32 / 5.0));
+    let few = few.built().expect("it holds something");
+    for (world_from_voxel, voxels, density_per_m) in [(wide, few, 8.0), (turned(), puff(), 200.0)] {
+        let mut scene = camera_at(DVec3::ZERO);
+        add_voxels(&mut scene, world_from_voxel, voxels, Rgb::splat(density_per_m));
+        let to_sun = DVec3::new(0.5, -0.7, -0.3);
+        add_light(&mut scene, LightKind::Sun, DVec3::ZERO, to_sun, Rgb::new(3.0, 2.0, 1.0));
+        for place in [[0.5, 0.5], [0.42, 0.55], [0.53, 0.46]] {
+            let (expected, found) = (seen(&scene, &march, place, 0), seen(&scene, &EXACT, place, 0));
+            assert!(found.radiance.min_element() > 0.005, "{place:?}: {}", found.radiance);
+            let off = (found.radiance / expected.radiance - 1.0).abs().max_element();
+            assert!(off < 1e-2, "{density_per_m}, {place:?}: {} {}", found.radiance, expected.radiance);
+        }
+    }
+}
+
 /// And random walks, which invert depths.
 #[test]
 fn walks_find_the_same_light() {
