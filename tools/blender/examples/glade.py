@@ -93,12 +93,39 @@ class Twigs(NamedTuple):
 def crown(name, twigs, count, leaves, rng):
     """So many leaves that hang from twigs' vertices; `leaves` are a few meshes that all share, and the smallest
     and largest size."""
-    meshes, sizes = leaves
     for number in range(count):
-        leaf = place(f"{name} {number}", rng.choice(meshes), size=rng.uniform(*sizes))
-        leaf.location = twigs.world_from_mesh @ rng.choice(twigs.mesh.vertices).co
-        droop, roll = math.radians(rng.uniform(-10, 80)), math.radians(rng.uniform(-50, 50))
-        leaf.rotation_euler = (-droop, roll, rng.uniform(0, math.tau))
+        shown, world_from_leaf = hanging_leaf(twigs, leaves, rng)
+        place(f"{name} {number}", shown).matrix_basis = world_from_leaf
+
+
+def hanging_leaf(twigs, leaves, rng):
+    """One of the meshes, and its place at a vertex of the twigs."""
+    meshes, sizes = leaves
+    shown, size = rng.choice(meshes), rng.uniform(*sizes)
+    location = twigs.world_from_mesh @ rng.choice(twigs.mesh.vertices).co
+    droop, roll = math.radians(rng.uniform(-10, 80)), math.radians(rng.uniform(-50, 50))
+    turn = mathutils.Euler((-droop, roll, rng.uniform(0, math.tau)))
+    return shown, mathutils.Matrix.LocRotScale(location, turn, (size, size, size))
+
+
+def crown_mesh(name, twigs, count, leaves, rng):
+    """The same as one mesh, of which trees far off have one each."""
+    points, faces, uvs, shades = [], [], [], []
+    materials = [shown.materials[0] for shown in leaves[0]]
+    for _ in range(count):
+        shown, tree_from_leaf = hanging_leaf(twigs, leaves, rng)
+        first = len(points)
+        points.extend(tree_from_leaf @ vertex.co for vertex in shown.vertices)
+        faces.extend([first + vertex for vertex in polygon.vertices] for polygon in shown.polygons)
+        uvs.extend(coordinate for corner in shown.uv_layers[0].data for coordinate in corner.uv)
+        shades.extend([materials.index(shown.materials[0])] * len(shown.polygons))
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(points, [], faces)
+    data.uv_layers.new().data.foreach_set("uv", uvs)
+    for shade in materials:
+        data.materials.append(shade)
+    data.polygons.foreach_set("material_index", shades)
+    return data
 
 
 def group(name, things):
@@ -189,13 +216,15 @@ def main(output):
         place(name, mesh(name, drift))
     twig = bpy.data.materials.new("twig")
     twig.use_nodes = True
-    twig.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.06, 0.045, 0.035, 1.0)
+    dry = twig.node_tree.nodes["Principled BSDF"].inputs
+    dry["Base Color"].default_value = (0.06, 0.045, 0.035, 1.0)
+    dry["Specular IOR Level"].default_value, dry["Roughness"].default_value = 0.0, 1.0
     wood, twigs = mesh("oak_wood", bark), mesh("oak_twigs", twig)
     oak = mathutils.Matrix.Translation((-2.6, 2.6, 0.0)) @ mathutils.Matrix.Rotation(0.9, 4, "Z")
     trunk, fine = place("oak", wood), place("oak twigs", twigs)
     trunk.matrix_world = fine.matrix_world = oak
     hanging = [mesh("maple_canopy_hanging", shade) for shade in (amber, yellow, red)]
-    crown("crown", Twigs(twigs, oak), 6500, (hanging, (0.18, 0.30)), rng)
+    crown("crown", Twigs(twigs, oak), 10000, (hanging, (0.18, 0.30)), rng)
     # Nearer than the light, so dark: what frames the picture.
     frame = mathutils.Matrix.Translation((5.4, -0.9, -0.3)) @ mathutils.Matrix.Rotation(2.6, 4, "Z")
     place("oak 2", wood).matrix_world = place("oak 2 twigs", twigs).matrix_world = frame
@@ -203,13 +232,14 @@ def main(output):
     crown("crown 2", Twigs(twigs, frame), 2500, (dark, (0.18, 0.30)), rng)
     maple_bark = material("maple bark", "bark_maple.png")
     far_wood, far_twigs = mesh("birch_wood", maple_bark), mesh("birch_twigs", twig)
+    far = Twigs(far_twigs, mathutils.Matrix())
+    far_crown = crown_mesh("far crown", far, 3000, (hanging, (0.2, 0.32)), rng)
     for i, (x, y) in enumerate(
         [(7.5, 16.0), (-8.5, 19.0), (3.4, 24.0), (13.0, 27.0), (-3.5, 29.0), (-14.0, 27.0)]
     ):
         turn, size = (0.0, 0.0, rng.uniform(0, math.tau)), rng.uniform(1.2, 1.5)
-        tree = place(f"far tree {i + 1}", far_wood, (x, y, 0.0), turn, size)
-        place(f"far twigs {i + 1}", far_twigs, (x, y, 0.0), turn, size)
-        crown(f"far crown {i + 1}", Twigs(far_twigs, tree.matrix_basis), 1000, (hanging, (0.22, 0.36)), rng)
+        for what, data in (("tree", far_wood), ("twigs", far_twigs), ("crown", far_crown)):
+            place(f"far {what} {i + 1}", data, (x, y, 0.0), turn, size)
     leaves = [mesh("maple_far", shade) for shade in (brown, amber, brown, yellow)]
     for number in range(1500):
         x, y = rng.uniform(-7, 7), rng.uniform(-7, 8)
