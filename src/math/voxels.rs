@@ -7,6 +7,9 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// Voxels between the origin and any brick at most: so all steps are whole numbers of 32 bits.
+const FARTHEST: i32 = 1 << 29;
+
 /// Places in the table at most: 64 MB.
 const MOST_PLACES: u64 = 1 << 24;
 
@@ -51,6 +54,9 @@ pub enum VoxelsError {
     /// Nothing is in it.
     #[error("no voxel is above 0")]
     Empty,
+    /// It lies too far out.
+    #[error("it has voxels beyond number {FARTHEST} along an axis")]
+    TooFar,
     /// It reaches too far.
     #[error("its voxels reach over {0} bricks of 8 x 8 x 8, more than {MOST_PLACES}")]
     TooWide(u64),
@@ -106,6 +112,9 @@ impl VoxelsBuilder {
         // A cell has corners in the brick that it begins in and in those ahead.
         let low = full().map(|(at, _)| *at).reduce(IVec3::min).ok_or(VoxelsError::Empty)? - 1;
         let high = full().map(|(at, _)| *at).reduce(IVec3::max).ok_or(VoxelsError::Empty)? + 1;
+        if low.min(-high).min_element() < -FARTHEST >> LOG_EDGE {
+            return Err(VoxelsError::TooFar);
+        }
         let bricks = high - low + 1;
         let places = bricks.to_array().into_iter().map(|count| count as u64).product::<u64>();
         if places > MOST_PLACES {

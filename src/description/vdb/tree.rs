@@ -1,7 +1,7 @@
 //! The tree of a grid: a root, two levels of nodes, leaves of 8 x 8 x 8 voxels. In go bytes, out come
 //! leaves and tiles. Source: `readTopology` and `readBuffers` in `openvdb/tree/`.
 
-use super::bytes::{Bytes, Mask, Read, Value};
+use super::bytes::{Bytes, Fault, Mask, Read, Value};
 use super::compression::Encoding;
 
 /// Places along an edge of each level's nodes, as powers of 2.
@@ -118,5 +118,9 @@ impl<V: Value> Tree<V> {
 }
 
 fn checked(bytes: &Bytes, value: impl Value) -> Read<()> {
-    if value.is_finite() { Ok(()) } else { Err(bytes.fault("a voxel is infinite or no number")) }
+    if value.is_finite() {
+        return Ok(());
+    }
+    let remedy = Some("set it where it is made; halves hold 65504 at most");
+    Err(Fault { remedy, ..bytes.fault("a voxel is infinite or no number") })
 }

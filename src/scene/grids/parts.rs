@@ -51,10 +51,13 @@ fn grid<'a>(grids: &'a [Grid], name: &str) -> Result<&'a Grid, Refused> {
     if let Some(grid) = grids.iter().find(|grid| grid.name == name) {
         return Ok(grid);
     }
-    let names: Vec<String> = grids.iter().map(|grid| format!("`{}`", grid.name)).collect();
-    let expected =
-        if names.is_empty() { String::from("a grid") } else { format!("one of {}", names.join(", ")) };
-    refused(format!("there is no grid `{name}`"), &expected, "name one of them")
+    let found = format!("there is no grid `{name}`");
+    if grids.is_empty() {
+        return refused(found, "a grid", "write the fog's grids into it");
+    }
+    // A name may hold anything.
+    let names: Vec<String> = grids.iter().map(|grid| format!("`{}`", grid.name.escape_debug())).collect();
+    refused(found, &format!("one of {}", names.join(", ")), "name one of them")
 }
 
 /// A grid of numbers that may be fog or what shines in it.
@@ -88,6 +91,7 @@ fn unbuilt(name: &str, error: VoxelsError) -> Refused {
     let found = format!("grid `{name}`: {error}");
     let (expected, remedy) = match error {
         VoxelsError::Empty => ("fog somewhere", "name another, or leave the fog out"),
+        VoxelsError::TooFar => ("voxels about the origin", "count them from there where it is made"),
         VoxelsError::TooWide(_) => ("fewer", "clip it to what is seen, or write it with larger voxels"),
     };
     Refused { found, expected: expected.to_owned(), remedy }
