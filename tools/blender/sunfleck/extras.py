@@ -234,8 +234,13 @@ def store(scene, path=None):
 
 
 def put(owner, written):
-    """What a library holds is not ours to write."""
+    """What a library holds is not ours to write; what was said before and is so no longer goes, unless others wrote it."""
     if owner.library is not None:
         return
+    own = getattr(owner, "sunfleck_settings", None)
+    if own is not None and own.stored != " ".join(written):
+        for name in set(own.stored.split()) - written.keys():
+            owner.pop(name, None)
+        own.stored = " ".join(written)
     for name, value in written.items():
         owner[name] = value

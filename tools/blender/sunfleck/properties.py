@@ -9,6 +9,7 @@ from bpy.props import (
     FloatVectorProperty,
     IntProperty,
     PointerProperty,
+    StringProperty,
 )
 
 PASSES = [
@@ -78,6 +79,7 @@ class SunfleckFog:
     anisotropy: FloatProperty(
         name="Anisotropy", description="More than 0 scatters forward", default=0.5, min=-0.999, max=0.999
     )
+    stored: StringProperty(description="Custom properties that the last export wrote", options={"HIDDEN"})
 
 
 class SunfleckScene(SunfleckFog, bpy.types.PropertyGroup):
@@ -176,6 +178,7 @@ class SunfleckObject(SunfleckFog, bpy.types.PropertyGroup):
 
 
 class SunfleckMaterial(bpy.types.PropertyGroup):
+    stored: StringProperty(description="Custom properties that the last export wrote", options={"HIDDEN"})
     is_leaf: BoolProperty(name="Leaf", description="Light shines through")
     translucency: FloatProperty(
         name="Translucency", description="Share of the light that goes through", default=0.5, min=0.0, max=1.0

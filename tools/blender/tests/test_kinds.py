@@ -141,6 +141,19 @@ class Said(Case):
         bpy.context.active_object.modifiers.new("bevel", "BEVEL").width = 0.1
         self.assertEqual(export.export(scene, self.folder / "scene.glb"), [])
 
+    def test_fog_that_is_taken_away_is_gone(self):
+        scene = kinds.stage()
+        kinds.surfaces.world_of_fog(scene)
+        own, volume = scene.sunfleck_settings, world.volume_of(scene)
+        scene["sunfleck_note"] = "by hand"
+        for is_fog in (True, False, True, False):
+            own.use_fog = is_fog and not volume.is_linked
+            export.export(scene, self.folder / "scene.glb")
+            said = document(self.folder / "scene.glb")["scenes"][0]["extras"]
+            self.assertEqual(("sunfleck_fog" in said, "sunfleck_note" in said), (is_fog, True))
+            if volume.is_linked:
+                scene.world.node_tree.links.remove(volume.links[0])
+
     def test_fog_above_the_ground_does_not_touch_it(self):
         scene = kinds.stage()
         kinds.surfaces.fog_box(scene)
