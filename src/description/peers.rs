@@ -136,10 +136,8 @@ mod tests {
     #[test]
     fn columns_stand_in_any_order_and_remarks_are_passed_over() {
         let told = |headings: &str, version: &str| {
-            let text = format!(
-                "# measured on a Tuesday\nrmse, renderer, cpu_s, spp{headings}\n0.05, Some Tracer, 3.5, 16{version}\n"
-            );
-            load(&text).unwrap()
+            let heading = format!("# measured on a Tuesday\nrmse, renderer, cpu_s, spp{headings}");
+            load(&format!("{heading}\n0.05, Some Tracer, 3.5, 16{version}\n")).unwrap()
         };
         let row = |renderer: &str| PeerRow { renderer: renderer.into(), samples: 16, cpu_s: 3.5, rmse: 0.05 };
         assert_eq!(told("", ""), [row("Some Tracer")]);
