@@ -76,7 +76,10 @@ impl SeenFog {
         let mut numbers = vec![0.0_f32; lattice.columns * lattice.rows * of_ray];
         numbers.par_chunks_mut(of_ray).enumerate().for_each(|(number, numbers)| {
             let ray = lattice.ray(number);
-            let places = lattice.places(&ray);
+            // So that what is between two places is in fog: the first and the last may be as dense as any.
+            let (enter, leave) = medium.range(&ray, f64::INFINITY).unwrap_or_default();
+            let mut places = lattice.places(&ray);
+            places.iter_mut().for_each(|place| *place = place.min(leave).max(enter));
             let before = medium.before_each(&ray, &places);
             let mut put = |quantity: usize, values: &[Rgb]| {
                 for (step, value) in numbers.chunks_exact_mut(of_step).zip(values) {
@@ -180,7 +183,14 @@ impl SeenRay<'_> {
     pub fn passage(&self, distance: f64, lit: &LitSegments, light: &FrozenLight) -> Option<Passage> {
         let FrozenLight::Sun { to_light, irradiance } = *light else { return None };
         let sun = self.fog.suns.iter().position(|sun| sun.dot(to_light) > NEAR)?;
-        let before = |t: f64| self.before(self.step(t), 1 + sun);
+        // Of steps in which fog begins or ends all is in it.
+        let fog = lit.within(0.0, f64::INFINITY);
+        let ends = fog.end < distance;
+        let before = |t: f64| {
+            let step = self.step(t);
+            let step = if t <= fog.start { step.floor() } else { step };
+            self.before(if ends && t >= fog.end { step.ceil() } else { step }, 1 + sun)
+        };
         let mut sum = Rgb::ZERO;
         lit.for_each_part(&lit.within(0.0, distance), |start, end, share| {
             sum += share * (before(end) - before(start));

@@ -192,14 +192,20 @@ fn walks_find_the_same_light() {
 }
 
 /// What is found once for all rays of a camera is what each of them finds, within the lattice's tolerance: of
-/// a small picture, and of one whose rays would be too many.
+/// a small picture, of one whose rays would be too many, and of fog that ends where it is densest.
 #[test]
 fn fog_that_the_camera_sees_is_that_of_its_rays() {
-    let scene = lit_puff();
-    let trees = MeshTrees::new(&scene);
-    let alone = Snapshot::new(&scene, &trees, 0, 1.0, INSTANT);
-    for side in [160, 1600] {
-        let exposure = Exposure::new(&scene, &trees, 0, 1.0, INSTANT);
+    let mut block = VoxelsBuilder::default();
+    block.add_even(IVec3::ZERO, 24, 1.0).expect("it is small");
+    let mut hard = camera_at(DVec3::ZERO);
+    add_voxels(&mut hard, turned(), block.built().expect("fog"), Rgb::new(0.6, 0.8, 1.2));
+    let to_sun = DVec3::new(0.5, -0.7, -0.3);
+    add_light(&mut hard, LightKind::Sun, DVec3::ZERO, to_sun, Rgb::new(3.0, 2.0, 1.0));
+    let soft = lit_puff();
+    for (scene, side) in [(&soft, 160), (&soft, 1600), (&hard, 160)] {
+        let trees = MeshTrees::new(scene);
+        let alone = Snapshot::new(scene, &trees, 0, 1.0, INSTANT);
+        let exposure = Exposure::new(scene, &trees, 0, 1.0, INSTANT);
         exposure.see_fog(Size { width: side, height: side });
         let known = exposure.middle();
         assert!(alone.seen_fog().is_none() && known.seen_fog().is_some());
