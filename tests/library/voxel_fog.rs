@@ -198,7 +198,7 @@ fn fog_that_the_camera_sees_is_that_of_its_rays() {
     let mut block = VoxelsBuilder::default();
     block.add_even(IVec3::ZERO, 24, 1.0).expect("it is small");
     let mut hard = camera_at(DVec3::ZERO);
-    add_voxels(&mut hard, turned(), block.built().expect("fog"), Rgb::new(0.6, 0.8, 1.2));
+    add_voxels(&mut hard, turned(), block.built().expect("fog"), Rgb::new(0.01, 0.012, 0.015));
     let to_sun = DVec3::new(0.5, -0.7, -0.3);
     add_light(&mut hard, LightKind::Sun, DVec3::ZERO, to_sun, Rgb::new(3.0, 2.0, 1.0));
     let soft = lit_puff();
