@@ -8,6 +8,7 @@ mod correction;
 mod draws;
 mod error_left;
 mod grid_error;
+mod importance;
 mod lattice;
 mod layout;
 mod map;

@@ -28,7 +28,7 @@ impl Light {
     }
 
     /// Sum over all passes.
-    fn at(&self, cell: usize) -> Rgb {
+    pub(super) fn at(&self, cell: usize) -> Rgb {
         self.0.iter().map(|light| light.of(cell)).sum()
     }
 
@@ -139,7 +139,7 @@ mod tests {
             let place = DVec2::new((column + 0.5) / COLUMNS as f64, (row + 0.5) / ROWS as f64);
             assert_eq!(cell_at(place), cell);
             let light = [Rgb::ONE, Rgb::ZERO];
-            half.add(&Probe { place, walk: light, grid: light, drawn: 1 });
+            half.add(&Probe { place, weight: 1.0, walk: light, grid: light, drawn: 1 });
         }
         let shares = |sign: f64| {
             let of_surfaces = Map::from_fn(|cell| Rgb::splat(sign * off(cell)));

@@ -5,9 +5,10 @@
 use super::Job;
 use super::correction::{Correction, Scheme, mean};
 use super::error_left::{Left, Light};
+use super::importance::Importance;
 use super::map::{COLUMNS, Map, ROWS, cell_at};
 use super::moments::Moments;
-use super::probes::{PASSES, probes};
+use super::probes::{PASSES, Plan, probes};
 use super::survey::Survey;
 use crate::color::{Rgb, luminance};
 use crate::film::Blocks;
@@ -73,13 +74,13 @@ impl GridError {
         let most = most_walks(job.size, tolerance);
         let mut halves = [Moments::none(), Moments::none()];
         let mut numbers = 0..FIRST;
-        let mut branches = Branches::ONE;
+        let mut plan = Plan { importance: Importance::even(), branches: Branches::ONE };
         let (mut drawn, mut drawn_by_one) = (0.0, POINTS_OF_A_WALK);
         loop {
-            let rays = (BATCH / branches.mean()) as u32;
+            let rays = (BATCH / plan.branches.mean()) as u32;
             for start in numbers.clone().step_by(rays as usize) {
                 let batch = start..numbers.end.min(start + rays);
-                for (number, probe) in batch.clone().zip(probes(batch, branches, snapshot, job, indirect)) {
+                for (number, probe) in batch.clone().zip(probes(batch, &plan, snapshot, job, indirect)) {
                     halves[(number / RUN % 2) as usize].add(&probe);
                     drawn += f64::from(probe.drawn);
                 }
@@ -88,16 +89,20 @@ impl GridError {
                 }
             }
             let known = Self::of(&halves, survey, job.size);
-            if branches == Branches::ONE {
+            if plan.branches == Branches::ONE {
                 drawn_by_one = (drawn / f64::from(FIRST)).clamp(1.0, POINTS_OF_A_WALK);
             }
             let room = most * drawn_by_one / drawn.max(f64::from(numbers.end)) - 1.0;
             if known.relative <= tolerance || room < LEAST_MORE || cancelled() {
                 return known;
             }
-            if branches == Branches::ONE {
+            if plan.branches == Branches::ONE {
                 // What is noisier than the rest would count as much.
-                branches = branches_by_noise(&halves);
+                let first = halves[0].with(&halves[1]);
+                plan = Plan {
+                    importance: Importance::of(&Light::of(&first)),
+                    branches: branches_by_noise(&first),
+                };
                 halves = [Moments::none(), Moments::none()];
                 numbers = FIRST..FIRST + FIRST / 2;
             } else {
@@ -151,10 +156,10 @@ impl GridError {
 }
 
 /// Branches of the least noise for their number: in proportion to the standard deviation of one.
-fn branches_by_noise(halves: &[Moments; 2]) -> Branches {
-    let (all, none) = (halves[0].with(&halves[1]), Map::filled(Rgb::ZERO));
+fn branches_by_noise(first: &Moments) -> Branches {
+    let none = Map::filled(Rgb::ZERO);
     let [at_surfaces, in_fog] =
-        std::array::from_fn(|pass| mean(all.squares_left(pass, &none).sum()).max(0.0).sqrt());
+        std::array::from_fn(|pass| mean(first.squares_left(pass, &none).sum()).max(0.0).sqrt());
     let share = |noise: f64| {
         let of_most = noise / at_surfaces.max(in_fog).max(f64::MIN_POSITIVE);
         MOST_BRANCHES >> (-of_most.log2()).round().clamp(0.0, f64::from(MOST_BRANCHES.ilog2())) as u32

@@ -8,7 +8,7 @@ use crate::color::Rgb;
 /// Values of each pass: walk less grid, and grid.
 const VALUES: usize = 2 * PASSES;
 
-/// Sums over the probes of a cell.
+/// Sums over the probes of a cell, each by its weight.
 #[derive(Clone, Copy, Default)]
 struct Cell {
     count: f64,
@@ -28,11 +28,11 @@ impl Moments {
     pub(super) fn add(&mut self, probe: &Probe) {
         let mut values = [Rgb::ZERO; VALUES];
         for pass in 0..PASSES {
-            values[2 * pass] = probe.walk[pass] - probe.grid[pass];
-            values[2 * pass + 1] = probe.grid[pass];
+            values[2 * pass] = probe.weight * (probe.walk[pass] - probe.grid[pass]);
+            values[2 * pass + 1] = probe.weight * probe.grid[pass];
         }
         let cell = self.0.cell_mut(cell_at(probe.place));
-        cell.count += 1.0;
+        cell.count += probe.weight;
         for (row, &value) in values.iter().enumerate() {
             cell.sums[row] += value;
             for (product, &other) in cell.products[row].iter_mut().zip(&values) {

@@ -2,6 +2,7 @@
 //! snapshot, a job and the grid, out come both answers. Invariant: a probe depends on its number and the
 //! seed, whatever the picture's size and whatever part of it is wanted.
 
+use super::importance::Importance;
 use super::{Job, Method};
 use crate::color::Rgb;
 use crate::indirect::Indirect;
@@ -20,16 +21,24 @@ pub(super) const PASSES: usize = 2;
 pub(super) struct Probe {
     /// Place in the picture, `0..1` across and down.
     pub(super) place: DVec2,
+    /// By how much it counts: the less the denser probes are.
+    pub(super) weight: f64,
     pub(super) walk: [Rgb; PASSES],
     pub(super) grid: [Rgb; PASSES],
     /// Random points that the walk took: its length.
     pub(super) drawn: u32,
 }
 
-/// Probes of these numbers, spread evenly over the picture (Owen-scrambled Sobol points).
+/// Where probes are, and how many walks branch off each.
+pub(super) struct Plan {
+    pub(super) importance: Importance,
+    pub(super) branches: Branches,
+}
+
+/// Probes of these numbers, spread over the picture (Owen-scrambled Sobol points).
 pub(super) fn probes(
     numbers: Range<u32>,
-    branches: Branches,
+    plan: &Plan,
     snapshot: &Snapshot,
     job: &Job,
     indirect: &Indirect,
@@ -42,14 +51,14 @@ pub(super) fn probes(
             let sampler = |column: u32| {
                 Sampler::new(job.seed, u32::MAX - column, number / Sampler::MAX_SAMPLES, number)
             };
-            let place = DVec2::from(sampler(0).next_2d());
+            let (place, weight) = plan.importance.pick(sampler(0).next_2d().into());
             let ray = snapshot.view.ray(place.x, place.y);
             let [(walk, drawn), (grid, _)] = [(by_walk, 1), (by_grid, 2)].map(|(transport, column)| {
-                let (all, mut sampler) = (Component::Indirect(branches), sampler(column));
+                let (all, mut sampler) = (Component::Indirect(plan.branches), sampler(column));
                 let sample = transport.radiance_of(all, snapshot, &ray, &mut sampler, scratch);
                 ([sample.indirect, sample.indirect_shafts], sampler.drawn())
             });
-            Probe { place, walk, grid, drawn }
+            Probe { place, weight, walk, grid, drawn }
         })
         .collect()
 }

@@ -1,0 +1,86 @@
+//! Importance of a picture's places: where probes are many. In goes the light of first probes, out come
+//! places and what a probe there counts. Invariant: no place is left out, so means of the picture stay what
+//! they are.
+//!
+//! A few bright places, as fog about a lantern has them, make most of the noise. The variance of a sum is
+//! the least if probes are as dense as their standard deviation (Cochran 1977, "Sampling techniques",
+//! section 5.5). That is about in proportion to light. Few probes tell the grid's light well, and noise
+//! badly.
+
+use super::correction::mean;
+use super::error_left::Light;
+use super::map::{COLUMNS, Map, ROWS};
+use glam::DVec2;
+
+/// Share of probes that are spread evenly, so that dark places keep theirs.
+const EVEN: f64 = 0.5;
+
+/// Density of probes by cell, 1 in the mean.
+pub(super) struct Importance {
+    density: Map<f64>,
+    /// Sums of its rows.
+    rows: [f64; ROWS],
+}
+
+impl Importance {
+    pub(super) fn even() -> Self {
+        Self::with(Map::filled(1.0))
+    }
+
+    fn with(density: Map<f64>) -> Self {
+        let row = |row: usize| -> f64 { (0..COLUMNS).map(|column| density.of(column + COLUMNS * row)).sum() };
+        Self { rows: std::array::from_fn(row), density }
+    }
+
+    /// By the grid's light, as first probes have it.
+    pub(super) fn of(light: &Light) -> Self {
+        let per_mean = 1.0 / mean(light.mean());
+        if !per_mean.is_finite() {
+            return Self::even();
+        }
+        Self::with(Map::from_fn(|cell| EVEN + (1.0 - EVEN) * per_mean * mean(light.at(cell))))
+    }
+
+    /// The place that two uniform numbers pick, `0..1` across and down, and what a probe there counts.
+    pub(super) fn pick(&self, u: DVec2) -> (DVec2, f64) {
+        let (row, down) = picked(&self.rows, u.y);
+        let density = |column: usize| self.density.of(column + COLUMNS * row);
+        let (column, across) = picked(&std::array::from_fn::<_, COLUMNS, _>(density), u.x);
+        let place = DVec2::new((column as f64 + across) / COLUMNS as f64, (row as f64 + down) / ROWS as f64);
+        (place, 1.0 / density(column))
+    }
+}
+
+/// Which weight a uniform number picks, and what is left of the number, uniform again.
+fn picked(weights: &[f64], u: f64) -> (usize, f64) {
+    let (mut left, mut number) = (u * weights.iter().sum::<f64>(), 0);
+    while number + 1 < weights.len() && left >= weights[number] {
+        left -= weights[number];
+        number += 1;
+    }
+    (number, (left / weights[number]).clamp(0.0, 1.0 - f64::EPSILON))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::map::cell_at;
+    use super::*;
+    use crate::math::kronecker;
+
+    /// Probes come as often as a cell is important, and count the less: all cells have the same sum.
+    #[test]
+    fn a_cell_counts_the_same_however_many_probes_it_has() {
+        let density = |cell: usize| if cell % COLUMNS < 12 { 2.5 } else { 0.5 };
+        let importance = Importance::with(Map::from_fn(density));
+        let count = 400 * COLUMNS * ROWS;
+        let mut sums = Map::filled(0.0);
+        for number in 0..count {
+            let u = DVec2::new((number as f64 + 0.5) / count as f64, kronecker(0.3, number));
+            let (place, counts) = importance.pick(u);
+            *sums.cell_mut(cell_at(place)) += counts;
+        }
+        for cell in 0..COLUMNS * ROWS {
+            assert!((sums.of(cell) - 400.0).abs() < 60.0, "{cell}: {}", sums.of(cell));
+        }
+    }
+}
