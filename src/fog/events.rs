@@ -40,6 +40,13 @@ pub struct Loss {
     pub through_per_density: Rgb,
 }
 
+impl Losses {
+    /// The part of the ray.
+    pub fn range(&self) -> (f64, f64) {
+        self.range
+    }
+}
+
 impl FoggyRay<'_> {
     /// Losses of light with the weights of its channels, up to the ray's end; `None` if there are none.
     pub fn losses(&self, weights: Rgb) -> Option<Losses> {

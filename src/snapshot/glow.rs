@@ -45,6 +45,13 @@ impl Body {
     fn weight(&self, place: DVec3) -> f64 {
         self.power / (place.distance_squared(self.middle) + self.squared_radius)
     }
+
+    /// Integral of that over a part of a ray.
+    fn weight_along(&self, ray: &Ray, (start, end): (f64, f64)) -> f64 {
+        let nearest = (self.middle - ray.origin).dot(ray.direction);
+        let gap = (ray.at(nearest).distance_squared(self.middle) + self.squared_radius).sqrt();
+        self.power * (((end - nearest) / gap).atan() - ((start - nearest) / gap).atan()) / gap
+    }
 }
 
 impl Glow {
@@ -150,17 +157,39 @@ impl Glow {
     }
 
     /// A point that three uniform numbers pick for a place to be lit, and its triangle.
-    pub fn pick(&self, snapshot: &Snapshot, place: DVec3, [which, u, v]: [f64; 3]) -> (PrimitiveId, DVec3) {
-        let all = self.weight(place);
+    pub fn pick(&self, snapshot: &Snapshot, place: DVec3, u: [f64; 3]) -> (PrimitiveId, DVec3) {
+        let (triangle, point, _) = self.pick_by(snapshot, |body| body.weight(place), u);
+        (triangle, point)
+    }
+
+    /// The same for a part of a ray to be lit, and its probability density, 1/m^2.
+    pub fn pick_along(
+        &self,
+        snapshot: &Snapshot,
+        (ray, range): (&Ray, (f64, f64)),
+        u: [f64; 3],
+    ) -> (PrimitiveId, DVec3, f64) {
+        self.pick_by(snapshot, |body| body.weight_along(ray, range), u)
+    }
+
+    fn pick_by(
+        &self,
+        snapshot: &Snapshot,
+        weight: impl Fn(&Body) -> f64,
+        [which, u, v]: [f64; 3],
+    ) -> (PrimitiveId, DVec3, f64) {
+        let all: f64 = self.bodies.iter().map(&weight).sum();
         let (mut left, mut chosen) = (which * all, 0);
         // What is left of a number that has decided is uniform again.
-        while chosen + 1 < self.bodies.len() && left >= self.bodies[chosen].weight(place) {
-            left -= self.bodies[chosen].weight(place);
+        while chosen + 1 < self.bodies.len() && left >= weight(&self.bodies[chosen]) {
+            left -= weight(&self.bodies[chosen]);
             chosen += 1;
         }
         let body = &self.bodies[chosen];
-        let triangle = self.triangle_at(&body.triangles, (left / body.weight(place)).clamp(0.0, 1.0));
-        (triangle, evenly(snapshot.corners(triangle), [u, v]))
+        let of_body = weight(body);
+        let triangle = self.triangle_at(&body.triangles, (left / of_body).clamp(0.0, 1.0));
+        let per_m2 = luminance(snapshot.emission(triangle)) / body.power * of_body / all;
+        (triangle, evenly(snapshot.corners(triangle), [u, v]), per_m2)
     }
 
     /// Share of the glow's light at a place that comes from near bodies, roughly, from 0 to 1: 0 if all

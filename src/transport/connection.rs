@@ -5,6 +5,7 @@
 //! The weights are those of the balance heuristic (Veach & Guibas 1995, "Optimally combining sampling
 //! techniques for Monte Carlo rendering", section 3.3).
 
+use super::lit_by_glow::Collision;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -16,6 +17,8 @@ use glam::DVec3;
 pub(super) struct Turn {
     pub(super) place: DVec3,
     pub(super) density: f64,
+    /// In fog, where glow is looked for.
+    pub(super) collision: Option<Collision>,
 }
 
 /// Vertex at which light is scattered towards the eye.
@@ -77,7 +80,7 @@ impl Turn {
 }
 
 /// Probability density in solid angle of a density over area, seen from a distance, 1/sr.
-fn per_sr(per_m2: f64, point: &SurfacePoint, distance: f64) -> f64 {
+pub(super) fn per_sr(per_m2: f64, point: &SurfacePoint, distance: f64) -> f64 {
     let cos = point.geometric_normal.dot(point.to_eye).abs();
     if per_m2 > 0.0 { per_m2 * distance * distance / cos } else { 0.0 }
 }

@@ -67,20 +67,19 @@ fn lit(light: &FrozenLight, ray: &Ray, (start, end): (f64, f64)) -> Option<(f64,
 
 fn equiangular(ray: &Ray, light: DVec3, start: f64, end: f64, u: f64) -> (f64, f64) {
     let angle = Angle::of(ray, light);
-    let (from, to) = (angle.at(start), angle.at(end));
-    let t = (angle.nearest + angle.gap * (from + u * (to - from)).tan()).clamp(start, end);
+    let t = angle.pick((start, end), u);
     (t, angle.per_m((start, end), t))
 }
 
 /// Angle at a light along a ray.
-struct Angle {
+pub(super) struct Angle {
     /// Where the ray is nearest to it, and how near, metres.
     nearest: f64,
     gap: f64,
 }
 
 impl Angle {
-    fn of(ray: &Ray, light: DVec3) -> Self {
+    pub(super) fn of(ray: &Ray, light: DVec3) -> Self {
         let nearest = (light - ray.origin).dot(ray.direction);
         Self { nearest, gap: ray.at(nearest).distance(light).max(f64::MIN_POSITIVE) }
     }
@@ -89,8 +88,14 @@ impl Angle {
         ((t - self.nearest) / self.gap).atan()
     }
 
-    /// Density of what is even in it over a range, 1/m.
-    fn per_m(&self, (start, end): (f64, f64), t: f64) -> f64 {
+    /// A place of a range that a uniform number picks, even in the angle.
+    pub(super) fn pick(&self, (start, end): (f64, f64), u: f64) -> f64 {
+        let (from, to) = (self.at(start), self.at(end));
+        (self.nearest + self.gap * (from + u * (to - from)).tan()).clamp(start, end)
+    }
+
+    /// Probability density of [`Self::pick`], 1/m.
+    pub(super) fn per_m(&self, (start, end): (f64, f64), t: f64) -> f64 {
         let offset = t - self.nearest;
         self.gap / ((self.at(end) - self.at(start)) * (self.gap * self.gap + offset * offset))
     }

@@ -5,6 +5,7 @@
 
 use super::connection::{Receiver, Target, Turn};
 use super::direct::scattered_per_radiance;
+use super::lit_by_glow::Collision;
 use super::lobes::Lobes;
 use super::path::Path;
 use crate::color::Rgb;
@@ -35,7 +36,7 @@ pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others:
         picked: &|to| (1.0 / share_of_points - 1.0) * lobes.picked(point, to),
     };
     if path.sampler.next_1d() < share_of_points {
-        return scattered(path, &receiver) / share_of_points;
+        return scattered(path, &receiver, None) / share_of_points;
     }
     let direction = lobes.pick(point, DVec2::from(path.sampler.next_2d()));
     let per_picked =
@@ -51,7 +52,8 @@ fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3,
     }
     let snapshot = path.snapshot;
     let ray = Ray { origin: receiver.place, direction };
-    let turn = Some(Turn { place: receiver.place, density: (receiver.picked)(direction) });
+    let density = (receiver.picked)(direction);
+    let turn = Some(Turn { place: receiver.place, density, collision: None });
     let opaque = snapshot.tree.nearest_hit(&ray, f64::INFINITY, receiver.leaving);
     let end = opaque.map_or(f64::INFINITY, |hit| hit.t);
     let mut sum = Rgb::ZERO;
@@ -71,14 +73,19 @@ fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3,
     sum
 }
 
-/// Radiance of a sampled point of the glow that the receiver scatters, W m^-2 sr^-1.
-pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
+/// Radiance of a sampled point of the glow that the receiver scatters, W m^-2 sr^-1; in fog after a
+/// collision.
+pub(super) fn scattered(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
     let (snapshot, light) = (path.snapshot, path.light);
     let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return Rgb::ZERO };
     let (primitive, position) = glow.pick(snapshot, receiver.place, path.sampler.next_3d());
     let target =
         Target { primitive, position, per_m2: glow.picked_per_m2(snapshot, receiver.place, primitive) };
-    receiver.lit_by(snapshot, &target, |point| light.emitted(point))
+    receiver.lit_by(snapshot, &target, |point| {
+        let by_phase =
+            |collision: &Collision| collision.share(point, (receiver.picked)(-point.to_eye), target.per_m2);
+        collision.map_or(1.0, by_phase) * light.emitted(point)
+    })
 }
 
 /// Emission of a surface that a walk meets, weighted for multiple importance sampling; all of it after a
@@ -86,5 +93,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
 pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
     let emitted = path.light.emitted(point);
     let (Some(turn), Some(glow)) = (turn, path.snapshot.glow()) else { return emitted };
-    emitted * turn.share_of_met(point, glow.picked_per_m2(path.snapshot, turn.place, point.primitive))
+    let per_m2 = glow.picked_per_m2(path.snapshot, turn.place, point.primitive);
+    let share = turn.collision.map_or(1.0, |collision| collision.share(point, turn.density, per_m2));
+    share * emitted * turn.share_of_met(point, per_m2)
 }

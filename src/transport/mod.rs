@@ -13,6 +13,7 @@ mod lamp_fog;
 mod lamp_spots;
 mod lamps_seen;
 mod leg;
+mod lit_by_glow;
 mod lit_segments;
 mod lobes;
 mod march;

@@ -15,6 +15,7 @@ use super::fog_glow;
 use super::glow;
 use super::lamp_fog;
 use super::lamp_spots;
+use super::lit_by_glow::{Collision, Collisions};
 use super::lobes::Lobes;
 use super::march;
 use super::path::{Illumination, Path};
@@ -48,8 +49,8 @@ struct Leg {
 #[allow(clippy::large_enum_variant, reason = "a walk has one at a time, on the stack")]
 enum Vertex {
     Surface(SurfacePoint),
-    /// A point in fog, on its way along a ray from the eye.
-    Fog(Ray),
+    /// A point in fog, on its way along a ray from the eye; and its collision, if anything glows.
+    Fog(Ray, Option<Collision>),
 }
 
 /// Radiance of indirect light that a surface scatters towards the eye, W m^-2 sr^-1.
@@ -66,13 +67,20 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
     let medium = &path.snapshot.medium;
     let along = medium.along(ray, way.distance);
     let Some(losses) = along.losses(Rgb::ONE) else { return Rgb::ZERO };
+    let seen_through = |t: f64| -> Rgb {
+        let before = way.blended.iter().filter(|hit| hit.t < t);
+        before.map(|hit| hit.point.see_through).product()
+    };
+    let collisions = Collisions { along, losses, weights: Rgb::ONE, chance: 1.0 };
     mean_of(path, path.light.branches.in_fog, |path| {
+        let (t, by_glow) = collisions.lit(path, ray);
+        let lit = seen_through(t) * by_glow;
         let u = path.sampler.next_2d();
-        let Some(loss) = along.pick_loss(Rgb::ONE, &losses, u.into()) else { return Rgb::ZERO };
-        let seen_through = way.blended.iter().filter(|hit| hit.t < loss.t);
-        let throughput =
-            seen_through.fold(loss.through_per_density, |product, hit| product * hit.point.see_through);
-        Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }).lit_by_scattered(path, bounces, throughput)
+        let Some(loss) = collisions.along.pick_loss(Rgb::ONE, &losses, u.into()) else { return lit };
+        let throughput = loss.through_per_density * seen_through(loss.t);
+        let collision = path.snapshot.glow().map(|_| collisions.at(ray, loss.t));
+        let vertex = Vertex::Fog(Ray { origin: ray.at(loss.t), ..*ray }, collision);
+        lit + vertex.lit_by_scattered(path, bounces, throughput)
     })
 }
 
@@ -104,7 +112,7 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     let glows = path.snapshot.glow().is_some() || path.snapshot.medium.shines();
     let legs = most + u32::from(glows);
     for number in 1..=legs {
-        let Some(vertex) = leg.next_vertex(path, &mut sum) else { break };
+        let Some(vertex) = leg.next_vertex(path, &mut sum, number <= most) else { break };
         sum += leg.throughput * vertex.met(path, leg.turn);
         if number == legs {
             break;
@@ -130,8 +138,8 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
 
 impl Leg {
     /// Next vertex, where the leg's light is scattered; `None` if the leg leaves the scene. Light of lamps
-    /// on the way is added to `sum`.
-    fn next_vertex(&mut self, path: &mut Path, sum: &mut Rgb) -> Option<Vertex> {
+    /// on the way is added to `sum`, and of what glows if the leg `is_lit` by it.
+    fn next_vertex(&mut self, path: &mut Path, sum: &mut Rgb, is_lit: bool) -> Option<Vertex> {
         let snapshot = path.snapshot;
         loop {
             let opaque = snapshot.tree.nearest_hit(&self.ray, f64::INFINITY, self.leaving);
@@ -142,8 +150,8 @@ impl Leg {
             *sum += self.throughput * lamp_fog::on_leg(path, &self.ray, self.turn, distance);
             let way = Way { distance, ..Way::default() };
             *sum += self.throughput * fog_glow::on_the_way(path, &self.ray, &way);
-            if let Some(place) = self.lost_in_fog(path, distance) {
-                return Some(Vertex::Fog(Ray { origin: place, ..self.ray }));
+            if let Some(vertex) = self.lost_in_fog(path, distance, is_lit.then_some(&mut *sum)) {
+                return Some(vertex);
             }
             let Some(hit) = hit else {
                 *sum += self.throughput * self.beyond(path);
@@ -158,20 +166,26 @@ impl Leg {
     }
 
     /// Collision with fog before `distance`, by chance. The throughput then is as if it were certain
-    /// there, per metre.
-    fn lost_in_fog(&mut self, path: &mut Path, distance: f64) -> Option<DVec3> {
-        let medium = &path.snapshot.medium;
-        let along = medium.along(&self.ray, distance);
-        let losses = along.losses(self.throughput)?;
+    /// there, per metre. Light of what glows on the way is added to `lit`.
+    fn lost_in_fog(&mut self, path: &mut Path, distance: f64, lit: Option<&mut Rgb>) -> Option<Vertex> {
+        let (medium, ray, weights) = (&path.snapshot.medium, self.ray, self.throughput);
+        let along = medium.along(&ray, distance);
+        let losses = along.losses(weights)?;
+        let glow = path.snapshot.glow();
+        let collisions = Collisions { along, losses, weights, chance: losses.chance };
+        if let Some(sum) = lit.filter(|_| glow.is_some()) {
+            *sum += self.throughput * collisions.lit(path, &ray).1;
+        }
         let (u, v) = path.sampler.next_2d();
         if u >= losses.chance {
             let through = medium.transmittance(self.ray.origin, self.ray.direction, distance);
             self.throughput *= through / (1.0 - losses.chance);
             return None;
         }
-        let loss = along.pick_loss(self.throughput, &losses, [u / losses.chance, v])?;
+        let loss = collisions.along.pick_loss(weights, &losses, [u / losses.chance, v])?;
         self.throughput *= loss.through_per_density / losses.chance;
-        Some(self.ray.at(loss.t))
+        let collision = glow.map(|_| collisions.at(&ray, loss.t));
+        Some(Vertex::Fog(Ray { origin: ray.at(loss.t), ..ray }, collision))
     }
 
     /// Whether it goes through a blended surface, by chance.
@@ -214,7 +228,7 @@ impl Vertex {
                 let of_lamps = lamp_spots::met(path, turn, point);
                 glow::met(path, turn, point) + of_suns + of_lamps + sky_light::by_surface(path, point)
             }
-            Self::Fog(ray) => {
+            Self::Fog(ray, _) => {
                 // Lamps were looked for all along the leg.
                 let of_suns: Rgb = suns.map(|sun| march::scattered_at(snapshot, ray, 0.0, sun, &[])).sum();
                 of_suns + sky_light::by_fog(path, ray.origin, ray.direction)
@@ -233,9 +247,9 @@ impl Vertex {
                     scattered: &|direction| direct::scattered_per_radiance(point, direction),
                     picked: &|direction| share * lobes.picked(point, direction),
                 };
-                beside_the_walk(path, &receiver)
+                beside_the_walk(path, &receiver, None)
             }
-            Self::Fog(Ray { origin, direction }) => {
+            Self::Fog(Ray { origin, direction }, collision) => {
                 let medium = &path.snapshot.medium;
                 let g = medium.anisotropy_at(*origin);
                 let receiver = Receiver {
@@ -244,7 +258,7 @@ impl Vertex {
                     scattered: &|to| medium.scattering_at(*origin, direction.dot(to)),
                     picked: &|to| picked_henyey_greenstein(g, direction.dot(to)),
                 };
-                beside_the_walk(path, &receiver)
+                beside_the_walk(path, &receiver, collision.as_ref())
             }
         }
     }
@@ -255,17 +269,17 @@ impl Vertex {
             Self::Surface(point) => {
                 let (direction, weight, density) = picked(path, point)?;
                 let ray = Ray { origin: point.position, direction };
-                let turn = density.map(|density| Turn { place: point.position, density });
+                let turn = density.map(|density| Turn { place: point.position, density, collision: None });
                 Leg { ray, throughput: throughput * weight, leaving: Some(point.primitive), turn }
             }
-            Self::Fog(Ray { origin, direction }) => {
+            Self::Fog(Ray { origin, direction }, collision) => {
                 let medium = &path.snapshot.medium;
                 let (towards, weight) =
                     medium.pick_scattering(*origin, *direction, throughput, path.sampler.next_3d())?;
                 let ray = Ray { origin: *origin, direction: towards };
                 // Of several fogs the mean: both ways to what glows weigh by it.
                 let density = picked_henyey_greenstein(medium.anisotropy_at(*origin), direction.dot(towards));
-                let turn = Some(Turn { place: *origin, density });
+                let turn = Some(Turn { place: *origin, density, collision: *collision });
                 Leg { ray, throughput: throughput * weight, leaving: None, turn }
             }
         };
@@ -274,8 +288,8 @@ impl Vertex {
 }
 
 /// Radiance of places that are picked because they are bright, as a vertex scatters it towards the eye.
-fn beside_the_walk(path: &mut Path, receiver: &Receiver) -> Rgb {
-    glow::scattered(path, receiver)
+fn beside_the_walk(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
+    glow::scattered(path, receiver, collision)
         + lamp_spots::scattered(path, receiver)
         + lamp_fog::scattered(path, receiver)
 }

@@ -179,17 +179,56 @@ fn what_glows_and_is_small_lights_a_wall() {
     let middle = DVec3::new(0.0, 2.0, -2.0);
     let mut scene = camera_at(DVec3::ZERO);
     add_box(&mut scene, DVec3::new(-8.0, -8.0, -4.1), DVec3::new(8.0, 8.0, -4.0), matte(0.5, 0.0));
-    scene.materials.push(Material { emission: Rgb::splat(1e3), ..matte(0.0, 0.0) });
-    let material = scene.materials.len() - 1;
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let positions = corners.map(|(x, y)| (middle + HALF_M * DVec3::new(x, y, 0.0)).as_vec3()).to_vec();
-    let triangles = [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material }).to_vec();
-    scene.meshes.push(Mesh { positions, triangles, ..Mesh::default() });
-    add_instance(&mut scene);
+    add_glowing_square(&mut scene, middle, HALF_M);
     let area = (2.0 * HALF_M).powi(2);
     let of = |cos: f64, distance: f64| 0.5 / PI * 1e3 * area * cos * cos / (distance * distance);
     let expected = mean_on_wall(&scene, of, middle);
     assert_is("a small glow", &scene, Bounces::UpTo(1), 1, expected, 1e-4 * expected);
+}
+
+/// A square across z that shines a thousand to both sides.
+fn add_glowing_square(scene: &mut Scene, middle: DVec3, half_m: f64) {
+    scene.materials.push(Material { emission: Rgb::splat(1e3), ..matte(0.0, 0.0) });
+    let material = scene.materials.len() - 1;
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let positions = corners.map(|(x, y)| (middle + half_m * DVec3::new(x, y, 0.0)).as_vec3()).to_vec();
+    let triangles = [[0, 1, 2], [0, 2, 3]].map(|vertices| Triangle { vertices, material }).to_vec();
+    scene.meshes.push(Mesh { positions, triangles, ..Mesh::default() });
+    add_instance(scene);
+}
+
+/// A square of 2 cm that glows in thin fog: `sigma / (4 pi) E A cos / r^2`, summed along each ray. Hardly any
+/// walk collides near it, where all of the light is.
+#[test]
+fn what_glows_and_is_small_lights_fog() {
+    const HALF_M: f64 = 0.01;
+    const SIGMA_PER_M: f64 = 1e-3;
+    const STEP_M: f64 = 1e-3;
+    let middle = DVec3::new(0.1, 0.35, -3.0);
+    let mut scene = camera_at(DVec3::ZERO);
+    add_fog(&mut scene, DVec3::splat(-8.0), DVec3::splat(8.0), Rgb::splat(SIGMA_PER_M), Rgb::ONE, 0.0);
+    add_glowing_square(&mut scene, middle, HALF_M);
+    let snapshot = Snapshot::new(&scene, &MeshTrees::new(&scene), 0, 1.0, INSTANT);
+    let along = |number: u32| -> f64 {
+        let place = (DVec2::new((number % RAYS).into(), (number / RAYS).into()) + 0.5) / f64::from(RAYS);
+        let ray = snapshot.view.ray(place.x, place.y);
+        let steps = (8.0 / -ray.direction.z / STEP_M) as u32;
+        let lit = |step: u32| {
+            let t = STEP_M * (f64::from(step) + 0.5);
+            let way = ray.at(t) - middle;
+            let distance = way.length();
+            way.z.abs() / distance.powi(3) * (-SIGMA_PER_M * (t + distance)).exp()
+        };
+        (0..steps).map(lit).sum()
+    };
+    let sum: f64 = (0..RAYS * RAYS).map(along).sum();
+    let scattered = 1e3 * (2.0 * HALF_M).powi(2) * SIGMA_PER_M / (4.0 * PI);
+    let expected = scattered * STEP_M * sum / f64::from(RAYS * RAYS);
+    let (mean, error) = estimate(&scene, &by_paths(Bounces::UpTo(1)), 4);
+    println!("a small glow in fog: {:.5e} +- {:.1e} of {expected:.5e}", mean.x, error.x);
+    assert!(error.x < 0.01 * expected, "{} of {expected}", error.x);
+    // Twice scattered light is a thousandth of it.
+    assert!((mean.x - expected).abs() < SIGMAS * error.x + 2e-3 * expected, "{} of {expected}", mean.x);
 }
 
 /// A lamp 1 mm before a board lights a spot that sends half of its light on: `2 a I cos` to where another

@@ -1,0 +1,95 @@
+//! Light of emissive surfaces that fog scatters into a walk. In go a leg and uniform numbers, out comes an
+//! estimate of the radiance from places near what glows. Invariant: these places and those where a walk
+//! collides make up the whole (balance heuristic, see `connection.rs`).
+//!
+//! Fog about a lantern is bright: light falls as 1 / r^2, and hardly any walk collides there. Places that are
+//! even in the angle about a point of the glow have its light without that noise (Kulla & Fajardo 2012).
+
+use super::connection::{Receiver, Target, per_sr};
+use super::equiangular::Angle;
+use super::path::Path;
+use crate::color::Rgb;
+use crate::fog::{FoggyRay, Losses, picked_henyey_greenstein};
+use crate::math::Ray;
+use crate::snapshot::SurfacePoint;
+
+/// How densely a walk collides with fog on a part of its way.
+pub(super) struct Collisions<'a> {
+    pub(super) along: FoggyRay<'a>,
+    pub(super) losses: Losses,
+    /// Of the channels.
+    pub(super) weights: Rgb,
+    /// Whether it does at all.
+    pub(super) chance: f64,
+}
+
+/// A collision with fog.
+#[derive(Clone, Copy)]
+pub(super) struct Collision {
+    /// The way that the walk was on, from the place.
+    ray: Ray,
+    /// The part of it that is in fog.
+    range: (f64, f64),
+    /// How likely it was, 1/m.
+    per_m: f64,
+}
+
+impl Collisions<'_> {
+    fn per_m(&self, t: f64) -> f64 {
+        self.chance * self.along.picked(self.weights, &self.losses, t)
+    }
+
+    /// The one at a distance.
+    pub(super) fn at(&self, ray: &Ray, t: f64) -> Collision {
+        let (start, end) = self.losses.range();
+        Collision {
+            ray: Ray { origin: ray.at(t), ..*ray },
+            range: (start - t, end - t),
+            per_m: self.per_m(t),
+        }
+    }
+
+    /// Radiance of the glow that fog scatters into the ray before they end, W m^-2 sr^-1, by a place that
+    /// is even in the angle about a point of it; and that place.
+    pub(super) fn lit(&self, path: &mut Path, ray: &Ray) -> (f64, Rgb) {
+        let (snapshot, light) = (path.snapshot, path.light);
+        let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return (0.0, Rgb::ZERO) };
+        let range = self.losses.range();
+        let (primitive, position, per_m2) = glow.pick_along(snapshot, (ray, range), path.sampler.next_3d());
+        let angle = Angle::of(ray, position);
+        let t = angle.pick(range, path.sampler.next_1d());
+        let (medium, place) = (&snapshot.medium, ray.at(t));
+        let (g, collision) = (medium.anisotropy_at(place), self.at(ray, t));
+        let receiver = Receiver {
+            place,
+            leaving: None,
+            scattered: &|to| medium.scattering_at(place, ray.direction.dot(to)),
+            picked: &|_| 0.0,
+        };
+        let by_point = glow.picked_per_m2(snapshot, place, primitive);
+        let scattered = receiver.lit_by(snapshot, &Target { primitive, position, per_m2 }, |point| {
+            let by_phase = picked_henyey_greenstein(g, -ray.direction.dot(point.to_eye));
+            light.emitted(point) * (1.0 - collision.share(point, by_phase, by_point))
+        });
+        let through = medium.transmittance(ray.origin, ray.direction, t);
+        let sum = through * scattered / angle.per_m(range, t);
+        (t, if sum.is_finite() { sum } else { Rgb::ZERO })
+    }
+}
+
+impl Collision {
+    /// The share by which light of a point of the glow counts here, whose direction is picked with the
+    /// density `by_phase`, 1/sr, and which is picked itself with `by_point`, 1/m^2.
+    pub(super) fn share(&self, point: &SurfacePoint, by_phase: f64, by_point: f64) -> f64 {
+        let by_angle = Angle::of(&self.ray, point.position).per_m(self.range, 0.0);
+        let by_point = per_sr(by_point, point, self.ray.origin.distance(point.position));
+        // Both ways pick it itself as densely.
+        let by_walk = self.per_m * (1.0 + by_phase / by_point);
+        match (by_angle.is_finite(), by_walk.is_finite()) {
+            (true, true) => by_walk / (by_walk + by_angle),
+            // On the very place all is found by its angle.
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+        }
+    }
+}
