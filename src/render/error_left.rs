@@ -32,6 +32,11 @@ impl Light {
         self.0.iter().map(|light| light.of(cell)).sum()
     }
 
+    /// Mean of the colour channels, over all passes.
+    pub(super) fn brightness(&self) -> Map<f64> {
+        Map::from_fn(|cell| mean(self.at(cell)))
+    }
+
     pub(super) fn mean(&self) -> Rgb {
         self.0.iter().map(Map::sum).sum::<Rgb>() / (COLUMNS * ROWS) as f64
     }

@@ -100,7 +100,7 @@ impl GridError {
                 // What is noisier than the rest would count as much.
                 let first = halves[0].with(&halves[1]);
                 plan = Plan {
-                    importance: Importance::of(&Light::of(&first)),
+                    importance: Importance::of(&Light::of(&first).brightness()),
                     branches: branches_by_noise(&first),
                 };
                 halves = [Moments::none(), Moments::none()];

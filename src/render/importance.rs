@@ -7,8 +7,6 @@
 //! section 5.5). That is about in proportion to light. Few probes tell the grid's light well, and noise
 //! badly.
 
-use super::correction::mean;
-use super::error_left::Light;
 use super::map::{COLUMNS, Map, ROWS};
 use glam::DVec2;
 
@@ -33,12 +31,12 @@ impl Importance {
     }
 
     /// By the grid's light, as first probes have it.
-    pub(super) fn of(light: &Light) -> Self {
-        let per_mean = 1.0 / mean(light.mean());
+    pub(super) fn of(light: &Map<f64>) -> Self {
+        let per_mean = (COLUMNS * ROWS) as f64 / light.sum();
         if !per_mean.is_finite() {
             return Self::even();
         }
-        Self::with(Map::from_fn(|cell| EVEN + (1.0 - EVEN) * per_mean * mean(light.at(cell))))
+        Self::with(Map::from_fn(|cell| EVEN + (1.0 - EVEN) * per_mean * light.of(cell)))
     }
 
     /// The place that two uniform numbers pick, `0..1` across and down, and what a probe there counts.

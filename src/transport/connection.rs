@@ -5,21 +5,11 @@
 //! The weights are those of the balance heuristic (Veach & Guibas 1995, "Optimally combining sampling
 //! techniques for Monte Carlo rendering", section 3.3).
 
-use super::lit_by_glow::Collision;
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::{Snapshot, SurfacePoint};
 use glam::DVec3;
-
-/// Vertex at which a walk took a new direction, and the density of that direction, 1/sr.
-#[derive(Clone, Copy)]
-pub(super) struct Turn {
-    pub(super) place: DVec3,
-    pub(super) density: f64,
-    /// In fog, where glow is looked for.
-    pub(super) collision: Option<Collision>,
-}
 
 /// Vertex at which light is scattered towards the eye.
 pub(super) struct Receiver<'a> {
@@ -67,15 +57,6 @@ impl Receiver<'_> {
         let density = per_sr(target.per_m2, &point, distance) + (self.picked)(direction);
         let sum = scattered * visible * fog * radiance(&point) * point.alpha / density;
         if sum.is_finite() { sum } else { Rgb::ZERO }
-    }
-}
-
-impl Turn {
-    /// The share by which a point counts that a walk meets, where `per_m2` says how densely it is picked.
-    pub(super) fn share_of_met(&self, point: &SurfacePoint, per_m2: f64) -> f64 {
-        let picked = per_sr(per_m2, point, self.place.distance(point.position));
-        // Seen from its edge it is picked for certain.
-        if picked.is_finite() { self.density / (self.density + picked) } else { 0.0 }
     }
 }
 

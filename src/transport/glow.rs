@@ -3,11 +3,12 @@
 //! towards the eye. Invariant: points that are met and points picked by power make up the whole (see
 //! `connection.rs`).
 
-use super::connection::{Receiver, Target, Turn};
+use super::connection::{Receiver, Target};
 use super::direct::scattered_per_radiance;
 use super::lit_by_glow::Collision;
 use super::lobes::Lobes;
 use super::path::Path;
+use super::turn::Turn;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::snapshot::SurfacePoint;

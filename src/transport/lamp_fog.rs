@@ -5,11 +5,12 @@
 //! A leg hardly ever crosses a narrow beam. A ray of the lamp goes there. Light that goes all ways is met by
 //! legs as well, and depths in voxels take longer than they save.
 
-use super::connection::{Receiver, Turn};
+use super::connection::Receiver;
 use super::equiangular;
 use super::lamp_spots::Lamp;
 use super::march::scattered_at;
 use super::path::Path;
+use super::turn::Turn;
 use crate::accel::InstanceTree;
 use crate::color::Rgb;
 use crate::light::Emission;

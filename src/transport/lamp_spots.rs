@@ -6,9 +6,10 @@
 //! meet it. So a ray of the lamp picks a spot as well: a path from the light of one vertex. See Lafortune
 //! & Willems 1993, "Bi-directional path tracing".
 
-use super::connection::{Receiver, Target, Turn};
+use super::connection::{Receiver, Target};
 use super::direct;
 use super::path::Path;
+use super::turn::Turn;
 use crate::color::Rgb;
 use crate::light::Emission;
 use crate::math::Ray;

@@ -26,6 +26,7 @@ mod shine;
 mod sky_light;
 pub mod slices;
 mod stack;
+mod turn;
 mod visibility;
 
 pub use branches::Branches;

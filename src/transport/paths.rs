@@ -9,7 +9,7 @@
 //! transport simulation", section 8.3.1). Emissive surfaces are sampled as well, and met. Lights are those
 //! of the camera ray, one point of each. Light transport is linear, so the mean over points is theirs.
 
-use super::connection::{Receiver, Turn};
+use super::connection::Receiver;
 use super::direct;
 use super::fog_glow;
 use super::glow;
@@ -20,6 +20,7 @@ use super::lobes::Lobes;
 use super::march;
 use super::path::{Illumination, Path};
 use super::sky_light;
+use super::turn::Turn;
 use super::visibility::Way;
 use crate::accel::PrimitiveId;
 use crate::color::{Rgb, luminance};

@@ -1,22 +1,12 @@
-//! Falls that share a ground, until all their leaves lie. In go falls, out come their leaves, from where bakes
-//! are kept if they are there. Invariant: what is kept of falls together holds while none of them changes;
-//! where there are several, flights of each are kept as well, and outlive changes of the others.
+//! Falls that share a ground, until all their leaves lie. In go falls, out come their leaves, from where
+//! bakes are kept if they are there. Invariant: what is kept of falls together holds while none of them
+//! changes. Where there are several, flights of each are kept as well, and outlive changes of the others.
 
 use super::kept::{Kept, name_of, recalled, take};
-use super::pile::come_to_rest;
+use super::pile::{AtRest, come_to_rest};
 use super::{Fall, Fallen, Look};
 use crate::scene::Track;
 use crate::scene::baking::Baking;
-use glam::{DQuat, DVec3};
-
-/// Keys of a leaf, to its rest if it lands.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct AtRest {
-    pub(super) translation: Track<DVec3>,
-    pub(super) rotation: Track<DQuat>,
-    /// See [`Fallen::landed`].
-    pub(super) landed: bool,
-}
 
 /// All leaves of each fall, in their order. `falls` lie on one ground.
 pub(in crate::inside::scene) fn at_rest(falls: &[&Fall], baking: &Baking) -> Vec<Vec<Fallen>> {

@@ -25,7 +25,8 @@ pub(super) trait Kept: Sized + Sync {
     /// First bytes of a file of such leaves.
     const MAGIC: &[u8; 16];
 
-    /// Appends its bytes; `None` of a leaf that is not kept: its keys are beyond what tracks keep in few bytes.
+    /// Appends its bytes; `None` of a leaf that is not kept, whose keys are beyond what tracks keep in few
+    /// bytes.
     fn write(&self, bytes: &mut Vec<u8>) -> Option<()>;
 
     /// Leaf of all these bytes; `None` of any that `write` did not give.

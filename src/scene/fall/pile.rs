@@ -5,13 +5,13 @@
 //! Leaves are stiff, and lie on heights over a grid ([`Heap`]): docs/decisions/falling.md says
 //! what that leaves undone.
 
-use super::at_rest::AtRest;
 use super::flown::Flown;
 use super::ground::Ground;
 use super::heap::{Heap, Lie, Sheet};
 use super::landing::{self, LEAST_INTERVAL_S, Settling};
 use super::leaf::{Leaf, Pose};
 use super::{Fall, Look, lean};
+use crate::scene::Track;
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 use std::mem;
@@ -23,6 +23,15 @@ const MOST_LEAN: f64 = 0.8;
 
 /// Leaves that land before their tracks are put together: few, so that hardly anything is in memory twice.
 const LANDINGS_AT_A_TIME: usize = 256;
+
+/// Keys of a leaf, to its rest if it lands.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct AtRest {
+    pub(super) translation: Track<DVec3>,
+    pub(super) rotation: Track<DQuat>,
+    /// See [`Fallen::landed`].
+    pub(super) landed: bool,
+}
 
 /// Landing of a leaf: the poses of its tail that are left, where it touches, what then.
 struct Landing {
