@@ -37,7 +37,8 @@ impl LampShape {
 
     /// Share of a sphere's fluence that arrives at a place in fog.
     ///
-    /// Within a sphere its points give half of what its surface gives if that shines inward. By soft falloff the disc fills `2 pi (1 - d / s)` steradians with `s^2 = d^2 + r^2`. A sphere fills
+    /// Within a sphere its points give half of what its surface gives if that shines inward. By soft falloff
+    /// the disc fills `2 pi (1 - d / s)` steradians with `s^2 = d^2 + r^2`. A sphere fills
     /// `2 pi (1 - sqrt(1 - r^2 / d^2))`, or half of all where a place is within.
     #[inline]
     pub fn share_in_fog(&self, place: DVec3) -> f64 {

@@ -186,8 +186,8 @@ impl Gloss {
         self.principled.map(|own| 1.0 - self.cover * (1.0 - self.let_out(own, cos)))
     }
 
-    /// Factors that make of [`Gloss::beneath`], if it is a Principled BSDF's, one that takes that many times as
-    /// much.
+    /// Factors that make of [`Gloss::beneath`], if it is a Principled BSDF's, one that takes that many times
+    /// as much.
     pub fn leaves_in_turn(&self, takes: [Rgb; 2], cos_eye: f64) -> [Rgb; 2] {
         let Some(own) = self.principled.filter(|_| takes != [Rgb::ONE; 2]) else { return [Rgb::ONE; 2] };
         let left = self.let_out(own, cos_eye.max(0.0)).max(f64::MIN_POSITIVE);

@@ -32,8 +32,8 @@ pub struct Material {
     pub coat: Option<Coat>,
     /// Whether its coat is that of Blender's Principled BSDF, as Cycles has it.
     pub is_principled: bool,
-    /// How many times what that coat takes from beneath it is taken from the base colour and from transmission: a
-    /// share of a surface may lie beside its coat.
+    /// How many times what that coat takes from beneath it is taken from the base colour and from
+    /// transmission: a share of a surface may lie beside its coat.
     pub coat_takes: [Rgb; 2],
     /// Reflectance of metal along the normal, if it is not `base_color`: nothing goes through metal.
     pub metal_color: Option<Rgb>,
