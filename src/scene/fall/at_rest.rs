@@ -62,6 +62,8 @@ mod tests {
     use super::super::kept::encode;
     use super::super::tests::{calm, every_way, fall, level};
     use super::*;
+    use crate::scene::Key;
+    use glam::{DQuat, DVec3};
     use std::cell::RefCell;
     use std::collections::BTreeMap;
     use std::io::{Cursor, Read};
@@ -70,12 +72,21 @@ mod tests {
         Fall { count, seed, release_s: (0.0, 0.0), ..fall(every_way(), calm(), level()) }
     }
 
+    /// Places, turns, and whether a leaf landed.
+    type Keys = (Vec<Key<DVec3>>, Vec<Key<DQuat>>, bool);
+
+    /// Keys of all leaves, in however many pieces they are kept.
+    fn keys(leaves: Vec<Vec<Fallen>>) -> Vec<Keys> {
+        let of = |leaf: Fallen| (leaf.translation.keys(), leaf.rotation.keys(), leaf.landed);
+        leaves.into_iter().flatten().map(of).collect()
+    }
+
     /// Files by their names, and how many were kept so far.
     #[derive(Default)]
     struct Store(RefCell<(BTreeMap<String, Vec<u8>>, usize)>);
 
     impl Store {
-        fn at_rest(&self, falls: &[&Fall]) -> Vec<Vec<Fallen>> {
+        fn at_rest(&self, falls: &[&Fall]) -> Vec<Keys> {
             let recall = |name: &str| {
                 let bytes = self.0.borrow().0.get(name)?.clone();
                 Some(Box::new(Cursor::new(bytes)) as Box<dyn Read>)
@@ -85,7 +96,7 @@ mod tests {
                 files.insert(name.to_owned(), parts.concat());
                 *kept += 1;
             };
-            at_rest(falls, &Baking { tell: &|_, _| {}, recall: &recall, keep: &keep })
+            keys(at_rest(falls, &Baking { tell: &|_, _| {}, recall: &recall, keep: &keep }))
         }
 
         fn kept(&self) -> usize {
@@ -97,7 +108,7 @@ mod tests {
     fn leaves_at_rest_are_recalled_and_other_leaves_are_not_taken() {
         let (store, many) = (Store::default(), some(20, 3));
         let leaves = store.at_rest(&[&many]);
-        assert_eq!(leaves, at_rest(&[&many], &Baking::ALONE));
+        assert_eq!(leaves, keys(at_rest(&[&many], &Baking::ALONE)));
         assert_eq!((store.at_rest(&[&many]), store.kept()), (leaves.clone(), 1));
         // Few leaves are not worth a file.
         store.at_rest(&[&some(19, 3)]);
@@ -118,7 +129,7 @@ mod tests {
         assert_eq!(store.kept(), 3);
         let leaves = store.at_rest(&[&one, &new]);
         assert_eq!(store.kept(), 5);
-        assert_eq!(leaves, at_rest(&[&one, &new], &Baking::ALONE));
+        assert_eq!(leaves, keys(at_rest(&[&one, &new], &Baking::ALONE)));
         assert_eq!((store.at_rest(&[&one, &new]), store.kept()), (leaves, 5));
     }
 }
