@@ -78,11 +78,11 @@ impl SeenFog {
             let ray = lattice.ray(number);
             // So that what is between two places is in fog: the first and the last may be as dense as any.
             let (enter, leave) = medium.range(&ray, f64::INFINITY).unwrap_or_default();
-            let mut places = lattice.places(&ray);
-            places.iter_mut().for_each(|place| *place = place.min(leave).max(enter));
+            let steps = lattice.places(&ray).into_iter().map(|place| place.min(leave).max(enter));
+            let places = with_middles(&steps.collect::<Vec<f64>>());
             let before = medium.before_each(&ray, &places);
             let mut put = |quantity: usize, values: &[Rgb]| {
-                for (step, value) in numbers.chunks_exact_mut(of_step).zip(values) {
+                for (step, value) in numbers.chunks_exact_mut(of_step).zip(values.iter().step_by(2)) {
                     let value = value.to_array().map(|channel| channel as f32);
                     step[channels * quantity..][..channels].copy_from_slice(&value[..channels]);
                 }
@@ -137,6 +137,13 @@ impl SeenFog {
         let between = self.lattice.between(ray).map(|(ray, weight)| (of_ray * ray, weight));
         SeenRay { fog: self, ray, between }
     }
+}
+
+/// Places, and the middle between each two: depths to a sun count as linear between places, and half a step
+/// has a quarter of that error.
+fn with_middles(places: &[f64]) -> Vec<f64> {
+    let pairs = places.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]);
+    pairs.chain(places.last().copied()).collect()
 }
 
 /// A ray between those of the lattice.
