@@ -106,8 +106,8 @@ class Frames(WithFolder):
 
     def test_the_camera_is_a_matrix_of_columns(self):
         camera = sunfleck.render(FIRST_LEAF, 1, size=SIZE, samples=1, bounces=0).metadata["worldToCamera"]
-        # By the scene at (0, 1.2, 3.2): what is there is the origin.
-        np.testing.assert_allclose(camera @ [0.0, 1.2, 3.2, 1.0], [0.0, 0.0, 0.0, 1.0], atol=1e-5)
+        # By the scene at (0.2, 0.45, 2.5): what is there is the origin.
+        np.testing.assert_allclose(camera @ [0.2, 0.45, 2.5, 1.0], [0.0, 0.0, 0.0, 1.0], atol=1e-5)
 
     def test_a_crop_has_the_whole_picture_around_it(self):
         frame = sunfleck.render(FIRST_LEAF, 12, size=SIZE, crop=(10, 5, 30, 20))

@@ -10,7 +10,7 @@ use crate::scene::baking::Baking;
 
 /// All leaves of each fall, in their order. `falls` lie on one ground.
 pub(in crate::inside::scene) fn at_rest(falls: &[&Fall], baking: &Baking) -> Vec<Vec<Fallen>> {
-    let names: Vec<String> = falls.iter().map(|fall| name_of(fall)).collect();
+    let names: Vec<String> = falls.iter().map(name_of).collect();
     let count = falls.iter().map(|fall| fall.count as usize).sum();
     let fly = |fall: &Fall, name: &str| match falls.len() {
         1 => fall.fly_and_tell(baking),

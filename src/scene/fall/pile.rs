@@ -29,7 +29,7 @@ const LANDINGS_AT_A_TIME: usize = 256;
 pub(super) struct AtRest {
     pub(super) translation: Track<DVec3>,
     pub(super) rotation: Track<DQuat>,
-    /// See [`Fallen::landed`].
+    /// False if the wind kept it up for longer than leaves are followed.
     pub(super) landed: bool,
 }
 
