@@ -21,20 +21,21 @@ pub struct VoxelDepths {
     spacing: f64,
     /// Lines along the second axis, by the first.
     columns: usize,
-    /// Lines, and one behind the last.
     lines: Vec<Line>,
-    /// At the nodes of one line after the other, from the last before the fog to the first behind it: on the
-    /// rest of a line depths stay the same.
+    /// At the nodes of one line after the other, from the last before the fog to the first behind it, which is
+    /// there twice: on the rest of a line depths stay the same.
     depths: Vec<f32>,
 }
 
 /// Where a line's depths are.
 #[derive(Clone, Copy)]
 struct Line {
-    /// Among all.
-    first: usize,
+    /// Number of the first among all.
+    first: u32,
     /// Nodes of the lattice before it.
     skipped: u32,
+    /// Steps from the first to the last.
+    steps: u32,
 }
 
 /// Addresses alone: depths never change.
@@ -71,20 +72,23 @@ impl VoxelDepths {
                 let all = before[size[2] - 1];
                 let skipped = before.iter().take_while(|before| **before == 0.0).count().saturating_sub(1);
                 let until = before.iter().take_while(|before| **before < all).count();
-                lines.push(Line { first: depths.len(), skipped: skipped as u32 });
+                let nodes = &before[skipped.min(until)..=until];
+                let [first, skipped, steps] =
+                    [depths.len(), skipped, nodes.len() - 1].map(|count| count as u32);
+                lines.push(Line { first, skipped, steps });
                 let depth = |before: &f64| ((all - before) / voxels.most()) as f32;
-                depths.extend(before[skipped.min(until)..=until].iter().map(depth));
+                depths.extend(nodes.iter().chain(nodes.last()).map(depth));
             }
             (lines, depths)
         };
         let rows: Vec<_> = (0..size[0]).into_par_iter().map(row).collect();
         let count = rows.iter().map(|(_, depths)| depths.len()).sum();
-        let (mut lines, mut depths) = (Vec::with_capacity(size[0] * size[1] + 1), Vec::with_capacity(count));
+        let (mut lines, mut depths) = (Vec::with_capacity(size[0] * size[1]), Vec::with_capacity(count));
         for (row, of_row) in rows {
-            lines.extend(row.iter().map(|line| Line { first: depths.len() + line.first, ..*line }));
+            let before = depths.len() as u32;
+            lines.extend(row.iter().map(|line| Line { first: before + line.first, ..*line }));
             depths.extend(of_row);
         }
-        lines.push(Line { first: depths.len(), skipped: 0 });
         Self { axes, low: from, spacing, columns: size[1], lines, depths }
     }
 
@@ -113,11 +117,11 @@ impl VoxelDepths {
 
     /// Depth so many steps along a line.
     fn on_line(&self, line: usize, steps: f64) -> f64 {
-        let Line { first, skipped } = self.lines[line];
-        let last = self.lines[line + 1].first - 1 - first;
-        let steps = (steps - f64::from(skipped)).clamp(0.0, last as f64);
-        let node = steps as usize;
-        let [here, next] = [node, last.min(node + 1)].map(|node| f64::from(self.depths[first + node]));
-        here + (steps - node as f64) * (next - here)
+        let Line { first, skipped, steps: all } = self.lines[line];
+        let steps = (steps - f64::from(skipped)).clamp(0.0, f64::from(all));
+        let node = steps as u32;
+        let at = (first + node) as usize;
+        let [here, next] = [self.depths[at], self.depths[at + 1]].map(f64::from);
+        here + (steps - f64::from(node)) * (next - here)
     }
 }
