@@ -22,8 +22,8 @@ pub struct VoxelDepths {
     /// Lines along the second axis, by the first.
     columns: usize,
     lines: Vec<Line>,
-    /// At the nodes of one line after the other, from the last before the fog to the first behind it, which is
-    /// there twice: on the rest of a line depths stay the same.
+    /// At the nodes of one line after the other, from the last before the fog to the first behind it, which
+    /// is there twice: on the rest of a line depths stay the same.
     depths: Vec<f32>,
 }
 
