@@ -16,7 +16,7 @@ use sunfleck::api::{self, Plan, Renderer};
 use sunfleck::bench::{self, Method, Reference, Stage, Study, StudyPlan, brute_force};
 use sunfleck::description::{self, PeerRow};
 use sunfleck::diagnostic::{Diagnostic, Place, shown};
-use sunfleck::frame_file;
+use sunfleck::frame_file::{self, FrameFile};
 use sunfleck::scene::{self, Bounces, PixelFilter, RenderSettings, Scene, Size};
 use sunfleck::snapshot::Shutter;
 
@@ -29,6 +29,7 @@ struct Subject<'a> {
     scene: &'a Scene,
     settings: RenderSettings,
     size: Size,
+    frame: i64,
     shutter: Shutter,
     load_s: f64,
 }
@@ -61,7 +62,7 @@ impl<'a> Subject<'a> {
             ));
         }
         let shutter = Shutter::instant(settings.frame_rate.seconds(frame as f64));
-        Ok(Self { plan, scene: scene.resolved(), settings, size, shutter, load_s })
+        Ok(Self { plan, scene: scene.resolved(), settings, size, frame, shutter, load_s })
     }
 }
 
@@ -164,8 +165,8 @@ fn rendered_reference(arguments: &BenchArguments, stage: &Stage) -> Reference {
 }
 
 fn read_reference(path: &Path, arguments: &BenchArguments, subject: &Subject) -> Result<Reference, CliError> {
-    let frame =
-        frame_file::read(path).map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?.frame;
+    let FrameFile { frame, attributes, .. } =
+        frame_file::read(path).map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))?;
     let Size { width, height } = subject.size;
     let whole = frame.full == subject.size && frame.window == scene::Window::whole(subject.size);
     let colored = ["R", "G", "B"].iter().all(|name| frame.channel(name).is_some());
@@ -175,6 +176,13 @@ fn read_reference(path: &Path, arguments: &BenchArguments, subject: &Subject) ->
         let diagnostic = Diagnostic::error(Place::File(path.to_owned()), found)
             .expected(format!("a whole picture of {width} x {height} pixels with R, G and B"))
             .remedy(format!("give --size {found_width}x{found_height}, or render a reference of this size"));
+        return Err(CliError::Usage(diagnostic));
+    }
+    let measured = subject.frame.to_string();
+    if let Some(number) = attributes.get("imageCounter").filter(|number| **number != measured) {
+        let diagnostic = Diagnostic::error(Place::File(path.to_owned()), format!("is frame {number}"))
+            .expected(format!("frame {measured}, which is measured"))
+            .remedy(format!("give --frame {number}, or another reference"));
         return Err(CliError::Usage(diagnostic));
     }
     Ok(Reference::known(frame, arguments.reference_noise))

@@ -110,9 +110,10 @@ fn tell(message: &str) {
 /// The stream takes no more for any other reason: a full disk.
 fn answer(message: &str) -> Result<(), CliError> {
     match writeln!(std::io::stdout(), "{message}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(CliError::InputOutput(format!("the answer cannot be written: {error}")))
-        }
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::InputOutput(format!(
+            "error: the answer cannot be written: {error}\n  expected: an output stream that takes it\n  \
+                 remedy: free room where it goes, or send it elsewhere"
+        ))),
         _ => Ok(()),
     }
 }

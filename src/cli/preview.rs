@@ -152,7 +152,10 @@ impl<'a> Source<'a> {
         let files = frame_file::frames_in(input).map_err(failure)?;
         let (Some(first), Some(last)) = (files.keys().next().copied(), files.keys().last().copied()) else {
             let found = format!("there is no frame in {}", shown(input));
-            return Err(usage("INPUT", found, "a folder of files such as name.0001.exr"));
+            let below =
+                frame_file::folder_below(input).map(|below| format!(": there are some in {}", shown(&below)));
+            let expected = format!("a folder of files such as name.0001.exr{}", below.unwrap_or_default());
+            return Err(usage("INPUT", found, &expected));
         };
         let own = |path: PathBuf| {
             let name = if path.is_dir() { path.file_name() } else { path.file_stem() };

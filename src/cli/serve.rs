@@ -97,6 +97,9 @@ fn read(desk: &Mutex<Desk>, to_server: &Sender<String>) {
     for line in std::io::stdin().lock().split(b'\n').map_while(Result::ok) {
         // What is no text is no request, and is answered so.
         let line = String::from_utf8_lossy(&line).into_owned();
+        if line.trim().is_empty() {
+            continue;
+        }
         Desk::change(desk, |desk| desk.waiting += 1);
         if to_server.send(line).is_err() {
             return;

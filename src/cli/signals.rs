@@ -97,8 +97,20 @@ const STOPPING: [i32; 2] = [SIGINT, SIGTERM];
 /// Catches signals from now on; what comes back waits for the first.
 #[cfg(unix)]
 fn caught() -> io::Result<impl FnOnce() -> Option<i32>> {
-    let mut signals = signal_hook::iterator::Signals::new(STOPPING)?;
+    use signal_hook::consts::SIGHUP;
+    // Under `nohup` the end of a terminal is nothing to hear of.
+    let of_terminal = (!is_ignored(SIGHUP)).then_some(SIGHUP);
+    let mut signals = signal_hook::iterator::Signals::new(STOPPING.into_iter().chain(of_terminal))?;
     Ok(move || signals.forever().next())
+}
+
+/// Whether the process was begun with a signal ignored (proc(5), `SigIgn`).
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// Catches signals where nothing can be waited for but a flag.

@@ -29,6 +29,15 @@ fn around_number(path: &Path) -> Option<(&str, &str)> {
     (!path.exists()).then_some((before, after))
 }
 
+/// The first folder within `input`, by name, that has frames.
+pub fn folder_below(input: &Path) -> Option<PathBuf> {
+    let entries = std::fs::read_dir(input).ok()?;
+    let mut folders: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    folders.sort();
+    let has_frames = |folder: &PathBuf| frames_in(folder).is_ok_and(|files| !files.is_empty());
+    folders.into_iter().find(|path| path.is_dir() && has_frames(path))
+}
+
 /// The EXR files of a folder or a sequence, by the number that their names end in; 0 without one. A file is
 /// its only frame.
 ///

@@ -62,7 +62,7 @@ pub use compare::{ChannelErrors, CompareError, Comparison, Errors, IdErrors, com
 pub use difference_picture::difference_picture;
 pub use encode::write;
 pub use error::{FrameFileError, RAISE_LIMIT, WITHIN_LIMIT};
-pub use folder::{frames_in, is_of_frames, is_of_many};
+pub use folder::{folder_below, frames_in, is_of_frames, is_of_many};
 pub use leftovers::{final_name, remove_abandoned};
 pub use limits::{Limit, Measure, exceeded};
 pub use preview::{Picture, write_preview};

@@ -117,6 +117,9 @@ fn a_picture_from_elsewhere_can_be_the_reference() {
     assert!(outcome.out.contains("reference: from a file"), "{}", outcome.out);
     let refusal = studio.fail(&with("--reference reference.exr --size 9x6").replace("--size 8x6 ", ""), 2);
     assert!(refusal.contains("reference.exr") && refusal.contains("--size 8x6"), "{refusal}");
+    studio.succeed("render tiny.ron --frames 3 --size 8x6 --samples 1 --out third.exr");
+    let refusal = studio.fail(&with("--reference third.exr"), 2);
+    assert!(refusal.contains("third.exr") && refusal.contains("--frame 3"), "{refusal}");
     studio.fail(&with("--reference nowhere.exr"), 4);
     studio.fail(&with("--reference-noise 0.001"), 2);
 }

@@ -94,8 +94,9 @@ fn answers_and_statistics_that_a_full_disk_does_not_take_are_failures() {
     );
     for line in ["inspect tiny.ron", "inspect tiny.ron --json", "diff x.exr x.exr"] {
         let full = fs::File::options().write(true).open("/dev/full").unwrap();
-        let code = studio.command(line).stdout(full).stderr(Stdio::null()).status().unwrap().code();
-        assert_eq!(code, Some(INPUT_OUTPUT), "{line}");
+        let ended = studio.command(line).stdout(full).stderr(Stdio::piped()).output().unwrap();
+        assert_eq!(ended.status.code(), Some(INPUT_OUTPUT), "{line}");
+        assert!(String::from_utf8(ended.stderr).unwrap().contains("remedy: free room"), "{line}");
     }
 }
 

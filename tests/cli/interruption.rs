@@ -10,7 +10,10 @@ const RENDER: &str = "render tiny.ron --frames 1-6 --samples 512 --threads 1 --p
 
 /// Starts a run and sends it a signal once its second frame is begun.
 fn interrupt(studio: &Studio, signal: &str) -> ExitStatus {
-    let mut command = studio.command(&format!("{RENDER} --out stopped/"));
+    interrupt_by(&mut studio.command(&format!("{RENDER} --out stopped/")), signal)
+}
+
+fn interrupt_by(command: &mut Command, signal: &str) -> ExitStatus {
     let mut run = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     let lines = BufReader::new(run.stdout.take().unwrap()).lines();
     let mut events = lines.map(Result::unwrap);
@@ -54,6 +57,22 @@ fn a_terminated_run_says_so() {
     let studio = Studio::new();
     assert_eq!(interrupt(&studio, "-TERM").code(), Some(143));
     assert_whole_frames(&studio);
+}
+
+/// The terminal goes: nothing but frames is left, unless the program was told to go on without it.
+#[test]
+fn a_run_hears_that_its_terminal_is_gone_but_not_under_nohup() {
+    let studio = Studio::new();
+    let hang_up = |command: &mut Command| interrupt_by(command, "-HUP").code();
+    let line = format!("{RENDER} --out stopped/");
+    assert_eq!(hang_up(&mut studio.command(&line)), Some(129));
+    assert!(studio.names("stopped").iter().all(|name| !name.starts_with('.')));
+    let run = studio.command(&line);
+    let mut under_nohup = Command::new("nohup");
+    under_nohup.arg(run.get_program()).args(run.get_args()).current_dir(studio.path(""));
+    under_nohup.envs(run.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    assert_eq!(hang_up(&mut under_nohup), Some(0));
+    assert_eq!(studio.names("stopped").len(), 6);
 }
 
 #[test]

@@ -196,6 +196,8 @@ fn diff_of_folders_has_a_line_for_every_number() {
     assert!(studio.fail("diff a a/tiny.0001.exr", 2).contains("is a file"));
     std::fs::create_dir(studio.path("none")).unwrap();
     assert!(studio.fail("diff a none", 2).contains("no frame in none"));
+    // What `render` writes by default lies a folder deeper.
+    assert!(studio.fail("preview .", 2).contains("there are some in ./a\n"));
 }
 
 #[test]

@@ -120,6 +120,8 @@ fn what_is_no_request_is_answered_with_the_reason() {
     };
     for (line, reason) in [
         ("nonsense".to_owned(), "no request"),
+        // A blank line is none, and has no answer.
+        ("\n \n\"\"".to_owned(), "no request"),
         (json!({ "rendr": [] }).to_string(), "unknown field `rendr`"),
         (json!({ "render": ["--nonsense"] }).to_string(), "--nonsense"),
         (json!({ "render": ["--threads", "2"] }).to_string(), "said to `serve`"),
