@@ -1,6 +1,5 @@
-//! A picture that can be carried out. In go a scene, settings and what is asked, out comes all that a
-//! frame needs. Invariant: a plan that exists is valid, and what its passes have to know beyond light is
-//! prepared by it alone.
+//! Plan of a picture. In go a scene, settings and options, out comes a job with the exposure of any frame.
+//! Invariant: a plan that exists is valid. It alone prepares the motion and names that passes need.
 
 use super::error::{RenderError, Setting};
 use super::scene::Scene;

@@ -1,6 +1,5 @@
-//! Renderer of a scene, set up step by step. In go a scene and wishes, out comes a frame. Invariant: a
-//! wish that is not said leaves what the scene says; wishes are checked together, when the frame is
-//! rendered.
+//! Renderer of a scene, set up step by step. In go a scene and settings, out comes a frame. Invariant:
+//! settings that are not given are the scene's own. All are checked together, when the frame is rendered.
 
 use super::error::RenderError;
 use super::frame::Frame;

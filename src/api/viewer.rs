@@ -1,6 +1,5 @@
-//! A camera that a program brings along, another for each picture. In goes what it says of its place and
-//! lens, out comes a camera of the scene. Invariant: nothing else of the scene changes, so what was built of
-//! it stays.
+//! Camera that a program supplies, a new one for each picture. In go its place and lens, out comes a camera
+//! of the scene. Invariant: nothing else of the scene changes, so its trees are kept.
 
 use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Scene, Track};
 use glam::{DAffine3, DMat4, DVec2};

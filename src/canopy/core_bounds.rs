@@ -1,5 +1,5 @@
-//! Bounds of most of what there is. In go boxes with how much each counts, out comes the box about them
-//! without strays. Invariant: what is far away and little changes nothing, however far it is.
+//! Bounds without outliers. In go boxes with weights, out comes the box around most of the weight. Invariant:
+//! a small and distant box changes nothing, at any distance.
 
 use glam::DVec3;
 

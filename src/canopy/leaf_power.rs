@@ -1,6 +1,6 @@
-//! Power of lamps and suns that meets leaves, leaf by leaf. In go rays that end on them, out come sources on
-//! the grid. Invariant: all that leaves a leaf comes from one place of it, so what it makes of its own light
-//! is known; see `self_interaction.rs`.
+//! Power of lamps and suns that each leaf receives. In go rays that end on leaves, out come sources on the
+//! grid. Invariant: a leaf scatters from one point, so its effect on itself is known; see
+//! `self_interaction.rs`.
 
 use super::surroundings::Leaf;
 use crate::color::Rgb;

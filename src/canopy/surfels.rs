@@ -1,6 +1,5 @@
-//! Surfels: pieces of small things, as cells know them. In go chunks of leaves, out come their surfels, one
-//! after the other. Invariant: no more than a chunk is in memory, however many leaves there are, and the
-//! order is always the same.
+//! Surfels: pieces of surfaces that are small beside cells. In go chunks of leaves, out come their surfels in
+//! order. Invariant: only one chunk is in memory at a time, and the order never changes.
 
 use crate::ordinates::grid::Grid;
 use crate::ordinates::surface_optics::SurfaceOptics;

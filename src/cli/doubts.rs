@@ -1,6 +1,6 @@
-//! Frames whose indirect light may be wrong by far more than was asked for, said once a run. In go frames as
-//! they are rendered, out comes a warning, or a refusal for those who want all or nothing. Invariant: what is
-//! held against the tolerance is what the frame's line tells.
+//! Frames whose indirect light may err by far more than the tolerance. In go frames as they are rendered, out
+//! comes one warning a run, or an error with `--strict`. Invariant: the error compared with the tolerance is
+//! the one that the frame's line reports.
 
 use super::tell;
 use std::sync::{Mutex, PoisonError};

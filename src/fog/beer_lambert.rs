@@ -1,4 +1,5 @@
-//! Optical depth in, what gets through out. Invariant: no cancellation, also of next to nothing.
+//! Transmittance by the Beer-Lambert law. In goes an optical depth, out comes a transmittance. Invariant:
+//! nothing cancels, however small the depth.
 
 use crate::color::Rgb;
 

@@ -1,10 +1,11 @@
-//! Fog. In go rays, lights and what is lit, out come optical depths and light scattered towards the eye.
-//! Invariant: a shadow is something that this module is told; it knows no surfaces, cameras or pixels.
+//! Fog. In go rays, lights and lit intervals, out come optical depths and in-scattered radiance. Invariant:
+//! shadows are input; this module knows no surfaces, cameras or pixels.
 //!
-//! [`Medium`] is what all fog together is asked: `medium.rs` by points and rays, `scattered.rs` for the light
-//! of a ray, [`FogSlice`] for all rays of a half plane. It is made of banks (`bank.rs`), whose
-//! density is even or thins out with height (`falloff.rs`). Which closed form a ray's stretch has
-//! (`stretch.rs`), if any, is decided in `sun_stretch.rs` and `near_light.rs`; transport never knows.
+//! Transport asks a [`Medium`]: `medium.rs` for points and rays, `scattered.rs` for in-scattered radiance
+//! along a ray, [`FogSlice`] for all rays of a half plane. A medium is a list of banks (`bank.rs`). Each has
+//! a density that is uniform, falls with height (`falloff.rs`) or is given by voxels (`voxel_fog.rs`).
+//! `sun_stretch.rs` and `near_light.rs` choose how to integrate a stretch of a ray (`stretch.rs`): in closed
+//! form or by a fit; transport does not see which.
 
 mod bank;
 mod beer_lambert;

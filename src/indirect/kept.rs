@@ -1,6 +1,6 @@
-//! Indirect light that outlives a picture. In goes what is there at a moment, out comes its light, solved or
-//! kept. Invariant: what is kept changes no bit, as light is solved of the same contents about the same
-//! origin wherever the camera stands.
+//! Cache of the solution of indirect light, from picture to picture. In go the contents of a moment, out
+//! comes their solution, new or kept. Invariant: a kept solution has the same bits as a new one, as it
+//! belongs to equal contents about the same origin, wherever the camera is.
 
 use super::solved::Solved;
 use crate::scene::Bounces;

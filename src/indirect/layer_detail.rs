@@ -1,9 +1,9 @@
-//! Detail of layers that a grid's cells are too large for. In go a grid and the layers about it, out comes
-//! by how much fog at a height is brighter than nodes tell. Invariant: where cells are small beside layers
-//! it is 1.
+//! Vertical detail of layers within the cells of a grid. In go a grid and the layers around it, out comes the
+//! ratio of the light at a height to the mean that nodes have. Invariant: the ratio is 1 where cells are
+//! small beside layers.
 //!
-//! Cells of leaves are often higher than a layer of mist is. What a node knows of its light is the mean over
-//! the fog of its cell; how it goes on within, a solution in one dimension tells.
+//! Cells for leaves are often higher than a layer of mist. A node has the mean over the fog of its cell; the
+//! plane-parallel solution gives the profile within the cell.
 
 use super::layers::{FogLight, Layers};
 use super::towards::Towards;

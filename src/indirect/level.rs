@@ -1,6 +1,7 @@
-//! Indirect light on one grid, and on those about it. In goes a snapshot, out comes a [`Level`] that tells
-//! irradiance on surfaces and light that fog scatters. Invariant: what it holds has been scattered at least
-//! once, or comes from the sky; never straight from a lamp or a sun.
+//! Indirect light on one grid of several. In go a snapshot and the radiance around the grid. Out comes a
+//! [`Level`] with irradiance on surfaces and radiance that fog scatters. Invariant: its light was scattered
+//! at least once, or comes straight from the sky or from emissive surfaces and fog. Direct light of lamps and
+//! suns is not part of it.
 
 use super::contents::{Contents, Context};
 use super::gathered::{Gathered, with_peaks};

@@ -1,5 +1,5 @@
-//! Indirect light that no camera sees yet. In goes a snapshot, out come a field and what leaves get of it.
-//! Invariant: nothing in it depends on where a camera stands.
+//! Solution of indirect light, without a camera. In goes a snapshot, out come a field and the light that
+//! leaves gather from it. Invariant: it does not depend on the camera.
 
 use super::contents::Context;
 use super::extent::levels;

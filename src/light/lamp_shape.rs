@@ -1,5 +1,5 @@
-//! What a point of a lamp knows of all of it. In go places, out come shares of light. Invariant: without an
-//! extent there is nothing to know.
+//! Extent of a lamp, for one of its sample points. In go places, out come the shares of the point's light
+//! that arrive there. Invariant: a lamp without an extent has a share of 1 everywhere.
 
 use crate::math::Ray;
 use glam::DVec3;

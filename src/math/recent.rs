@@ -1,5 +1,5 @@
-//! The last of what was made. In go a key and how its value is made, out comes the value. Invariant: values
-//! are made outside of the lock, for whoever helps to make one may want another.
+//! Cache of the values made last. In go a key and a function that makes its value, out comes the value.
+//! Invariant: the lock is free while a value is made, as making it may need another value of the cache.
 
 use std::sync::{Mutex, PoisonError};
 

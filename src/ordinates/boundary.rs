@@ -1,8 +1,10 @@
-//! Boundary conditions of a grid: incident radiance at its rim along each ordinate. In goes the sky, or
-//! the solution about the grid, out come the rims of planes. Invariant: radiance straight from the sky
-//! stays apart, along ordinates of its own, as things have cut edges into it.
+//! Boundary conditions of a grid. In goes the radiance of the sky, or of the solution around the grid; out
+//! comes the incident radiance of one ordinate in the cells around a plane. Invariant: radiance straight from
+//! the sky has ordinates of its own, finer than those of scattered light, as objects cast sharp shadows in
+//! it.
 //!
-//! A condition is a variant of [`BoundaryCondition`], with the way in which it fills a rim.
+//! To add a condition, add a variant of [`BoundaryCondition`] and its arm in `fill`; extend `varies` if
+//! planes differ. A condition does not see the radiance that leaves the grid, so none of them can reflect it.
 
 use super::angular_radiance::AngularRadiance;
 use super::grid::Grid;

@@ -1,10 +1,10 @@
-//! First-collision source: light of beams and lamps where it is scattered for the first time, and what emits.
-//! Invariant: what lies beyond harmonics is of degrees that no harmonic of the field has, so nothing counts
-//! twice.
+//! First-collision source: light of suns and lamps that is scattered for the first time, and emission. In go
+//! collisions, out come sources of the sweep. Invariant: the part beyond harmonics has degrees that no
+//! harmonic of the solution has, so no light counts twice.
 //!
-//! From order to order harmonics up to l = 2 are enough, with delta-M. Of a beam most is scattered by small
-//! angles, and how far it goes through fog depends on where it goes then. So its first scattering is told up
-//! to l = 5, which 50 ordinates can tell apart.
+//! Between orders of scattering harmonics up to l = 2 suffice, with delta-M. A beam is scattered mostly by
+//! small angles, and its path through fog depends on them. So its first scattering is kept up to l = 5, the
+//! highest degree that 50 ordinates resolve.
 
 use super::harmonics::COUNT;
 use super::moments::{Moments, NodeMoments};

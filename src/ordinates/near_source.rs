@@ -1,6 +1,6 @@
-//! Response of a sweep near a source. In go an ordinate and the nodes of a source, out comes what is seen of
-//! that at nodes beside it. Invariant: it is what `angle_set.rs` does in matter that is even about the
-//! source.
+//! Response of a sweep to a source in neighbouring nodes. In go an ordinate and the nodes of a source, out
+//! comes the source's radiance at nodes beside it. Invariant: it is the result of `angle_set.rs` in a medium
+//! that is uniform around the source.
 
 use super::cross_sections::{NodeExtinction, OrientedExtinction};
 use super::grid::{Corners, Grid};

@@ -1,6 +1,6 @@
-//! Kernels of a sweep, each for many nodes at once. In go slices that are neighbours in memory, out come the
-//! same. Invariant: no node asks for another of the same plane, so eight are found at once, and each by the
-//! same operations in the same order whatever the width.
+//! Kernels of a sweep, for many nodes at once. In go slices of coefficients and sources by node, out come
+//! radiance and moments by node. Invariant: nodes of a plane are independent of each other, so eight are
+//! computed at once, each by the same operations in the same order for any vector width.
 
 use super::harmonics::COUNT;
 use crate::accel::Vectorized;

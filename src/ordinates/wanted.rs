@@ -1,5 +1,5 @@
-//! Requests to a sweep. In go the needs of orders and of what is seen, out come choices. Invariant:
-//! nothing is found that nobody asks for.
+//! Outputs of a sweep. In go the needs of the iteration and of the last scattering, out comes the list of
+//! moments and radiances to compute. Invariant: a sweep computes nothing that is not in this list.
 
 use super::grid::Corners;
 

@@ -6,8 +6,8 @@ use crate::film::{BLOCK_SIDE, Film, Mask};
 use crate::scene::{PixelFilter, Sampling, Size, Window};
 use crate::transport::slices::FARTHEST_SHIFT_PX;
 
-/// Reach in pixels of what may count in a pixel: its edges move along their slices, but no farther than to
-/// where they meet the next, which moves as far, and a swath reaches into the next pixel.
+/// Distance in pixels from which a sample may count in a pixel. An edge moves by at most
+/// [`FARTHEST_SHIFT_PX`] along its slice, and so does the next edge that it meets. A swath adds a pixel.
 const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
 
 /// Samples a pixel of the first round, at most: with 4 many blocks end by chance, with 16 too few could have

@@ -1,5 +1,5 @@
-//! Pictures of single lights, added up and judged. In go their films, out come a frame and what it
-//! took. Invariant: what is said of the frame's errors is said of the sum.
+//! Sum of a picture's components. In go their films, out come the frame and its statistics. Invariant: errors
+//! that are reported are those of the sum.
 
 use super::grid_error::GridError;
 use super::refine::{Refined, relative_error};

@@ -1,5 +1,5 @@
-//! Who looks on while a picture is rendered. In go shares of the work, out goes how much of all is done.
-//! Invariant: whoever looks on can end a picture early, and change nothing else of it.
+//! Observers of a rendering. In go finished shares of the work, out come reports of progress. Invariant: an
+//! observer can cancel a picture, and otherwise has no effect on it.
 
 use crate::film::Frame;
 use std::time::{Duration, Instant};

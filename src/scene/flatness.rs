@@ -1,5 +1,5 @@
-//! Objects that are scaled to nothing. In goes a scene, out comes a word on those of which no frame can show
-//! anything. Invariant: what grows at some time is none of them.
+//! Objects scaled to a line or a point. In goes a scene, out comes a warning that names those that never
+//! show. Invariant: an object whose scale changes over time is not among them.
 
 use super::{Motion, Node, Scene};
 use crate::diagnostic::{Diagnostic, Place};

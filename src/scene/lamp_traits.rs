@@ -1,4 +1,5 @@
-//! What Blender's lamps have besides their shape. Invariant: a lamp without any has none of it.
+//! Blender's settings of lamps that change how a lamp emits and who sees it. In go nodes and traits, out come
+//! the traits of a node's lamp. Invariant: lamps with default traits are not stored.
 
 use super::{NodeIndex, Scene};
 

@@ -1,5 +1,6 @@
-//! The story of one camera ray. Invariant: radiance is light of surfaces, weakened by all that lies before
-//! them, plus `shafts`; without blended surfaces `surface * transmittance + shafts`.
+//! Radiance along one camera ray. In go a snapshot and a ray, out comes a sample. Invariant: radiance is that
+//! of the surface times the transmittance before it, plus `shafts`; blended surfaces add their own light,
+//! attenuated alike.
 
 use super::branches::Branches;
 use super::leg::{Airlight, Leg, LegEnd, Shown};

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// Squares along a leaf of middling length, and along the longest at most.
+/// Squares along a leaf of the mean length, and at most along the longest.
 const SQUARES_ALONG: f64 = 20.0;
 const MOST_SQUARES_ALONG: f64 = 64.0;
 /// Squares along one side of a tile: with more, leaves that lie alone would take most of the memory.

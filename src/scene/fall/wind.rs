@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 const WAVES: u32 = 10;
 /// Wave lengths, over the eddies' size: from the largest to the smallest.
 const LENGTHS: (f64, f64) = (1.6, 0.3);
-/// Energy over wave number falls as in turbulence, so that velocity goes as length to the third
+/// Energy over wave number falls as in turbulence, so velocity goes as the cube root of length
 /// (Kolmogorov 1941).
 const VELOCITY_EXPONENT: f64 = 1.0 / 3.0;
 

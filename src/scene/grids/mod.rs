@@ -1,5 +1,5 @@
-//! Fog as the grids of files say. In go files, out come voxels by time. Invariant: what no fog can be,
-//! negative or without bounds, is refused before it is asked for.
+//! Fog from OpenVDB grids. In go files, out come voxels by time. Invariant: grids with negative densities, or
+//! with a background other than 0, are refused before they are used.
 
 mod advection;
 mod leaves;

@@ -1,6 +1,6 @@
-//! The sky: radiance that comes from infinitely far away in every direction. It lies behind the scene, and is
-//! light. Invariant: its picture is not black all over. What it is seen as is what it lights with, be it by
-//! itself or by its suns.
+//! The sky: radiance from infinitely far away, by direction. In go pictures and colours, out come the sky
+//! that is seen and the sky that lights. Invariant: a picture is not black all over. What the camera sees of
+//! it has the same light as what lights the scene, suns that became lights included.
 
 mod footprint;
 mod suns;

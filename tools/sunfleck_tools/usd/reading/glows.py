@@ -1,5 +1,5 @@
-"""Meshes that are lights: what they are seen to shine with. The renderer's surfaces light
-nothing, which is said."""
+"""Meshes with `MeshLightAPI` as emissive surfaces. In goes a prim, out comes its radiance. Invariant: each is a
+loss, `usd-mesh-light`, as emissive surfaces light others by indirect light alone."""
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux

@@ -2,8 +2,8 @@
 
 A light's radiance is intensity * 2^exposure * colour, divided by its area in the world where
 `normalize` is on (https://openusd.org/release/api/usd_lux_page_front.html). That area is in units of
-the stage, and what the light emits is the radiance times the area in m2. So both the prim's whole
-transform and the stage's unit count.
+the stage. A sphere has radiance * area / 4 in W/sr, an area light pi * radiance * area in W, both with
+the area in m2. So both the prim's whole transform and the stage's unit count.
 """
 
 import math

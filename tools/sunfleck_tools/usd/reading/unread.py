@@ -1,4 +1,5 @@
-"""Words of a prim that nothing else here reads, and that change a picture. Invariant: each is said."""
+"""Attributes that change a picture and that no other module reads. In goes a prim, out come losses. Invariant: each
+such attribute is reported."""
 
 import math
 from typing import Any
