@@ -1,6 +1,6 @@
-//! Connection of a sampled point with the vertex that scatters its light. In go both, out comes the
-//! radiance towards the eye's side. Invariant: a point may be picked, or met by a random walk, and the
-//! weights of both ways add up to 1.
+//! Connection of a vertex with a sampled point of a surface. In go both, out comes the radiance that the
+//! vertex scatters towards the eye. Invariant: walks may reach the same point by chance, and the weights of
+//! both techniques add up to 1.
 //!
 //! The weights are those of the balance heuristic (Veach & Guibas 1995, "Optimally combining sampling
 //! techniques for Monte Carlo rendering", section 3.3).
@@ -14,15 +14,15 @@ use glam::DVec3;
 /// Vertex at which light is scattered towards the eye.
 pub(super) struct Receiver<'a> {
     pub(super) place: DVec3,
-    /// The triangle that it lies on, if it is not in fog.
+    /// Triangle that the vertex lies on; `None` in fog.
     pub(super) leaving: Option<PrimitiveId>,
     /// Share of the radiance from a direction that is scattered, 1/sr, in fog 1/(m sr).
     pub(super) scattered: &'a dyn Fn(DVec3) -> Rgb,
-    /// Probability density with which walks pick a direction, 1/sr.
+    /// Probability density with which walks sample a direction, 1/sr.
     pub(super) picked: &'a dyn Fn(DVec3) -> f64,
 }
 
-/// A point of a triangle that was picked.
+/// Sampled point of a triangle.
 pub(super) struct Target {
     pub(super) primitive: PrimitiveId,
     pub(super) position: DVec3,
@@ -31,8 +31,8 @@ pub(super) struct Target {
 }
 
 impl Receiver<'_> {
-    /// An estimate of the radiance that it scatters of what comes from places like the target, each of which
-    /// sends `radiance`, W m^-2 sr^-1.
+    /// Estimate of the radiance that the vertex scatters of light from points such as the target, each with
+    /// the radiance `radiance`, W m^-2 sr^-1.
     pub(super) fn lit_by(
         &self,
         snapshot: &Snapshot,
@@ -66,7 +66,7 @@ pub(super) fn per_sr(per_m2: f64, point: &SurfacePoint, distance: f64) -> f64 {
     if per_m2 > 0.0 { per_m2 * distance * distance / cos } else { 0.0 }
 }
 
-/// Share of light that comes through between two triangles, by what a walk meets on the way.
+/// Transmittance between two triangles, along the legs that a walk would take.
 fn visibility(snapshot: &Snapshot, ray: &Ray, distance: f64, [from, to]: [Option<PrimitiveId>; 2]) -> Rgb {
     let hit = snapshot.tree.nearest_hit(ray, distance, from);
     if hit.is_some_and(|hit| Some(hit.primitive) != to) {

@@ -1,6 +1,6 @@
 //! Direct light on a surface. In goes a surface point, out comes the radiance that it scatters towards the
-//! eye. Invariant: the flat triangle judges both what the light falls on and what the eye sees. So a light is
-//! either before a surface or behind it, whatever the shading normal says.
+//! eye. Invariant: the geometric normal decides on which side of the surface the light and the eye are, never
+//! the shading normal.
 
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -9,9 +9,9 @@ use crate::snapshot::{FrozenLight, Snapshot, SurfacePoint};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// Radiance that a surface scatters towards the eye of all lights, W m^-2 sr^-1: `f / pi * sum(cos *
+/// Radiance of all lights that a surface scatters towards the eye, W m^-2 sr^-1: `f / pi * sum(cos *
 /// irradiance * visibility * transmittance)`. `f` is the albedo for lights before the surface, the
-/// transmission for those behind it. What `lamps_seen::images` finds is left out.
+/// transmission for those behind it. The part that `lamps_seen::images` computes is left out.
 pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
     let beside_images = |light| {
         lit(snapshot, point, Unshadowed::beside_images(light, point), |shadow_ray, distance| {
@@ -21,14 +21,14 @@ pub(super) fn scattered(snapshot: &Snapshot, lights: &[FrozenLight], point: &Sur
     lights.iter().map(beside_images).sum()
 }
 
-/// Radiance that a surface scatters towards the eye of one light, W m^-2 sr^-1.
+/// Radiance of one light that a surface scatters towards the eye, W m^-2 sr^-1.
 pub(super) fn of_light(snapshot: &Snapshot, light: &FrozenLight, point: &SurfacePoint) -> Rgb {
     lit(snapshot, point, Unshadowed::new(light, point), |shadow_ray, distance| {
         snapshot.visibility(shadow_ray, distance, Some(point.primitive))
     })
 }
 
-/// Radiance as [`scattered`] has it of one light, where the transmittance of blended surfaces is known.
+/// Radiance of one light as in [`scattered`], where the transmittance of blended surfaces is known.
 pub(super) fn scattered_past_blended(
     snapshot: &Snapshot,
     light: &FrozenLight,
@@ -56,12 +56,12 @@ fn lit(
     radiance * visible * snapshot.medium.transmittance(point.position, to_light, distance)
 }
 
-/// Radiance that a surface scatters of all lights if nothing is in their way, W m^-2 sr^-1.
+/// Radiance of all lights that a surface scatters if nothing occludes them, W m^-2 sr^-1.
 pub fn unshadowed(lights: &[FrozenLight], point: &SurfacePoint) -> Rgb {
     lights.iter().filter_map(|light| Unshadowed::new(light, point)).map(|light| light.radiance).sum()
 }
 
-/// Light of one source that a surface scatters towards the eye if nothing is in the way.
+/// Light of one source that a surface scatters towards the eye if nothing occludes it.
 pub(super) struct Unshadowed {
     /// W m^-2 sr^-1.
     pub(super) radiance: Rgb,
@@ -72,7 +72,7 @@ pub(super) struct Unshadowed {
 }
 
 impl Unshadowed {
-    /// `None` if it is nothing at all.
+    /// `None` if the radiance is zero.
     #[inline]
     pub(super) fn new(light: &FrozenLight, point: &SurfacePoint) -> Option<Self> {
         let (to_light, distance, arriving) = light.arriving_at(point.position);
@@ -80,7 +80,7 @@ impl Unshadowed {
         (radiance != Rgb::ZERO).then_some(Self { radiance, to_light, distance })
     }
 
-    /// Without the shine of surfaces that show the light as an image.
+    /// As [`Self::new`], without the specular reflection of surfaces that show the light as an image.
     #[inline]
     pub(super) fn beside_images(light: &FrozenLight, point: &SurfacePoint) -> Option<Self> {
         if !is_image(light, point) {
@@ -104,7 +104,7 @@ fn is_image(light: &FrozenLight, point: &SurfacePoint) -> bool {
     shape.shown_m2 > 0.0 && narrowest(point).is_some_and(|alpha| shape.shows_in(alpha, point.position))
 }
 
-/// A surface that only shines as another does.
+/// The surface with its specular lobes alone.
 pub(super) fn shining(point: &SurfacePoint) -> SurfacePoint {
     SurfacePoint { albedo: Rgb::ZERO, transmission: Rgb::ZERO, mirror: Rgb::ZERO, ..*point }
 }
@@ -118,13 +118,13 @@ pub(super) fn scattered_per_radiance(point: &SurfacePoint, to_light: DVec3) -> R
     layers.over(beneath, point.shading_normal, point.to_eye, to_light, is_before)
 }
 
-/// BSDF times cosine of the base beneath the layers, 1/sr.
+/// BSDF times cosine of the base below the layers, 1/sr.
 #[inline]
 fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let is_before = point.geometric_normal.dot(to_light) > 0.0;
     let (side, lambert) = if is_before { (1.0, point.albedo) } else { (-1.0, point.transmission) };
     let (normal, shine_normal) = (point.shading_normal, point.shine_normal);
-    // Light that falls on the other side of a normal than of the triangle is lost.
+    // Light on different sides of the normal and of the triangle is lost.
     let [cos, cos_shine] = [normal, shine_normal].map(|normal| (side * normal.dot(to_light)).max(0.0));
     if cos == 0.0 && cos_shine == 0.0 {
         return Rgb::ZERO;
@@ -132,7 +132,7 @@ fn beneath_layers(point: &SurfacePoint, to_light: DVec3) -> Rgb {
     let not_shaded = point.unbent_normal.map_or(1.0, |unbent| bump_shadow(unbent, normal, to_light));
     let mut scattered = FRAC_1_PI * cos * not_shaded * lambert;
     if let Some(gloss) = &point.gloss {
-        // Seen from behind, as interpolated normals may be at a silhouette, there is no shine.
+        // Seen from behind, as interpolated normals may be at a silhouette, there is no specular reflection.
         let cos_eye = shine_normal.dot(point.to_eye).max(0.0);
         scattered *= gloss.beneath(cos_eye, cos);
         if is_before {

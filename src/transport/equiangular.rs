@@ -1,7 +1,7 @@
-//! Equiangular sampling along the ray, the second baseline. Towards a near light, points are spread evenly
-//! over the angle that the ray subtends there. See Kulla & Fajardo 2012, "Importance Sampling Techniques
-//! for Path Tracing in Participating Media", eq. 8-10. Towards a distant light, they are spread evenly
-//! over the integral of an exponential fall-off. Invariant: unbiased.
+//! Equiangular sampling along the ray, the second baseline. Towards a near light, points are uniform in the
+//! angle that the ray subtends at the light. See Kulla & Fajardo 2012, "Importance Sampling Techniques for
+//! Path Tracing in Participating Media", eq. 8-10. Towards a distant light, they are distributed as an
+//! exponential that falls along the ray. Invariant: unbiased.
 
 use super::march::scattered_at;
 use super::path::Path;
@@ -32,7 +32,7 @@ pub(super) fn in_scattered(path: &mut Path, points: u32, ray: &Ray, way: &Way, l
     sum / f64::from(points)
 }
 
-/// A place in a lamp's light before a distance, and its density, 1/m.
+/// Samples a distance along the ray, up to `distance`, in a lamp's light; with its density, 1/m.
 pub(super) fn pick(path: &mut Path, ray: &Ray, distance: f64, lamp: &FrozenLight) -> Option<(f64, f64)> {
     let u = path.sampler.next_1d();
     let FrozenLight::Point { position, .. } = lamp else { return None };
@@ -40,7 +40,7 @@ pub(super) fn pick(path: &mut Path, ray: &Ray, distance: f64, lamp: &FrozenLight
     Some(equiangular(ray, *position, start, end, u))
 }
 
-/// Probability density of [`pick`] for a place, 1/m.
+/// Probability density with which [`pick`] samples a distance, 1/m.
 pub(super) fn per_m(path: &Path, (ray, distance): (&Ray, f64), lamp: &FrozenLight, t: f64) -> f64 {
     let range = path.snapshot.medium.range(ray, distance);
     match (lamp, range.and_then(|range| lit(lamp, ray, range))) {
@@ -51,7 +51,7 @@ pub(super) fn per_m(path: &Path, (ray, distance): (&Ray, f64), lamp: &FrozenLigh
     }
 }
 
-/// The part of a range in which a light may be seen: beyond a spot's cone each place would be picked in vain.
+/// The part of a range within a spot's cone: a point outside of it would have no light.
 fn lit(light: &FrozenLight, ray: &Ray, (start, end): (f64, f64)) -> Option<(f64, f64)> {
     let FrozenLight::Point { position, emission, .. } = light else { return Some((start, end)) };
     let [mut first, mut second] =
@@ -71,9 +71,9 @@ fn equiangular(ray: &Ray, light: DVec3, start: f64, end: f64, u: f64) -> (f64, f
     (t, angle.per_m((start, end), t))
 }
 
-/// Angle at a light along a ray.
+/// Angles at a light that the points of a ray subtend.
 pub(super) struct Angle {
-    /// Where the ray is nearest to it, and how near, metres.
+    /// Distance along the ray to the point nearest to the light, and that point's distance to it, metres.
     nearest: f64,
     gap: f64,
 }
@@ -88,7 +88,7 @@ impl Angle {
         ((t - self.nearest) / self.gap).atan()
     }
 
-    /// A place of a range that a uniform number picks, even in the angle.
+    /// Maps a uniform number to a distance within a range, uniform in the angle.
     pub(super) fn pick(&self, (start, end): (f64, f64), u: f64) -> f64 {
         let (from, to) = (self.at(start), self.at(end));
         (self.nearest + self.gap * (from + u * (to - from)).tan()).clamp(start, end)
@@ -116,8 +116,8 @@ mod tests {
     use super::*;
     use crate::light::{Cone, Emission, LampShape};
 
-    /// A spot 2 m above a level ray lights 4 m of it by a cone of 45 degrees to either side. A ray that meets
-    /// only the cone's mirror image above it, and what ends before it, has nothing.
+    /// A spot 2 m above a level ray lights 4 m of it with a cone of 45 degrees to either side. A ray that
+    /// meets only the cone's mirror image above it, or ends before the cone, has no lit part.
     #[test]
     fn a_spot_is_looked_for_within_its_cone() {
         let cos = 0.5_f64.sqrt();

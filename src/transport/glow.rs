@@ -1,7 +1,7 @@
-//! Light of emissive surfaces, scattered once. In go a vertex of a random walk, or a surface that is lit
-//! by a grid otherwise, and uniform numbers. Out comes an estimate of the radiance that it scatters
-//! towards the eye. Invariant: points that are met and points picked by power make up the whole (see
-//! `connection.rs`).
+//! Light of emissive surfaces, scattered once. In go a vertex of a random walk, or a surface whose other
+//! indirect light is from a grid, and uniform numbers. Out comes an estimate of the radiance that the vertex
+//! scatters towards the eye. Invariant: points that walks meet and points sampled by power have weights that
+//! add up to 1 (see `connection.rs`).
 
 use super::connection::{Receiver, Target};
 use super::direct::scattered_per_radiance;
@@ -14,12 +14,12 @@ use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
 use glam::{DVec2, DVec3};
 
-/// Probability of picking a point of the glow, rather than a direction in which the surface scatters:
-/// where the glow is small and far, and where it is all about.
+/// Probability of sampling a point of an emissive surface, rather than a direction by the BSDF: where
+/// emissive surfaces are small and far, and where they are all around.
 const SHARES_OF_POINTS: [f64; 2] = [0.9, 0.25];
 
-/// Radiance of the glow that a surface scatters towards the eye, W m^-2 sr^-1: by one ray, which goes to a
-/// point of the glow or where the surface scatters. Of its shine other rays find a share.
+/// Radiance of emissive surfaces that a surface scatters towards the eye, W m^-2 sr^-1, by one ray. Its
+/// direction is to a sampled point or sampled by the BSDF. Other rays find a share of the specular part.
 pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others: f64) -> Rgb {
     let (Some(lobes), Some(glow)) = (Lobes::of(point), path.snapshot.glow()) else { return Rgb::ZERO };
     let [far, about] = SHARES_OF_POINTS;
@@ -33,7 +33,7 @@ pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others:
         place: point.position,
         leaving: Some(point.primitive),
         scattered: &|to| (scattered_per_radiance(point, to) - of_others(to)).max(Rgb::ZERO),
-        // By points picked once: of both ways one is taken.
+        // One of the two techniques is chosen for each ray.
         picked: &|to| (1.0 / share_of_points - 1.0) * lobes.picked(point, to),
     };
     if path.sampler.next_1d() < share_of_points {
@@ -45,8 +45,8 @@ pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint, share_of_others:
     if per_picked.is_finite() { met_along(path, &receiver, (direction, per_picked)) } else { Rgb::ZERO }
 }
 
-/// Radiance that a receiver scatters of emission met in a direction that it picked, weighted for multiple
-/// importance sampling. `through` is the throughput of that direction.
+/// Radiance that a receiver scatters of emission that it meets in a direction sampled by its BSDF, weighted
+/// for multiple importance sampling. `through` is the throughput of that direction.
 fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3, Rgb)) -> Rgb {
     if through == Rgb::ZERO {
         return Rgb::ZERO;
@@ -74,8 +74,8 @@ fn met_along(path: &Path, receiver: &Receiver, (direction, mut through): (DVec3,
     sum
 }
 
-/// Radiance of a sampled point of the glow that the receiver scatters, W m^-2 sr^-1; in fog after a
-/// collision.
+/// Radiance of a sampled point of an emissive surface that the receiver scatters, W m^-2 sr^-1; in fog after
+/// a collision.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
     let (snapshot, light) = (path.snapshot, path.light);
     let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return Rgb::ZERO };
@@ -89,7 +89,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver, collision: Option<
     })
 }
 
-/// Emission of a surface that a walk meets, weighted for multiple importance sampling; all of it after a
+/// Emission of a surface that a walk meets, weighted for multiple importance sampling; with weight 1 after a
 /// mirror.
 pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
     let emitted = path.light.emitted(point);

@@ -1,5 +1,5 @@
-//! Indirect light of a ray and of a point, from a grid or by random walks. In go rays and points, out come
-//! radiances. Invariant: nothing is added unless the path's light has it.
+//! Indirect light of rays and surface points, from a grid or by random walks. In go rays and points, out come
+//! radiances. Invariant: the radiance is 0 unless the path's illumination includes indirect light.
 
 use super::path::{Path, Start};
 use super::visibility::Way;

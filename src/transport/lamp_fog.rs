@@ -1,9 +1,10 @@
 //! Light of lamps that fog scatters to the vertex of a walk. In go that vertex, or the leg after it, and
-//! uniform numbers. Out comes an estimate of the radiance from there. Invariant: places on a leg and places
-//! on a lamp's rays make up the whole, by the balance heuristic (see `connection.rs`).
+//! uniform numbers. Out comes an estimate of that radiance. Invariant: points sampled on a leg and on a
+//! lamp's rays have weights that add up to 1, by the balance heuristic (see `connection.rs`).
 //!
-//! A leg hardly ever crosses a narrow beam. A ray of the lamp goes there. Light that goes all ways is met by
-//! legs as well, and depths in voxels take longer than they save.
+//! A leg hardly ever crosses a narrow beam, so rays of the lamp sample points there. Lamps that emit in all
+//! directions have no such rays: legs meet their light often enough. Nor do lamps in voxels, where optical
+//! depths cost more time than they save.
 
 use super::connection::Receiver;
 use super::equiangular;
@@ -18,7 +19,7 @@ use crate::math::Ray;
 use crate::snapshot::{FrozenLight, Snapshot};
 use glam::DVec3;
 
-/// Radiance of fog in a lamp's light that the receiver scatters, W m^-2 sr^-1.
+/// Radiance of a lamp's light in fog that the receiver scatters, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let snapshot = path.snapshot;
     if snapshot.medium.is_empty() {
@@ -40,7 +41,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
         return Rgb::ZERO;
     }
     let (ray, distance) = (Ray { origin: receiver.place, direction }, way.length());
-    // The leg that would have met it ends where that does.
+    // The leg that samples the same point ends at the first surface behind it.
     let nearest = |tree: &InstanceTree, most: f64| {
         tree.nearest_hit(&ray, most, receiver.leaving).map_or(most, |hit| hit.t)
     };
@@ -59,7 +60,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     if sum.is_finite() { sum } else { Rgb::ZERO }
 }
 
-/// Lamps whose rays are followed, with the probability of picking each of them.
+/// Lamps whose rays are traced, with the probability of choosing each of them.
 fn beams<'a>(snapshot: &Snapshot, lights: &'a [FrozenLight]) -> impl Iterator<Item = Lamp<'a>> + Clone {
     let has_voxels = snapshot.medium.has_voxels();
     let is_beam = move |lamp: &Lamp| !has_voxels && !matches!(lamp.emission, Emission::Even);
@@ -68,12 +69,11 @@ fn beams<'a>(snapshot: &Snapshot, lights: &'a [FrozenLight]) -> impl Iterator<It
     beams.map(move |lamp| Lamp { chance, ..lamp })
 }
 
-/// Radiance of lamps that fog scatters into a leg before `distance`, by a place for each of them. Places are
-/// picked by equiangular sampling: near a lamp light grows as 1 / r^2, and other sampling would have no
-/// finite variance.
+/// Radiance of lamps that fog scatters into a leg before `distance`, from one point for each lamp. Points are
+/// equiangular: near a lamp its light grows as 1 / r^2, and other sampling would have infinite variance.
 pub(super) fn on_leg(path: &mut Path, ray: &Ray, turn: Option<Turn>, distance: f64) -> Rgb {
     let snapshot = path.snapshot;
-    // Past a blended surface nobody looked for it.
+    // Past a blended surface the other technique does not sample.
     let turn = turn.filter(|turn| turn.place == ray.origin);
     let mut sum = Rgb::ZERO;
     let mut beams = beams(snapshot, path.light.lights).peekable();
@@ -93,14 +93,14 @@ pub(super) fn on_leg(path: &mut Path, ray: &Ray, turn: Option<Turn>, distance: f
     sum
 }
 
-/// A place in fog on a ray.
+/// Samples a point in fog on a ray.
 fn picked(snapshot: &Snapshot, ray: &Ray, loss: [f64; 2]) -> Option<DVec3> {
     let along = snapshot.medium.along(ray, f64::INFINITY);
     let losses = along.losses(Rgb::ONE)?;
     Some(ray.at(along.pick_loss(Rgb::ONE, &losses, loss)?.t))
 }
 
-/// Probability density of a place that is [`picked`] on a ray of a lamp, 1/m^3.
+/// Probability density with which [`picked`] samples a point on a lamp's rays, 1/m^3.
 fn per_m3(snapshot: &Snapshot, lamp: &Lamp, place: DVec3) -> f64 {
     let way = place - lamp.position;
     let Some(direction) = way.try_normalize() else { return 0.0 };

@@ -1,10 +1,10 @@
-//! Light of lamps that a surface scatters to the vertex of a walk. In go that vertex and uniform numbers,
-//! out comes an estimate of the radiance that it scatters towards the eye. Invariant: spots that are met
-//! and spots picked by a lamp's ray make up the whole (see `connection.rs`).
+//! Light of lamps that a surface scatters to the vertex of a walk. In go that vertex and uniform numbers, out
+//! comes an estimate of the radiance that the vertex scatters towards the eye. Invariant: surface points that
+//! walks meet and those on a lamp's rays have weights that add up to 1 (see `connection.rs`).
 //!
-//! A lamp next to a wall lights a spot there that sends half of its light. Walks from the eye hardly ever
-//! meet it. So a ray of the lamp picks a spot as well: a path from the light of one vertex. See Lafortune
-//! & Willems 1993, "Bi-directional path tracing".
+//! A lamp next to a wall lights a small spot there, which reflects half of its light. Walks from the eye
+//! hardly ever meet it. So a ray of the lamp samples a point as well: a light subpath of one vertex. See
+//! Lafortune & Willems 1993, "Bi-directional path tracing".
 
 use super::connection::{Receiver, Target};
 use super::direct;
@@ -21,7 +21,7 @@ pub(super) struct Lamp<'a> {
     pub(super) light: &'a FrozenLight,
     pub(super) position: DVec3,
     pub(super) emission: &'a Emission,
-    /// Probability of picking it.
+    /// Probability of choosing it.
     pub(super) chance: f64,
 }
 
@@ -38,12 +38,12 @@ impl<'a> Lamp<'a> {
         })
     }
 
-    /// A ray of it that two uniform numbers pick.
+    /// The ray that two uniform numbers sample.
     pub(super) fn ray(&self, u: [f64; 2]) -> Ray {
         Ray { origin: self.position, direction: self.emission.pick(u) }
     }
 
-    /// Probability density with which its rays meet a point that nothing hides, 1/m^2.
+    /// Probability density with which its rays meet an unoccluded point, 1/m^2.
     fn per_m2(&self, point: DVec3, normal: DVec3) -> f64 {
         let way = point - self.position;
         let Some(direction) = way.try_normalize() else { return 0.0 };
@@ -52,7 +52,7 @@ impl<'a> Lamp<'a> {
     }
 }
 
-/// Radiance of a spot in a lamp's light that the receiver scatters, W m^-2 sr^-1.
+/// Radiance of a spot in a lamp's light that the receiver scatters, W m^-2 sr^-1, from one sampled point.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let snapshot = path.snapshot;
     let lamps = Lamp::among(path.light.lights);
@@ -70,8 +70,7 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     receiver.lit_by(snapshot, &target, |point| direct::of_light(snapshot, lamp.light, point))
 }
 
-/// Radiance that a surface met by a walk scatters of lamps' light, weighted for multiple importance
-/// sampling.
+/// Radiance of lamps' light that a surface met by a walk scatters, weighted for multiple importance sampling.
 pub(super) fn met(path: &Path, turn: Option<Turn>, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
     let turn = turn.filter(|_| snapshot.ends_light(point.primitive));

@@ -1,6 +1,7 @@
-//! Lamps that are seen: by the camera, in mirrors, and in surfaces so smooth that their highlights are
-//! images. In go rays and points of surfaces, out comes radiance. Invariant: light of a lamp that a smooth
-//! surface reflects is either found here or by rays to the lamp (`direct.rs`), as `LampShape::shows_in` says.
+//! Lamps that the camera sees, directly, in mirrors, and in surfaces so smooth that a highlight is an image
+//! of the lamp. In go rays and points of surfaces, out comes radiance. Invariant: a lamp's light that a
+//! smooth surface reflects is found either here or by rays to the lamp (`direct.rs`), as
+//! `LampShape::shows_in` decides.
 
 use super::direct::{narrowest, scattered_per_radiance, shining};
 use super::leg::Shown;
@@ -12,14 +13,14 @@ use crate::math::Ray;
 use crate::snapshot::{SurfacePoint, Watcher};
 use glam::DVec2;
 
-/// Light of lamps that a ray meets on its way, past blended surfaces.
+/// Radiance of lamps that a ray meets on its way, past blended surfaces.
 pub(super) fn on_the_way(path: &Path, (ray, from): (&Ray, Start), way: &Way) -> Shown {
     let (snapshot, mut sum) = (path.snapshot, Rgb::ZERO);
     let (watcher, shown) = match from {
         _ if !path.light.has_rest => return Shown::default(),
         Start::Camera => (Watcher::Camera, snapshot.view.shown_along(ray)),
         Start::Surface(_) => (Watcher::Mirror, 0.0..f64::INFINITY),
-        // Found with the surface.
+        // Already found at the surface.
         Start::Shine(_) => return Shown::default(),
     };
     for (t, radiance) in snapshot.lamps_met(watcher, ray) {
@@ -32,7 +33,7 @@ pub(super) fn on_the_way(path: &Path, (ray, from): (&Ray, Start), way: &Way) -> 
     Shown::emitted(sum)
 }
 
-/// Radiance of lamps that a surface shows as images, by one ray about the mirrored direction.
+/// Radiance of lamps that a surface shows as images, by one ray near the mirror direction.
 pub(super) fn images(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
     let alpha = narrowest(point).filter(|&alpha| snapshot.shows_lamps(alpha, point.position));

@@ -1,6 +1,6 @@
-//! Light of one leg of a path, from its origin to the first surface, for rays and slices alike. In go light
-//! in front of the surface, light behind the fog, and the fog's own. Invariant: radiance is *surface times
-//! transmittance plus shafts*, and its parts are weakened as the whole is.
+//! Radiance along one leg of a path, from its origin to the first surface, for rays and slices alike. In go
+//! the light in front of that surface, the light behind, and the transmittance between. Invariant: radiance
+//! is *surface times transmittance plus shafts*, and each part of it is attenuated as the whole is.
 
 use super::{MATTES_OF_A_SAMPLE, Matte};
 use crate::color::Rgb;
@@ -21,12 +21,12 @@ impl Leg {
     }
 }
 
-/// Light that fog scatters into a leg, and what it leaves of light behind it (Koschmieder 1924).
+/// In-scattered radiance along a leg, and the transmittance for light behind it (Koschmieder 1924).
 #[derive(Clone, Copy)]
 pub(super) struct Airlight {
     /// Radiance, W m^-2 sr^-1.
     pub(super) shafts: Rgb,
-    /// Part of `shafts` that was scattered before.
+    /// Part of `shafts` that had been scattered before.
     pub(super) indirect_shafts: Rgb,
     /// Transmittance of fog and blended surfaces.
     pub(super) transmittance: Rgb,
@@ -53,7 +53,7 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    /// Emission alone.
+    /// Radiance that is emission alone.
     pub(super) fn emitted(emitted: Rgb) -> Self {
         Self { radiance: emitted, emitted, indirect: Rgb::ZERO }
     }

@@ -1,9 +1,9 @@
 //! Light of emissive surfaces that fog scatters into a walk. In go a leg and uniform numbers, out comes an
-//! estimate of the radiance from places near what glows. Invariant: these places and those where a walk
-//! collides make up the whole (balance heuristic, see `connection.rs`).
+//! estimate of that radiance. Invariant: points sampled near emissive surfaces and the walk's collisions have
+//! weights that add up to 1 (balance heuristic, see `connection.rs`).
 //!
-//! Fog about a lantern is bright: light falls as 1 / r^2, and hardly any walk collides there. Places that are
-//! even in the angle about a point of the glow have its light without that noise (Kulla & Fajardo 2012).
+//! Fog around a lantern is bright: light falls as 1 / r^2, and hardly any walk collides there. Equiangular
+//! points about a point of the emissive surface sample this light without that noise (Kulla & Fajardo 2012).
 
 use super::connection::{Receiver, Target, per_sr};
 use super::equiangular::Angle;
@@ -13,24 +13,24 @@ use crate::fog::{FoggyRay, Losses, picked_henyey_greenstein};
 use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
 
-/// How densely a walk collides with fog on a part of its way.
+/// Collisions of a walk with fog on a part of its way.
 pub(super) struct Collisions<'a> {
     pub(super) along: FoggyRay<'a>,
     pub(super) losses: Losses,
-    /// Of the channels.
+    /// Weights of the colour channels.
     pub(super) weights: Rgb,
-    /// Whether it does at all.
+    /// Probability that the walk collides at all.
     pub(super) chance: f64,
 }
 
 /// A collision with fog.
 #[derive(Clone, Copy)]
 pub(super) struct Collision {
-    /// The way that the walk was on, from the place.
+    /// Ray of the walk, with its origin at the collision.
     ray: Ray,
-    /// The part of it that is in fog.
+    /// Part of that ray in fog, as distances from the collision.
     range: (f64, f64),
-    /// How likely it was, 1/m.
+    /// Probability density of the collision, 1/m.
     per_m: f64,
 }
 
@@ -39,7 +39,7 @@ impl Collisions<'_> {
         self.chance * self.along.picked(self.weights, &self.losses, t)
     }
 
-    /// The one at a distance.
+    /// Collision at a distance along the ray.
     pub(super) fn at(&self, ray: &Ray, t: f64) -> Collision {
         let (start, end) = self.losses.range();
         Collision {
@@ -49,8 +49,9 @@ impl Collisions<'_> {
         }
     }
 
-    /// Radiance of the glow that fog scatters into the ray before they end, W m^-2 sr^-1, by a place that
-    /// is even in the angle about a point of it; and that place.
+    /// Radiance of emissive surfaces that fog scatters into the ray before its collisions end, W m^-2 sr^-1.
+    /// It is estimated at one point, which is equiangular about a point of an emissive surface. Returns that
+    /// point's distance, too.
     pub(super) fn lit(&self, path: &mut Path, ray: &Ray) -> (f64, Rgb) {
         let (snapshot, light) = (path.snapshot, path.light);
         let Some(glow) = snapshot.glow().filter(|_| light.has_rest) else { return (0.0, Rgb::ZERO) };
@@ -78,16 +79,16 @@ impl Collisions<'_> {
 }
 
 impl Collision {
-    /// The share by which light of a point of the glow counts here, whose direction is picked with the
-    /// density `by_phase`, 1/sr, and which is picked itself with `by_point`, 1/m^2.
+    /// Weight of light from a point of an emissive surface. The phase function samples its direction with the
+    /// density `by_phase`, 1/sr; the point itself is sampled with `by_point`, 1/m^2.
     pub(super) fn share(&self, point: &SurfacePoint, by_phase: f64, by_point: f64) -> f64 {
         let by_angle = Angle::of(&self.ray, point.position).per_m(self.range, 0.0);
         let by_point = per_sr(by_point, point, self.ray.origin.distance(point.position));
-        // Both ways pick it itself as densely.
+        // Both techniques sample the collision with the same density.
         let by_walk = self.per_m * (1.0 + by_phase / by_point);
         match (by_angle.is_finite(), by_walk.is_finite()) {
             (true, true) => by_walk / (by_walk + by_angle),
-            // On the very place all is found by its angle.
+            // At the very point equiangular sampling has an infinite density, and so all of the weight.
             (false, _) => 0.0,
             (true, false) => 1.0,
         }

@@ -1,6 +1,6 @@
-//! Lit segments of a ray, exactly. In go a ray, a light and the scene, out come the parts that the light
-//! reaches. Opaque triangles end the light on an interval of the ray, blended ones dim it there.
-//! Invariant: where light begins and ends is never sampled.
+//! Lit segments of a ray, exactly. In go a ray, a light and the scene, out come the intervals that the light
+//! reaches. An opaque triangle shadows an interval of the ray, a blended one dims it. Invariant: the ends of
+//! shadows are computed, never sampled.
 
 use super::visibility::Way;
 use crate::accel::{LightPlane, PrimitiveId, TriangleShadow};
@@ -10,11 +10,12 @@ use crate::light::FrozenLight;
 use crate::math::Ray;
 use crate::snapshot::Snapshot;
 
-/// Into so many equal parts the shadow of a textured triangle is cut; each takes the alpha that the light
-/// to its middle meets.
+/// Number of equal parts of the shadow of a textured triangle. Each has the alpha where light to its middle
+/// meets the triangle.
 const TEXTURED_PARTS: usize = 8;
 
-/// Finds what `light` reaches of `ray` within `range`, which must not reach beyond the first surface.
+/// Returns the parts of `ray` within `range` that `light` reaches. `range` ends at the first surface or
+/// before.
 pub fn lit_segments(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) -> LitSegments {
     let mut lit = LitSegments::default();
     lit.start(ray, light, range);
@@ -22,7 +23,7 @@ pub fn lit_segments(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: 
     lit
 }
 
-/// Takes shadows out of the lit parts of a ray that passes the surfaces on its way.
+/// Removes shadows from the lit parts of a ray, and dims them past the blended surfaces on its way.
 pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, way: &Way) {
     let range = lit.range();
     let plane = match *light {
@@ -47,7 +48,7 @@ pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light
     }
 }
 
-/// Dims the lit parts of a ray by blended surfaces in the light's way.
+/// Dims the lit parts of a ray where blended surfaces occlude the light.
 fn dim(
     lit: &mut LitSegments,
     snapshot: &Snapshot,
@@ -75,17 +76,18 @@ fn dim(
     lit.resolve();
 }
 
-/// Ray and light in one line: the whole range is lit or dark.
+/// Whether a light on the line of the ray is occluded; if so, for the whole range.
 fn is_blocked_in_line(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: (f64, f64)) -> bool {
-    // The middle of the range sees the light along the ray itself, forwards or backwards. Between
-    // the ray's origin and the end of the range there is nothing, so one ray from there will do.
+    // The middle of the range sees the light along the ray itself, forwards or backwards. Nothing lies
+    // between the ray's origin and the end of the range, so one ray from the middle is enough.
     let origin = ray.at(0.5 * (range.0 + range.1));
     let (to_light, distance, _) = light.arriving_at(origin);
     snapshot.casting().any_hit(&Ray { origin, direction: to_light }, distance, None)
 }
 
-/// Where ray and light are in one line, every blended surface on it hides the light from what lies beyond:
-/// its shadow and what it lets through, as seen from a place on the ray.
+/// Shadows of blended surfaces where ray and light are in one line: each hides the light from all points
+/// beyond it. Returns each shadow with its transmittance. `from` is the point of the ray from which both
+/// directions are searched.
 pub(super) fn shadows_in_line(
     snapshot: &Snapshot,
     ray: &Ray,
@@ -106,7 +108,7 @@ pub(super) fn shadows_in_line(
     })
 }
 
-/// Transmittance of a triangle for light that goes to the ray's point at `t`.
+/// Transmittance of a triangle for light towards the point of the ray at `t`.
 pub(super) fn met_at(
     snapshot: &Snapshot,
     ray: &Ray,

@@ -1,6 +1,5 @@
-//! Lobes of a surface, by which directions are picked. In go a point of a surface and uniform numbers, out
-//! come directions and their densities. Invariant: wherever the surface scatters light, the density is
-//! more than 0.
+//! Lobes of a surface, for sampling directions. In go a point of a surface and uniform numbers, out come
+//! directions and their densities. Invariant: the density is positive wherever the BSDF is.
 
 use crate::color::{Rgb, luminance};
 use crate::math::disc_from_square;
@@ -9,13 +8,13 @@ use crate::snapshot::SurfacePoint;
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_PI;
 
-/// A way that a surface scatters.
+/// Kind of scattering by a surface.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
-    /// Matte on the eye's side.
+    /// Diffuse reflection, on the eye's side.
     Reflected,
     Coated,
-    /// Matte on the other side.
+    /// Diffuse transmission, on the other side.
     Transmitted,
     Shone,
     /// Reflected by a dielectric.
@@ -23,7 +22,7 @@ enum Way {
     Refracted,
 }
 
-/// The ways that a surface scatters, with their shares of 1.
+/// The lobes of a surface, with shares that add up to 1.
 pub(super) struct Lobes {
     shares: [(Way, f64); 6],
     /// Albedo of all lobes together, approximate.
@@ -36,7 +35,7 @@ impl Lobes {
         let cos_eye = point.shine_normal.dot(point.to_eye);
         let gloss = point.gloss.as_ref().filter(|_| cos_eye > 0.0);
         let beneath = gloss.map_or(Rgb::ONE, |gloss| gloss.leaves(cos_eye));
-        // Cloth is picked as if it were matte.
+        // Cloth is sampled as if it were diffuse.
         let sheen = point
             .layers
             .as_ref()
@@ -59,8 +58,8 @@ impl Lobes {
         (all > 0.0).then(|| Self { shares: shares.map(|(way, share)| (way, share / all)), all })
     }
 
-    /// A direction to the light that two uniform numbers pick, about as densely as the surface
-    /// scatters towards the eye.
+    /// Direction towards the light that two uniform numbers sample, with a density close to that of the BSDF
+    /// times the cosine.
     pub(super) fn pick(&self, point: &SurfacePoint, mut u: DVec2) -> DVec3 {
         let (normal, shine_normal, to_eye) = (point.shading_normal, point.shine_normal, point.to_eye);
         let mut picked = Way::Reflected;
@@ -94,7 +93,7 @@ impl Lobes {
         let share = |way: Way| self.shares[way as usize].1;
         let matte = share(if cos > 0.0 { Way::Reflected } else { Way::Transmitted });
         let mut density = matte * FRAC_1_PI * cos.abs();
-        // Some of what is picked for gloss and coat lies behind the surface, where light may come through.
+        // Some samples of gloss and coat lie behind the surface, where light may be transmitted.
         let gloss = point.gloss.as_ref().filter(|_| share(Way::Shone) > 0.0);
         density +=
             share(Way::Shone) * gloss.map_or(0.0, |gloss| gloss.picked(shine_normal, to_eye, direction));
@@ -109,13 +108,13 @@ impl Lobes {
     }
 }
 
-/// The clear coat of a surface that is seen from before it.
+/// The clear coat of a surface seen from its front.
 fn coat(point: &SurfacePoint) -> Option<&Clearcoat> {
     let coat = point.layers.as_ref()?.clearcoat.as_ref()?;
     (coat.normal.dot(point.to_eye) > 0.0).then_some(coat)
 }
 
-/// A vector by its parts across an axis and along it.
+/// Vector with the given components across an axis and along it.
 pub(super) fn about(axis: DVec3, across: DVec2, along: f64) -> DVec3 {
     let right = axis.any_orthonormal_vector();
     across.x * right + across.y * axis.cross(right) + along * axis

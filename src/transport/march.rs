@@ -1,6 +1,6 @@
-//! Ray marching, the method that this renderer grew from: an image plane moved away from the camera step
-//! by step, with a shadow ray wherever it stands. Kept as the baseline. Invariant: no randomness, but for
-//! one number a ray where the steps are jittered.
+//! Ray marching, the method that this renderer grew from: an image plane moves away from the camera step by
+//! step, with a shadow ray from each place. It is the baseline. Invariant: nothing is random, but for one
+//! number a ray where steps are jittered.
 
 use super::path::{MarchSteps, Path};
 use super::visibility::Way;
@@ -9,7 +9,7 @@ use crate::fog::exp_minus;
 use crate::math::Ray;
 use crate::snapshot::{BlendedHit, FrozenLight, Snapshot};
 
-/// In-scattered radiance of one light by the midpoint rule, or a jittered one.
+/// In-scattered radiance of one light by the midpoint rule, or a jittered rule.
 pub(super) fn in_scattered(
     path: &mut Path,
     steps: MarchSteps,
@@ -29,7 +29,7 @@ pub(super) fn in_scattered(
             (start + path.sampler.next_1d() * step, step, count as usize)
         }
         MarchSteps::Planes { depth_m, step_m } => {
-            // Mirrored rays do not start at the eye: there the steps are taken along the ray.
+            // Mirrored rays do not start at the eye, so their steps are taken along the ray.
             let along_axis = snapshot.view.depth(ray.direction);
             let from_eye = ray.origin.length_squared() == 0.0 && along_axis > 0.0;
             let ray_from_axis = if from_eye { 1.0 / along_axis } else { 1.0 };
@@ -49,7 +49,7 @@ pub(super) fn in_scattered(
     sum
 }
 
-/// Radiance scattered per metre at `t` and transmitted to the ray's origin, W m^-3 sr^-1.
+/// Radiance that fog scatters per metre at `t`, attenuated to the ray's origin, W m^-3 sr^-1.
 pub(super) fn scattered_at(
     snapshot: &Snapshot,
     ray: &Ray,

@@ -1,6 +1,5 @@
-//! State of a path: a snapshot, a way to follow rays and the light that is wanted. Every leg of the path
-//! reads them, draws random numbers and uses memory that the thread keeps. Invariant: a path is one
-//! thread's.
+//! State of a path. It holds a snapshot, settings of ray tracing and the light to follow; each leg reads
+//! these, draws random numbers and uses the thread's scratch memory. Invariant: a path belongs to one thread.
 
 use super::branches::Branches;
 use crate::accel::PrimitiveId;
@@ -25,8 +24,8 @@ pub enum MarchSteps {
     },
     /// Number of equal steps over the foggy part of the ray, a shadow ray in the middle of each.
     Count(u32),
-    /// Ray marching with all shadow rays moved by one random part of a step: what is banding above is
-    /// noise here (Pauly, Kollig & Keller 2000, "Metropolis Light Transport for Participating Media").
+    /// Ray marching with all steps of a ray shifted by the same random part of a step, which turns banding
+    /// into noise (Pauly, Kollig & Keller 2000, "Metropolis Light Transport for Participating Media").
     Jittered(u32),
 }
 
@@ -42,7 +41,7 @@ pub enum VolumeMethod {
         /// Points a ray and light, at least 1.
         points: u32,
     },
-    /// As `Segments`, and indirect light by random walks with so many bounces.
+    /// As `Segments`, with indirect light by random walks of at most so many bounces.
     Paths(Bounces),
 }
 
@@ -53,9 +52,9 @@ pub struct Transport<'a> {
     pub volume: VolumeMethod,
     /// Maximum number of reflections by mirrors.
     pub mirror_depth: u32,
-    /// Indirect light, which surfaces and fog scatter again; it includes that of the sky.
+    /// Indirect light at surfaces and in fog; may include that of the sky.
     pub indirect: Option<&'a Indirect>,
-    /// Whether [`Sample::surface`](super::Sample::surface) is wanted.
+    /// Whether [`Sample::surface`](super::Sample::surface) is needed.
     pub features: bool,
 }
 
@@ -66,29 +65,29 @@ pub struct Scratch {
     pub(super) lights: Vec<FrozenLight>,
 }
 
-/// Light that is followed: a picture may be the sum of one picture a light.
+/// Light that a path follows: a picture may be a sum with one picture for each light.
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub(super) lights: &'a [FrozenLight],
-    /// Whether the rest belongs to it: emission, the background and indirect light.
+    /// Whether it includes the rest: emission, the background and indirect light.
     pub(super) has_rest: bool,
-    /// Whether the light of the sky belongs to it.
+    /// Whether it includes light of the sky.
     pub(super) sky: bool,
-    /// Whether it is seen in a surface that shines: shine seen in shine is as blurred as a grid tells it.
+    /// Whether it is seen in a specular reflection. A second such reflection has the blur of the grid.
     pub(super) is_in_shine: bool,
-    /// Whether what reaches the eye after one scattering is left out.
+    /// Whether light that reaches the eye after one scattering is left out.
     pub(super) indirect_alone: bool,
     /// Walks that branch off the camera ray.
     pub(super) branches: Branches,
 }
 
 impl Illumination<'_> {
-    /// Emission of a surface, as far as it is wanted.
+    /// Emission of a surface; 0 unless the illumination includes the rest.
     pub(super) fn emitted(&self, point: &SurfacePoint) -> Rgb {
         if self.has_rest { point.emission } else { Rgb::ZERO }
     }
 
-    /// Radiance of the background in a direction, as far as it is wanted.
+    /// Radiance of the background in a direction; 0 unless the illumination includes the rest.
     pub(super) fn background(&self, snapshot: &Snapshot, direction: DVec3, from: Start) -> Rgb {
         match from {
             _ if !self.has_rest => Rgb::ZERO,
@@ -98,19 +97,19 @@ impl Illumination<'_> {
     }
 }
 
-/// Start of a ray that is followed.
+/// Start of a ray.
 #[derive(Clone, Copy)]
 pub(super) enum Start {
     /// The eye, whose clipping planes hide surfaces.
     Camera,
     /// A mirror.
     Surface(PrimitiveId),
-    /// A surface that shines: what lies beyond the scene is looked for by itself.
+    /// A surface with a specular reflection, which samples the background by a ray of its own.
     Shine(PrimitiveId),
 }
 
 impl Start {
-    /// The triangle that a ray leaves.
+    /// Triangle that a ray leaves.
     pub(super) fn leaving(self) -> Option<PrimitiveId> {
         match self {
             Self::Camera => None,
@@ -118,18 +117,18 @@ impl Start {
         }
     }
 
-    /// Whether rays from there see a triangle.
+    /// Whether rays from this start see a triangle.
     pub(super) fn sees(self, snapshot: &Snapshot, primitive: PrimitiveId) -> bool {
         !matches!(self, Self::Camera) || snapshot.is_seen(primitive)
     }
 
-    /// Whether they see a hole in the picture in its place.
+    /// Whether they see a hole in the picture in place of a triangle.
     pub(super) fn sees_hole(self, snapshot: &Snapshot, primitive: PrimitiveId) -> bool {
         matches!(self, Self::Camera) && snapshot.is_holdout(primitive)
     }
 }
 
-/// A path that is being followed.
+/// A path that is being traced.
 pub(super) struct Path<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) transport: &'a Transport<'a>,
@@ -139,7 +138,7 @@ pub(super) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// Fog on a ray from a start, if it is known for all rays from there.
+    /// Fog on a ray from a start, if it was computed for all rays from there.
     pub(super) fn seen_fog<'r>(&self, ray: &'r Ray, from: Start) -> Option<SeenRay<'r>>
     where
         'a: 'r,
@@ -148,7 +147,7 @@ impl<'a> Path<'a> {
         self.snapshot.seen_fog().filter(|_| is_known).map(|fog| fog.along(ray))
     }
 
-    /// Optical depth of the fog between where a ray begins and the sky.
+    /// Optical depth of fog from the origin of a ray to the sky.
     pub(super) fn depth_to_sky(&self, to_sky: &Ray) -> Rgb {
         let medium = &self.snapshot.medium;
         match self.transport.volume {
@@ -163,12 +162,12 @@ impl<'a> Path<'a> {
         self.seen_fog(ray, from).map_or_else(walked, |seen| seen.transmittance(distance))
     }
 
-    /// Indirect light, if it is wanted here from a grid.
+    /// Indirect light of the grid, if there is one and the illumination includes the rest.
     pub(super) fn indirect(&self) -> Option<&'a Indirect> {
         self.transport.indirect.filter(|_| self.light.has_rest)
     }
 
-    /// Maximum number of scatterings by random walks, if they are wanted.
+    /// Maximum number of scatterings of random walks; `None` if indirect light is not by walks.
     pub(super) fn walks(&self) -> Option<Bounces> {
         match self.transport.volume {
             VolumeMethod::Paths(bounces) if bounces != Bounces::NONE => Some(bounces),
@@ -176,14 +175,14 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Whether light of the sky is found by a ray in a random direction and counts as direct light: not if it
-    /// counts as indirect light, as on a grid. A grid has no sky with a sun in it, so that there direct light
-    /// is all that it would be without.
+    /// Whether light of the sky is sampled by rays in random directions, as direct light. It is not if
+    /// indirect light includes it, on a grid or by walks. A grid leaves out a sky that holds a sun: such a
+    /// sky has direct light alone.
     pub(super) fn samples_sky(&self) -> bool {
         self.light.sky && !self.transport.indirect.is_some_and(Indirect::has_sky) && !self.walks_have_sky()
     }
 
-    /// Whether random walks begin with it.
+    /// Whether random walks include light of the sky.
     pub(super) fn walks_have_sky(&self) -> bool {
         self.walks().is_some() && self.snapshot.sky.is_some_and(|sky| !sky.has_sun())
     }

@@ -1,7 +1,7 @@
-//! Light of all orders by random walks: the second way to what `indirect` finds on a grid. It is unbiased
-//! and noisy. In goes a vertex of a camera ray. Out comes an estimate of the indirect radiance that it
-//! scatters towards the eye. Invariant: the mean over random numbers is the solution of the equation of
-//! transfer, without the light after [`MOST_VERTICES`] scatterings.
+//! Light of all orders by random walks: the alternative to the grid of `indirect`. It is unbiased and noisy.
+//! In goes a vertex of a camera ray. Out comes an estimate of the indirect radiance that it scatters towards
+//! the eye. Invariant: the expected value is the solution of the equation of transfer, without light of more
+//! than [`MOST_VERTICES`] scatterings.
 //!
 //! A walk goes from the eye towards the light (Kajiya 1986, "The rendering equation"). In fog see Pharr,
 //! Jakob & Humphreys 2023, "Physically Based Rendering", 4th edition, section 14.2.2. Lights and sky are
@@ -30,8 +30,8 @@ use crate::scene::Bounces;
 use crate::snapshot::{FrozenLight, SurfacePoint};
 use glam::DVec3;
 
-/// Maximum number of vertices of a walk. Where all is closed and nothing absorbs a walk has no end: later
-/// light is left out.
+/// Maximum number of vertices of a walk. In a closed scene without absorption a walk would never end; light
+/// of later vertices is left out.
 const MOST_VERTICES: u32 = 1024;
 /// Number of first vertices that roulette spares.
 const SURE_VERTICES: u32 = 3;
@@ -42,7 +42,7 @@ struct Leg {
     /// Throughput from the leg to the eye.
     throughput: Rgb,
     leaving: Option<PrimitiveId>,
-    /// Vertex where it began; `None` if a mirror sends it, in whose direction no light is looked for.
+    /// Vertex where it began; `None` after a mirror, where lights were not sampled.
     turn: Option<Turn>,
 }
 
@@ -50,20 +50,20 @@ struct Leg {
 #[allow(clippy::large_enum_variant, reason = "a walk has one at a time, on the stack")]
 enum Vertex {
     Surface(SurfacePoint),
-    /// A point in fog, on its way along a ray from the eye; and its collision, if anything glows.
+    /// A point in fog, with its ray from the eye; and its collision, if anything emits.
     Fog(Ray, Option<Collision>),
 }
 
 /// Radiance of indirect light that a surface scatters towards the eye, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, bounces: Bounces, point: &SurfacePoint) -> Rgb {
-    // What its mirror shows is followed by itself.
+    // The mirror's reflection is traced by itself.
     let without_mirror = SurfacePoint { mirror: Rgb::ZERO, ..*point };
     mean_of(path, path.light.branches.at_surfaces, |path| {
         Vertex::Surface(without_mirror).lit_by_scattered(path, bounces, Rgb::ONE)
     })
 }
 
-/// Radiance of light that was scattered before that fog scatters into a camera ray on its way, W m^-2 sr^-1.
+/// Radiance of indirect light that fog scatters into a camera ray on its way, W m^-2 sr^-1.
 pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &Way) -> Rgb {
     let medium = &path.snapshot.medium;
     let along = medium.along(ray, way.distance);
@@ -85,7 +85,8 @@ pub(super) fn in_scattered(path: &mut Path, bounces: Bounces, ray: &Ray, way: &W
     })
 }
 
-/// Mean of so many walks. Their random points are as even together as those of as many samples of a pixel.
+/// Mean of so many walks. Their random points are stratified together, as those of as many samples of a
+/// pixel.
 fn mean_of(path: &mut Path, count: u32, walk: impl Fn(&mut Path) -> Rgb) -> Rgb {
     if count == 1 {
         return walk(path);
@@ -101,7 +102,7 @@ fn mean_of(path: &mut Path, count: u32, walk: impl Fn(&mut Path) -> Rgb) -> Rgb 
     sum / f64::from(count)
 }
 
-/// Radiance that a leg brings, from its next vertex and all later ones.
+/// Radiance along a leg, from its next vertex and all later ones.
 fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     let most = match bounces {
         Bounces::UpTo(count) => count.min(MOST_VERTICES),
@@ -109,7 +110,7 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
     };
     let at_first = leg.throughput.max_element();
     let (mut sum, light) = (Rgb::ZERO, path.light);
-    // Its light is scattered as often as that of lamps where one leg more looks for it alone.
+    // A last leg that collects emission alone, so that emission is scattered as often as light of lamps.
     let glows = path.snapshot.glow().is_some() || path.snapshot.medium.shines();
     let legs = most + u32::from(glows);
     for number in 1..=legs {
@@ -124,7 +125,7 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
         sum += leg.throughput * vertex.lit_by_picked(path);
         let Some(next) = vertex.go_on(path, leg.throughput) else { break };
         leg = next;
-        // Russian roulette by what is left of the first throughput.
+        // Russian roulette by the throughput, as a fraction of the walk's first.
         let survives = (leg.throughput.max_element() / at_first).min(1.0);
         if number >= SURE_VERTICES && survives < 1.0 {
             if path.sampler.next_1d() >= survives {
@@ -138,8 +139,8 @@ fn walk(path: &mut Path, bounces: Bounces, mut leg: Leg) -> Rgb {
 }
 
 impl Leg {
-    /// Next vertex, where the leg's light is scattered; `None` if the leg leaves the scene. Light of lamps
-    /// on the way is added to `sum`, and of what glows if the leg `is_lit` by it.
+    /// Next vertex, where the leg's light is scattered; `None` if the leg leaves the scene. Adds light of
+    /// lamps on the way to `sum`, and emission too if the leg `is_lit` by it.
     fn next_vertex(&mut self, path: &mut Path, sum: &mut Rgb, is_lit: bool) -> Option<Vertex> {
         let snapshot = path.snapshot;
         loop {
@@ -166,8 +167,8 @@ impl Leg {
         }
     }
 
-    /// Collision with fog before `distance`, by chance. The throughput then is as if it were certain
-    /// there, per metre. Light of what glows on the way is added to `lit`.
+    /// Samples a collision with fog before `distance`. The throughput is then that of a collision per metre
+    /// at this point. Light of emissive surfaces on the way is added to `lit`.
     fn lost_in_fog(&mut self, path: &mut Path, distance: f64, lit: Option<&mut Rgb>) -> Option<Vertex> {
         let (medium, ray, weights) = (&path.snapshot.medium, self.ray, self.throughput);
         let along = medium.along(&ray, distance);
@@ -189,7 +190,7 @@ impl Leg {
         Some(Vertex::Fog(Ray { origin: ray.at(loss.t), ..ray }, collision))
     }
 
-    /// Whether it goes through a blended surface, by chance.
+    /// Whether the walk passes a blended surface; chosen at random.
     fn passes(&mut self, path: &mut Path, point: &SurfacePoint) -> bool {
         let [seen_through, stopped] =
             [point.see_through, Rgb::splat(point.alpha)].map(|share| (self.throughput * share).element_sum());
@@ -200,7 +201,7 @@ impl Leg {
         passes
     }
 
-    /// Radiance of the sky that a mirror reflects: all other vertices sampled it before.
+    /// Radiance of the sky in a mirror: all other vertices sampled the sky before.
     fn beyond(&self, path: &Path) -> Rgb {
         if self.turn.is_some() {
             return Rgb::ZERO;
@@ -212,7 +213,7 @@ impl Leg {
 }
 
 impl Vertex {
-    /// Radiance towards the eye of emission and of indirect light, by such a throughput.
+    /// Radiance towards the eye of emission and of indirect light, times a throughput.
     fn lit_by_scattered(&self, path: &mut Path, bounces: Bounces, throughput: Rgb) -> Rgb {
         let picked = throughput * self.lit_by_picked(path);
         picked + self.go_on(path, throughput).map_or(Rgb::ZERO, |leg| walk(path, bounces, leg))
@@ -230,14 +231,14 @@ impl Vertex {
                 glow::met(path, turn, point) + of_suns + of_lamps + sky_light::by_surface(path, point)
             }
             Self::Fog(ray, _) => {
-                // Lamps were looked for all along the leg.
+                // Light of lamps was sampled along the leg.
                 let of_suns: Rgb = suns.map(|sun| march::scattered_at(snapshot, ray, 0.0, sun, &[])).sum();
                 of_suns + sky_light::by_fog(path, ray.origin, ray.direction)
             }
         }
     }
 
-    /// Radiance towards the eye, in fog per metre, from places that are picked because they are bright.
+    /// Radiance towards the eye, in fog per metre, from points sampled by brightness.
     fn lit_by_picked(&self, path: &mut Path) -> Rgb {
         match self {
             Self::Surface(point) => {
@@ -264,7 +265,7 @@ impl Vertex {
         }
     }
 
-    /// The leg to where the light comes from; `None` if nothing would come.
+    /// The next leg, in a sampled direction; `None` if its throughput is 0.
     fn go_on(&self, path: &mut Path, throughput: Rgb) -> Option<Leg> {
         let leg = match self {
             Self::Surface(point) => {
@@ -278,7 +279,8 @@ impl Vertex {
                 let (towards, weight) =
                     medium.pick_scattering(*origin, *direction, throughput, path.sampler.next_3d())?;
                 let ray = Ray { origin: *origin, direction: towards };
-                // Of several fogs the mean: both ways to what glows weigh by it.
+                // In overlapping fogs the mean anisotropy: both techniques for emissive surfaces use it in
+                // their weights.
                 let density = picked_henyey_greenstein(medium.anisotropy_at(*origin), direction.dot(towards));
                 let turn = Some(Turn { place: *origin, density, collision: *collision });
                 Leg { ray, throughput: throughput * weight, leaving: None, turn }
@@ -288,15 +290,16 @@ impl Vertex {
     }
 }
 
-/// Radiance of places that are picked because they are bright, as a vertex scatters it towards the eye.
+/// Radiance of points sampled by brightness, as a vertex scatters it towards the eye.
 fn beside_the_walk(path: &mut Path, receiver: &Receiver, collision: Option<&Collision>) -> Rgb {
     glow::scattered(path, receiver, collision)
         + lamp_spots::scattered(path, receiver)
         + lamp_fog::scattered(path, receiver)
 }
 
-/// A direction from which a surface scatters light towards the eye, by one of its lobes or its mirror; what
-/// it scatters over how densely it was picked, and that density, 1/sr, unless the mirror was.
+/// Samples a direction from which a surface scatters light towards the eye, by one of its lobes or its
+/// mirror. Returns it with the BSDF times cosine over its density, and the density, 1/sr; `None` for the
+/// mirror.
 fn picked(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, Option<f64>)> {
     let matte = matte_share(point);
     let share = 1.0 - matte.as_ref().map_or(0.0, |(_, share)| *share);
@@ -315,7 +318,8 @@ fn picked(path: &mut Path, point: &SurfacePoint) -> Option<(DVec3, Rgb, Option<f
     (density > 0.0).then_some((direction, weight, Some(density)))
 }
 
-/// The lobes of a surface, and how often one of them is picked rather than its mirror; `None` if it has none.
+/// Lobes of a surface, and the probability of sampling them rather than its mirror; `None` if it has no
+/// lobes.
 fn matte_share(point: &SurfacePoint) -> Option<(Lobes, f64)> {
     let (lobes, mirror) = (Lobes::of(point)?, luminance(point.mirror));
     let share = lobes.all / (mirror + lobes.all);

@@ -15,13 +15,13 @@ use crate::math::{Ray, Sampler};
 use crate::snapshot::{BlendedHit, Snapshot, SurfacePoint};
 use std::ops::Range;
 
-/// Light of one of the snapshot's lights, and whether the rest goes with it: emission, the background and
-/// indirect light, which are seen along the same rays.
+/// One of the snapshot's lights. It may include the rest: emission, the background and indirect light, which
+/// are seen along the same rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OneLight {
     /// Index among the snapshot's lights.
     pub number: usize,
-    /// Whether the rest goes with it.
+    /// Whether it includes the rest.
     pub with_rest: bool,
 }
 
@@ -34,16 +34,16 @@ pub enum Component {
     Light(OneLight),
     /// Light of the sky that was scattered on the way.
     Sky,
-    /// Indirect light of all lights: a part of the others, much cheaper without the rest; by random walks
-    /// the mean of so many.
+    /// Indirect light of all lights: a part of the other components, much cheaper without the rest. With
+    /// random walks it is the mean of so many.
     Indirect(Branches),
 }
 
 /// Blended surfaces show in the data passes from this alpha on.
 const SOLID_ALPHA: f64 = 0.5;
 
-/// Follows a camera ray: single scattering in the fog, plus direct light on the surface behind it,
-/// plus what mirrors show, weakened by the fog in between.
+/// Traces a camera ray: single scattering in fog, direct light on the surface behind it, and mirrored light,
+/// attenuated by the fog in between.
 pub fn radiance(
     snapshot: &Snapshot,
     transport: &Transport,
@@ -96,11 +96,11 @@ impl Transport<'_> {
     }
 }
 
-/// Light that a camera ray is to see.
+/// Light that a camera ray sees.
 struct Wanted {
     /// Indices of the snapshot's lights.
     lights: Range<usize>,
-    /// Whether light has the hues of its points.
+    /// Whether light has the hues of its sampled points.
     with_hues: bool,
     has_rest: bool,
     sky: bool,
@@ -153,8 +153,8 @@ impl Path<'_> {
         }
     }
 
-    /// Follows a ray to the first surface and, by mirrors, beyond. The surface is the one that data passes
-    /// show.
+    /// Traces a ray to the first surface, and beyond it by mirrors. Returns the surface that data passes
+    /// show, too.
     pub(super) fn follow(
         &mut self,
         ray: &Ray,
@@ -204,7 +204,8 @@ impl Path<'_> {
         (leg, solid.or(surface))
     }
 
-    /// Single scattering in fog along a ray, if it is wanted: radiance of lights and of the sky.
+    /// Radiance of lights and of the sky that fog scatters once along a ray, if the illumination includes
+    /// them.
     fn scattered_once(&mut self, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
         if self.light.indirect_alone {
             return Rgb::ZERO;
@@ -297,7 +298,7 @@ impl Path<'_> {
         }
         let normal = point.shading_normal;
         let reflected = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
-        // An interpolated normal may send light through the surface: no mirror does.
+        // An interpolated normal may mirror a ray into the surface, where a mirror reflects nothing.
         let leaves = reflected.dot(point.geometric_normal) > 0.0;
         if !leaves {
             return images;
@@ -314,7 +315,7 @@ pub(super) fn mean(transmittance: Rgb) -> f64 {
     transmittance.element_sum() / 3.0
 }
 
-/// Objects that a ray sees, and the share of each past those before it.
+/// Objects that a ray sees, each with its share after those in front of it.
 pub(super) fn mattes(
     snapshot: &Snapshot,
     blended: &[BlendedHit],

@@ -1,5 +1,5 @@
-//! Sample of one camera ray. Invariant: `radiance = surface * transmittance + shafts`, plus what blended
-//! surfaces show before it.
+//! Sample of one camera ray. Invariant: `radiance = surface * transmittance + shafts`, plus light of the
+//! blended surfaces in front.
 
 use crate::color::Rgb;
 use glam::DVec3;
@@ -7,19 +7,19 @@ use glam::DVec3;
 /// The value of one camera ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample {
-    /// Everything that reaches the camera, W m^-2 sr^-1.
+    /// All radiance that reaches the camera, W m^-2 sr^-1.
     pub radiance: Rgb,
-    /// The part that shines by itself, surfaces and the background, in mirrors too.
+    /// Part of `radiance` that surfaces and the background emit, in mirrors too.
     pub emitted: Rgb,
-    /// Hue of the light's point in a picture of one light, still to be multiplied in; else 1. See
-    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). Emission and indirect light
-    /// already have theirs.
+    /// Hue of the sampled point of the light in a picture of one light, not multiplied in yet; else 1. See
+    /// [`Luminaire::hued_point`](crate::snapshot::Luminaire::hued_point). Emission and indirect light already
+    /// have theirs.
     pub hue: Rgb,
-    /// The part that surfaces show of indirect light, in mirrors too.
+    /// Part of `radiance` that is indirect light of surfaces, in mirrors too.
     pub indirect: Rgb,
-    /// The part that was scattered in fog.
+    /// Part of `radiance` that fog scattered.
     pub shafts: Rgb,
-    /// Part of `shafts` that was scattered before.
+    /// Part of `shafts` that had been scattered before.
     pub indirect_shafts: Rgb,
     /// Transmittance of fog and blended surfaces to the first opaque surface, or to the background if
     /// there is none.
@@ -31,15 +31,15 @@ pub struct Sample {
     /// Motion in pixels to the right and up: from the place now to that a frame before, and to the place
     /// now from that a frame after. 0 unless the snapshot has a motion field.
     pub motion_px: [f64; 4],
-    /// Objects that it shows, front to back; none unless the snapshot has matte ids.
+    /// Visible objects, front to back; none unless the snapshot has matte ids.
     pub mattes: [Matte; MATTES_OF_A_SAMPLE],
 }
 
-/// Objects that a sample may show: blended ones, and the opaque one behind them. Of more, the
-/// last ones are left out.
+/// Maximum number of objects of a sample: blended ones, and the opaque one behind them. The last are left out
+/// if there are more.
 pub const MATTES_OF_A_SAMPLE: usize = 4;
 
-/// The share of a sample that belongs to an object; none of it unless the share is more than 0.
+/// An object's share of a sample; none if the share is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Matte {
     /// See [`crate::scene::matte_id`].

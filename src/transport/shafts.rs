@@ -1,5 +1,5 @@
-//! Light scattered by fog towards the start of a ray, by whichever method was chosen. Invariant:
-//! all methods estimate the same integral; only `Segments` is exact.
+//! Light that fog scatters towards the origin of a ray, by the chosen method. In go rays, out come radiances.
+//! Invariant: all methods estimate the same integral; only `Segments` is exact.
 
 use super::lit_segments::shade;
 use super::path::{Path, Start, VolumeMethod};
@@ -10,7 +10,7 @@ use crate::fog::{LitSegments, Passage};
 use crate::math::Ray;
 use crate::snapshot::FrozenLight;
 
-/// A ray up to where it ends.
+/// A ray with its end.
 pub(super) struct Stretch<'a> {
     pub(super) ray: &'a Ray,
     pub(super) from: Start,
@@ -35,7 +35,7 @@ pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Wa
         .sum()
 }
 
-/// The exact method; `shadows` takes them away from what is lit.
+/// In-scattered radiance by the exact method; `shadows` removes shadows from the lit parts.
 pub(super) fn by_segments(
     path: &mut Path,
     Stretch { ray, from, distance }: Stretch,

@@ -1,6 +1,6 @@
 //! Indirect specular reflection. In go a point and uniform numbers, out comes an estimate of the radiance
-//! that it reflects of its surroundings, about the mirrored direction. Invariant: lights are not among
-//! what is seen, nor is the sky but by a ray of its own, as direct light has them.
+//! that it reflects of its surroundings. Invariant: lights are left out, as direct light has them. The sky
+//! has a ray of its own.
 
 use super::direct::{scattered_per_radiance, shining};
 use super::lobes::Lobes;
@@ -12,7 +12,7 @@ use crate::math::Ray;
 use crate::snapshot::SurfacePoint;
 use glam::DVec2;
 
-/// Radiance of what was scattered before that a surface reflects in its shine, W m^-2 sr^-1.
+/// Radiance of indirect light in the specular reflection of a surface, W m^-2 sr^-1.
 pub(super) fn seen(path: &mut Path, indirect: &Indirect, point: &SurfacePoint) -> Rgb {
     let shining = shining(point);
     let of_sky = if indirect.has_sky() && path.light.has_rest {
@@ -23,7 +23,7 @@ pub(super) fn seen(path: &mut Path, indirect: &Indirect, point: &SurfacePoint) -
     of_sky + reflected(path, indirect, &shining)
 }
 
-/// Reflected radiance of what one ray meets; its direction is sampled from the microfacet distribution.
+/// Radiance along one ray, times the BSDF; its direction is sampled from the microfacet distribution.
 fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rgb {
     let Some(lobes) = Lobes::of(shining) else { return Rgb::ZERO };
     let direction = lobes.pick(shining, DVec2::from(path.sampler.next_2d()));
@@ -31,8 +31,8 @@ fn reflected(path: &mut Path, indirect: &Indirect, shining: &SurfacePoint) -> Rg
     if scattered == Rgb::ZERO || density <= 0.0 {
         return Rgb::ZERO;
     }
-    // What is seen has been scattered once less than what it shows. The ray is one of chance, so exact shafts
-    // along it would be dear and no use.
+    // The light along this ray has one scattering less than the reflection. Its direction is random, so exact
+    // shafts along it would cost time and add nothing.
     let volume = VolumeMethod::Equiangular { points: 1 };
     let transport = Transport { indirect: indirect.once_less(), volume, ..*path.transport };
     let sky = if indirect.has_sky() { path.light.has_rest } else { path.light.sky };

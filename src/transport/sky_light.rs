@@ -1,9 +1,9 @@
-//! Light of the sky, scattered once by surfaces and by fog. In go a ray or a point of a surface and uniform
-//! numbers, out comes an estimate of what the sky adds. Invariant: unbiased, and one shadow ray each.
+//! Light of the sky, scattered once by surfaces and by fog. In go a ray or a surface point and uniform
+//! numbers, out comes an estimate of the radiance. Invariant: unbiased, with one shadow ray each.
 //!
-//! Directions are picked either as densely as the matter scatters or as densely as the sky is bright. They
-//! are weighed by the mean of both densities: the balance heuristic with one sample. See Veach and Guibas
-//! 1995, "Optimally combining sampling techniques for Monte Carlo rendering", section 3.3.
+//! Directions are sampled either by the BSDF or phase function, or by the sky's radiance. They are weighted
+//! by the mean of both densities: the balance heuristic with one sample. See Veach and Guibas 1995,
+//! "Optimally combining sampling techniques for Monte Carlo rendering", section 3.3.
 
 use super::direct::scattered_per_radiance;
 use super::lobes::{Lobes, about};
@@ -16,21 +16,22 @@ use crate::snapshot::{FrozenSky, SurfacePoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Share of directions that are picked by the sky's brightness, where it is not uniform.
+/// Share of directions that are sampled by the sky's radiance, where it is not uniform.
 const SHARE_OF_SKY: f64 = 0.5;
 
-/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1, unless indirect light has
+/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1; 0 if indirect light includes
 /// it.
 pub(super) fn scattered(path: &mut Path, point: &SurfacePoint) -> Rgb {
     if path.samples_sky() { by_surface(path, point) } else { Rgb::ZERO }
 }
 
-/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1, if the sky is wanted.
+/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1; 0 unless the path follows light
+/// of the sky.
 pub(super) fn by_surface(path: &mut Path, point: &SurfacePoint) -> Rgb {
     if path.light.sky { from_sky(path, point) } else { Rgb::ZERO }
 }
 
-/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1, wanted or not.
+/// Radiance of the sky that a surface scatters towards the eye, W m^-2 sr^-1, for any illumination.
 pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     let snapshot = path.snapshot;
     let sky = snapshot.sky.as_ref().filter(|sky| sky.lights_surfaces());
@@ -52,13 +53,14 @@ pub(super) fn from_sky(path: &mut Path, point: &SurfacePoint) -> Rgb {
     scattered * visible * fog / density
 }
 
-/// Radiance of the sky that fog scatters into the ray on its way, W m^-2 sr^-1, unless indirect light has
+/// Radiance of the sky that fog scatters into the ray on its way, W m^-2 sr^-1; 0 if indirect light includes
 /// it.
 pub(super) fn in_scattered(path: &mut Path, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
     if path.samples_sky() { on_the_way(path, (ray, from), way) } else { Rgb::ZERO }
 }
 
-/// Radiance of the sky that fog scatters into the ray on its way, W m^-2 sr^-1, if the sky is wanted.
+/// Radiance of the sky that fog scatters into the ray on its way, W m^-2 sr^-1; 0 unless the path follows
+/// light of the sky.
 pub(super) fn on_the_way(path: &mut Path, (ray, from): (&Ray, Start), way: &Way) -> Rgb {
     let medium = &path.snapshot.medium;
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
@@ -81,8 +83,8 @@ pub(super) fn on_the_way(path: &mut Path, (ray, from): (&Ray, Start), way: &Way)
     found.scattered * exp_minus(found.depth + depth) * visible / (found.density * density_per_m)
 }
 
-/// Radiance of the sky that fog at a point scatters back along a direction of travel from the eye, per
-/// metre, W m^-3 sr^-1.
+/// Radiance of the sky that fog at a point scatters towards the eye, per metre, W m^-3 sr^-1. `from_eye` is
+/// the direction of travel from the eye.
 pub(super) fn by_fog(path: &mut Path, point: DVec3, from_eye: DVec3) -> Rgb {
     let Some(sky) = above_fog(path) else { return Rgb::ZERO };
     let u = DVec2::from(path.sampler.next_2d());
@@ -90,14 +92,14 @@ pub(super) fn by_fog(path: &mut Path, point: DVec3, from_eye: DVec3) -> Rgb {
     found.map_or(Rgb::ZERO, |found| found.scattered * exp_minus(found.depth) * found.visible / found.density)
 }
 
-/// The sky, if it lights fog and is wanted.
+/// The sky, if it lights fog and the path follows its light.
 fn above_fog<'a>(path: &Path<'a>) -> Option<&'a FrozenSky<'a>> {
     path.snapshot.sky.as_ref().filter(|sky| path.light.sky && sky.lights_fog())
 }
 
 /// Light from one direction of the sky, at a point in fog.
 struct FromSky {
-    /// Per metre if all of it arrived, W m^-3 sr^-1.
+    /// Per metre without attenuation, W m^-3 sr^-1.
     scattered: Rgb,
     visible: Rgb,
     /// Optical depth of fog towards the sky.
@@ -131,7 +133,7 @@ impl FromSky {
     }
 }
 
-/// A direction and its density, 1/sr, by the sky's brightness or by how the matter scatters.
+/// Samples a direction by the sky's radiance or by the matter's scattering. Returns its density, too, 1/sr.
 fn picked(
     sky: &FrozenSky,
     mut u: DVec2,
@@ -142,7 +144,7 @@ fn picked(
         let direction = pick(u);
         return (direction, density(direction));
     }
-    // What is left of a number that has decided is uniform again.
+    // The remainder of a number that decided is uniform again.
     let by_sky = u.x < SHARE_OF_SKY;
     u.x = if by_sky { u.x / SHARE_OF_SKY } else { (u.x - SHARE_OF_SKY) / (1.0 - SHARE_OF_SKY) };
     let direction = if by_sky { sky.pick(u) } else { None }.unwrap_or_else(|| pick(u));
@@ -150,8 +152,8 @@ fn picked(
     (direction, density(direction) + SHARE_OF_SKY * (of_sky - density(direction)))
 }
 
-/// The place within `range` before which a share of the light lost on it is lost, and its density per metre:
-/// as often as the eye's own light would be scattered there. `None` where nothing is lost.
+/// Distance within `range` at which a given share of its loss is reached, and the density there per metre:
+/// proportional to the extinction of light from the eye. `None` where nothing is lost.
 fn place_by_depth(fog: &FoggyRay, range: (f64, f64), u: f64) -> Option<(f64, f64)> {
     let mean = |depth: Rgb| depth.element_sum() / 3.0;
     let depth_to = |t: f64| mean(fog.optical_depth(t));

@@ -1,12 +1,12 @@
-//! Many blended surfaces on one ray. In go the ray, its surfaces and the lights. Out comes the radiance
-//! that each surface scatters towards the ray's start. Invariant: `n` surfaces take `n log n` steps.
-//! Shadow rays of their own, each through as many surfaces, would take `n^2 log n`.
+//! Many blended surfaces on one ray. In go the ray, its surfaces and the lights. Out comes the radiance that
+//! each surface scatters towards the ray's origin. Invariant: `n` surfaces take `n log n` steps. Separate
+//! shadow rays, each through as many surfaces, would take `n^2 log n`.
 //!
-//! All that dims a light anywhere on the ray lies in the plane through both. So one walk through the tree
-//! finds it for all surfaces at once, and a sweep along the ray keeps the product of transmittances. Under
-//! a lamp or sun the values are those of the shadow rays, to rounding. Textured surfaces are asked one by
-//! one where they are in the way, until next to nothing is left. Light of the sky, and mirrors, are left
-//! to a few surfaces that stand for all.
+//! All surfaces that attenuate a light anywhere on the ray lie in the plane through both. So one traversal of
+//! the tree finds them for all surfaces at once, and a sweep along the ray keeps the product of
+//! transmittances. Under a lamp or sun the values are those of shadow rays, to rounding. Textured surfaces
+//! are evaluated one by one until the transmittance is negligible. Light of the sky, and mirrors, are
+//! evaluated at a few surfaces that represent all.
 
 use super::direct;
 use super::lit_segments::{met_at, shadows_in_line};
@@ -16,18 +16,17 @@ use crate::color::Rgb;
 use crate::math::{Ray, RunningProduct, Sampler};
 use crate::snapshot::{BlendedHit, FrozenLight, NEGLIGIBLE, Snapshot};
 
-/// Number of surfaces up to which each has shadow rays of its own: less than the walk costs.
+/// Number of surfaces up to which each has shadow rays of its own, which cost less than the traversal.
 const MANY: usize = 16;
 
-/// Number of surfaces that stand for many where each would take a ray of its own.
+/// Number of surfaces that represent all where each would need a ray of its own.
 const CHOSEN: usize = 8;
 
 /// Direct light on the surfaces of a ray, if they are many.
 pub(super) struct Stack {
     /// Radiance that each scatters of lights, W m^-2 sr^-1.
     pub(super) scattered: Vec<Rgb>,
-    /// Weight of the sky's light on each of them and of what is mirrored in it; 0 if another one stands
-    /// for it.
+    /// Weight of the sky's and of mirrored light at each of them; 0 if another surface represents it.
     pub(super) shares: Vec<f64>,
 }
 
@@ -56,7 +55,7 @@ impl Stack {
 
 /// Transmittance of blended surfaces from a light to each of the ray's surfaces.
 fn let_through(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, blended: &[BlendedHit]) -> Vec<Rgb> {
-    // Twice as far, so that the last one lies within what covers it.
+    // Twice as far, so that the last surface lies inside the range of its occluders.
     let range = (0.0, 2.0 * blended.last().map_or(0.0, |hit| hit.t));
     let plane = match *light {
         FrozenLight::Sun { to_light, .. } => LightPlane::towards_direction(ray, to_light, range),
@@ -71,7 +70,7 @@ fn let_through(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, blended: &[B
         if plane.is_some() {
             return met_at(snapshot, ray, light, shadow.primitive, t);
         }
-        // Ray and light meet it in the same place, at one of the shadow's ends.
+        // Ray and light meet it at the same point, at one end of the shadow.
         let facet = snapshot.facet(shadow.primitive);
         let met = if shadow.start.is_finite() { shadow.start } else { shadow.end };
         facet.seen_along(ray, met).see_through
@@ -79,7 +78,7 @@ fn let_through(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, blended: &[B
     Sweep::new(snapshot, shadows, &transmittance).along(blended)
 }
 
-/// A walk along the ray, through the shadows on it.
+/// Sweep along the ray, through the shadows on it.
 struct Sweep<'a> {
     /// Shadows, by where they start.
     shadows: Vec<TriangleShadow>,
@@ -101,7 +100,7 @@ impl<'a> Sweep<'a> {
         mut shadows: Vec<TriangleShadow>,
         transmittance: &'a dyn Fn(&TriangleShadow, f64) -> Rgb,
     ) -> Self {
-        // A fixed order of factors: rounding must not tell in which order the tree met them.
+        // A fixed order of factors: rounding must not depend on the tree's order.
         shadows.sort_unstable_by(|a, b| {
             let by_place = a.start.total_cmp(&b.start).then(a.end.total_cmp(&b.end));
             by_place.then(a.primitive.cmp(&b.primitive))
@@ -152,7 +151,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Transmittance to a surface, its own left out.
+    /// Transmittance to a surface, without its own.
     fn through_to(&mut self, hit: &BlendedHit) -> Rgb {
         let primitive = hit.point.primitive;
         let own = self.of_triangles.partition_point(|(other, _)| *other < primitive);
@@ -179,9 +178,9 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// Weights of surfaces chosen in proportion to what the ray's start sees of them, and 0 for the others.
-/// The expected value of each is 1 (systematic sampling: Madow 1949, "On the theory of systematic
-/// sampling, II").
+/// Weights of surfaces chosen in proportion to their visibility from the ray's origin, and 0 for the others.
+/// The expected value of each is 1 (systematic sampling: Madow 1949, "On the theory of systematic sampling,
+/// II").
 fn shares(blended: &[BlendedHit], u: f64) -> Vec<f64> {
     let mut seen_through = Rgb::ONE;
     let weights: Vec<f64> = blended
@@ -288,8 +287,8 @@ mod tests {
         FrozenLight::Sun { to_light: to_light.normalize(), irradiance: Rgb::ONE }
     }
 
-    /// So many layers, one behind the other, each a little tilted, and so thin that a ray sees
-    /// through all of them.
+    /// So many layers, one behind the other, each slightly tilted, and thin enough that a ray sees through
+    /// all of them.
     fn layers(count: usize) -> Vec<Layer> {
         let layer = |index: usize| {
             let place = index as f64 / count as f64;
@@ -302,8 +301,8 @@ mod tests {
         (0..count).map(layer).collect()
     }
 
-    /// How many factors the sweeps of surfaces and of fog multiply on a ray through so many layers:
-    /// of both, under a lamp.
+    /// Numbers of factors that the sweeps multiply on a ray through so many layers under a lamp: for
+    /// surfaces, and for fog.
     fn multiplications(count: usize) -> [usize; 2] {
         let scene = scene(&layers(count), false);
         let trees = MeshTrees::new(&scene);
@@ -327,8 +326,8 @@ mod tests {
         ]
     }
 
-    /// Eight times as many layers take less than twelve times as many steps, where products that are formed
-    /// anew at each surface take 64 times as many.
+    /// Eight times as many layers take less than twelve times as many steps; products formed anew at each
+    /// surface would take 64 times as many.
     #[test]
     fn steps_grow_as_n_log_n() {
         let [few, many] = [64, 512].map(multiplications);
@@ -376,7 +375,7 @@ mod tests {
             }
         }
 
-        /// A few stand for all: each for itself in the mean.
+        /// A few represent all: the expected weight of each is 1.
         #[test]
         fn shares_are_one_in_the_mean(layers in prop::collection::vec(layer(), MANY + 1..40)) {
             let scene = scene(&layers, false);
@@ -393,7 +392,7 @@ mod tests {
             }
             let mut seen_through = 1.0;
             for (hit, sum) in blended.iter().zip(sums) {
-                // One try more or less counts for what one choice stands for.
+                // One choice more or less changes the sum by the weight of one choice.
                 let weight = seen_through * hit.point.alpha;
                 let error = 2.0 / (weight * TRIES as f64);
                 prop_assert!((sum / TRIES as f64 - 1.0).abs() <= error, "{sum}");

@@ -1,5 +1,6 @@
-//! Turn of a random walk, which weighs the light that the walk then meets. In go a turn and the density with
-//! which a point is picked, out comes the point's share. Invariant: see `connection.rs`.
+//! Turn of a random walk, for the weight of the light that the walk then meets. In go a turn and the density
+//! with which a point is sampled, out comes the point's weight. Invariant: the weights of both techniques add
+//! up to 1; see `connection.rs`.
 
 use super::connection::per_sr;
 use super::lit_by_glow::Collision;
@@ -11,15 +12,15 @@ use glam::DVec3;
 pub(super) struct Turn {
     pub(super) place: DVec3,
     pub(super) density: f64,
-    /// In fog, where glow is looked for.
+    /// Collision with fog, where emissive surfaces are sampled.
     pub(super) collision: Option<Collision>,
 }
 
 impl Turn {
-    /// The share by which a point counts that a walk meets, where `per_m2` says how densely it is picked.
+    /// Weight of a point that a walk meets, where `per_m2` is the density with which it is sampled otherwise.
     pub(super) fn share_of_met(&self, point: &SurfacePoint, per_m2: f64) -> f64 {
         let picked = per_sr(per_m2, point, self.place.distance(point.position));
-        // Seen from its edge it is picked for certain.
+        // Seen edge-on, the point has an infinite density by sampling.
         if picked.is_finite() { self.density / (self.density + picked) } else { 0.0 }
     }
 }

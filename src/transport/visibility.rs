@@ -1,5 +1,5 @@
-//! Primary visibility. In go a camera ray and the part of it that shows, out comes where it ends.
-//! Invariant: what clipping planes hide, or is invisible to the camera, ends no ray, and is told.
+//! Primary visibility. In go a camera ray and its visible range, out comes its end. Invariant: surfaces that
+//! clipping planes hide, or that the camera does not see, end no ray, and are reported.
 
 use super::path::Start;
 use crate::accel::Hit;
@@ -7,27 +7,27 @@ use crate::math::Ray;
 use crate::snapshot::{BlendedHit, Snapshot};
 use std::ops::Range;
 
-/// Free way of a ray before it ends.
+/// Way of a ray to its first opaque surface.
 #[derive(Default)]
 pub(super) struct Way {
     /// Distance to its end, metres; infinite if nothing ends it.
     pub(super) distance: f64,
-    /// Blended surfaces that show, in order.
+    /// Visible blended surfaces, in order.
     pub(super) blended: Vec<BlendedHit>,
-    /// Whether it goes through opaque surfaces that do not show.
+    /// Whether the ray passes opaque surfaces that are not visible.
     pub(super) passes_hidden: bool,
 }
 
-/// End of a ray, and whether it passes surfaces that do not show.
+/// End of a ray.
 #[derive(Clone, Copy, Default)]
 pub(super) struct RayEnd {
-    /// The nearest opaque surface that shows.
+    /// The nearest visible opaque surface.
     pub(super) hit: Option<Hit>,
-    /// Whether the ray goes through opaque surfaces that do not show.
+    /// Whether the ray passes opaque surfaces that are not visible.
     pub(super) passes_hidden: bool,
 }
 
-/// End of a ray at opaque surfaces, of which those within `shown` show.
+/// End of a ray at opaque surfaces that are visible: within `shown`, and to rays from that start.
 pub(super) fn ray_end(snapshot: &Snapshot, ray: &Ray, shown: &Range<f64>, from: Start) -> RayEnd {
     let shows = |hit: &Hit| shown.contains(&hit.t) && from.sees(snapshot, hit.primitive);
     let Some(mut hit) = snapshot.tree.nearest_hit(ray, f64::INFINITY, from.leaving()) else {

@@ -1,14 +1,15 @@
 //! Segments between the first ray of a sweep that may meet them and the one that passes them. In go segments
-//! and ever lower slopes, out come those that a ray meets or has passed. Invariant: they stay in their order,
-//! and each is passed once.
+//! and falling slopes, out come those that a ray meets or has passed. Invariant: they stay in order, and each
+//! is passed once.
 
 use super::segment::Segment;
 
-/// Segments, with what each ray asks of every one of them side by side: in a crown they are hundreds.
+/// Segments as arrays of their fields, as each ray reads one field of all of them: in a crown there are
+/// hundreds.
 #[derive(Debug, Default)]
 pub(super) struct Active {
     segments: Vec<Segment>,
-    /// Slopes of the upper and the lower end of each; NaN once it is passed.
+    /// Slopes of the upper and the lower end of each segment; NaN once it is passed.
     slopes: Vec<[f64; 2]>,
     passed: usize,
 }
@@ -20,7 +21,7 @@ impl Active {
         self.passed = 0;
     }
 
-    /// Adds segments behind the others.
+    /// Adds segments at the end.
     pub(super) fn extend(&mut self, segments: impl Iterator<Item = Segment>) {
         if 2 * self.passed > self.segments.len() {
             self.forget_passed();
@@ -37,12 +38,12 @@ impl Active {
         self.passed = 0;
     }
 
-    /// Number of those that are not passed.
+    /// Number of segments that are not passed.
     pub(super) fn count(&self) -> usize {
         self.segments.len() - self.passed
     }
 
-    /// Those that are not passed.
+    /// Segments that are not passed.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Segment> {
         self.segments
             .iter()
@@ -56,13 +57,13 @@ impl Active {
         &self.segments[number]
     }
 
-    /// Numbers of those that rays of a slope meet: see [`Segment::is_met_at`].
+    /// Numbers of the segments that rays of a slope meet: see [`Segment::is_met_at`].
     pub(super) fn met_at(&self, slope: f64) -> impl Iterator<Item = usize> {
         let is_met = move |[upper, lower]: &[f64; 2]| slope <= *upper && *lower < slope;
         self.slopes.iter().enumerate().filter(move |(_, slopes)| is_met(slopes)).map(|(number, _)| number)
     }
 
-    /// Passes those that lie wholly above rays of a slope, one after another.
+    /// Passes the segments that lie wholly above rays of a slope, one after another.
     pub(super) fn pass(&mut self, slope: f64, mut passed: impl FnMut(&Segment)) {
         for (segment, slopes) in self.segments.iter().zip(&mut self.slopes) {
             if slope <= slopes[1] {

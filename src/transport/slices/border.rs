@@ -1,5 +1,5 @@
-//! A straight edge that a slice cuts: the border of a triangle, or its shadow on another. In goes where the
-//! slice meets it, out comes where a slice beside does. Invariant: exact as far as the border goes.
+//! Border: a straight edge that a slice cuts, of a triangle or of its shadow on another. In goes its cut by
+//! the slice, out comes its cut by a slice beside. Invariant: exact within the length of the border.
 
 use super::edges::EdgeOrigin;
 use super::fan::Fan;
@@ -9,12 +9,12 @@ use crate::accel::PrimitiveId;
 use crate::snapshot::Snapshot;
 use glam::{DMat3, DVec3};
 
-/// A border's place in double precision and in that of the cuts differ by this fraction of its
-/// coordinates at most.
+/// Maximum difference between a border in double precision and its single-precision cut, as a fraction of its
+/// coordinates.
 const SAME_PLACE: f64 = 1e-4;
 
-/// Continuation of a border beyond its corner, as a fraction of its length: outlines mostly bend there,
-/// and do not end. Found by trying on leaves500, where none and as much again do worse.
+/// Extension of a border beyond its corner, as a fraction of its length: outlines mostly bend there and do
+/// not end. Found by trial on leaves500; 0 and 1 do worse.
 const BEYOND: f64 = 0.5;
 
 /// Borders in a slice's coordinates: the reach, the height along the axis and the distance from the half
@@ -32,9 +32,9 @@ pub(super) struct Border {
     /// Point in the half plane of the slice that cuts it.
     point: DVec3,
     along: DVec3,
-    /// Between which multiples of `along` from that point it lies.
+    /// Range of the border, as multiples of `along` from `point`.
     reaches: (f64, f64),
-    /// A point and a normal of the plane that its shadow lies in, if it is seen by that.
+    /// Point and normal of the plane that the shadow lies on; `None` for a border of the triangle itself.
     shaded: Option<(DVec3, DVec3)>,
     light_rays: LightRays,
 }
@@ -47,7 +47,7 @@ impl<'a> Borders<'a> {
         light_rays: LightRays,
     ) -> Self {
         let outward = slice.outward;
-        // The half planes rotate from `outward` to the third.
+        // Half planes rotate from `outward` towards the third axis.
         let relative_from_slice = DMat3::from_cols(outward, fan.axis, fan.axis.cross(outward));
         Self { snapshot, fan, slice_from_relative: relative_from_slice.transpose(), light_rays }
     }
@@ -56,7 +56,7 @@ impl<'a> Borders<'a> {
         self.snapshot.corners(primitive).map(|corner| self.slice_from_relative * (corner - self.fan.eye))
     }
 
-    /// Border of an edge; `None` if the edge is none of a triangle's, such as where one ends at the axis.
+    /// Border of an edge; `None` if no triangle has that edge, as where a segment is cut off at the axis.
     pub(super) fn of(&self, origin: &EdgeOrigin) -> Option<Border> {
         let cut = origin.border;
         let corners = self.corners(cut.primitive);
@@ -86,19 +86,20 @@ impl<'a> Borders<'a> {
 }
 
 impl Border {
-    /// Distance from the eye at which it is met, metres. It is infinite for a shadow's border, which the
+    /// Distance from the eye at which a ray meets it, metres. It is infinite for a shadow's border, which the
+    /// surface below may hide.
     /// surface below may hide.
     pub(super) fn distance(&self) -> f64 {
         if self.shaded.is_some() { f64::INFINITY } else { self.point.length() }
     }
 
-    /// The slopes of the rays that meet it in two half planes that are rotated by an angle of this sine and
-    /// cosine, one each way; not finite where none does.
+    /// Slopes of the rays that meet it in two half planes, rotated by an angle of this sine and cosine to
+    /// either side; not finite where none does.
     pub(super) fn slopes_beside(&self, (sin, cos): (f64, f64)) -> [f64; 2] {
         let (low, high) = self.reaches;
         [sin, -sin].map(|sin| {
             let part = sin * self.point.x / (cos * self.along.z - sin * self.along.x);
-            // Where the half plane passes it by, its end.
+            // The nearer end, where the half plane misses the border.
             let mut point = self.point + part.max(low).min(high) * self.along;
             if let Some((on, normal)) = self.shaded {
                 let way = match self.light_rays {
@@ -129,14 +130,14 @@ mod tests {
     use proptest::prelude::*;
 
     impl Border {
-        /// Without end.
+        /// Border of infinite length.
         pub(in crate::inside::transport::slices) fn through(point: DVec3, along: DVec3) -> Self {
             let reaches = (f64::NEG_INFINITY, f64::INFINITY);
             Self { point, along, reaches, shaded: None, light_rays: LightRays::Parallel }
         }
     }
 
-    /// A triangle before a camera that looks along -Z.
+    /// A triangle in front of a camera that looks along -Z.
     fn scene(corners: [[f64; 3]; 3]) -> Scene {
         let motion = Motion::Still(DAffine3::IDENTITY);
         let node = Node { name: String::new(), parent: None, motion, visible: Track::from(true) };
@@ -165,7 +166,7 @@ mod tests {
     }
 
     proptest! {
-        /// Against what the accelerator cuts of the triangle in the slice beside.
+        /// Compared with the accelerator's cut of the triangle in the slice beside.
         #[test]
         fn a_border_leads_to_the_next_cut(
             corners in prop::array::uniform3(prop::array::uniform3(-2.0..2.0_f64)),

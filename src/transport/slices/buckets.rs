@@ -1,14 +1,13 @@
-//! Segments by the part of the slice that they begin in. In go things and their numbers, out come
-//! those of each number. Invariant: sorting takes linear time, and things of one number stay in the
-//! order in which they came.
+//! Bucket sort of segments by the part of the slice in which they begin. In go items with bucket numbers, out
+//! come the items of each bucket. Invariant: sorting takes linear time and is stable.
 
-/// Things by number.
+/// Items by bucket.
 #[derive(Debug)]
 pub(super) struct Buckets<T> {
     items: Vec<T>,
-    /// Bucket of each.
+    /// Bucket of each item.
     buckets: Vec<u32>,
-    /// Their numbers by buckets: things are large, and stay where they are.
+    /// Indices of the items by bucket: items are large, and stay in place.
     sorted: Vec<u32>,
     /// End of each bucket.
     ends: Vec<u32>,
@@ -21,19 +20,19 @@ impl<T> Default for Buckets<T> {
 }
 
 impl<T: Copy> Buckets<T> {
-    /// Forgets all.
+    /// Removes all items.
     pub(super) fn clear(&mut self) {
         self.items.clear();
         self.buckets.clear();
     }
 
-    /// Adds a thing of a number.
+    /// Adds an item to a bucket.
     pub(super) fn push(&mut self, bucket: usize, item: T) {
         self.items.push(item);
         self.buckets.push(bucket as u32);
     }
 
-    /// Makes `buckets` buckets of what was pushed.
+    /// Sorts the items into `buckets` buckets.
     pub(super) fn sort(&mut self, buckets: usize) {
         let Self { buckets: of_items, sorted, ends, .. } = self;
         ends.clear();
@@ -55,7 +54,7 @@ impl<T: Copy> Buckets<T> {
         }
     }
 
-    /// Things of a number, once they are sorted.
+    /// Items of a bucket, once they are sorted.
     pub(super) fn bucket(&self, bucket: usize) -> impl Iterator<Item = T> {
         let start = if bucket == 0 { 0 } else { self.ends[bucket - 1] };
         let numbers = &self.sorted[start as usize..self.ends[bucket] as usize];

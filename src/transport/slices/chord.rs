@@ -1,6 +1,5 @@
-//! The part of a slice that lies in one pixel. In go a slice and the pixels that are wanted, out come
-//! its chords, one after the other. Invariant: the chords of all pixels are the whole slice, without
-//! a gap or a part twice.
+//! Chord: the part of a slice in one pixel. In go a slice and the wanted pixels, out come its chords in
+//! order. Invariant: the chords of all pixels are the whole slice, without gap or overlap.
 
 use super::slice::Slice;
 use crate::scene::{Size, Window};
@@ -11,9 +10,9 @@ use std::iter;
 pub struct Chord {
     /// Column and row of the full picture.
     pub pixel: (usize, usize),
-    /// Area per radian that the slice has passed, at the start and at the end.
+    /// Area per radian of the slice up to the chord's start.
     pub start: f64,
-    /// See `start`. A chord that ends where it starts is a single ray.
+    /// As `start`, up to the chord's end. A chord that ends where it starts is a single ray.
     pub end: f64,
     /// The slopes of the rays at the start and at the end.
     pub slopes: [f64; 2],
@@ -21,12 +20,12 @@ pub struct Chord {
     pub phase: f64,
     /// Weight of a sample for each unit of area per radian that it stands for.
     pub weight_per_area: f64,
-    /// Random stream for choices beyond its surfaces: a seed, and the number of its slice within that
-    /// seed. Slices side by side follow each other.
+    /// Random stream for choices beyond its surfaces: a seed, and the number of its slice for that seed.
+    /// Neighbouring slices have successive numbers.
     pub random: (u32, u32),
 }
 
-/// A pixel that a slice crosses, and what it has passed where it enters and where it leaves it.
+/// A pixel that a slice crosses, with the lengths at which it enters and leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// Column and row of the full picture.
@@ -36,7 +35,7 @@ pub struct Crossing {
 }
 
 impl Slice {
-    /// A single ray, wherever it belongs, where the slice has passed so much of its area per radian.
+    /// A single ray as a chord, in any pixel, where the slice has passed so much of its area per radian.
     pub fn ray(&self, area_per_rad: f64) -> Chord {
         let slope = self.slope_at(self.length_at(area_per_rad));
         Chord {
@@ -50,27 +49,27 @@ impl Slice {
         }
     }
 
-    /// Area per radian that it has passed where it enters and leaves a pixel.
+    /// Area per radian of the slice up to where it enters and leaves a pixel.
     pub fn areas(&self, crossing: &Crossing) -> [f64; 2] {
         let [start, end] = crossing.lengths.map(|length| self.area_at(length));
         [start, end.max(start)]
     }
 
-    /// The slopes of its rays there.
+    /// Slopes of the rays where it enters and leaves.
     pub fn slopes(&self, crossing: &Crossing) -> [f64; 2] {
         crossing.lengths.map(|length| self.slope_at(length))
     }
 
-    /// Pixels of a picture that it crosses. Those
-    /// around one that `unwanted_around` says nobody wants are passed over.
+    /// Pixels of a picture that the slice crosses. `unwanted_around` returns a window of unwanted pixels
+    /// around a pixel, which is skipped as a whole.
     pub fn crossings(
         &self,
         size: Size,
         unwanted_around: impl Fn(usize, usize) -> Option<Window>,
     ) -> impl Iterator<Item = Crossing> {
         let (start_px, along_px) = self.line_px();
-        // From border to border, by counting (Amanatides & Woo 1987): a line almost along a border must not
-        // be caught between two pixels by rounding.
+        // Steps from border to border by counting (Amanatides & Woo 1987): rounding must not stop a line that
+        // is almost parallel to a border between two pixels.
         let mut column = Steps::new(start_px.x, along_px.x, size.width);
         let mut row = Steps::new(start_px.y, along_px.y, size.height);
         let mut at = 0.0_f64;
@@ -103,13 +102,13 @@ impl Slice {
     }
 }
 
-/// A line on its way through the columns of a picture, or through the rows.
+/// A line through the columns of a picture, or through the rows.
 struct Steps {
-    /// Start, and the way for each unit of length, pixels.
+    /// Start, and the step for each unit of length, pixels.
     start_px: f64,
     along_px: f64,
     count: usize,
-    /// Pixel that it is in, and the length after which it leaves that.
+    /// Current column or row, and the length at which the line leaves it.
     at: usize,
     until: f64,
 }
@@ -121,8 +120,8 @@ impl Steps {
         steps
     }
 
-    /// The length after which it leaves a range of them; without end at the picture's borders, where the
-    /// slice ends by itself.
+    /// Length at which the line leaves a range; infinite at the picture's borders, where the slice ends
+    /// anyway.
     fn exit(&self, low: usize, width: usize) -> f64 {
         if self.along_px > 0.0 && low + width < self.count {
             ((low + width) as f64 - self.start_px) / self.along_px
@@ -133,12 +132,12 @@ impl Steps {
         }
     }
 
-    /// Goes on to the next beyond a range.
+    /// Moves to the first beyond a range.
     fn step(&mut self, low: usize, width: usize) {
         self.enter(if self.along_px > 0.0 { low + width } else { low.saturating_sub(1) });
     }
 
-    /// Finds in which of a range it is, after a length.
+    /// Moves to the one of a range in which the line is after a length.
     fn look(&mut self, length: f64, low: usize, width: usize) {
         let place = self.start_px + if self.along_px == 0.0 { 0.0 } else { length * self.along_px };
         self.enter((place.max(0.0) as usize).clamp(low, (low + width).min(self.count) - 1));
@@ -157,7 +156,7 @@ mod tests {
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
-    /// All slices of a light in a direction, seen by a camera that looks along -Z.
+    /// All slices of a light in a direction, for a camera that looks along -Z.
     fn slices(size: Size, to_light: DVec3, count: u32) -> Vec<Slice> {
         let fan = Fan::of_pinhole(1.0, size, to_light);
         let angle = |number: u32| fan.angles.0 + fan.angles.1 * (f64::from(number) + 0.5) / f64::from(count);

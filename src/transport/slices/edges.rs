@@ -1,8 +1,7 @@
-//! Edges that cut a chord in pieces that look alike. In go the segments that its rays may meet, out come
-//! the areas at which its pieces end. A piece ends where another thing becomes visible, or where light
-//! begins or ends on it. Invariant: the pieces are the whole chord. An edge too many, or one missed where
-//! two leaves lie through each other, does no harm to the mean: each piece is sampled uniformly. Edges
-//! only change the error.
+//! Edges that cut a chord into pieces of uniform appearance. In go the segments that its rays may meet, out
+//! come the areas at which its pieces end. A piece ends where another surface becomes visible, or where light
+//! begins or ends on it. Invariant: the pieces are the whole chord, each sampled uniformly. So a superfluous
+//! edge, or one missed where two leaves intersect, changes the error and not the mean.
 
 use super::chord::Chord;
 use super::light_rays::LightRays;
@@ -14,22 +13,21 @@ use glam::DVec2;
 use std::ops::Range;
 use std::ptr;
 
-/// Maximum number of segments in a pixel whose edges are sought, and of pieces of a chord. Beyond it time
-/// is better spent on more slices.
+/// Maximum number of segments in a pixel whose edges are sought, and of pieces of a chord. Beyond it more
+/// slices are a better use of time.
 const CROWD: usize = 12;
 const MOST_PIECES: usize = 8;
 
-/// Number of equal pieces of such a chord.
+/// Number of equal pieces of a chord with more segments.
 const CROWD_PIECES: u32 = 2;
 
 /// Pieces smaller than this part of their chord are joined to the next.
 const LEAST_PIECE: f64 = 1e-4;
 
-/// Ends of neighbouring triangles lie in the same place, to this fraction of their coordinates.
+/// Maximum distance between coincident ends of neighbouring triangles, as a fraction of their coordinates.
 const SAME_PLACE: f64 = 1e-5;
 
-/// Sine of the smallest angle between two triangles that makes an edge: below it a surface looks alike on
-/// both sides.
+/// Sine of the smallest angle between two triangles that makes an edge: below it both sides look alike.
 const LEAST_BEND: f64 = 0.1;
 
 /// Origin of an edge: the border of a triangle, or its shadow.
@@ -37,7 +35,7 @@ const LEAST_BEND: f64 = 0.1;
 pub(super) struct EdgeOrigin {
     /// Cut of the border by the slice.
     pub(super) border: CutEnd,
-    /// Triangle that the shadow lies on, if the edge is one of a shadow.
+    /// Triangle that the shadow lies on; `None` for a border of the triangle itself.
     pub(super) shaded: Option<PrimitiveId>,
 }
 
@@ -62,8 +60,7 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Ends of the pieces of a chord that some sweeps have entered, each over things of its own; its rays
-    /// are those between two slopes.
+    /// Ends of the pieces of a chord between two slopes. Sweeps over different surfaces have entered it.
     pub(super) fn pieces(
         &mut self,
         chord: &Chord,
@@ -125,7 +122,7 @@ impl Edges {
         ends.sort_unstable_by(|a, b| b.total_cmp(a));
         ends.dedup();
         ends.push(end);
-        // What is seen, and since which slope.
+        // The visible segment, and the slope from which it is visible.
         let mut seen: Option<&Segment> = None;
         let (mut since, mut from) = (start, start);
         for &to in ends.iter() {
@@ -157,8 +154,8 @@ fn nearest(sweep: &Sweep, slope: f64) -> Option<&Segment> {
     reaches.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(segment, _)| segment)
 }
 
-/// The border of a triangle where what is seen changes, at a slope; none where two of them
-/// lie through each other.
+/// Border of the triangle that ends where visibility changes, at a slope; `None` where two triangles
+/// intersect.
 fn border(before: Option<&Segment>, after: Option<&Segment>, slope: f64) -> Option<EdgeOrigin> {
     let ended = before.map(|segment| (segment, segment.lower)).filter(|(_, end)| end.slope == slope);
     let begun = after.map(|segment| (segment, segment.upper)).filter(|(_, end)| end.slope == slope);
@@ -166,7 +163,7 @@ fn border(before: Option<&Segment>, after: Option<&Segment>, slope: f64) -> Opti
     Some(EdgeOrigin { border: segment.cut_end(end), shaded: None })
 }
 
-/// Whether a surface goes on from one of its triangles to the next without an edge between them.
+/// Whether two segments are neighbouring triangles of a surface, without an edge between them.
 fn goes_on(before: &Segment, after: &Segment) -> bool {
     let (end, start) = (before.lower.point, after.upper.point);
     let (a, b) = (end - before.upper.point, after.lower.point - start);
@@ -175,7 +172,7 @@ fn goes_on(before: &Segment, after: &Segment) -> bool {
         && a.perp_dot(b).abs() < LEAST_BEND * a.length() * b.length()
 }
 
-/// Adds the slopes, of a range in which a segment is seen, at which shadows begin or end on it.
+/// Adds the slopes at which shadows begin or end on a segment, in the range of slopes in which it is visible.
 fn add_shadow_edges(
     segment: &Segment,
     seen: Range<f64>,
@@ -203,7 +200,7 @@ fn add_shadow_edges(
         for end in [other.upper, other.lower] {
             if is_within(&end.name) && !passed.contains(end.name) {
                 let slope = slope_at(end.name);
-                // Nearer to the light.
+                // The end is on the light's side of the segment.
                 if end.slope > slope {
                     slopes.push((slope, Some(shadow_of(other.cut_end(end)))));
                 }
@@ -224,8 +221,8 @@ mod tests {
     }
 
     proptest! {
-        /// Leaves that do not touch, one in each cell of a grid: wherever what rays see or its light
-        /// changes, there is an edge.
+        /// Leaves that do not touch, one in each cell of a grid: there is an edge wherever visibility or
+        /// light changes.
         #[test]
         fn nothing_changes_between_edges(
             leaves in prop::collection::vec((prop::array::uniform2(0.05..0.95_f64), prop::array::uniform2(0.05..0.95_f64)), 12),
@@ -258,7 +255,7 @@ mod tests {
         }
     }
 
-    /// The triangles of an even leaf are one thing, those of a folded one are two.
+    /// The triangles of a flat leaf have no edge between them, those of a folded one have.
     #[test]
     fn a_surface_goes_on_where_it_does_not_bend() {
         let cut = |triangle: u32, a: DVec2, b: DVec2| Cut {
@@ -276,7 +273,7 @@ mod tests {
             edges.add_edges(&sweep, LightRays::Parallel, 1.0..-1.0);
             edges.slopes.iter().map(|(slope, _)| *slope).collect::<Vec<_>>()
         };
-        // From its upper end to its lower one.
+        // From the leaf's upper end to its lower one.
         assert_eq!(edges_of(DVec2::new(0.0, -1.0)), [0.5, -0.5]);
         assert_eq!(edges_of(DVec2::new(1.0, -1.0)), [0.5, 0.0, -1.0 / 3.0]);
     }

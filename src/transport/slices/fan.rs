@@ -1,7 +1,7 @@
-//! The half planes through camera and light, and the lines that they are in the picture. In goes an angle
-//! about the axis, out come directions and areas. Invariant: the density of a slice's samples is uniform over
-//! the picture's area. It is so wherever the light's image (the epipole) lies: in the picture, beside it,
-//! behind the camera or at infinity.
+//! Fan: the half planes through camera and light, and their lines in the picture. In goes an angle about the
+//! axis, out come directions and areas. Invariant: the density of a slice's samples is uniform over the
+//! picture's area, wherever the light's image (the epipole) lies: in the picture, beside it, behind the
+//! camera or at infinity.
 
 use super::picture::Picture;
 use super::slice::{Ring, Slice};
@@ -16,30 +16,30 @@ use std::f64::consts::{PI, TAU};
 pub struct Fan {
     /// The point of the lens, in relative space.
     pub eye: DVec3,
-    /// Unit vector from there to the light.
+    /// Unit vector from the eye to the light.
     pub axis: DVec3,
-    /// Unit vectors at right angles to the axis: the half planes at angles 0 and pi / 2.
+    /// Unit vectors at right angles to the axis, in the half planes at angles 0 and pi / 2.
     zero: DVec3,
     quarter: DVec3,
     picture: Picture,
-    /// First angle and how many radians, so that every half plane that meets the picture is there.
+    /// First angle and range in radians that hold all half planes through the picture.
     pub angles: (f64, f64),
 }
 
-/// Distance between two slices that differ by one radian, pixels.
+/// Distance between two slices that are one radian apart, pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Separation {
     /// Mean; 0 where there is no slice.
     pub mean_px: f64,
     /// Maximum.
     pub greatest_px: f64,
-    /// Area of the picture that this is of, pixels.
+    /// Area of the picture that these are taken over, pixels.
     pub area_px: f64,
 }
 
 impl Fan {
-    /// The slices of a light over the whole picture, seen from a point of the lens (metres to the
-    /// right and up from its middle); `None` if the light is there.
+    /// Slices of a light over the whole picture, seen from a point of the lens (metres to the right and up
+    /// from its centre); `None` if the light is at that point.
     pub fn new(view: &View, size: Size, lens_point: DVec2, light: LightPlace) -> Option<Self> {
         let picture = Picture::new(view, size, lens_point);
         let eye = picture.vector(lens_point);
@@ -54,13 +54,13 @@ impl Fan {
         Some(fan)
     }
 
-    /// The angles of all slices that meet some pixels: the first, and how many radians.
+    /// Angles of all slices that meet some pixels: the first, and the range in radians.
     pub fn angles_across(&self, pixels: Window) -> (f64, f64) {
         let (low, high) = self.corners_of(pixels);
         self.angles_between(low, high)
     }
 
-    /// Least and greatest angle from the axis of those pixels, or a little less and more.
+    /// Bounds of the angles from the axis of some pixels.
     pub fn extent_of(&self, pixels: Window) -> (f64, f64) {
         let (low, high) = self.corners_of(pixels);
         let picture = Picture { low, high, ..self.picture };
@@ -70,7 +70,7 @@ impl Fan {
         (from_axis - reach, from_axis + reach)
     }
 
-    /// The rectangle of the image plane that pixels are.
+    /// The rectangle of some pixels in the image plane.
     fn corners_of(&self, pixels: Window) -> (DVec2, DVec2) {
         let [x, y] = [(pixels.x, pixels.width), (pixels.y, pixels.height)]
             .map(|(from, count)| [from, from + count].map(|px| px as f64 / self.picture.pixels_per_unit));
@@ -84,7 +84,7 @@ impl Fan {
         if picture.sees(self.axis) || picture.sees(-self.axis) {
             return (0.0, TAU);
         }
-        // A convex rectangle that does not hold the axis is seen from it under less than pi.
+        // A convex rectangle without the axis subtends less than pi at it.
         let middle = self.angle(picture.direction(0.5 * (low + high)));
         let angles = picture.corners().map(|corner| {
             let from_middle = self.angle(picture.direction(corner)) - middle;
@@ -95,7 +95,7 @@ impl Fan {
         (middle + low, high - low)
     }
 
-    /// Least and greatest angle between the axis and what the picture shows.
+    /// Least and greatest angle between the axis and directions of the picture.
     pub fn extent(&self) -> (f64, f64) {
         self.picture.angles_from(self.axis)
     }
@@ -105,9 +105,9 @@ impl Fan {
         self.picture.reframed(&other.picture, other.axis).angle_between(self.axis)
     }
 
-    /// The angle of this fan's slice that passes through a place of the picture, and how many radians
-    /// it rotates for each that the place does. The place lies in another fan over the same picture, on
-    /// its slice at `angle`, `from_axis` radians from its axis.
+    /// Angle of this fan's slice through a place of the picture, and the radians by which it rotates for each
+    /// of the place's. The place is given in another fan over the same picture, on its slice at `angle`,
+    /// `from_axis` radians from its axis.
     pub fn angle_through(&self, other: &Self, angle: f64, from_axis: f64) -> (f64, f64) {
         let ((sin, cos), (far, near)) = (angle.sin_cos(), from_axis.sin_cos());
         let place = near * other.axis + far * (cos * other.zero + sin * other.quarter);
@@ -118,7 +118,7 @@ impl Fan {
         (place.y.atan2(place.x), place.perp_dot(change) / place.length_squared())
     }
 
-    /// Separation of slices in the part of the picture in a ring.
+    /// Separation of slices in the part of the picture within a ring.
     pub fn separation(&self, ring: Ring) -> Separation {
         // Area per radian over length, found from a few slices.
         let probes = 64;
@@ -140,7 +140,7 @@ impl Fan {
         self.picture.pixels_per_unit
     }
 
-    /// The slice at an angle, as far as it lies in a ring; `None` if it misses the picture there.
+    /// The slice at an angle, within a ring; `None` if it misses the picture there.
     pub fn slice(&self, angle: f64, ring: Ring) -> Option<Slice> {
         let (sin, cos) = angle.sin_cos();
         let outward = cos * self.zero + sin * self.quarter;

@@ -1,19 +1,19 @@
-//! The rays of a light within a half plane. In goes a point, out comes the name of the ray through it.
-//! Invariant: names grow from one side of the half plane to the other.
+//! Rays of a light within a half plane. In goes a point, out comes the coordinate of the ray through it,
+//! called its name. Invariant: names grow from one side of the half plane to the other.
 
 use glam::DVec2;
 
-/// Names of the light's rays within a half plane.
+/// Names of the light's rays within a half plane: one number each.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum LightRays {
-    /// Rays parallel to the axis: by their distance from it.
+    /// Parallel to the axis: the name is the distance from it.
     Parallel,
-    /// Out of a point on the axis at this height: by the angle with the way back to the camera.
+    /// From a point on the axis at this height: the name is the angle with the direction back to the camera.
     From(f64),
 }
 
 impl LightRays {
-    /// The name of the light's ray through a point.
+    /// Name of the light's ray through a point.
     pub(super) fn through(self, point: DVec2) -> f64 {
         match self {
             Self::Parallel => point.x,
@@ -21,7 +21,7 @@ impl LightRays {
         }
     }
 
-    /// A point and the direction of one of them.
+    /// A point and the direction of the ray of a name.
     pub(super) fn line(self, name: f64) -> (DVec2, DVec2) {
         match self {
             Self::Parallel => (DVec2::new(name, 0.0), DVec2::Y),

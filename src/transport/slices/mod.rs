@@ -1,16 +1,14 @@
 //! Whole pictures from epipolar slices. Every camera ray lies in a half plane through the camera and a light.
 //! Such a *slice* cuts the scene in segments of two dimensions. One sweep over the slice's directions solves
-//! visibility, shadow and shafts together, without a single ray. In go a snapshot and one of its lights, out
-//! come weighted samples. Invariant: a sample is exact for the ray that it stands for. Only which rays are
-//! chosen is a matter of sampling.
+//! visibility, shadow and shafts together, without ray tracing. In go a snapshot and one of its lights, out
+//! come weighted samples. Invariant: each sample is exact for its ray; only the choice of rays is sampling.
 //!
-//! To read it: `fan.rs` has the half planes, `slice.rs` the line that one is in the picture. `chord.rs` has
-//! the pixels that such a line crosses, `solve.rs` the one loop over them. `sweep.rs` (on `segment.rs`,
-//! `active.rs` and `buckets.rs`) finds what a ray meets and which parts of it are lit; `slice_ray.rs` makes a
-//! colour of that. The rest serves these. `edges.rs` cuts chords, and `outline.rs` (on `border.rs`) says what
-//! lies between slices. `veiled.rs` finds the rays that blended surfaces touch.
-//! [`FogSlice`](crate::fog::FogSlice) says what fog does along a ray. Where it has no answer, the method for
-//! single rays does.
+//! To read it: `fan.rs` has the half planes, `slice.rs` the line of one in the picture. `chord.rs` has the
+//! pixels on that line, `solve.rs` the one loop over them. `sweep.rs` (on `segment.rs`, `active.rs` and
+//! `buckets.rs`) finds the first hit of a ray and its lit parts; `slice_ray.rs` shades it. The rest serves
+//! these. `edges.rs` cuts chords, and `outline.rs` (on `border.rs`) interpolates between slices. `veiled.rs`
+//! finds the rays that blended surfaces touch. [`FogSlice`](crate::fog::FogSlice) integrates fog along a ray.
+//! Where it cannot, the method for single rays does.
 
 mod active;
 mod border;

@@ -1,24 +1,24 @@
-//! Interpolation between slices. In go the pieces of a slice and the borders between them. Out comes which
-//! piece stands for which part of a slice beside it. Invariant: the parts of a slice beside are all of it
-//! that lies near the slice, and none is there twice.
+//! Interpolation between slices. In go the pieces of a slice and the borders between them. Out come, for a
+//! slice beside, its parts and the piece that represents each. Invariant: the parts cover all of that slice
+//! that lies near this one, without overlap.
 //!
-//! Nearly every edge changes from slice to slice. If a piece stood for as much of the slices beside, each
-//! edge would be a step. Most edges are straight, and where a straight one goes on is known (`border.rs`).
+//! Nearly every edge moves from slice to slice. If each piece represented an equal part of its neighbours,
+//! each edge would be a staircase. Most edges are straight, and the course of a straight one is known
+//! (`border.rs`).
 
 use super::border::Border;
 use super::slice::Slice;
 use crate::scene::{Size, Window};
 use std::ops::Range;
 
-/// Maximum shift of an edge along a slice beside, pixels. How far edges almost along the slice go on is
-/// not known, and a pixel must not depend on what lies far from it.
+/// Maximum shift of an edge along a slice beside, pixels. Edges almost along the slice are not known far from
+/// it, and a pixel must not depend on distant ones.
 pub const FARTHEST_SHIFT_PX: f64 = 2.0;
 
-/// Edges of which the nearer has this part of the other's distance and more may be of one outline, which
-/// ends where they meet.
+/// Ratio of the distances of two edges from which they may belong to one outline, which ends where they meet.
 const ONE_OUTLINE: f64 = 0.99;
 
-/// The pieces of a slice that know of one another: those in one region of the picture.
+/// Consecutive pieces of a slice in one region of the picture; they do not depend on others.
 #[derive(Debug)]
 struct Stretch {
     /// Column and row of the region.
@@ -29,7 +29,7 @@ struct Stretch {
     slopes: [f64; 2],
 }
 
-/// The pieces of a slice between two borders: they go on from chord to chord without an edge.
+/// Consecutive pieces of a slice, in successive chords, without an edge between them.
 #[derive(Debug)]
 struct Run {
     /// The first of its pieces.
@@ -40,10 +40,10 @@ struct Run {
     border: Option<Border>,
 }
 
-/// A part of a slice beside, in one pixel.
+/// Part of a slice beside, in one pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Strip {
-    /// Number of the piece that stands for it, in the order of its slice.
+    /// Number of the piece that represents it, in the order of its slice.
     pub piece: usize,
     /// Column and row of the full picture.
     pub pixel: (usize, usize),
@@ -69,21 +69,21 @@ pub struct Outline {
 /// End of a run, on a slice beside.
 #[derive(Clone, Copy, Debug)]
 struct End {
-    /// Length of the slice before it, if edges run along the slices.
+    /// Length of the slice up to it, if its edge were to run across slices unmoved.
     unmoved: f64,
-    /// Change of that length because its edge does not run so, there and on the slice that is rotated as
-    /// much the other way.
+    /// Change of that length by the course of its edge: on this slice, and on the one rotated by as much the
+    /// other way.
     shifts: [f64; 2],
     /// Share of the shift that is applied, 0 to 1.
     moved: f64,
     /// Distance from the eye to what makes the edge, metres.
     distance: f64,
-    /// Length of the slice before it.
+    /// Length of the slice up to it, with the shift.
     length: f64,
 }
 
 impl Default for Outline {
-    /// Without pieces, all the picture one region.
+    /// Without pieces; the whole picture is one region.
     fn default() -> Self {
         let (slopes, stretches, runs, ends) = Default::default();
         Self { region_side: usize::MAX, slopes, stretches, runs, goes_on: false, ends }
@@ -91,8 +91,8 @@ impl Default for Outline {
 }
 
 impl Outline {
-    /// Begins another slice. In each square of so many pixels, counted from the picture's corner, parts will
-    /// depend on nothing but the pieces in it.
+    /// Begins another slice. Regions are squares of so many pixels, counted from the picture's corner. Parts
+    /// in a region depend only on the pieces in it.
     pub fn start(&mut self, region_side: usize) {
         self.region_side = region_side;
         self.slopes.clear();
@@ -101,8 +101,8 @@ impl Outline {
         self.goes_on = false;
     }
 
-    /// Adds a piece in a pixel that begins and ends at slopes, without an edge before unless the
-    /// one before has ended.
+    /// Adds a piece in a pixel, with the slopes of its start and end. It joins the piece before unless that
+    /// ended at an edge.
     pub(super) fn add(&mut self, pixel: (usize, usize), start: f64, end: f64) {
         let region = self.region(pixel);
         if self.stretches.last().is_none_or(|stretch| stretch.region != region) {
@@ -120,7 +120,7 @@ impl Outline {
         }
     }
 
-    /// The piece added last ends at an edge.
+    /// Ends the piece added last at an edge.
     pub(super) fn end(&mut self, border: Option<Border>) {
         self.goes_on = false;
         if let Some(run) = self.runs.last_mut() {
@@ -144,9 +144,9 @@ impl Outline {
         self.runs[run].first..end
     }
 
-    /// Calls back with the parts of a slice that is rotated by so much, not farther from the ends of what the
-    /// slice has in a region than an edge may move, nor than they are from its beginning, in pixels of a
-    /// picture that are not said to be unwanted, as [`Slice::crossings`] is told.
+    /// Calls back with the parts of a slice that is rotated by an angle. In each region they lie within the
+    /// slice's pieces there, or at most as far from their ends as an edge may move. Unwanted pixels are
+    /// skipped, as in [`Slice::crossings`].
     pub fn parts(
         &mut self,
         beside: &Slice,
@@ -157,15 +157,14 @@ impl Outline {
     ) {
         self.move_ends(beside, rotated_rad);
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
-        // Of the stretch in the region at hand: its runs that are still to come, and
-        // where it begins and ends.
+        // The stretch in the current region, its runs that are still to come, and its bounds.
         let (mut stretch, mut runs, mut low, mut high) = (None, 0..0, 0.0, 0.0);
         let mut piece = 0;
         for crossing in beside.crossings(size, unwanted_around) {
             let region = self.region(crossing.pixel);
             if stretch.is_none_or(|stretch: usize| self.stretches[stretch].region != region) {
-                // Slices side by side meet regions in the same order, but for corners
-                // that one of them misses.
+                // Neighbouring slices meet regions in the same order, but for corners that one of them
+                // misses.
                 let next = stretch.map_or(0, |stretch| stretch + 1);
                 let Some(skipped) =
                     self.stretches[next..].iter().position(|stretch| stretch.region == region)
@@ -174,8 +173,8 @@ impl Outline {
                 };
                 let found = next + skipped;
                 let [start, end] = self.stretches[found].slopes.map(|slope| beside.length_at_slope(slope));
-                // Fog's light has no bounds towards the light's image: a region's corner there, far smaller
-                // than a pixel, must not stand for whole ones.
+                // Fog's light is unbounded near the light's image: a piece in a region's corner there, far
+                // smaller than a pixel, must not represent whole pixels.
                 (stretch, runs, low, high) =
                     (Some(found), self.runs_of(found), start - farthest, end + farthest.min(end));
             }
@@ -188,7 +187,7 @@ impl Outline {
                 }
                 let run = runs.start;
                 let until = if runs.len() > 1 { self.ends[run].length.min(to) } else { to };
-                // Of the pieces of a run the one that lies beside.
+                // The piece of a run that lies beside.
                 let pieces = self.pieces_of(run);
                 piece = piece.max(pieces.start);
                 if piece + 1 < pieces.end {
@@ -206,7 +205,7 @@ impl Outline {
         }
     }
 
-    /// Finds where runs end on a slice that is rotated.
+    /// Computes the ends of runs on a rotated slice.
     fn move_ends(&mut self, beside: &Slice, rotated_rad: f64) {
         let rotation = rotated_rad.sin_cos();
         let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
@@ -228,7 +227,7 @@ impl Outline {
     }
 }
 
-/// Puts the ends of a stretch's runs in order: they stop where they meet, and hide what lies behind.
+/// Orders the ends of a stretch's runs: they stop where they meet, and occlude those behind.
 fn put_in_order(ends: &mut [End]) {
     for end in 1..ends.len() {
         let (before, after) = ends.split_at_mut(end);
@@ -251,9 +250,9 @@ fn put_in_order(ends: &mut [End]) {
     }
 }
 
-/// Stops two edges that move towards each other where they meet, or the farther where the nearer hides it.
-/// On the other side, where they part, they move as far and no farther. So gains and losses of the slices
-/// beside are equal in the mean over all slices, and the mean of many pictures is right.
+/// Stops two edges that move towards each other where they meet, or stops the farther one where the nearer
+/// occludes it. On the other side, where they part, they move by the same amount. So gains and losses of
+/// neighbouring slices cancel in the mean over all slices, and the mean of many pictures is right.
 fn stop_where_they_meet(before: &mut End, after: &mut End) {
     let gap = after.unmoved - before.unmoved;
     let closing = [0, 1].map(|side| before.shifts[side] - after.shifts[side]);
@@ -280,13 +279,13 @@ mod tests {
     const SIZE: Size = Size { width: 19, height: 12 };
 
     proptest! {
-        /// Whatever edges do between slices.
+        /// For any course of the edges between slices.
         #[test]
         fn parts_are_the_whole_slice_beside(
             to_light in prop::array::uniform3(-1.0..1.0_f64).prop_filter_map("a direction", |v| DVec3::from(v).try_normalize()),
             part in 0.05..0.95_f64,
             rotated_rad in -0.02..0.02_f64,
-            // After each piece: nothing, an edge of nothing known, or a border that leads anywhere.
+            // After each piece: no edge, an edge without a border, or a border of any course.
             after in prop::collection::vec((0..3_u8, prop::array::uniform3(-1.0..1.0_f64)), 60),
         ) {
             let fan = Fan::of_pinhole(1.0, SIZE, to_light);
@@ -312,7 +311,7 @@ mod tests {
                 assert!(part.area_per_rad > 0.0, "{part:?}");
                 (at, passed) = (part.piece, passed + part.area_per_rad);
             });
-            // But for what lies beyond the slice's ends.
+            // Except beyond the slice's ends.
             let farthest = beside.length_of_px(FARTHEST_SHIFT_PX);
             let end = slice.slopes(&crossings[pieces - 1])[1];
             let most = farthest.min(beside.length_at_slope(end));
@@ -321,8 +320,7 @@ mod tests {
             prop_assert!((passed - (high - low)).abs() < 1e-9 * beside.area_per_rad, "{passed} {low} {high}");
         }
 
-        /// With or without the pieces in every other region, as a crop is, and a pass that fewer
-        /// pixels take part in.
+        /// With or without the pieces in every other region, as in a crop, and in a pass with fewer pixels.
         #[test]
         fn parts_depend_on_nothing_beyond_their_region(
             to_light in prop::array::uniform3(-1.0..1.0_f64).prop_filter_map("a direction", |v| DVec3::from(v).try_normalize()),

@@ -1,6 +1,6 @@
-//! The picture as a rectangle of the image plane at distance 1 from a point of the lens. In go points
-//! of that plane, out come directions and pixels. Invariant: what is in focus has the same pixel from
-//! every point of the lens.
+//! The picture as a rectangle of the image plane at distance 1 from a point of the lens. In go points of that
+//! plane, out come directions and pixels. Invariant: points in focus have the same pixel from every point of
+//! the lens.
 
 use crate::scene::Size;
 use crate::snapshot::View;
@@ -15,7 +15,7 @@ pub(super) struct Picture {
     pub(super) forward: DVec3,
     /// Pixels per unit of the image plane.
     pub(super) pixels_per_unit: f64,
-    /// Film pixel (0, 0)'s corner in the image plane.
+    /// Corner of film pixel (0, 0) in the image plane.
     pub(super) corner: DVec2,
     pub(super) low: DVec2,
     pub(super) high: DVec2,
@@ -26,7 +26,7 @@ impl Picture {
         let (right, up, forward) = view.axes();
         let half = view.half_extents();
         let pixels_per_unit = size.width as f64 / (2.0 * half.x);
-        // What is in focus stays in its pixel: the picture shifts against the lens.
+        // Points in focus stay in their pixel: the picture shifts against the lens.
         let shift = view.middle() - lens_point / view.focus_distance_m();
         let corner = shift + DVec2::new(-half.x, half.y);
         Self { right, up, forward, pixels_per_unit, corner, low: shift - half, high: shift + half }
@@ -42,13 +42,13 @@ impl Picture {
         v.x * self.right + v.y * self.up
     }
 
-    /// Towards a point of the image plane; not of unit length.
+    /// Direction towards a point of the image plane; not of unit length.
     pub(super) fn direction(&self, point: DVec2) -> DVec3 {
         self.vector(point) + self.forward
     }
 
-    /// The direction that lies in this picture where `direction` lies in another of the same size;
-    /// linear, so that it goes on beyond the picture and behind the camera.
+    /// Direction in this picture at the place that `direction` has in another picture of the same size. The
+    /// map is linear, so it extends beyond the picture and behind the camera.
     pub(super) fn reframed(&self, other: &Self, direction: DVec3) -> DVec3 {
         let depth = direction.dot(other.forward);
         let point = DVec2::new(direction.dot(other.right), direction.dot(other.up)) - depth * other.corner;

@@ -1,5 +1,5 @@
-//! A segment: a triangle's cut, with the rays and the light's rays through its ends. In go cuts, out come
-//! segments. Invariant: the upper end comes first, and nothing of it lies beyond the axis.
+//! Segment: a triangle's cut, with the camera rays and the light's rays through its ends. In go cuts, out
+//! come segments. Invariant: the upper end comes first, and no part lies beyond the axis.
 
 use super::light_rays::LightRays;
 use crate::accel::{Cut, PrimitiveId};
@@ -28,7 +28,7 @@ pub(super) struct CutEnd {
 pub(super) struct End {
     pub(super) point: DVec2,
     pub(super) slope: f64,
-    /// The light's ray through it.
+    /// Name of the light's ray through it.
     pub(super) name: f64,
 }
 
@@ -43,17 +43,17 @@ impl Segment {
         slope <= self.lower.slope
     }
 
-    /// Crossing of a ray in a direction with the segment, which it is known to meet.
+    /// Intersection of a ray with the segment; the ray is known to meet it.
     pub(super) fn crossing(&self, direction: DVec2) -> DVec2 {
         let (a, b) = (self.upper.point, self.lower.point);
         let (above, below) = (direction.perp_dot(a), direction.perp_dot(b));
         let fraction = above / (above - below);
-        // Seen edge-on the two are alike, and any place will do.
+        // Where the segment is seen edge-on any point will do.
         let fraction = if fraction.is_nan() { 0.0 } else { fraction.clamp(0.0, 1.0) };
         a + fraction * (b - a)
     }
 
-    /// Intersection of one of the light's rays with the line that it lies on.
+    /// Intersection of one of the light's rays with the segment's line.
     pub(super) fn point_on(&self, light_rays: LightRays, name: f64) -> DVec2 {
         let (a, b) = (self.upper.point, self.lower.point);
         let (origin, direction) = light_rays.line(name);
@@ -68,7 +68,7 @@ impl Segment {
         self.upper.point.distance(self.lower.point)
     }
 
-    /// Between which ends its shadow lies, by their names.
+    /// The ends between which its shadow lies, in the order of their names.
     pub(super) fn shadow_ends(&self) -> [End; 2] {
         if self.upper.name <= self.lower.name { [self.upper, self.lower] } else { [self.lower, self.upper] }
     }
@@ -78,7 +78,7 @@ pub(super) fn ordered(a: f64, b: f64) -> (f64, f64) {
     (a.min(b), a.max(b))
 }
 
-/// The ends of a cut, the upper first, without the part beyond the axis; `None` if nothing is left.
+/// Ends of a cut, the upper first, without the part beyond the axis; `None` if nothing is left.
 pub(super) fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End; 2]> {
     let [a, b] = cut.ends;
     if a.x.max(b.x) <= 0.0 {
@@ -94,19 +94,19 @@ pub(super) fn ends_beside_axis(cut: &Cut, light_rays: LightRays) -> Option<[End;
     };
     let end = |point: DVec2| {
         let slope = point.y / point.x;
-        // Through the camera itself: neither above nor below anything.
+        // A cut through the camera itself is neither above nor below any ray.
         let slope = if slope.is_nan() { f64::NEG_INFINITY } else { slope };
         End { point, slope, name: light_rays.through(point) }
     };
     let (mut a, mut b) = (end(clipped(a, b)), end(clipped(b, a)));
-    // Out of the camera itself, but for rounding: seen edge-on, so that no ray but one meets it.
+    // A cut that begins at the camera, to rounding, is seen edge-on: only one ray meets it.
     let length = a.point.distance(b.point);
     if a.point.length() <= cut.rounding * length {
         a.slope = b.slope;
     } else if b.point.length() <= cut.rounding * length {
         b.slope = a.slope;
     }
-    // Out of the light itself, a lamp in a wall: seen edge-on from there, so that it shadows no ray but one.
+    // A cut that begins at the light, such as a lamp in a wall, is edge-on to it and shadows only one ray.
     if let LightRays::From(height) = light_rays {
         let same_m = cut.rounding * (length + height.abs());
         let is_at_light = |end: &End| end.point.distance(DVec2::new(0.0, height)) <= same_m;

@@ -1,16 +1,16 @@
-//! One half plane through camera and light, and the line that it is in the picture. In goes how far the slice
-//! has come along that line, by length, by area or by slope, out come places and directions. Invariant: all
-//! of these grow away from the light, but the slope, which falls.
+//! One half plane through camera and light, and its line in the picture. In goes a position along that line,
+//! by length, area or slope, out come places and directions. Invariant: lengths and areas grow away from the
+//! light, slopes fall.
 
 use super::picture::Picture;
 use glam::{DVec2, DVec3};
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 
-/// No ray counts as nearer to the axis than this, in radians: directions in double precision do not say more.
+/// Minimum angle between a ray and the axis, radians: directions in double precision resolve no less.
 pub(super) const LEAST_SPREAD: f64 = 1e-15;
 
-/// Between which angles from the axis, radians in `0..=pi`, slices are wanted.
+/// Range of angles from the axis, radians in `0..=pi`, within which slices lie.
 #[derive(Clone, Copy, Debug)]
 pub struct Ring(pub f64, pub f64);
 
@@ -49,9 +49,9 @@ pub struct Place {
     pub direction: DVec3,
 }
 
-/// The line that a half plane and its opposite are in the image plane, away from the light.
+/// Line in the image plane of a half plane and its opposite, directed away from the light.
 struct ImageLine {
-    /// The point next to the middle of the image plane.
+    /// The point nearest to the centre of the image plane.
     foot: DVec2,
     /// Unit direction.
     along: DVec2,
@@ -64,8 +64,8 @@ struct ImageLine {
 }
 
 impl ImageLine {
-    /// Line of a half plane with its unit vectors outwards and at right angles to itself; `None` if it is
-    /// parallel to the image plane.
+    /// Line of a half plane, given the unit vectors outwards and normal to it; `None` if it is parallel to
+    /// the image plane.
     fn new(picture: &Picture, axis: DVec3, [outward, normal]: [DVec3; 2]) -> Option<Self> {
         // normal . (x right + y up + forward) = 0.
         let across = DVec2::new(normal.dot(picture.right), normal.dot(picture.up));
@@ -75,14 +75,14 @@ impl ImageLine {
         let along = across.perp();
         let components = |v: DVec3| (v.dot(picture.direction(foot)), v.dot(picture.vector(along)));
         let (height, reach) = (components(axis), components(outward));
-        // Away from the light the slope axis / outward falls.
+        // Away from the light the slope, axis / outward, falls.
         let rises = height.1 * reach.0 - height.0 * reach.1 > 0.0;
         let sign = if rises { -1.0 } else { 1.0 };
         let [reach, height] = [reach, height].map(|(at_foot, growth)| (at_foot, sign * growth));
         Some(Self { foot, along: sign * along, reach, height, steepness })
     }
 
-    /// Start and end in the picture, on this side of the axis and in a ring; `None` if it lies nowhere
+    /// Start and end in the picture, on this side of the axis and within a ring; `None` if no part lies
     /// there.
     fn part_in(&self, picture: &Picture, ring: Ring) -> Option<(f64, f64)> {
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -106,14 +106,14 @@ impl ImageLine {
             let (sin, cos) = angle.sin_cos();
             keep(sign * (reach.0 * cos - height.0 * sin), sign * (reach.1 * cos - height.1 * sin));
         }
-        // Not a number where the camera stares along the slice's edge.
+        // Not a number where the camera looks along the half plane.
         (from.partial_cmp(&to) == Some(Ordering::Less)).then_some((from, to))
     }
 }
 
 impl Slice {
-    /// Slice of a half plane with its unit vectors outwards and at right angles to itself, as far as it
-    /// lies in a ring; `None` if it misses the picture there.
+    /// Slice of a half plane within a ring, given the unit vectors outwards and normal to it; `None` if it
+    /// misses the picture there.
     pub(super) fn new(
         picture: Picture,
         axis: DVec3,
@@ -146,14 +146,13 @@ impl Slice {
         self.length * self.picture.pixels_per_unit
     }
 
-    /// The place at which the slice has passed so much of its [`Slice::area_per_rad`].
+    /// Place at which the slice has passed so much of its [`Slice::area_per_rad`].
     pub fn place(&self, area_per_rad: f64) -> Place {
         let point = self.point(area_per_rad);
         Place { film_px: self.picture.film_px(point), direction: self.picture.direction(point).normalize() }
     }
 
-    /// Distance to a slice that is rotated by one radian, pixels, where this one has passed an area per
-    /// radian.
+    /// Distance to a slice that is rotated by one radian, pixels, at the given area per radian.
     pub fn separation_px_per_rad_at(&self, area_per_rad: f64) -> f64 {
         self.separation_px_per_rad(self.length_at(area_per_rad))
     }
@@ -168,20 +167,20 @@ impl Slice {
         (density + growth * passed) / self.picture.pixels_per_unit
     }
 
-    /// The slope of the ray after a length of the slice.
+    /// Slope of the ray after a length of the slice.
     pub(super) fn slope_at(&self, passed: f64) -> f64 {
-        // Rounding must not put a ray along the axis on the other side of it.
+        // Rounding must not put a ray along the axis on its other side.
         let reach = (self.reach.0 + passed * self.reach.1).max(LEAST_SPREAD);
         (self.height.0 + passed * self.height.1) / reach
     }
 
-    /// Area per radian that the slice has passed where its rays have a slope: of the components along its
-    /// axis by those outward.
+    /// Area per radian that the slice has passed at the ray of a slope: component along the axis over outward
+    /// component.
     pub(super) fn area_at_slope(&self, slope: f64) -> f64 {
         self.area_at(self.length_at_slope(slope))
     }
 
-    /// Length of the slice at which its rays have a slope, or nearly.
+    /// Length of the slice at which its rays have a slope, to rounding.
     pub(super) fn length_at_slope(&self, slope: f64) -> f64 {
         let passed = (self.height.0 - slope * self.reach.0) / (slope * self.reach.1 - self.height.1);
         // Not a number only if all its rays have that slope.
@@ -199,7 +198,7 @@ impl Slice {
         length * (density + 0.5 * growth * length)
     }
 
-    /// Start on the film, and the way there for each unit of length, pixels.
+    /// Start on the film, and the step for each unit of length, pixels.
     pub(super) fn line_px(&self) -> (DVec2, DVec2) {
         let along = DVec2::new(self.along.x, -self.along.y) * self.picture.pixels_per_unit;
         (self.picture.film_px(self.start), along)
@@ -215,7 +214,7 @@ impl Slice {
         let (density, growth) = self.density;
         // density x + growth x^2 / 2 = area, in the form that does not cancel.
         let root = (density * density + 2.0 * growth * area_per_rad).max(0.0).sqrt();
-        // 0 / 0 on the axis itself: the maximum with 0 takes what is a number.
+        // 0 / 0 on the axis itself: the maximum with 0 is then 0.
         (2.0 * area_per_rad / (density + root)).max(0.0).min(self.length)
     }
 }

@@ -1,5 +1,5 @@
-//! One ray of a slice. In go its first hit and the sweep's shadows, out comes its sample. Invariant: it is
-//! what the per-ray method finds for the same ray, to rounding.
+//! One ray of a slice. In go its first hit and the sweep's shadows, out comes its sample. Invariant: the
+//! sample is that of the per-ray method, to rounding.
 
 use super::light_rays::LightRays;
 use super::slice_job::SliceJob;
@@ -17,14 +17,14 @@ use crate::transport::visibility::Way;
 use crate::transport::{Branches, Sample};
 use crate::transport::{fog_glow, indirect, lamps_seen};
 
-/// A ray of a slice and what it meets first.
+/// A ray of a slice and its first hit.
 pub(super) struct SliceRay<'a> {
     pub(super) job: &'a SliceJob<'a>,
     pub(super) ray: Ray,
     pub(super) planar: PlanarRay,
     pub(super) light_rays: LightRays,
     pub(super) meeting: Option<(Meeting, &'a Facet<'a>)>,
-    /// Random numbers for what is chosen beyond the surface.
+    /// Random numbers for choices beyond the surface.
     pub(super) sampler: Sampler,
 }
 
@@ -32,13 +32,13 @@ impl SliceRay<'_> {
     /// Metres to the surface.
     pub(super) fn distance(&self) -> f64 {
         self.meeting.map_or(f64::INFINITY, |(meeting, facet)| {
-            // The plane is known in double precision, the segment only in single.
+            // The triangle's plane is known in double precision, the segment only in single.
             let on_plane = facet.distance_along(&self.ray);
             if on_plane.is_finite() { on_plane } else { meeting.distance }
         })
     }
 
-    /// The path that it begins.
+    /// The path that begins with this ray.
     fn path<'s>(&'s self, sampler: &'s mut Sampler, scratch: &'s mut Scratch) -> Path<'s> {
         let SliceJob { snapshot, transport, light, has_rest, .. } = *self.job;
         let lights = std::slice::from_ref(light);
@@ -116,8 +116,8 @@ impl SliceRay<'_> {
         path.sample(&leg, surface.as_ref(), ray, self.job.hue)
     }
 
-    /// Radiance that leaves the surface towards the camera. `to_light` is the transmittance of fog towards
-    /// the light, if that is known.
+    /// Radiance that leaves the surface towards the camera. `to_light` is the transmittance of fog to the
+    /// light, if known.
     fn reflected(&self, path: &mut Path, point: &SurfacePoint, is_lit: bool, to_light: Option<Rgb>) -> Shown {
         let SliceJob { snapshot, transport, light, .. } = *self.job;
         let unshadowed = if is_lit { Unshadowed::beside_images(light, point) } else { None };

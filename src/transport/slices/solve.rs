@@ -1,5 +1,5 @@
-//! One slice, solved. In go the slice and where its samples lie, out come the samples' values.
-//! Invariant: each value is what the per-ray method finds for the same ray, to rounding.
+//! Solution of one slice. In go the slice and the places of its samples, out come the samples' values.
+//! Invariant: each value is that of the per-ray method for the same ray, to rounding.
 
 use super::border::Borders;
 use super::chord::Chord;
@@ -28,7 +28,7 @@ pub struct SliceScratch {
     of_rays: RayScratch,
 }
 
-/// The part of it that rays need.
+/// The part of it that rays use.
 #[derive(Default)]
 struct RayScratch {
     lowest_slopes: Vec<f64>,
@@ -39,25 +39,25 @@ struct RayScratch {
     followed: Scratch,
 }
 
-/// A part of a chord all of which sees the same things, and the sample that stands for it.
+/// A part of a chord that sees the same surfaces throughout, and the sample that represents it.
 pub struct Piece<'a> {
     /// The chord.
     pub chord: &'a Chord,
     /// Place of the sample.
     pub place: Place,
-    /// Between which parts of the chord's area it lies, `0..=1`.
+    /// Range of the chord's area that it covers, `0..=1`.
     pub range: [f64; 2],
-    /// Weight: the area that it stands for.
+    /// Weight: the area that it covers.
     pub weight: f64,
     /// Number of pieces of the chord before it.
     number: usize,
 }
 
 impl SliceJob<'_> {
-    /// Calls back with each piece of a slice's chords, in their order, away from the light, and with what its
-    /// sample sees by the slice's light alone. Rays that blended surfaces touch are followed by themselves.
-    /// Notes the outline of what is seen if it is given one, begun by the caller. Returns how many segments
-    /// the slice gathered; `None` if there is no chord, and so nothing done.
+    /// Calls back with each piece of a slice's chords, in order away from the light, and its sample by the
+    /// slice's light alone. Rays that blended surfaces touch are traced by the per-ray method. Records the
+    /// outline if the caller passes one that it has begun. Returns the number of segments that the slice
+    /// gathered; `None` if there is no chord.
     pub fn solve(
         &self,
         slice: &Slice,
@@ -107,7 +107,7 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// Rays of one slice, asked for in order away from the light: its cut of the scene, swept so far.
+/// Rays of one slice, queried in order away from the light: its cut of the scene, swept so far.
 struct Rays<'a> {
     job: &'a SliceJob<'a>,
     outward: DVec3,
@@ -117,14 +117,14 @@ struct Rays<'a> {
     has_veils: bool,
     fog: &'a mut FogSlice,
     followed: &'a mut Scratch,
-    /// The triangle that was met last: rays side by side mostly meet the same one.
+    /// The triangle that the last ray met: neighbouring rays mostly meet the same one.
     met: Option<Facet<'a>>,
     /// Number of segments that were gathered.
     segments: usize,
 }
 
 impl<'a> Rays<'a> {
-    /// Gathers what the slice cuts as far as its chords reach; `None` if there are none.
+    /// Gathers the slice's cuts within the extent of its chords; `None` if there are no chords.
     fn new(
         job: &'a SliceJob<'a>,
         slice: &Slice,
@@ -143,7 +143,7 @@ impl<'a> Rays<'a> {
         let half_plane = HalfPlane { eye, axis, outward: slice.outward, lowest_slope };
         let clip = PlanarClip::of(&snapshot.view, slice.outward, axis);
         (sweep.clip, veils.sweep.clip) = (clip, clip);
-        // Those of blended surfaces only tell where to look.
+        // The sweep of blended surfaces only finds the rays that they touch.
         sweep.rays = snapshot.rays_of_instances().cloned();
         cuts.clear();
         snapshot.blended.add_cuts(&half_plane, cuts);
@@ -159,7 +159,7 @@ impl<'a> Rays<'a> {
         Some(Self { job, outward, light_rays, sweep, veils, has_veils, fog, followed, met: None, segments })
     }
 
-    /// Goes on to the next chord.
+    /// Moves on to the next chord.
     fn enter(&mut self, chord: &Chord) {
         let fog = &mut *self.fog;
         self.sweep.enter(chord.slopes[0], |start, end| fog.darken(start, end));
@@ -176,7 +176,7 @@ impl<'a> Rays<'a> {
     fn value(&mut self, piece: &Piece) -> Sample {
         let Self { job, light_rays, .. } = *self;
         let direction = piece.place.direction;
-        // Rounding must not put a ray along the axis on the other side of it.
+        // Rounding must not put a ray along the axis on its other side.
         let reach = direction.dot(self.outward).max(LEAST_SPREAD);
         let planar = PlanarRay::new(DVec2::new(reach, direction.dot(job.fan.axis)));
         let fog = &mut *self.fog;
@@ -203,7 +203,7 @@ impl<'a> Rays<'a> {
     }
 }
 
-/// Number of segments that a whole slice would gather of what is not blended.
+/// Number of segments of opaque surfaces that a whole slice would gather.
 pub fn count_segments(snapshot: &Snapshot, fan: &Fan, slice: &Slice) -> usize {
     let lowest_slope = slice.slope_at(slice.length);
     let half_plane = HalfPlane { eye: fan.eye, axis: fan.axis, outward: slice.outward, lowest_slope };

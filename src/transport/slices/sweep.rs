@@ -1,12 +1,12 @@
-//! The sweep over the directions of a slice, from the light outwards. In go the slice's segments and ever
-//! lower slopes. Out come what a ray of that slope meets first, and which part of it lies in shadow.
-//! Invariant: between two slopes the shadow only grows, so each segment enters it once.
+//! Sweep over the directions of a slice, from the light outwards. In go the slice's segments and falling
+//! slopes. Out come the first hit of the ray of each slope, and the parts of the ray in shadow. Invariant:
+//! from ray to ray the shadow only grows, so each segment enters it once.
 //!
 //! In the half plane through camera and light, `reach` is the distance from the axis and `height` that along
 //! it. A ray has the slope `height / reach`. A point above the ray shadows it where the light's own ray
-//! through the point meets it. *Which of the light's rays that is does not depend on the camera's ray.* It is
-//! named by its reach for a distant light, and by its angle at the light for a near one. So a segment wholly
-//! above a ray shadows it over an interval of these names that is known beforehand.
+//! through the point meets it. *That ray of the light does not depend on the camera's ray.* Its name is its
+//! reach for a distant light, and its angle at the light for a near one. So a segment wholly above a ray
+//! shadows it over a fixed interval of these names.
 
 use super::active::Active;
 use super::buckets::{Buckets, partition_point_near};
@@ -33,13 +33,13 @@ impl PlanarClip {
         Some(Self { depth, clip: view.clip() }).filter(|planes| planes.clip != Clip::NONE)
     }
 
-    /// Whether surfaces show at a point.
+    /// Whether surfaces at a point are visible.
     fn shows(&self, point: DVec2) -> bool {
         let depth = self.depth.dot(point);
         self.clip.start_m <= depth && depth < self.clip.end_m
     }
 
-    /// The slopes of the rays that meet a segment in one of the planes.
+    /// Slopes of the rays through the points where a segment crosses one of the planes.
     pub(super) fn slopes_on(&self, segment: &Segment) -> impl Iterator<Item = f64> {
         let [(a, from), (b, to)] =
             [segment.upper, segment.lower].map(|end| (end.point, self.depth.dot(end.point)));
@@ -58,26 +58,26 @@ pub(super) struct Sweep {
     pub(super) clip: Option<PlanarClip>,
     /// Ray visibility of instances, if not all rays meet all.
     pub(super) rays: Option<RaysOfInstances>,
-    /// Segments by the first part of the slice that their upper ends lie in or above.
+    /// Segments by the first part of the slice with rays that may meet their upper ends.
     segments: Buckets<Segment>,
     /// Number of the next part.
     next: usize,
-    /// Segments that rays of the current part may meet, and have not all passed yet.
+    /// Segments that rays of the current part may meet and have not yet passed.
     active: Active,
     /// Shadows of the segments above the current ray.
     shadows: IntervalSet,
-    /// Names of the light's rays at which parts of that began and ended as they were added, and the
-    /// ends of segments there.
+    /// Names of the light's rays at which parts of `shadows` began and ended as they were added, and the ends
+    /// of segments there.
     passed_names: Vec<f64>,
     passed_ends: Vec<CutEnd>,
     /// The active segments that the current ray meets.
     crossings: Vec<Crossing>,
     own_union: IntervalSet,
-    /// Crossing that it meets first.
+    /// Index of the nearest crossing.
     met: Option<usize>,
 }
 
-/// Crossing of a ray and a segment, and the shadow of that segment's part above the ray.
+/// Crossing of a ray and a segment, and the shadow of the segment's part above the ray.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     segment: usize,
@@ -91,16 +91,16 @@ pub(super) struct Meeting {
     pub(super) primitive: PrimitiveId,
     /// Distance along the ray, metres.
     pub(super) distance: f64,
-    /// Whether the light reaches the place where it is met.
+    /// Whether the light reaches that point.
     pub(super) is_lit: bool,
 }
 
 impl Sweep {
-    /// Starts over with the cuts of another slice; `lowest_slopes` are those of its parts, from the
-    /// highest to the lowest.
+    /// Starts anew with the cuts of another slice. `lowest_slopes` are those of its parts, from the highest
+    /// to the lowest.
     pub(super) fn start(&mut self, cuts: &[Cut], light_rays: LightRays, lowest_slopes: &[f64]) {
         self.segments.clear();
-        // A mesh's cuts come together and lie side by side.
+        // Cuts of a mesh are adjacent in the list and in the slice.
         let mut from = 0;
         for cut in cuts {
             let Some([upper, lower]) = ends_beside_axis(cut, light_rays) else { continue };
@@ -118,8 +118,8 @@ impl Sweep {
         self.passed_ends.clear();
     }
 
-    /// Goes on to the next part of the slice, whose rays have slopes up to `highest_slope`. `darken` is told
-    /// between which of the light's rays the shadow of what lies above has grown.
+    /// Moves on to the next part of the slice, whose rays have slopes up to `highest_slope`. `darken`
+    /// receives each interval of names by which the shadow of passed segments has grown.
     pub(super) fn enter(&mut self, highest_slope: f64, darken: impl FnMut(f64, f64)) {
         self.active.extend(self.segments.bucket(self.next));
         self.next += 1;
@@ -132,7 +132,7 @@ impl Sweep {
         self.clip.is_none_or(|clip| clip.shows(point)) && self.rays.as_ref().is_none_or(is_seen)
     }
 
-    /// Whether a segment throws a shadow.
+    /// Whether a segment casts a shadow.
     pub(super) fn casts_shadow(&self, segment: &Segment) -> bool {
         self.rays.as_ref().is_none_or(|rays| rays.of(segment.primitive).casts_shadow)
     }
@@ -142,7 +142,7 @@ impl Sweep {
         &self.active
     }
 
-    /// The end of a segment at which one of those shadows begins or ends.
+    /// End of a segment at which one of the passed shadows begins or ends.
     pub(super) fn passed_end(&self, name: f64) -> Option<CutEnd> {
         self.passed_names.iter().position(|passed| *passed == name).map(|index| self.passed_ends[index])
     }
@@ -184,7 +184,7 @@ impl Sweep {
         pending.into_iter().for_each(add);
     }
 
-    /// Goes on to the next ray and says what it meets first; `darken` as for [`Sweep::enter`].
+    /// Moves on to the next ray and returns its first hit; `darken` as for [`Sweep::enter`].
     pub(super) fn advance(
         &mut self,
         ray: &PlanarRay,
@@ -197,7 +197,7 @@ impl Sweep {
         for index in self.active.met_at(ray.slope) {
             let segment = self.active.segment(index);
             let point = segment.crossing(ray.direction);
-            // What does not show throws its shadow yet.
+            // Invisible surfaces still cast shadows.
             if self.shows(segment, point)
                 && first.is_none_or(|(nearest, _)| point.dot(ray.direction) < nearest.dot(ray.direction))
             {
@@ -211,7 +211,7 @@ impl Sweep {
         let name = light_rays.through(place);
         let is_dark = |(index, crossing): (usize, &Crossing)| {
             let Crossing { segment, point, shadow: (start, end) } = *crossing;
-            // What lies in the same place does not shadow it: two leaves in one plane, say.
+            // Surfaces in the same place do not shadow each other, such as two leaves in one plane.
             let segment = self.active.segment(segment);
             let is_there = || point.distance(place) <= segment.rounding * (place.length() + segment.length());
             index != met && start < name && name < end && !is_there()
@@ -222,15 +222,15 @@ impl Sweep {
         Some(Meeting { primitive, distance, is_lit })
     }
 
-    /// Between which names of the light's rays the part of a segment above a ray that meets it at `name`
-    /// throws its shadow: between `name` and itself if it throws none.
+    /// Names of the light's rays between which a segment casts a shadow by its part above a ray that meets it
+    /// at `name`. The interval is empty if it casts none.
     fn shadow_on(&self, segment: &Segment, name: f64) -> (f64, f64) {
         if self.casts_shadow(segment) { ordered(name, segment.upper.name) } else { (name, name) }
     }
 
-    /// Names of the light's rays that do not reach the current ray: what lies above it blocks them, and what
-    /// it meets. `end` names the one through the place where the ray ends, if it meets anything: better known
-    /// than the segment there, whose own shadow must not end before.
+    /// Shadows on the current ray, as names of the light's rays: of passed segments, and of those that it
+    /// meets. `end` is the name at the ray's end, if it hits anything. It is more precise than the segment,
+    /// whose own shadow must not end before it.
     pub(super) fn shadows(&mut self, end: Option<f64>) -> (&IntervalSet, &IntervalSet) {
         if let (Some(index), Some(name)) = (self.met, end) {
             let segment = self.active.segment(self.crossings[index].segment);
