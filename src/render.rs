@@ -1,6 +1,5 @@
-//! The one loop that joins transport and film. In go an exposure and a job, out comes a frame.
-//! Invariant: every picture is a pure function of (exposure, job), so neither the number of threads
-//! nor their order reaches it.
+//! The loop that joins transport and film. In go an exposure and a job, out comes a frame. Invariant: every
+//! picture is a pure function of (exposure, job), independent of the number of threads and of their order.
 
 mod bearings;
 mod choice;
@@ -46,9 +45,9 @@ pub use watch::{Look, Progress, Stage, Watch};
 pub struct Job {
     /// The whole picture.
     pub size: Size,
-    /// The part of it that is wanted.
+    /// The wanted part of it.
     pub window: Window,
-    /// Passes beside the beauty.
+    /// Passes other than the beauty.
     pub passes: Vec<Pass>,
     /// Number of samples of a pixel.
     pub sampling: Sampling,
@@ -58,7 +57,7 @@ pub struct Job {
     pub seed: u32,
     /// Maximum number of reflections by mirrors.
     pub mirror_depth: u32,
-    /// Number of scatterings beyond the first.
+    /// Maximum number of scatterings after the first.
     pub bounces: Bounces,
     /// Method: places of samples, and light in fog.
     pub method: Method,
@@ -70,19 +69,19 @@ pub struct Job {
 pub enum Method {
     /// Slices or segments, whichever is cheaper for the frame.
     Auto,
-    /// Samples on epipolar slices, each solved as a whole, exactly; a picture for each light, added up.
+    /// Samples on epipolar slices, each solved as a whole, exactly; one picture for each light, added up.
     /// Segments where the camera has no slices.
     Slices,
-    /// Rays in each pixel, a single one at its centre; light in fog is exact along each.
+    /// Rays in each pixel; a single one goes through its centre. Light in fog is exact along each.
     Segments,
-    /// Such rays, with shadow rays at steps along each.
+    /// Rays in each pixel, with shadow rays at steps along each.
     March(MarchSteps),
-    /// Such rays, with shadow rays at points spread evenly over the angle seen from the light.
+    /// Rays in each pixel, with equiangular shadow rays along each.
     Equiangular {
         /// Points a ray and light, at least 1.
         points: u32,
     },
-    /// As `Segments`, and light of more than one scattering by random walks, not from a grid: unbiased,
+    /// As `Segments`, with light of more than one scattering by random walks and not from a grid: unbiased
     /// and noisy.
     Paths,
 }
@@ -98,7 +97,7 @@ impl Method {
         }
     }
 
-    /// Method with a ray for each sample.
+    /// The method as one with a ray for each sample.
     pub fn by_rays(self) -> Self {
         match self {
             Self::Auto | Self::Slices => Self::Segments,
@@ -128,7 +127,7 @@ impl Method {
     }
 }
 
-/// A frame, and what it took.
+/// A frame, and its statistics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendered {
     /// The frame.
@@ -137,30 +136,30 @@ pub struct Rendered {
     pub statistics: Statistics,
 }
 
-/// Statistics of a frame: effort and quality. All of it is the same for any number of threads.
+/// Statistics of a frame: effort and quality. They are the same for any number of threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Statistics {
-    /// Samples, over all pixels and lights; those of slices count as many as they are worth.
+    /// Samples, over all pixels and components; those of slices count by their worth.
     pub samples: u64,
-    /// Rounds of the light that took most.
+    /// Rounds of the component that took most.
     pub rounds: u32,
     /// Whether it came from slices, each light from its own, or every sample was a ray.
     pub from_slices: bool,
     /// Slices that were solved, over all lights.
     pub slices: u64,
-    /// Segments that they gathered: triangles that their planes cut.
+    /// Segments that they gathered: cuts of triangles by their planes.
     pub segments: u64,
     /// Blocks of pixels that were judged.
     pub blocks: usize,
-    /// Number of those above the tolerance, for their pixels had all the samples they may have.
+    /// Number of blocks above the tolerance whose pixels have the maximum number of samples.
     pub unconverged_blocks: usize,
-    /// The largest relative error that some block is estimated to have, if blocks were judged.
+    /// Largest estimated relative error of a block, if blocks were judged.
     pub error: Option<f64>,
     /// Error of indirect light, if blocks were judged: root mean square over the picture of twice the
-    /// standard error of what random walks find, as a share of its mean.
+    /// standard error that random walks find, as a share of its mean.
     pub grid_error: Option<f64>,
-    /// Whether next to nothing absorbs indirect light: there is more of it than the picture has.
+    /// Whether indirect light is hardly absorbed, so that its series is cut short and the picture too dark.
     pub endless_light: bool,
     /// Noise of the picture, if blocks were judged: the root mean square of the estimated standard error
     /// over all blocks but the hundredth with most of it, as a share of their mean.
@@ -168,7 +167,7 @@ pub struct Statistics {
 }
 
 impl Job {
-    /// About what a picture takes in memory: the sums of one light, and the frames that they are added to.
+    /// Approximate memory of a picture: the sums of one component, and the frames that they are added to.
     pub fn memory_bytes(&self) -> usize {
         /// Frames in memory: the sum so far, the one that is added to it, and one that is being written.
         const FRAMES: usize = 3;
@@ -187,8 +186,8 @@ impl Job {
         }
     }
 
-    /// All of it, as the hash in frames has it: written out, so that a name in the source can change and
-    /// frames are still known.
+    /// The job as text for the hash in frames. It is written out, so that a name in the source can change and
+    /// the hash stays the same.
     pub fn hashed(&self) -> String {
         let Self { size, window, passes, sampling, filter, seed, mirror_depth, bounces, method } = self;
         let Transport { volume, features, .. } = self.transport(None);
@@ -205,14 +204,14 @@ impl Job {
         )
     }
 
-    /// Light of higher orders, if it is wanted from a grid.
+    /// Light of higher orders, if it is computed on a grid.
     fn indirect(&self, exposure: &Exposure, kept: &KeptLight, watch: &Watch) -> Option<Indirect> {
         let wants_grid = self.bounces != Bounces::NONE && self.method != Method::Paths;
         let aspect = self.size.width as f64 / self.size.height as f64;
         if wants_grid { Indirect::new(exposure, self.bounces, aspect, kept, watch.cancelled) } else { None }
     }
 
-    /// The part of the picture that the wanted one depends on.
+    /// The part of the picture on which the wanted part depends.
     fn needed_window(&self) -> Window {
         self.window.grown(film::REACH_PX, self.size)
     }
@@ -228,9 +227,9 @@ pub fn render(exposure: &Exposure, job: &Job, watch: &Watch) -> Rendered {
     render_keeping(exposure, job, &KeptLight::default(), watch)
 }
 
-/// Renders with light kept from other pictures of the scene, where it is the same.
+/// Renders with the kept solution of another picture, where the contents are the same.
 pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &Watch) -> Rendered {
-    // Before anything else is in memory: the exposure's moments are frozen once somebody asks for them.
+    // First of all, to save memory: the exposure's other moments are frozen when they are used.
     let indirect = watch.timed(Stage::IndirectLight, || job.indirect(exposure, kept, watch));
     let indirect = indirect.as_ref();
     let middle = exposure.middle();
@@ -250,7 +249,7 @@ pub fn render_keeping(exposure: &Exposure, job: &Job, kept: &KeptLight, watch: &
     add_up(exposure, job, &Light { indirect, survey: &survey, error: error.as_ref() }, watch)
 }
 
-/// Indirect light and estimates of a picture, found before any of it is rendered.
+/// Indirect light and estimates of a picture, made before rendering.
 struct Light<'a> {
     indirect: Option<&'a Indirect>,
     survey: &'a Survey,
@@ -259,7 +258,7 @@ struct Light<'a> {
 }
 
 impl<'a> Light<'a> {
-    /// What indirect light lacks, where that is known.
+    /// Correction of indirect light, where errors are estimated.
     fn correction(&self) -> Option<&'a Correction> {
         self.error.map(|error| &error.correction)
     }
@@ -275,7 +274,7 @@ fn add_up(exposure: &Exposure, job: &Job, light: &Light, watch: &Watch) -> Rende
     if from_slices {
         let tally = slices::Tally::default();
         let components = survey.components.len();
-        // The brightest first: the others are judged by what they add to it.
+        // The brightest first: the others are judged by their part of the sum.
         let mut share_so_far = 0.0;
         for (number, (&component, &share)) in survey.components.iter().zip(&survey.shares).enumerate() {
             let range = (number as f64 / components as f64, (number + 1) as f64 / components as f64);
@@ -303,10 +302,10 @@ fn add_up(exposure: &Exposure, job: &Job, light: &Light, watch: &Watch) -> Rende
     sum.finish(job, survey, error)
 }
 
-/// Components whose sum a picture is: the light of each light, and that of the sky if it lights anything and
-/// indirect light does not have it already. Without any it is all at once: what glows, and indirect light.
+/// Components whose sum is the picture: that of each light, and that of the sky if it lights anything and
+/// indirect light does not include it. Without any, one component has emission and indirect light.
 fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component> {
-    // The rest goes with one of the lights: by itself it would be traced once more, to the same surfaces.
+    // The rest belongs to one of the lights: as a component of its own it would trace the same rays again.
     let lights = (0..exposure.middle().lights.len())
         .map(|number| Component::Light(OneLight { number, with_rest: number == 0 }));
     let has_sky = exposure.has_sky_light() && !indirect.is_some_and(Indirect::has_sky);
@@ -314,7 +313,7 @@ fn components(exposure: &Exposure, indirect: Option<&Indirect>) -> Vec<Component
     if components.is_empty() { vec![Component::All] } else { components }
 }
 
-/// The ray of a sample at a place of the picture, in pixels, and the moment that it sees.
+/// The ray of a sample at a place of the picture, in pixels, and the snapshot of its moment.
 fn camera_ray<'a, 'scene>(
     exposure: &'a Exposure<'scene>,
     size: Size,
@@ -328,11 +327,11 @@ fn camera_ray<'a, 'scene>(
     (snapshot, ray)
 }
 
-/// A picture whose rounds are shown to whoever looks on.
+/// A picture that shows its rounds to an observer.
 struct Watched<'a, P> {
     picture: P,
     job: &'a Job,
-    /// The pictures that it is added to.
+    /// Sum of the components before.
     before: Option<&'a Frame>,
 }
 
@@ -367,7 +366,7 @@ impl<P: rounds::Picture> rounds::Picture for Watched<'_, P> {
     }
 }
 
-/// Renders a picture that is added to others.
+/// Renders a component and returns it with its estimates.
 fn develop(
     picture: &impl rounds::Picture,
     job: &Job,

@@ -1,17 +1,16 @@
-//! Bearings of slices that may cross wanted pixels. In go the fan of the light's centre and the pixels.
-//! Out comes whether a slice in a place need be looked at. Invariant: no slice that crosses one is left
-//! out, however its own fan differs from the centre's.
+//! Bearings of slices that may cross wanted pixels. In go the fan of the light's centre and the pixels. Out
+//! comes, for a slice's place, whether it may cross any. Invariant: no slice that crosses one is left out,
+//! for any deviation of its own fan from the centre's.
 //!
-//! A late round has many slices and few pixels, and most slices meet none of these. Drawing them all the
-//! same took most of its time under a sun with a picture on it.
+//! A late round has many slices and few pixels, and most slices cross none of these. Drawing all of them took
+//! most of a late round's time under a sun with a picture on it.
 
 use crate::film::Mask;
 use crate::scene::Window;
 use crate::transport::slices::{Fan, Ring};
 use std::f64::consts::TAU;
 
-/// Number of parts in which the circle is marked: each is about a pixel wide at the rim of a picture of a
-/// thousand.
+/// Number of parts of the circle: each is about a pixel wide at the rim of a picture of a thousand pixels.
 const PARTS: usize = 4096;
 
 /// Directions about the axis of a fan.
@@ -41,13 +40,13 @@ impl Bearings {
         Self { is_wanted }
     }
 
-    /// Whether a slice that passes through its place at an angle of the fan may meet any.
+    /// Whether a slice through its place at an angle of the fan may cross a wanted pixel.
     pub(super) fn hold(&self, angle: f64) -> bool {
         self.is_wanted[part_at(angle).rem_euclid(PARTS as f64) as usize % PARTS]
     }
 }
 
-/// The part that an angle lies in, before whole circles are taken off.
+/// The part of an angle, before whole turns are subtracted.
 fn part_at(angle: f64) -> f64 {
     (angle / TAU * PARTS as f64).floor()
 }
@@ -62,7 +61,7 @@ mod tests {
 
     const SIZE: Size = Size { width: 48, height: 27 };
 
-    /// A picture along -z by a pinhole, and a sun there.
+    /// Fan of a pinhole's picture along -z, with a sun.
     fn fan(elevation_deg: f64, azimuth_deg: f64) -> Fan {
         let (sin, cos) = elevation_deg.to_radians().sin_cos();
         let (to_side, ahead) = azimuth_deg.to_radians().sin_cos();
@@ -76,8 +75,7 @@ mod tests {
     }
 
     proptest! {
-        /// Slices in the order of one fan, and those of fans that differ from it, in a ring that they
-        /// are kept in order in.
+        /// Slices of one fan, and those of fans that deviate from it, in a ring that keeps them in order.
         #[test]
         fn no_slice_that_meets_wanted_pixels_is_left_out(
             (elevation_deg, azimuth_deg) in (-89.0..89.0_f64, -180.0..180.0_f64),

@@ -1,6 +1,6 @@
-//! Whether a frame is rendered from slices or by rays, and why. In goes an exposure, out comes the cheaper of
-//! the ways that can serve. Invariant: the choice depends on the scene at that frame alone, never on a crop,
-//! a clock or a number of threads. So a part of a picture is a part of the whole.
+//! Choice between slices and rays for a frame, with its reason. In goes an exposure, out comes the cheaper of
+//! the methods that can render it. Invariant: the choice depends on the scene at that frame alone, never on a
+//! crop, a clock or a number of threads. So a crop has the pixels of the whole picture.
 
 use super::Method;
 use super::draws::Draws;
@@ -8,56 +8,56 @@ use crate::scene::Size;
 use crate::snapshot::{Exposure, FrozenLight, Luminaire, Snapshot};
 use std::fmt;
 
-/// Cost of a sample, in primary rays: `cargo bench --bench figures -- shafts` and `-- slices` on leaves500
+/// Costs of a sample, in primary rays: `cargo bench --bench figures -- shafts` and `-- slices` on leaves500
 /// (2026-11-21, 2 virtual cores of an AMD EPYC). In a denser scene all but the slices cost more.
 mod cost {
     /// Slices of one light, with fog or without, primary visibility included.
     pub(super) const SLICES: f64 = 1.3;
-    /// Direct light of one light on the surface that a ray meets.
+    /// Direct light of one light on a surface.
     pub(super) const DIRECT: f64 = 0.8;
-    /// Light of one light scattered in the fog along a ray.
+    /// Light of one light that fog scatters along a ray.
     pub(super) const SHAFTS: f64 = 32.0;
 }
 
-/// The way that a frame takes.
+/// Method of a frame, and its reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
     /// [`Method::Slices`] or [`Method::Segments`].
     pub method: Method,
-    /// Why.
+    /// Reason for it.
     pub reason: Reason,
 }
 
-/// Why a way is taken.
+/// Reason for a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reason {
-    /// There is no light that slices could be laid through.
+    /// The scene has no light for slices.
     NoLight,
     /// A light at the camera has no slices.
     LightAtCamera,
     /// Parallel rays have no eye for slices to pass through.
     Orthographic,
-    /// Lens or light is so large for so narrow a picture that nearly all slices would miss it.
+    /// Lens or light are so large, and the picture so narrow, that nearly all slices would miss it.
     NarrowPicture,
-    /// Both can serve, at this cost a sample, in primary rays.
+    /// Both methods can render it, at these costs a sample, in primary rays.
     Cost {
-        /// Time by slices.
+        /// Cost by slices.
         slices: f64,
-        /// Time by rays.
+        /// Cost by rays.
         rays: f64,
     },
 }
 
-/// The way that `--volume auto` takes.
+/// Returns the method of `--volume auto`.
 pub fn choose(exposure: &Exposure) -> Choice {
     let snapshot = exposure.middle();
     let reason = obstacle(exposure).unwrap_or_else(|| {
         let lights = snapshot.lights.len() as f64;
         let shafts = if snapshot.medium.is_empty() { 0.0 } else { cost::SHAFTS };
-        // Rays that blended surfaces touch are followed by themselves: without fog, maybe all of them.
+        // Rays that blended surfaces touch are traced by the per-ray method: without fog, maybe all of them.
         let alone =
             if exposure.moments().iter().any(Snapshot::has_blended) { 1.0 + cost::DIRECT } else { 0.0 };
-        // Its rays are traced either way, but for what they see that slices know.
+        // Rays for the sky are traced with either method, except for light that slices already have.
         let sky = if exposure.has_sky_light() { 1.0 } else { 0.0 };
         Reason::Cost {
             slices: lights * (cost::SLICES + alone) + sky,
@@ -71,9 +71,9 @@ pub fn choose(exposure: &Exposure) -> Choice {
     Choice { method, reason }
 }
 
-/// Why slices cannot render a frame, if they cannot: there must be an eye, a light for each picture, and
-/// none of them at the eye or about it: among points on all sides some lie next to the eye, and a few
-/// slices do not average them.
+/// Reason why slices cannot render a frame, if there is one. They need an eye and a light, and no light may
+/// be at the eye or around it. Some sampled points of a light around the eye lie next to it, and a few slices
+/// do not average these.
 pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     let at_camera = |light: &Luminaire| match light.centre() {
         FrozenLight::Sun { .. } => false,
@@ -91,8 +91,8 @@ pub(super) fn obstacle(exposure: &Exposure) -> Option<Reason> {
     }
 }
 
-/// Maximum deviation of fans over a picture, in widths of it: so many times as many slices are laid as
-/// meet it.
+/// Maximum deviation of fans over a picture, in widths of it: about that many times as many slices are laid
+/// out as cross it.
 const FARTHEST_DEVIATION: f64 = 100.0;
 
 /// Whether the fans of a light deviate too far over the picture.
@@ -187,8 +187,8 @@ mod tests {
         }
     }
 
-    /// Slices are laid over all that fans deviate by, and a picture of a ten-thousandth
-    /// of that is met by few.
+    /// Slices are laid out over the whole deviation of fans. Few of them cross a picture a ten-thousandth as
+    /// wide.
     #[test]
     fn narrow_pictures_of_wide_suns_want_rays_whoever_asks() {
         let sun = || LightKind::SunDisc(SunDisc::even(Track::from(0.2)));

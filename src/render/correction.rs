@@ -1,12 +1,11 @@
 //! Correction of the grid's indirect light by random walks, smoothed over the picture. In go sums over
-//! probes, out comes the share by which each pass's light is to grow, place by place. Invariant: what is no
-//! more than noise changes nothing, and the share has no jumps, neither from place to place nor as noise
-//! falls.
+//! probes, out comes the relative correction of each pass, place by place. Invariant: differences within the
+//! noise change nothing. The correction is continuous, from place to place and as noise falls.
 //!
-//! Shares are means of ever smaller surroundings. Each is shrunk towards the next larger by how much of
-//! their difference is noise (James & Stein 1961, "Estimation with quadratic loss"). Donoho & Johnstone
-//! 1995 do so level by level ("Adapting to unknown smoothness via wavelet shrinkage"). A share of the
-//! light is smooth across edges, and light itself is not. Dark places get little.
+//! Corrections are means over ever smaller surroundings. Each is shrunk towards the next larger by the share
+//! of noise in their difference (James & Stein 1961, "Estimation with quadratic loss"). Donoho & Johnstone
+//! 1995 do so level by level ("Adapting to unknown smoothness via wavelet shrinkage"). A relative correction
+//! is smooth across edges, where light itself is not. Dark places are changed little.
 
 use super::map::Map;
 use super::moments::Moments;
@@ -18,24 +17,24 @@ use glam::DVec2;
 
 /// Standard deviations of the surroundings, in cells.
 const LEVELS: [f64; 6] = [f64::INFINITY, 12.0, 6.0, 3.0, 1.5, 0.6];
-/// Standard deviation of the surroundings over which signal and noise are compared, over that of the
-/// means.
+/// Standard deviation of the surroundings in which signal and noise are compared, as a multiple of the
+/// mean's.
 const COMPARED: f64 = 4.0;
-/// Times the noise: what is above it counts as signal. By chance it is above once in a few places.
+/// Factor on the noise above which a difference counts as signal. By chance a few places exceed it.
 const CAUTION: f64 = 1.5;
-/// No pass loses more of its light: it would be black or negative.
+/// Minimum correction: with less, light would be black or negative.
 const LEAST: f64 = -0.95;
 
 /// Weights of the means over surroundings of one size.
 struct Level {
     sigma: f64,
-    /// The grid's light, summed over them.
+    /// Sum of the grid's light over the surroundings.
     light: Map<Rgb>,
-    /// Share of what they differ by that is no noise.
+    /// Share of signal in the means' differences; the rest is noise.
     signal: Map<f64>,
 }
 
-/// Weights by which means are added up, in one pass.
+/// Weights with which means are added up, in one pass.
 pub(super) struct Scheme {
     pass: usize,
     levels: Vec<Level>,
@@ -52,7 +51,8 @@ impl Scheme {
         for sigma in LEVELS {
             let light = grid.smoothed(sigma);
             let count = count.smoothed(sigma);
-            // Weights of a mean's variance are squares of its own.
+            // A Gaussian's square has sqrt(1/2) of its standard deviation, and a variance has squared
+            // weights.
             let squares = moments.squares_left(pass, &so_far).smoothed(sigma * 0.5_f64.sqrt());
             let found = mean_of(&difference.smoothed(sigma), &light);
             let per_probe = |cell: usize| 1.0 / count.of(cell).max(1e-9);
@@ -75,8 +75,8 @@ impl Scheme {
         scheme
     }
 
-    /// Shares by which the light is to grow, from a part of the probes that the scheme was made from; `times`
-    /// as many are all.
+    /// Relative corrections of the light, from a part of the probes that the scheme was made from. All probes
+    /// are `times` as many.
     pub(super) fn shares(&self, moments: &Moments, times: f64) -> Map<Rgb> {
         let difference = moments.difference(self.pass);
         self.levels.iter().fold(Map::filled(Rgb::ZERO), |so_far, level| {
@@ -89,7 +89,7 @@ impl Scheme {
     }
 }
 
-/// A sum by the light that it is a sum over; 0 where there is none.
+/// A sum over that of the light; 0 where there is no light.
 fn mean_of(sum: &Map<Rgb>, light: &Map<Rgb>) -> Map<Rgb> {
     let ratio = |sum: f64, light: f64| if light > 0.0 { sum / light } else { 0.0 };
     Map::from_fn(|cell| {
@@ -103,7 +103,7 @@ pub(super) fn mean(value: Rgb) -> f64 {
     value.element_sum() / 3.0
 }
 
-/// Share of itself by which indirect light is to grow, by pass.
+/// Relative correction of indirect light, by pass.
 pub(super) struct Correction {
     /// The whole picture.
     pub(super) size: Size,
@@ -111,8 +111,8 @@ pub(super) struct Correction {
 }
 
 impl Correction {
-    /// Corrects the indirect light of a sample at a place of the picture, in pixels. What is added to a part
-    /// of the light is added to all that it is a part of.
+    /// Corrects the indirect light of a sample at a place of the picture, in pixels. Changes of a part of the
+    /// light are added to all sums that include the part.
     pub(super) fn apply(&self, sample: &mut Sample, film_px: DVec2) {
         let place = film_px / DVec2::new(self.size.width as f64, self.size.height as f64);
         let [of_surfaces, of_fog] = self.shares.each_ref().map(|shares| shares.at(place));

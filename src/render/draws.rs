@@ -1,11 +1,11 @@
 //! Draw of each slice: a moment of the shutter, a point of the lens and a point of the light. In goes a
-//! slice's place, out comes its draw. Invariants: after each round, draws of neighbouring slices are
-//! spread evenly over all that there is. What has no extent is not drawn at all.
+//! slice's place, out comes its draw. Invariants: after each round, draws of neighbouring slices are well
+//! distributed over moments and points. Without an extent nothing is drawn.
 //!
-//! A pixel sees as many slices as it has samples, side by side. So every short run of draws must be spread
-//! evenly. A Sobol sequence by place keeps each aligned run of `2^k` even, in one dimension and in two,
-//! whatever rounds have come to it. Owen's scrambling leaves no pattern from one run to the next. Additive
-//! recurrences have one: it showed as hatching.
+//! A pixel has as many slices as samples, side by side. So every short run of draws must be well distributed.
+//! A Sobol sequence by place stratifies each aligned run of `2^k`, in one dimension and in two, after any
+//! number of rounds. Owen's scrambling leaves no pattern from one run to the next. Additive recurrences have
+//! one: it showed as hatching.
 
 use crate::color::Rgb;
 use crate::math::PlacedPoints;
@@ -14,7 +14,7 @@ use crate::snapshot::{Exposure, FrozenLight, Snapshot};
 use crate::transport::slices::Fan;
 use glam::DVec2;
 
-/// Number of draws that show how far the fans wander.
+/// Number of draws by which the deviation of fans is estimated.
 const PROBES: usize = 64;
 
 /// The draws for one light's part of the picture.
@@ -25,7 +25,7 @@ pub(super) struct Draws<'a, 'scene> {
     seed: u32,
 }
 
-/// A slice's own.
+/// Draw of one slice.
 pub(super) struct Draw<'a, 'scene> {
     pub(super) snapshot: &'a Snapshot<'scene>,
     /// Metres to the right and up from the middle of the lens.
@@ -36,7 +36,7 @@ pub(super) struct Draw<'a, 'scene> {
 }
 
 impl Draw<'_, '_> {
-    /// The slices that it sees; `None` if the light is where the camera is.
+    /// Fan of the slices that it sees; `None` if the light is where the camera is.
     pub(super) fn fan(&self, size: Size) -> Option<Fan> {
         Fan::new(&self.snapshot.view, size, self.lens_point, self.light.place())
     }
@@ -48,25 +48,25 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         Self { exposure, light, seed }
     }
 
-    /// Whether there is nothing to draw: all draws are the one in the middle.
+    /// Whether all draws are the same, as light, lens and shutter have no extent.
     pub(super) fn is_single(&self) -> bool {
         let Snapshot { view, lights, .. } = self.exposure.middle();
         self.exposure.is_instant() && !view.has_lens() && lights[self.light].is_delta()
     }
 
-    /// The draw in the middle of everything.
+    /// The draw in the middle of shutter, lens and light.
     pub(super) fn middle(&self) -> Draw<'a, 'scene> {
         let snapshot = self.exposure.middle();
         Draw { snapshot, lens_point: DVec2::ZERO, light: snapshot.lights[self.light].centre(), hue: Rgb::ONE }
     }
 
-    /// The draw of that place. With a period, places so far apart have theirs in the same strata.
+    /// The draw of a place. With a period, places that far apart have theirs in the same strata.
     pub(super) fn get(&self, place: usize, period: Option<usize>) -> Draw<'a, 'scene> {
         if self.is_single() {
             return self.middle();
         }
         let Snapshot { view, lights, .. } = self.exposure.middle();
-        // What there is not to draw takes no coordinates: the first are the most even.
+        // Dimensions without an extent take no coordinates: the first coordinates are the best distributed.
         let (seed, light) = (self.seed, self.light as u32);
         let mut points = match period {
             Some(period) => PlacedPoints::in_strata(seed, light, place, period),
@@ -82,7 +82,7 @@ impl<'a, 'scene> Draws<'a, 'scene> {
         Draw { snapshot, lens_point, light, hue }
     }
 
-    /// Maximum deviation of the draws' fans from the middle one's, radians; 0 if there is nothing to draw,
+    /// Maximum deviation of the draws' fans from the middle one's, radians; 0 if all draws are the same,
     /// `None` if the light is where the camera is.
     pub(super) fn deviation_rad(&self, size: Size) -> Option<f64> {
         let base = self.middle().fan(size)?;

@@ -1,6 +1,6 @@
-//! Error that is left of indirect light once walks have corrected it. In go sums over two halves of the walks
-//! and the corrections that each makes, out come squares of the error, cell by cell. Invariant: noise of the
-//! walks does not count as error, in the mean.
+//! Error that is left in indirect light after its correction by walks. In go sums over two halves of the
+//! walks and each half's correction, out come squares of the error, cell by cell. Invariant: the expected
+//! value has no noise of the walks.
 
 use super::correction::mean;
 use super::map::{COLUMNS, Map, ROWS};
@@ -8,14 +8,14 @@ use super::moments::Moments;
 use super::probes::PASSES;
 use crate::color::Rgb;
 
-/// Standard deviation of what the grid's light is a mean over, in cells.
+/// Standard deviation of the Gaussian by which the grid's light is averaged, in cells.
 const SURROUNDINGS: f64 = 1.0;
-/// Standard deviation of the surroundings over which errors are told apart from those elsewhere, in cells.
+/// Standard deviation of the surroundings in which a cell's error is estimated, in cells.
 const LOCAL: f64 = 4.0;
-/// Relative error of indirect light that is assumed before any is known.
+/// Prior of the relative error of indirect light, before walks have measured it.
 const EXPECTED: f64 = 0.03;
 
-/// The grid's light of each pass, as probes have it in the mean.
+/// The grid's light of each pass, averaged over probes.
 pub(super) struct Light(pub(super) [Map<Rgb>; PASSES]);
 
 impl Light {
@@ -32,7 +32,7 @@ impl Light {
         self.0.iter().map(|light| light.of(cell)).sum()
     }
 
-    /// Mean of the colour channels, over all passes.
+    /// Mean of the colour channels, summed over all passes.
     pub(super) fn brightness(&self) -> Map<f64> {
         Map::from_fn(|cell| mean(self.at(cell)))
     }
@@ -42,15 +42,15 @@ impl Light {
     }
 }
 
-/// Residual that each half of the walks still finds where the other half has corrected. Products of two
-/// walks' errors have no noise in the mean: walks know nothing of one another.
+/// Residual of each half of the walks after the other half's correction. Products of two walks' errors have
+/// no noise on average, as walks are independent.
 pub(super) struct Left {
-    /// Sums of such products near each cell, and how many.
+    /// Sums of such products near each cell, and their number.
     products: Map<f64>,
     pairs: Map<f64>,
     /// Variances of these sums.
     variances: Map<f64>,
-    /// Square of the noise of the correction, as means over surroundings have it. A half's has twice as much.
+    /// Square of the noise of the correction, in means over surroundings. That of a half is twice as large.
     noise: Map<f64>,
 }
 
@@ -78,7 +78,7 @@ impl Left {
             let squares = Map::from_fn(|cell| mean(squares.of(cell)));
             let squares_near = squares.smoothed(near_cells * 0.5_f64.sqrt());
             for cell in 0..COLUMNS * ROWS {
-                // None with itself.
+                // Without the products of a walk with itself.
                 *all.products.cell_mut(cell) += mean(sums.of(cell) * near.of(cell)) - squares.of(cell);
                 *all.pairs.cell_mut(cell) += count.of(cell) * (count_near.of(cell) - 1.0);
                 *all.variances.cell_mut(cell) += 2.0 * squares.of(cell) * squares_near.of(cell);
@@ -87,8 +87,9 @@ impl Left {
         all
     }
 
-    /// Squares of the error that is left, cell by cell: noise of the correction, and of the rest what walks
-    /// find, by how sure they are, and else what is to be expected. From the whole picture to its parts.
+    /// Squares of the error that is left, cell by cell: noise of the correction, and the mean of the measured
+    /// residual and its expected value, by their precision. The whole picture's error is the expectation for
+    /// its parts.
     pub(super) fn squares(&self, light: &Light) -> Map<f64> {
         let Self { products, pairs, variances, noise } = self;
         let cells = (COLUMNS * ROWS) as f64;
@@ -100,7 +101,7 @@ impl Left {
         };
         let (product, variance) = found(products.sum(), pairs.sum(), variances.sum());
         let expected = EXPECTED.powi(2) * square_of_light;
-        // As long as little is known, no more than that is hoped for.
+        // The uncertainty is added, so that few walks never give a small error.
         let rest = product - 2.0 * noise.sum() / cells;
         let whole = judged(rest, variance, expected) + doubt(variance, expected);
         let [products, pairs] = [products, pairs].map(|map| map.smoothed(LOCAL));
@@ -116,14 +117,14 @@ impl Left {
     }
 }
 
-/// A square that was found with such a variance, where one of that size was expected, give or take itself:
-/// the mean of both by their precision.
+/// Mean, by precision, of a measured square with its variance, and of an expected square whose standard
+/// deviation is itself.
 fn judged(found: f64, variance: f64, expected: f64) -> f64 {
     let precision = expected * expected / (expected * expected + variance).max(f64::MIN_POSITIVE);
     expected + precision * (found.max(0.0) - expected)
 }
 
-/// Standard deviation of what is judged so.
+/// Standard deviation of the mean in `judged`.
 fn doubt(variance: f64, expected: f64) -> f64 {
     let square = expected * expected;
     (square * variance / (square + variance).max(f64::MIN_POSITIVE)).sqrt()
@@ -136,7 +137,8 @@ mod tests {
     use super::*;
     use glam::DVec2;
 
-    /// By how much error counts where both halves' corrections of an exact grid are off, this way and that.
+    /// Estimated error where the two halves' corrections of an exact grid are off by the same amounts, with
+    /// opposite signs.
     fn told(off: impl Fn(usize) -> f64) -> f64 {
         let mut half = Moments::none();
         for cell in 0..COLUMNS * ROWS {
@@ -155,7 +157,7 @@ mod tests {
         left.squares(&light).of(COLUMNS / 2 + COLUMNS * (ROWS / 2)).sqrt()
     }
 
-    /// Noise of a correction counts as error, but for what is nothing in the mean of surroundings.
+    /// Noise of a correction counts as error, except where it cancels in means over surroundings.
     #[test]
     fn noise_counts_by_its_mean_over_surroundings() {
         let (everywhere, in_turns) = (told(|_| 0.1), told(|cell| if cell % 2 == 0 { 0.1 } else { -0.1 }));

@@ -1,6 +1,6 @@
-//! Error of indirect light, and its correction. In go a snapshot, a job and the grid, out come a
-//! correction by random walks and the error that is left. Invariant: it depends on the whole picture,
-//! whatever part is wanted.
+//! Error of indirect light, and its correction. In go a snapshot, a job and the grid, out come a correction
+//! by random walks and the error that is left. Invariant: it depends on the whole picture, for any wanted
+//! part.
 
 use super::Job;
 use super::correction::{Correction, Scheme, mean};
@@ -19,33 +19,34 @@ use crate::transport::Branches;
 use glam::DVec2;
 use std::f64::consts::PI;
 
-/// Walks that are tried first.
+/// Number of first walks.
 const FIRST: u32 = 1 << 13;
-/// Walks at most at the usual tolerance, all and for each pixel of the picture.
+/// Maximum number of walks at the usual tolerance: in all, and for each pixel of the picture.
 const MOST: f64 = (1 << 20) as f64;
 const MOST_A_PIXEL: f64 = 128.0;
-/// Random points of a walk above which it counts as more than one. Most take 3 to 30, and those in deep fog
-/// that absorbs nothing some 200. Branches count by their points.
+/// Random points of a walk above which it counts as more than one walk. Most take 3 to 30, and those in deep
+/// fog without absorption some 200. Branches count by their points.
 const POINTS_OF_A_WALK: f64 = 64.0;
-/// The usual tolerance, also where nobody has one, but wants to know the error. What walks miss by falls with
-/// the root of their number.
+/// The usual tolerance, also used where the error is estimated without a tolerance. The error of walks falls
+/// with the root of their number.
 const USUAL: f64 = 0.02;
-/// Walks of the noisier kind that branch off a camera ray: the ray and the grid's answer cost little then.
+/// Maximum number of walks that branch off a camera ray, of the noisier pass: the ray and the grid's value
+/// then cost little.
 const MOST_BRANCHES: u32 = 8;
-/// Walks that are followed before they are added up, and somebody who waits for nothing is heard.
+/// Number of walks that are traced before they are added up, and before a cancelled frame ends.
 const BATCH: f64 = (1 << 12) as f64;
-/// Walks at least by which their number grows, as a share of it. Their errors fall as its root.
+/// Minimum growth of the number of walks, as a share of it. Their errors fall as its root.
 const LEAST_MORE: f64 = 0.25;
-/// Walks side by side that are of the same half.
+/// Number of successive walks of the same half.
 const RUN: u32 = 1 << 9;
 
-/// Standard deviation of what errors are means over, in cells, at least. As wide as blocks of so many pixels
-/// are in a small picture: a Gaussian covers `4 pi` of its variance.
+/// Minimum standard deviation of the Gaussian over which errors are averaged, in cells. It is as wide as
+/// blocks of so many pixels in a small picture: a Gaussian covers `4 pi` of its variance.
 const SURROUNDINGS: f64 = 1.0;
 const PIXELS_OF_BLOCK: f64 = 100.0;
-/// Errors in blocks of pixels by those in surroundings, which are larger.
+/// Ratio of errors in blocks of pixels to those in surroundings, which are larger.
 const FINER: f64 = 1.1;
-/// Width of the error that is told, in standard errors: nineteen of twenty blocks are within it.
+/// Width of the reported error, in standard errors: nineteen of twenty blocks are within it.
 const TOLD: f64 = 2.0;
 
 /// Estimate of indirect light's error.
@@ -54,12 +55,12 @@ pub(super) struct GridError {
     pub(super) correction: Correction,
     /// Squares of the error that is left.
     squares: Map<f64>,
-    /// Root mean square of what is told, as a share of the picture's mean.
+    /// Root mean square of the reported error, as a share of the picture's mean.
     pub(super) relative: f64,
 }
 
 impl GridError {
-    /// Walks until the error is within the tolerance, or so many have been tried as may be.
+    /// Adds walks until the error is within the tolerance, or their number is at its maximum.
     pub(super) fn found(
         snapshot: &Snapshot,
         job: &Job,
@@ -97,7 +98,7 @@ impl GridError {
                 return known;
             }
             if plan.branches == Branches::ONE {
-                // What is noisier than the rest would count as much.
+                // First probes are left out of the sums, as they are noisier and would have the same weight.
                 let first = halves[0].with(&halves[1]);
                 plan = Plan {
                     importance: Importance::of(&Light::of(&first).brightness()),
@@ -127,7 +128,7 @@ impl GridError {
         let left = Left::of((halves, near_cells), &of_halves, &light);
         let squares = left.squares(&light);
         let mean_light = light.mean();
-        // Of errors in luminance as much as of light: channels err alike.
+        // Luminance errs as much as light does: the channels' errors are alike.
         let in_luminance =
             if mean(mean_light) > 0.0 { luminance(mean_light) / mean(mean_light) } else { 0.0 };
         let squares = Map::from_fn(|cell| (FINER * in_luminance).powi(2) * squares.of(cell));
@@ -136,14 +137,14 @@ impl GridError {
             Map::from_fn(|cell| correction[pass].of(cell) * light.0[pass].of(cell)).sum() / cells
         };
         let added = luminance((0..PASSES).map(added).sum());
-        // Many more rays than a survey has know indirect light.
+        // The walks' rays are many more than a survey's, so their mean of indirect light is better.
         let picture = survey.direct + luminance(mean_light) + added;
         let told = TOLD * (squares.sum() / cells).sqrt();
         let relative = if told > 0.0 { told / picture.max(f64::MIN_POSITIVE) } else { 0.0 };
         Self { correction: Correction { size, shares: correction }, squares, relative }
     }
 
-    /// Luminance by which a block of pixels may be wrong.
+    /// Estimated error of the luminance of a block of pixels.
     pub(super) fn of_block(&self, blocks: &Blocks, block: usize, job: &Job) -> f64 {
         let window = blocks.pixels(block);
         let middle = |from: usize, count: usize, of: usize| (from as f64 + 0.5 * count as f64) / of as f64;
@@ -155,7 +156,7 @@ impl GridError {
     }
 }
 
-/// Branches of the least noise for their number: in proportion to the standard deviation of one.
+/// Numbers of branches with the least noise for their cost: in proportion to the standard deviation of one.
 fn branches_by_noise(first: &Moments) -> Branches {
     let none = Map::filled(Rgb::ZERO);
     let [at_surfaces, in_fog] =
@@ -167,7 +168,7 @@ fn branches_by_noise(first: &Moments) -> Branches {
     Branches { at_surfaces: share(at_surfaces), in_fog: share(in_fog) }
 }
 
-/// Standard deviation of what errors of a picture are means over, in cells.
+/// Standard deviation of the Gaussian over which errors of a picture are averaged, in cells.
 fn surroundings(size: Size) -> f64 {
     let of_block = PIXELS_OF_BLOCK / (size.width as f64 * size.height as f64);
     ((COLUMNS * ROWS) as f64 * of_block / (4.0 * PI)).sqrt().max(SURROUNDINGS)
@@ -175,7 +176,7 @@ fn surroundings(size: Size) -> f64 {
 
 /// Maximum number of walks for a picture of a size and a tolerance.
 fn most_walks(size: Size, tolerance: f64) -> f64 {
-    /// Maximum at any tolerance, and factor on those at the usual one for each pixel.
+    /// Maximum at any tolerance, and factor on the maximum for each pixel at the usual tolerance.
     const AT_ALL: f64 = (1 << 22) as f64;
     const TIMES: f64 = 4.0;
     let pixels = size.width as f64 * size.height as f64;

@@ -1,19 +1,18 @@
-//! Importance of a picture's places: where probes are many. In goes the light of first probes, out come
-//! places and what a probe there counts. Invariant: no place is left out, so means of the picture stay what
-//! they are.
+//! Importance of a picture's places: the density of probes. In goes the light of the first probes, out come
+//! places and the weights of probes there. Invariant: every place has probes, and the weights leave means of
+//! the picture unbiased.
 //!
-//! A few bright places, as fog about a lantern has them, make most of the noise. The variance of a sum is
-//! the least if probes are as dense as their standard deviation (Cochran 1977, "Sampling techniques",
-//! section 5.5). That is about in proportion to light. Few probes tell the grid's light well, and noise
-//! badly.
+//! A few bright places, such as fog around a lantern, cause most of the noise. The variance of a sum is
+//! smallest if probes are as dense as their standard deviation (Cochran 1977, "Sampling techniques", section
+//! 5.5). That is about proportional to light. Few probes estimate the grid's light well, and noise badly.
 
 use super::map::{COLUMNS, Map, ROWS};
 use glam::DVec2;
 
-/// Share of probes that are spread evenly, so that dark places keep theirs.
+/// Share of probes that are uniform, so that dark places keep theirs.
 const EVEN: f64 = 0.5;
 
-/// Density of probes by cell, 1 in the mean.
+/// Density of probes by cell, with mean 1.
 pub(super) struct Importance {
     density: Map<f64>,
     /// Sums of its rows.
@@ -30,7 +29,7 @@ impl Importance {
         Self { rows: std::array::from_fn(row), density }
     }
 
-    /// By the grid's light, as first probes have it.
+    /// Importance by the grid's light, as first probes have it.
     pub(super) fn of(light: &Map<f64>) -> Self {
         let per_mean = (COLUMNS * ROWS) as f64 / light.sum();
         if !per_mean.is_finite() {
@@ -39,7 +38,7 @@ impl Importance {
         Self::with(Map::from_fn(|cell| EVEN + (1.0 - EVEN) * per_mean * light.of(cell)))
     }
 
-    /// The place that two uniform numbers pick, `0..1` across and down, and what a probe there counts.
+    /// Place that two uniform numbers sample, `0..1` across and down, and the weight of a probe there.
     pub(super) fn pick(&self, u: DVec2) -> (DVec2, f64) {
         let (row, down) = picked(&self.rows, u.y);
         let density = |column: usize| self.density.of(column + COLUMNS * row);
@@ -49,7 +48,7 @@ impl Importance {
     }
 }
 
-/// Which weight a uniform number picks, and what is left of the number, uniform again.
+/// Index of the weight that a uniform number samples, and the remainder of the number, uniform again.
 fn picked(weights: &[f64], u: f64) -> (usize, f64) {
     let (mut left, mut number) = (u * weights.iter().sum::<f64>(), 0);
     while number + 1 < weights.len() && left >= weights[number] {
@@ -65,7 +64,7 @@ mod tests {
     use super::*;
     use crate::math::kronecker;
 
-    /// Probes come as often as a cell is important, and count the less: all cells have the same sum.
+    /// Probes are as dense as a cell is important, with the inverse weight: all cells have the same sum.
     #[test]
     fn a_cell_counts_the_same_however_many_probes_it_has() {
         let density = |cell: usize| if cell % COLUMNS < 12 { 2.5 } else { 0.5 };

@@ -1,16 +1,15 @@
-//! Slices that a picture is made of, and the places of samples on them. In go the fan of the light's
-//! centre and how far the light, the lens and the shutter make it deviate. Out come slices by number.
-//! Invariant: a sample counts as much as the area of the picture that it stands for, wherever its own fan
-//! is.
+//! Lattice of a picture's slices, and the places of samples on them. In go the fan of the light's centre and
+//! the deviation of fans by light, lens and shutter. Out come slices by number. Invariant: a sample has the
+//! weight of the picture area that it represents, for any fan.
 //!
-//! Slices lie at equal angles, and a slice has a chord in each pixel that it crosses. With a light, a lens
-//! or a shutter that has an extent, each slice has a fan of its own. The axis of that fan is not quite
-//! that of the others, and the slice would leave its place in the lattice. So each slice is rotated until
-//! it passes through its place half way across its ring (`rings.rs`). It stays as it is about the axis,
-//! and about its far side, where fans deviate too far for that.
+//! Slices lie at equal angles, and a slice has a chord in each pixel that it crosses. With a light, a lens or
+//! a shutter that has an extent, each slice has a fan of its own. The axes of these fans differ, so a slice
+//! would leave its place in the lattice. So each slice is rotated until it passes through its place half way
+//! across its ring (`rings.rs`). It is not rotated near the axis and near the opposite direction, where fans
+//! deviate too far.
 //!
-//! Where draws are in strata, a stratum comes again every so many places. Each stratum then has slices over
-//! all of the picture, a pixel apart, whose swaths reach to each other.
+//! Where draws are in strata, a stratum recurs after a period of places. Each stratum then has slices over
+//! all of the picture, a pixel apart, whose swaths touch.
 
 use super::bearings::Bearings;
 use super::layout::{Facts, Layout};
@@ -23,25 +22,24 @@ use crate::transport::slices::{Chord, Crossing, Fan, Ring, Slice};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
-/// Samples that a slice is worth in a pixel that it crosses: its chord is cut at what it sees, and where
-/// all slices see the same it lies as evenly between its neighbours as can be.
+/// Samples that a slice is worth in a pixel that it crosses: its chord is cut at edges, and where all slices
+/// see the same it is well placed between its neighbours.
 const SAMPLES_PER_SLICE: f64 = 4.0;
 
-/// Samples that a slice is worth where slices have draws of their own, of which one tells little.
+/// Samples that a slice is worth where slices have draws of their own, which differ more.
 const SAMPLES_PER_DRAW: f64 = 2.0;
 
-/// Slices to a pixel's width, at least: their swaths still leave no pixel out.
+/// Minimum number of slices to a pixel's width: their swaths still cover every pixel.
 const FEWEST_SLICES_PER_PX: f64 = 0.5;
 
-/// Slices to a pixel's width, at least, where they have draws of their own.
+/// Minimum number of slices to a pixel's width where they have draws of their own.
 const FEWEST_DRAWS_PER_PX: f64 = 1.0;
 
-/// A swath counts by its slice and one line on either side of it, or two where it is wider
-/// than so many pixels.
+/// Width in pixels from which a swath is sampled by two lines on either side of its slice, rather than one.
 const WIDE_SWATH_PX: f64 = 0.8;
 
-/// Swaths of strata are no wider: what counts in a pixel must not lie farther away than a crop
-/// looks (`rounds.rs`).
+/// Maximum width of the swaths of strata: samples that count in a pixel must lie within the margin of a crop
+/// (`rounds.rs`).
 const WIDEST_SWATH_PX: f64 = 2.0;
 
 /// Differences between slices with draws of their own.
@@ -49,20 +47,19 @@ const WIDEST_SWATH_PX: f64 = 2.0;
 pub(super) struct Differing {
     /// Maximum deviation of the axis.
     pub(super) deviation_rad: f64,
-    /// Whether they have moments of their own.
+    /// Whether they have different moments.
     pub(super) in_time: bool,
-    /// Whether their points of the light are not all as bright as each other: those of a lamp
-    /// lie nearer or farther.
+    /// Whether their points of the light differ in brightness, as those of a lamp do by their distances.
     pub(super) in_brightness: bool,
 }
 
 /// The places of all slices over one light's component.
 pub(super) struct Lattice {
-    /// The fan of the middle draw.
+    /// Fan of the middle draw.
     base: Fan,
     layout: Layout,
     rings: Vec<RingLattice>,
-    /// Number of places after which the strata of draws come again, if they do.
+    /// Number of places after which the strata of draws recur; `None` without strata.
     period: Option<usize>,
     per_row: usize,
     deviation_rad: f64,
@@ -70,15 +67,14 @@ pub(super) struct Lattice {
 
 struct RingLattice {
     ring: Ring,
-    /// The angle from the axis at which slices pass through their places; without one they go
-    /// by their own angles.
+    /// Angle from the axis at which slices pass through their places; `None` if they are not rotated.
     anchor: Option<f64>,
-    /// Angle beyond the base's at which there are slices all the same.
+    /// Angle to either side of the base's range in which there are slices, too.
     margin_rad: f64,
-    /// The angle of the ring's first place, and how many radians between places.
+    /// Angle of the ring's first place, and radians between places.
     first_rad: f64,
     place_rad: f64,
-    /// The numbers of its first place, and of the one after its last.
+    /// Number of its first place, and of the one after its last.
     from: usize,
     to: usize,
     /// Weight of a sample for each unit of area per radian.
@@ -87,9 +83,9 @@ struct RingLattice {
 }
 
 impl Lattice {
-    /// The slices of all rounds, of `base`, which all are the same or differ by their draws. `segments`
-    /// tells how many a slice gathers, and `shift` gives the random shifts of ring after ring, across the
-    /// slices and along them.
+    /// The slices of all rounds. All have the fan `base`, or fans that differ by their draws. `segments`
+    /// returns the number of segments of a slice; `shift` returns the random shifts of one ring after
+    /// another, across the slices and along them.
     pub(super) fn new(
         base: Fan,
         differing: Option<Differing>,
@@ -109,14 +105,14 @@ impl Lattice {
         let ring_facts = RingFacts { is_drawn, deviation_rad, samples, slices_per_px, segments };
         let (count, are_ordered) = ring_facts.choose(&base);
         let samples = schedule.in_all();
-        // They are those for the first round. Slices of further ones lie too close to be kept in order.
+        // Rings are those of the first round. Slices of later rounds lie too close to be kept in order.
         let rings = if schedule.doublings > 0 { 1 } else { count };
         let facts = Facts { is_drawn, are_ordered, rings, in_time, in_brightness, samples };
         let layout = Layout::choose(&facts);
-        // Slices of a stratum are in order without rings.
+        // Slices of one stratum are in order without rings.
         let count = if layout == Layout::InStrata { 1 } else { count };
         let per_row = per_row(schedule);
-        // Each stratum has a slice to a pixel's width, when all rounds are done.
+        // Each stratum has one slice to a pixel's width after all rounds.
         let rows_per_px = slices_per_px.round() as usize;
         let period = (layout == Layout::InStrata).then_some(rows_per_px * per_row);
         let first_shift = shift();
@@ -129,7 +125,7 @@ impl Lattice {
                 per_row,
                 from,
             };
-            // Rings of one fan share them, so that many slices near the epipole change nothing elsewhere.
+            // Rings of one fan share their shifts, so many slices near the epipole change nothing elsewhere.
             let shifts = if is_drawn && from > 0 { shift() } else { first_shift };
             let ring = RingLattice::new(&base, ring, deviation_rad, &rows, DVec2::from(shifts));
             let weight_per_area = f64::from(schedule.first) * ring.weight_per_area;
@@ -143,7 +139,7 @@ impl Lattice {
         self.layout
     }
 
-    /// The slices of a round that see some pixels.
+    /// The slices of a round that may cross pixels of `seen`.
     pub(super) fn of_round(&self, round: &Round, seen: &Mask) -> RoundLattice<'_> {
         let Self { base, deviation_rad, .. } = self;
         let bearings =
@@ -160,21 +156,21 @@ impl Lattice {
 /// Rows of places of a ring.
 struct Rows {
     per_rad: f64,
-    /// All the way round their number is a multiple of this.
+    /// Divisor of their number around the whole circle.
     multiple: usize,
     per_row: usize,
-    /// The number of the ring's first place.
+    /// Number of the ring's first place.
     from: usize,
 }
 
 impl RingLattice {
-    /// Weights are those of one sample a pixel.
+    /// Lattice of one ring, with weights for one sample a pixel.
     fn new(base: &Fan, ring: Ring, deviation_rad: f64, rows: &Rows, shift: DVec2) -> Self {
         let extent = base.extent();
         let (low, high) = (ring.0.max(extent.0), ring.1.min(extent.1));
         let rotation = (deviation_rad.sin() / low.sin().min(high.sin()).max(0.0)).min(1.0).asin();
         let is_anchored = deviation_rad > 0.0 && rotation < 0.25 * PI;
-        // Fans that deviate show more than the base's angles.
+        // Fans that deviate cover more than the base's angles.
         let margin_rad = match deviation_rad {
             0.0 => 0.0,
             _ if is_anchored => 1.5 * rotation,
@@ -182,15 +178,15 @@ impl RingLattice {
         };
         let width = (base.angles.1 + 2.0 * margin_rad).min(TAU);
         let Rows { per_rad, multiple, per_row, from } = *rows;
-        // All the way round the last slice of a stratum lies as far from its first as from the one before.
+        // Around the whole circle a stratum's last slice is as far from its first as from the one before.
         let count = ((width * per_rad).ceil().max(1.0) as usize).next_multiple_of(multiple);
         let row_rad = width / count as f64;
         Self {
             ring,
             anchor: is_anchored.then_some(0.5 * (low + high)),
             margin_rad,
-            // The cell of the slice before the first reaches into the picture, unless
-            // that is the last one again.
+            // The cell of the slice before the first reaches into the picture, unless that slice is the last
+            // one.
             first_rad: base.angles.0 - 0.5 * (width - base.angles.1) + (shift.x - 1.0) * row_rad,
             place_rad: row_rad / per_row as f64,
             from,
@@ -210,7 +206,7 @@ impl RingLattice {
 pub(super) struct RoundLattice<'a> {
     lattice: &'a Lattice,
     places: Places,
-    /// Bearings of each ring at which its slices may meet pixels that are wanted; none if all do.
+    /// Bearings at which a ring's slices may cross wanted pixels, for each ring; none if all may.
     bearings: Vec<Bearings>,
 }
 
@@ -220,7 +216,7 @@ impl RoundLattice<'_> {
         self.lattice.rings.last().map_or(0, |ring| ring.to / self.places.step)
     }
 
-    /// Whether slice `number` may meet pixels that are wanted, whatever it is seen with.
+    /// Whether slice `number` may cross wanted pixels, with any draw.
     pub(super) fn is_wanted(&self, number: usize) -> bool {
         let place = self.places.of(number);
         let Some(ring) = self.lattice.ring(place) else { return false };
@@ -233,7 +229,7 @@ impl RoundLattice<'_> {
         self.places.of(number)
     }
 
-    /// Number of places after which the strata of draws come again, if they do.
+    /// Number of places after which the strata of draws recur; `None` without strata.
     pub(super) fn period(&self) -> Option<usize> {
         self.lattice.period
     }
@@ -244,14 +240,13 @@ impl RoundLattice<'_> {
         let place = self.places.of(number);
         let ring = &self.lattice.rings[self.lattice.ring(place)?];
         let angle = ring.angle(place);
-        // Where slices are rotated their angles lie closer together or farther apart, and
-        // so must their samples.
+        // Rotation makes the angles of slices closer or wider, and with them the distances of their samples.
         let (angle, spread) =
             ring.anchor.map_or((angle, 1.0), |anchor| drawn.angle_through(base, angle, anchor));
         let slice = drawn.slice(angle, ring.ring)?;
         let place_rad = spread * ring.place_rad;
         let swath_rad = match period {
-            // To the next slice of the same stratum.
+            // Up to the next slice of the same stratum.
             Some(period) => {
                 let widest_rad = WIDEST_SWATH_PX / slice.greatest_separation_px_per_rad();
                 (place_rad * *period as f64).min(widest_rad)
@@ -265,7 +260,7 @@ impl RoundLattice<'_> {
             phase: (ring.shift_along + phase(place, *per_row)).fract(),
             weight_per_area: ring.weight_per_area * spread,
             swath_rad,
-            // Of a round and a ring; a shift has few bits.
+            // One seed for each round and ring; a shift has few bits.
             random: (
                 (ring.shift_along * f64::from(u32::MAX)) as u32 ^ self.places.step as u32,
                 number as u32,
@@ -274,37 +269,36 @@ impl RoundLattice<'_> {
     }
 }
 
-/// A slice that is to be solved, and the swath that it stands for.
+/// A slice to be solved, with its swath.
 pub(super) struct PlacedSlice {
     pub(super) slice: Slice,
     /// Angle of the slice in its fan.
     angle: f64,
     ring: Ring,
-    /// Phase of its samples in their pieces, but for the dither of pixels.
+    /// Phase of its samples in their pieces, without the dither of pixels.
     phase: f64,
-    /// Weight of a sample for each unit of area per radian that it stands for.
+    /// Weight of a sample for each unit of area per radian that it represents.
     pub(super) weight_per_area: f64,
-    /// Angle from the middle between it and the slice before, of its round or its stratum, to the middle
-    /// between it and the next.
+    /// Angle of its swath: half way to the slice before it in its round or stratum, and half way to the next.
     swath_rad: f64,
     /// See [`Chord::random`].
     random: (u32, u32),
 }
 
 impl PlacedSlice {
-    /// Reach of its swath to either side, pixels, where it has passed an area per radian.
+    /// Half width of its swath, pixels, where the slice has passed an area per radian.
     pub(super) fn half_swath_px(&self, area_per_rad: f64) -> f64 {
-        // No filter sees farther.
+        // No filter is wider.
         (0.5 * self.swath_rad * self.slice.separation_px_per_rad_at(area_per_rad)).min(1.0)
     }
 
-    /// Number of lines by which its swath counts, of which it is the middle one.
+    /// Number of lines that sample its swath, with the slice in the middle.
     pub(super) fn swath_lines(&self) -> i32 {
         let width_px = self.swath_rad * self.slice.greatest_separation_px_per_rad();
         if width_px < WIDE_SWATH_PX { 3 } else { 5 }
     }
 
-    /// The others: slices of its fan, and by how much they are rotated, radians.
+    /// The other lines: slices of its fan, and their rotations, radians.
     pub(super) fn swath_beside(&self, drawn: &Fan) -> impl Iterator<Item = (Slice, f64)> {
         let lines = self.swath_lines();
         let line_rad = self.swath_rad / f64::from(lines);
@@ -315,7 +309,7 @@ impl PlacedSlice {
         })
     }
 
-    /// Chords in those pixels that are to be seen.
+    /// Chords in visible pixels.
     pub(super) fn chords(&self, size: Size, seen: &Mask) -> impl Iterator<Item = Chord> {
         let (weight_per_area, random) = (self.weight_per_area, self.random);
         self.slice.crossings(size, |x, y| seen.unwanted_around(x, y)).map(move |crossing| {
@@ -342,8 +336,8 @@ mod tests {
 
     const SIZE: Size = Size { width: 480, height: 270 };
 
-    /// The strata of draws and the widest swaths, pixels, of rounds of 6, 6 and 12 samples under a light that
-    /// deviates far, where gathering is dear.
+    /// Strata of draws, and the widest swaths, pixels, in rounds of 6, 6 and 12 samples. The light deviates
+    /// far, and gathering is expensive.
     fn drawn(differing: Differing) -> (BTreeSet<usize>, Vec<f64>) {
         let (sin, cos) = 50_f64.to_radians().sin_cos();
         let base = Fan::of_pinhole(0.7, SIZE, DVec3::new(0.0, sin, -cos));
@@ -368,7 +362,7 @@ mod tests {
     fn slices_that_deviate_far_share_strata_a_pixel_apart() {
         let (draws, swaths) = drawn(Differing { deviation_rad: 0.016, ..Differing::default() });
         assert!(draws.into_iter().eq(0..12));
-        // By the mean one, at the widest place somewhat more.
+        // One pixel in the mean, and somewhat more at the widest place.
         assert!(swaths.iter().all(|width| (1.0..=2.000001).contains(width)), "{swaths:?}");
     }
 

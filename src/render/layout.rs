@@ -1,46 +1,45 @@
 //! Layout of a picture's slices. In go facts about its light, lens, shutter and samples, out comes one of
-//! four layouts. Invariant: the choice is the whole picture's, whichever part of it is wanted.
+//! four layouts. Invariant: the choice is that of the whole picture, for any wanted part.
 //!
 //! A *draw* is a moment of the shutter, a point of the lens and a point of the light (`draws.rs`).
 
 /// Draws of the slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layout {
-    /// All have the same: there is nothing to draw.
+    /// All slices have the same draw: light, lens and shutter have no extent.
     Common,
-    /// Each has its own, but their fans differ so little that slices keep their places between one another.
+    /// Each slice has its own draw; fans differ so little that slices keep their order.
     InRings,
-    /// Slices a pixel apart draw from the same stratum of light and lens, so that each pixel has seen all
-    /// strata, and each at points of its own.
+    /// Slices a pixel apart draw from the same stratum of light and lens. So each pixel has all strata, and
+    /// points of its own in each.
     InStrata,
-    /// Each has its own, and knows nothing of its neighbours.
+    /// Each slice has its own draw, independent of its neighbours.
     OwnDraws,
 }
 
-/// Facts that decide about the layout.
+/// Facts that decide on the layout.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facts {
     /// Whether light, lens or shutter have an extent.
     pub(super) is_drawn: bool,
-    /// Whether slices mostly keep their places in the rings that the picture is cut in.
+    /// Whether slices mostly keep their order in the rings of the picture.
     pub(super) are_ordered: bool,
     /// Number of rings.
     pub(super) rings: u32,
-    /// Whether draws differ in time: a few strata would show a moving thing as so many copies.
+    /// Whether draws differ in time: with few strata a moving object would show as that many copies.
     pub(super) in_time: bool,
-    /// Whether points of the light are not all as bright as each other: those of a lamp
-    /// lie nearer or farther.
+    /// Whether points of the light differ in brightness, as those of a lamp do by their distances.
     pub(super) in_brightness: bool,
-    /// Samples a pixel when all rounds are done.
+    /// Samples a pixel after all rounds.
     pub(super) samples: u32,
 }
 
-/// Maximum number of samples a pixel for draws in strata. Beyond it most of the error would be the blur of
-/// swaths of a pixel's width.
+/// Maximum number of samples a pixel for draws in strata. Beyond it the blur of swaths a pixel wide would be
+/// most of the error.
 const STRATA_TO: u32 = 128;
 
 impl Layout {
-    /// The one for a picture. Figures of the alternatives: docs/decisions/slices.md#layouts.
+    /// Returns the layout of a picture. Figures of the alternatives: docs/decisions/slices.md#layouts.
     pub(super) fn choose(facts: &Facts) -> Self {
         let Facts { is_drawn, are_ordered, rings, in_time, in_brightness, samples } = *facts;
         if !is_drawn {
@@ -59,7 +58,7 @@ impl Layout {
 mod tests {
     use super::*;
 
-    /// As a still sun's disc before a lens that deviates far.
+    /// A still sun's disc seen through a lens that deviates far.
     const DRAWN: Facts = Facts {
         is_drawn: true,
         are_ordered: false,

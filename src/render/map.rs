@@ -1,17 +1,17 @@
-//! Values on a coarse lattice of cells over the whole picture. In go values at places of it, out come their
-//! sums, smoothed. Invariant: sums are taken in one order, whatever the number of threads.
+//! Values on a coarse grid of cells over the whole picture. In go values at places of it, out come their
+//! sums, smoothed. Invariant: sums are taken in one order, for any number of threads.
 
 use glam::DVec2;
 use std::ops::{Add, Mul};
 
-/// Cells across and down, whatever the picture's size: errors of indirect light are hardly finer.
+/// Cells across and down, for any size of picture: errors of indirect light have hardly finer detail.
 pub(super) const COLUMNS: usize = 48;
 pub(super) const ROWS: usize = 28;
 
-/// Farther away a Gaussian counts as 0, in its standard deviations.
+/// Distance beyond which a Gaussian counts as 0, in its standard deviations.
 const REACH: f64 = 3.0;
 
-/// A value a cell, in rows from the top.
+/// One value for each cell, in rows from the top.
 #[derive(Clone)]
 pub(super) struct Map<T>(Vec<T>);
 
@@ -34,7 +34,7 @@ impl<T: Copy> Map<T> {
     }
 }
 
-/// The cell of a place of the picture, `0..1` across and down.
+/// Index of the cell at a place of the picture, `0..1` across and down.
 pub(super) fn cell_at(place: DVec2) -> usize {
     let index = |at: f64, count: usize| ((at * count as f64) as usize).min(count - 1);
     index(place.x, COLUMNS) + COLUMNS * index(place.y, ROWS)
@@ -45,8 +45,8 @@ impl<T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>> Map<T> {
         self.0.iter().fold(T::default(), |sum, &value| sum + value)
     }
 
-    /// Sums about each cell by a Gaussian of that standard deviation, in cells, that is 1 at its middle; by 1
-    /// everywhere if it is infinite.
+    /// Sums around each cell, weighted by a Gaussian of that standard deviation, in cells, with the value 1
+    /// in its middle. An infinite deviation has the weight 1 everywhere.
     pub(super) fn smoothed(&self, sigma: f64) -> Self {
         if sigma == f64::INFINITY {
             return Self::filled(self.sum());
@@ -63,7 +63,7 @@ impl<T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>> Map<T> {
         Self::from_fn(|cell| along(&across.0, cell % COLUMNS, COLUMNS, ROWS, cell / COLUMNS))
     }
 
-    /// Means about each cell, by the same weights.
+    /// Means around each cell, with the same weights.
     pub(super) fn averaged(&self, sigma: f64) -> Self {
         let (sums, cells) = (self.smoothed(sigma), Map::filled(1.0).smoothed(sigma));
         Self::from_fn(|cell| sums.of(cell) * (1.0 / cells.of(cell)))

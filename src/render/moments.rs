@@ -1,11 +1,11 @@
 //! Moments of many probes, cell by cell of the picture. In go probes, out come sums of their values and of
-//! products of these. Invariant: nothing else is kept of a probe, so their number takes no memory.
+//! products of these. Invariant: only sums are stored, so memory does not grow with the number of probes.
 
 use super::map::{Map, cell_at};
 use super::probes::{PASSES, Probe};
 use crate::color::Rgb;
 
-/// Values of each pass: walk less grid, and grid.
+/// Values of each pass: walk minus grid, and grid.
 const VALUES: usize = 2 * PASSES;
 
 /// Sums over the probes of a cell, each by its weight.
@@ -60,7 +60,7 @@ impl Moments {
         Map::from_fn(|cell| self.0.of(cell).count)
     }
 
-    /// Sum of walk less grid.
+    /// Sum of walk minus grid.
     pub(super) fn difference(&self, pass: usize) -> Map<Rgb> {
         Map::from_fn(|cell| self.0.of(cell).sums[2 * pass])
     }
@@ -69,8 +69,8 @@ impl Moments {
         Map::from_fn(|cell| self.0.of(cell).sums[2 * pass + 1])
     }
 
-    /// Sum, and sum of squares, of what the probes of a cell still differ by if the grid's light of each pass
-    /// gets such a share of itself more.
+    /// Sum, and sum of squares, of the difference between walk and grid in each cell, after each pass of the
+    /// grid's light is multiplied by 1 plus its share.
     pub(super) fn left(&self, shares: &[Map<Rgb>; PASSES]) -> (Map<Rgb>, Map<Rgb>) {
         let weights = |cell: usize| {
             let mut weights = [Rgb::ONE; VALUES];
@@ -93,7 +93,7 @@ impl Moments {
         (sums, squares)
     }
 
-    /// Sum of squares of the same in one pass.
+    /// Sum of these squares in one pass.
     pub(super) fn squares_left(&self, pass: usize, share: &Map<Rgb>) -> Map<Rgb> {
         Map::from_fn(|cell| {
             let (products, share) = (self.0.of(cell).products, share.of(cell));

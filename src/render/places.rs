@@ -1,32 +1,32 @@
-//! Places of slices among all that any round may ask for. In goes a slice's number, out come its place and
-//! where along it its samples lie. Invariant: slices of a round lie half way between those of the rounds
-//! before. So all rounds together are one lattice, as even as if it had been rendered at once.
+//! Places of slices among those of all rounds. In goes a slice's number, out come its place and the phase of
+//! its samples. Invariant: slices of a round lie half way between those of the rounds before. So all rounds
+//! together are one lattice, as well distributed as a single round.
 
 use super::rounds::{Round, Schedule};
 
-/// Phase from place to place in a single round. Places and phases are a lattice in two dimensions, and no
-/// other of few points is more even.
+/// Phase step from place to place in a single round. Places and phases are a lattice in two dimensions; no
+/// other lattice of few points is better distributed.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
-/// The phase from place to place in rows of [`FINEST`] places. It, its double and so on, which are those of
-/// rows of fewer, have been sought by a computer: with each the lattice, in pixels of twice to eight times as
-/// many slices as places in a row, has no two points closer than 0.64 by the root of a point's share. The
-/// golden ratio has 0.89, its half 0.79, its quarter 0.56.
+/// Phase step from place to place in rows of [`FINEST`] places. Shorter rows have its double, its fourfold
+/// and so on. It was found by computer search: with each, in pixels that see two to eight times as many
+/// slices as a row has places, no two points are closer than 0.64 by the root of a point's share. The golden
+/// ratio has 0.89, its half 0.79, its quarter 0.56.
 const PHASE_STEP: f64 = 0.960_362_336_315_445_8;
 
 /// See [`PHASE_STEP`].
 const FINEST: f64 = 16384.0;
 
-/// The places of a round. A *row* is what lies between a slice of the first round and the next; all rows
-/// have as many places.
+/// The places of a round. A *row* has the places from one slice of the first round to the next; all rows have
+/// the same number.
 #[derive(Clone, Copy)]
 pub(super) struct Places {
-    /// Step from slice to slice.
+    /// Step from slice to slice, in places.
     pub(super) step: usize,
     first: usize,
 }
 
-/// Places in a row, a power of two: as many as the last round wants.
+/// Places in a row, a power of two: as many as the last round needs.
 pub(super) fn per_row(schedule: Schedule) -> usize {
     1 << schedule.doublings
 }
@@ -48,8 +48,7 @@ impl Places {
     }
 }
 
-/// Phase of the samples of a place's slice in its pieces, `0..1`, but for a shift that is the same for
-/// all.
+/// Phase of the samples of a place's slice in its pieces, `0..1`, without the shift that all slices share.
 pub(super) fn phase(place: usize, per_row: usize) -> f64 {
     let step = match per_row {
         1 => GOLDEN_RATIO,
@@ -88,7 +87,7 @@ mod tests {
         assert!((0..20).all(|number| places.of(number) == number));
     }
 
-    /// The shortest distance between points of the lattice of places and phases, where a pixel sees so many
+    /// Shortest distance between points of the lattice of places and phases, where a pixel sees so many
     /// slices, by the root of a point's share.
     fn evenness(per_row: usize, slices: f64) -> f64 {
         let distance = |number: usize| {

@@ -1,6 +1,6 @@
-//! Camera rays along which indirect light is found twice: from the grid, and by one random walk. In go a
-//! snapshot, a job and the grid, out come both answers. Invariant: a probe depends on its number and the
-//! seed, whatever the picture's size and whatever part of it is wanted.
+//! Probes: camera rays along which indirect light is found twice, from the grid and by one random walk. In go
+//! a snapshot, a job and the grid, out come both values. Invariant: a probe depends on its number and the
+//! seed alone, for any size of picture and any wanted part.
 
 use super::importance::Importance;
 use super::{Job, Method};
@@ -21,21 +21,21 @@ pub(super) const PASSES: usize = 2;
 pub(super) struct Probe {
     /// Place in the picture, `0..1` across and down.
     pub(super) place: DVec2,
-    /// By how much it counts: the less the denser probes are.
+    /// Weight: the inverse of the density of probes.
     pub(super) weight: f64,
     pub(super) walk: [Rgb; PASSES],
     pub(super) grid: [Rgb; PASSES],
-    /// Random points that the walk took: its length.
+    /// Number of random points of the walk, as its length.
     pub(super) drawn: u32,
 }
 
-/// Where probes are, and how many walks branch off each.
+/// Density of probes, and the number of walks that branch off each.
 pub(super) struct Plan {
     pub(super) importance: Importance,
     pub(super) branches: Branches,
 }
 
-/// Probes of these numbers, spread over the picture (Owen-scrambled Sobol points).
+/// Probes of these numbers, distributed over the picture (Owen-scrambled Sobol points).
 pub(super) fn probes(
     numbers: Range<u32>,
     plan: &Plan,

@@ -1,7 +1,7 @@
-//! Rounds until a picture is good enough. In goes a picture to be rendered in rounds, out come its film and
-//! the errors that its blocks still have. Invariant: a part of a picture has the pixels of the whole. Whether
-//! a block or a pixel goes on depends on two things: its block's samples, and those by which the blocks
-//! beside it are first judged alone.
+//! Rounds until a picture is within its tolerance. In goes a picture that is rendered in rounds, out come its
+//! film and the remaining errors of its blocks. Invariant: a crop has the pixels of the whole picture.
+//! Whether a block or a pixel goes on depends on its block's samples, and on those by which neighbouring
+//! blocks are judged for the first time.
 
 use super::rounds::{LOOSE, Picture, Round, Schedule};
 use super::survey::Survey;
@@ -9,72 +9,72 @@ use super::{Job, Watch};
 use crate::film::{BlockEstimate, Blocks, Film, Mask};
 use rayon::prelude::*;
 
-/// Blocks darker than this part of the picture's mean are judged as if they were that bright: nobody sees
-/// their errors, and where there is hardly any light, relative errors have no end.
+/// Minimum luminance of blocks for relative errors, as a part of the picture's mean: errors of darker blocks
+/// are invisible, and relative errors grow without bound in the dark.
 const DARKEST: f64 = 0.1;
 
-/// A pixel with less than this part of the variance that its block may have, in itself and next to it, has
-/// samples enough: most of a block's error is that of the few pixels in which edges lie.
+/// Part of its block's variance below which a pixel has samples enough, if its neighbours have, too: most of
+/// a block's error is in the few pixels with edges.
 const NEGLIGIBLE: f64 = 0.25;
 
-/// Error that shows in a block without contrast of its own.
+/// Visible error in a block without contrast of its own.
 const SEEN: f64 = 0.02;
 
-/// Contrast of a block that masks as much as any tolerance allows: that of foliage.
+/// Contrast of a block from which any tolerance is masked: that of foliage.
 const FOLIAGE: f64 = 0.2;
 
-/// Power of the contrast by which the least contrast that one sees upon it grows (Legge & Foley 1980,
-/// "Contrast masking in human vision").
+/// Power of a block's contrast by which the least visible contrast in it grows (Legge & Foley 1980, "Contrast
+/// masking in human vision").
 const MASKING: f64 = 0.6;
 
 /// Number of blocks that are judged at once.
 const JUDGED_AT_ONCE: usize = 1024;
 
-/// Power of the number of samples by which a block's error falls: with edges faster than by the root.
+/// Power of the number of samples by which a block's error falls: with edges it is more than one half.
 pub(super) const ORDERED: f64 = 0.75;
 
-/// Power where samples have draws of their own, and know little of one another.
+/// Power where samples have draws of their own and are nearly independent.
 pub(super) const DRAWN: f64 = 0.5;
 
-/// A light's part of a picture, or all of it.
+/// A component of a picture, or all of it, after its rounds.
 pub(super) struct Refined {
     pub(super) film: Film,
     /// The blocks that it covers, those around the window included.
     pub(super) blocks: Blocks,
-    /// Variance of each of them, see [`BlockEstimate::variance`]; none if nobody judges.
+    /// Variance of each of them, see [`BlockEstimate::variance`]; empty if blocks are not judged.
     pub(super) variances: Vec<f64>,
     pub(super) rounds: u32,
 }
 
-/// Goal at which a block is good enough.
+/// Goal for a block.
 pub(super) struct Goal<'a> {
-    /// Standard error of a block by its brightness, of all pictures together.
+    /// Maximum standard error of a block relative to its brightness, of all components together.
     pub(super) tolerance: f64,
-    /// Samples a pixel at which to stop all the same.
+    /// Maximum number of samples a pixel.
     pub(super) most: u32,
     pub(super) survey: &'a Survey,
     pub(super) budget: &'a Budget,
 }
 
-/// Budget of a picture: its part of the variance of all that are added up.
+/// Budget of a component: its part of the variance of the sum.
 pub(super) struct Budget {
-    /// Share of its own.
+    /// Share of this component.
     pub(super) share: f64,
-    /// Sum of that and the shares of the pictures before it: what they have left is its own too.
+    /// Sum of that and of the shares of the components before: it may use what they have left.
     pub(super) share_so_far: f64,
-    /// Their sum, block by block; none if there are none.
+    /// Sum of the components before, block by block; empty if there are none.
     pub(super) before: Vec<BlockEstimate>,
 }
 
 impl Budget {
-    /// Budget of a picture that is all there is.
+    /// Budget of a picture with one component.
     pub(super) const WHOLE: Self = Self { share: 1.0, share_so_far: 1.0, before: Vec::new() };
 }
 
-/// A block's standard error by its brightness; 1 where nothing is known of it.
+/// Standard error of a block relative to its brightness; 1 if the variance is unknown.
 pub(super) fn relative_error(variance: f64, luminance: f64, survey: &Survey) -> f64 {
     if variance == 0.0 {
-        // Also where there is no light at all.
+        // Even without any light.
         0.0
     } else if variance == f64::INFINITY {
         1.0
@@ -88,7 +88,7 @@ fn visible(luminance: f64, survey: &Survey) -> f64 {
     luminance.max(DARKEST * survey.mean)
 }
 
-/// Renders exactly so many samples a pixel, as one round.
+/// Renders exactly the job's samples a pixel, as one round.
 pub(super) fn once(picture: &impl Picture, job: &Job, watch: &Watch) -> Refined {
     let needed = job.needed_window();
     let blocks = Blocks::covering(needed, job.size);
@@ -104,10 +104,10 @@ pub(super) fn once(picture: &impl Picture, job: &Job, watch: &Watch) -> Refined 
     Refined { film, blocks, variances, rounds: 1 }
 }
 
-/// Renders rounds until every block of the window reaches the goal, or its pixels have all
-/// the samples they may.
+/// Renders rounds until every block of the window reaches the goal, or its pixels have the maximum number of
+/// samples.
 ///
-/// Each round doubles the samples of the pixels that take part in it, and its samples judge those before.
+/// Each round doubles the samples of its pixels; they judge those before.
 pub(super) fn refine(picture: &impl Picture, job: &Job, goal: &Goal, watch: &Watch) -> Refined {
     let mut refinement = Refinement::new(picture, job, goal);
     let schedule = Schedule::of(job.sampling);
@@ -132,31 +132,31 @@ struct Refinement<'a, P> {
     goal: &'a Goal<'a>,
     film: Film,
     window_blocks: Blocks,
-    /// Blocks of the window, and the ones around: their first estimates tell whether a block at the
+    /// Blocks of the window and their neighbours, whose first estimates decide with it whether a block at the
     /// window's rim goes on.
     blocks: Blocks,
     variances: Vec<f64>,
     goes_on: Vec<bool>,
-    /// The pixels that the next round is for.
+    /// Pixels of the next round.
     wanted: Mask,
     rounds: u32,
-    /// Whether some round has had samples enough to judge by.
+    /// Whether some round had samples enough to judge by.
     was_judged: bool,
-    /// The largest relative error of all blocks that go on.
+    /// Largest relative error of all blocks that go on.
     worst: Option<f64>,
     work: Work,
 }
 
-/// Estimates after a round, and what they ask for.
+/// Estimates after a round, and the resulting decisions.
 struct Judgement {
-    /// Variance of each pixel of the film; NaN where it has not two halves.
+    /// Variance of each pixel of the film; NaN where it lacks two halves.
     variances: Vec<f32>,
     blocks: Vec<BlockEstimate>,
-    /// The standard error of each block that goes on, by what it may be.
+    /// Ratio of the standard error of each block that goes on to its maximum.
     excess: Vec<f64>,
-    /// Whether there are samples enough to decide by.
+    /// Whether there are samples enough to decide.
     decides: bool,
-    /// Whether no round has decided before.
+    /// Whether no round before had enough.
     is_first: bool,
 }
 
@@ -202,8 +202,8 @@ impl<'a, P: Picture> Refinement<'a, P> {
         Judgement { variances, blocks: estimates, excess, decides, is_first }
     }
 
-    /// A block goes on while it exceeds its goal. When first judged it also goes on if one next to it does:
-    /// an edge that the one has missed by chance may show in the other.
+    /// A block goes on while it exceeds its goal. When first judged it also goes on if a neighbour exceeds
+    /// it: an edge that one block missed by chance may show in the other.
     fn choose_blocks(&mut self, judgement: &Judgement) {
         for block in 0..self.blocks.count() {
             if !self.goes_on[block] {
@@ -226,14 +226,14 @@ impl<'a, P: Picture> Refinement<'a, P> {
     }
 
     fn neighbourhood_exceeds(&self, block: usize, judgement: &Judgement) -> bool {
-        // What pictures before know of a block next to it depends on how far it went on, so this
-        // block's own has to do.
+        // The estimates of earlier components in a neighbouring block depend on its number of samples, so
+        // this block's are used.
         let exceeds = |near: usize| self.goal.excess(&judgement.blocks[near], block) > 1.0;
         self.blocks.neighbourhood(block).any(exceeds)
     }
 
-    /// A pixel goes on with its block unless it and those next to it have hardly any of the block's variance:
-    /// one that has missed an edge by chance lies next to one that has not.
+    /// A pixel goes on with its block unless it and its neighbours have a negligible part of the block's
+    /// variance: a pixel that missed an edge by chance lies next to one that did not.
     fn choose_pixels(&mut self, judgement: &Judgement) {
         let Self { goal, film, blocks, goes_on, .. } = self;
         let negligible = |block: usize| NEGLIGIBLE * goal.variance(&judgement.blocks[block], block);
@@ -251,7 +251,7 @@ impl<'a, P: Picture> Refinement<'a, P> {
         });
     }
 
-    /// Foresees the work that is left.
+    /// Estimates the work that is left.
     fn foresee(&mut self, round: &Round, judgement: &Judgement) {
         let going_on = self.goes_on.iter().filter(|goes_on| **goes_on).count();
         let pixels_a_block = self.wanted.count() as f64 / going_on.max(1) as f64;
@@ -262,23 +262,23 @@ impl<'a, P: Picture> Refinement<'a, P> {
     }
 }
 
-/// Factor on what halves of a pixel's samples say of its variance.
+/// Factor from the difference of a pixel's halves to its variance.
 ///
-/// The halves complete one another: slices of the one lie between those of the other. If the error falls
-/// as samples to the power -p, the whole varies by 4^-p of what each half, A or B, does; then (A + B) / 2
-/// varies by (A - B)^2 / 4 / (4^p - 1), where halves that know nothing of one another have p = 1/2.
+/// The halves complement each other: slices of one lie between those of the other. If the error falls as
+/// samples to the power -p, the variance of the whole is 4^-p of that of each half, A or B. Then (A + B) / 2
+/// has the variance (A - B)^2 / 4 / (4^p - 1); independent halves have p = 1/2.
 fn completion(convergence: f64) -> f64 {
     (4.0_f64.powf(convergence) - 1.0).recip()
 }
 
-/// Estimate of each block by its pixels, and the variance of each pixel of the film, NaN where it has not two
+/// Estimate of each block from its pixels, and the variance of each pixel of the film, NaN where it lacks two
 /// halves.
 fn judge(film: &Film, blocks: &Blocks, completion: f64) -> (Vec<BlockEstimate>, Vec<f32>) {
     let window = film.window();
     let mut variances = vec![f32::NAN; window.width * window.height];
     let of_block = |block: usize| film.estimates(blocks.pixels(block), completion);
     let mut estimates = Vec::with_capacity(blocks.count());
-    // A few at a time, as estimates of all pixels would be as much as the film.
+    // A few blocks at a time, as estimates of all pixels would be as large as the film.
     for first in (0..blocks.count()).step_by(JUDGED_AT_ONCE) {
         let some = first..blocks.count().min(first + JUDGED_AT_ONCE);
         for pixels in some.into_par_iter().map(of_block).collect::<Vec<_>>() {
@@ -294,7 +294,7 @@ fn judge(film: &Film, blocks: &Blocks, completion: f64) -> (Vec<BlockEstimate>, 
 }
 
 impl Goal<'_> {
-    /// The standard error of a block, by what it may be.
+    /// Standard error of a block over its maximum.
     fn excess(&self, estimate: &BlockEstimate, block: usize) -> f64 {
         if estimate.variance == 0.0 {
             0.0
@@ -305,10 +305,10 @@ impl Goal<'_> {
         }
     }
 
-    /// The variance that a block may have.
+    /// Maximum variance of a block.
     fn variance(&self, estimate: &BlockEstimate, block: usize) -> f64 {
         let Budget { share, share_so_far, before } = self.budget;
-        // Errors of independent pictures add in squares.
+        // Errors of independent components add in squares.
         let none = BlockEstimate { luminance: 0.0, variance: 0.0, detail: 0.0 };
         let others = before.get(block).unwrap_or(&none);
         let luminance = visible(estimate.luminance + others.luminance, self.survey);
@@ -318,19 +318,21 @@ impl Goal<'_> {
     }
 }
 
-/// Error that a block of such a contrast may have: fog and sky show what leaves mask.
+/// Maximum relative error of a block with such a contrast: it is visible in fog and sky, and masked by
+/// leaves.
 fn unmasked(tolerance: f64, contrast: f64) -> f64 {
     (tolerance * (contrast / FOLIAGE).powf(MASKING)).max(SEEN).min(tolerance)
 }
 
-/// Estimated samples that blocks with so many a pixel still take, in blocks times samples a pixel.
+/// Estimated number of samples that blocks still take which have so many a pixel, in blocks times samples a
+/// pixel.
 fn samples_left(excess: &[f64], samples: u32, most: u32, convergence: f64) -> f64 {
     let samples = f64::from(samples);
     let wanted = |excess: &f64| (samples * excess.powf(1.0 / convergence)).min(f64::from(most)) - samples;
     excess.iter().filter(|excess| **excess > 1.0).map(wanted).sum()
 }
 
-/// Progress for those who wait, in samples.
+/// Progress, in samples.
 #[derive(Default)]
 struct Work {
     done: f64,
@@ -338,9 +340,9 @@ struct Work {
 }
 
 impl Work {
-    /// Takes the next piece of the work; which part of all of it that is.
+    /// Takes the next piece of the work; returns its range as fractions of all work.
     fn next(&mut self, piece: f64) -> (f64, f64) {
-        // Before anything is known, the first piece is a guess at a third of it.
+        // At first, all work is guessed to be three times the first piece.
         let left = if self.done == 0.0 { 3.0 * piece } else { self.left.max(piece) };
         let all = self.done + left;
         let start = self.done;

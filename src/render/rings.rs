@@ -1,40 +1,40 @@
-//! Rings about the axis in which slices are laid out, and their densities. In go the fan of the light's
-//! centre, how far others deviate and what slices cut. Out come rings. Invariant: the choice is the whole
-//! picture's, whichever part of it is wanted.
+//! Rings around the axis in which slices are laid out, and their densities. In go the fan of the light's
+//! centre, the deviation of others and the segments of slices. Out come rings. Invariant: the choice is that
+//! of the whole picture, for any wanted part.
 //!
-//! A slice with a draw of its own passes through its place half way across its ring. The farther one looks
-//! from there, the farther the slice is from where it belongs, and pixels see now more slices, now fewer.
-//! In narrow rings all stay in order, but each ring gathers anew what its slices cut.
+//! A slice with a draw of its own passes through its place half way across its ring. Away from there it
+//! leaves its place, and the number of slices varies from pixel to pixel. In narrow rings all slices stay in
+//! order, but each ring gathers its slices' segments anew.
 //!
-//! Slices that share a fan are always in order, but lie close together near its epipole. Most of them tell
-//! nothing there that others do not, so there are fewer of them.
+//! Slices that share a fan are always in order, but lie close together near its epipole. Most of them are
+//! redundant there, so there are fewer.
 
 use crate::transport::slices::{Fan, Ring, Separation, Slice};
 use std::f64::consts::PI;
 
-/// Numbers of rings in which the picture may be cut: 16 are hardly better than 8.
+/// Possible numbers of rings: 16 are hardly better than 8.
 const COUNTS: [u32; 4] = [1, 2, 4, 8];
 
-/// Cost of a sample, in segments that a slice gathers, by what rings add to the time of leaves500.
+/// Cost of a sample, in segments that a slice gathers, from the time that rings add to leaves500.
 const SEGMENTS_PER_SAMPLE: f64 = 5.0;
 
-/// Number of places by which slices are off where nothing of their order is left to lose. In `title` at
-/// its full size they are off by hundreds, and 8 rings, for the same time, err by a quarter more than one.
+/// Displacement of slices, in places, at which no order is left. In `title` at its full size they are off by
+/// hundreds, and 8 rings, in the same time, err by a quarter more than one.
 const MOST_PASSED: f64 = 20.0;
 
-/// Number of slices of a ring that are asked what they cut.
+/// Number of slices of a ring whose segments are counted.
 const PROBES: u32 = 3;
 
-/// Slices that share a fan are too many within this part of the way from its axis to where they lie
-/// farthest apart. With the sun amid leaves500 a ninth of the time is spent there, on a hundredth of the
-/// square of the error.
+/// Part of the way from a fan's axis to its widest spacing within which slices that share the fan are too
+/// dense. With the sun amid leaves500 a ninth of the time is spent there, on a hundredth of the square of the
+/// error.
 const NEAR_EPIPOLE: f64 = 0.1;
 
-/// Density of such slices at the rim of that part, over that where they lie farthest apart. With all of
-/// them it would be ten times, so a quarter are left.
+/// Density of such slices at the rim of that part, over that at the widest spacing. With all of them it would
+/// be ten times, so a quarter are left.
 const CLOSER_AT_RIM: f64 = 2.5;
 
-/// Facts that decide about rings, beside the fan.
+/// Facts that decide on rings, beside the fan.
 pub(super) struct RingFacts<'a> {
     /// Whether slices have draws of their own.
     pub(super) is_drawn: bool,
@@ -42,14 +42,14 @@ pub(super) struct RingFacts<'a> {
     pub(super) deviation_rad: f64,
     /// Samples a pixel.
     pub(super) samples: f64,
-    /// Slices for the width of a pixel.
+    /// Number of slices in the width of a pixel.
     pub(super) slices_per_px: f64,
     /// Number of segments that a slice gathers.
     pub(super) segments: &'a dyn Fn(&Slice) -> usize,
 }
 
 impl RingFacts<'_> {
-    /// Number of rings, and whether slices mostly keep their places in them.
+    /// Number of rings, and whether slices mostly keep their order in them.
     pub(super) fn choose(&self, base: &Fan) -> (u32, bool) {
         let count = self.count(base);
         let areas = self.cut(base, count).into_iter().map(|ring| {
@@ -63,7 +63,7 @@ impl RingFacts<'_> {
     /// Number of rings that takes the least time for the same error.
     fn count(&self, base: &Fan) -> u32 {
         let cost = |count| self.cut(base, count).into_iter().map(|ring| self.cost(base, ring)).sum::<f64>();
-        // With little to gain nothing is asked of the scene.
+        // Where little can be gained, no segments are counted.
         let is_ordered = self.cut(base, 1).into_iter().all(|ring| self.disorder(base, ring) < 1.1);
         if is_ordered {
             return 1;
@@ -72,8 +72,8 @@ impl RingFacts<'_> {
         costs.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(1, |(count, _)| count)
     }
 
-    /// The picture in so many rings, and what lies about the axis and about its far side in others: there
-    /// slices deviate too far to be kept in any place, or lie too close.
+    /// The picture in so many rings, with further rings around the axis and the opposite direction: there
+    /// slices deviate too far to keep any place, or lie too close.
     pub(super) fn cut(&self, base: &Fan, count: u32) -> Vec<Ring> {
         let extent = base.extent();
         let about_axis_rad = if self.is_drawn { 2.0 * self.deviation_rad } else { near_epipole_rad(base) };
@@ -99,7 +99,7 @@ impl RingFacts<'_> {
         self.slices_per_px * px
     }
 
-    /// Cost of a ring for an error, in segments: those that its slices gather, and samples.
+    /// Cost of a ring for a fixed error, in segments: those of its slices, and its samples.
     fn cost(&self, base: &Fan, ring: Ring) -> f64 {
         let separation = base.separation(ring);
         let angle = |probe: u32| base.angles.0 + base.angles.1 * (f64::from(probe) + 0.5) / f64::from(PROBES);
@@ -110,15 +110,15 @@ impl RingFacts<'_> {
         gathered + SEGMENTS_PER_SAMPLE * samples
     }
 
-    /// Factor on the samples of slices in order that a ring needs for the same error. Under a sun of 0.53
-    /// degrees the error of leaves500 in 1 to 16 rings goes as (1 + 6 passed)^(1/4) / samples, where
-    /// slices leave their places by `passed` others at the ring's borders. As `passed` itself grows with
-    /// the samples, it takes (1 + 6 passed)^(1/3) times as many.
+    /// Factor on the samples of ordered slices that a ring needs for the same error. Under a sun of 0.53
+    /// degrees the error of leaves500 in 1 to 16 rings goes as (1 + 6 passed)^(1/4) / samples, where slices
+    /// are displaced by `passed` places at the ring's borders. As `passed` itself grows with the samples, the
+    /// factor is (1 + 6 passed)^(1/3).
     fn disorder(&self, base: &Fan, ring: Ring) -> f64 {
         (1.0 + 6.0 * self.passed(base, ring).min(MOST_PASSED)).cbrt()
     }
 
-    /// Number of places by which slices are off at a ring's borders.
+    /// Displacement of slices at a ring's borders, in places.
     fn passed(&self, base: &Fan, ring: Ring) -> f64 {
         let extent = base.extent();
         let (from, to) = (ring.0.max(extent.0), ring.1.min(extent.1));
@@ -141,13 +141,13 @@ mod tests {
 
     const SIZE: Size = Size { width: 480, height: 270 };
 
-    /// A picture along -z by a pinhole, and a sun so high.
+    /// Fan of a pinhole's picture along -z, with a sun at an elevation.
     fn fan(elevation_deg: f64) -> Fan {
         let (sin, cos) = elevation_deg.to_radians().sin_cos();
         Fan::of_pinhole(0.7, SIZE, DVec3::new(0.0, sin, -cos))
     }
 
-    /// For the sun beside the picture, in it, behind the camera, and at right angles.
+    /// With the sun beside the picture, in it, behind the camera, and at right angles.
     fn fans() -> [Fan; 4] {
         [50.0, 5.0, 175.0, 90.0].map(fan)
     }
@@ -167,7 +167,7 @@ mod tests {
     fn slices_that_share_a_fan_are_not_cut() {
         let asked = |_: &Slice| -> usize { panic!("nothing is asked of the scene") };
         for fan in fans() {
-            // A parallel sun before a pinhole at an instant; and one that hardly deviates.
+            // A pinhole at an instant under a parallel sun, and under one that hardly deviates.
             for deviation_deg in [0.0, 1e-6] {
                 assert_eq!(facts(deviation_deg, &asked).count(&fan), 1);
             }
@@ -182,8 +182,8 @@ mod tests {
         }
     }
 
-    /// The more slices, the more of them each leaves its place by: order is worth as much
-    /// among many as among few.
+    /// With more slices each is displaced by more places: rings are worth as much with many samples as with
+    /// few.
     #[test]
     fn many_samples_are_worth_as_many_rings_as_few() {
         for samples in [4.0, 16.0, 64.0] {
@@ -192,7 +192,7 @@ mod tests {
         }
     }
 
-    /// As in `title`, whose sun and lens make slices deviate by more than rings could mend.
+    /// As in `title`, whose sun and lens deviate by more than rings could mend.
     #[test]
     fn what_deviates_too_far_is_not_cut() {
         assert_eq!(
@@ -201,8 +201,7 @@ mod tests {
         );
     }
 
-    /// A small disc in rings keeps its slices in their places; under one that deviates far no half of them
-    /// completes the other.
+    /// Slices of a small disc keep their order in rings; those of one that deviates far are independent.
     #[test]
     fn what_deviates_far_is_not_ordered() {
         for (deviation_deg, ordered) in [(0.0, true), (0.27, true), (0.9, false), (6.0, false)] {
@@ -210,7 +209,7 @@ mod tests {
         }
     }
 
-    /// If that, or its far side, is in the picture.
+    /// If the epipole, or the opposite direction, is in the picture.
     #[test]
     fn slices_near_the_epipole_are_thinned() {
         let facts = facts(0.0, &|_| 1);

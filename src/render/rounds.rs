@@ -1,5 +1,6 @@
-//! Rounds that a picture is rendered in. Invariant: a round's samples are a pure function of its place in
-//! the order and of the pixel, so that leaving pixels out changes no other pixel.
+//! Rounds in which a picture is rendered. In go a sampling and wanted pixels, out come rounds. Invariant: a
+//! round's samples are a pure function of its number and the pixel, so leaving pixels out changes no other
+//! pixel.
 
 use super::{Job, Watch};
 use crate::film::{BLOCK_SIDE, Film, Mask};
@@ -10,8 +11,8 @@ use crate::transport::slices::FARTHEST_SHIFT_PX;
 /// [`FARTHEST_SHIFT_PX`] along its slice, and so does the next edge that it meets. A swath adds a pixel.
 const REACH_PX: usize = 3 * FARTHEST_SHIFT_PX as usize + 1;
 
-/// Samples a pixel of the first round, at most: with 4 many blocks end by chance, with 16 too few could have
-/// ended before (docs/decisions/tolerance.md).
+/// Maximum number of samples a pixel of the first round: with 4 many blocks end by chance, with 16 too few
+/// could have ended before (docs/decisions/tolerance.md).
 const FIRST_SAMPLES: u32 = 8;
 
 /// Samples of the first round with a tolerance of at least [`LOOSE`], for which 8 are mostly more than
@@ -26,19 +27,19 @@ pub(super) const LOOSE: f64 = 0.25;
 pub(super) struct Schedule {
     /// Samples in the first round, at least 1.
     pub(super) first: u32,
-    /// Maximum number of rounds after it, for whose samples it leaves places between its own.
+    /// Maximum number of rounds after it; their samples lie between its own.
     pub(super) doublings: u32,
 }
 
 impl Schedule {
-    /// One round of exactly so many, or as many as it takes.
+    /// One round for a fixed number of samples, otherwise rounds up to the maximum.
     pub(super) fn of(sampling: Sampling) -> Self {
         match sampling {
             Sampling::Exactly(samples) => Self { first: samples, doublings: 0 },
             Sampling::Until { tolerance, most } if tolerance >= LOOSE => {
                 Self::doubling(FIRST_SAMPLES_LOOSE, most)
             }
-            // Doubled some times they are the most that a pixel may have, or nearly.
+            // Doubled a few times, they reach about the maximum number of samples of a pixel.
             Sampling::Until { most, .. } => {
                 Self::doubling(most >> most.div_ceil(FIRST_SAMPLES).next_power_of_two().ilog2(), most)
             }
@@ -50,7 +51,7 @@ impl Schedule {
         Self { first, doublings: (most / first).ilog2() }
     }
 
-    /// Samples a pixel when all rounds are done.
+    /// Samples a pixel after all rounds.
     pub(super) fn in_all(self) -> u32 {
         self.first << self.doublings
     }
@@ -61,14 +62,14 @@ impl Schedule {
     }
 }
 
-/// One sampling of some pixels: the first of a picture, or one that doubles the samples that they have. All
-/// rounds so far together are spread as evenly as one with all their samples would be.
+/// One sampling of some pixels: the first of a picture, or one that doubles their samples. All rounds so far
+/// are together as well distributed as one with all their samples.
 #[derive(Clone, Copy)]
 pub(super) struct Round<'a> {
-    /// Number of rounds before.
+    /// Number of earlier rounds.
     pub(super) number: u32,
     pub(super) schedule: Schedule,
-    /// Pixels that are to have its samples.
+    /// Pixels that get its samples.
     pub(super) wanted: &'a Mask,
 }
 
@@ -78,32 +79,32 @@ impl Round<'_> {
         self.schedule.first << self.number.saturating_sub(1)
     }
 
-    /// Samples a pixel of all rounds before.
+    /// Samples a pixel of all earlier rounds.
     pub(super) fn before(&self) -> u32 {
         if self.is_first() { 0 } else { self.samples() }
     }
 
-    /// Whether there are no rounds before.
+    /// Whether there are no earlier rounds.
     pub(super) fn is_first(&self) -> bool {
         self.number == 0
     }
 
     /// Side in pixels of the squares within which a sample of one pixel may count in another, and within
-    /// which edges go on. After the first round they are blocks, so that none depends on how far others go
-    /// on.
+    /// which edges continue. After the first round these are blocks, so no block depends on the rounds of
+    /// others.
     pub(super) fn region_side(&self) -> usize {
         if self.is_first() { usize::MAX } else { BLOCK_SIDE }
     }
 
-    /// See [`Round::region_side`].
+    /// Whether a sample of one pixel may count in another: see [`Round::region_side`].
     pub(super) fn may_share(&self, from: (usize, usize), to: (usize, usize)) -> bool {
         let side = self.region_side();
         let region = |(x, y): (usize, usize)| (x / side, y / side);
         self.is_first() || region(from) == region(to) && self.wanted.contains(to.0, to.1)
     }
 
-    /// Mask of the pixels whose samples count somewhere: those that are wanted, and those next to them as
-    /// far as the filter reaches. Samples next to the film reach into it.
+    /// Mask of the pixels whose samples count: wanted ones, and their neighbours within the radius of the
+    /// filter. Samples beside the film count in it.
     pub(super) fn seen(&self, full: Size, filter: PixelFilter) -> Mask {
         match filter {
             PixelFilter::Box if !self.is_first() => self.wanted.clone(),
@@ -113,7 +114,7 @@ impl Round<'_> {
     }
 }
 
-/// A picture that is rendered in rounds: all of it, or one light's part.
+/// A picture that is rendered in rounds: all of it, or one component.
 pub(super) trait Picture {
     /// An empty film of a window of it.
     fn film(&self, job: &Job, window: Window) -> Film;
@@ -121,14 +122,14 @@ pub(super) trait Picture {
     /// Power of the number of samples by which its errors fall.
     fn convergence(&self) -> f64;
 
-    /// Samples a pixel below which errors may be the same all over a block, so that its halves agree by
+    /// Samples a pixel below which a block's error may be the same in both halves, so that they agree by
     /// chance.
     fn fewest_samples(&self) -> u32;
 
     /// Adds the samples of a round.
     fn add_round(&self, round: &Round, film: &mut Film, watch: &Watch);
 
-    /// Gives every pixel that got no sample from the rounds one of its own.
+    /// Traces a ray for every pixel without a sample.
     fn fill_holes(&self, film: &mut Film, watch: &Watch);
 }
 

@@ -1,6 +1,6 @@
 //! Shares of a slice's piece in pixels. In goes the piece, out come its pixels and weights. Invariant: a
-//! pixel gets no share from a round that does not want it, and the weight in it does not depend on which
-//! others are wanted.
+//! pixel gets shares only from rounds that want it, and its weight does not depend on which others are
+//! wanted.
 
 use super::lattice::PlacedSlice;
 use super::rounds::Round;
@@ -10,13 +10,13 @@ use crate::scene::Size;
 use crate::transport::slices::{Fan, Outline, Piece};
 use glam::DVec2;
 
-/// Number of points of a line that tell the filter's mean over it to 0.002 of its peak, by Gauss and
-/// Legendre: found by trying, for lines of up to 1.4 pixels.
+/// Number of points of Gauss-Legendre quadrature by which the filter's mean over a line is exact to 0.002 of
+/// its peak: found by trial, for lines of up to 1.4 pixels.
 fn points_of(length_px: f64) -> usize {
     1 + ((length_px - 0.1) / 0.34).ceil().clamp(0.0, 4.0) as usize
 }
 
-/// Facts that the pieces of a slice share.
+/// Data that the pieces of a slice share.
 pub(super) struct Shares<'a> {
     pub(super) round: &'a Round<'a>,
     pub(super) size: Size,
@@ -24,8 +24,8 @@ pub(super) struct Shares<'a> {
 }
 
 impl Shares<'_> {
-    /// Adds samples by the pixels' own areas: the pieces of a slice, and its outline, count wherever its
-    /// swath reaches.
+    /// Adds samples weighted by area in pixels: the pieces of a slice, and its outline, count within its
+    /// swath.
     pub(super) fn by_swath(
         &self,
         drawn: &Fan,
@@ -58,8 +58,8 @@ impl Shares<'_> {
         }
     }
 
-    /// Splats by the filter that is wider than a pixel: its mean over what the piece stands for, in each
-    /// pixel that it reaches.
+    /// Splats by a filter that is wider than a pixel: its mean over the area of the piece, in each pixel
+    /// within its radius.
     pub(super) fn by_window(&self, piece: &Piece) -> impl Iterator<Item = Splat> {
         let &Piece { chord, range, .. } = piece;
         let (x, y) = chord.pixel;
@@ -75,7 +75,7 @@ impl Shares<'_> {
         for (u, weight_along) in points_along {
             for (v, weight_across) in points_across {
                 let point = middle + *u * along + *v * across;
-                // By axis: of the pixels before, at and after the piece's own.
+                // Weights by axis of the pixels before, at and after the piece's own.
                 let [columns, rows] =
                     point.to_array().map(|at| [-1.0, 0.0, 1.0].map(|pixel| filter::weight(at - pixel)));
                 for (shares, row) in shares.iter_mut().zip(rows) {
@@ -95,7 +95,7 @@ impl Shares<'_> {
     }
 }
 
-/// A piece whose sample is kept.
+/// A piece whose sample is stored.
 pub(super) struct PlacedPiece {
     /// The sample's number.
     sample: u32,
@@ -103,7 +103,7 @@ pub(super) struct PlacedPiece {
     weight: f64,
     pixel: (usize, usize),
     film_px: DVec2,
-    /// Pixels in which it counts, and how much: lines of a swath mostly meet in the same ones.
+    /// Pixels in which it counts, and the weights: lines of a swath mostly lie in the same pixels.
     counts: [((usize, usize), f64); 4],
     counted: usize,
 }
@@ -114,7 +114,7 @@ impl PlacedPiece {
         Self { sample, weight: piece.weight, pixel, film_px, counts: Default::default(), counted: 0 }
     }
 
-    /// Notes that it counts in a pixel; gives that back if it counts in too many.
+    /// Adds its weight in a pixel; returns it instead if there are too many pixels.
     fn count(&mut self, pixel: (usize, usize), weight: f64) -> Option<((usize, usize), f64)> {
         let noted = &mut self.counts[..self.counted];
         if let Some((_, sum)) = noted.iter_mut().find(|(other, _)| *other == pixel) {

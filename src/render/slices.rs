@@ -1,7 +1,6 @@
-//! The component of one light, from slices. In go a picture's lattice and a round, out come samples
-//! on a film. Invariants: samples reach the film in the order of their slices, whatever thread solved
-//! them. They weigh as much as the area of the pixel that they stand for. So a pixel is the mean over
-//! what its slices see of it.
+//! The component of one light, from slices. In go a picture's lattice and a round, out come samples on a
+//! film. Invariants: samples reach the film in the order of their slices, for any number of threads. Their
+//! weight is the area of the pixel that they represent, so a pixel is the mean over its slices.
 
 use super::correction::Correction;
 use super::draws::{Draw, Draws};
@@ -26,8 +25,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// enough for the caches.
 const BATCH_PER_THREAD: usize = 16;
 
-/// Samples a pixel before those of slices with draws of their own are judged: a few points of a light throw a
-/// few shadows, each as sharp as if there were no half shadow, and between those all halves agree
+/// Minimum samples a pixel before slices with draws of their own are judged. A few points of a light cast a
+/// few shadows, each as sharp as that of a point, and between these all halves agree
 /// (docs/decisions/tolerance.md).
 const FEWEST_DRAWN_SAMPLES: u32 = 16;
 
@@ -44,7 +43,7 @@ pub(super) struct LightPicture<'a, 'scene> {
     lattice: Option<Lattice>,
 }
 
-/// Tally of a picture's slices, whichever thread solved them.
+/// Counts of a picture's slices, over all threads.
 #[derive(Default)]
 pub(super) struct Tally {
     slices: AtomicU64,
@@ -57,13 +56,13 @@ impl Tally {
         self.segments.fetch_add(segments as u64, Ordering::Relaxed);
     }
 
-    /// Slices and their segments.
+    /// Numbers of slices and of their segments.
     pub(super) fn totals(&self) -> (u64, u64) {
         (self.slices.load(Ordering::Relaxed), self.segments.load(Ordering::Relaxed))
     }
 }
 
-/// Memory that a thread keeps from slice to slice.
+/// Memory that a thread reuses from slice to slice.
 #[derive(Default)]
 struct SlicesScratch {
     slices: SliceScratch,
@@ -90,7 +89,7 @@ impl<'a, 'scene> LightPicture<'a, 'scene> {
         self.lattice.as_ref().is_some_and(|lattice| lattice.layout() == Layout::InStrata)
     }
 
-    /// Solves a slice and keeps its samples.
+    /// Solves a slice and stores its samples.
     fn solve(
         &self,
         round: &Round,
@@ -193,8 +192,7 @@ impl Picture for LightPicture<'_, '_> {
         };
         let has_halves = job.is_judged() || self.draws_in_strata();
         let count = lattice.count();
-        // Kept from batch to batch: giving so much memory back and asking for it again costs
-        // a tenth of the time.
+        // Reused by all batches: freeing so much memory and allocating it again costs a tenth of the time.
         let batch = BATCH_PER_THREAD * rayon::current_num_threads();
         let mut solved: Vec<Splats> = vec![film.splats(); batch];
         for first in (0..count).step_by(batch) {
@@ -205,8 +203,7 @@ impl Picture for LightPicture<'_, '_> {
                 SlicesScratch::default,
                 |scratch, (index, samples)| {
                     let number = first + index;
-                    // Of a lattice's slices every other one is a lattice too; halves without a use
-                    // are not kept.
+                    // Every other slice of a lattice makes a lattice, too; unused halves are not stored.
                     samples.start(has_halves && (!round.is_first() || number % 2 == 1));
                     let is_wanted = lattice.is_wanted(number) && !(watch.cancelled)();
                     if let Some(placed) = is_wanted.then(|| placed(number)).flatten() {
@@ -219,7 +216,7 @@ impl Picture for LightPicture<'_, '_> {
         }
     }
 
-    /// A ray of its own, through the pixel's centre.
+    /// One ray through the centre of each such pixel.
     fn fill_holes(&self, film: &mut Film, watch: &Watch) {
         let Self { exposure, job, light, correction, .. } = *self;
         let mut scratch = Scratch::default();

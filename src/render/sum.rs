@@ -10,12 +10,12 @@ use crate::film::{BlockEstimate, Blocks, Channel, Film, Frame};
 use crate::passes::{Pass, PassRow};
 use crate::scene::{Sampling, Window};
 
-/// The pictures so far.
+/// The components so far.
 #[derive(Default)]
 pub(super) struct Sum {
     frame: Option<Frame>,
     blocks: Option<Blocks>,
-    /// Block by block; those of independent pictures add.
+    /// Variances block by block; those of independent components add.
     variances: Vec<f64>,
     pub(super) statistics: Statistics,
 }
@@ -38,7 +38,7 @@ impl Sum {
         self.blocks = Some(blocks);
     }
 
-    /// The blocks so far; none before the first picture.
+    /// The blocks so far; empty before the first component.
     pub(super) fn estimates(&self) -> Vec<BlockEstimate> {
         let (Some(frame), Some(blocks)) = (&self.frame, &self.blocks) else { return Vec::new() };
         let of_block =
@@ -46,7 +46,7 @@ impl Sum {
         self.variances.iter().enumerate().map(of_block).collect()
     }
 
-    /// The pictures so far, added up.
+    /// The sum of the components so far.
     pub(super) fn frame(&self) -> Option<&Frame> {
         self.frame.as_ref()
     }
@@ -68,7 +68,7 @@ impl Sum {
         let noise = self.noise(&frame, blocks, (0..blocks.count()).filter(is_within));
         let mut frame = frame.part(job.window);
         if job.passes.contains(&Pass::Error) {
-            // Noise and the grid's error know nothing of one another.
+            // Noise and the grid's error are independent.
             let all = |block: usize| {
                 let of_grid = grid.map_or(0.0, |grid| grid.of_block(blocks, block, job));
                 let light = mean_luminance(&frame, blocks, block);
@@ -93,7 +93,7 @@ impl Sum {
 }
 
 impl Sum {
-    /// Noise of some blocks; one of which nothing is known errs by all of its light.
+    /// Noise of some blocks; a block of unknown variance errs by all of its light.
     fn noise(&self, frame: &Frame, blocks: &Blocks, of: impl Iterator<Item = usize>) -> f64 {
         let block = |block: usize| {
             let window = blocks.pixels(block);
@@ -115,7 +115,7 @@ struct NoisyBlock {
 }
 
 /// Root mean square of the standard error over all blocks but the hundredth with most of it, as a share of
-/// their mean luminance. A sun in the picture is a few pixels, and would tell of itself alone.
+/// their mean luminance. A sun in the picture is a few pixels, and would dominate the mean.
 fn noise(mut blocks: Vec<NoisyBlock>) -> f64 {
     const LEFT_OUT: usize = 100;
     blocks.sort_by(|a, b| a.variance.total_cmp(&b.variance));

@@ -1,6 +1,6 @@
-//! Survey of a picture's brightness, before any of it is rendered: what errors are measured against where
-//! it is dark, and which component matters most. In go a snapshot and a job, out come luminances.
-//! Invariant: the whole picture is surveyed whatever part of it is wanted, so all crops agree.
+//! Survey of a picture's brightness, before rendering: the scale of errors in dark places, and the order of
+//! components. In go a snapshot and a job, out come luminances. Invariant: the whole picture is surveyed for
+//! any wanted part, so all crops agree.
 
 use super::Job;
 use crate::color::luminance;
@@ -10,23 +10,23 @@ use crate::snapshot::Snapshot;
 use crate::transport::{Component, Scratch};
 use rayon::prelude::*;
 
-/// Rays across and down the picture, for each component: a hundredth and less of what the picture takes.
+/// Rays across and down the picture, for each component: at most a hundredth of the picture's time.
 const RAYS: (usize, usize) = (16, 9);
 
 /// Brightness of a picture, by a coarse grid of rays.
 pub(super) struct Survey {
     /// Mean luminance of the picture.
     pub(super) mean: f64,
-    /// The same without indirect light.
+    /// Mean luminance without indirect light.
     pub(super) direct: f64,
-    /// The components by what they add to it, the brightest first.
+    /// Components by their luminance, the brightest first.
     pub(super) components: Vec<Component>,
-    /// Share of each component in the variance that the picture may have, in the same order.
+    /// Share of each component in the picture's variance, in the same order.
     pub(super) shares: Vec<f64>,
 }
 
-/// Part of the variance that all components share evenly, however dark: a few rays may miss what a lamp
-/// lights.
+/// Part of the variance that all components share equally, however dark: a few rays may miss the places that
+/// a lamp lights.
 const EVEN_SHARE: f64 = 0.1;
 
 impl Survey {
@@ -45,8 +45,8 @@ impl Survey {
         let mut by_brightness: Vec<(Component, f64)> = components.into_iter().map(with_luminance).collect();
         by_brightness.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mean: f64 = by_brightness.iter().map(|(_, luminance)| luminance).sum();
-        // A component's noise is in proportion to it, and falls with about the power 3/4 of its samples: then
-        // all components together take the fewest if variances are nearly as luminances.
+        // A component's noise is in proportion to its luminance, and falls with about the power 3/4 of its
+        // samples. Then the fewest samples are needed if variances are nearly proportional to luminances.
         let even = 1.0 / by_brightness.len() as f64;
         let proportion = |luminance: f64| if mean > 0.0 { luminance / mean } else { even };
         let share = |luminance| EVEN_SHARE * even + (1.0 - EVEN_SHARE) * proportion(luminance);
@@ -55,16 +55,16 @@ impl Survey {
         Self { mean, direct, components, shares }
     }
 
-    /// Survey of a picture that nobody judges.
+    /// Survey of a picture whose errors are not judged.
     pub(super) fn omitted(components: Vec<Component>) -> Self {
         let count = components.len();
         Self { mean: 0.0, direct: 0.0, components, shares: vec![1.0 / count as f64; count] }
     }
 }
 
-/// Mean over the picture of a component, and of indirect light in it. Rays into a sun or lamp are left out,
-/// if there are others: it is a thousand times as bright as all the rest, and were it among these few rays
-/// the whole picture would count as dark.
+/// Mean luminance of a component over the picture, and of indirect light in it. Rays to a sun or lamp are
+/// left out, if there are others: it is a thousand times as bright as all else, and among these few rays it
+/// would make the whole picture count as dark.
 fn mean_luminances(
     snapshot: &Snapshot,
     job: &Job,

@@ -1,4 +1,5 @@
-//! Pixels one by one, in square tiles. Invariant: a pixel depends on its place and the seed alone.
+//! A component of the picture by rays, in square tiles. In go a job and a round, out come samples on a film.
+//! Invariant: a pixel depends on its place and the seed alone.
 
 use super::correction::Correction;
 use super::refine::ORDERED;
@@ -17,7 +18,7 @@ use std::sync::{Mutex, PoisonError};
 /// Tiles are small enough to keep all threads busy to the end, large enough to share cache lines.
 const TILE: usize = 32;
 
-/// A picture of a component of the light, each sample a ray of its own.
+/// A picture of one component, with a ray for each sample.
 pub(super) struct RayPicture<'a, 'scene> {
     exposure: &'a Exposure<'scene>,
     job: &'a Job,
@@ -35,7 +36,7 @@ impl Picture for RayPicture<'_, '_> {
         ORDERED
     }
 
-    /// Rays have draws of their own in every pixel.
+    /// Every pixel's rays have draws of their own.
     fn fewest_samples(&self) -> u32 {
         1
     }
@@ -59,7 +60,7 @@ impl Picture for RayPicture<'_, '_> {
         });
     }
 
-    /// Fills none: every pixel has samples of its own.
+    /// Does nothing: every pixel has samples of its own.
     fn fill_holes(&self, _: &mut Film, _: &Watch) {}
 }
 
@@ -101,7 +102,8 @@ impl<'a, 'scene> RayPicture<'a, 'scene> {
                     correction.apply(&mut value, film_px);
                 }
                 let splat = Splat { pixel: (x, y), weight: 1.0, from_centre_px: from_centre.length() };
-                // The sequence's first half is evenly spread, and so is its second; its even points are not.
+                // The sequence's first half is well distributed, and so is its second; its even points are
+                // not.
                 let is_fresh = !round.is_first() || 2 * number >= round.samples();
                 if is_fresh { film.add_fresh(&splat, &value) } else { film.add(&splat, &value) }
             }

@@ -4,38 +4,38 @@
 use crate::film::Frame;
 use std::time::{Duration, Instant};
 
-/// Who looks on while a frame is rendered. None of it reaches a finished frame.
+/// Observer of a frame's rendering. It has no effect on a finished frame.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
-    /// Is told now and then how far the frame is, from any thread.
+    /// Receives the progress now and then, from any thread.
     pub progress: &'a (dyn Fn(Progress) + Sync),
-    /// Tells whether to stop; then the frame comes back unfinished.
+    /// Returns whether to stop; the frame is then unfinished.
     pub cancelled: &'a (dyn Fn() -> bool + Sync),
-    /// Is asked whenever a round is done, and may ask for the picture so far.
+    /// Called after each round; it may ask for the picture so far.
     pub look: Option<&'a Look<'a>>,
-    /// Is told how long each stage took.
+    /// Receives the duration of each stage.
     pub stage: &'a (dyn Fn(Stage, Duration) + Sync),
 }
 
-/// Stage of a frame whose time is told; what is left are the samples of its lights.
+/// Stage of a frame whose time is reported; the rest are the samples of its components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Light of higher orders from its grids.
     IndirectLight,
-    /// Random walks that correct it, and a look at which light counts where.
+    /// Random walks that correct it, and the survey of components.
     Walks,
 }
 
-/// Use of a function that makes the picture so far, which takes its time.
+/// Receives a function that makes the picture so far, which takes time.
 pub type Look<'a> = dyn Fn(&dyn Fn() -> Frame) + Sync + 'a;
 
 impl Watch<'static> {
-    /// Nobody.
+    /// No observer.
     pub const NOBODY: Self = Self { progress: &|_| {}, cancelled: &|| false, look: None, stage: &|_, _| {} };
 }
 
 impl Watch<'_> {
-    /// Tells of a part of the work: the one from `start` to `end`, in fractions of all of it.
+    /// Reports a part of the work as the range from `start` to `end`, in fractions of all of it.
     pub(super) fn part<R>(
         &self,
         (start, end): (f64, f64),
@@ -49,7 +49,7 @@ impl Watch<'_> {
         work(&Watch { progress: &tell, ..*self })
     }
 
-    /// Tells how long a stage took.
+    /// Reports the duration of a stage.
     pub(super) fn timed<R>(&self, stage: Stage, work: impl FnOnce() -> R) -> R {
         let started = Instant::now();
         let result = work();
@@ -57,7 +57,7 @@ impl Watch<'_> {
         result
     }
 
-    /// Tells how much is done.
+    /// Reports the fraction of the work that is done.
     pub(super) fn tell(&self, fraction: f64) {
         (self.progress)(Progress::new(fraction, None));
     }
@@ -67,14 +67,14 @@ impl Watch<'_> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Share of the work that is done, as far as one can tell, `0..=1`.
+    /// Estimated share of the work that is done, `0..=1`.
     pub fraction: f64,
-    /// Largest relative error that some block of pixels is estimated to have, if there is a tolerance.
+    /// Largest estimated relative error of a block of pixels, if there is a tolerance.
     pub error: Option<f64>,
 }
 
 impl Progress {
-    /// Progress so far, with that error.
+    /// Progress with a fraction and an error.
     pub fn new(fraction: f64, error: Option<f64>) -> Self {
         Self { fraction, error }
     }
