@@ -1,5 +1,5 @@
-//! Angle sets: all ordinates that cross the same planes, one way and the other, for one channel. In go
-//! sources, out come moments. Invariant: an ordinate and its opposite share what a cell does to light.
+//! Angle sets: all ordinates that cross the same planes, forwards or backwards, for one channel. In go
+//! sources, out come moments. Invariant: an ordinate and its opposite share the attenuation of each cell.
 
 use super::boundary::{BoundaryCondition, Rim};
 use super::cross_sections::{CrossSections, OrientedExtinction};
@@ -26,7 +26,7 @@ use std::sync::Arc;
 pub(crate) struct SweepSource<'a> {
     /// Emission density of the medium, per metre and steradian.
     pub(crate) volume: &'a Moments,
-    /// Scattering of beams beyond harmonics.
+    /// Scattering of beams in degrees beyond the harmonics.
     pub(crate) beams: &'a [BeamSource],
     /// Radiance that leaves each wall patch, by channel.
     pub(crate) walls: &'a [Vec<f32>; 3],
@@ -35,7 +35,7 @@ pub(crate) struct SweepSource<'a> {
     pub(crate) incident: BoundaryCondition<'a>,
 }
 
-/// One of nine: of an axis and a channel.
+/// One of nine sets: one for each axis and channel.
 pub(crate) struct AngleSet<'a> {
     pub(crate) axis: usize,
     pub(crate) channel: usize,
@@ -44,42 +44,43 @@ pub(crate) struct AngleSet<'a> {
     /// Moments of degrees 3 and 4, for the last scattering.
     third: Vec<f32>,
     fourth: Vec<f32>,
-    /// And of degrees 5 and 6.
+    /// Moments of degrees 5 and 6.
     high: Vec<f32>,
-    /// Radiance that travels towards walls.
+    /// Moments of radiance that travels towards walls.
     towards_faces: TowardsFaces,
-    /// Each ordinate's number and radiance, where a grid within this one needs it.
+    /// Number of each ordinate with its radiance, where a grid within this one needs it.
     pub(crate) radiances: Vec<(usize, Vec<f32>)>,
     cell_m: f64,
     planes: Planes,
     cross_sections: &'a CrossSections,
-    /// Nodes with something oriented, in the order of the cross-sections.
+    /// Nodes with oriented scatterers, in the order of the cross-sections.
     oriented_nodes: Arc<[usize]>,
     isotropic_extinction: Vec<f32>,
-    /// Cut links by plane.
+    /// Nodes with cut links, by plane.
     cut: Arc<[Vec<Cut<'a>>]>,
-    /// The way through each node's cell by that through a whole one. A node has the mean over a whole cell of
-    /// what is in the room that it has: along planes that is denser.
+    /// Path through each node's cell, relative to that through a whole cell. A node has the mean over a whole
+    /// cell of the matter in its room, which is denser along planes.
     stretch: Arc<[f32]>,
     pairs: Vec<Pair>,
-    /// Cells of each node for one pair: transmittance and its mean within, radiance that they add to what
-    /// leaves them and to the mean within, and that mean.
+    /// By node, for one pair of ordinates: transmittance of the cell and its mean within, radiance that the
+    /// source adds to the outgoing one and to the mean within, and that mean.
     oriented_extinction: Vec<f32>,
     through: Vec<f32>,
     mean: Vec<f32>,
     added: [Vec<f32>; 2],
     added_within: [Vec<f32>; 2],
     radiance: [Vec<f32>; 2],
-    /// Radiance that leaves the cells next to walls, by node: what a wall gets has come all the way to it.
+    /// Outgoing radiance of the cells next to walls, by node: a wall's incident light has crossed the whole
+    /// cell.
     at_walls: [Vec<f32>; 2],
-    /// Radiance that leaves the cells of a plane, with a rim of what is incident.
+    /// Outgoing radiance of the cells of a plane, with incident radiance in the rim around it.
     before: Vec<f32>,
     behind: Vec<f32>,
     /// Radiance that leaves walls along one ordinate.
     walls: Vec<f32>,
 }
 
-/// Moments that an angle set has found: of nodes, by harmonic, and of faces of walls.
+/// Moments of an angle set: of nodes, by harmonic, and of faces of walls.
 pub(super) struct SetMoments {
     pub(super) axis: usize,
     pub(super) channel: usize,
@@ -90,17 +91,17 @@ pub(super) struct SetMoments {
     pub(super) high: Vec<f32>,
 }
 
-/// An ordinate that goes forwards along the axis, and its opposite.
+/// An ordinate in the positive direction of the axis, and its opposite.
 struct Pair {
     ordinate: Ordinate,
-    /// Their numbers.
+    /// Numbers of the two ordinates.
     numbers: [usize; 2],
 }
 
-/// A node some of whose neighbours are behind walls.
+/// A node with cut links: some of its neighbours are behind walls.
 struct Cut<'a> {
     links: &'a CutNode,
-    /// Among the nodes as they are laid, and in its plane.
+    /// Index of the node in the layout, and in its plane.
     node: usize,
     here: usize,
     /// Room along rows and columns, in cells.
@@ -157,7 +158,7 @@ impl<'a> AngleSet<'a> {
         })
     }
 
-    /// Along all ordinates of a quadrature that are its own.
+    /// Sweeps along those ordinates of a quadrature that belong to the set.
     pub(crate) fn sweep(
         &mut self,
         quadrature: &Quadrature,
@@ -187,7 +188,7 @@ impl<'a> AngleSet<'a> {
         }
     }
 
-    /// Gives away the moments that it has found.
+    /// Moves the moments out of the set.
     pub(super) fn take(&mut self) -> SetMoments {
         let towards = &mut self.towards_faces;
         SetMoments {
@@ -226,7 +227,7 @@ impl<'a> AngleSet<'a> {
         }
     }
 
-    /// Radiance along an ordinate and against it.
+    /// Sweeps along an ordinate and its opposite.
     fn sweep_pair(&mut self, number: usize, sources: &SweepSource) -> Ordinate {
         let Pair { ordinate, numbers } = self.pairs[number];
         self.cells(ordinate.direction, sources);
@@ -321,8 +322,7 @@ impl<'a> AngleSet<'a> {
         }
     }
 
-    /// Radiance at nodes some of whose neighbours are behind walls: from there comes
-    /// what the walls send out.
+    /// Radiance at nodes with cut links: a wall's radiance enters by its links instead of the neighbour's.
     fn past_cut_links(&mut self, (side, plane): (usize, usize), stencil: &UpwindStencil) {
         let planes = self.planes;
         let steps = [0, 1, 2, 3].map(|tap| stencil.step(tap));
@@ -331,7 +331,7 @@ impl<'a> AngleSet<'a> {
             let shares = stencil.shares_of_cut(room);
             let mut entering = 0.0;
             for tap in 0..4 {
-                // A share of nothing may point beyond the rim.
+                // A share of 0 may point beyond the rim.
                 if shares[tap] > 0.0 {
                     entering += shares[tap]
                         * match seen.wall_at(links[tap]) {
@@ -347,13 +347,13 @@ impl<'a> AngleSet<'a> {
     }
 }
 
-/// Means at places, of the values at nodes about them.
+/// Interpolates values of nodes at places.
 fn means(of_nodes: &[f32], places: &[Corners]) -> Vec<f32> {
     let mean = |corners: &Corners| corners.iter().map(|(node, weight)| weight as f32 * of_nodes[node]).sum();
     places.iter().map(mean).collect()
 }
 
-/// Nodes near walls, by plane.
+/// Nodes with cut links, by plane.
 fn cut_by_plane<'a>((grid, walls): (&Grid, &'a Walls), layout: Layout, planes: &Planes) -> Vec<Vec<Cut<'a>>> {
     let mut cut: Vec<Vec<Cut>> = (0..planes.count[0]).map(|_| Vec::new()).collect();
     for links in walls.nodes() {
@@ -366,7 +366,7 @@ fn cut_by_plane<'a>((grid, walls): (&Grid, &'a Walls), layout: Layout, planes: &
     cut
 }
 
-/// The ordinates that go forwards along an axis more than along another.
+/// Pairs of an ordinate whose main axis is `axis`, in its positive direction, and its opposite.
 fn pairs(quadrature: &Quadrature, axis: usize) -> Vec<Pair> {
     let forwards =
         |ordinate: &Ordinate| main_axis(ordinate.direction) == axis && ordinate.direction[axis] > 0.0;
@@ -379,10 +379,10 @@ fn pairs(quadrature: &Quadrature, axis: usize) -> Vec<Pair> {
         .collect()
 }
 
-/// The one along which a direction goes most.
+/// Axis of the largest component of a direction.
 fn main_axis(direction: DVec3) -> usize {
     let along = direction.abs();
-    // Equal ones differ by rounding.
+    // Equal components differ by rounding.
     let most = along.max_element() - 1e-9;
     (0..3).rev().find(|axis| along[*axis] >= most).expect("one is the largest")
 }

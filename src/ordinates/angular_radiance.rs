@@ -1,6 +1,6 @@
-//! Angular radiance at places about a finer grid, in transport the angular flux. In go sweeps, out comes
-//! what that grid gets from outside. Invariant: nothing is smoothed, so what goes up from the ground never
-//! comes down. Of harmonics up to l = 2 a fourteenth does, once what is negative of them is cut off.
+//! Angular radiance (in transport: angular flux) at places around a finer grid. In go sweeps, out comes the
+//! incident radiance of that grid. Invariant: ordinates stay apart, so upward radiance of the ground never
+//! turns downward. With harmonics up to l = 2, cut off at 0, a fourteenth would.
 
 use super::quadrature::Quadrature;
 
@@ -14,8 +14,8 @@ impl AngularRadiance {
         }
     }
 
-    /// Along fewer ordinates: of each the mean of those that are nearest to it; where there are none of the
-    /// nearest.
+    /// Radiance along fewer ordinates: for each the weighted mean of the fine ordinates nearest to it, or the
+    /// nearest one if there are none.
     pub(crate) fn along(&self, fine: &Quadrature, coarse: &Quadrature) -> Self {
         let mut sharing: Vec<Vec<usize>> = vec![Vec::new(); coarse.as_slice().len()];
         for (number, ordinate) in fine.iter().enumerate() {

@@ -13,21 +13,21 @@ use super::quadrature::Quadrature;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// Condition at a grid's rim.
+/// Boundary condition of a grid.
 #[derive(Clone, Copy)]
 pub(crate) enum BoundaryCondition<'a> {
     Vacuum,
     /// Radiance by ordinate, the same on all sides.
     Uniform(&'a [Rgb]),
-    /// Radiance by ordinate in each cell about the grid.
+    /// Radiance by ordinate in each cell around the grid.
     Incident(&'a IncidentRadiance),
 }
 
-/// A plane with what lies about it, for one channel and ordinate.
+/// A plane with the cells around it, for one channel and ordinate.
 #[derive(Clone, Copy)]
 pub(crate) struct Rim<'a> {
     pub(crate) planes: &'a Planes,
-    /// Number of the plane; that before the first is -1.
+    /// Number of the plane; the one before the first is -1.
     pub(crate) plane: i32,
     pub(crate) channel: usize,
     pub(crate) ordinate: usize,
@@ -39,7 +39,7 @@ impl BoundaryCondition<'_> {
         matches!(self, Self::Incident(_))
     }
 
-    /// Fills the rim of a plane, and all of one before the first or past the last.
+    /// Sets the rim of a plane, and all cells of a plane before the first or after the last.
     pub(crate) fn fill(&self, Rim { planes, plane, channel, ordinate }: Rim, into: &mut [f32]) {
         let incident = match self {
             Self::Vacuum => return into.fill(0.0),
@@ -63,43 +63,44 @@ impl BoundaryCondition<'_> {
     }
 }
 
-/// Incident radiance on a grid from what lies about it, if anything does.
+/// Incident radiance on a grid from its surrounding, if there is one.
 #[derive(Default)]
 pub(crate) struct Surrounding {
-    /// All that anything has scattered or emitted: at once, or order by order where these are counted.
+    /// All radiance that was scattered or emitted: one sum, or order by order where orders are counted.
     pub(crate) scattered: Vec<IncidentRadiance>,
     /// Radiance straight from the sky.
     pub(crate) of_sky: Option<IncidentRadiance>,
-    /// Radiance straight from emitters, where that is no part of `scattered`.
+    /// Radiance straight from emitters, if `scattered` does not include it.
     pub(crate) emitted: Option<IncidentRadiance>,
 }
 
 impl Surrounding {
-    /// Whether radiance that was scattered outside comes along finer ordinates than those of all orders.
+    /// Whether scattered radiance from outside has finer ordinates than those of all orders.
     pub(crate) fn is_fine(&self) -> bool {
         self.scattered.iter().any(|incident| incident.is_fine)
     }
 }
 
-/// Radiance in the cells about a grid, by ordinate.
+/// Radiance in the cells around a grid, by ordinate.
 pub(crate) struct IncidentRadiance {
-    /// Cells along each axis, the grid's among them.
+    /// Number of cells along each axis, with those of the grid.
     size: [usize; 3],
-    /// The number of each cell about the grid among its like.
+    /// Index into `radiances` of each cell around the grid.
     numbers: Vec<u32>,
-    /// Radiances by that number.
+    /// Radiances by that index.
     radiances: AngularRadiance,
     /// Whether it is along [`Quadrature::fine`].
     pub(crate) is_fine: bool,
 }
 
 impl IncidentRadiance {
-    /// `radiances` are of [`rim_places`] of the grid.
+    /// Incident radiance of a grid; `radiances` are those of [`rim_places`].
     pub(crate) fn new(grid: &Grid, radiances: AngularRadiance) -> Self {
         Self::of_alike(grid, 0.., radiances)
     }
 
-    /// The same but for sides of the grid beyond which nothing lies: larger cells have what lies within.
+    /// As [`Self::new`], with 0 beyond closed sides of the grid: larger cells there have matter that lies
+    /// within the grid.
     pub(crate) fn without_ends(grid: &Grid, mut radiances: AngularRadiance) -> Self {
         for (number, place) in rim_places(grid).into_iter().enumerate() {
             if grid.is_past_its_end(place) {
@@ -109,7 +110,8 @@ impl IncidentRadiance {
         Self::new(grid, radiances)
     }
 
-    /// Of places that are alike there is one radiance; `alike` has its number for each of [`rim_places`].
+    /// Incident radiance with one entry for all equal places; `alike` has the entry's number for each of
+    /// [`rim_places`].
     pub(crate) fn of_alike(
         grid: &Grid,
         alike: impl IntoIterator<Item = u32>,
@@ -122,7 +124,7 @@ impl IncidentRadiance {
         Self { size: grid.size.map(|count| count + 2), numbers, radiances, is_fine }
     }
 
-    /// Radiance of a channel along an ordinate, in a cell about the grid. The grid's first cell is at 0.
+    /// Radiance of a channel along an ordinate, in a cell around the grid. The grid's first cell is at 0.
     fn radiance(&self, place: [i32; 3], channel: usize, ordinate: usize) -> f32 {
         let [x, y, z] = place.map(|index| (index + 1) as usize);
         let number = self.numbers[x + self.size[0] * (y + self.size[1] * z)];
@@ -130,12 +132,12 @@ impl IncidentRadiance {
     }
 }
 
-/// Middles of the cells about a grid, in world space.
+/// Centres of the cells around a grid, in world space.
 pub(crate) fn rim_places(grid: &Grid) -> Vec<DVec3> {
     all_about(grid).flatten().collect()
 }
 
-/// Middles of the cells about a grid, among all cells of it and about it.
+/// Centres of the cells around a grid; `None` for each cell of the grid itself.
 fn all_about(grid: &Grid) -> impl Iterator<Item = Option<DVec3>> {
     let size = grid.size.map(|count| count + 2);
     (0..size.iter().product()).map(move |cell: usize| {

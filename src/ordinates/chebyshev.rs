@@ -1,32 +1,32 @@
 //! Chebyshev acceleration of source iteration (Hageman & Young 1981, "Applied Iterative Methods", chapter 4).
-//! In goes by what share of themselves orders go on, out come the weights with which iterations are added.
-//! Invariant: weights know nothing of the light.
+//! In goes the ratio of successive orders, out come the weights with which iterations are added. Invariant:
+//! weights do not depend on the light.
 //!
-//! In thick fog that absorbs little, light of each order is nearly that of the one before, and hundreds of
-//! them count. The error of an iteration is a polynomial of the scattering operator. No eigenvalue of it is
-//! larger than that share, and light that goes to and fro between two walls has one as negative. Chebyshev's
-//! polynomial is least between both.
+//! In thick fog that absorbs little, each order is nearly as bright as the one before, and hundreds of them
+//! count. The error of an iteration is a polynomial of the scattering operator. None of the operator's
+//! eigenvalues exceeds that ratio; light between two facing walls has an eigenvalue as far below 0. The
+//! Chebyshev polynomial is smallest between both bounds.
 
-/// Weights of one iteration: of what is left of the source, and of the step before.
+/// Weights of one iteration: of the source that is left, and of the step before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights {
     pub(super) left: f64,
     pub(super) before: f64,
 }
 
-/// Weights of iterations, one after the other.
+/// Sequence of the weights of iterations.
 pub(super) struct Chebyshev {
     greatest: f64,
     last: Option<f64>,
 }
 
 impl Chebyshev {
-    /// `greatest` size of all eigenvalues, below 1.
+    /// `greatest` is the largest magnitude of the eigenvalues, below 1.
     pub(super) fn new(greatest: f64) -> Self {
         Self { greatest, last: None }
     }
 
-    /// Factor by which an iteration makes errors smaller.
+    /// Factor by which an iteration reduces the error.
     pub(super) fn rate(&self) -> f64 {
         self.greatest / (1.0 + (1.0 - self.greatest * self.greatest).sqrt())
     }
@@ -51,7 +51,7 @@ impl Iterator for Chebyshev {
 mod tests {
     use super::*;
 
-    /// `x = 1 + e x` of one eigenvalue each.
+    /// Solves `x = 1 + e x`, for one eigenvalue `e` each.
     #[test]
     fn series_of_any_eigenvalue_find_their_sum() {
         for eigenvalue in [-0.97, -0.5, 0.0, 0.3, 0.7, 0.9, 0.97] {

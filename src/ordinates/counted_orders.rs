@@ -1,6 +1,6 @@
-//! Source iteration where orders of scattering are counted. In go the source of the first and what is
-//! incident of each, out comes the light of so many. Invariant: light that comes in has as many scatterings
-//! behind it as that which it joins.
+//! Source iteration with a given number of orders of scattering. In go the first order's source and the
+//! incident radiance of each order, out comes the light of these orders. Invariant: incident radiance joins
+//! light of the same number of scatterings.
 
 use super::angular_radiance::AngularRadiance;
 use super::boundary::BoundaryCondition;
@@ -9,12 +9,13 @@ use super::source_iteration::{Source, SourceIteration};
 use super::sweep::Swept;
 use super::wanted::Wanted;
 
-/// Orders that a finer grid gets one by one; what comes after these it gets with the last.
+/// Number of orders that a finer grid gets apart; the last of them includes all later ones.
 pub(super) const MOST_TOLD: usize = 16;
 
 impl SourceIteration<'_> {
-    /// Adds so many orders to light: of the first what has been swept finely already, if that is so, to the
-    /// second what comes `later`. Gives degrees that are seen, and radiances that a finer grid gets.
+    /// Adds so many orders to `light`. `first` is the first order if it has been swept along fine ordinates;
+    /// `later` is added to the source of the second. Returns the degrees for the last scattering, and
+    /// radiances for a finer grid.
     pub(super) fn count(
         &mut self,
         orders: u32,
@@ -52,7 +53,7 @@ impl SourceIteration<'_> {
     }
 }
 
-/// Adds an order to those that are told.
+/// Adds an order to those of a finer grid.
 fn tell(radiances: &mut Vec<AngularRadiance>, of_order: Option<AngularRadiance>) {
     match (radiances.get_mut(MOST_TOLD - 1), of_order) {
         (Some(last), Some(of_order)) => last.add(&of_order),

@@ -1,19 +1,19 @@
-//! Cross-sections of a turbid medium by node of a grid. In go extinction and scattering, 1/m, out come the
-//! losses of light and the source of the next order. Invariant: harmonics up to l = 2 tell both, here as
-//! everywhere else between orders.
+//! Cross-sections of a turbid medium by node of a grid. In go extinction and scattering, 1/m, out come losses
+//! of light and the source of the next order. Invariant: harmonics up to l = 2 represent both radiance and
+//! source, as everywhere between orders.
 //!
 //! Isotropic scatterers, such as droplets, have an extinction by channel and a phase function by degree.
-//! Oriented ones, such as leaves, have an extinction that differs by direction and a scattering matrix, at
-//! the nodes that have any.
+//! Oriented ones, such as leaves, have an extinction by direction and a scattering matrix, stored at their
+//! nodes alone.
 
 use super::harmonics::{COUNT, DEGREE};
 use super::moments::Moments;
 use glam::DVec3;
 
-/// Harmonics that are the same for a direction and its opposite, and those that change sign.
+/// Indices of harmonics that are equal for a direction and its opposite, and of those that change sign.
 pub(crate) const EVEN: [usize; 6] = [0, 4, 5, 6, 7, 8];
 pub(crate) const ODD: [usize; 3] = [1, 2, 3];
-/// Entries of a symmetric matrix of either.
+/// Number of elements of the symmetric matrix of each parity.
 const EVEN_PAIRS: usize = 21;
 const ODD_PAIRS: usize = 6;
 
@@ -39,7 +39,7 @@ impl OrientedExtinction {
     }
 }
 
-/// A node that has nothing oriented.
+/// Marks a node without oriented scatterers.
 const NONE: u32 = u32::MAX;
 
 /// Extinction at all nodes of a grid.
@@ -51,7 +51,7 @@ pub(crate) struct Extinction {
     oriented: Vec<OrientedExtinction>,
 }
 
-/// Extinction at one node: the same along all directions, 1/m by channel, and what differs.
+/// Extinction at one node: that of isotropic scatterers, 1/m by channel, and that of oriented ones.
 #[derive(Clone, Copy)]
 pub(crate) struct NodeExtinction<'a> {
     pub(crate) isotropic: [f32; 3],
@@ -70,14 +70,14 @@ impl Extinction {
         NodeExtinction { isotropic, oriented: self.oriented.get(self.oriented_at[node] as usize) }
     }
 
-    /// Nodes that have something oriented, in the order of [`CrossSections::oriented`].
+    /// Oriented extinction, in the order of [`CrossSections::oriented`].
     pub(crate) fn oriented(&self) -> &[OrientedExtinction] {
         &self.oriented
     }
 }
 
-/// Scattering matrix of what is oriented at a node, 1/m: source harmonics by moments of radiance. The part
-/// of even degree and that of odd degree do not mix; each entry above the diagonal is kept once.
+/// Scattering matrix of the oriented scatterers at a node, 1/m: from moments of radiance to harmonics of the
+/// source. Even and odd degrees do not mix; the matrix is symmetric, and each pair is stored once.
 #[derive(Clone)]
 pub(crate) struct OrientedScattering {
     pub(crate) node: usize,
@@ -86,7 +86,7 @@ pub(crate) struct OrientedScattering {
     odd: [[f32; ODD_PAIRS]; 3],
 }
 
-/// Outer product of a lobe with itself, its even part and its odd part apart.
+/// Outer product of a lobe with itself, as an even and an odd part.
 pub(crate) struct LobePairs {
     even: [f32; EVEN_PAIRS],
     odd: [f32; ODD_PAIRS],
@@ -104,7 +104,7 @@ impl OrientedScattering {
         Self { node, even: [[0.0; EVEN_PAIRS]; 3], odd: [[0.0; ODD_PAIRS]; 3] }
     }
 
-    /// Adds an outer product to the matrix of a channel, with a factor for its even part and its odd part.
+    /// Adds an outer product to the matrix of a channel, with factors for its even and odd part.
     pub(crate) fn add(&mut self, channel: usize, pairs: &LobePairs, [even, odd]: [f32; 2]) {
         for (sum, pair) in self.even[channel].iter_mut().zip(&pairs.even) {
             *sum += even * pair;
@@ -120,14 +120,14 @@ impl OrientedScattering {
         self.odd[channel].iter_mut().for_each(|pair| *pair *= odd);
     }
 
-    /// Adds the source of the moments of radiance in one channel.
+    /// Adds the source that moments of radiance cause in one channel.
     fn scatter(&self, channel: usize, moments: &[f32; COUNT], source: &mut [f32; COUNT]) {
         multiply(&EVEN, &self.even[channel], moments, source);
         multiply(&ODD, &self.odd[channel], moments, source);
     }
 }
 
-/// `source += M moments` for a symmetric matrix of which each pair is kept once.
+/// Adds `M moments` to `source`, for a symmetric matrix of which each pair is stored once.
 fn multiply<const N: usize>(
     which: &[usize; N],
     pairs: &[f32],
@@ -158,7 +158,7 @@ fn pairs<const N: usize, const M: usize>(which: &[usize; N], lobe: &[f32; COUNT]
     products
 }
 
-/// All that a grid's nodes do to light.
+/// Cross-sections of all nodes of a grid.
 pub(crate) struct CrossSections {
     pub(crate) extinction: Extinction,
     /// Scattering coefficient of each degree of harmonics: `sigma_s g^l`, 1/m, by channel, degree and node.
@@ -174,7 +174,7 @@ impl CrossSections {
         Self { extinction: Extinction::zero(nodes), scattering, oriented: Vec::new() }
     }
 
-    /// Sets what is oriented, each at a node of its own.
+    /// Sets the oriented scatterers, each at a node of its own.
     pub(crate) fn set_oriented(
         &mut self,
         of_nodes: impl Iterator<Item = (OrientedExtinction, OrientedScattering)>,
@@ -186,13 +186,13 @@ impl CrossSections {
         }
     }
 
-    /// Nodes that have something oriented.
+    /// Nodes with oriented scatterers.
     pub(crate) fn oriented_nodes(&self) -> impl Iterator<Item = usize> {
         self.oriented.iter().map(|scattering| scattering.node)
     }
 
-    /// The scattering operator: sources by moments of radiance, per metre and steradian. Of light that the
-    /// medium `is_lit` by both parts scatter, of other light what is oriented alone.
+    /// The scattering operator: sources from moments of radiance, per metre and steradian. If the medium
+    /// `is_lit`, both kinds of scatterers scatter the light, otherwise oriented ones alone.
     pub(crate) fn scatter(&self, light: &Moments, is_lit: bool) -> Moments {
         let mut sources = Moments::zero(self.extinction.oriented_at.len());
         for channel in 0..3 {

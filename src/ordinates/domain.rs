@@ -1,5 +1,5 @@
-//! Domain that light is transported in. In go a grid and what fills it, out comes one thing to sweep over.
-//! Invariant: nothing of it changes from order to order.
+//! Domain of light transport: a grid with its medium and walls, for sweeps. Invariant: it does not change
+//! from order to order.
 
 use super::cross_sections::CrossSections;
 use super::grid::Grid;

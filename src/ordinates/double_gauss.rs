@@ -1,24 +1,24 @@
-//! Directions of travel for layers over ground. In goes nothing, out come ordinates in rings about the
-//! vertical. Invariant: none is level. Half spheres are integrated apart, so light has its edge at the
+//! Quadrature for layers over ground. In goes nothing, out come ordinates in rings around the vertical.
+//! Invariant: no ordinate is horizontal. Half spheres are integrated apart, so radiance may jump at the
 //! horizon.
 //!
-//! The rule is double Gauss by the cosine, with even steps about the vertical (Sykes 1951, "Approximate
-//! integration of the equation of transfer"). Stamnes, Tsay, Wiscombe & Jayaweera 1988 say why in section 2.
+//! The rule is double Gauss in the cosine, with equal steps of azimuth (Sykes 1951, "Approximate integration
+//! of the equation of transfer"). Section 2 of Stamnes, Tsay, Wiscombe & Jayaweera 1988 has the reasons.
 
 use crate::math::gauss_legendre;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Rings of each half sphere, and directions of each.
+/// Number of rings of each half sphere, and of directions of each ring.
 pub(super) const RINGS: usize = 12;
 pub(super) const STEPS: usize = 24;
-/// Rings that go up come first.
+/// Number of all rings; upward ones come first.
 pub(super) const ALL_RINGS: usize = 2 * RINGS;
 pub(super) const ORDINATES: usize = ALL_RINGS * STEPS;
 
 /// The directions, +Y up.
 pub(super) struct DoubleGauss {
-    /// Height of each ring's unit vectors, and its share of the sphere's heights, of `-1..1`.
+    /// Height of each ring's unit vectors, and its share of the heights of a half sphere.
     pub(super) rings: [(f64, f64); ALL_RINGS],
     directions: Vec<DVec3>,
 }
@@ -43,7 +43,7 @@ impl Default for DoubleGauss {
     }
 }
 
-/// About the vertical, of a direction of each ring.
+/// Azimuth of a direction of a ring.
 pub(super) fn angle(step: usize) -> f64 {
     TAU * (step as f64 + 0.5) / STEPS as f64
 }
@@ -54,16 +54,16 @@ impl DoubleGauss {
         &self.directions
     }
 
-    /// Numbers of those that go down.
+    /// Numbers of the downward directions.
     pub(super) fn downward() -> std::ops::Range<usize> {
         RINGS * STEPS..ORDINATES
     }
 
-    /// Directions that are spread over what an ordinate stands for.
+    /// Directions that are spread evenly over the solid angle of an ordinate.
     pub(super) fn spread(&self, ordinate: usize) -> impl Iterator<Item = DVec3> {
         const SIDE: usize = 6;
         let ring = ordinate / STEPS;
-        // Nodes of a half sphere come from the highest on.
+        // Rings of a half sphere are in order from the highest.
         let first = ring - ring % RINGS;
         let before: f64 = (first..ring).map(|ring| self.rings[ring].1).sum();
         let sign = self.rings[ring].0.signum();
@@ -77,7 +77,7 @@ impl DoubleGauss {
         })
     }
 
-    /// Solid angle that each stands for, sr.
+    /// Solid angle of an ordinate, sr.
     pub(super) fn weight(&self, ordinate: usize) -> f64 {
         self.rings[ordinate / STEPS].1 * TAU / STEPS as f64
     }
@@ -96,7 +96,7 @@ mod tests {
         };
         assert!((sum(&|_| 1.0, 0..ORDINATES) - 4.0 * PI).abs() < 1e-12);
         assert!((sum(&|direction| -direction.y, DoubleGauss::downward()) - PI).abs() < 1e-12);
-        // The mean of x^4 y^4 z^2 over the sphere: 3!! 3!! 1!! / 11!!.
+        // Mean of x^4 y^4 z^2 over the sphere: 3!! 3!! 1!! / 11!!.
         let even = sum(&|d| d.x.powi(4) * d.y.powi(4) * d.z.powi(2), 0..ORDINATES) / (4.0 * PI);
         assert!((even - 9.0 / 10395.0).abs() < 1e-12, "{even}");
     }

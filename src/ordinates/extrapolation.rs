@@ -1,11 +1,11 @@
 //! Extrapolation of source iteration: orders of scattering end as a geometric series. In go totals of light,
-//! out comes what all further orders add. Invariant: channels are told apart.
+//! out comes the sum of all further orders. Invariant: each channel has its own series.
 
-/// Rest after the last order, as a share of all light, when a geometric series tells it well; and by
-/// how much an order more may change what it tells.
+/// Largest remainder, as a share of all light, that a geometric series may replace; and the largest relative
+/// change of the estimated sum by one more order.
 const REST: f64 = 0.01;
 const SURPRISE: f64 = 2e-4;
-/// Ratio of orders at most: a closed scene that absorbs nothing has no end.
+/// Maximum ratio of orders: a closed scene without absorption would have an infinite sum.
 const MOST_RATIO: f64 = 0.98;
 
 /// A geometric series, by channel.
@@ -13,19 +13,19 @@ const MOST_RATIO: f64 = 0.98;
 pub(super) struct Series {
     /// The last order's light.
     last: [f64; 3],
-    /// Sum of the orders that follow it, in units of it.
+    /// Sum of the orders that follow it, relative to it.
     pub(super) rest: [f64; 3],
-    /// All light with that.
+    /// Estimated sum of all orders.
     all: [f64; 3],
-    /// The share of itself by which the last order went on, of the channel that went on most.
+    /// Ratio of the last order to the one before, of the channel where it is largest.
     pub(super) ratio: f64,
-    /// Whether orders hardly grow darker.
+    /// Whether the ratio of orders is at its maximum.
     pub(super) is_endless: bool,
 }
 
 impl Series {
-    /// Takes an order's light and the sum of all so far. Tells whether the rest is little, and as
-    /// expected.
+    /// Adds an order's light and the sum of all orders so far. Returns whether the remainder is small and the
+    /// estimated sum stable.
     pub(super) fn go_on(&mut self, order: [f64; 3], so_far: [f64; 3]) -> bool {
         let mut is_told = true;
         (self.is_endless, self.ratio) = (false, 0.0);

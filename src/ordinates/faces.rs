@@ -1,8 +1,8 @@
 //! Faces of walls as seen from the nodes next to them. In go the patches that nodes see, out come the sides
-//! of walls about each node, and light that travels towards each. Invariant: what a wall sends out itself is
-//! never among the light that it gets, however coarse the ordinates are.
+//! of walls around each node, and moments of the radiance towards each. Invariant: a wall's own radiance is
+//! never part of its irradiance, however coarse the ordinates are.
 //!
-//! Faces are numbered after the nodes of a grid, so that moments of both lie in one list.
+//! Faces are numbered after the nodes of a grid, so one list has the moments of both.
 
 use super::grid::Corners;
 use super::harmonics::{COUNT, basis, flux_lobe, fourth_basis, product, third_basis};
@@ -13,20 +13,20 @@ use crate::color::Rgb;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Patches whose normals differ by less than this cosine's angle are one face.
+/// Cosine of the angle between normals within which patches are one face.
 const SAME: f64 = 0.95;
-/// A normal belongs to a face within this cosine's angle.
+/// Cosine of the angle within which a normal belongs to a face.
 const PART: f64 = 0.7;
 
 /// Sides of walls, by node.
 pub(crate) struct Faces {
     nodes: usize,
     all: Vec<Face>,
-    /// Begin of each node's faces; those of the last end with the list.
+    /// Index of each node's first face; one more entry ends the last node's.
     starts: Vec<u32>,
 }
 
-/// A side of a wall about a node.
+/// A side of a wall next to a node.
 #[derive(Clone, Copy)]
 pub(crate) struct Face {
     node: usize,
@@ -34,8 +34,8 @@ pub(crate) struct Face {
 }
 
 impl Faces {
-    /// Faces of a grid with so many nodes. `seen` has the nodes next to walls, each with the normals of
-    /// all patches that it sees.
+    /// Faces of a grid with so many nodes. `seen` has the nodes next to walls, each with the normals of its
+    /// patches.
     pub(crate) fn new(nodes: usize, seen: impl Iterator<Item = (usize, Vec<DVec3>)>) -> Self {
         let mut all: Vec<Face> = Vec::new();
         for (node, normals) in seen {
@@ -51,7 +51,7 @@ impl Faces {
         Self { nodes, all, starts }
     }
 
-    /// All of them; `laid` has the place of a node's values.
+    /// All faces; `laid` maps a node to its index in a layout.
     pub(crate) fn laid(&self, laid: impl Fn(usize) -> usize) -> Arc<[Face]> {
         self.all.iter().map(|face| Face { node: laid(face.node), ..*face }).collect()
     }
@@ -61,7 +61,7 @@ impl Faces {
         self.nodes + self.all.len()
     }
 
-    /// The number of the face of a node that what faces `normal` is part of; the node's own if there is none.
+    /// Number of the face of a node that a normal belongs to; that of the node itself if there is none.
     pub(crate) fn of(&self, node: usize, normal: DVec3) -> usize {
         let (first, end) = (self.starts[node] as usize, self.starts[node + 1] as usize);
         let likest = (first..end).map(|number| (self.all[number].normal.dot(normal), number));
@@ -78,7 +78,8 @@ impl Faces {
         self.all.iter().zip(self.nodes..).map(of_face).collect()
     }
 
-    /// The mean of `values`, by face, where all that is about a place are faces whose normal `is_asked`.
+    /// Mean of `values`, by face; `None` unless all corners around a place are faces whose normals `is_asked`
+    /// accepts.
     pub(crate) fn mean(
         &self,
         lit: &Corners,
@@ -96,7 +97,7 @@ impl Faces {
         Some(Rgb::from_array(mean))
     }
 
-    /// Nodes about a place, or what of their light travels towards a wall that faces `normal`.
+    /// Nodes around a place, with those replaced by faces whose walls face `normal`.
     pub(crate) fn of_corners(&self, corners: &Corners, normal: DVec3) -> Corners {
         Corners { nodes: corners.nodes.map(|node| self.of(node, normal)), weights: corners.weights }
     }
@@ -117,7 +118,7 @@ impl TowardsFaces {
         Self { faces, moments: Vec::new(), third: Vec::new(), fourth: Vec::new() }
     }
 
-    /// Nothing, with room for what is wanted.
+    /// Sets all moments to 0, with room for those that are wanted.
     pub(crate) fn clear(&mut self, wanted: &Wanted) {
         let count = self.faces.len();
         let room = |is_wanted: bool| vec![[0.0; COUNT]; if is_wanted { count } else { 0 }];
@@ -126,7 +127,7 @@ impl TowardsFaces {
         self.fourth = room(wanted.last);
     }
 
-    /// Adds radiance along an ordinate.
+    /// Adds radiance along an ordinate to the moments of each face that it travels towards.
     pub(crate) fn add(&mut self, ordinate: Ordinate, radiance: &[f32], wanted: &Wanted) {
         let weighted = |basis: [f64; COUNT]| basis.map(|value| (ordinate.weight * value) as f32);
         let factors = weighted(basis(ordinate.direction));

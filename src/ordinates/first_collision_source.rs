@@ -13,19 +13,19 @@ use crate::math::legendre;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Degrees that the first scattering of a beam is told of.
+/// Number of degrees, from 0, of the first scattering of a beam.
 pub(crate) const FIRST_DEGREES: usize = 6;
 
 /// Source of the first collisions, with which source iteration begins.
 pub(crate) struct FirstCollisionSource {
     /// Volume source by harmonics, per metre and steradian.
     pub(crate) volume: Moments,
-    /// Scattering of beams beyond harmonics.
+    /// Scattering of beams in degrees beyond the harmonics.
     pub(crate) beams: Vec<BeamSource>,
-    /// Radiance that leaves each patch of wall, as if it were matte.
+    /// Radiance that leaves each patch of wall, for a Lambertian wall.
     pub(crate) walls: Vec<Rgb>,
     pub(crate) glossy: GlossySource,
-    /// Part of the second order's source that is taken out of it.
+    /// Correction that is subtracted from the second order's source.
     pub(crate) not_again: Option<NodeMoments>,
     pub(crate) emission: Option<Emission>,
 }
@@ -36,20 +36,20 @@ pub(crate) struct Emission {
     pub(crate) volume: Moments,
     /// Radiance of each patch of wall.
     pub(crate) walls: Vec<Rgb>,
-    /// Whether what walls scatter of it is among [`FirstCollisionSource::walls`].
+    /// Whether [`FirstCollisionSource::walls`] includes this emission as scattered by walls.
     pub(crate) has_lit_walls: bool,
-    /// Whether light straight from it is part of the solution, or only what becomes of that.
+    /// Whether emission itself is part of the solution, or only its scattered light.
     pub(crate) is_part: bool,
-    /// Part of what is scattered of it that is taken out of that. With it light of emission is swept by
-    /// itself, and without it with all the rest.
+    /// Correction that is subtracted from its scattered light. If there is one, emission is swept by itself,
+    /// otherwise with all other light.
     pub(crate) not_again: Option<NodeMoments>,
 }
 
-/// The first degree that no harmonic has, and how many there are.
+/// First degree beyond the harmonics, and the number of such degrees.
 const FIRST: usize = 3;
 const BEYOND: usize = FIRST_DEGREES - FIRST;
 
-/// Sources of fog by degree of the cosine to where a sun's light travels.
+/// Sources of fog by Legendre degree of the angle to the direction of a sun's light.
 pub(crate) struct BeamSource {
     travel: DVec3,
     /// Sources by channel, degree and node, per metre.
@@ -57,7 +57,7 @@ pub(crate) struct BeamSource {
 }
 
 impl BeamSource {
-    /// Source of a beam's irradiance by channel and node, W/m^2, and of scattering coefficients by degree,
+    /// Source from a beam's irradiance by channel and node, W/m^2, and scattering coefficients by degree,
     /// 1/m.
     pub(crate) fn new(
         travel: DVec3,
@@ -73,7 +73,7 @@ impl BeamSource {
         Self { travel, sources }
     }
 
-    /// Nodes in another order.
+    /// The source with nodes in another order.
     pub(crate) fn map(&self, of_nodes: impl Fn(&[f32]) -> Vec<f32>) -> Self {
         let sources =
             self.sources.each_ref().map(|channel| channel.each_ref().map(|degree| of_nodes(degree)));
@@ -95,8 +95,8 @@ impl BeamSource {
     }
 }
 
-/// Source of glossy walls: radiance along ordinates in excess of a matte wall's, so that all ordinates
-/// together get the reflection of the wall's coat.
+/// Source of glossy walls: radiance along ordinates in excess of a Lambertian wall's. The sum over all
+/// ordinates is the reflection of the wall's coat.
 #[derive(Default)]
 pub(crate) struct GlossySource {
     patches: Vec<u32>,
@@ -105,7 +105,7 @@ pub(crate) struct GlossySource {
 }
 
 impl GlossySource {
-    /// Radiances of each patch along each ordinate; none of those that do not shine.
+    /// Radiances of each patch along each ordinate; empty for patches without a coat.
     pub(crate) fn new(of_patches: &[Vec<Rgb>]) -> Self {
         let shining = || of_patches.iter().zip(0..).filter(|(along, _)| !along.is_empty());
         let ordinates = of_patches.iter().map(Vec::len).max().unwrap_or(0);
@@ -116,7 +116,7 @@ impl GlossySource {
         Self { patches: shining().map(|(_, number)| number).collect(), radiances: [0, 1, 2].map(of_channel) }
     }
 
-    /// Adds the radiances along one ordinate to those that leave walls, of one channel.
+    /// Adds the radiances along one ordinate to those of Lambertian walls, for one channel.
     pub(crate) fn add_to(&self, of_walls: &mut [f32], channel: usize, ordinate: usize) {
         let start = ordinate * self.patches.len();
         for (&patch, radiance) in self.patches.iter().zip(&self.radiances[channel][start..]) {

@@ -1,28 +1,28 @@
-//! Grid of world space on which light is solved. In go bounds of the world, out come nodes and their
-//! weights. Invariant: cells lie at whole multiples of their side from one place of the world, whatever
-//! moves and wherever the camera is; so a field never pulses with either.
+//! Grid in world space for light transport. In go bounds in the world, out come nodes and their weights.
+//! Invariant: cells lie at whole multiples of their side from a fixed place of the world, for any motion and
+//! any camera. So the solution does not flicker as they move.
 
 use crate::math::Ray;
 use glam::{BVec3, DVec3, I64Vec3};
 
-/// Offset from the world's origin to a corner of a cell, in cells. Walls are built at round places, and
-/// one that lies on nodes, or halfway between them, is on both sides of a link at once.
+/// Offset from the world's origin to a corner of a cell, in cells. Walls often stand at round coordinates,
+/// and a wall at nodes or half way between them would be on both sides of a link.
 const PHASE: DVec3 = DVec3::new(0.137, 0.789, 0.173);
 
-/// Nodes in equal steps along the world's axes. Each is the middle of a cell.
+/// Nodes at equal distances along the world's axes. Each is the centre of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grid {
-    /// The first cell, from the world's origin.
+    /// The first cell, counted from the world's origin.
     first: I64Vec3,
     /// Nodes along each axis.
     pub(crate) size: [usize; 3],
-    /// Distance of two nodes, metres.
+    /// Distance between two nodes, metres.
     pub(crate) cell_m: f64,
-    /// Low and high sides beyond which there is more: there it goes over into what lies about it.
+    /// Low and high sides with a larger grid beyond, where the solution blends into that grid's.
     open_sides: [BVec3; 2],
 }
 
-/// Eight nodes about a place, and what each counts: trilinear interpolation.
+/// Eight nodes around a place with their weights: trilinear interpolation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corners {
     pub(crate) nodes: [usize; 8],
@@ -35,12 +35,12 @@ impl Corners {
         self.nodes.into_iter().zip(self.weights)
     }
 
-    /// Nodes that count.
+    /// Nodes of nonzero weight.
     pub(crate) fn seen(&self) -> impl Iterator<Item = (usize, f64)> {
         self.iter().filter(|(_, weight)| *weight > 0.0)
     }
 
-    /// Those of some nodes alone; `None` if there are hardly any.
+    /// Corners restricted to some nodes, renormalised; `None` if these have hardly any weight.
     pub(crate) fn only(&self, is_wanted: impl Fn(usize) -> bool) -> Option<Self> {
         const LEAST: f64 = 1e-3;
         let wanted = |corner: usize| if is_wanted(self.nodes[corner]) { self.weights[corner] } else { 0.0 };
@@ -58,10 +58,10 @@ pub(crate) struct Stretch {
     pub(crate) to: f64,
 }
 
-/// Shares of a node and of those on both sides.
+/// Weights of a node and of its two neighbours.
 const EVENLY: [f32; 3] = [0.25, 0.5, 0.25];
-/// Shares of trilinear interpolation's weight for a node that lie in its own cell, and in each of those
-/// beside it: the hat function's integrals.
+/// Shares of a node's trilinear weight in its own cell, and in each cell beside it: integrals of the hat
+/// function.
 const BY_HAT: [f32; 3] = [0.125, 0.75, 0.125];
 
 impl Grid {
@@ -73,14 +73,14 @@ impl Grid {
         Self { first, size, cell_m, open_sides: [BVec3::TRUE; 2] }
     }
 
-    /// The same with nothing beyond some of its low and high sides.
+    /// The grid with nothing beyond some of its low and high sides.
     pub(crate) fn closed(self, [low, high]: [BVec3; 2]) -> Self {
         let [open_low, open_high] = self.open_sides;
         Self { open_sides: [open_low & !low, open_high & !high], ..self }
     }
 
-    /// The same with two cells more on sides that have more beyond: what ends at its bounds ends before it
-    /// goes over into what lies about it.
+    /// The grid with two more cells on sides with a larger grid beyond: the contents of its bounds end before
+    /// the solution blends into that grid's.
     pub(crate) fn widened(self) -> Self {
         let cells = |open: BVec3| 2 * DVec3::select(open, DVec3::ONE, DVec3::ZERO).as_i64vec3();
         let [low, high] = self.open_sides.map(cells);
@@ -88,7 +88,7 @@ impl Grid {
         Self { first: self.first - low, size: size.to_array().map(|count| count as usize), ..self }
     }
 
-    /// Whether a place lies beyond a side beyond which there is nothing.
+    /// Whether a place lies beyond a side of the grid with nothing beyond.
     pub(crate) fn is_past_its_end(&self, world: DVec3) -> bool {
         let ((low, high), [open_low, open_high]) = (self.volume(), self.open_sides);
         (world.cmplt(low) & !open_low).any() || (world.cmpgt(high) & !open_high).any()
@@ -103,12 +103,12 @@ impl Grid {
         [1, self.size[0], self.size[0] * self.size[1]]
     }
 
-    /// Volume that a node stands for, m^3.
+    /// Volume of a cell, m^3.
     pub(crate) fn cell_volume(&self) -> f64 {
         self.cell_m.powi(3)
     }
 
-    /// A node by its number, in cells along each axis.
+    /// Cell of a node, by its indices along each axis.
     pub(crate) fn cell_of(&self, node: usize) -> [usize; 3] {
         let [_, row, layer] = self.strides();
         [node % row, node / row % self.size[1], node / layer]
@@ -125,8 +125,8 @@ impl Grid {
         (self.position(0), self.position(self.count() - 1))
     }
 
-    /// The cells that a node stands for, from half a cell before the first to half a cell past the
-    /// last, in world space.
+    /// Bounds of all cells, from half a cell before the first node to half a cell past the last, in world
+    /// space.
     pub(crate) fn volume(&self) -> (DVec3, DVec3) {
         let (low, high) = self.bounds();
         (low - 0.5 * self.cell_m, high + 0.5 * self.cell_m)
@@ -138,8 +138,8 @@ impl Grid {
         world.cmpge(low).all() && world.cmple(high).all()
     }
 
-    /// Weight of this grid at a place, where there is a larger one: 0 from the outermost nodes of open sides
-    /// on, 1 from two cells inside.
+    /// Weight of this grid at a place within a larger one: 0 from the outermost nodes of open sides outwards,
+    /// 1 from two cells inside.
     pub(crate) fn share(&self, world: DVec3) -> f64 {
         const CELLS: f64 = 2.0;
         let ((low, high), [open_low, open_high]) = (self.bounds(), self.open_sides);
@@ -148,8 +148,8 @@ impl Grid {
         (inside.min_element() / (CELLS * self.cell_m)).clamp(0.0, 1.0)
     }
 
-    /// The lowest of the eight nodes about a place in cells along each axis, and how far beyond it lies;
-    /// outside, of the nearest place inside.
+    /// Indices of the lowest of the eight nodes around a place, and the place's offset from it, in cells.
+    /// Outside of the grid the nearest place inside is used.
     pub(crate) fn place(&self, world: DVec3) -> ([usize; 3], DVec3) {
         let along = world / self.cell_m - 0.5 - PHASE - self.first.as_dvec3();
         let mut lowest = [0; 3];
@@ -163,7 +163,7 @@ impl Grid {
         (lowest, beyond)
     }
 
-    /// The node whose cell a place lies in; outside, the nearest.
+    /// The node whose cell has a place; outside of the grid, the nearest.
     pub(crate) fn nearest(&self, world: DVec3) -> usize {
         let (lowest, beyond) = self.place(world);
         let [x, y, z] = [0, 1, 2].map(|axis| lowest[axis] + usize::from(beyond[axis] >= 0.5));
@@ -171,7 +171,7 @@ impl Grid {
         x + row * y + layer * z
     }
 
-    /// The node whose cell a place lies in, and in which of so many pieces along each side.
+    /// The node whose cell has a place, and the indices of one of so many pieces along each side.
     pub(crate) fn piece(&self, world: DVec3, pieces: usize) -> (usize, [usize; 3]) {
         let node = self.nearest(world);
         let within = (world - self.position(node)) / self.cell_m + 0.5;
@@ -184,15 +184,14 @@ impl Grid {
         self.mean_over(node, [EVENLY; 3], of)
     }
 
-    /// The mean of cells across an axis from which a node has what it has.
+    /// Mean over the cells across an axis with the weights of trilinear interpolation.
     pub(crate) fn mean_across<const N: usize>(&self, axis: usize, node: usize, of: &[[f32; N]]) -> [f32; N] {
         let mut shares = [BY_HAT; 3];
         shares[axis] = [0.0, 1.0, 0.0];
         self.mean_over(node, shares, of)
     }
 
-    /// Mean over a node and its neighbours, by their weights along each axis: before it, itself, behind
-    /// it.
+    /// Mean over a node and its neighbours, with weights along each axis: before, at and after the node.
     fn mean_over<const N: usize>(&self, node: usize, shares: [[f32; 3]; 3], of: &[[f32; N]]) -> [f32; N] {
         let cell = self.cell_of(node);
         let range = |axis: usize| {
@@ -212,8 +211,8 @@ impl Grid {
         mean
     }
 
-    /// The cells that a part of a ray of world space runs through, one after the other, if all of it lies
-    /// within the grid's (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing").
+    /// Cells along a part of a ray in world space, in order; none unless all of it lies within the grid
+    /// (Amanatides & Woo 1987, "A fast voxel traversal algorithm for ray tracing").
     pub(crate) fn stretches(&self, ray: &Ray, start: f64, end: f64) -> impl Iterator<Item = Stretch> {
         let strides = self.strides();
         let origin = ray.origin / self.cell_m - PHASE - self.first.as_dvec3();
@@ -241,14 +240,14 @@ impl Grid {
             match forwards.test(axis) {
                 true if cell[axis] + 1 < size[axis] => cell[axis] += 1,
                 false if cell[axis] > 0 => cell[axis] -= 1,
-                // Rounding: nothing is beyond the last.
+                // Rounding: nothing lies beyond the last cell.
                 _ => from = end,
             }
             Some(stretch)
         })
     }
 
-    /// The nodes about a place of world space; outside, those about the nearest place inside.
+    /// Corners around a place in world space; outside of the grid, around the nearest place inside.
     pub(crate) fn corners(&self, world: DVec3) -> Corners {
         let (lowest, beyond) = self.place(world);
         let [_, row, layer] = self.strides();

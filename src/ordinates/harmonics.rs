@@ -1,5 +1,5 @@
-//! Real spherical harmonics up to l = 2: how radiance at a point differs by direction. In go directions, out
-//! come nine numbers. Invariant: the basis is orthonormal over the sphere.
+//! Real spherical harmonics up to l = 2, for radiance by direction. In go directions, out come nine numbers.
+//! Invariant: the basis is orthonormal over the sphere.
 
 use crate::color::Rgb;
 use glam::DVec3;
@@ -37,7 +37,7 @@ pub(crate) fn basis(direction: DVec3) -> [f64; COUNT] {
     ]
 }
 
-/// Basis functions of degree 3, of which there are seven, and nothing twice.
+/// Basis functions of degree 3: seven, and two zeros.
 pub(crate) fn third_basis(direction: DVec3) -> [f64; COUNT] {
     const Y33: f64 = 0.590_043_589_926_643_5;
     const Y32: f64 = 2.890_611_442_640_554;
@@ -81,28 +81,28 @@ pub(crate) fn fourth_basis(direction: DVec3) -> [f64; COUNT] {
     ]
 }
 
-/// Emission of a matte surface that faces `normal`, per unit of its
-/// radiosity times its area.
+/// Harmonics of the emission of a Lambertian surface that faces `normal`, per unit of its radiosity times its
+/// area.
 pub(crate) fn cosine_lobe(normal: DVec3) -> [f64; COUNT] {
     let basis = basis(normal);
     std::array::from_fn(|index| COSINE_LOBE[DEGREE[index]] * basis[index])
 }
 
-/// Irradiance on a surface that faces `normal`, of the moments of radiance by the
-/// direction of *travel*.
+/// Lobe for the irradiance on a surface that faces `normal`, from moments of radiance by the direction of
+/// *travel*.
 pub(crate) fn irradiance_lobe(normal: DVec3) -> [f64; COUNT] {
     cosine_lobe(-normal)
 }
 
-/// Flux through a surface that faces `normal`, of moments of radiance by the direction of travel, if all of
-/// it comes from above the surface.
+/// Lobe for the flux through a surface that faces `normal`, from moments of radiance by the direction of
+/// travel, if all light comes from above the surface.
 pub(crate) fn flux_lobe(normal: DVec3) -> [f64; COUNT] {
     const SHARES: [f64; 3] = [0.0, 4.0 * PI / 3.0, 0.0];
     let basis = basis(-normal);
     std::array::from_fn(|index| SHARES[DEGREE[index]] * basis[index])
 }
 
-/// Product of a lobe and moments, by channel; nothing where harmonics cut short would have less.
+/// Product of a lobe and moments, by channel, clamped to 0, as truncated harmonics may be negative.
 #[inline]
 pub(crate) fn by_lobe(lobe: &[f64; COUNT], moments: &[[f32; COUNT]; 3]) -> Rgb {
     product(lobe, moments).max(Rgb::ZERO)

@@ -1,8 +1,8 @@
-//! Degrees 5 and 6 of light, for fog that scatters ahead. In go moments of radiance, out comes what the last
-//! scattering adds. Invariant: they are of degrees that no other harmonic of the field has.
+//! Degrees 5 and 6 of radiance, for fog that scatters forward. In go moments of radiance, out comes their
+//! part of the last scattering. Invariant: no other harmonic of the solution has these degrees.
 //!
-//! From order to order harmonics up to l = 2 are enough, with delta-M. The last scattering, the one that is
-//! seen, is of light as it comes along each ordinate, by the fog's own phase function: source function
+//! Between orders of scattering harmonics up to l = 2 suffice, with delta-M. The last scattering, towards the
+//! camera, is that of radiance along each ordinate by the fog's full phase function: source function
 //! integration (Stamnes & Swanson 1981, "A new look at the discrete ordinate method", section 4).
 
 use super::grid::Corners;
@@ -11,14 +11,14 @@ use crate::color::Rgb;
 use glam::DVec3;
 use std::ops::Range;
 
-/// The last of them is that for which the ordinates' rule is exact with light of degree 5.
+/// The degrees. The quadrature integrates products of the last with light of degree 5 exactly.
 const DEGREES: Range<usize> = 5..7;
 
-/// Harmonics of the first of them, which change sign with the direction, and of both.
+/// Number of harmonics of the first degree, which change sign with the direction, and of both.
 pub(crate) const HIGH_ODD: usize = 2 * DEGREES.start + 1;
 pub(crate) const HIGH: usize = DEGREES.end * DEGREES.end - DEGREES.start * DEGREES.start;
 
-/// All degrees that the last scattering in fog knows.
+/// Number of all degrees of the last scattering in fog.
 pub(crate) const SEEN_DEGREES: usize = DEGREES.end;
 
 /// Sums by channel, harmonic and node.
@@ -40,8 +40,8 @@ impl HighMoments {
         Self((0..of_channels[0].len()).map(node).collect())
     }
 
-    /// Radiance that fog adds that scatters so much of each degree, from 0 on, into a direction of which the
-    /// basis functions are given; W m^-3 sr^-1 of 1/m.
+    /// Radiance that fog scatters into a direction, W m^-3 sr^-1 for coefficients in 1/m. The coefficients
+    /// are given by degree, from 0, the direction by its basis functions.
     pub(crate) fn scattered(
         &self,
         corners: &Corners,
@@ -69,8 +69,8 @@ impl HighMoments {
 mod tests {
     use super::*;
 
-    /// The addition theorem: what harmonics make of one beam is `(2 l + 1) / 4 pi` times the Legendre
-    /// polynomial of the cosine.
+    /// The addition theorem: harmonics of one beam sum to `(2 l + 1) / 4 pi` times the Legendre polynomial of
+    /// the cosine.
     #[test]
     fn a_beam_is_scattered_by_its_cosine() {
         let (travel, towards) = (DVec3::new(0.48, -0.6, 0.64), DVec3::new(-0.36, 0.8, 0.48));

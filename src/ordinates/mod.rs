@@ -2,9 +2,9 @@
 //! "Computational Methods of Neutron Transport"). In go cross-sections, boundaries and sources, out comes
 //! radiance. Invariant: nothing here knows a leaf, a camera or a scene.
 //!
-//! [`PlaneParallel`] is a stack of layers over ground, which differ with height alone. On a grid a
-//! [`source_iteration::Problem`] is solved by source iteration: `sweep` carries light along every ordinate,
-//! and `cross_sections` and `walls` turn it into the next order's sources.
+//! [`PlaneParallel`] is a stack of layers over ground, which differ with height alone. On a grid, source
+//! iteration solves a [`source_iteration::Problem`]: `sweep` transports light along every ordinate, and
+//! `cross_sections` and `walls` turn it into the next order's sources.
 
 mod angle_set;
 pub(crate) mod angular_radiance;

@@ -1,16 +1,16 @@
-//! Discrete-to-moment and moment-to-discrete operators. In goes radiance along ordinates, out come
-//! harmonics, and of them what is sent along any direction. Invariant: phase functions keep their energy to
-//! rounding, as the ordinates integrate all products of their harmonics exactly.
+//! Discrete-to-moment and moment-to-discrete operators. In goes radiance along ordinates, out come harmonics,
+//! and radiance of these along any direction. Invariant: phase functions conserve energy to rounding, as the
+//! quadrature integrates all products of their harmonics exactly.
 
 use super::double_gauss::{DoubleGauss, ORDINATES, STEPS, angle};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Degrees of Legendre polynomials that phase functions keep; what is narrower counts as not scattered.
+/// Number of Legendre degrees of phase functions; narrower peaks count as not scattered.
 pub const DEGREES: usize = 12;
-/// Orders about the vertical: cosines, and sines.
+/// Number of azimuthal functions: cosines, and sines.
 const WAVES: usize = 2 * DEGREES - 1;
-/// Harmonics of all degrees.
+/// Number of harmonics of all degrees.
 pub const HARMONICS: usize = DEGREES * DEGREES;
 
 /// Radiance by real spherical harmonics: by degree, then by order.
@@ -24,7 +24,7 @@ pub(super) struct MomentOperators {
     waves: [[f64; STEPS]; WAVES],
 }
 
-/// The place of a degree's order: its cosine, or its sine.
+/// Index of the harmonic of a degree and an order, for its cosine or its sine.
 fn place(degree: usize, order: usize, is_sine: bool) -> usize {
     let first = degree * degree;
     if order == 0 { first } else { first + 2 * order - 1 + usize::from(is_sine) }
@@ -63,7 +63,7 @@ impl MomentOperators {
     }
 }
 
-/// The harmonics of a single direction, a unit vector.
+/// Harmonics of a single direction, a unit vector.
 pub fn basis(direction: DVec3) -> Harmonics {
     let angle = direction.z.atan2(direction.x);
     let mut basis = associated(direction.y.clamp(-1.0, 1.0));
@@ -74,7 +74,7 @@ pub fn basis(direction: DVec3) -> Harmonics {
     basis
 }
 
-/// Product of a phase function with harmonics, by degree.
+/// Product of harmonics with coefficients by degree.
 pub(super) fn by_degree(harmonics: &Harmonics, kept: impl Fn(usize) -> f64) -> Harmonics {
     let mut scattered = *harmonics;
     for degree in 0..DEGREES {
@@ -84,7 +84,7 @@ pub(super) fn by_degree(harmonics: &Harmonics, kept: impl Fn(usize) -> f64) -> H
     scattered
 }
 
-/// Cosines, then sines.
+/// Value of an azimuthal function: cosines come first, then sines.
 fn wave_at(wave: usize, angle: f64) -> f64 {
     if wave < DEGREES { (wave as f64 * angle).cos() } else { ((wave + 1 - DEGREES) as f64 * angle).sin() }
 }
@@ -94,8 +94,8 @@ fn for_each_degree(wave: usize, mut of: impl FnMut(usize)) {
     (order..DEGREES).for_each(|degree| of(place(degree, order, is_sine)));
 }
 
-/// Associated Legendre functions, orthonormal over the sphere with their waves, by recurrence (Press et al.,
-/// Numerical Recipes, 3rd edition, eq. 6.7.9).
+/// Associated Legendre functions, orthonormal over the sphere with their azimuthal functions, by recurrence
+/// (Press et al., Numerical Recipes, 3rd edition, eq. 6.7.9).
 fn associated(height: f64) -> [f64; HARMONICS] {
     let mut functions = [0.0; HARMONICS];
     let across = (1.0 - height * height).max(0.0).sqrt();

@@ -1,6 +1,6 @@
-//! Moments of radiance by direction of travel, or of its sources: nine numbers a channel and node. In go sums
-//! over ordinates, out come harmonics. Invariant: laid out by channel, then by harmonic, then by node, so
-//! that what is done to all nodes is done to neighbours in memory.
+//! Moments of radiance by direction of travel, or of its sources: nine numbers for each channel and node. In
+//! go sums over ordinates, out come harmonics. Invariant: laid out by channel, then by harmonic, then by
+//! node, so that neighbouring nodes are contiguous for vector operations.
 
 use super::grid::Corners;
 use super::harmonics::COUNT;
@@ -56,7 +56,7 @@ impl Moments {
         }
     }
 
-    /// Each harmonic by itself.
+    /// Applies a function to each harmonic.
     pub(crate) fn map(&self, of_harmonic: impl Fn(&[f32]) -> Vec<f32> + Sync) -> Self {
         let mut mapped = self.emptied();
         let harmonics = self.values.par_chunks_exact(self.nodes);
@@ -80,7 +80,7 @@ impl Moments {
         self.values.iter_mut().for_each(|value| *value *= factor);
     }
 
-    /// The sum over all channels and nodes of what comes from all sides, without signs.
+    /// Sum of the magnitudes of the harmonic of degree 0, over all channels and nodes.
     pub(crate) fn magnitude(&self) -> f64 {
         let of_channel =
             |channel| self.channel(channel, 0).iter().map(|value| f64::from(value.abs())).sum::<f64>();
@@ -108,17 +108,17 @@ impl Moments {
         }
     }
 
-    /// The sum over all nodes of what comes from all sides, by channel.
+    /// Sum of the harmonic of degree 0 over all nodes, by channel.
     pub(crate) fn total(&self) -> [f64; 3] {
         [0, 1, 2].map(|channel| self.channel(channel, 0).iter().map(|value| f64::from(*value)).sum())
     }
 }
 
-/// Moments by node. All numbers of a node lie side by side: it is asked for one after another.
+/// Moments by node. All numbers of a node are contiguous, as queries are for single nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct NodeMoments(Vec<[f32; PER_NODE]>);
 
-/// Nine a channel, and one to fill eight lanes.
+/// Nine for each channel, and one to fill eight lanes.
 const PER_NODE: usize = 28;
 
 impl NodeMoments {
@@ -126,7 +126,7 @@ impl NodeMoments {
         Self(vec![[0.0; PER_NODE]; nodes])
     }
 
-    /// Adds to eight nodes, to each its share, so much of a lobe by channel.
+    /// Adds a lobe to eight nodes by their weights, with a factor by channel.
     pub(crate) fn add_lobe(&mut self, corners: &Corners, lobe: &[f64; COUNT], factor: Rgb) {
         let values = factor.to_array().map(|factor| lobe.map(|value| (factor * value) as f32));
         for (&node, &weight) in corners.nodes.iter().zip(&corners.weights) {
@@ -154,7 +154,7 @@ impl NodeMoments {
         std::array::from_fn(|channel| std::array::from_fn(|index| self.0[node][channel * COUNT + index]))
     }
 
-    /// The mean of eight nodes, by channel.
+    /// Weighted mean of eight nodes, by channel.
     #[inline]
     pub(crate) fn mean(&self, corners: &Corners) -> [[f32; COUNT]; 3] {
         let mut sum = [0.0; PER_NODE];

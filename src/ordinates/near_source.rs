@@ -9,25 +9,25 @@ use super::quadrature::Ordinate;
 use super::sweep_kernels::Means;
 use glam::{DVec3, Vec3};
 
-/// Steps from a node to it and those next to it.
+/// Number of nodes around a node, with itself; the index of a step to itself.
 pub(crate) const NEAR: usize = 27;
 const HERE: usize = 13;
 
 /// Moments by channel, then by harmonic.
 pub(crate) type Moments = [[f32; COUNT]; 3];
 
-/// Radiance of a source of 1 / m in its own cell and in the next, by channel.
+/// Radiance in its own cell, and in the next, of a source of 1 per metre, by channel.
 pub(crate) type Attenuation = [[f32; 2]; 3];
 
-/// One ordinate.
+/// Response along one ordinate.
 pub(crate) struct Response {
     pub(crate) direction: DVec3,
     products: [f32; 8],
-    /// Through a cell.
+    /// Path through a cell, metres.
     way_m: f32,
-    /// Steps to the nodes that get its light next, and their shares.
+    /// Steps to the nodes downwind of the source, with their shares.
     taps: [(usize, f32); 4],
-    /// Weight times basis, of degrees up to 2 and of 4.
+    /// Weight times basis, for degrees up to 2 and for degree 4.
     factors: [[f32; COUNT]; 2],
     pub(crate) basis: [f32; COUNT],
 }
@@ -56,8 +56,8 @@ impl Response {
         }
     }
 
-    /// Through fog of an extinction by channel, 1/m, and leaves: in the source's cell the mean, in the next
-    /// that of what leaves it.
+    /// Attenuation by an isotropic extinction by channel, 1/m, and by leaves: the mean in the source's cell,
+    /// and the mean of its outgoing radiance in the next cell.
     pub(crate) fn attenuation(&self, NodeExtinction { isotropic, oriented }: NodeExtinction) -> Attenuation {
         let oriented = oriented.map_or(0.0, |oriented| oriented.along(&self.products));
         isotropic.map(|isotropic| {
@@ -66,13 +66,13 @@ impl Response {
         })
     }
 
-    /// Gain by where the source is and where it is seen from.
+    /// Gain for the positions of source and receiver.
     pub(crate) fn gain(&self, reach: &Attenuation, near: &[f32; NEAR]) -> Vec3 {
         let next: f32 = self.taps.iter().map(|(place, share)| share * near[*place]).sum();
         Vec3::from_array(reach.map(|[here, there]| here * near[HERE] + there * next))
     }
 
-    /// Takes radiance along it out of moments up to degree 2, and of degree 4.
+    /// Subtracts radiance along the ordinate from moments up to degree 2, and of degree 4.
     pub(crate) fn take(&self, radiance: Vec3, from: &mut [Moments; 2]) {
         for (moments, factors) in from.iter_mut().zip(&self.factors) {
             for (moments, radiance) in moments.iter_mut().zip(radiance.to_array()) {
@@ -82,12 +82,12 @@ impl Response {
     }
 }
 
-/// A clamped cosine by harmonics up to l = 2.
+/// Clamped cosine from harmonics up to l = 2.
 pub(crate) fn lobe(cos: f32) -> f32 {
     0.25 + 0.5 * cos + 5.0 / 16.0 * (1.5 * cos * cos - 0.5)
 }
 
-/// Response at some nodes to sources at others, by the steps between them. Farther ones count for nothing.
+/// Weights of each step from nodes of a source to nodes of a receiver. Farther nodes are left out.
 pub(crate) fn near(grid: &Grid, from: &Corners, to: &Corners) -> [f32; NEAR] {
     let [lowest_from, lowest_to] = [from, to].map(|corners| grid.cell_of(corners.nodes[0]));
     let apart: [i32; 3] = std::array::from_fn(|axis| lowest_to[axis] as i32 - lowest_from[axis] as i32);

@@ -1,6 +1,5 @@
-//! Occluders: walls between a place and the nodes about it. In go the triangles of walls, out come nodes
-//! without those that are hidden. Invariant: what lies on one side of a wall neither gets light from nodes
-//! on the other nor gives them any.
+//! Occluders: walls between a place and the nodes around it. In go the triangles of walls, out come corners
+//! without hidden nodes. Invariant: places on one side of a wall exchange no light with nodes on the other.
 
 use super::grid::{Corners, Grid};
 use glam::{DVec3, Vec3};
@@ -24,21 +23,21 @@ impl Triangle {
 
 /// Triangles of walls, by cell.
 pub(crate) struct Occluders {
-    /// The triangles about each cell of eight nodes; of the cell after node N they end where
-    /// those of N + 1 begin.
+    /// Triangles near each cell of eight nodes. Those of the cell after node N are from `starts[N]` to
+    /// `starts[N + 1]`.
     about_cell: Vec<CellTriangle>,
     starts: Vec<u32>,
-    /// Whether a wall is about one of the cells that meet at a node.
+    /// Whether a wall is near one of the cells that meet at a node.
     are_near: Vec<bool>,
 }
 
-/// A triangle that may lie between the nodes of a cell: in cells, from the lowest of them.
+/// Triangle that may lie between the nodes of a cell, in cells from the lowest node.
 #[derive(Clone, Copy)]
 pub(crate) struct CellTriangle {
     corner: Vec3,
     sides: [Vec3; 2],
     normal: Vec3,
-    /// Nodes that lie clear of its plane, on either side: a bit for each.
+    /// Nodes clear of its plane on either side: one bit each.
     above: u8,
     below: u8,
 }
@@ -51,7 +50,7 @@ pub(crate) struct CutGrid<'a> {
 }
 
 impl CutGrid<'_> {
-    /// The nodes about a place without those that walls hide from `seen_from`, which lies among them.
+    /// Nodes around a place without those that walls hide from `seen_from`, a place among these nodes.
     pub(crate) fn corners(&self, place: DVec3, seen_from: DVec3) -> Corners {
         self.occluders.corners(self.grid, place, seen_from)
     }
@@ -59,13 +58,13 @@ impl CutGrid<'_> {
 
 /// Distance from a triangle's plane beyond which a place is clear of it, in cells.
 pub(crate) const CLEAR: f32 = 1e-5;
-/// Distance from a wall of what lies on it, in cells.
+/// Distance from their wall at which places on it are queried, in cells.
 pub(crate) const OFF_WALL: f64 = 1e-3;
 
 impl Occluders {
-    /// Occluders by triangles with the lowest nodes of the cells that they are about.
+    /// Occluders from triangles, each with the lowest node of a cell that it is near.
     pub(crate) fn new(grid: &Grid, mut about_cell: Vec<(u32, CellTriangle)>) -> Self {
-        // Sorted by cell, and within one still by number.
+        // Sorted by cell; a stable sort keeps the order within each.
         about_cell.sort_by_key(|(node, _)| *node);
         let starts: Vec<u32> = (0..=grid.count() as u32)
             .map(|node| about_cell.partition_point(|(of, _)| *of < node) as u32)
@@ -75,12 +74,12 @@ impl Occluders {
         Self { about_cell, starts, are_near }
     }
 
-    /// Whether there may be walls within a cell of a node.
+    /// Whether there may be walls within a cell's distance of a node.
     pub(crate) fn are_near(&self, node: usize) -> bool {
         self.are_near[node]
     }
 
-    /// The nodes about a place without those that walls hide from `seen_from`, which lies among them.
+    /// Nodes around a place without those that walls hide from `seen_from`, a place among these nodes.
     #[inline]
     pub(crate) fn corners(&self, grid: &Grid, place: DVec3, seen_from: DVec3) -> Corners {
         let mut corners = grid.corners(place);
@@ -90,8 +89,8 @@ impl Occluders {
         corners
     }
 
-    /// Who stands for a place: the node whose cell it lies in, where no wall hides that, else those about it
-    /// that are seen.
+    /// Nodes that represent a place: the one whose cell has it, unless a wall hides that node; otherwise the
+    /// visible ones around it.
     #[inline]
     pub(crate) fn cell_of(&self, grid: &Grid, place: DVec3) -> Corners {
         let mut corners = grid.corners(place);
@@ -108,10 +107,10 @@ impl Occluders {
         corners
     }
 
-    /// Share of a cell's volume that each node stands for by [`Occluders::cell_of`]: 1 far from walls.
+    /// Volume that each node represents by [`Occluders::cell_of`], in cells: 1 far from walls.
     pub(crate) fn shares(&self, grid: &Grid) -> Vec<f32> {
-        /// A lattice whose points are evenly spaced along each axis: no plane across one has
-        /// more than its share.
+        /// Number of points of a lattice that is even along each axis: a plane across an axis has only its
+        /// share of points.
         const POINTS: usize = 16;
         const GENERATOR: [usize; 3] = [1, 5, 7];
         let near: Vec<usize> = (0..grid.count()).filter(|node| self.are_near[*node]).collect();
@@ -145,19 +144,19 @@ impl Occluders {
         corners.weights = if share > 1e-3 {
             std::array::from_fn(|corner| is_seen[corner] * corners.weights[corner] / share)
         } else {
-            // Between walls closer than a cell: whatever is seen at all.
+            // Between walls closer than a cell: all visible nodes.
             let open: f64 = is_seen.iter().sum();
             is_seen.map(|is_seen| is_seen / open.max(1.0))
         };
     }
 
-    /// Triangles that may lie between eight nodes, or between them and a place among them; `lowest`
-    /// is the first of them.
+    /// Triangles that may lie between eight nodes, or between them and a place among them; `lowest` is the
+    /// lowest node.
     fn about(&self, lowest: usize) -> &[CellTriangle] {
         &self.about_cell[self.starts[lowest] as usize..self.starts[lowest + 1] as usize]
     }
 
-    /// Nodes of a cell that walls hide from a place among them, a bit for each.
+    /// Nodes of a cell that walls hide from a place among them, one bit each.
     fn hidden(&self, grid: &Grid, lowest: usize, from: DVec3) -> u8 {
         let from = in_cell(grid, lowest, from);
         let mut hidden = 0;
@@ -228,7 +227,7 @@ impl CellTriangle {
         placed
     }
 
-    /// Whether a triangle's box touches the cube that begins at a place, and its plane cuts it.
+    /// Whether a triangle's box touches the cube at `lowest`, and its plane cuts the cube.
     pub(crate) fn is_about(triangle: &Triangle, lowest: DVec3, side: f64) -> bool {
         let [a, b, c] = triangle.corners;
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
@@ -244,7 +243,8 @@ impl CellTriangle {
         (place - self.corner).dot(self.normal)
     }
 
-    /// Whether a way crosses it: Möller & Trumbore once more, in single precision, and edges a little wider.
+    /// Whether a line segment crosses it: Möller & Trumbore's test in single precision, with slightly wider
+    /// edges.
     #[inline]
     fn is_crossed(&self, from: Vec3, to: Vec3) -> bool {
         const SLACK: f32 = 1e-4;
@@ -253,7 +253,7 @@ impl CellTriangle {
         let determinant = ab.dot(across);
         let start = from - self.corner;
         let along = start.cross(ab);
-        // By the determinant's size, so that nothing is divided.
+        // Scaled by the determinant, to avoid division.
         let sign = 1.0_f32.copysign(determinant);
         let (size, u, v) = (determinant.abs(), sign * start.dot(across), sign * way.dot(along));
         let t = sign * ac.dot(along);

@@ -1,6 +1,6 @@
-//! Plane-parallel layers over ground, without an end to any side. In go cross-sections by height, the sky
-//! and suns, out comes radiance of all orders. Invariant: light differs with height alone. So it is solved
-//! in one dimension, in milliseconds, however thin layers are.
+//! Plane-parallel layers over ground, without horizontal bounds. In go cross-sections by height, the sky and
+//! suns, out comes radiance of all orders. Invariant: light differs with height alone, so it is solved in one
+//! dimension, in milliseconds, however thin layers are.
 //!
 //! The equation is that of transfer in plane-parallel media (Chandrasekhar 1950, chapter 1). Sources are
 //! linear in optical depth within a layer (Kylling & Stamnes 1992, "Efficient yet accurate solution of the
@@ -14,18 +14,19 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// Iterations when all orders are wanted, and what is left then, as a share of all light.
+/// Maximum number of iterations for all orders, and the remainder at which they stop, as a share of all
+/// light.
 const MOST_ITERATIONS: u32 = 400;
 const REST: f64 = 1e-5;
-/// Ratio of orders at most, where next to nothing absorbs.
+/// Maximum ratio of orders, where hardly anything absorbs.
 const MOST_RATIO: f64 = 0.999;
 
 /// Phase function of a species, by degree.
 #[derive(Clone, Debug)]
 pub struct Species {
-    /// Share of each degree that it keeps of light that was scattered before, and of beams.
+    /// Coefficient by degree for light that was scattered before, and for beams.
     pub orders: [f64; DEGREES],
-    /// Share of other light, scattered for the first time.
+    /// Coefficient by degree for other light that is scattered for the first time.
     pub first: [f64; DEGREES],
 }
 
@@ -34,7 +35,7 @@ pub struct Species {
 pub struct Level {
     /// Single-scattering albedo of each species, as shares of extinction, `0..=1`.
     pub albedos: Vec<Rgb>,
-    /// Optical depth of the layer beneath it, by channel.
+    /// Optical depth of the layer below it, by channel.
     pub depth_beneath: Rgb,
 }
 
@@ -50,9 +51,9 @@ pub struct Beam {
 /// Cross-sections, from the top down.
 #[derive(Clone, Debug)]
 pub struct Stack {
-    /// Scatterers in them.
+    /// Scatterers of the layers.
     pub species: Vec<Species>,
-    /// The last lies on the ground.
+    /// Levels between layers; the last lies on the ground.
     pub levels: Vec<Level>,
 }
 
@@ -60,11 +61,11 @@ pub struct Stack {
 pub struct Boundaries<'a> {
     /// Radiance of the sky by the direction of travel, W m^-2 sr^-1.
     pub sky: &'a (dyn Fn(DVec3) -> Rgb + Sync),
-    /// Whether layers scatter it, or it lights the ground alone.
+    /// Whether layers scatter its light, or it lights the ground alone.
     pub sky_is_scattered: bool,
     /// Light of suns.
     pub beams: &'a [Beam],
-    /// Reflectance of the ground, as if it were matte.
+    /// Reflectance of the ground, as a Lambertian surface.
     pub reflectance: Rgb,
     /// Radiance of the ground.
     pub emission: Rgb,
@@ -72,9 +73,9 @@ pub struct Boundaries<'a> {
 
 /// Light of one channel at each level.
 struct Channel {
-    /// Along each ordinate: of all but the sky, and straight from the sky.
+    /// Radiance along each ordinate, except light straight from the sky, which has an array of its own.
     scattered: Vec<[f64; ORDINATES]>,
-    /// Each order of `scattered`, where these are counted.
+    /// Each order of `scattered`, where orders are counted.
     orders: Vec<Vec<[f64; ORDINATES]>>,
     of_sky: Vec<[f64; ORDINATES]>,
 }
@@ -82,11 +83,11 @@ struct Channel {
 /// Part of the radiance between layers.
 #[derive(Clone, Copy)]
 pub enum Part {
-    /// All but what comes straight from the sky.
+    /// All radiance except that straight from the sky.
     Scattered,
     /// One order of that, by its number from 0, where orders are counted.
     Order(usize),
-    /// Straight from the sky.
+    /// Radiance straight from the sky.
     OfSky,
 }
 
@@ -98,7 +99,7 @@ pub struct PlaneParallel {
 }
 
 impl PlaneParallel {
-    /// `orders` is how many orders are wanted, or all.
+    /// Solves `orders` orders of scattering, or all.
     pub fn new(stack: &Stack, boundaries: &Boundaries, orders: Option<u32>) -> Self {
         let ordinates = DoubleGauss::default();
         let operator = MomentOperators::new(&ordinates);
@@ -126,7 +127,7 @@ impl PlaneParallel {
         })
     }
 
-    /// Parts of all but what comes straight from the sky: its orders where these are counted.
+    /// Parts that add up to [`Part::Scattered`]: its orders where these are counted.
     pub fn scattered_parts(&self) -> Vec<Part> {
         match self.channels[0].orders.len() {
             0 => vec![Part::Scattered],
@@ -134,8 +135,7 @@ impl PlaneParallel {
         }
     }
 
-    /// Harmonics of radiance at a level, by channel: of all of it, or of all but what comes straight from the
-    /// sky.
+    /// Harmonics of radiance at a level, by channel, with or without light straight from the sky.
     pub fn harmonics(&self, level: usize, with_sky: bool) -> [Harmonics; 3] {
         self.channels.each_ref().map(|channel| {
             let mut radiances = channel.scattered[level];
@@ -147,8 +147,8 @@ impl PlaneParallel {
     }
 }
 
-/// Formal solution across a layer: transmittance, and the weights of the sources at its end and at its start,
-/// which are linear in depth.
+/// Formal solution across a layer: transmittance, and the weights of the sources at its end and at its start.
+/// Sources are linear in optical depth.
 #[derive(Clone, Copy)]
 struct Formal {
     through: f64,
@@ -156,17 +156,17 @@ struct Formal {
     far: f64,
 }
 
-/// Across a layer of an optical depth.
+/// Formal solution across a layer of an optical depth.
 fn formal(depth: f64) -> Formal {
     const LITTLE: f64 = 1e-3;
     let through = (-depth).exp();
     let lost = -(-depth).exp_m1();
-    // The difference of 1 and `lost / depth`, as a series where they are nearly equal.
+    // Difference of 1 and `lost / depth`, as a series where they are nearly equal.
     let near = if depth < LITTLE { depth * (0.5 - depth / 6.0) } else { 1.0 - lost / depth };
     Formal { through, near, far: lost - near }
 }
 
-/// One channel.
+/// Solver of one channel.
 struct Solver<'a> {
     stack: &'a Stack,
     boundaries: &'a Boundaries<'a>,
@@ -230,7 +230,7 @@ impl Solver<'_> {
         Channel { scattered: all, orders: by_order, of_sky }
     }
 
-    /// First-collision source of beams, and what the ground emits.
+    /// First-collision source of beams, and emission of the ground.
     fn first(&self) -> LayerSource {
         let mut sources = vec![[0.0; HARMONICS]; self.depths.len()];
         let mut on_ground = 0.0;
@@ -253,7 +253,7 @@ impl Solver<'_> {
         LayerSource { sources, ground }
     }
 
-    /// Straight from the sky.
+    /// Radiance straight from the sky.
     fn of_sky(&self) -> Vec<[f64; ORDINATES]> {
         let mut light = vec![[0.0; ORDINATES]; self.depths.len()];
         for number in DoubleGauss::downward() {
@@ -293,7 +293,7 @@ impl Solver<'_> {
         LayerSource { sources, ground }
     }
 
-    /// Radiance of what leaves layers and ground, if it is scattered no more.
+    /// Radiance from sources of layers and ground, without further scattering.
     fn sweep(&self, source: &LayerSource) -> Vec<[f64; ORDINATES]> {
         let levels = self.depths.len();
         let sources: Vec<[f64; ORDINATES]> =
@@ -301,7 +301,7 @@ impl Solver<'_> {
         let mut light = vec![[0.0; ORDINATES]; levels];
         let (up, down) = (0..DoubleGauss::downward().start, DoubleGauss::downward());
         light[levels - 1][up.clone()].fill(source.ground);
-        // Of a ring all have the same way through a layer.
+        // Ordinates of a ring have the same path through a layer.
         for ring in down.step_by(STEPS) {
             let way = -self.ordinates.directions()[ring].y;
             for level in 1..levels {
@@ -321,7 +321,7 @@ impl Solver<'_> {
 }
 
 impl Formal {
-    /// Sweep from one level to the next, along some ordinates.
+    /// Sweeps from one level to the next, along some ordinates.
     fn cross(
         self,
         light: &mut [[f64; ORDINATES]],
@@ -383,7 +383,7 @@ mod tests {
         }
     }
 
-    /// Nothing absorbs, so all of a beam leaves at the top or at the bottom.
+    /// Without absorption all of a beam leaves at the top or at the bottom.
     #[test]
     fn what_comes_in_goes_out() {
         let depth = 1.0;

@@ -1,12 +1,11 @@
-//! Planes of nodes that light crosses one after the other, and how they lie in memory. In goes the size
-//! of a grid, out come numbers of nodes. Invariant: the nodes of a row of a plane are neighbours in
-//! memory, whatever the axis.
+//! Planes of nodes that light crosses one after the other, and their layout in memory. In goes the size of a
+//! grid, out come indices of nodes. Invariant: the nodes of a row of a plane are contiguous, for any axis.
 
 use super::grid::Corners;
 use super::walls::link_of;
 
-/// Layout of nodes in memory: as in the grid, where neighbours along x are next to one another, or with x
-/// and y changed.
+/// Layout of nodes in memory: that of the grid, where neighbours along x are contiguous, or with x and y
+/// exchanged.
 #[derive(Clone, Copy)]
 pub(crate) struct Layout {
     /// Nodes along each axis.
@@ -20,14 +19,14 @@ impl Layout {
         if self.is_turned { [y, 1, x * y] } else { [1, x, x * y] }
     }
 
-    /// Index of a node of the grid.
+    /// Index in this layout of a node of the grid.
     pub(crate) fn node(self, node: usize) -> usize {
         let [x, y, _] = self.size;
         let place = [node % x, node / x % y, node / (x * y)];
         (0..3).map(|axis| place[axis] * self.strides()[axis]).sum()
     }
 
-    /// Indices of the nodes about a place.
+    /// Corners with indices in this layout.
     pub(crate) fn corners(self, corners: &Corners) -> Corners {
         Corners { nodes: corners.nodes.map(|node| self.node(node)), ..*corners }
     }
@@ -37,7 +36,7 @@ impl Layout {
         if self.is_turned { turned(values, [self.size[0], self.size[1]]) } else { values.to_vec() }
     }
 
-    /// Into the grid's order.
+    /// Values in the grid's order, from this layout.
     pub(crate) fn to_grid(self, values: &[f32]) -> Vec<f32> {
         if self.is_turned { turned(values, [self.size[1], self.size[0]]) } else { values.to_vec() }
     }
@@ -58,10 +57,10 @@ fn turned(values: &[f32], [columns, rows]: [usize; 2]) -> Vec<f32> {
 #[derive(Clone, Copy)]
 pub(crate) struct Planes {
     pub(crate) axis: usize,
-    /// Across the planes, and along their rows and columns: how many nodes, and how far apart.
+    /// Numbers of planes, of their rows and of their columns, and the strides between these.
     pub(crate) count: [usize; 3],
     pub(crate) stride: [usize; 3],
-    /// Axes of the same, in the grid.
+    /// Axes of the grid in the same order.
     pub(crate) axes: [usize; 3],
 }
 
@@ -78,14 +77,14 @@ impl Planes {
         self.count[2] + 2
     }
 
-    /// Number of the link that a step along planes, rows and columns takes.
+    /// Number of the link of a step along planes, rows and columns.
     pub(crate) fn link(&self, step: [i32; 3]) -> usize {
         let mut of_axes = [0; 3];
         self.axes.into_iter().zip(step).for_each(|(axis, step)| of_axes[axis] = step);
         link_of(of_axes)
     }
 
-    /// A place in a plane with its rim, so many rows and columns on.
+    /// Index in a plane with its rim, shifted by rows and columns.
     pub(crate) fn shifted(&self, here: usize, [_, rows, columns]: [i32; 3]) -> usize {
         (here as i32 + rows * self.row() as i32 + columns) as usize
     }

@@ -1,6 +1,6 @@
-//! Angular quadrature: the directions along which light is swept. In goes nothing, out come unit vectors and
-//! their share of the sphere. Invariant: with each direction there is its opposite, and polynomials of the
-//! direction up to degree 11 are integrated exactly.
+//! Angular quadrature: the ordinates along which light is swept. In goes nothing, out come unit vectors and
+//! their solid angles. Invariant: each direction has its opposite, and polynomials of the direction up to
+//! degree 11 are integrated exactly.
 
 use crate::math::gauss_legendre;
 use glam::{DQuat, DVec3};
@@ -10,14 +10,14 @@ use std::f64::consts::{PI, TAU};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ordinate {
     pub(crate) direction: DVec3,
-    /// Solid angle that it stands for, sr.
+    /// Solid angle of the ordinate, sr.
     pub(crate) weight: f64,
 }
 
-/// All of them.
+/// All ordinates of a rule.
 pub(crate) struct Quadrature(Vec<Ordinate>);
 
-/// Rings of the fine ones, and directions of each.
+/// Number of rings of the fine rule, and of directions of each.
 const HEIGHTS: usize = 12;
 const STEPS: usize = 16;
 
@@ -61,8 +61,8 @@ impl Quadrature {
         Self(points)
     }
 
-    /// 192 for light that comes in from the sky and has not been scattered: what leaves let through of it has
-    /// edges. Gauss' rule by height, even steps about the vertical.
+    /// Fine rule of 192 ordinates, for light straight from the sky: leaves give it sharp edges. Gauss' rule
+    /// in height, equal steps of azimuth.
     pub(crate) fn fine() -> Self {
         let ring = |&(height, weight): &(f64, f64)| {
             let across = (1.0 - height * height).sqrt();
@@ -83,16 +83,16 @@ impl Quadrature {
         &self.0
     }
 
-    /// The one that is nearest to a direction.
+    /// Number of the ordinate nearest to a direction.
     pub(crate) fn nearest(&self, direction: DVec3) -> usize {
         let cosine = |index: &usize| self.0[*index].direction.dot(direction);
         (0..self.0.len()).max_by(|a, b| cosine(a).total_cmp(&cosine(b))).expect("there are 50")
     }
 }
 
-/// Rotation after which no ordinate runs along the ground, nor along walls at right angles or half of one.
-/// Unturned 8 of them do, and the integral over half of all directions is wrong by a fiftieth; turned so,
-/// by a thousandth.
+/// Rotation after which no ordinate is parallel to the ground, nor to walls at right angles or at 45 degrees.
+/// Without it 8 of them are, and integrals over a half sphere are wrong by a fiftieth; with it, by a
+/// thousandth.
 fn turned(direction: DVec3) -> DVec3 {
     DQuat::from_xyzw(-4.0, 5.0, -6.0, 8.0).normalize() * direction
 }
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(quadrature.as_slice().len(), 50);
         let all: f64 = quadrature.iter().map(|ordinate| ordinate.weight).sum();
         assert!((all - 4.0 * PI).abs() < 1e-12);
-        // The mean of x^4 y^4 z^2 over the sphere: 3!! 3!! 1!! / 11!!.
+        // Mean of x^4 y^4 z^2 over the sphere: 3!! 3!! 1!! / 11!!.
         let mean = |ordinate: &Ordinate| {
             let DVec3 { x, y, z } = ordinate.direction;
             ordinate.weight / (4.0 * PI) * x.powi(4) * y.powi(4) * z.powi(2)

@@ -1,25 +1,26 @@
-//! Radiance of the sky as ordinates see it. In go means over cells of the sphere, out comes incident radiance
-//! by ordinate. Invariant: an isotropic sky stays so to the last digit.
+//! Radiance of the sky by ordinate. In go means over cells of the sphere, out comes incident radiance.
+//! Invariant: an isotropic sky stays isotropic to the last digit.
 
 use super::quadrature::{Ordinate, Quadrature};
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// Deviation from the mean below which a sky is isotropic.
+/// Relative deviation below which a sky is isotropic.
 const EVEN: f64 = 1e-6;
 
 /// Radiance from outside all matter.
 pub(crate) struct Sky {
-    /// Mean radiances of cells that share out the sphere evenly, with the directions towards their middles.
+    /// Mean radiances of cells of equal solid angle, with the directions towards their centres.
     pub(crate) cells: Vec<(DVec3, Rgb)>,
-    /// Whether all of the medium scatters it, or what is oriented and walls alone.
+    /// Whether the whole medium scatters it, or oriented scatterers and walls alone.
     pub(crate) lights_medium: bool,
-    /// Whether its own light is part of the solution, or only what becomes of it.
+    /// Whether light straight from the sky is part of the solution, or only its scattered light.
     pub(crate) is_part: bool,
 }
 
 impl Sky {
-    /// Radiance along each ordinate: the mean of the cells that are nearest to it, or the nearest cell.
+    /// Radiance along each ordinate: the mean of the cells nearest to it, or the nearest cell if there are
+    /// none.
     pub(crate) fn incident(&self, quadrature: &Quadrature) -> Vec<Rgb> {
         let mut sums = vec![(Rgb::ZERO, 0.0); quadrature.as_slice().len()];
         for (direction, radiance) in &self.cells {

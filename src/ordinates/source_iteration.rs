@@ -1,6 +1,6 @@
 //! Source iteration (Lewis & Miller 1984, chapter 3): sweep, scatter, sweep again. In go a first-collision
-//! source and what is incident, out comes the light of all orders that are wanted. Invariant: an iteration
-//! adds one order of scattering, and what is left after the last is a geometric series.
+//! source and incident radiance, out comes the light of all orders. Invariant: an iteration adds one order of
+//! scattering, and the remainder after the last is a geometric series.
 
 use super::angle_set::SweepSource;
 use super::angular_radiance::AngularRadiance;
@@ -18,58 +18,59 @@ use super::sweep::{Sweeper, Swept};
 use super::wanted::Wanted;
 use crate::color::Rgb;
 
-/// Iterations when all orders are wanted, before they are accelerated.
+/// Maximum number of iterations for all orders, before acceleration.
 const MOST_ITERATIONS: u32 = 24;
 const FEWEST_ITERATIONS: u32 = 3;
-/// Accelerated ones after that, and the share of all light that may be left.
+/// Maximum number of accelerated iterations after that, and the remainder at which they stop, as a share of
+/// all light.
 const MOST_ACCELERATED: usize = 64;
 const LEFT: f64 = 5e-4;
 
 /// A fixed-source problem.
 pub(crate) struct Problem<'a> {
     pub(crate) domain: Domain<'a>,
-    /// Along which all orders are swept; and the first and what comes from outside where they need finer
-    /// ones.
+    /// Ordinates of all orders; and finer ones for the first order and for incident radiance, where these
+    /// need them.
     pub(crate) quadrature: &'a Quadrature,
     pub(crate) fine: Option<&'a Quadrature>,
     pub(crate) sky: Option<&'a Sky>,
     pub(crate) surrounding: &'a Surrounding,
-    /// Number of orders that are wanted, or all.
+    /// Number of orders; `None` for all.
     pub(crate) orders: Option<u32>,
-    /// Nodes about each place next to a finer grid within this one.
+    /// Corners of each place next to a finer grid within this one.
     pub(crate) next_to_inner: Option<&'a [Corners]>,
-    /// Whether harmonics of degree 3 are asked for, by surfaces that shine and fog that scatters ahead;
-    /// and those of degrees 5 and 6, by such fog alone.
+    /// Whether harmonics of degree 3 are needed, by glossy surfaces and fog that scatters forward; and those
+    /// of degrees 5 and 6, by such fog alone.
     pub(crate) sees_third: bool,
     pub(crate) sees_high: bool,
-    /// Whether nobody waits for the light any more.
+    /// Whether the result is no longer needed.
     pub(crate) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// Radiance of all orders.
+/// Solution: radiance of all orders.
 pub(crate) struct Solution {
     pub(crate) all: Moments,
-    /// Part of it that comes straight from the sky, if that can be told apart.
+    /// Part of it that is straight from the sky, if that is swept apart.
     pub(crate) of_sky: Option<Moments>,
-    /// Degrees for surfaces and fog that are seen, beyond that.
+    /// Higher degrees, for the last scattering by surfaces and fog.
     pub(crate) last: Swept,
-    /// Radiance that a finer grid within gets, at once or order by order; but straight from the sky, which is
-    /// apart.
+    /// Radiance for a finer grid within, in one sum or order by order, without light straight from the sky,
+    /// which has its own.
     pub(crate) radiances: Vec<AngularRadiance>,
     pub(crate) sky_radiances: Option<AngularRadiance>,
-    /// Light straight from what emits, where that is no part of the rest; and what a finer grid gets of it,
-    /// if it is swept by itself.
+    /// Light straight from emitters, if the rest does not include it; and its radiance for a finer grid, if
+    /// it is swept by itself.
     pub(crate) emitted: Option<Swept>,
     pub(crate) emitted_radiances: Option<AngularRadiance>,
-    /// Whether it goes on and on, and is cut short.
+    /// Whether orders hardly grow darker, so that the series is cut short.
     pub(crate) is_endless: bool,
 }
 
-/// Emission density: what the medium sends out, per metre and steradian, and walls, as radiance.
+/// Emission density of the medium, per metre and steradian, and radiance of walls.
 pub(super) struct Source {
     volume: Moments,
     walls: Vec<Rgb>,
-    /// Whether the first-collision source is in it.
+    /// Whether it includes the first-collision source.
     has_first: bool,
 }
 
@@ -99,7 +100,7 @@ impl Source {
 }
 
 impl Problem<'_> {
-    /// Order after order.
+    /// Solves the problem, order after order.
     pub(crate) fn solved(&self, first: FirstCollisionSource) -> Solution {
         let FirstCollisionSource { volume, beams, walls, glossy, not_again, emission } = first;
         let mut sweeper = Sweeper::new(&self.domain);
@@ -114,7 +115,7 @@ impl Problem<'_> {
                 if has_lit_walls {
                     scattered.walls.fill(Rgb::ZERO);
                 }
-                // As that of lamps, its light is of the first order once it was scattered.
+                // As for lamps, emission counts as the first order once it is scattered.
                 source.add(&scattered, [1.0; 3]);
                 (emitted, is_apart) = (Some(swept), !is_part);
             } else {
@@ -131,8 +132,8 @@ impl Problem<'_> {
         Solution { emitted: emitted.filter(|_| is_apart), emitted_radiances, ..solution }
     }
 
-    /// Emission of the grid, and that which comes in from around it. It goes along finer ordinates than
-    /// those of all orders, as it is small and bright.
+    /// Sweeps emission of the grid and of its surrounding. It has finer ordinates than all orders have, as
+    /// emitters are small and bright.
     fn sweep_emission(&self, sweeper: &mut Sweeper, emission: &Source) -> Swept {
         let incident = self.surrounding.emitted.as_ref();
         let sources = SweepSource {
@@ -146,8 +147,8 @@ impl Problem<'_> {
         sweeper.sweep(&Quadrature::fine(), &sources, &wanted, self.cancelled)
     }
 
-    /// The scattering operator: the source that the medium, or what is oriented of it, and walls make of
-    /// light.
+    /// The scattering operator: sources from moments of radiance, by walls and by the medium, or by its
+    /// oriented scatterers alone.
     pub(super) fn scatter(&self, light: &Moments, is_medium_lit: bool) -> Source {
         let Domain { cross_sections, walls, .. } = self.domain;
         let irradiances = walls.irradiances(|node, normal| {
@@ -158,14 +159,14 @@ impl Problem<'_> {
         Source { volume, walls: walls.scattered(&irradiances), has_first: false }
     }
 
-    /// Degrees that are seen, of light that the medium scatters or does not.
+    /// Outputs for the last scattering of light that the whole medium scatters, or oriented scatterers alone.
     pub(super) fn last(&self, lights_medium: bool) -> Wanted<'_> {
         let (third, high) = (self.sees_third, self.sees_high && lights_medium);
         Wanted { moments: false, last: true, third, high, radiances: self.next_to_inner }
     }
 }
 
-/// A problem as it is solved.
+/// A problem with the state of its iteration.
 pub(super) struct SourceIteration<'a> {
     pub(super) problem: &'a Problem<'a>,
     sweeper: Sweeper<'a>,
@@ -174,7 +175,7 @@ pub(super) struct SourceIteration<'a> {
 }
 
 impl<'a> SourceIteration<'a> {
-    /// `later` is added to the source of the second order.
+    /// Runs all sweeps; `later` is added to the source of the second order.
     fn run(mut self, mut source: Source, later: &Source) -> Solution {
         let problem = self.problem;
         let mut light = Moments::zero(problem.domain.walls.faces.count_with_nodes());
@@ -182,7 +183,7 @@ impl<'a> SourceIteration<'a> {
         let nothing = source.emptied();
         let mut from_outside = None;
         let wanted = Wanted { moments: true, ..problem.last(true) };
-        // Of counted orders each comes in with its like.
+        // Where orders are counted, each order has its own incident radiance.
         for incident in problem.surrounding.scattered.iter().filter(|_| problem.orders.is_none()) {
             let swept = self.sweep_incident(incident, &nothing, &wanted);
             source.add(&problem.scatter(&swept.moments, true), [1.0; 3]);
@@ -227,8 +228,8 @@ impl<'a> SourceIteration<'a> {
         }
     }
 
-    /// Adds all orders, one after the other; all that was sent out on the way and not swept finely, and
-    /// whether there is no end to it.
+    /// Adds all orders, one after the other. Returns the sum of the sources that were not swept along fine
+    /// ordinates, and whether the series was cut short.
     fn iterate(
         &mut self,
         (mut source, later): (Source, &Source),
@@ -267,10 +268,9 @@ impl<'a> SourceIteration<'a> {
         (sent, series.is_endless)
     }
 
-    /// Adds all that comes of a source that is left, whose orders go on and on, to what was sent out and
-    /// its light.
+    /// Adds the light of a remaining source whose orders hardly fall, and adds its sources to `sent`.
     fn accelerate(&mut self, mut left: Source, ratio: f64, (sent, light): (&mut Source, &mut Moments)) {
-        // The ratio of orders still grows towards the greatest eigenvalue.
+        // The ratio of orders still grows towards the largest eigenvalue.
         let mut chebyshev = Chebyshev::new(1.0 - 0.25 * (1.0 - ratio));
         let enough = LEFT * (1.0 - chebyshev.rate());
         let (mut step, mut light_of_step) = (left.emptied(), light.emptied());
@@ -293,8 +293,8 @@ impl<'a> SourceIteration<'a> {
         }
     }
 
-    /// Light of the first order where walls stand in each other's light: of the ordinates of all orders a
-    /// quarter of the sphere, such as floor and wall share, has too many or too few.
+    /// Sweeps the first order along fine ordinates, where walls light each other: the ordinates of all orders
+    /// have too many or too few in a quarter of the sphere, such as floor and wall share.
     fn sweep_finely(&mut self, source: &Source, wanted: &Wanted) -> Option<Swept> {
         let fine = self.problem.fine?;
         let sources = SweepSource {
@@ -308,7 +308,7 @@ impl<'a> SourceIteration<'a> {
         Some(self.to_orders(fine, swept))
     }
 
-    /// Light that is incident from about the grid.
+    /// Sweeps radiance that is incident on the grid.
     pub(super) fn sweep_incident(
         &mut self,
         incident: &IncidentRadiance,
@@ -324,9 +324,9 @@ impl<'a> SourceIteration<'a> {
         self.to_orders(&fine, swept)
     }
 
-    /// Light of the sky that nothing has scattered, of all of it or what a larger grid lets through: along
-    /// finer ordinates than those of all orders. An uneven sky has edges, the horizon above all, and things
-    /// cut more. An even one stays so to the last digit if one quadrature shares out all light.
+    /// Sweeps light straight from the sky, or its remainder behind a larger grid. It has finer ordinates than
+    /// all orders have: an uneven sky has edges, such as the horizon, and objects add more. An even sky has
+    /// the ordinates of all orders, so that it stays isotropic to the last digit.
     fn sweep_sky(&mut self, sky: &Sky, nothing: &Source, wanted: &Wanted) -> Swept {
         let surrounding = self.problem.surrounding.of_sky.as_ref();
         let of_orders = sky.incident(self.problem.quadrature);
@@ -341,7 +341,7 @@ impl<'a> SourceIteration<'a> {
         self.sweep_along(&fine, &dark(nothing, &nothing.walls_by_channel(), condition), wanted)
     }
 
-    /// Along the ordinates of all orders.
+    /// Sweeps along the ordinates of all orders.
     pub(super) fn sweep(&mut self, source: &Source, incident: BoundaryCondition, wanted: &Wanted) -> Swept {
         let walls = source.walls_by_channel();
         let beams = if source.has_first { self.beams.as_slice() } else { &[] };
@@ -350,12 +350,12 @@ impl<'a> SourceIteration<'a> {
         self.sweeper.sweep(self.problem.quadrature, &sources, wanted, self.problem.cancelled)
     }
 
-    /// Along other ordinates than those of all orders.
+    /// Sweeps along other ordinates than those of all orders.
     fn sweep_along(&mut self, fine: &Quadrature, sources: &SweepSource, wanted: &Wanted) -> Swept {
         self.sweeper.sweep(fine, sources, wanted, self.problem.cancelled)
     }
 
-    /// Radiance along the ordinates of all orders; a sweep that was cut short has not all of it.
+    /// Reduces radiances to the ordinates of all orders; a cancelled sweep lacks some of them.
     fn to_orders(&self, fine: &Quadrature, mut swept: Swept) -> Swept {
         let all = swept.radiances.filter(|_| !(self.problem.cancelled)());
         swept.radiances = all.map(|radiances| radiances.along(fine, self.problem.quadrature));
@@ -363,7 +363,7 @@ impl<'a> SourceIteration<'a> {
     }
 }
 
-/// Sources of what comes in alone.
+/// Sources of a sweep with incident radiance alone.
 fn dark<'s>(
     nothing: &'s Source,
     walls: &'s [Vec<f32>; 3],

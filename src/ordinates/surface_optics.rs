@@ -1,18 +1,18 @@
-//! Optical properties of surfaces. In go shares of light, out come their means. Invariant: nothing here knows
-//! what a surface is part of.
+//! Optical properties of surfaces. In go shares of light, out come their means. Invariant: they are
+//! independent of the object that has the surface.
 
 use crate::color::Rgb;
 
 /// Reflectance, transmittance and emission of a surface.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SurfaceOptics {
-    /// Share that comes back.
+    /// Hemispherical reflectance.
     pub(crate) reflectance: Rgb,
-    /// Share that comes through.
+    /// Hemispherical transmittance.
     pub(crate) transmittance: Rgb,
     /// Emitted radiance.
     pub(crate) emission: Rgb,
-    /// Share that does not pass as if there were nothing.
+    /// Coverage: the share that does not pass straight through.
     pub(crate) cover: f64,
 }
 
@@ -23,7 +23,7 @@ impl SurfaceOptics {
     }
 }
 
-/// Mean over places, each by its area, and of colours as much as it covers.
+/// Mean over places, weighted by area; that of colours by area times coverage.
 #[derive(Default)]
 pub(crate) struct MeanOptics {
     sum: SurfaceOptics,

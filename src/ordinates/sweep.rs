@@ -1,11 +1,11 @@
-//! Transport sweep: light carried across the grid along every ordinate. In go cross-sections, sources and
-//! what is incident, out come moments of radiance. Invariant: sums have a fixed order, so any number of
-//! threads gives the same field.
+//! Transport sweep: light transport across the grid along every ordinate. In go cross-sections, sources and
+//! incident radiance, out come moments of radiance. Invariant: sums have a fixed order, so any number of
+//! threads gives the same solution.
 //!
-//! Planes of nodes across the ordinate's largest component follow one another. Each cell takes what leaves
-//! the four upwind of it, and has its own source all over. A node has the mean of its cell, so that what a
-//! cell takes of light is what is missing behind it: no order gains or loses any (step characteristics,
-//! Lewis & Miller 1984, chapter 4).
+//! Planes of nodes across the ordinate's largest component follow one another. Each cell's incoming radiance
+//! is that which leaves the four cells upwind of it, and its source is uniform. A node has the mean of its
+//! cell, so the loss within a cell is what is missing behind it: every order conserves energy (step
+//! characteristics, Lewis & Miller 1984, chapter 4).
 
 use super::angle_set::{AngleSet, SetMoments, SweepSource};
 use super::angular_radiance::AngularRadiance;
@@ -21,7 +21,7 @@ use super::wanted::Wanted;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Moments and radiances that a sweep finds.
+/// Moments and radiances from a sweep.
 pub(crate) struct Swept {
     /// Moments up to l = 2, of nodes, then of faces of walls; those of degree 3, if wanted, and 4.
     pub(crate) moments: Moments,
@@ -29,12 +29,12 @@ pub(crate) struct Swept {
     pub(crate) fourth: Moments,
     /// Moments of degrees 5 and 6, of nodes alone, if wanted.
     pub(crate) high: Option<HighSums>,
-    /// Ordinate by ordinate.
+    /// Radiances by ordinate, if wanted.
     pub(crate) radiances: Option<AngularRadiance>,
 }
 
 impl Swept {
-    /// Adds the parts that the last scattering needs to their sum, without those that orders go on with.
+    /// Adds the parts that the last scattering needs to their sum, without the moments of the next order.
     pub(crate) fn add_to(sum: &mut Option<Self>, other: Self) {
         match sum {
             Some(sum) => sum.add_last(&other),
@@ -42,7 +42,7 @@ impl Swept {
         }
     }
 
-    /// Adds what the last scattering needs.
+    /// Adds the parts that the last scattering needs.
     pub(crate) fn add_last(&mut self, other: &Self) {
         self.fourth.add(&other.fourth, [1.0; 3]);
         if let (Some(sums), Some(values)) = (&mut self.third, &other.third) {
@@ -63,9 +63,9 @@ impl Swept {
     }
 }
 
-/// Sweeps over a domain, with the memory that they take.
+/// Sweeps over a domain, with their memory.
 pub(crate) struct Sweeper<'a> {
-    /// Nodes, and with faces of walls.
+    /// Number of nodes, and of nodes and faces of walls.
     count: usize,
     count_with_faces: usize,
     turned: Layout,
@@ -78,15 +78,15 @@ impl<'a> Sweeper<'a> {
         let grid = domain.grid;
         let turned = Layout { size: grid.size, is_turned: true };
         let angle_sets = (0..3).flat_map(|axis| {
-            // Rows never run along the ordinates.
+            // Rows are never parallel to the ordinates.
             AngleSet::of_axis(domain, Layout { is_turned: axis == 0, ..turned }, axis)
         });
         let count_with_faces = domain.walls.faces.count_with_nodes();
         Self { count: grid.count(), count_with_faces, turned, angle_sets: angle_sets.collect() }
     }
 
-    /// Light of sources along a quadrature, before anything scatters it. Once `cancelled` says true,
-    /// what comes is of no use.
+    /// Light of sources along a quadrature, without scattering. Once `cancelled` returns true, the result is
+    /// incomplete.
     pub(crate) fn sweep(
         &mut self,
         quadrature: &Quadrature,
@@ -132,14 +132,14 @@ impl<'a> Sweeper<'a> {
     }
 }
 
-/// Sums over angle sets, added as these are done: nine at once take more memory than all the rest. Those of
-/// a channel come in the order of their axes, whichever is done first.
+/// Sums over angle sets, added as these finish: nine at once take more memory than all else. Those of a
+/// channel are added in the order of their axes, whichever finishes first.
 struct Sums {
     count: usize,
     count_with_faces: usize,
     turned: Layout,
     swept: Swept,
-    /// Axis whose turn it is, by channel.
+    /// Axis to be added next, by channel.
     next: [usize; 3],
     waiting: Vec<SetMoments>,
 }

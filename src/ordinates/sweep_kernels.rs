@@ -8,21 +8,22 @@ use crate::accel::Vectorized;
 /// Harmonics that change sign for the opposite direction; the others stay the same.
 const ODD: std::ops::Range<usize> = 1..4;
 
-/// Cells of one channel, along an ordinate and against it: what they let through, and what their sources add.
+/// Cells of one channel, along an ordinate and its opposite: their transmittances, and the radiance of their
+/// sources.
 pub(crate) struct Cells<'a> {
-    /// Sources by harmonic, and those of the ordinate.
+    /// Sources by harmonic, and the ordinate's harmonics.
     pub(crate) sources: [&'a [f32]; COUNT],
     pub(crate) basis: &'a [f32; COUNT],
     pub(crate) isotropic_extinction: &'a [f32],
     pub(crate) oriented_extinction: &'a [f32],
-    /// The way through a cell, metres, and what it is times where walls cut cells.
+    /// Path through a cell, metres, and the factor on it where walls cut cells.
     pub(crate) way_m: f32,
     pub(crate) stretch: &'a [f32],
-    /// Transmittance of a cell, and the mean of all places in it.
+    /// Transmittance of a cell, and its mean over the places in it.
     pub(crate) through: &'a mut [f32],
     pub(crate) mean: &'a mut [f32],
-    /// Radiance that a cell adds to what leaves it, and to the mean within it; along the ordinate and
-    /// against it.
+    /// Radiance that a cell's source adds to the outgoing radiance, and to the mean within; along the
+    /// ordinate and its opposite.
     pub(crate) added: [&'a mut [f32]; 2],
     pub(crate) added_within: [&'a mut [f32]; 2],
 }
@@ -44,8 +45,8 @@ impl Vectorized for Cells<'_> {
             let way_m = self.way_m * stretch[node];
             let means = Means::of(way_m * (isotropic[node] + oriented[node]));
             (through[node], mean[node]) = (means.end, means.mean);
-            // Harmonics cut short may be negative where they should be nearly nothing; sums over ordinates
-            // are right only if that stays.
+            // Truncated harmonics may be negative where they should be nearly 0; sums over ordinates are
+            // right only if they stay so.
             let (gain, gain_within) = (way_m * means.mean, way_m * means.mean_of_mean);
             along[node] = gain * (even + odd);
             against[node] = gain * (even - odd);
@@ -55,14 +56,14 @@ impl Vectorized for Cells<'_> {
     }
 }
 
-/// Adds what a cell has of sources of degrees 3 to 5.
+/// Adds sources of degrees 3 to 5 to those of cells.
 pub(crate) struct AddBeam<'a> {
     /// Sources by degree, with their values along the ordinate.
     pub(crate) sources: [&'a [f32]; 3],
     pub(crate) factors: [f32; 3],
     pub(crate) isotropic_extinction: &'a [f32],
     pub(crate) oriented_extinction: &'a [f32],
-    /// As of [`Cells`].
+    /// As in [`Cells`].
     pub(crate) way_m: f32,
     pub(crate) stretch: &'a [f32],
     pub(crate) added: [&'a mut [f32]; 2],
@@ -93,19 +94,19 @@ impl Vectorized for AddBeam<'_> {
     }
 }
 
-/// Rows of a plane take what leaves the four cells before each of their nodes.
+/// Rows of a plane: each node's incoming radiance is a weighted mean over the four cells before it.
 pub(crate) struct StepRows<'a> {
     pub(crate) shares: [f32; 4],
-    /// The plane before, with a rim, and where the first node's four cells are.
+    /// The plane before, with its rim, and the indices of the first node's four cells.
     pub(crate) before: &'a [f32],
     pub(crate) first: [usize; 4],
     pub(crate) behind: &'a mut [f32],
-    /// The first node's place in `behind`, and rows, and how long they are with their rim and without.
+    /// Index of the first node in `behind`; number of rows; their length with the rim and without.
     pub(crate) here: usize,
     pub(crate) rows: usize,
     pub(crate) row: usize,
     pub(crate) columns: usize,
-    /// Nodes from the plane's first, as of [`Cells`], and how far apart rows are.
+    /// Values of nodes from the plane's first, as in [`Cells`], and the stride of rows.
     pub(crate) through: &'a [f32],
     pub(crate) mean: &'a [f32],
     pub(crate) added: &'a [f32],
@@ -142,7 +143,7 @@ pub(crate) struct Accumulate<'a> {
     pub(crate) against: &'a [f32],
     /// Weight times basis.
     pub(crate) factors: [f32; COUNT],
-    /// Harmonic after harmonic.
+    /// Moments, one harmonic after another.
     pub(crate) moments: &'a mut [f32],
 }
 
@@ -164,7 +165,7 @@ impl Vectorized for Accumulate<'_> {
 pub(crate) struct AccumulateDegree<'a> {
     pub(crate) along: &'a [f32],
     pub(crate) against: &'a [f32],
-    /// Sign that they have for the opposite direction: 1 or -1.
+    /// Parity: the sign for the opposite direction, 1 or -1.
     pub(crate) back: f32,
     pub(crate) factors: &'a [f32],
     pub(crate) moments: &'a mut [f32],
@@ -182,23 +183,23 @@ impl Vectorized for AccumulateDegree<'_> {
     }
 }
 
-/// `exp(-x)` and its means over `0..x`, `x >= 0`.
+/// `exp(-x)` and its means over `0..x`, for `x >= 0`.
 pub(super) struct Means {
     pub(super) end: f32,
     pub(super) mean: f32,
-    /// The mean of that mean over `0..x`.
+    /// Mean over `0..x` of that mean.
     pub(super) mean_of_mean: f32,
 }
 
 impl Means {
-    /// Within 3e-6 of 1: no branch and no call, so that eight are found at once.
+    /// Accurate to a relative 3e-6, without branch or call, so that eight are computed at once.
     ///
     /// Padé's approximation of `exp(-x / 16)`, squared four times.
     #[inline(always)]
     pub(super) fn of(x: f32) -> Self {
-        /// Nothing is left of light beyond it.
+        /// Value of `x` beyond which nothing is transmitted.
         const MOST: f32 = 24.0;
-        /// Below it a series keeps the digits of what `1 - mean` is divided by `x`.
+        /// Value of `x` below which a series avoids cancellation in `(1 - mean) / x`.
         const SMALL: f32 = 0.5;
         let bounded = x.min(MOST);
         let z = bounded * (1.0 / 16.0);
@@ -207,8 +208,8 @@ impl Means {
         let square = root * root;
         let fourth = square * square;
         let eighth = fourth * fourth;
-        // 1 - r = z / (even + z / 2), and 1 - r^16 is that times (1 + r)(1 + r^2)(1 + r^4)(1 + r^8): no
-        // digits are lost where hardly any light is.
+        // 1 - r = z / (even + z / 2), and 1 - r^16 is that times (1 + r)(1 + r^2)(1 + r^4)(1 + r^8): without
+        // cancellation at small x.
         let of_bounded = (1.0 / 16.0) / (even + 0.5 * z)
             * ((1.0 + root) * (1.0 + square))
             * ((1.0 + fourth) * (1.0 + eighth));

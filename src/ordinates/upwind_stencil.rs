@@ -1,16 +1,16 @@
-//! Upwind stencil of an ordinate: the four cells of the plane before from which light comes to a node. In go
-//! a direction and how much room walls leave, out come shares. Invariant: shares add up to 1, so even light
-//! stays even.
+//! Upwind stencil of an ordinate: the four cells of the plane before from which radiance enters a cell. In go
+//! a direction and the room between walls, out come shares. Invariant: shares add up to 1, so uniform light
+//! stays uniform.
 
 use super::planes::Planes;
 use glam::DVec3;
 
 /// Steps along rows and columns, and shares.
 pub(super) struct UpwindStencil {
-    /// Against the light's way along the planes.
+    /// Step against the direction of light across planes: 1 or -1.
     pub(super) backwards: i32,
     steps: [i32; 2],
-    /// How far light goes along rows and columns from one plane to the next, in cells, `0..=1`.
+    /// Shift of the ordinate along rows and columns from one plane to the next, in cells, `0..=1`.
     across: [f64; 2],
     pub(super) shares: [f32; 4],
 }
@@ -28,15 +28,15 @@ impl UpwindStencil {
         }
     }
 
-    /// The step to one of the four, along planes, rows and columns.
+    /// Step to one of the four cells, across planes and along rows and columns.
     pub(super) fn step(&self, tap: usize) -> [i32; 3] {
         let [row, column] = self.steps;
         [self.backwards, if tap & 2 != 0 { row } else { 0 }, if tap & 1 != 0 { column } else { 0 }]
     }
 
-    /// Shares where walls leave a node so much room along rows and columns, in cells: what comes in from one
-    /// side fills less of it the sooner (cut cells; Ingram, Causon & Mingham 2003, "Developments in Cartesian
-    /// cut cell methods").
+    /// Shares for a cut cell with so much room along rows and columns, in cells: radiance from one side fills
+    /// less room sooner (cut cells; Ingram, Causon & Mingham 2003, "Developments in Cartesian cut cell
+    /// methods").
     pub(super) fn shares_of_cut(&self, room: [f32; 2]) -> [f32; 4] {
         if room == [1.0; 2] {
             return self.shares;

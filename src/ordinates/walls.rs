@@ -1,6 +1,6 @@
-//! Walls between the nodes of a grid: ground, trunks, rooms. In go the links from node to node that they cut,
-//! and the patches that are seen instead, out comes what they reflect. Invariant: no light goes along a link
-//! that a wall cuts, however thin it is.
+//! Walls between the nodes of a grid: ground, trunks, rooms. In go the links between nodes that they cut, and
+//! the patches that nodes see instead, out comes radiance that walls scatter. Invariant: no light passes a
+//! link that a wall cuts, however thin the wall is.
 
 use super::faces::Faces;
 use super::grid::Grid;
@@ -10,37 +10,37 @@ use crate::color::Rgb;
 use glam::{DVec3, IVec3};
 use std::f64::consts::PI;
 
-/// Links of a node: its 26 neighbours and itself.
+/// Number of links of a node: to its 26 neighbours and to itself.
 pub(crate) const LINKS: usize = 27;
 const NO_PATCH: u32 = u32::MAX;
 
-/// A step to a neighbour as the number of a link.
+/// Number of the link of a step to a neighbour.
 pub(crate) fn link_of(step: [i32; 3]) -> usize {
     (step[0] + 1 + 3 * (step[1] + 1) + 9 * (step[2] + 1)) as usize
 }
 
-/// The other way round.
+/// Step of a link, the inverse of [`link_of`].
 pub(crate) fn step_of(link: usize) -> IVec3 {
     IVec3::new(link as i32 % 3 - 1, link as i32 / 3 % 3 - 1, link as i32 / 9 - 1)
 }
 
-/// A node some of whose neighbours are behind walls.
+/// A node with cut links: some of its neighbours are behind walls.
 pub(crate) struct CutNode {
     pub(crate) node: usize,
-    /// Patch that is seen first along each link.
+    /// The first patch along each link.
     seen: [Seen; LINKS],
 }
 
 /// A patch as a node sees it.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen {
-    /// Place on the link, as a share of it.
+    /// Position on the link, as a share of its length.
     pub(crate) at: f32,
     pub(crate) patch: u32,
 }
 
 impl CutNode {
-    /// A node all links of which are open.
+    /// A node with all links open.
     pub(crate) fn open(node: usize) -> Self {
         Self { node, seen: [Seen { at: 1.0, patch: NO_PATCH }; LINKS] }
     }
@@ -51,10 +51,10 @@ impl CutNode {
         (patch != NO_PATCH).then_some(patch as usize)
     }
 
-    /// Room about the node along an axis, in cells: on each side to the wall that cuts its link, or half a
-    /// cell.
+    /// Room around the node along an axis, in cells: on each side up to the wall that cuts the link, or half
+    /// a cell.
     pub(crate) fn room(&self, axis: usize) -> f32 {
-        /// Between walls closer than a cell as much light is carried as there is room for.
+        /// Minimum room: between walls closer than that, light is transported as in such a gap.
         const LEAST: f32 = 0.25;
         let to_side = |step: i32| {
             let mut steps = [0; 3];
@@ -65,7 +65,7 @@ impl CutNode {
         (to_side(-1) + to_side(1)).max(LEAST)
     }
 
-    /// Whether what lies at a share of a link is seen: nothing that cuts it lies before.
+    /// Whether the node sees a position on a link, given as a share of its length: no wall lies before it.
     pub(crate) fn sees(&self, link: usize, at: f64) -> bool {
         f64::from(self.seen[link].at) > at
     }
@@ -86,21 +86,21 @@ impl CutNode {
     }
 }
 
-/// Part of a wall that nodes about one cell see, on one side.
+/// Part of a wall that the nodes around one cell see, on one side.
 pub(crate) struct Patch {
-    /// Position in world space, where it was seen first.
+    /// Position in world space, where a node first saw it.
     pub(crate) position: DVec3,
-    /// Towards those who see it.
+    /// Normal, towards the nodes that see it.
     pub(crate) normal: DVec3,
-    /// Optics on the mean of where it is seen, as walls have textures.
+    /// Mean optics of the visible places, as walls have textures.
     pub(crate) optics: SurfaceOptics,
-    /// Nodes that see it, and how much each counts.
+    /// Nodes that see it, with their weights.
     pub(crate) seen_by: Vec<(u32, f32)>,
-    /// The patch of the same place on its other side, from where light comes through.
+    /// The patch at the same place on the other side, for transmitted light.
     pub(crate) behind: Option<u32>,
 }
 
-/// All walls about a grid's nodes.
+/// All walls around a grid's nodes.
 pub(crate) struct Walls {
     nodes: Vec<CutNode>,
     pub(crate) patches: Vec<Patch>,
@@ -109,8 +109,8 @@ pub(crate) struct Walls {
 }
 
 impl Walls {
-    /// Walls of nodes and of the patches that these see; `about_cell` has triangles with the lowest nodes of
-    /// the cells that they are about.
+    /// Walls from cut nodes and their patches; `about_cell` has triangles with the lowest nodes of the cells
+    /// near them.
     pub(crate) fn new(
         grid: &Grid,
         nodes: Vec<CutNode>,
@@ -128,14 +128,14 @@ impl Walls {
         Self { nodes, patches, faces, occluders: Occluders::new(grid, about_cell) }
     }
 
-    /// Nodes some of whose neighbours are behind walls.
+    /// Nodes with cut links.
     pub(crate) fn nodes(&self) -> &[CutNode] {
         &self.nodes
     }
 
-    /// Whether some stand at an angle to others, and so in each other's light.
+    /// Whether some walls stand at an angle to others, and so light each other.
     pub(crate) fn are_at_angles(&self) -> bool {
-        /// Share of all patches.
+        /// Share of all patches below which such walls are neglected.
         const FEW: f64 = 0.05;
         let mut along = [0; 3];
         for patch in &self.patches {
@@ -146,8 +146,8 @@ impl Walls {
         (self.patches.len() - most) as f64 > FEW * self.patches.len() as f64
     }
 
-    /// Radiance that each patch scatters of the irradiance on all of them: of its own, and what comes
-    /// through from behind.
+    /// Radiance that each patch scatters of the irradiance on all patches: by reflection of its own, and by
+    /// transmission of that behind it.
     pub(crate) fn scattered(&self, irradiances: &[Rgb]) -> Vec<Rgb> {
         let of_patch = |(patch, &irradiance): (&Patch, &Rgb)| {
             let through = patch.behind.map_or(Rgb::ZERO, |behind| {
@@ -158,8 +158,8 @@ impl Walls {
         self.patches.iter().zip(irradiances).map(of_patch).collect()
     }
 
-    /// The irradiance on each patch by light at the nodes that see it: `irradiance` answers
-    /// for a node and a normal.
+    /// Irradiance on each patch from the nodes that see it; `irradiance` returns that for a node and a
+    /// normal.
     pub(crate) fn irradiances(&self, irradiance: impl Fn(usize, DVec3) -> Rgb) -> Vec<Rgb> {
         let of_patch = |patch: &Patch| {
             let (mut weighted, mut all) = (Rgb::ZERO, 0.0);

@@ -3,23 +3,23 @@
 
 use super::grid::Corners;
 
-/// Moments and radiances that a sweep is to find.
+/// Moments and radiances that a sweep computes.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
-    /// Harmonics up to l = 2, with which orders of scattering go on.
+    /// Harmonics up to l = 2, for the next order of scattering.
     pub(crate) moments: bool,
-    /// Degrees for the last scattering, the one that is seen: 4, and where things shine
-    /// degree 3.
+    /// Degrees for the last scattering: 4, and `third`, degree 3, for glossy surfaces and fog that scatters
+    /// forward.
     pub(crate) last: bool,
     pub(crate) third: bool,
-    /// And degrees 5 and 6, where fog scatters ahead.
+    /// Degrees 5 and 6, for fog that scatters forward.
     pub(crate) high: bool,
-    /// Nodes about each place next to a grid within this one, which needs light ordinate by ordinate.
+    /// Corners of each place next to a grid within this one, which needs radiance by ordinate.
     pub(crate) radiances: Option<&'a [Corners]>,
 }
 
 impl<'a> Wanted<'a> {
-    /// Moments of the next order alone.
+    /// Moments for the next order alone.
     pub(crate) const ORDERS: Self =
         Self { moments: true, last: false, third: false, high: false, radiances: None };
 }
