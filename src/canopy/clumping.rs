@@ -1,13 +1,13 @@
-//! Clumping index of leaves within cells, where a cell knows no more than how many there are. In go surfels,
-//! out comes a clumping index for each node. Invariant: leaves that stand anywhere, each by itself, have an
-//! index of 1.
+//! Clumping index of leaves within cells, which know leaf area alone and not its arrangement. In go surfels,
+//! out comes an index for each node. Invariant: leaves at independent random places have an index of 1.
 //!
-//! A canopy of the leaf area `L` lets `exp(-G L)` of light through where leaves are spread evenly. Where they
-//! stand in clumps it is `exp(-G L omega)` (Nilson 1971, "A theoretical analysis of the frequency of gaps in
-//! plant stands"). The index `omega` is predicted here. Columns of a cell, hardly wider than a leaf, have
+//! A canopy of the leaf area `L` has the transmittance `exp(-G L)` if its leaves are at random places, and
+//! `exp(-G L omega)` if they stand in clumps (Nilson 1971, "A theoretical analysis of the frequency of gaps
+//! in plant stands"). The index `omega` is estimated here. Columns of a cell, hardly wider than a leaf, have
 //! their own leaf area. A cell with its neighbours has the mean of their transmittances (Lang & Xiang 1986,
 //! "Estimation of leaf area index from transmission of direct sunlight in discontinuous canopies"). The
-//! neighbours count because leaves are spread over all of them: clumps as wide as cells would be lost too.
+//! neighbours are included because a grid spreads leaves over them: clumps as wide as cells would be lost,
+//! too.
 //!
 //! A leaf of a clump gets the share `omega` of light from elsewhere. By reciprocity the same share of its own
 //! light leaves the clump, and the rest meets another leaf of it. This is the recollision probability
@@ -22,20 +22,20 @@ use crate::scene::Bounces;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Columns are so much wider than a leaf, at least: narrower ones would tell of single leaves.
+/// Minimum width of columns, in leaf widths: narrower ones would resolve single leaves.
 const LEAVES_ACROSS: f64 = 1.2;
-/// Along each side of a cell.
+/// Maximum number of columns along each side of a cell.
 const MOST_COLUMNS: usize = 6;
-/// A cell whose leaves are one on the other would let everything through.
+/// Minimum index: a cell whose leaves overlap completely would be transparent.
 const LEAST: f64 = 0.2;
-/// Terms of a geometric series: what comes after is next to nothing.
+/// Number of terms of a geometric series: later ones are negligible.
 const MOST_TERMS: u32 = 32;
-/// Columns of all cells and axes: memory.
+/// Maximum number of columns of all cells and axes, which limits memory.
 const MOST_IN_ALL: f64 = 16e6;
 
 /// Clumping index of leaves, by node.
 pub(crate) struct Clumping {
-    /// Clumping index by node; none where cells are too small for clumps.
+    /// Clumping index by node; empty where cells are too small for clumps.
     indices: Vec<f32>,
     bounces: Bounces,
 }
@@ -71,7 +71,7 @@ impl Clumping {
         Self { indices: (0..grid.count()).map(index).collect(), bounces }
     }
 
-    /// Whether leaves stand in no clumps.
+    /// Whether there are no clumps.
     pub(crate) fn is_none(&self) -> bool {
         self.indices.is_empty()
     }
@@ -81,17 +81,17 @@ impl Clumping {
         self.indices.get(node).map_or(1.0, |index| f64::from(*index))
     }
 
-    /// About a place: evenly from node to node, so that a leaf that falls does not flicker.
+    /// Interpolated index at a place; it is continuous, so a falling leaf does not flicker.
     pub(crate) fn about(&self, corners: &Corners) -> f64 {
         if self.is_none() { 1.0 } else { corners.iter().map(|(node, share)| share * self.at(node)).sum() }
     }
 
-    /// Interception by leaves of an index of light from elsewhere, over that of each by itself, if they
-    /// send an `albedo` of all they get on. Of their own light as much leaves the clump.
+    /// Irradiance on leaves of a clump with an index and an albedo from light outside, relative to single
+    /// leaves. By reciprocity it is the share of their own light that leaves the clump, too.
     pub(crate) fn inside(&self, index: f64, albedo: Rgb) -> Rgb {
         match self.bounces {
             Bounces::All => escaped(index, albedo),
-            // As many terms of the series.
+            // As many terms of the series as there are bounces.
             Bounces::UpTo(count) => {
                 let met_again = (1.0 - index) * albedo.min(Rgb::ONE);
                 (0..count.min(MOST_TERMS)).fold(Rgb::ZERO, |sum, _| index + met_again * sum)
@@ -102,16 +102,16 @@ impl Clumping {
 
 /// Columns of all cells along each axis.
 struct Columns {
-    /// Along each side of a cell.
+    /// Number of columns along each side of a cell.
     across: usize,
     side_m: f64,
-    /// Leaf area that is seen along them, m^2, by node, by axis, by column.
+    /// Projected leaf area in each column, m^2, by node, by axis, by column.
     areas_m2: Vec<f32>,
 }
 
 impl Columns {
-    /// Columns, and the indices that leaves seem to have that stand anywhere, along each axis: each is in a
-    /// column as a whole, and their number is Poisson's.
+    /// Columns, and by axis the index that leaves at random places seem to have: each leaf is in one column
+    /// as a whole, and their number is Poisson-distributed.
     fn of(grid: &Grid, surfels: &Surfels, across: usize) -> (Self, Vec3) {
         let side_m = grid.cell_m / across as f64;
         let mut areas_m2 = vec![0.0; grid.count() * 3 * across * across];
@@ -136,9 +136,9 @@ impl Columns {
         &self.areas_m2[(3 * node + axis) * count..][..count]
     }
 
-    /// Share of light that they stop, along each axis, and the mean optical depth of their leaves. A clump
-    /// may be longer than a cell, so columns reach into the next cells. Leaves that lie on the ground are
-    /// no clump: from the side next to nothing of them is seen.
+    /// Share of light that columns stop, along each axis, and the mean optical depth of their leaves. A clump
+    /// may be longer than a cell, so columns extend into the next cells. Leaves flat on the ground are no
+    /// clump: seen from the side they have hardly any area.
     fn of_node(&self, grid: &Grid, node: usize) -> ([f32; 3], [f32; 3]) {
         let (cell, strides) = (grid.cell_of(node), grid.strides());
         let count = self.across * self.across;
@@ -173,8 +173,7 @@ mod tests {
     const CELL_M: f64 = 2.0;
     const LEAF_AREA_M2: f64 = 0.04;
 
-    /// The mean index of the cells of a box full of leaves that stand together by so many, in a layer so
-    /// high.
+    /// Mean index of the cells of a box full of leaves, in groups of a size, in a layer of a height.
     fn index(leaves_a_clump: usize, layer: f64) -> f64 {
         let half_m = 8.0;
         let grid = Grid::covering(DVec3::splat(-half_m), DVec3::splat(half_m), CELL_M);
@@ -206,8 +205,8 @@ mod tests {
         assert!((0.97..=1.0).contains(&index), "{index}");
     }
 
-    /// A clump at a point is a leaf of as much area: their number is Poisson's, and so is what they let
-    /// through known.
+    /// A clump at a point acts as one leaf of its area: their number is Poisson-distributed, so their
+    /// transmittance is known.
     #[test]
     fn clumps_have_that_of_as_many_large_leaves() {
         let across = ((CELL_M / (LEAVES_ACROSS * LEAF_AREA_M2.sqrt())) as usize).min(MOST_COLUMNS);
@@ -222,7 +221,7 @@ mod tests {
         }
     }
 
-    /// Pillars of a quarter of the cells, each evenly full of leaves: none is a clump within its cell.
+    /// Pillars a quarter of a cell wide, uniformly full of leaves: none is clumped within its cell.
     #[test]
     fn clumps_as_wide_as_cells_are_clumps() {
         let half_m = 8.0;
@@ -242,14 +241,15 @@ mod tests {
         assert!(index < 0.9, "{index}");
     }
 
-    /// They hide nothing of each other: all face up.
+    /// They do not overlap: all face up.
     #[test]
     fn leaves_that_lie_on_the_ground_are_no_clump() {
         let index = index(1, 1e-3);
         assert!(index > 0.95, "{index}");
     }
 
-    /// Light that enters and is scattered leaves again, and terms of the series add up to its sum.
+    /// All light that enters a clump and is scattered leaves it, and the terms of the series add up to its
+    /// sum.
     #[test]
     fn nothing_is_lost_within_a_clump_that_absorbs_nothing() {
         let clumping = |bounces| Clumping { indices: Vec::new(), bounces };
@@ -259,7 +259,7 @@ mod tests {
         let few = [1, 2].map(|count| clumping(Bounces::UpTo(count)).inside(0.6, albedo));
         assert!((few[0] - 0.6).abs().max_element() < 1e-12, "{few:?}");
         assert!((few[1] - 0.6 * Rgb::new(1.4, 1.2, 1.0)).abs().max_element() < 1e-12, "{few:?}");
-        // What sends out more than it gets is taken for white.
+        // An albedo above 1 counts as 1.
         let more = clumping(Bounces::All).inside(0.6, Rgb::splat(3.0));
         assert!((more - 1.0).abs().max_element() < 1e-12, "{more}");
         let many = clumping(Bounces::UpTo(u32::MAX)).inside(0.6, albedo);

@@ -1,5 +1,5 @@
-//! Clumps of leaves, where light is gathered. In goes a place, out comes its [`Clump`]. Invariant: where a
-//! clump absorbs nothing, in even light, its leaves get what they would each by itself.
+//! Clumps of leaves, where light is gathered. In goes a place, out comes its [`Clump`]. Invariant: without
+//! absorption, in uniform light, leaves of a clump have the irradiance of single leaves.
 
 use super::clumping::Clumping;
 use super::surroundings::Leaf;
@@ -7,19 +7,19 @@ use crate::color::Rgb;
 use crate::ordinates::grid::Grid;
 use glam::DVec3;
 
-/// All clumps of a grid.
+/// Clumps of a grid.
 pub(crate) struct Clumps {
     clumping: Clumping,
-    /// Irradiance that leaves give each other of the light that they scatter first, W/m^2 by node.
+    /// Irradiance that leaves of a clump give each other by first-scattered light, W/m^2 by node.
     given: Vec<[f32; 3]>,
 }
 
-/// The leaves that a leaf stands among.
+/// The clump around a leaf.
 #[derive(Clone, Copy)]
 pub(crate) struct Clump {
     /// Clumping index.
     index: f64,
-    /// Irradiance that they give each other of the light that they scatter first, W/m^2.
+    /// Irradiance that its leaves give each other by first-scattered light, W/m^2.
     given: Rgb,
 }
 
@@ -33,7 +33,7 @@ impl Clumps {
         Self { clumping, given }
     }
 
-    /// About a place of world space.
+    /// Clump at a place in world space.
     pub(crate) fn at(&self, grid: &Grid, world: DVec3) -> Clump {
         if self.clumping.is_none() {
             return Clump::NONE;
@@ -47,8 +47,8 @@ impl Clumps {
         &self.clumping
     }
 
-    /// A leaf's own place in one: a leaf that is bent is a clump by itself. Of first light its side scatters
-    /// `unmet`, W, of which it meets a share again.
+    /// Clump of one leaf, as a bent leaf is a clump by itself. Its side scatters the first light `unmet`, W,
+    /// and receives a share of that again.
     pub(crate) fn of_leaf(&self, clump: Clump, leaf: &Leaf, unmet: Rgb) -> Clump {
         let index = clump.index * leaf.exposed;
         let out = self.clumping.inside(index, leaf.optics.albedo());
@@ -56,7 +56,7 @@ impl Clumps {
         Clump { index, given: clump.given + met_again }
     }
 
-    /// Irradiance on a leaf of a clump by that on the leaf alone, and by its albedo.
+    /// Irradiance on a leaf of a clump, from that on a single leaf and the albedo `sent`.
     pub(crate) fn gathered(&self, clump: Clump, by_itself: Rgb, sent: Rgb) -> Rgb {
         if clump.index < 1.0 {
             self.clumping.inside(clump.index, sent) * by_itself + clump.given

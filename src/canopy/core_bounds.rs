@@ -3,31 +3,32 @@
 
 use glam::DVec3;
 
-/// A box of world space.
+/// A box in world space.
 pub(crate) type Bounds = (DVec3, DVec3);
 
-/// Something, and how much it counts: its area, m^2.
+/// A box with its weight: its area, m^2.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weighed {
     pub(crate) bounds: Bounds,
     pub(crate) area_m2: f64,
 }
 
-/// Strays that are left out of a box.
+/// Kind of outliers that are left out of a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Strays {
-    /// Whatever would have all cells larger for the sake of little.
+    /// Sparse groups, which would make all cells larger for little area.
     Sparse,
-    /// Things that most neither see nor get light from.
+    /// Distant groups, which exchange hardly any light with the rest.
     Lost,
 }
 
 impl Strays {
-    /// Whether a group of an area is one of them, which a gap parts from a rest of an area and a size.
+    /// Whether a group of an area is such an outlier. A gap separates it from the rest, which has a size and
+    /// an area.
     fn are(self, (gap_m, area_m2): (f64, f64), (rest_m, rest_m2): (f64, f64)) -> bool {
-        /// Gap as a share of the rest's size: the larger the group, the wider.
+        /// Gap relative to the rest's size, times the root of the group's relative area.
         const GAP: f64 = 4.0;
-        /// Share of the rest, and of the sphere as the rest sees it.
+        /// Maximum area relative to the rest, and solid angle as seen from the rest.
         const LITTLE: f64 = 0.02;
         const SOLID_ANGLE: f64 = 1e-2;
         let share = area_m2 / rest_m2.max(f64::MIN_POSITIVE);
@@ -42,9 +43,9 @@ pub(crate) fn union(a: Bounds, b: Bounds) -> Bounds {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
-/// The box about all but strays, from the ends of each axis inwards; `None` if there is nothing.
+/// Box around all but outliers, found from the ends of each axis inwards; `None` if there are no boxes.
 pub(crate) fn core_bounds(mut all: Vec<Weighed>, strays: Strays) -> Option<Bounds> {
-    /// Each pass takes the outermost groups of all sides; strays hide behind one another.
+    /// Number of passes. Each removes the outermost groups on all sides, as outliers hide others.
     const PASSES: usize = 16;
     for _ in 0..PASSES {
         let before = all.len();
@@ -60,7 +61,7 @@ pub(crate) fn core_bounds(mut all: Vec<Weighed>, strays: Strays) -> Option<Bound
     all.into_iter().map(|weighed| weighed.bounds).reduce(union)
 }
 
-/// Part of an axis: where what begins in it begins first and ends last, and its area.
+/// Part of an axis: the lowest start and the highest end of the boxes that begin in it, and their area.
 #[derive(Clone, Copy)]
 struct Slab {
     begins: f64,
@@ -68,11 +69,11 @@ struct Slab {
     area_m2: f64,
 }
 
-/// Takes away what lies beyond the innermost gap that parts strays from the rest.
+/// Removes boxes beyond the innermost gap that separates outliers from the rest.
 fn take_from_end(all: &mut Vec<Weighed>, (axis, is_high): (usize, bool), strays: Strays) {
-    /// Gaps within a slab are found once what lies beyond them is shorter.
+    /// Number of slabs; gaps within a slab are found once the axis is shorter.
     const SLABS: usize = 256;
-    // From the end inwards: where something begins and ends.
+    // From the end inwards: start and end of a box.
     let span = |weighed: &Weighed| {
         let (low, high) = (weighed.bounds.0[axis], weighed.bounds.1[axis]);
         if is_high { (-high, -low) } else { (low, high) }

@@ -1,10 +1,10 @@
-//! Delta-scaled fog, as ordinates see it. In goes a medium, out come extinction and scattering coefficients.
-//! Invariant: what is not scattered is not lost either.
+//! Delta-scaled fog, for discrete ordinates. In goes a medium, out come extinction and scattering
+//! coefficients. Invariant: scaling removes as much extinction as scattering.
 //!
-//! Harmonics up to l = 2 cannot tell light that is scattered nearly straight ahead from light that is not
-//! scattered. Where all orders are wanted, such light counts as not scattered (delta-M, Wiscombe 1977). A
-//! sun's light has a direction, so that what fog makes of it first is told up to l = 5; the rest still goes
-//! as the sun's own light does. Where orders are counted, every scattering counts.
+//! Harmonics up to l = 2 cannot separate light scattered nearly straight ahead from unscattered light. Where
+//! all orders are computed, such light counts as unscattered (delta-M, Wiscombe 1977). A sun's light has a
+//! direction, so its first scattering has degrees up to l = 5; light within its forward peak still travels as
+//! the sun's own. Where orders are counted, every scattering counts.
 
 use crate::color::Rgb;
 use crate::fog::{BEAM_DEGREES, Medium};
@@ -12,16 +12,16 @@ use crate::ordinates::first_collision_source::FIRST_DEGREES;
 use crate::scene::Bounces;
 use glam::DVec3;
 
-/// Degrees that orders of scattering go on with.
+/// Number of degrees between orders of scattering.
 const DEGREES: i32 = 3;
 
-/// Fog at a point, or of a cell on the mean; all 1/m.
+/// Coefficients of fog at a point, or their mean over a cell; all in 1/m.
 #[derive(Default)]
 pub(crate) struct FogCoefficients {
     pub(crate) extinction: Rgb,
     /// Scattering coefficient of each degree.
     pub(crate) scattering: [Rgb; DEGREES as usize],
-    /// Scattering coefficients of a sun's light as it is scattered first, and its forward peak.
+    /// Coefficients for the first scattering of a sun's light, and those of its forward peak.
     pub(crate) first_scattering: [Rgb; FIRST_DEGREES],
     pub(crate) first_peak: Rgb,
     /// Emission in each direction, W m^-3 sr^-1.
@@ -41,9 +41,9 @@ impl FogCoefficients {
     }
 }
 
-/// Whether fog scatters ahead so strongly that degrees of light beyond those of the orders matter.
+/// Whether fog scatters forward so strongly that degrees beyond those of the orders matter.
 pub(crate) fn scatters_ahead(medium: &Medium) -> bool {
-    /// The share `g^3` that it sends on of the first of those degrees.
+    /// Minimum coefficient `g^3` of the first of those degrees.
     const LEAST: f64 = 0.02;
     medium.banks().iter().any(|bank| bank.g.abs().powi(DEGREES) > LEAST)
 }
@@ -52,9 +52,9 @@ pub(crate) struct DeltaScaledFog<'a> {
     medium: &'a Medium,
     /// Origin in world space.
     pub(crate) eye: DVec3,
-    /// Extinction of light on its way from order to order.
+    /// Medium with the extinction of light between orders.
     pub(crate) dimming: Medium,
-    /// Extinction of a sun's light on its way to its first collision.
+    /// Medium with the extinction of a sun's light before its first collision.
     dimming_of_suns: Medium,
     has_peaks: bool,
 }
@@ -66,12 +66,12 @@ impl<'a> DeltaScaledFog<'a> {
         Self { medium, eye, dimming: without(DEGREES), dimming_of_suns: without(BEAM_DEGREES), has_peaks }
     }
 
-    /// Extinction of light of a sun or of a lamp before its first collision.
+    /// Medium with the extinction of a sun's or of a lamp's light before its first collision.
     pub(crate) fn dimming_of(&self, is_of_sun: bool) -> &Medium {
         if is_of_sun { &self.dimming_of_suns } else { self.medium }
     }
 
-    /// Whether something in it shines.
+    /// Whether some fog emits.
     pub(crate) fn shines(&self) -> bool {
         self.medium.shines()
     }

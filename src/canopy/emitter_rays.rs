@@ -1,5 +1,5 @@
-//! Rays that carry the light of lamps and suns. In go lights, out come rays and their powers. Invariant: rays
-//! are tied to the world and to the lights, never to leaves, so what a leaf gets changes evenly as it moves.
+//! Rays that carry the power of lamps and suns. In go lights, out come rays. Invariant: rays are fixed to the
+//! world and the lights, never to leaves, so a leaf's light changes smoothly as it moves.
 
 use super::delta_scaled_fog::DeltaScaledFog;
 use crate::color::Rgb;
@@ -10,13 +10,13 @@ use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Number of a sun's rays, side by side in their order, that light fog as one where they have not ended.
+/// Number of a sun's neighbouring rays that light fog as one ray, as far as none of them has ended.
 pub(crate) const BUNDLE: usize = 4;
-/// Rays of a sun that go through a cell, along each side.
+/// Number of a sun's rays through a cell, along each side.
 const RAYS_PER_CELL: f64 = 8.0;
-/// Rays of a sun.
+/// Maximum number of rays of a sun.
 const MOST_RAYS: f64 = 100_000.0;
-/// Rays of a lamp.
+/// Number of rays of a lamp.
 const LAMP_RAYS: usize = 40_000;
 
 /// A ray that carries power.
@@ -24,16 +24,16 @@ pub(crate) struct PowerRay {
     pub(crate) ray: Ray,
     /// Power before any fog, W.
     pub(crate) power: Rgb,
-    /// Optical depth before its start, of what dims it and of all fog.
+    /// Optical depths before its origin: delta-scaled, and of all fog.
     pub(crate) depths: [Rgb; 2],
-    /// Or of a lamp: its light has no direction, so no forward peak of it is kept apart.
+    /// Whether it is a sun's, whose forward peak is kept apart; a lamp's light has no single direction.
     pub(crate) is_of_sun: bool,
-    /// Lamp whose share of the power counts at a place.
+    /// Extent of the lamp, which gives the share of the power at a place.
     pub(crate) shape: LampShape,
 }
 
 impl PowerRay {
-    /// Parallel rays as one in their middle.
+    /// Parallel rays as a single ray in their middle.
     pub(crate) fn together<'a>(rays: impl Iterator<Item = &'a Self> + Clone) -> Self {
         let count = rays.clone().count() as f64;
         let mean = |of: &dyn Fn(&Self) -> DVec3| rays.clone().map(of).sum::<DVec3>() / count;
@@ -52,8 +52,8 @@ pub(crate) struct Emitters<'a> {
 }
 
 impl Emitters<'_> {
-    /// Evenly spaced across the sun's direction; where they lie depends on nothing but that. [`BUNDLE`] lie
-    /// side by side, then the next.
+    /// Rays of a sun, equally spaced at right angles to its direction, at places that depend on the direction
+    /// alone. Each [`BUNDLE`] neighbouring rays are consecutive.
     pub(crate) fn of_sun(&self, light: &Luminaire, to_light: DVec3) -> Vec<PowerRay> {
         let (low, high) = self.grid.volume();
         let (right, up) = to_light.any_orthonormal_pair();
@@ -99,7 +99,7 @@ impl Emitters<'_> {
     }
 }
 
-/// Evenly spread over the directions in which the lamp shines.
+/// Rays of a lamp, evenly distributed over the directions in which it emits.
 pub(crate) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
     let FrozenLight::Point { emission, .. } = light.centre() else { return Vec::new() };
     let (axis, least_cos) = match &emission {
@@ -125,7 +125,7 @@ pub(crate) fn of_lamp(light: &Luminaire) -> Vec<PowerRay> {
     (0..LAMP_RAYS).map(ray).filter(|ray| ray.power != Rgb::ZERO).collect()
 }
 
-/// Irradiance by all of a sun's disc, on a plane that faces it.
+/// Irradiance of the whole disc of a sun, on a plane that faces it.
 pub(crate) fn mean_irradiance(light: &Luminaire) -> Rgb {
     const POINTS: usize = 64;
     if light.is_delta() {

@@ -1,5 +1,5 @@
 //! First collisions of lamps' and suns' light with leaves and fog. In go a snapshot and rays of its lights,
-//! out come sources on the grid. Invariant: power is conserved; what a ray carries lands where the ray does.
+//! out come sources on the grid. Invariant: power is conserved, and is deposited where the ray collides.
 
 use super::delta_scaled_fog::{DeltaScaledFog, scatters_ahead};
 use super::emitter_rays::{BUNDLE, Emitters, PowerRay, of_lamp};
@@ -23,20 +23,20 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f64::consts::FRAC_1_PI;
 
-/// Groups of rays whose sums are added up in order.
+/// Number of groups of rays, whose sums are added up in order.
 const CHUNKS: usize = 8;
 
-/// Distance from a leaf, in cells, at which its scattered light begins: its area is spread over as much to
-/// either side, and its lit side is not to light the other.
+/// Distance from a leaf, in cells, at which its scattered light begins. Its area is spread as far to either
+/// side, and its lit side must not light the other.
 const AWAY: f64 = 0.8;
 
 /// Collisions of a group of rays.
 struct Left {
     /// Fluence in fog.
     fluence: Fluence,
-    /// Sources that leaves make of it.
+    /// Sources from leaves that scatter it.
     scattered: NodeMoments,
-    /// Power that meets leaves of the same clump again, W m^-3 by node.
+    /// Power that collides again with leaves of the same clump, W m^-3 by node.
     met_again: Vec<[f32; 3]>,
     /// Hits on leaves, in the order of the rays.
     on_leaves: Vec<LeafHit>,
@@ -46,13 +46,13 @@ struct Left {
 pub(crate) struct Found {
     /// Sources by harmonics, of leaves and fog.
     pub(crate) sources: Moments,
-    /// Sources of suns in fog beyond that.
+    /// Sources of suns in fog, in degrees beyond the harmonics.
     pub(crate) beams: Vec<BeamSource>,
     /// Forward peak of each sun.
     pub(crate) forward_peaks: Vec<ForwardPeak>,
-    /// Power that meets leaves of the same clump again, W m^-3 by node.
+    /// Power that collides again with leaves of the same clump, W m^-3 by node.
     pub(crate) met_again: Vec<[f32; 3]>,
-    /// Power that meets leaves.
+    /// Power that each leaf receives.
     pub(crate) on_leaves: LeafPower,
 }
 
@@ -62,13 +62,13 @@ pub(crate) struct FirstCollisions<'a> {
     pub(crate) cut: CutGrid<'a>,
     pub(crate) medium: &'a TurbidMedium,
     pub(crate) cancelled: &'a (dyn Fn() -> bool + Sync),
-    /// Triangles that are walls: their light is another matter, see `wall_light.rs`.
+    /// Triangles that are walls: `wall_light.rs` computes their light.
     pub(crate) are_walls: &'a HashSet<PrimitiveId>,
     pub(crate) leaves: &'a LeafIndex,
 }
 
 impl FirstCollisions<'_> {
-    /// First collisions of all lights.
+    /// Computes the first collisions of all lights.
     pub(crate) fn found(&self) -> Found {
         let nothing = Moments::zero(self.cut.grid.count());
         let (beams, forward_peaks, met_again) = (Vec::new(), Vec::new(), self.nothing_met());
@@ -94,7 +94,7 @@ impl FirstCollisions<'_> {
         found
     }
 
-    /// Room for what meets leaves of the same clump, where there are clumps.
+    /// Zero power for each node, where there are clumps.
     fn nothing_met(&self) -> Vec<[f32; 3]> {
         vec![[0.0; 3]; if self.medium.clumping.is_none() { 0 } else { self.cut.grid.count() }]
     }
@@ -174,16 +174,16 @@ impl FirstCollisions<'_> {
         found.forward_peaks.push(ForwardPeak { travel, times: times.collect(), irradiance: peak });
     }
 
-    /// One over the volume that each node stands for, 1/m^3: walls cut pieces off cells.
+    /// Inverse of the volume that each node represents, 1/m^3: walls cut pieces off cells.
     fn per_volume(&self) -> Vec<f32> {
-        /// Minimum share of a cell: in less there is too little light to go by.
+        /// Minimum share of a cell: less has too few collisions for an estimate.
         const LEAST: f32 = 0.1;
         let per_cell = (1.0 / self.cut.grid.cell_volume()) as f32;
         let shares = self.cut.occluders.shares(self.cut.grid).into_iter();
         shares.map(|share| per_cell / share.max(LEAST)).collect()
     }
 
-    /// Leaves the light of rays in fog and on leaves, up to where they end.
+    /// Deposits the light of rays in fog and on leaves, up to their ends.
     fn follow(&self, rays: &[PowerRay], left: &mut Left) {
         let mut ends: Vec<(f64, &PowerRay)> = Vec::with_capacity(BUNDLE);
         for ray in rays {
@@ -209,7 +209,7 @@ impl FirstCollisions<'_> {
         }
     }
 
-    /// Surfaces that a ray meets until something opaque ends it.
+    /// Surfaces that a ray meets, up to the first opaque one.
     fn stops(&self, ray: &Ray) -> Vec<(f64, SurfacePoint)> {
         let snapshot = self.snapshot;
         let opaque = snapshot.tree.nearest_hit(ray, f64::INFINITY, None);
@@ -236,7 +236,7 @@ impl FirstCollisions<'_> {
         }
     }
 
-    /// Lands a ray on a surface, if that is in the grid and no wall.
+    /// Deposits a ray's power on a surface, if that is in the grid and no wall.
     fn land_at(&self, from: &PowerRay, (t, point): (f64, &SurfacePoint), power: Rgb, left: &mut Left) {
         let ray = &from.ray;
         let (enter, leave) = self.inside(ray);
@@ -248,12 +248,12 @@ impl FirstCollisions<'_> {
         }
     }
 
-    /// The part of a ray that lies in the grid's cells.
+    /// Range of a ray within the grid's cells.
     fn inside(&self, ray: &Ray) -> (f64, f64) {
         let (low, high) = self.cut.grid.volume();
         let origin = self.snapshot.world_from_relative(ray.origin);
         let (a, b) = ((low - origin) / ray.direction, (high - origin) / ray.direction);
-        // Not a number where the ray runs within a face.
+        // Not a number where the ray lies in a face of the box.
         let enter = a.min(b).to_array().into_iter().fold(0.0, f64::max);
         let leave = a.max(b).to_array().into_iter().fold(f64::INFINITY, f64::min);
         (enter, leave)
@@ -275,7 +275,7 @@ impl FirstCollisions<'_> {
         let mut left = [0, 1]
             .map(|which| power * exp_minus(depths[which] + media[which].rough_optical_depth(ray, start)));
         let in_world = Ray { origin: self.snapshot.world_from_relative(ray.origin), ..*ray };
-        // To the middle of each stretch by the fog at the middles, which is all that the grid tells of it.
+        // Up to the middle of each stretch by the fog at nodes, the only fog that the grid has.
         for Stretch { node, from, to } in self.cut.grid.stretches(&in_world, start, end) {
             let (length, middle) = (to - from, 0.5 * (from + to));
             let here = [0, 1].map(|which| {
@@ -296,8 +296,8 @@ impl FirstCollisions<'_> {
         }
     }
 
-    /// Share of a leaf's scattered light that leaves it and its clump. The leaf scatters `sent` of
-    /// `power`, and the rest is added to `met_again`.
+    /// Power that leaves a leaf and its clump, as a share of its scattered power. The leaf scatters `sent` of
+    /// `power`; the rest is added to `met_again`.
     fn leaves_clump(
         &self,
         world: DVec3,
@@ -318,7 +318,7 @@ impl FirstCollisions<'_> {
         out
     }
 
-    /// Adds the sources that leaves make of all power that meets them.
+    /// Adds the sources of leaves that scatter the power that they received.
     fn send_from_leaves(&self, found: &mut Found) {
         let mut sent = NodeMoments::zero(self.cut.grid.count());
         for (number, leaf) in self.leaves.all().iter().enumerate() {
@@ -339,7 +339,7 @@ impl FirstCollisions<'_> {
         found.sources.add_nodes(&sent);
     }
 
-    /// Lands power on a leaf.
+    /// Deposits power on a leaf.
     fn land(&self, point: &SurfacePoint, power: Rgb, left: &mut Left) {
         let normal = point.geometric_normal;
         if let Some(leaf) = self.leaves.number(self.snapshot, point.primitive) {
@@ -372,8 +372,8 @@ fn add_on_leaves(groups: &[Left], found: &mut Found) {
     }
 }
 
-/// Mean number of scatterings of light that was scattered at all, of which there is `peak` in `all`: a
-/// Poisson process (van de Hulst 1980, "Multiple Light Scattering").
+/// Mean number of scatterings of light that was scattered at least once, where `peak` of `all` was: a Poisson
+/// process (van de Hulst 1980, "Multiple Light Scattering").
 pub(crate) fn mean_times(peak: f32, all: f32) -> f32 {
     let share = if all > 0.0 { (peak / all).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
     let depth = -(1.0 - share).ln();

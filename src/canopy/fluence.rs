@@ -1,26 +1,26 @@
-//! Fluence of lamps and suns on its way through the grid. In go rays' places, directions and powers, out
-//! comes what each node has of them. Invariant: what a place has is shared out among the nodes about it, and
-//! none of it is lost.
+//! Fluence of lamps' and suns' light in the grid. In go places, directions and powers of rays, out comes the
+//! fluence at each node. Invariant: a ray's contribution at a place is distributed over the corners around it
+//! without loss.
 
 use crate::color::Rgb;
 use crate::ordinates::grid::Corners;
 use crate::ordinates::harmonics::{COUNT, basis};
 use glam::DVec3;
 
-/// Forward peak at a place: a sun's light that fog has scattered, but nearly straight ahead. It still goes as
-/// the sun's own does.
+/// Forward peak at a place: a sun's light that fog has scattered nearly straight ahead. It still travels as
+/// the sun's own light does.
 #[derive(Clone, Copy)]
 pub(crate) struct Peak {
     /// Direction of travel.
     pub(crate) travel: DVec3,
-    /// Irradiance on a plane that faces it, W/m^2.
+    /// Irradiance on a plane at right angles, W/m^2.
     pub(crate) irradiance: Rgb,
     /// Mean number of scatterings; at least one.
     pub(crate) times: f64,
 }
 
 impl Peak {
-    /// Interpolation towards another one of the same sun.
+    /// Interpolates towards another peak of the same sun.
     pub(crate) fn lerp(&self, other: &Self, share: f64) -> Self {
         let times = self.times + share * (other.times - self.times);
         Self { irradiance: self.irradiance.lerp(other.irradiance, share), times, ..*self }
@@ -36,7 +36,7 @@ pub(crate) struct ForwardPeak {
 }
 
 impl ForwardPeak {
-    /// Mean of eight nodes.
+    /// Weighted mean of eight nodes.
     pub(crate) fn about(&self, corners: &Corners) -> Peak {
         let at =
             |(&node, &weight): (&usize, &f64)| weight * Rgb::from_array(self.irradiance[node].map(f64::from));
@@ -46,14 +46,14 @@ impl ForwardPeak {
     }
 }
 
-/// Power times way, by node: of one direction alone, or by harmonics of the direction. All numbers of a
-/// node lie side by side.
+/// Power times path length, by node: of one direction alone, or by harmonics of the direction. All numbers of
+/// a node are contiguous.
 pub(crate) struct Fluence {
     harmonics: usize,
     values: Vec<f32>,
 }
 
-/// Numbers of one direction: by channel all of it, then its forward peak.
+/// Numbers of each node for one direction: by channel all light, then its forward peak.
 const OF_BEAM: usize = 6;
 const OF_ALL: usize = 3 * COUNT;
 
@@ -69,7 +69,7 @@ impl Fluence {
         self.values.chunks_exact(OF_BEAM).map(move |node| node[3 + channel])
     }
 
-    /// Fluence by node; of one direction alone there is one harmonic.
+    /// Fluence by node; for one direction alone there is one harmonic.
     pub(crate) fn of(&self, channel: usize, index: usize) -> impl Iterator<Item = f32> {
         let (per_node, place) = match self.harmonics {
             1 => (OF_BEAM, channel),

@@ -1,5 +1,5 @@
-//! Numbers of leaves by their triangles. In go the leaves of a snapshot, out come their numbers. Invariant:
-//! a leaf has the same number on every grid.
+//! Index from triangles to leaves. In go the leaves of a snapshot, out come their numbers. Invariant: a leaf
+//! has the same number on every grid.
 
 use super::surroundings::Leaf;
 use crate::accel::PrimitiveId;
@@ -7,22 +7,22 @@ use crate::snapshot::Snapshot;
 
 const NO_LEAF: u32 = u32::MAX;
 
-/// Leaves, and where they are found.
+/// Leaves, with the look-up of their numbers.
 pub(crate) struct LeafIndex {
     all: Vec<Leaf>,
-    /// Start of each mesh's parts in `leaf_of`, by the number that the mesh has at all moments; of the
-    /// last they end with it.
+    /// Start of each mesh's parts in `leaf_of`, by the mesh's number, which is the same at all moments. The
+    /// last mesh's parts end with the list.
     starts: Vec<u32>,
     leaf_of: Vec<u32>,
 }
 
 impl LeafIndex {
-    /// Leaves come in the order of their meshes.
+    /// Numbers leaves in the order of their meshes.
     pub(crate) fn new(snapshot: &Snapshot, all: Vec<Leaf>) -> Self {
         let meshes = snapshot.lasting_count();
         let mut starts = vec![0; meshes + 1];
         for leaf in &all {
-            // Up to the last of its parts that is a leaf.
+            // Up to the last part that is a leaf.
             starts[snapshot.lasting_number(leaf.mesh) + 1] = leaf.part as u32 + 1;
         }
         for mesh in 0..meshes {
@@ -35,7 +35,7 @@ impl LeafIndex {
         Self { all, starts, leaf_of }
     }
 
-    /// The number of the leaf that a triangle is part of, if it is.
+    /// Number of the leaf that a triangle is part of; `None` if it is part of none.
     pub(crate) fn number(&self, snapshot: &Snapshot, primitive: PrimitiveId) -> Option<usize> {
         let mesh = snapshot.lasting_number(primitive.instance as usize);
         let parts = &self.leaf_of[self.starts[mesh] as usize..self.starts[mesh + 1] as usize];

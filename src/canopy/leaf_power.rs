@@ -8,14 +8,13 @@ use crate::ordinates::grid::Corners;
 use crate::ordinates::occluders::{CutGrid, OFF_WALL};
 use glam::DVec3;
 
-/// Distance before a lit side, in roots of its area, from which backscattered light starts: no leaf stands
-/// between the side and its light, so light next to that way gets out. The mean way of a cosine out of a
-/// leaf's shadow, `8 r / 3 pi` across it, is .75 where light comes straight, and .6 on the mean of all
-/// slants. In canopies that is the hot spot (Kuusk 1991, "The hot spot effect in plant canopy
-/// reflectance").
+/// Distance in front of a lit side, in roots of its area, at which backscattered light starts. No leaf stands
+/// between the side and its light, so light near that path escapes. The mean path of cosine-distributed light
+/// out of a leaf's shadow, `8 r / 3 pi` across it, is .75 for normal incidence, and .6 averaged over all
+/// angles. In canopies this is the hot spot (Kuusk 1991, "The hot spot effect in plant canopy reflectance").
 const WAY_OUT: f64 = 0.6;
 
-/// Power that meets a leaf, W.
+/// Power that a leaf receives from one ray, W.
 pub(crate) struct LeafHit {
     leaf: u32,
     side: u8,
@@ -23,7 +22,7 @@ pub(crate) struct LeafHit {
 }
 
 impl LeafHit {
-    /// Power on the side that a leaf's normal shows, 0, or on its other side, 1.
+    /// Power on side 0, that of the leaf's normal, or on side 1.
     pub(crate) fn new(leaf: usize, side: usize, power: Rgb) -> Self {
         Self { leaf: leaf as u32, side: side as u8, power: power.to_array().map(|value| value as f32) }
     }
@@ -33,7 +32,7 @@ impl LeafHit {
 pub(crate) struct LeafPower(Vec<[[f32; 3]; 2]>);
 
 impl LeafPower {
-    /// No power on so many leaves.
+    /// No power, for so many leaves.
     pub(crate) fn zero(leaves: usize) -> Self {
         Self(vec![[[0.0; 3]; 2]; leaves])
     }
@@ -48,7 +47,7 @@ impl LeafPower {
         self.0[number].map(|power| Rgb::from_array(power.map(f64::from)))
     }
 
-    /// Power that leaves each of its sides.
+    /// Power that is scattered from each of its sides.
     pub(crate) fn scattered(&self, number: usize, leaf: &Leaf) -> [Scattered; 2] {
         let power = self.of(number);
         [0, 1].map(|side| Scattered {
@@ -58,7 +57,7 @@ impl LeafPower {
     }
 }
 
-/// Power that leaves a side of a leaf, W, before the leaf itself meets any of it.
+/// Power that leaves a side of a leaf, W, before any of it meets the leaf again.
 #[derive(Clone, Copy)]
 pub(crate) struct Scattered {
     pub(crate) back: Rgb,
@@ -73,7 +72,7 @@ impl Scattered {
     }
 }
 
-/// Nodes about a leaf as its side `facing` sees them, and those of its backscattered light.
+/// Corners of a leaf on its side `facing`, and those where its backscattered light starts.
 pub(crate) fn nodes_of(cut: CutGrid, (leaf, facing): (&Leaf, DVec3)) -> [Corners; 2] {
     let seen_from = leaf.position + OFF_WALL * cut.grid.cell_m * facing;
     [0.0, WAY_OUT * leaf.area_m2.sqrt()].map(|away_m| cut.corners(leaf.position + away_m * facing, seen_from))

@@ -1,5 +1,5 @@
-//! Leaf area at nodes, summed up over surfels. In go surfels, out come cross-sections by node. Invariant: to
-//! a node they are added in one order, however many threads do it.
+//! Leaf area at nodes, summed over surfels. In go surfels, out come cross-sections by node. Invariant: each
+//! node's sum has a fixed order, for any number of threads.
 
 use super::clumping::Clumping;
 use super::surfels::{Surfel, Surfels};
@@ -13,25 +13,25 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// Surfels that are placed before they are added: memory.
+/// Number of surfels that are placed before they are added, which limits memory.
 const AT_ONCE: usize = 4096;
-/// Parts that nodes are shared out into, and the fewest nodes of one.
+/// Number of parts that nodes are divided into, and the fewest nodes of a part.
 const PARTS: usize = 32;
 const FEWEST_NODES: usize = 512;
 
 /// Leaf area at a node.
 pub(super) struct LeafArea {
     pub(super) node: usize,
-    /// Leaf area by volume, 1/m; of clumps what meets light from elsewhere.
+    /// Leaf area density, 1/m; in clumps the effective density for light from outside.
     pub(super) density: f32,
     /// Emission of leaves, by channel.
     pub(super) emitted: [[f32; COUNT]; 3],
 }
 
-/// Leaf area at a node as it is summed up.
+/// Leaf area at a node while it is summed.
 pub(super) struct LeafSums {
     pub(super) area: LeafArea,
-    /// Leaf area by volume by outer products of normals: xx, yy, zz, xy, yz, zx.
+    /// Leaf area density times outer products of normals: xx, yy, zz, xy, yz, zx.
     density_by_normal: [f32; 6],
     pub(super) scattering: OrientedScattering,
     /// Albedo times density.
@@ -48,8 +48,8 @@ impl LeafSums {
         }
     }
 
-    /// Puts them in clumps of a clumping index. Light that is scattered there several times has forgotten on
-    /// which side of a leaf.
+    /// Applies a clumping index. Light that is scattered several times in a clump no longer depends on the
+    /// side of a leaf.
     pub(super) fn clump(&mut self, clumping: &Clumping) {
         let index = clumping.at(self.area.node);
         if index == 1.0 || self.area.density <= 0.0 {
@@ -83,17 +83,17 @@ impl LeafSums {
         }
     }
 
-    /// Extinction by Ross' G-function, of which harmonics up to l = 2 are kept: `3/16 + 15/16 (n.w)^2`.
+    /// Extinction by Ross' G-function, truncated to harmonics up to l = 2: `3/16 + 15/16 (n.w)^2`.
     pub(super) fn extinction(&self) -> OrientedExtinction {
         let by_normal = self.density_by_normal.map(|density| 15.0 / 16.0 * density);
         OrientedExtinction::new(3.0 / 16.0 * self.area.density, by_normal)
     }
 }
 
-/// Terms of a surfel, per leaf area by volume.
+/// Terms of a surfel, per leaf area density.
 ///
-/// Irradiances are `E+ = e - o`, `E- = e + o` by the even and odd parts of the moments along its normal; what
-/// leaves is `B+ + B- = 2 (rho + tau) e` and `B+ - B- = -2 (rho - tau) o`, sent out over `cos / pi`.
+/// Irradiances are `E+ = e - o`, `E- = e + o`, from the even and odd parts of the moments along its normal.
+/// Radiosities are `B+ + B- = 2 (rho + tau) e` and `B+ - B- = -2 (rho - tau) o`, emitted as `cos / pi`.
 struct SurfelTerms {
     normals: [f32; 6],
     lobe: [f32; COUNT],
@@ -101,7 +101,7 @@ struct SurfelTerms {
     even: [f32; 3],
     odd: [f32; 3],
     emission: [f32; 3],
-    /// Share of light that it sends on.
+    /// Albedo.
     sent: Rgb,
 }
 
@@ -123,14 +123,14 @@ impl SurfelTerms {
     }
 }
 
-/// A surfel where it counts.
+/// A surfel with its corners.
 struct Placed {
     terms: SurfelTerms,
     corners: Corners,
     area_m2: f64,
 }
 
-/// Leaf area of the nodes about each surfel, on its side of walls.
+/// Leaf area at the nodes around each surfel, on its side of walls.
 pub(super) fn leaf_sums(cut: CutGrid, surfels: &Surfels) -> Vec<LeafSums> {
     const NO_LEAVES: usize = usize::MAX;
     let volume_m3 = cut.grid.cell_volume();

@@ -1,6 +1,6 @@
 //! Canopies: leaves and fog as a turbid medium for discrete ordinates. In goes a snapshot, out come
-//! cross-sections and the first-collision source of its lights. Invariant: nothing here sweeps, and nothing
-//! knows a camera.
+//! cross-sections and the first-collision source of its lights. Invariant: this module sweeps nothing and
+//! knows no camera.
 //!
 //! Leaf area by cell follows Ross 1981, "The radiation regime and architecture of plant stands".
 

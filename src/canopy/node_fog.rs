@@ -7,14 +7,14 @@ use crate::ordinates::occluders::{CutGrid, Occluders};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Places of a cell: a lattice in which all are at different heights (Korobov 1959).
+/// Number of sampled places of a cell: a lattice with all of them at different heights (Korobov 1959).
 const PLACES: usize = 64;
 const GENERATOR: [usize; 3] = [19, 1, 27];
 
-/// Near walls what fills a cell is kept place by place: memory.
+/// Number of cells near walls whose samples are held at a time, which limits memory.
 const CELLS_AT_ONCE: usize = 512;
 
-/// Coefficients of each node.
+/// Returns the coefficients of each node.
 pub(crate) fn fog_of_nodes(
     CutGrid { grid, occluders }: CutGrid,
     fog: &DeltaScaledFog,
@@ -40,7 +40,7 @@ fn place_in((grid, node): (&Grid, usize), number: usize) -> DVec3 {
     grid.position(node) + grid.cell_m * DVec3::new(along(0), along(1), along(2))
 }
 
-/// Coefficients in a cell near walls, with the nodes that see them.
+/// Coefficients at places of a cell near walls, with the nodes that represent each.
 fn shared_out(
     cell: (&Grid, usize),
     occluders: &Occluders,
@@ -53,7 +53,7 @@ fn shared_out(
     (0..PLACES).map(of_place).collect()
 }
 
-/// Exact where fog is even about all of the cell.
+/// Mean over a cell; exact where fog is uniform around it.
 fn mean_of(cell: (&Grid, usize), fog: &DeltaScaledFog) -> FogCoefficients {
     let (middle, cell_m) = (cell.0.position(cell.1) - fog.eye, cell.0.cell_m);
     let corner = |number: usize| {

@@ -1,7 +1,8 @@
-//! Recollision: light that a leaf or a clump of leaves scatters, and meets again. In go the share that
-//! escapes and an albedo, out comes what escapes in the end. Invariant: what absorbs nothing keeps nothing.
+//! Recollision: light that a leaf or a clump scatters and that meets it again. In go the probability of
+//! escape and an albedo, out comes the share that finally escapes. Invariant: without absorption all light
+//! escapes.
 //!
-//! A photon that was scattered escapes with the probability `q`, or meets leaves of the same clump again
+//! A scattered photon escapes with the probability `q`, or collides again with leaves of the same clump
 //! (Smolander & Stenberg 2005, "Simple parameterizations of the radiation budget of uniform broadleaved and
 //! coniferous canopies").
 
@@ -13,7 +14,7 @@ pub(crate) fn escaped(share: f64, albedo: Rgb) -> Rgb {
     share / (Rgb::ONE - (1.0 - share) * albedo.min(Rgb::ONE))
 }
 
-/// Optics of a bent leaf of which a share is exposed: what meets it again is scattered again.
+/// Optics of a bent leaf with an exposed share: light that meets it again is scattered again.
 pub(crate) fn bent(optics: &SurfaceOptics, exposed: f64) -> SurfaceOptics {
     let out = escaped(exposed, optics.albedo());
     SurfaceOptics {

@@ -1,11 +1,11 @@
-//! Self-interaction of leaves: what a leaf itself does to light at the nodes about it. In go what it
-//! scatters and what it gathers, out come moments without its own part. Invariant: a leaf that stands alone
-//! gets no light.
+//! Self-interaction of leaves: a leaf's own effect on the light at nodes around it. In go the light that it
+//! scatters and gathers, out come moments without its own effect. Invariant: an isolated leaf gets no light
+//! from itself.
 //!
-//! On a grid a leaf is spread over cells, so it shines on itself and stands in its own response. A real one
-//! does neither: seen from one of many leaves that stand anywhere, the others are as if it were not there
-//! (Slivnyak's theorem; Chiu, Stoyan, Kendall & Mecke 2013, "Stochastic Geometry and its Applications",
-//! section 4.4). A sweep is linear in what a leaf adds to it, and near its sources it is a few products.
+//! On a grid a leaf is spread over cells, so it would light and shade itself. A real leaf does neither: as
+//! seen from one of many leaves at random places, the others are distributed as if it were absent (Slivnyak's
+//! theorem; Chiu, Stoyan, Kendall & Mecke 2013, "Stochastic Geometry and its Applications", section 4.4). A
+//! sweep is linear in a leaf's sources, and its response near them is a few products.
 
 use super::clumping::Clumping;
 use super::leaf_index::LeafIndex;
@@ -28,43 +28,42 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// Number of leaves that are looked at before their scattered light is added up.
+/// Number of leaves that are computed before their scattered light is added up.
 const AT_ONCE: usize = 1 << 14;
 
 /// Transport of light from node to node near its source.
 pub(crate) struct SelfInteraction {
     responses: Vec<Response>,
     per_volume: f64,
-    /// Whether light that leaves get of it is sent on again.
+    /// Whether the light that leaves receive is scattered again.
     goes_on: bool,
 }
 
-/// First light of leaves: what lamps and suns bring them, and whether what they emit counts too.
+/// First light of leaves: power from lamps and suns, and optionally emission.
 #[derive(Clone, Copy)]
 pub(crate) struct OwnLight<'a> {
     pub(crate) on_leaves: Option<&'a LeafPower>,
     pub(crate) emitted: bool,
 }
 
-/// A leaf, and what is about it.
+/// A leaf with its neighbourhood.
 pub(crate) struct Alone<'a> {
     leaf: &'a Leaf,
     /// Power of first light and emission that leaves its sides, W.
     scattered: [Scattered; 2],
-    /// Nodes that stand for each side, and for its backscattered first light.
+    /// Corners of each side, and of its backscattered first light.
     pub(crate) nodes: [[Corners; 2]; 2],
-    /// Steps between them; first by the side that sees.
+    /// Weights of the steps between them; the receiving side comes first.
     near: [[[f32; NEAR]; 3]; 2],
-    /// Extinction about it.
+    /// Extinction at the leaf.
     extinction: NodeExtinction<'a>,
-    /// Clumping index, and the share of what it scatters that escapes its clump.
+    /// Clumping index, and the irradiance in its clump relative to a single leaf's.
     index: f64,
     inside: Rgb,
 }
 
 impl<'a> Alone<'a> {
-    /// `unmet` is what its sides scatter of first light, before the leaf or others of its clump meet it
-    /// again.
+    /// `unmet` is the first light that its sides scatter, before any of it meets the leaf or its clump again.
     pub(crate) fn new(
         cut: CutGrid,
         (extinction, clumping): (&'a Extinction, &Clumping),
@@ -102,7 +101,7 @@ impl<'a> Alone<'a> {
     }
 }
 
-/// Attenuation towards a side of a leaf along each ordinate.
+/// Attenuation along each ordinate towards a side of a leaf.
 struct Reached<'a> {
     side: usize,
     by_ordinate: &'a [Attenuation],
@@ -118,8 +117,8 @@ impl SelfInteraction {
         Self { responses, per_volume: 1.0 / grid.cell_volume(), goes_on }
     }
 
-    /// Sources of what all leaves scatter of their own light: of what lamps and suns bring them, what they
-    /// emit, or both. A leaf that has none scatters none.
+    /// Sources that all leaves scatter of their own light: from lamps and suns, from emission, or both.
+    /// Leaves without such light are left out.
     pub(crate) fn all_sent_again(
         &self,
         cut: CutGrid,
@@ -151,8 +150,8 @@ impl SelfInteraction {
         sources
     }
 
-    /// Power that a leaf scatters of its own first light when that has come back to it, where nothing else
-    /// did: power that leaves its sides, W. The second order has it, and nobody should.
+    /// Power that leaves a leaf's sides, W, when its own first light comes back to it on the grid and is
+    /// scattered. The second order includes this power, which no real leaf has.
     fn sent_again(&self, alone: &Alone) -> [Rgb; 2] {
         let reach = self.attenuation(alone);
         let arriving = [0, 1].map(|side| {
@@ -163,7 +162,7 @@ impl SelfInteraction {
         alone.sent(arriving)
     }
 
-    /// Takes a leaf's own part out of what comes to its sides.
+    /// Subtracts a leaf's own effect from the radiance on its sides.
     pub(crate) fn take(&self, alone: &Alone, sides: [Arriving; 2]) {
         let reach = self.attenuation(alone);
         let mut left = sides.each_ref().map(|Arriving(moments, fourth)| [**moments, **fourth]);
@@ -186,7 +185,7 @@ impl SelfInteraction {
         self.responses.iter().map(|response| response.attenuation(alone.extinction)).collect()
     }
 
-    /// Takes out what it scatters of first light, as a side sees it.
+    /// Subtracts its scattered first light, as seen from a side.
     fn take_first(&self, alone: &Alone, reach: &Reached, from: &mut [Moments; 2]) {
         let factor = FRAC_1_PI * self.per_volume;
         let [[back, through], [back_of_other, through_other]] =
@@ -203,7 +202,7 @@ impl SelfInteraction {
         }
     }
 
-    /// Takes out the light of all others that the leaf scatters, and that it stops.
+    /// Subtracts the light of others that the leaf scatters, and adds back the light that it stops.
     fn take_later(
         &self,
         alone: &Alone,

@@ -1,5 +1,5 @@
-//! Optical properties of a snapshot's surfaces. In go points of surfaces, out come shares. Invariant: what
-//! shines counts as matte, and no share is above 1.
+//! Optical properties of a snapshot's surfaces. In go points of surfaces, out come shares of light.
+//! Invariant: specular reflection counts as Lambertian, and no share is above 1.
 
 use crate::accel::PrimitiveId;
 use crate::color::Rgb;
@@ -8,10 +8,10 @@ use crate::ordinates::surface_optics::SurfaceOptics;
 use crate::snapshot::{Snapshot, SurfacePoint};
 use glam::DVec3;
 
-/// Cosine about which most light falls and most is seen.
+/// Cosine typical of the directions of light and view.
 const COS: f64 = 0.6;
 
-/// Optics on the side that `normal` faces, at a place of world space.
+/// Optics of the side that `normal` faces, at a place in world space.
 pub(crate) fn optics_at(
     snapshot: &Snapshot,
     primitive: PrimitiveId,
@@ -32,7 +32,7 @@ pub(crate) fn optics_of(point: &SurfacePoint) -> SurfaceOptics {
     }
 }
 
-/// Reflectance of all kinds together: shine counts as matte.
+/// Reflectance of all lobes together: specular reflection counts as Lambertian.
 pub(crate) fn reflectance(point: &SurfacePoint) -> Rgb {
     let gloss = point.gloss.as_ref();
     let coat = gloss.map_or(Rgb::ZERO, |gloss| gloss.albedo(COS));
@@ -40,7 +40,7 @@ pub(crate) fn reflectance(point: &SurfacePoint) -> Rgb {
     (beneath + coat + point.mirror + of_dielectric(point)[0]).clamp(Rgb::ZERO, Rgb::ONE)
 }
 
-/// What a dielectric reflects and lets through.
+/// Reflectance and transmittance of a dielectric.
 fn of_dielectric(point: &SurfacePoint) -> [Rgb; 2] {
     point.dielectric.as_ref().map_or([Rgb::ZERO; 2], |own| own.albedos(COS))
 }

@@ -14,16 +14,16 @@ pub(crate) struct Surfel {
     pub(crate) normal: DVec3,
     /// m^2.
     pub(crate) area: f64,
-    /// Share of it that the part itself does not hide: of a ball half, as half of it is turned away.
+    /// Share of light that the part itself does not shade: half for a ball, half of which is turned away.
     pub(crate) exposed: f32,
-    /// The number of its optics.
+    /// Index of its optics.
     pub(crate) optics: u32,
 }
 
-/// Surfels of a chunk of leaves by its number; none beyond the last.
+/// Surfels of a chunk of leaves by the chunk's number; `None` past the last chunk.
 type OfChunk<'a> = Box<dyn Fn(usize) -> Option<Vec<Surfel>> + Send + Sync + 'a>;
 
-/// All surfels, made anew for each look at them.
+/// All surfels, generated anew for each pass over them.
 pub(crate) struct Surfels<'a> {
     /// Mean area of a leaf, m^2.
     pub(crate) leaf_area_m2: f64,
@@ -41,7 +41,7 @@ impl<'a> Surfels<'a> {
         surfels
     }
 
-    /// Leaves at places of world space, each of one surfel.
+    /// Leaves at places in world space, with one surfel each.
     #[cfg(test)]
     pub(crate) fn of_leaves(places: impl Iterator<Item = DVec3>, area: f64) -> Self {
         let leaf = |position: DVec3| Surfel { position, normal: DVec3::Y, area, exposed: 1.0, optics: 0 };
@@ -54,7 +54,7 @@ impl<'a> Surfels<'a> {
         (0..).map_while(&self.of_chunk).flatten().for_each(tell);
     }
 
-    /// Tells those in the cells of a grid.
+    /// Calls back with the surfels in the cells of a grid.
     pub(crate) fn for_each_in(&self, grid: &Grid, mut tell: impl FnMut(&Surfel)) {
         self.for_each(|surfel| {
             if grid.holds(surfel.position) {
@@ -63,7 +63,7 @@ impl<'a> Surfels<'a> {
         });
     }
 
-    /// Tells them in chunks of so many, at most.
+    /// Calls back with chunks of at most `at_once` of them.
     pub(super) fn for_each_chunk_in(&self, grid: &Grid, at_once: usize, mut tell: impl FnMut(&[Surfel])) {
         for mut surfels in (0..).map_while(&self.of_chunk) {
             surfels.retain(|surfel| grid.holds(surfel.position));

@@ -1,6 +1,6 @@
-//! Surroundings that light meets from order to order, in world space: small things as surfels, large ones as
-//! walls. In goes a snapshot, out come both and the box that they fill. Invariant: each visible triangle is
-//! part of one of them.
+//! Surroundings for light between orders, in world space: small parts as surfels, large ones as walls. In
+//! goes a snapshot, out come both and their bounds. Invariant: each visible triangle belongs to one of the
+//! two.
 
 pub(crate) mod wide;
 
@@ -18,38 +18,38 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A triangle of something that is larger than a cell.
+/// A triangle of a part that is larger than a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WallTriangle {
     pub(crate) triangle: Triangle,
     pub(crate) primitive: PrimitiveId,
 }
 
-/// Parts that look alike wherever they are: mesh and material, whether these are its blended triangles,
+/// Key of parts with the same look in all places: mesh and material, whether these are its blended triangles,
 /// and the part's number.
 type Looks = ((usize, Option<usize>), bool, usize);
 
-/// Parts that are longer, in cells, are looked at in all of their places.
+/// Length in cells up to which a part has the mean optics of its look; longer parts have those of each place.
 const SMALL_CELLS: f64 = 1.0;
 
-/// A part of a mesh where it is placed. There may be a million.
+/// A part of a placed mesh. There may be a million.
 struct PlacedPart<'a> {
     mesh_number: usize,
     part: &'a MeshPart,
     number: usize,
-    /// The shortest of its sides.
+    /// The shortest side of its bounds, metres.
     thickness_m: f64,
-    /// The second longest: how wide a leaf is, or a trunk, or a wall; metres.
+    /// The second longest side: the width of a leaf, a trunk or a wall, metres.
     width_m: f64,
-    /// The longest.
+    /// The longest side, metres.
     length_m: f64,
     is_blended: bool,
-    /// Whether it is a plain under layers of fog, which end in it.
+    /// Whether it is plain ground below layers of fog, which end at it.
     is_plain: bool,
 }
 
 impl PlacedPart<'_> {
-    /// Whether it stops light as a wall does: what one sees through is matter however large it is.
+    /// Whether it stops light as a wall does: transparent parts are surfels at any size.
     fn is_wall(&self, width_m: f64) -> bool {
         self.is_large(width_m) && !self.is_blended
     }
@@ -58,7 +58,7 @@ impl PlacedPart<'_> {
         self.width_m >= width_m || self.is_panel(width_m)
     }
 
-    /// Whether it is a board: above a window walls are narrow too, and close what is beside them.
+    /// Whether it is a panel, such as the narrow wall above a window, which closes a room as a wall does.
     fn is_panel(&self, width_m: f64) -> bool {
         /// Minimum width, as a share of a width that suffices by itself.
         const NARROWEST: f64 = 0.25;
@@ -69,50 +69,50 @@ impl PlacedPart<'_> {
         is_flat && self.width_m >= NARROWEST * width_m && self.length_m >= SHORTEST * width_m
     }
 
-    /// Share of light from all sides that it does not hide from itself; a body's sides are another matter.
+    /// Share of light from all sides that it does not shade itself from; 1 for a closed body.
     fn exposed(&self) -> f64 {
         if self.part.is_closed { 1.0 } else { self.part.exposed.max(LEAST_EXPOSED) }
     }
 }
 
-/// A small part that has two sides.
+/// A small part with two sides.
 pub(crate) struct Leaf {
-    /// The number of the mesh, and of the part among its mesh's.
+    /// Number of the mesh, and of the part in it.
     pub(crate) mesh: usize,
     pub(crate) part: usize,
-    /// Position of all of it, in world space.
+    /// Position of its centre, in world space.
     pub(crate) position: DVec3,
     pub(crate) normal: DVec3,
-    /// Area of one side that covers, m^2.
+    /// Area of one side times coverage, m^2.
     pub(crate) area_m2: f64,
-    /// Share of light from all sides that the leaf itself does not hide.
+    /// Share of light from all sides that the leaf itself does not shade.
     pub(crate) exposed: f64,
-    /// Mean optics, of all that look alike.
+    /// Mean optics of all parts with its look.
     pub(crate) optics: Arc<SurfaceOptics>,
 }
 
 impl Leaf {
-    /// The same leaf without what it emits, if it emits anything.
+    /// The leaf without emission; `None` if it does not emit.
     pub(crate) fn dark(&self) -> Option<Self> {
         let optics = || Arc::new(SurfaceOptics { emission: Rgb::ZERO, ..*self.optics });
         (self.optics.emission != Rgb::ZERO).then(|| Self { optics: optics(), ..*self })
     }
 }
 
-/// Share of a leaf's area that faces one way, at least; a body's faces all ways.
+/// Minimum share of a leaf's area that faces one way; a body faces all ways.
 const FLAT: f64 = 0.5;
-/// A leaf that is rolled up hides next to all of itself.
+/// Minimum exposed share: a rolled leaf shades nearly all of itself.
 const LEAST_EXPOSED: f64 = 0.1;
 
-/// Leaves that are looked at before what is found is put together.
+/// Number of leaves that are computed before results are collected.
 const AT_ONCE: usize = 1 << 14;
 
-/// Points of a part that looks like no other, and of all of them together.
+/// Number of points of a part with a unique look, and of all of them together.
 const POINTS: usize = 64;
 const MOST_POINTS: usize = 400_000;
 const FEWEST_POINTS: usize = 8;
 
-/// The parts that a snapshot shows.
+/// The visible parts of a snapshot.
 pub(crate) struct Surroundings<'a> {
     snapshot: &'a Snapshot<'a>,
     parts: Vec<PlacedPart<'a>>,
@@ -140,7 +140,7 @@ impl<'a> Surroundings<'a> {
                 }
             })
         };
-        // Most meshes are a leaf: one part.
+        // Most meshes are one leaf, and so one part.
         let mut parts = Vec::with_capacity(snapshot.mesh_count());
         parts.extend((0..snapshot.mesh_count()).flat_map(placed));
         Self { snapshot, parts }
@@ -154,8 +154,8 @@ impl<'a> Surroundings<'a> {
         (self.mesh(part).looks(), part.is_blended, part.number)
     }
 
-    /// Width of leaves: the mean by their area over all parts narrower than `widest_m`; 0 if there are
-    /// fewer than `few`.
+    /// Width of leaves: the mean by area over all parts narrower than `widest_m`; 0 if there are fewer than
+    /// `few`.
     pub(crate) fn leaf_width_m(&self, widest_m: f64, few: usize) -> f64 {
         let leaves = self.parts.iter().filter(|part| !part.is_large(widest_m));
         if leaves.clone().count() < few {
@@ -168,11 +168,11 @@ impl<'a> Surroundings<'a> {
         if all > 0.0 { weighted / all } else { 0.0 }
     }
 
-    /// Small things: parts narrower than `width_m`.
+    /// Surfels of small parts: those narrower than `width_m`.
     pub(crate) fn surfels(&self, width_m: f64, cell_m: f64) -> Surfels<'_> {
         let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
         let means = self.means(leaves.iter().copied());
-        // Of parts that look alike those of the mean, then those of each place.
+        // Optics: first the means of parts that look alike, then those of single places.
         let (mut first, mut optics): (HashMap<Looks, u32>, _) = (HashMap::new(), Vec::new());
         for leaf in &leaves {
             first.entry(self.looks(leaf)).or_insert_with(|| {
@@ -196,7 +196,7 @@ impl<'a> Surroundings<'a> {
             };
             let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
             if is_small {
-                // All where its light is gathered.
+                // One position for all surfels of a part, where its light is gathered.
                 let middle = middle(surfels.iter().map(|surfel| (surfel.area, surfel.position)));
                 surfels.iter_mut().for_each(|surfel| surfel.position = middle);
             }
@@ -210,7 +210,7 @@ impl<'a> Surroundings<'a> {
         Surfels::new(count, optics, Box::new(of_chunk))
     }
 
-    /// A large part that one sees through: all of its triangles, in pieces no longer than a cell.
+    /// Surfels of a large transparent part: all of its triangles, in pieces no longer than a cell.
     fn pane(&self, leaf: &PlacedPart, optics: (u32, &[SurfaceOptics]), cell_m: f64) -> Vec<Surfel> {
         const MOST_PIECES: f64 = 64.0;
         let (mesh, mut surfels) = (self.mesh(leaf), Vec::new());
@@ -231,14 +231,14 @@ impl<'a> Surroundings<'a> {
         surfels
     }
 
-    /// Parts no longer than a cell that have two sides, in the order of their meshes.
+    /// Parts with two sides that are no longer than a cell, in the order of their meshes.
     pub(crate) fn leaves(&self, cell_m: f64) -> Vec<Leaf> {
         let is_small = |part: &&PlacedPart| part.length_m < SMALL_CELLS * cell_m && !part.part.is_closed;
         let means = self.means(self.parts.iter().filter(is_small));
         let means: HashMap<Looks, Arc<SurfaceOptics>> =
             means.into_iter().map(|(looks, optics)| (looks, Arc::new(optics))).collect();
         let mut all = Vec::new();
-        // No more than there are: memory.
+        // Exact, to save memory.
         all.reserve_exact(self.parts.iter().filter(is_small).count());
         for parts in self.parts.chunks(AT_ONCE) {
             let small = parts.par_iter().filter(is_small);
@@ -270,7 +270,7 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Mean of parts that look alike, for each looks.
+    /// Mean optics of parts, for each look.
     fn means<'p>(&self, parts: impl Iterator<Item = &'p PlacedPart<'a>>) -> HashMap<Looks, SurfaceOptics>
     where
         'a: 'p,
@@ -284,8 +284,7 @@ impl<'a> Surroundings<'a> {
         one_of.into_par_iter().map(mean).collect()
     }
 
-    /// Mean optics at points that are spread evenly over a part: a picture of a leaf differs from place to
-    /// place.
+    /// Mean optics at evenly spaced points of a part, as a texture differs from point to point.
     fn mean_optics(&self, leaf: &PlacedPart, points: usize) -> SurfaceOptics {
         let corners_of = |triangle: u32| Some(self.world_corners(self.mesh(leaf).primitive(triangle)?));
         let area_of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
@@ -310,7 +309,7 @@ impl<'a> Surroundings<'a> {
         mean.mean()
     }
 
-    /// Optics at each place of a part.
+    /// Optics of each piece of a part.
     fn optics_of_places(&self, leaf: &PlacedPart) -> impl Iterator<Item = SurfaceOptics> {
         leaf.part.places.iter().map(|place| {
             let Some(primitive) = self.mesh(leaf).primitive(place.triangle) else {
@@ -322,7 +321,7 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// All else.
+    /// Triangles of all parts that are walls.
     pub(crate) fn walls(&self, width_m: f64) -> Vec<WallTriangle> {
         let walls = self.parts.iter().filter(|part| part.is_wall(width_m));
         let triangle = |wall: &PlacedPart<'a>, triangle: u32| {
@@ -356,22 +355,22 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-/// Number of points of a part that are looked at where so many look different. A power of two: colours
-/// hardly ever change with it.
+/// Number of sampled points of a part, for so many looks. It is a power of two, so that colours hardly change
+/// as it does.
 fn points_of_each(looks: usize) -> usize {
     let points = (MOST_POINTS / looks.max(1)).clamp(FEWEST_POINTS, POINTS);
     1 << points.ilog2()
 }
 
-/// The mean of places by their areas.
+/// Mean of places by their areas.
 fn middle(places: impl Iterator<Item = (f64, DVec3)>) -> DVec3 {
     let (sum, all) =
         places.fold((DVec3::ZERO, 0.0), |(sum, all), (area, place)| (sum + area * place, all + area));
     if all > 0.0 { sum / all } else { sum }
 }
 
-/// The middles of the equal triangles that cutting each side of a triangle in `count` makes, by its second
-/// and third corner's weights.
+/// Centres of the equal triangles from dividing each side of a triangle in `count`, as weights of its second
+/// and third corner.
 fn middles(count: f64) -> impl Iterator<Item = (f64, f64)> {
     let side = count as usize;
     let middle =

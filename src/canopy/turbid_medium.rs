@@ -1,9 +1,9 @@
 //! Leaves and fog as one turbid medium, node by node. In go fog and surfels, out come cross-sections.
-//! Invariant: a medium that absorbs nothing, in even light from all sides, sends out exactly what it takes.
+//! Invariant: in uniform light from all sides a medium without absorption emits exactly what it removes.
 //!
-//! Leaves follow Ross 1981, "The radiation regime and architecture of plant stands". Each leaf's own normal
-//! takes the place of a distribution of leaf normals. Of `|cos|` in the G-function the harmonics up to l = 2
-//! are kept: `3/16 + 15/16 cos^2`. So a node's leaves are two sums of outer products.
+//! Leaves follow Ross 1981, "The radiation regime and architecture of plant stands", with each leaf's own
+//! normal instead of a distribution of normals. The G-function's `|cos|` is truncated to harmonics up to l =
+//! 2: `3/16 + 15/16 cos^2`. So a node's leaves are two sums of outer products.
 
 use super::clumping::Clumping;
 use super::clumps::Clumps;
@@ -19,26 +19,27 @@ use crate::ordinates::occluders::CutGrid;
 use crate::scene::Bounces;
 use std::f64::consts::PI;
 
-/// Leaf area of a node, as a share of the mean, that power is shared out over at the least. Rays meet all of
-/// a leaf, but its area lies at the nodes about its middle.
+/// Minimum leaf area of a node over which power is distributed, as a share of the mean. Rays meet every place
+/// on a leaf, but its area is at the nodes around its centre.
 const LEAST_SIDES: f32 = 0.02;
 
-/// Leaves and fog that fill the cells of a grid.
+/// Leaves and fog in the cells of a grid.
 pub(crate) struct TurbidMedium {
     pub(crate) cross_sections: CrossSections,
-    /// Scattering coefficients of suns' light as fog scatters it first: 1/m, by channel, degree and node.
+    /// Coefficients for the first scattering of suns' light in fog: 1/m, by channel, degree and node.
     pub(crate) first_scattering: [[Vec<f32>; FIRST_DEGREES]; 3],
-    /// The forward peak that this leaves out of each degree, as if it were not scattered.
+    /// Coefficient of the forward peak, which `first_scattering` lacks at each degree, as if it were not
+    /// scattered.
     pub(crate) first_peak: [Vec<f32>; 3],
-    /// Nodes that have leaves, with those.
+    /// Leaf area of each node that has leaves.
     leaves: Vec<LeafArea>,
-    /// Nodes whose fog shines, with what it sends out in each direction, W m^-3 sr^-1.
+    /// Nodes with emissive fog, and the fog's emission in each direction, W m^-3 sr^-1.
     fog_emission: Vec<(usize, Rgb)>,
     pub(crate) clumping: Clumping,
 }
 
 impl TurbidMedium {
-    /// Fog and surfels, which stay on their side of walls.
+    /// Medium of fog and surfels, which stay on their side of walls.
     pub(crate) fn new(cut: CutGrid, fog: &DeltaScaledFog, surfels: &Surfels, bounces: Bounces) -> Self {
         let count = cut.grid.count();
         let channels = || [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0; count]);
@@ -85,12 +86,13 @@ impl TurbidMedium {
         }
     }
 
-    /// Clumps and extinction, for who gathers light; leaves of clumps get power of each other, W m^-3 by
-    /// node.
+    /// Clumps and extinction, for gathering light. `met_again` is the power that leaves of a clump give each
+    /// other, W m^-3 by node.
     pub(crate) fn told(self, met_again: &[[f32; 3]]) -> (Clumps, Extinction) {
         let mut given = vec![[0.0; 3]; met_again.len()];
         let leaves = if met_again.is_empty() { &[] } else { &self.leaves[..] };
-        // What meets light is less than the area of all leaves, which have two sides each.
+        // Light meets an effective area, which is smaller than the area of all leaves; each leaf has two
+        // sides.
         let sides = |leaves: &LeafArea| 2.0 * leaves.density / self.clumping.at(leaves.node) as f32;
         let least = LEAST_SIDES * leaves.iter().map(sides).sum::<f32>() / leaves.len().max(1) as f32;
         for leaves in leaves {
@@ -102,7 +104,7 @@ impl TurbidMedium {
         (Clumps::new(self.clumping, given), self.cross_sections.extinction)
     }
 
-    /// Adds what leaves and fog emit to sources.
+    /// Adds the emission of leaves and fog to sources.
     pub(crate) fn emit(&self, sources: &mut Moments) {
         for (node, emission) in &self.fog_emission {
             for channel in 0..3 {

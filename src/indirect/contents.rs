@@ -1,5 +1,5 @@
 //! Contents of one grid. In goes a snapshot, out come the medium, the walls, and the first-collision source
-//! of its lights. Invariant: each surface is a wall or leaf area, never both.
+//! of its lights. Invariant: each surface is either a wall or leaf area.
 
 use super::wall_light::{LitWalls, WallLight};
 use super::walls::SnapshotWalls;
@@ -23,23 +23,24 @@ use crate::scene::Bounces;
 use crate::snapshot::{Luminaire, Snapshot};
 use std::collections::HashSet;
 
-/// Things at least so many cells wide are walls.
+/// Width in cells from which surfaces are walls.
 pub(super) const WALL_CELLS: f64 = 2.0;
 
-/// Distance of walls to what glows, in cells, below which they get none of it: it stays between them.
+/// Distance between walls and emissive surfaces, in cells, below which these do not light the walls: their
+/// light stays in the gap.
 const NEAREST_GLOW: f64 = 0.5;
-/// Share of walls that glow, beyond which sweeps tell better than points what they light.
+/// Share of emissive walls above which sweeps give their light on walls better than sampled points do.
 const MOST_GLOWING: f64 = 0.1;
 
-/// Snapshot, bounces and leaves that a field is solved for.
+/// Input of a solution: snapshot, bounces and leaves.
 pub(super) struct Context<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) surroundings: &'a Surroundings<'a>,
     pub(super) leaves: &'a LeafIndex,
     pub(super) bounces: Bounces,
-    /// Emissive surfaces as lights, where their direct light on surfaces is no part of the field.
+    /// Emissive surfaces as lights, where their direct light on surfaces is not part of the solution.
     pub(super) glow: Option<Vec<Luminaire>>,
-    /// Tells whether to stop; the result then is of no use.
+    /// Returns whether to stop; the result is then incomplete.
     pub(super) cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -52,14 +53,14 @@ pub(super) struct Contents<'a> {
     pub(super) walls: SnapshotWalls,
 }
 
-/// Light of lamps and suns where it is scattered first.
+/// Light of lamps and suns at its first collision.
 pub(super) struct FirstLight {
     pub(super) source: FirstCollisionSource,
     /// Forward peak of each sun.
     pub(super) forward_peaks: Vec<ForwardPeak>,
-    /// Power that meets leaves of the same clump again, W m^-3 by node.
+    /// Power that collides again with leaves of the same clump, W m^-3 by node.
     pub(super) met_again: Vec<[f32; 3]>,
-    /// Power that meets leaves.
+    /// Power that each leaf receives.
     pub(super) on_leaves: LeafPower,
 }
 
@@ -83,7 +84,7 @@ impl<'a> Contents<'a> {
         Domain { grid, cross_sections: &medium.cross_sections, walls: &walls.walls }
     }
 
-    /// The first-collision source, swept along a quadrature.
+    /// Returns the first-collision source for sweeps along a quadrature.
     pub(super) fn first_light(
         &self,
         context: &Context,
@@ -118,7 +119,7 @@ impl<'a> Contents<'a> {
         FirstLight { source, forward_peaks, met_again, on_leaves }
     }
 
-    /// Share of all patches of wall that emit.
+    /// Share of emissive patches among all patches of walls.
     fn glowing_share(&self) -> f64 {
         let patches = &self.walls.walls.patches;
         let emitting = patches.iter().filter(|patch| patch.optics.emission != Rgb::ZERO).count();

@@ -1,6 +1,7 @@
-//! Patches of walls that walls cut in two. A floor goes on behind the wall that stands on it. A slab has a
-//! top, seen from above, and a bottom, seen from within. In go patches and who sees them, out come patches of
-//! one side each. Invariant: no other wall stands between where a patch is lit and where it is seen.
+//! Patches that other walls cut in two. A floor continues behind the wall that stands on it. A slab has a
+//! top, seen from above, and a bottom, seen from within. In go patches and the nodes that see them, out come
+//! patches of one side each. Invariant: no other wall stands between the place where a patch is lit and those
+//! where it is seen.
 
 use crate::accel::PrimitiveId;
 use crate::math::Ray;
@@ -12,11 +13,11 @@ use std::collections::HashMap;
 
 /// Distance off a wall, in cells, at which rays along it start.
 const OFF_WALL: f64 = 0.02;
-/// Places that lie so far from a patch's plane, in cells, may be of another side of a thin body.
+/// Distance from a patch's plane, in cells, from which places may be on another side of a thin body.
 const OFF_PLANE: f64 = 0.05;
 
-/// Adds to patches a second one each, for those who see it where its place is hidden. That may be in cells
-/// that more than one mesh goes through, and off a patch's plane. Each patch has a triangle.
+/// Adds a second patch for nodes that see a patch at a place hidden from its own. Such places are in cells
+/// with more than one mesh, or off a patch's plane. `primitives` has a triangle for each patch.
 pub(super) fn cut_patches(
     (grid, snapshot): (&Grid, &Snapshot),
     nodes: &mut [CutNode],
@@ -45,7 +46,7 @@ pub(super) fn cut_patches(
     }
 }
 
-/// Whether a patch of another mesh is in the cell of each patch.
+/// For each patch, whether its cell has a patch of another mesh.
 fn in_crowded_cells(grid: &Grid, patches: &[Patch], primitives: &[PrimitiveId]) -> Vec<bool> {
     let cell = |patch: &Patch| grid.nearest(patch.position + 0.25 * grid.cell_m * patch.normal);
     let mut only_mesh: HashMap<usize, Option<u32>> = HashMap::new();
@@ -59,7 +60,7 @@ fn in_crowded_cells(grid: &Grid, patches: &[Patch], primitives: &[PrimitiveId]) 
     patches.iter().map(|patch| only_mesh[&cell(patch)].is_none()).collect()
 }
 
-/// Whether no wall stands between a patch's place and another one of it.
+/// Whether no wall stands between a patch's position and another place on it.
 fn is_open(
     (grid, snapshot): (&Grid, &Snapshot),
     (patch, primitive): (&Patch, PrimitiveId),

@@ -1,6 +1,5 @@
-//! Extent of grids, and how fine they are. In go a snapshot and what surrounds the camera in it, out come
-//! nested grids. Invariant: sides of cells are powers of the root of two, so they change rarely where bounds
-//! move.
+//! Bounds and cell sizes of grids. In goes a snapshot with its surroundings, out come nested grids.
+//! Invariant: sides of cells are powers of the square root of 2, so they change rarely as bounds move.
 
 use super::contents::WALL_CELLS;
 use super::layers::Layers;
@@ -11,52 +10,56 @@ use crate::ordinates::grid::Grid;
 use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::{BVec3, DVec3};
 
-/// Nodes of the innermost grid, about, and of each about it.
+/// Approximate number of nodes of the innermost grid, and of the next.
 const NODES: f64 = 30_000.0;
 const OUTER_NODES: f64 = 24_000.0;
-/// And of those beyond the first of them.
+/// Approximate number of nodes of each grid beyond these.
 const FAR_NODES: f64 = 8_000.0;
-/// Cells of any of these along its longest side, at most: ground is flat, and has as many squared.
+/// Maximum number of cells of an outer grid along its longest side: ground is flat, so its grid has that
+/// number squared.
 const OUTER_CELLS: f64 = 64.0;
-/// A cell is no smaller than so many leaves: else a leaf that moves is now in one cell, now in another.
+/// Minimum size of a cell, in leaf widths: in smaller cells moving leaves would jump from cell to cell.
 const LEAVES_PER_CELL: f64 = 2.0;
-/// Fewer leaves are no reason for large cells of fog: where cells are small beside them they are walls.
+/// Minimum number of leaves that enlarge cells of fog: fewer are walls where cells are small beside them.
 const FEW_LEAVES: usize = 16;
-/// Fog about leaves has a grid of its own where cells of both together would be so many times as large.
+/// Ratio of cell sizes from which fog around leaves has a grid of its own.
 const COARSEST: f64 = 8.0;
-/// Along the longest side, however large leaves are.
+/// Minimum number of cells along the longest side, however large leaves are.
 const FEWEST_CELLS: f64 = 16.0;
-/// Or in any box: what is flat would else have cells as small as it is thin.
+/// Maximum number of cells along the longest side: otherwise cells of a flat box would be as small as it is
+/// thin.
 const MOST_CELLS: f64 = 192.0;
-/// All grids together.
+/// Maximum number of grids.
 const MOST_LEVELS: usize = 5;
-/// A grid reaches beyond the one within it by so many of that one's longest sides.
+/// Margin of a grid around the next inner one, in the longest sides of that one.
 const MARGIN: f64 = 1.5;
-/// Or to the end of the world, if that is at most so many times as long: where two grids meet, light is known
-/// less well.
+/// Ratio of the world's size to the grid's up to which the next grid covers the whole world: light is less
+/// accurate where two grids meet.
 const ONE_GRID: f64 = 12.0;
-/// Ratio of the world's length to that of all grids above which there is another one.
+/// Ratio of the world's size to that of all grids above which there is another grid.
 const LARGER: f64 = 1.01;
-/// The innermost grid reaches to the world's end on sides where that is nearer than this share of its longest
-/// side: walls about leaves lie within it, or well beyond its rim, where nothing cuts light off.
+/// Distance to the world's bounds, as a share of the innermost grid's longest side, within which the grid
+/// extends to them. So walls around leaves lie within the grid, or well beyond its rim, where nothing cuts
+/// light off.
 const NEAR: f64 = 0.25;
-/// Fog without bounds counts as far as this optical depth, or nearly all that there is of it.
+/// Optical depth to which unbounded fog counts; the depth to `NEARLY_ALL` of it if that is less.
 const FOG_DEPTH: f64 = 4.0;
-/// Beneath things, where they end before it does: less of that is seen.
+/// Optical depth below objects, where these end before the fog does: less of that is seen.
 const DEPTH_BENEATH: f64 = 2.0;
 const NEARLY_ALL: f64 = 0.95;
-/// Or as far as so many times the size of the innermost grid.
+/// Maximum distance to which unbounded fog counts, in sizes of the innermost grid.
 const FARTHEST: f64 = 1e3;
 
-/// About a lamp fog without bounds counts as far as this optical depth.
+/// Optical depth around a lamp to which unbounded fog counts.
 const LIT_DEPTH: f64 = 2.0;
-/// Or as far as so many times what the lamp is high above ground, and fog is high.
+/// Maximum distance from a lamp to which it counts, in multiples of the lamp's height above ground plus the
+/// fog's scale height.
 const LIT_HEIGHTS: f64 = 8.0;
-/// And so many of fog's scale heights above the lamp.
+/// Maximum height above the lamp, in the fog's scale heights.
 const LIT_ABOVE: f64 = 3.0;
 
-/// About all fog that has bounds and all leaves, without either about everything; then about that, as far as
-/// there are things or fog. The innermost comes first.
+/// Grids around all bounded fog and all leaves, or around everything if there are none; then outer grids, up
+/// to the bounds of all objects and fog. The innermost comes first.
 pub(super) fn levels(
     snapshot: &Snapshot,
     surroundings: &Surroundings,
@@ -92,13 +95,13 @@ pub(super) fn levels(
         let [at_low, at_high] = [low.cmple(world.0), high.cmpge(world.1)];
         match layers {
             None => [at_low, at_high],
-            // Layers lie about all other sides.
+            // All other sides border on layers.
             Some(layers) => [at_low & BVec3::new(false, layers.end_below(), false), BVec3::FALSE],
         }
     };
     let grid = |bounds, cell_m| {
         let grid = grid(bounds, cell_m)?.closed(ends(bounds));
-        // Larger cells about it do not know where dense fog ends.
+        // Larger cells beyond do not resolve where dense fog ends.
         Some(if fog.is_some() { grid.widened() } else { grid })
     };
     let mut grids: Vec<Grid> = grid(inner, cell_m).into_iter().collect();
@@ -116,7 +119,7 @@ pub(super) fn levels(
     grids
 }
 
-/// Cells that leaves want.
+/// Cell size that leaves ask for.
 fn finest_m(surroundings: &Surroundings, inner: Bounds, widest: f64, has_fog: bool) -> f64 {
     let leaf_m = match surroundings.leaf_width_m(widest.min(WALL_CELLS * fine_m(inner)), FEW_LEAVES) {
         0.0 if !has_fog => surroundings.leaf_width_m(widest, 1),
@@ -130,12 +133,12 @@ fn grid((low, high): Bounds, cell_m: f64) -> Option<Grid> {
     (cell_m > 0.0 && cell_m.is_finite()).then(|| Grid::covering(low, high, cell_m))
 }
 
-/// The next of the sizes that cells may have.
+/// The next larger of the sizes that cells may have.
 fn rung(cell_m: f64) -> f64 {
     2.0_f64.powf((2.0 * cell_m.log2()).ceil() / 2.0)
 }
 
-/// Cells of a box, if nothing else asks for larger ones.
+/// Cell size of a box for the usual number of nodes.
 fn fine_m(bounds: Bounds) -> f64 {
     let side = side(bounds);
     (side.element_product() / NODES).cbrt().max(side.max_element() / MOST_CELLS)
@@ -152,7 +155,7 @@ fn diagonal((low, high): Bounds) -> f64 {
     (high - low).length()
 }
 
-/// Nowhere flat.
+/// Size of a box, with a minimum where it is flat.
 fn side((low, high): Bounds) -> DVec3 {
     (high - low).max(DVec3::splat(1e-3 * (high - low).max_element()))
 }
@@ -167,7 +170,7 @@ fn bounded_fogs(snapshot: &Snapshot) -> Vec<Weighed> {
     snapshot.medium.all_bounds().map(weighed).collect()
 }
 
-/// Fog about lamps and what glows: layers do not know their light.
+/// Fog around lamps and emissive surfaces, whose light layers do not have.
 fn lit_fogs(snapshot: &Snapshot, layers: &Layers, glow: &[Luminaire]) -> Vec<Bounds> {
     let up = layers.up().abs();
     let about = |light: &Luminaire| {
@@ -182,13 +185,13 @@ fn lit_fogs(snapshot: &Snapshot, layers: &Layers, glow: &[Luminaire]) -> Vec<Bou
     snapshot.lights.iter().chain(glow).filter_map(about).collect()
 }
 
-/// Whether fog is not too far from a grid to be part of what lies about it.
+/// Whether fog is close enough to a grid to be part of its world.
 fn is_near(fog: Bounds, inner: Bounds) -> bool {
     let [fog_at, inner_at] = [fog, inner].map(|(low, high)| 0.5 * (low + high));
     fog_at.distance(inner_at) <= 0.5 * diagonal(fog) + ONE_GRID * diagonal(inner)
 }
 
-/// All that there is: things, and fog without bounds as far as it matters about the innermost grid.
+/// Bounds of everything: objects, and unbounded fog as far as it counts for the innermost grid.
 fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
     let known = things.map_or(inner, |things| union(things, inner));
     if snapshot.medium.banks().iter().all(|bank| bank.bounds().is_some()) {
@@ -209,7 +212,7 @@ fn world(snapshot: &Snapshot, inner: Bounds, things: Option<Bounds>) -> Bounds {
     union(known, fog)
 }
 
-/// Reach of fog that matters, up to an optical depth.
+/// Distance along a ray to an optical depth of fog.
 fn reach_m(snapshot: &Snapshot, ray: &Ray, farthest: f64, most: f64) -> f64 {
     let along = snapshot.medium.along(ray, farthest);
     let depth = |reach_m: f64| along.optical_depth(reach_m).max_element();

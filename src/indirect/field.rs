@@ -1,6 +1,6 @@
-//! Indirect light everywhere: solved once for a shutter, asked by every ray. In goes a snapshot, out comes a
-//! [`Field`]: grids where things are, the finest within the others, and layers about them where fog without
-//! bounds lies over plain ground. Invariant: grids and layers know light of the same orders.
+//! Indirect light at every place: solved once for a shutter, queried by every ray. In goes a snapshot, out
+//! comes a [`Field`]: nested grids around objects, and layers around these where unbounded fog lies over
+//! plain ground. Invariant: grids and layers have light of the same orders.
 
 use super::contents::Context;
 use super::gathered::Gathered;
@@ -16,20 +16,20 @@ use crate::ordinates::grid::Grid;
 use crate::ordinates::high_degrees::SEEN_DEGREES;
 use glam::DVec3;
 
-/// Grids, the innermost first, and what lies about all of them.
+/// Grids, the innermost first, and the layers around them.
 pub(super) struct Field {
     levels: Vec<Level>,
     layers: Option<Layers>,
 }
 
-/// The finest grid that has a place, or layers.
+/// The finest part of a field that has a place: a grid or the layers.
 enum Finest<'a> {
     Grid(&'a Level),
     Layers(&'a Layers),
 }
 
 impl Field {
-    /// Solves it on grids, the innermost first, from the outermost inwards; about that lie layers.
+    /// Solves on grids, which are given the innermost first, from the outermost inwards. Layers lie beyond.
     pub(super) fn on(grids: &[Grid], layers: Option<Layers>, context: &Context) -> Option<Self> {
         let mut levels: Vec<Level> = Vec::new();
         for (number, grid) in grids.iter().enumerate().rev() {
@@ -45,13 +45,13 @@ impl Field {
         (!levels.is_empty() || layers.is_some()).then_some(Self { levels, layers })
     }
 
-    /// Weight of a level at a place: all that is left, of the outermost without layers.
+    /// Weight of a level at a place; without layers the outermost has the whole remainder.
     fn share(&self, number: usize, world: DVec3) -> f64 {
         let is_last = number + 1 == self.levels.len() && self.layers.is_none();
         if is_last { 1.0 } else { self.levels[number].share(world) }
     }
 
-    /// Mean of what its parts find at a place, where one goes over into another.
+    /// Mean over the parts of the field that have a place, where one blends into another.
     fn mixed(
         &self,
         world: DVec3,
@@ -72,19 +72,19 @@ impl Field {
         self.layers.as_ref().map_or(sum, |layers| sum + left * of_layers(layers))
     }
 
-    /// The finest part of it that has a place; `None` if there is nothing.
+    /// The finest part that has a place; `None` if there is none.
     fn at(&self, world: DVec3) -> Option<Finest<'_>> {
         let has_place = |number: &usize| self.share(*number, world) >= 0.5;
         let level = (0..self.levels.len()).find(has_place).map(|number| Finest::Grid(&self.levels[number]));
         level.or(self.layers.as_ref().map(Finest::Layers))
     }
 
-    /// Light that a surface gathers at a place of world space; by a cosine that is irradiance, W/m^2.
+    /// Light that a lobe gathers at a place in world space; for a cosine lobe, irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         self.mixed(world, |level| level.gathered_by(world, lobe), |layers| layers.gathered_by(world, lobe))
     }
 
-    /// Radiance at the two sides of a leaf, without its own.
+    /// Radiance on the two sides of a leaf, without the leaf's own contribution.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
         match self.at(leaf.position) {
             Some(Finest::Grid(level)) => level.gather_leaf(number, leaf),
@@ -93,14 +93,14 @@ impl Field {
         }
     }
 
-    /// Light that a lobe gathers of it on a leaf of an albedo; by a cosine that is
+    /// Light that a lobe gathers from `gathered` on a leaf with the albedo `sent`; for a cosine lobe,
     /// irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
         let innermost = self.levels.first();
         innermost.map_or_else(|| gathered.by(lobe), |level| level.of_gathered(gathered, lobe, sent))
     }
 
-    /// Forward peak of each sun at a place of world space.
+    /// Calls back with the forward peak of each sun at a place in world space.
     pub(super) fn for_each_peak(&self, world: DVec3, mut tell: impl FnMut(Peak)) {
         match self.at(world) {
             Some(Finest::Grid(level)) => level.peaks(world).for_each(&mut tell),
@@ -109,13 +109,13 @@ impl Field {
         }
     }
 
-    /// A direction of travel, a unit vector, ready for [`Field::scattered`].
+    /// Prepares a direction of travel, a unit vector, for [`Field::scattered`].
     pub(super) fn towards(&self, travel: DVec3) -> Towards {
         Towards::new(travel, self.layers.as_ref().map(|layers| layers.harmonics_towards(travel)))
     }
 
-    /// Radiance that fog at a place of world space scatters into a direction of travel, for a coefficient
-    /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
+    /// Radiance that fog at a place in world space scatters into a direction of travel, from coefficients by
+    /// degree. Coefficients in 1/m give W m^-3 sr^-1, shares of extinction give radiance.
     pub(super) fn scattered(&self, world: DVec3, towards: &Towards, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
         let layers = self.layers.as_ref();
         self.mixed(
@@ -125,7 +125,7 @@ impl Field {
         )
     }
 
-    /// Whether a wall stands between two places of world space that are less than a cell apart.
+    /// Whether a wall stands between two places in world space that are less than a cell apart.
     pub(super) fn has_wall_between(&self, a: DVec3, b: DVec3) -> bool {
         match self.at(b) {
             Some(Finest::Grid(level)) => level.has_wall_between(a, b),
@@ -133,7 +133,7 @@ impl Field {
         }
     }
 
-    /// Whether its light goes on and on, as next to nothing absorbs it, and was cut short.
+    /// Whether its orders hardly grow darker, so that the series was cut short.
     pub(super) fn is_endless(&self) -> bool {
         self.levels.iter().any(Level::is_endless)
     }
@@ -143,7 +143,7 @@ impl Field {
         &self.levels
     }
 
-    /// The layers about all grids, if there are any.
+    /// The layers around all grids, if there are any.
     pub(super) fn layers(&self) -> Option<&Layers> {
         self.layers.as_ref()
     }

@@ -1,23 +1,23 @@
-//! Plain ground: what is flat, wide, and at right angles to where fog is thinner. In go the parts of a
-//! snapshot, out come its height and what it does to light. Invariant: ground in pieces is the same ground.
+//! Plain ground: flat, wide, and at right angles to the gradient of fog. In go the parts of a snapshot, out
+//! come its height and its optics. Invariant: splitting the ground into pieces changes nothing.
 
 use crate::canopy::surroundings::Surroundings;
 use crate::canopy::surroundings::wide::WidePart;
 use crate::ordinates::surface_optics::SurfaceOptics;
 use glam::DVec3;
 
-/// Roughness in fog's scale heights: rougher ground is no plain.
+/// Maximum roughness of a plain, in scale heights of the fog.
 const FLAT: f64 = 0.1;
 /// Minimum width of a ground, in scale heights.
 const NARROWEST: f64 = 6.0;
-/// Hills are so much wider than high.
+/// Maximum height of hills, as a share of their width.
 const HILL: f64 = 0.5;
-/// Pieces cover so much of the box about them.
+/// Minimum share of the bounding box that pieces cover.
 const CLOSED: f64 = 0.7;
 
 /// A plain.
 pub(super) struct Ground {
-    /// Along the way to where fog is thinner, from the world's origin, metres.
+    /// Height from the world's origin along the direction in which fog thins out, metres.
     pub(super) height_m: f64,
     pub(super) optics: SurfaceOptics,
 }
@@ -26,12 +26,13 @@ pub(super) struct Ground {
 pub(super) enum Beneath {
     Nothing,
     Plain(Ground),
-    /// Ground of no single height.
+    /// Ground without a common height.
     Hills,
 }
 
 impl Beneath {
-    /// Beneath fog that thins out along `up`, over `scale_m`. Parts of a plain are marked as such.
+    /// Finds the ground below fog that thins out along `up` with the scale height `scale_m`. Marks parts of a
+    /// plain.
     pub(super) fn of(surroundings: &mut Surroundings, up: DVec3, scale_m: f64) -> Self {
         let across = |(low, high): (DVec3, DVec3)| {
             let size = high - low;

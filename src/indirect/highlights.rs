@@ -1,6 +1,6 @@
-//! Lamps' and suns' light that shining walls send on: more of it about the mirrored direction. In go a patch
-//! and the light that falls on it, out comes radiance along ordinates beyond that of a matte wall. Invariant:
-//! along all ordinates together a patch sends out what its coat and what lies beneath make of that light.
+//! Highlights of glossy walls: light of lamps and suns that they reflect near the mirror direction. In go a
+//! patch and the light that arrives, out comes radiance along ordinates in excess of a Lambertian wall's.
+//! Invariant: the sum over all ordinates is the light that the coat and the base below it reflect.
 
 use crate::accel::PrimitiveId;
 use crate::canopy::surface_optics::reflectance;
@@ -16,13 +16,13 @@ use std::f64::consts::FRAC_1_PI;
 /// Light of one lamp or sun that reaches a patch.
 #[derive(Clone, Copy)]
 pub(super) struct Arriving {
-    /// Unit length.
+    /// Unit vector towards the light.
     pub(super) to_light: DVec3,
-    /// W/m^2.
+    /// Irradiance on the patch, W/m^2.
     pub(super) irradiance: Rgb,
 }
 
-/// Highlights of one patch along each ordinate; none if it does not shine.
+/// Highlights of one patch along each ordinate; none without a coat.
 pub(super) fn of_patch(
     snapshot: &Snapshot,
     (patch, primitive): (&Patch, PrimitiveId),
@@ -32,7 +32,7 @@ pub(super) fn of_patch(
     let towards = Ray { origin: patch.position + patch.normal - snapshot.view.eye, direction: -patch.normal };
     let point = snapshot.facet(primitive).seen_along(&towards, 1.0);
     let Some(gloss) = point.gloss.filter(|_| !lights.is_empty()) else { return Vec::new() };
-    // A texture's mean over the patch, by what it is at this place.
+    // The texture's mean over the patch, relative to its value at this place.
     let (here, mean) = (reflectance(&point), patch.optics.reflectance);
     let tint = Rgb::select(here.cmpgt(Rgb::ZERO), mean / here, Rgb::ZERO);
     let mut along = vec![Rgb::ZERO; quadrature.as_slice().len()];
@@ -47,14 +47,14 @@ pub(super) fn of_patch(
     along
 }
 
-/// Radiance along each ordinate that leaves a coat and what is matte beneath, for an irradiance of one.
+/// Radiance along each ordinate that a coat and the Lambertian base below it reflect, for an irradiance of 1.
 fn reflected(
     (gloss, albedo): (&Gloss, Rgb),
     normal: DVec3,
     to_light: DVec3,
     quadrature: &Quadrature,
 ) -> Vec<Rgb> {
-    /// Width of the narrowest coat that ordinates resolve.
+    /// Alpha of the narrowest coat that ordinates resolve.
     const LEAST_ALPHA: f64 = 0.35;
     let (wide, cos_light) = (gloss.widened(LEAST_ALPHA), normal.dot(to_light));
     let coat = |direction: DVec3| wide.brdf(normal, direction, to_light);
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// Flux that leaves a surface, and its mean direction.
+    /// Vector flux that leaves a surface.
     fn flux(radiances: impl Iterator<Item = (DVec3, f64, f64)>, normal: DVec3) -> DVec3 {
         radiances
             .map(|(direction, weight, radiance)| {
@@ -82,7 +82,7 @@ mod tests {
             .sum()
     }
 
-    /// Flux by the BRDF on fine steps.
+    /// Vector flux by the BRDF on fine steps.
     fn exact(gloss: &Gloss, normal: DVec3, to_light: DVec3) -> DVec3 {
         const RINGS: usize = 400;
         let (across, up) = normal.any_orthonormal_pair();

@@ -7,14 +7,14 @@ use crate::scene::Bounces;
 use crate::snapshot::Contents;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Light of the last picture of a scene, for the next one: where only the camera, size or exposure changes it
-/// is the same. Of one scene alone.
+/// Solution of the last picture of one scene, for the next: it is the same where only camera, size or
+/// exposure change.
 #[derive(Default)]
 pub struct KeptLight {
     last: Mutex<Option<(Key, Arc<Solved>)>>,
 }
 
-/// Key that light depends on.
+/// All input on which the solution depends.
 #[derive(Clone, Copy, PartialEq)]
 struct Key {
     contents: [u8; 32],
@@ -22,7 +22,7 @@ struct Key {
 }
 
 impl KeptLight {
-    /// `None` where nothing could scatter light. What `cancelled` cut short is not kept.
+    /// Returns the solution; `None` where nothing can scatter light. A cancelled solution is not kept.
     pub(super) fn of(
         &self,
         contents: Contents,
@@ -36,7 +36,7 @@ impl KeptLight {
         {
             return Some(Arc::clone(light));
         }
-        // Two of them take twice the memory.
+        // Dropped first, as two of them take twice the memory.
         *last() = None;
         let light = Arc::new(Solved::new(&contents.frozen(), bounces, cancelled)?);
         if !cancelled() {

@@ -12,23 +12,23 @@ use crate::ordinates::grid::Grid;
 use crate::ordinates::high_degrees::SEEN_DEGREES;
 use glam::DVec3;
 
-/// Brighter or darker by no more than this: what shades the one shades the other.
+/// Maximum ratio, and the inverse of the minimum.
 const MOST: f64 = 4.0;
-/// Heights of a cell that are looked at.
+/// Number of heights sampled in a cell.
 const PLACES: usize = 16;
 
-/// Detail by row of nodes.
+/// Detail for each row of nodes.
 pub(super) struct LayerDetail {
     rows: Vec<Row>,
     lowest_m: f64,
     cell_m: f64,
 }
 
-/// The light of layers as nodes of a height tell it; `None` beneath the ground.
+/// Light of layers as nodes at a height have it; `None` below the ground.
 type Row = Option<FogLight>;
 
 impl LayerDetail {
-    /// `None` where layers are not level, or change little within a cell.
+    /// Detail of a grid; `None` where layers are not level, or change little within a cell.
     pub(super) fn new(grid: &Grid, layers: &Layers) -> Option<Self> {
         /// Size in scale heights below which a cell is small.
         const SMALL: f64 = 0.1;
@@ -44,7 +44,7 @@ impl LayerDetail {
         Some(Self { rows: rows.collect(), lowest_m: low.y, cell_m: grid.cell_m })
     }
 
-    /// Ratio of fog's brightness at a place to what nodes about it tell.
+    /// Ratio of the light scattered at a place to that interpolated from nodes.
     pub(super) fn ratio(
         &self,
         layers: &Layers,
@@ -73,8 +73,8 @@ impl LayerDetail {
     }
 }
 
-/// The mean over the fog that a node stands for: of its cell, and down to the ground where the next node lies
-/// beneath that.
+/// Mean over the fog that a node represents: that of its cell, extended down to the ground where the next
+/// node lies below it.
 fn mean_light(layers: &Layers, height_m: f64, cell_m: f64) -> FogLight {
     let ground_m = layers.ground_m().unwrap_or(f64::NEG_INFINITY);
     let low = if height_m - cell_m <= ground_m { ground_m } else { height_m - 0.5 * cell_m };

@@ -1,9 +1,10 @@
-//! Layers about all grids: fog without bounds over plain ground. In go a snapshot and its ground, out comes
-//! light by height alone. Invariant: what is far from all structure costs next to nothing, however thin its
-//! layers are, and a grid gets from it what comes in at its rim.
+//! Layers around all grids: unbounded fog over plain ground. In go a snapshot and its ground, out comes light
+//! by height alone. Invariant: regions far from all objects cost hardly any time, however thin the layers
+//! are, and a grid gets its incident radiance from them.
 //!
-//! The spherical harmonics discrete ordinate method feeds open boundaries so (Evans 1998, "The spherical
-//! harmonics discrete ordinate method for three-dimensional atmospheric radiative transfer", section 2c).
+//! The spherical harmonics discrete ordinate method treats open boundaries in the same way (Evans 1998, "The
+//! spherical harmonics discrete ordinate method for three-dimensional atmospheric radiative transfer",
+//! section 2c).
 
 use super::gathered::{Gathered, with_peaks};
 use super::ground::Ground;
@@ -27,9 +28,9 @@ use crate::snapshot::{FrozenSky, Snapshot};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 
-/// Light that differs with height alone.
+/// Light that depends on height alone.
 pub(super) struct Layers {
-    /// Whether their ground does.
+    /// Whether the ground emits.
     ground_glows: bool,
     heights: Heights,
     light: PlaneParallel,
@@ -42,14 +43,14 @@ pub(super) struct Layers {
 struct LevelLight {
     /// Downward irradiance, W/m^2.
     downward: Rgb,
-    /// Moments for surfaces, in world space: of degrees up to 2, and of 3 and 4.
+    /// Moments for surfaces, in world space: up to degree 2, and of degrees 3 and 4.
     moments: [[f32; COUNT]; 3],
     third: [[f32; COUNT]; 3],
     fourth: [[f32; COUNT]; 3],
     in_fog: FogLight,
 }
 
-/// Radiance for fog, by harmonics and channel, +Y where fog is thinner.
+/// Radiance for fog, by harmonics and channel; fog thins out along +Y.
 pub(super) struct FogLight([Harmonics; 3]);
 
 impl FogLight {
@@ -64,7 +65,7 @@ impl FogLight {
         Self(self.0.map(|channel| channel.map(|value| factor * value)))
     }
 
-    /// Radiance that is scattered into a direction of which the harmonics are given.
+    /// Radiance that is scattered into a direction, given by its harmonics.
     pub(super) fn scattered(&self, towards: &Harmonics, scattering: &[Rgb; SEEN_DEGREES]) -> Rgb {
         let of_channel = |channel: usize| -> f64 {
             let of_degree = |degree: usize| {
@@ -98,10 +99,10 @@ impl Between {
     }
 }
 
-/// Places about a grid: those at one height are alike.
+/// Places around a grid: those at one height share an entry.
 struct RimLevels {
     levels: Vec<Between>,
-    /// Number of each place's level.
+    /// Index of each place's entry.
     numbers: Vec<u32>,
 }
 
@@ -120,7 +121,7 @@ impl RimLevels {
 }
 
 impl Layers {
-    /// `None` where no fog lacks bounds, or where what lies about it is no plain.
+    /// Layers of a snapshot; `None` if it has no unbounded fog, or no plain ground below.
     pub(super) fn new(snapshot: &Snapshot, ground: Option<&Ground>, bounces: Bounces) -> Option<Self> {
         let heights = Heights::of(snapshot, ground)?;
         let Filled { stack, beams, peaks } = heights.filled(snapshot, bounces);
@@ -129,7 +130,7 @@ impl Layers {
         let of_sky = |travel: DVec3| sky.map_or(Rgb::ZERO, |sky| sky.along(world_from_layers * -travel));
         let beneath = || match bounces {
             Bounces::All => heights.reflectance_beneath(snapshot),
-            // How often it was scattered there nobody counts.
+            // The number of scatterings below is unknown, so they are left out.
             Bounces::UpTo(_) => Rgb::ZERO,
         };
         let matte = ground.map(|ground| ground.optics);
@@ -155,7 +156,7 @@ impl Layers {
         Some(Self { ground_glows, heights, light, levels, peaks })
     }
 
-    /// Whether light of what glows is in theirs.
+    /// Whether the ground emits, so that its emission is part of their light.
     pub(super) fn ground_glows(&self) -> bool {
         self.ground_glows
     }
@@ -179,9 +180,9 @@ impl Layers {
         Surrounding { scattered, of_sky, emitted: None }
     }
 
-    /// Incident radiance of a part. Near the horizon layers are bright, in a band narrower than what an
-    /// ordinate stands for: each gets the mean of the directions that are nearest to it, on its side of the
-    /// horizon, so that what goes up never comes down.
+    /// Incident radiance of a part. Near the horizon layers are bright, in a band narrower than an ordinate's
+    /// solid angle. Each ordinate gets the mean over the directions nearest to it on its side of the horizon,
+    /// so upward radiance never turns downward.
     fn incident(
         &self,
         (grid, places): (&Grid, &RimLevels),
@@ -229,7 +230,7 @@ impl Layers {
         IncidentRadiance::of_alike(grid, places.numbers.iter().copied(), radiances)
     }
 
-    /// All that comes to a place of world space.
+    /// Radiance from all sides at a place in world space.
     pub(super) fn gathered(&self, world: DVec3) -> Gathered {
         let between = self.between(world);
         Gathered {
@@ -240,12 +241,12 @@ impl Layers {
         }
     }
 
-    /// Light that a surface gathers; by a cosine that is irradiance, W/m^2.
+    /// Light that a lobe gathers; for a cosine lobe, irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         let between = self.between(world);
         let peaks = self.peaks_at(between);
         if lobe.is_cosine_of(self.heights.up) {
-            // Plain ground: harmonics cut short would err by a hundredth.
+            // Plain ground: truncated harmonics would err by a hundredth.
             let [above, below] = [between.above, between.below].map(|level| self.levels[level].downward);
             return with_peaks(above.lerp(below, between.share_below), peaks, lobe);
         }
@@ -259,7 +260,7 @@ impl Layers {
         with_peaks(sum, peaks, lobe)
     }
 
-    /// Forward peaks of suns at a place of world space.
+    /// Forward peaks of suns at a place in world space.
     pub(super) fn peaks(&self, world: DVec3) -> impl Iterator<Item = Peak> {
         self.peaks_at(self.between(world))
     }
@@ -277,12 +278,12 @@ impl Layers {
         above.lerp(below, between.share_below).max(Rgb::ZERO)
     }
 
-    /// Harmonics of a direction of world space.
+    /// Harmonics of a direction in world space.
     pub(super) fn harmonics_towards(&self, travel: DVec3) -> Harmonics {
         harmonic_basis(self.heights.layers_from_world * travel)
     }
 
-    /// Radiance for fog at a place of world space.
+    /// Radiance for fog at a place in world space.
     pub(super) fn fog_light(&self, world: DVec3) -> FogLight {
         let between = self.between(world);
         let mut light = self.levels[between.above].in_fog.scaled(1.0 - between.share_below);
@@ -290,22 +291,22 @@ impl Layers {
         light
     }
 
-    /// Whether fog is thinner upwards.
+    /// Whether fog thins out upwards.
     pub(super) fn are_level(&self) -> bool {
         self.heights.up.dot(DVec3::Y) > 1.0 - 1e-9
     }
 
-    /// Whether nothing lies beneath them but level ground.
+    /// Whether nothing but level ground lies below them.
     pub(super) fn end_below(&self) -> bool {
         self.are_level() && self.ground_m().is_some()
     }
 
-    /// Where fog is thinner.
+    /// Direction in which fog thins out.
     pub(super) fn up(&self) -> DVec3 {
         self.heights.up
     }
 
-    /// Height of a place of world space above the ground, if there is any, metres.
+    /// Height of a place in world space above the ground, if there is any, metres.
     pub(super) fn above_ground_m(&self, world: DVec3) -> f64 {
         self.ground_m().map_or(0.0, |ground_m| (self.heights.height_m(world) - ground_m).max(0.0))
     }
@@ -315,12 +316,12 @@ impl Layers {
         self.heights.ground_m()
     }
 
-    /// Extinction of all channels at a place of world space, 1/m.
+    /// Extinction at a place in world space, summed over channels, 1/m.
     pub(super) fn extinction_per_m(&self, world: DVec3) -> f64 {
         self.heights.extinction_per_m(world)
     }
 
-    /// A box of world space, down to the ground if there is any.
+    /// A box in world space, extended down to the ground if there is any.
     pub(super) fn down_to_ground(&self, (low, high): (DVec3, DVec3)) -> (DVec3, DVec3) {
         let Some(ground_m) = self.heights.ground_m() else { return (low, high) };
         let lowest = (0..8).map(|corner| {
@@ -331,14 +332,14 @@ impl Layers {
         lowest.fold((low, high), |(low, high), place| (low.min(place), high.max(place)))
     }
 
-    /// Metres over which it changes.
+    /// Scale height of the fog, metres.
     pub(super) fn scale_m(&self) -> f64 {
         self.heights.scale_m
     }
 }
 
 impl LevelLight {
-    /// Light of a level. Two switches say whether surfaces and fog get the sky's own light.
+    /// Light of a level. Two flags say whether surfaces and fog get light straight from the sky.
     fn of(
         light: &PlaneParallel,
         level: usize,

@@ -1,6 +1,6 @@
-//! Light that reaches leaves: gathered when a leaf is first seen, asked by every ray that meets it. In go a
-//! field and leaves, out comes irradiance. Invariant: a leaf is no longer than a cell, so that its middle
-//! stands for all of it. What it gathers depends on no other leaf's being seen, nor on who asks first.
+//! Light on leaves: gathered when a ray first meets a leaf, then reused. In go a field and leaves, out comes
+//! irradiance. Invariant: a leaf is no longer than a cell, so its centre represents all of it. Its light does
+//! not depend on the order of rays.
 
 use super::field::Field;
 use super::gathered::Gathered;
@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 /// Light on both sides of leaves.
 pub(super) struct LeafLight {
     index: LeafIndex,
-    /// Light by leaf that was seen: on the side that its normal shows, and on the other.
+    /// Light by leaf, once a ray has met it: on the side of its normal, and on the other.
     sides: Vec<OnceLock<Box<[Gathered; 2]>>>,
 }
 
@@ -25,7 +25,7 @@ impl LeafLight {
         Self { index, sides }
     }
 
-    /// The leaf that a triangle is part of, if it is, with what it gathers of a field.
+    /// The leaf that a triangle is part of, with its light; `None` if it is part of none.
     pub(super) fn of(
         &self,
         field: &Field,
@@ -46,7 +46,7 @@ pub(super) struct LeafSides<'a> {
 }
 
 impl LeafSides<'_> {
-    /// Light that a lobe gathers at a place of it, by the leaf's albedo; by a cosine that is
+    /// Light that a lobe gathers at a place on the leaf, for the albedo `sent`; for a cosine lobe,
     /// irradiance, W/m^2.
     pub(super) fn gathered_by(&self, field: &Field, lobe: &Lobe, sent: Rgb) -> Rgb {
         field.of_gathered(&self.sides[usize::from(!lobe.is_of_side(self.normal))], lobe, sent)

@@ -35,28 +35,28 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::mem::take;
 
-/// Away from a surface, in cells, light is gathered.
+/// Distance from a surface, in cells, at which light is gathered.
 const AWAY: f64 = 0.25;
 
-/// Light of all orders at the nodes of a world grid.
+/// Light of all orders on one grid.
 pub(super) struct Level {
     grid: Grid,
     walls: Walls,
-    /// All that surfaces get, at nodes and towards walls.
+    /// Moments for surfaces, at nodes and of radiance towards walls.
     light: NodeMoments,
-    /// Moments of degree 3, where things shine.
+    /// Moments of degree 3, for glossy surfaces and for fog that scatters forward.
     third: Option<NodeMoments>,
-    /// And of degree 4: a cosine gathers a share of it, orders of scattering do without.
+    /// Moments of degree 4, which a cosine lobe gathers, too; orders of scattering do without.
     fourth: NodeMoments,
     /// Moments for fog, where the sky lights surfaces alone.
     light_in_fog: Option<NodeMoments>,
-    /// And of degrees 5 and 6, where fog scatters ahead.
+    /// Moments of degrees 5 and 6, for fog that scatters forward.
     high: Option<HighMoments>,
-    /// Light straight from what glows, which fog gets where surfaces look for it by rays.
+    /// Light straight from emitters, for fog alone, where surfaces sample emitters by rays.
     of_glow: Option<OfGlow>,
     /// Irradiance on each face of a wall by harmonics, W/m^2.
     on_faces: Vec<[f32; 3]>,
-    /// Radiance at a finer grid's rim, until that is solved; apart from what comes straight from the sky.
+    /// Radiance at a finer grid's rim, until that is solved; without light straight from the sky.
     radiances: Vec<AngularRadiance>,
     sky_radiances: Option<AngularRadiance>,
     glow_radiances: Option<AngularRadiance>,
@@ -64,13 +64,13 @@ pub(super) struct Level {
     clumps: Clumps,
     extinction: Extinction,
     self_interaction: SelfInteraction,
-    /// Detail that its cells are too large for, where layers lie about it.
+    /// Vertical detail within cells, where layers lie around the grid.
     detail: Option<LayerDetail>,
     on_leaves: LeafPower,
     is_endless: bool,
 }
 
-/// Light straight from what glows, by degrees.
+/// Moments of light straight from emitters.
 struct OfGlow {
     light: NodeMoments,
     third: Option<NodeMoments>,
@@ -87,8 +87,8 @@ impl OfGlow {
     }
 }
 
-/// Nodes that are seen from each place about a finer grid. In clear air those within that grid are left out:
-/// they shine by what is in it, which sends nothing back into itself.
+/// Visible corners of each place around a finer grid. In clear air nodes within that grid are left out: their
+/// radiance comes from its contents, which do not light themselves.
 fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls, snapshot: &Snapshot) -> Vec<Corners> {
     let seen_from = |place: DVec3| {
         let seen = walls.occluders.corners(grid, place, place);
@@ -100,7 +100,7 @@ fn seen_about(inner: &Grid, grid: &Grid, walls: &Walls, snapshot: &Snapshot) -> 
 }
 
 impl Level {
-    /// Level with its incident light, and the finer grid that lies within.
+    /// Solves a level with its incident radiance, and with the next finer grid within it.
     pub(super) fn new(
         grid: Grid,
         (inner, surrounding): (Option<&Grid>, Surrounding),
@@ -158,7 +158,7 @@ impl Level {
         }
     }
 
-    /// Incident radiance on a finer grid within it, once.
+    /// Incident radiance on the finer grid within it; it may be taken once.
     pub(super) fn around(&mut self, grid: &Grid) -> Surrounding {
         let of_things = |radiances| IncidentRadiance::without_ends(grid, radiances);
         Surrounding {
@@ -168,12 +168,12 @@ impl Level {
         }
     }
 
-    /// Weight of the level at a place, where something lies about it.
+    /// Weight of the level at a place, where a larger grid or layers lie beyond.
     pub(super) fn share(&self, world: DVec3) -> f64 {
         self.grid.share(world)
     }
 
-    /// Light that a surface gathers at a place of the grid; by a cosine that is irradiance, W/m^2.
+    /// Light that a lobe gathers at a place of the grid; for a cosine lobe, irradiance, W/m^2.
     pub(super) fn gathered_by(&self, world: DVec3, lobe: &Lobe) -> Rgb {
         let corners = self.corners_before(world, lobe.normal());
         let lit = self.walls.faces.of_corners(&corners, lobe.normal());
@@ -184,9 +184,9 @@ impl Level {
         with_peaks(irradiance, self.forward_peaks.iter().map(|peak| peak.about(&corners)), lobe)
     }
 
-    /// Radiance at the two sides of a leaf, without its own.
+    /// Radiance on the two sides of a leaf, without the leaf's own contribution.
     pub(super) fn gather_leaf(&self, number: usize, leaf: &Leaf) -> [Gathered; 2] {
-        // What it emits itself is not in the light where that of all that glows is apart.
+        // Its own emission is not in the light where that of all emitters is kept apart.
         let dark = self.of_glow.as_ref().and_then(|_| leaf.dark());
         let leaf = dark.as_ref().unwrap_or(leaf);
         let unmet = self.on_leaves.scattered(number, leaf);
@@ -213,13 +213,13 @@ impl Level {
         sides
     }
 
-    /// Light that a lobe gathers of it on a leaf of an albedo; by a cosine that is
+    /// Light that a lobe gathers from `gathered` on a leaf with the albedo `sent`; for a cosine lobe,
     /// irradiance, W/m^2.
     pub(super) fn of_gathered(&self, gathered: &Gathered, lobe: &Lobe, sent: Rgb) -> Rgb {
         self.clumps.gathered(gathered.clump, gathered.by(lobe), sent)
     }
 
-    /// Nodes about a place a little away from a surface, so that what it sends out itself does not light it.
+    /// Corners of a place slightly off a surface, so that its own radiance does not light it.
     fn corners_before(&self, world: DVec3, normal: DVec3) -> Corners {
         let cell_m = self.grid.cell_m;
         self.walls.occluders.corners(
@@ -229,7 +229,7 @@ impl Level {
         )
     }
 
-    /// Light that a lobe gathers by degrees 3 and 4.
+    /// Light that a lobe gathers from degrees 3 and 4.
     fn beyond(&self, lit: &Corners, lobe: &Lobe) -> Rgb {
         let of = |factors: Option<[f64; COUNT]>, moments: Option<&NodeMoments>| {
             factors.zip(moments).map_or(Rgb::ZERO, |(factors, moments)| product(&factors, &moments.mean(lit)))
@@ -238,14 +238,14 @@ impl Level {
             + of(lobe.of_fourth_of_travel(), Some(&self.fourth))
     }
 
-    /// Forward peaks of suns at a place of world space.
+    /// Forward peaks of suns at a place in world space.
     pub(super) fn peaks(&self, world: DVec3) -> impl Iterator<Item = Peak> {
         let corners = self.corners_seen_from(world);
         self.forward_peaks.iter().map(move |peak| peak.about(&corners))
     }
 
-    /// Radiance that fog at a place of the grid scatters into a direction of travel, for a coefficient
-    /// by degree of harmonics: of 1/m W m^-3 sr^-1, of a share of extinction radiance.
+    /// Radiance that fog at a place of the grid scatters into a direction of travel, from coefficients by
+    /// degree. Coefficients in 1/m give W m^-3 sr^-1, shares of extinction give radiance.
     pub(super) fn scattered(
         &self,
         (world, layers): (DVec3, Option<&Layers>),
@@ -284,17 +284,17 @@ impl Level {
         detail * (by_harmonics + high).max(Rgb::ZERO)
     }
 
-    /// Nodes about a place of world space that no wall hides.
+    /// Corners of a place in world space without those that walls hide.
     fn corners_seen_from(&self, world: DVec3) -> Corners {
         self.walls.occluders.corners(&self.grid, world, world)
     }
 
-    /// Moments of the light that fog gets of them.
+    /// Moments of the light in fog.
     fn moments_in_fog(&self, corners: &Corners) -> [[f32; COUNT]; 3] {
         self.light_in_fog.as_ref().unwrap_or(&self.light).mean(corners)
     }
 
-    /// Whether a wall stands between two places of world space that are less than a cell apart.
+    /// Whether a wall stands between two places in world space that are less than a cell apart.
     pub(super) fn has_wall_between(&self, a: DVec3, b: DVec3) -> bool {
         let Self { grid, walls, .. } = self;
         let lowest = [a, b].map(|place| grid.corners(place).nodes[0]);
@@ -302,12 +302,12 @@ impl Level {
             || lowest[0] != lowest[1] && walls.occluders.hide(grid, lowest[1], a, b)
     }
 
-    /// Whether its light goes on and on, as next to nothing absorbs it, and was cut short.
+    /// Whether its orders hardly grow darker, so that the series was cut short.
     pub(super) fn is_endless(&self) -> bool {
         self.is_endless
     }
 
-    /// The distance of nodes, metres.
+    /// Distance between nodes, metres.
     pub(super) fn cell_m(&self) -> f64 {
         self.grid.cell_m
     }
@@ -318,7 +318,7 @@ impl Level {
     }
 }
 
-/// Moments for fog where the sky lights surfaces alone: all but what comes straight from there.
+/// Moments for fog where the sky lights surfaces alone: without light straight from the sky.
 fn light_in_fog(lit: &Solution, sky: Option<FrozenSky>) -> Option<NodeMoments> {
     let of_sky = lit.of_sky.as_ref().filter(|_| sky.is_some_and(|sky| !sky.lights_fog()))?;
     let mut seen = lit.all.clone();

@@ -1,5 +1,5 @@
-//! Lobes by which surfaces gather light. In go a cosine or a shine, out come factors of harmonics of
-//! radiance up to degree 4. Invariant: even light gives pi times its radiance, whatever the lobe.
+//! Lobes with which surfaces gather light. In goes a cosine or a specular lobe, out come factors for
+//! harmonics of radiance up to degree 4. Invariant: uniform radiance gives pi times itself, for any lobe.
 
 use crate::ordinates::harmonics::{
     COSINE_LOBE, COSINE_LOBE_4, COUNT, DEGREE, basis, fourth_basis, irradiance_lobe, third_basis,
@@ -10,36 +10,36 @@ use std::f64::consts::PI;
 /// Directions from which a surface gathers light, and their weights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lobe {
-    /// The direction about which it does.
+    /// Axis of the lobe.
     axis: DVec3,
     /// Factor of each degree.
     shares: [f64; 5],
-    /// Part that is taken away lest it sees what the surface hides.
+    /// Part that is subtracted for directions below the surface.
     beneath: Option<Beneath>,
 }
 
-/// Half of all directions, which a surface hides from a lobe that harmonics cut short make too wide. Light
-/// from there is known by its irradiance on the surface's back.
+/// Half space below a surface, which truncated harmonics of a lobe reach into. Light from there is estimated
+/// by the irradiance on the surface's back.
 #[derive(Clone, Copy, Debug)]
 struct Beneath {
     /// Normal of the surface.
     normal: DVec3,
-    /// Share of even light from there that the lobe gathers, in units of that irradiance.
+    /// Share of uniform light from there that the lobe gathers, in units of that irradiance.
     share: f64,
 }
 
 impl Lobe {
-    /// Lobe by the cosine, of a matte surface that faces `normal`. Of degree 3 it has nothing.
+    /// Cosine lobe of a Lambertian surface that faces `normal`. It has no degree 3.
     pub(super) fn cosine(normal: DVec3) -> Self {
         let [first, second, third] = COSINE_LOBE;
         Self { axis: normal, shares: [first, second, third, 0.0, COSINE_LOBE_4], beneath: None }
     }
 
-    /// Lobe of microfacets of glTF's `alpha` about the mirrored direction. About it they are as wide as a
-    /// power of the cosine `s = (2 / alpha^2 - 2) / 4`, of which degree l keeps `exp(-l^2 / 2 s)`
-    /// (Ramamoorthi & Hanrahan 2002, "Frequency space environment map rendering", eq. 27); never less than
-    /// of a cosine. Even light from above a surface that faces `normal` gives pi times its radiance, from
-    /// beneath nothing.
+    /// Specular lobe of microfacets with glTF's `alpha` about the mirror direction. It is as wide as a power
+    /// of the cosine `s = (2 / alpha^2 - 2) / 4`, whose factor for degree l is `exp(-l^2 / 2 s)` (Ramamoorthi
+    /// & Hanrahan 2002, "Frequency space environment map rendering", eq. 27), and at least that of a cosine.
+    /// Uniform light from above a surface that faces `normal` gives pi times its radiance, light from below
+    /// nothing.
     pub(super) fn glossy(mirrored: DVec3, normal: DVec3, alpha: f64) -> Self {
         let power = 0.5 * (1.0 / (alpha * alpha) - 1.0);
         let kept = |degree: f64| PI * (-0.5 * degree * degree / power).exp();
@@ -47,7 +47,7 @@ impl Lobe {
         Self { axis: mirrored, shares, beneath: None }.above(normal)
     }
 
-    /// Lobe by degrees up to 2 alone, where no more is known of light.
+    /// Lobe with degrees up to 2 alone, for light without higher ones.
     pub(super) fn up_to_second(self) -> Self {
         let [first, second, third, ..] = self.shares;
         let cut = Self { shares: [first, second, third, 0.0, 0.0], ..self };
@@ -56,14 +56,14 @@ impl Lobe {
 
     fn above(self, normal: DVec3) -> Self {
         let cos = self.axis.dot(normal).max(0.0);
-        // Half a sphere of even light is 1/2 + 3/4 P1 - 7/16 P3, and nothing of degrees 2 and 4.
+        // A half sphere of uniform light is 1/2 + 3/4 P1 - 7/16 P3, without degrees 2 and 4.
         let third = 0.5 * cos * (5.0 * cos * cos - 3.0);
         let beneath =
             0.5 * self.shares[0] - 0.75 * self.shares[1] * cos + 7.0 / 16.0 * self.shares[3] * third;
         Self { beneath: Some(Beneath { normal, share: beneath / PI }), ..self }
     }
 
-    /// Normal of the surface that it is of.
+    /// Normal of the lobe's surface.
     pub(super) fn normal(&self) -> DVec3 {
         self.beneath.map_or(self.axis, |beneath| beneath.normal)
     }
@@ -75,43 +75,44 @@ impl Lobe {
         self.without_beneath(all, irradiance_lobe)
     }
 
-    /// Whether degree 3 counts.
+    /// Whether the lobe has degree 3.
     pub(super) fn has_third(&self) -> bool {
         self.shares[3] != 0.0
     }
 
-    /// Whether it is what a matte surface gathers that faces a direction.
+    /// Whether it is the cosine lobe of a surface that faces a direction.
     pub(super) fn is_cosine_of(&self, normal: DVec3) -> bool {
         const SAME: f64 = 1.0 - 1e-9;
         self.beneath.is_none() && self.axis.dot(normal) > SAME
     }
 
-    /// Factors of degree 3, if they count.
+    /// Factors of degree 3, if the lobe has it.
     pub(super) fn of_third_of_travel(&self) -> Option<[f64; COUNT]> {
         let all = || third_basis(-self.axis).map(|value| self.shares[3] * value);
         self.has_third().then(|| self.without_beneath(all(), |_| [0.0; COUNT]))
     }
 
-    /// Factors of degree 4, if they count.
+    /// Factors of degree 4, if the lobe has it.
     pub(super) fn of_fourth_of_travel(&self) -> Option<[f64; COUNT]> {
         let of = |axis: DVec3, share: f64| fourth_basis(-axis).map(|value| share * value);
         let all = || of(self.axis, self.shares[4]);
         (self.shares[4] != 0.0).then(|| self.without_beneath(all(), |back| of(back, COSINE_LOBE_4)))
     }
 
-    /// `on` has the factors of irradiance on what faces a direction.
+    /// Subtracts the light from below; `on` returns factors of the irradiance on a surface that faces a
+    /// direction.
     fn without_beneath(&self, all: [f64; COUNT], on: impl Fn(DVec3) -> [f64; COUNT]) -> [f64; COUNT] {
         let Some(Beneath { normal, share }) = self.beneath else { return all };
         let on_back = on(-normal);
         std::array::from_fn(|index| (all[index] - share * on_back[index]) / (1.0 - share))
     }
 
-    /// Weight of light that goes straight along `travel`, as a share of its irradiance on what faces it.
+    /// Weight of parallel light along `travel`, relative to its irradiance on a plane at right angles.
     pub(super) fn of_peak(&self, travel: DVec3) -> f64 {
         (-travel.dot(self.axis)).max(0.0)
     }
 
-    /// Whether it is of the side of a leaf that faces `normal`, or of the other.
+    /// Whether it belongs to the side of a leaf that faces `normal`, and not to the other.
     pub(super) fn is_of_side(&self, normal: DVec3) -> bool {
         self.axis.dot(normal) >= 0.0
     }
@@ -123,7 +124,7 @@ mod tests {
     use crate::ordinates::harmonics::product;
     use crate::ordinates::quadrature::Quadrature;
 
-    /// Light that comes from low above a horizon only: degree 4 takes most of what the others err by.
+    /// Light from a band above the horizon: degree 4 removes most of the other degrees' error.
     #[test]
     fn degree_four_tells_low_light_from_light_all_over() {
         let low = |direction: DVec3| f64::from(u8::from((0.0..0.35).contains(&-direction.y)));
@@ -151,8 +152,7 @@ mod tests {
         }
     }
 
-    /// Harmonics of radiance that is uniform over half of all directions, by degree: by the middles of
-    /// small pieces.
+    /// Harmonics of radiance that is uniform over a half sphere, by degree, integrated by small pieces.
     #[test]
     fn shine_sees_what_is_above_its_surface_alone() {
         let normal = DVec3::new(0.48, 0.6, -0.64);
@@ -187,7 +187,8 @@ mod tests {
         }
     }
 
-    /// Light of the ground, say, that goes up, is irradiance on what faces it, and none on what does not.
+    /// Upward light, as of the ground, is irradiance on a surface that faces it, and none on one that faces
+    /// away.
     #[test]
     fn ordinates_share_out_halves_of_the_sphere() {
         let ordinates = Quadrature::new();

@@ -1,9 +1,9 @@
-//! Light of all orders of scattering but the first: from leaf to leaf, from sky to ground, within fog. In
-//! goes an exposure, out comes an [`Indirect`] that every ray may ask. Invariant: nothing in it is random,
-//! and what is solved does not know the camera.
+//! Light of all orders of scattering after the first: from leaf to leaf, from sky to ground, within fog. In
+//! goes an exposure, out comes an [`Indirect`] for queries of every ray. Invariant: nothing in it is random,
+//! and the solution does not depend on the camera.
 //!
-//! Direct light and single scattering stay exact, in `transport`. What comes after is solved on world grids
-//! by discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
+//! Direct light and single scattering stay exact, in `transport`. Higher orders are solved on world grids by
+//! discrete ordinates (Chandrasekhar 1950, "Radiative Transfer"). Leaves and fog together are one turbid
 //! medium there. `source_iteration.rs` is the loop over orders. Around the grids, fog over plain ground is a
 //! stack of layers (`layers.rs`).
 
@@ -44,17 +44,17 @@ use std::sync::Arc;
 
 pub use kept::KeptLight;
 
-/// Indirect light of a shutter interval, as a camera sees it.
+/// Indirect light of a shutter interval, with its precomputed view from the camera.
 pub struct Indirect {
     solved: Arc<Solved>,
     fog: Option<ViewedFog>,
-    /// Light after one bounce less, where that is asked for.
+    /// Light of one bounce less, where that is needed.
     once_less: Option<Box<Self>>,
 }
 
 impl Indirect {
-    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of
-    /// no use. `aspect` is width / height of the picture.
+    /// Solves indirect light; `None` where nothing can scatter light. Once `cancelled` returns true, the
+    /// result is incomplete. `aspect` is width / height of the picture.
     pub fn new(
         exposure: &Exposure,
         bounces: Bounces,
@@ -69,7 +69,7 @@ impl Indirect {
         Some(Self { solved, fog, once_less })
     }
 
-    /// Light that was scattered once less than this, if there is any.
+    /// Light of one scattering less, if there is any.
     pub fn once_less(&self) -> Option<&Self> {
         if self.solved.bounces == Bounces::All { Some(self) } else { self.once_less.as_deref() }
     }
@@ -79,30 +79,30 @@ impl Indirect {
         self.solved.field.levels().first().map_or(f64::INFINITY, Level::cell_m)
     }
 
-    /// Whether next to nothing absorbs it: it goes on and on, and there is more of it than is found.
+    /// Whether hardly anything absorbs it, so that the series of orders was cut short and is too dark.
     pub fn is_endless(&self) -> bool {
         self.solved.field.is_endless()
     }
 
-    /// Whether the sky's own light is part of it, so that nobody need look for it: not where a part of the
-    /// sky is as bright as a sun, whose shadows have borders.
+    /// Whether light straight from the sky is part of it, so that rays need not sample it. It is not where a
+    /// part of the sky is as bright as a sun, as the shadows of that have edges.
     pub fn has_sky(&self) -> bool {
         self.solved.has_sky
     }
 
-    /// Whether what surfaces get straight from what glows is part of it, so that nobody need look for it: not
-    /// where that is few enough triangles for rays to pick from.
+    /// Whether direct light of emissive surfaces on others is part of it, so that rays need not sample it. It
+    /// is not where emissive triangles are few enough for rays to sample.
     pub fn has_glow(&self) -> bool {
         self.solved.has_glow
     }
 
-    /// Share of a surface's shine that rays are to find: harmonics are too wide for what stands near.
+    /// Share of a surface's specular reflection that rays find: harmonics are too blurred for near objects.
     pub fn share_of_rays(point: &SurfacePoint) -> f64 {
-        /// Albedo of the coat from hardly seen to seen: between the two both ways count.
+        /// Albedo of the coat from hardly visible to visible: in between both methods contribute.
         const SEEN: Range<f64> = 0.05..0.1;
-        /// Widths of coats, by glTF's `alpha`: from narrow to as blurred as harmonics are.
+        /// Widths of coats, as glTF's `alpha`: from narrow to as blurred as harmonics are.
         const BLURRED: Range<f64> = 0.1..0.2;
-        /// Albedo from which shine is the most that is seen, and found by rays however blurred it is.
+        /// Albedo from which specular reflection dominates, and rays find it at any width.
         const MOST: Range<f64> = 0.3..0.5;
         let share =
             |range: Range<f64>, of: f64| ((of - range.start) / (range.end - range.start)).clamp(0.0, 1.0);
@@ -116,8 +116,8 @@ impl Indirect {
         share(SEEN, shine) * (1.0 - share(BLURRED, alpha)).max(share(MOST, shine))
     }
 
-    /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1, with a share of what it shows in its
-    /// shine.
+    /// Radiance that a surface scatters towards the eye, W m^-2 sr^-1, with a share of its specular
+    /// reflection.
     pub fn scattered(&self, snapshot: &Snapshot, point: &SurfacePoint, share_of_shine: f64) -> Rgb {
         let world = snapshot.world_from_relative(point.position);
         let cos_eye = point.shine_normal.dot(point.to_eye).max(0.0);
@@ -160,13 +160,13 @@ impl Indirect {
         radiance
     }
 
-    /// Radiance that fog scatters into a camera ray before it has gone `distance` metres, if it lets
-    /// `through` of what is behind it.
+    /// Radiance that fog scatters into a camera ray within `distance` metres. `through` is the transmittance
+    /// of that fog.
     pub fn seen_in_fog(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, through: Rgb) -> Rgb {
         self.fog.as_ref().map_or(Rgb::ZERO, |fog| fog.before(snapshot, ray, distance, through))
     }
 
-    /// Radiance that fog scatters into any ray, in steps: `is_exact` wants more of them.
+    /// Radiance that fog scatters into any ray, in steps, of which `is_exact` takes more.
     pub fn in_scattered(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, is_exact: bool) -> Rgb {
         const STEPS: u32 = 24;
         const FEW_STEPS: u32 = 6;

@@ -14,21 +14,21 @@ use crate::scene::Bounces;
 use crate::snapshot::Snapshot;
 use std::sync::Arc;
 
-/// Light of all orders that are wanted, but the first.
+/// Light of all orders after the first.
 pub(super) struct Solved {
     pub(super) field: Field,
     pub(super) leaves: LeafLight,
     pub(super) bounces: Bounces,
     pub(super) has_sky: bool,
-    /// Whether direct light of emissive surfaces on others is in it; else they sample it by rays.
+    /// Whether direct light of emissive surfaces on others is part of it; otherwise rays sample it.
     pub(super) has_glow: bool,
-    /// Light after one bounce less, where that is asked for.
+    /// Light of one bounce less, where that is needed.
     pub(super) once_less: Option<Arc<Self>>,
 }
 
 impl Solved {
-    /// `None` where there is nothing that could scatter light. Once `cancelled` says true, what comes is of
-    /// no use.
+    /// Solves indirect light; `None` where nothing can scatter light. Once `cancelled` returns true, the
+    /// result is incomplete.
     pub(super) fn new(
         snapshot: &Snapshot,
         bounces: Bounces,
@@ -54,7 +54,7 @@ impl Solved {
         let mut surroundings = Surroundings::of(snapshot);
         let layers = layers(snapshot, &mut surroundings, bounces);
         let plain_glows = layers.as_ref().is_some_and(Layers::ground_glows);
-        // Fog that shines is looked for by nobody.
+        // No ray samples the emission of fog.
         let is_swept = plain_glows || snapshot.medium.shines();
         let glow = snapshot.glow().filter(|glow| !is_swept && glow.is_looked_for());
         let glow = glow.map(|glow| glow.luminaires(snapshot));
@@ -70,7 +70,7 @@ impl Solved {
     }
 }
 
-/// Layers about all grids, if fog without bounds lies over plain ground, and nothing else shines on it.
+/// Layers around all grids, if there is unbounded fog and no hills lie below it.
 fn layers(snapshot: &Snapshot, surroundings: &mut Surroundings, bounces: Bounces) -> Option<Layers> {
     let (up, scale_m) = snapshot.medium.banks().iter().find_map(|bank| bank.layer())?;
     let ground = match Beneath::of(surroundings, up, scale_m) {

@@ -1,5 +1,5 @@
-//! Heights between which fog without bounds is even enough. In go banks of fog and a ground, out come levels
-//! from the top down. Invariant: layers are even in optical depth, so thin fog has thin ones.
+//! Heights of levels between which unbounded fog is nearly uniform. In go banks of fog and a ground, out come
+//! levels from the top down. Invariant: layers have equal optical depths, and dense fog has thin layers.
 
 use super::ground::Ground;
 use crate::canopy::emitter_rays::mean_irradiance;
@@ -12,32 +12,32 @@ use crate::scene::Bounces;
 use crate::snapshot::{FrozenLight, Snapshot};
 use glam::{DQuat, DVec3};
 
-/// Layers of even optical depth.
+/// Number of layers of equal optical depth.
 const LAYERS: usize = 48;
-/// The topmost is halved so often: fog that thins out has no top.
+/// Number of times that the topmost layer is halved: fog that thins out has no top.
 const HALVINGS: usize = 6;
-/// Optical depth to which fog is known where no ground ends it; beneath that it is as deep as it is.
+/// Optical depth of the layers where no ground ends the fog; below it the medium is semi-infinite.
 const DEEPEST: f64 = 6.0;
-/// Height above the ground where no fog is left, in scale heights.
+/// Height above the ground at which no fog is left, in scale heights.
 const HIGHEST: f64 = 2e3;
-/// Banks thin out the same way if their directions differ by so little.
+/// Maximum deviation between directions in which banks thin out together.
 const SAME: f64 = 1e-9;
 
 /// Heights of levels.
 pub(super) struct Heights {
-    /// +Y is where fog is thinner.
+    /// Rotation after which fog thins out along +Y.
     pub(super) layers_from_world: DQuat,
     pub(super) up: DVec3,
     has_ground: bool,
-    /// Extinction of all channels, 1/m, by level.
+    /// Extinction, summed over channels, 1/m, by level.
     extinctions_per_m: Vec<f64>,
     /// Heights from the top down, along `up` from the world's origin, metres.
     heights_m: Vec<f64>,
-    /// Metres over which fog changes most.
+    /// Scale height of the bank that changes fastest, metres.
     pub(super) scale_m: f64,
 }
 
-/// Layers as the solver asks for them.
+/// Layers in the form of the solver.
 pub(super) struct Filled {
     pub(super) stack: Stack,
     pub(super) beams: Vec<Beam>,
@@ -46,7 +46,7 @@ pub(super) struct Filled {
 }
 
 impl Heights {
-    /// `None` unless there is fog without bounds, and it thins out one way.
+    /// Heights of a snapshot's levels; `None` unless it has unbounded fog that thins out in one direction.
     pub(super) fn of(snapshot: &Snapshot, ground: Option<&Ground>) -> Option<Self> {
         let layers: Vec<(DVec3, f64)> =
             snapshot.medium.banks().iter().filter_map(|bank| bank.layer()).collect();
@@ -89,14 +89,14 @@ impl Heights {
         })
     }
 
-    /// Extinction of all channels at a place of world space, 1/m.
+    /// Extinction at a place in world space, summed over channels, 1/m.
     pub(super) fn extinction_per_m(&self, world: DVec3) -> f64 {
         let (above, below, share_below) = self.between(world);
         let [above, below] = [above, below].map(|level| self.extinctions_per_m[level]);
         above + share_below * (below - above)
     }
 
-    /// Height of a place of world space, metres.
+    /// Height of a place in world space, metres.
     pub(super) fn height_m(&self, world: DVec3) -> f64 {
         self.up.dot(world)
     }
@@ -106,7 +106,7 @@ impl Heights {
         self.heights_m.last().copied().filter(|_| self.has_ground)
     }
 
-    /// The levels above and below a place of world space, and how much the one below counts.
+    /// The levels above and below a place in world space, and the weight of the one below.
     pub(super) fn between(&self, world: DVec3) -> (usize, usize, f64) {
         let height_m = self.height_m(world);
         let below = self.heights_m.partition_point(|level| *level > height_m);
@@ -121,7 +121,7 @@ impl Heights {
         }
     }
 
-    /// Reflectance of fog beneath the last level, if no ground ends it: of a medium without an end, by
+    /// Reflectance of the fog below the last level, if no ground ends it: that of a semi-infinite medium, by
     /// its similarity parameter (van de Hulst 1980, "Multiple Light Scattering", chapter 14).
     pub(super) fn reflectance_beneath(&self, snapshot: &Snapshot) -> Rgb {
         let lowest_m = self.heights_m.last().copied().unwrap_or_default();
@@ -182,14 +182,14 @@ impl Heights {
     }
 }
 
-/// Ratio by channel; nothing where there is nothing.
+/// Ratio by channel; 0 where both are 0.
 fn per(color: Rgb, extinction: Rgb) -> Rgb {
     let share =
         |channel: usize| if extinction[channel] > 0.0 { color[channel] / extinction[channel] } else { 0.0 };
     Rgb::new(share(0), share(1), share(2))
 }
 
-/// Phase function of Henyey and Greenstein, with delta-M where all orders are wanted.
+/// Henyey-Greenstein phase function, with delta-M where all orders are computed.
 fn species(g: f64, has_peaks: bool) -> Species {
     let peak = |degrees: usize| if has_peaks { 0.0 } else { g.max(0.0).powi(degrees as i32) };
     let kept = |degree: usize, degrees: usize| {
@@ -201,7 +201,7 @@ fn species(g: f64, has_peaks: bool) -> Species {
     }
 }
 
-/// The greatest place up to which something holds, of a range in which it ceases to.
+/// The largest value of a range up to which `holds` is true.
 fn bisected((mut low, mut high): (f64, f64), holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..64 {
         let middle = 0.5 * (low + high);

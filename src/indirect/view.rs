@@ -1,6 +1,6 @@
-//! Indirect light that fog scatters towards the eye, ready to be looked up. In go a field and a snapshot, out
-//! comes the light of any part of any ray of the camera. Invariant: what a ray's start and end have is the
-//! prefix sum of the same steps, so parts of a ray add up to the whole.
+//! Indirect light that fog scatters towards the eye, precomputed for look-up. In go a field and a snapshot,
+//! out comes the in-scattered radiance of any part of a camera ray. Invariant: both ends of a part read
+//! prefix sums of the same steps, so parts of a ray add up to the whole.
 
 use super::Field;
 use super::layers::Layers;
@@ -12,9 +12,9 @@ use crate::snapshot::Snapshot;
 use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 
-/// Rays across the picture.
+/// Number of rays across the picture.
 const COLUMNS: usize = 48;
-/// Maximum number of steps of one through the innermost grid, and before and beyond that one.
+/// Maximum number of a ray's steps through the innermost grid, and before and beyond it.
 const MOST_STEPS: usize = 160;
 const FAR_STEPS: usize = 48;
 /// Length of the first step before the innermost grid, in its cells.
@@ -22,9 +22,9 @@ const FIRST_CELLS: f64 = 0.5;
 
 /// Prefix sums along a coarse grid of camera rays.
 ///
-/// A look-up gives the mean radiance of all fog before a distance, by how much of it is seen. How much fog
-/// a ray really goes through it tells itself. So the borders of fog are as sharp as they are, and fog in
-/// even light is as bright as that everywhere.
+/// A look-up gives the mean radiance of all fog before a distance, weighted by its visibility. The ray itself
+/// computes its optical depth. So edges of fog stay sharp, and fog in uniform light has the same radiance
+/// everywhere.
 pub(super) struct ViewedFog {
     columns: usize,
     rows: usize,
@@ -33,13 +33,13 @@ pub(super) struct ViewedFog {
     sums: Vec<Seen>,
 }
 
-/// Fog before a distance: its mean radiance by channel, weighed by what it takes of light
-/// behind it, and that weight.
+/// Fog before a distance: its mean radiance by channel times a weight, and the weight. The weight is 1 minus
+/// its transmittance.
 #[derive(Clone, Copy, Default)]
 struct Seen(Vec4);
 
 impl ViewedFog {
-    /// `aspect` is width / height of the picture; `None` where there is no fog.
+    /// Precomputes the sums; `aspect` is width / height of the picture. `None` where there is no fog.
     pub(super) fn new(field: &Field, snapshot: &Snapshot, aspect: f64) -> Option<Self> {
         if snapshot.medium.is_empty() {
             return None;
@@ -53,7 +53,7 @@ impl ViewedFog {
             let ray = snapshot.view.ray(place[0] / columns as f64, place[1] / rows as f64);
             let mut walk = Walk::new(field, snapshot, ray);
             for (step, sum) in sums.iter_mut().enumerate() {
-                // In halves: light differs within a cell.
+                // In two halves, as light varies within a cell.
                 walk.to(depths.distance(step as f64 - 0.5));
                 *sum = walk.to(depths.distance(step as f64));
             }
@@ -61,8 +61,8 @@ impl ViewedFog {
         Some(Self { columns, rows, depths, sums })
     }
 
-    /// Radiance that is scattered into a camera ray before it has gone `distance` metres, W m^-2 sr^-1, if
-    /// fog lets `through` of what is behind it.
+    /// Radiance that is scattered into a camera ray within `distance` metres, W m^-2 sr^-1. `through` is the
+    /// transmittance of that fog.
     pub(super) fn before(&self, snapshot: &Snapshot, ray: &Ray, distance: f64, through: Rgb) -> Rgb {
         let place = if distance.is_finite() {
             snapshot.view.film_place(ray.at(distance))
@@ -95,10 +95,10 @@ impl ViewedFog {
     }
 }
 
-/// Distances from the camera, in steps: ever longer ones to the innermost grid, even ones through it, then
-/// again ever longer ones.
+/// Distances from the camera, by step: growing steps up to the innermost grid, equal steps through it,
+/// growing steps beyond.
 struct Depths {
-    /// The first, before which light counts as even.
+    /// The first distance, up to which light counts as uniform.
     first_m: f64,
     start_m: f64,
     step_m: f64,
@@ -106,7 +106,7 @@ struct Depths {
     before: usize,
     near: usize,
     far: usize,
-    /// Factor by which each step before and beyond is farther away than the last.
+    /// Ratio of successive distances before the grid, and beyond.
     growth_before: f64,
     growth_beyond: f64,
 }
@@ -164,7 +164,7 @@ impl Depths {
         }
     }
 
-    /// The other way round; past the last step more than there are.
+    /// Step of a distance, the inverse of [`Depths::distance`]; past the last step it exceeds the count.
     fn step(&self, distance: f64) -> f64 {
         let before = self.before as f64;
         if self.before > 0 && distance < self.start_m {
@@ -177,12 +177,12 @@ impl Depths {
     }
 }
 
-/// Distance to which fog without bounds is seen from the eye, whichever way one looks, metres.
+/// Distance to which unbounded fog is visible from the eye, in any direction, metres.
 fn farthest_seen_m(snapshot: &Snapshot) -> f64 {
-    /// Share of optical depth, or of all that there is.
+    /// Optical depth to which it counts, or the share of all of it.
     const DEPTH: f64 = 5.0;
     const SHARE: f64 = 0.99;
-    /// Rays across and down.
+    /// Number of rays across and down.
     const SIDE: usize = 9;
     let medium = &snapshot.medium;
     let of_ray = |number: usize| {
@@ -212,24 +212,24 @@ struct Walk<'a> {
     field: &'a Field,
     snapshot: &'a Snapshot<'a>,
     ray: Ray,
-    /// Against it: light travels so that it sees.
+    /// Direction of light, against the ray.
     towards: Towards,
-    /// Range in which there is fog.
+    /// Range of the ray that has fog.
     fog: Option<(f64, f64)>,
     at: f64,
     through: Rgb,
     light: Rgb,
-    /// The source of the last step, per what fog takes, and where it was.
+    /// Source of the last step, per unit of extinction, and its distance.
     source: Rgb,
     middle: f64,
-    /// Steps for which a wall was just passed.
+    /// Number of steps left behind a wall that the ray just passed.
     behind_wall: u32,
     has_passed_wall: bool,
 }
 
-/// Rays that end at a wall read up to two steps beyond it, as the rays about them may end later.
+/// Rays that end at a wall read up to two steps beyond it, as neighbouring rays may end later.
 const STEPS_BEHIND_WALL: u32 = 2;
-/// Weight of what is farther behind it, beside rays that no wall has stopped.
+/// Weight of steps farther behind it, relative to rays that no wall has stopped.
 const BEHIND_WALL: f32 = 1e-3;
 
 impl<'a> Walk<'a> {
@@ -252,7 +252,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// All that is seen before a distance, which only grows.
+    /// Fog before a distance; distances must grow from call to call.
     fn to(&mut self, distance: f64) -> Seen {
         if let Some((start, end)) = self.fog {
             let (from, to) = (self.at.max(start), distance.min(end));
@@ -276,7 +276,7 @@ impl<'a> Walk<'a> {
         Seen(say * Vec4::new(weighed(0), weighed(1), weighed(2), weight as f32))
     }
 
-    /// The source in the middle of a step; just behind a wall that before it.
+    /// Evaluates the source in the middle of a step; just behind a wall it keeps that before the wall.
     fn look(&mut self, middle: f64) {
         let world = |t: f64| self.snapshot.world_from_relative(self.ray.at(t));
         if self.middle > 0.0 && self.field.has_wall_between(world(self.middle), world(middle)) {
@@ -306,7 +306,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Radiance along a ray from anywhere, such as a mirror, in a number of steps: the first are the shortest.
+/// Radiance along a ray from any origin, such as a mirror, in a number of steps: the first are the shortest.
 pub(super) fn along(field: &Field, snapshot: &Snapshot, ray: &Ray, (distance, steps): (f64, u32)) -> Rgb {
     let origin = snapshot.world_from_relative(ray.origin);
     let to_end = |(low, high): (DVec3, DVec3)| farthest_m((low - origin, high - origin));

@@ -1,5 +1,5 @@
-//! Light of lamps and suns on walls. In go patches of walls, out come the irradiance on each and what shines
-//! of it. Invariant: where its shadow rays start depends on the wall and the grid alone.
+//! Light of lamps and suns on walls. In go patches of walls, out come the irradiance on each and its
+//! highlights. Invariant: origins of shadow rays depend on the wall and the grid alone.
 
 use super::highlights::{self, Arriving};
 use super::walls::SnapshotWalls;
@@ -16,13 +16,14 @@ use crate::snapshot::{FrozenLight, Luminaire, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Shadow rays to a patch of wall, along each side.
+/// Number of shadow rays to a patch of a wall, along each side.
 const SHADOW_RAYS: usize = 4;
 
 pub(super) struct WallLight<'a> {
     pub(super) snapshot: &'a Snapshot<'a>,
     pub(super) lights: &'a [Luminaire],
-    /// What glows and lights walls as lamps do; its points that are nearer do not count, metres.
+    /// Emissive surfaces that light walls as lamps do; their points nearer than `nearest_m` do not count,
+    /// metres.
     pub(super) glow: &'a [Luminaire],
     pub(super) nearest_m: f64,
     pub(super) grid: &'a Grid,
@@ -38,17 +39,17 @@ pub(super) struct LitWalls {
     pub(super) glossy: GlossySource,
 }
 
-/// A part of a wall that is lit as one.
+/// A part of a wall that is lit uniformly.
 struct Square {
-    /// Middle in relative space.
+    /// Centre in relative space.
     middle: DVec3,
-    /// Vectors from its middle to the middles of two of its sides.
+    /// Vectors from its centre to the middles of two sides.
     half: [DVec3; 2],
 }
 
 impl Square {
-    /// Unit vector to a light, and the mean irradiance on the side that a normal points to, W/m^2. Of a lamp
-    /// it is its intensity by the solid angle, however near it is.
+    /// Unit vector to a light, and the mean irradiance on the side of a normal, W/m^2. For a lamp it is the
+    /// intensity times the solid angle over the area, at any distance.
     fn lit(&self, light: &FrozenLight, normal: DVec3) -> (DVec3, Rgb) {
         let (to_light, distance, arriving) = light.arriving_at(self.middle);
         let irradiance = match light {
@@ -62,7 +63,7 @@ impl Square {
         (to_light, irradiance)
     }
 
-    /// Solid angle of all of it as seen from a point, sr.
+    /// Solid angle of the square as seen from a point, sr.
     fn solid_angle(&self, from: DVec3) -> f64 {
         let [right, up] = self.half;
         let [a, b, c, d] = [-right - up, right - up, right + up, up - right]
@@ -71,14 +72,14 @@ impl Square {
     }
 }
 
-/// Solid angle of a triangle by unit vectors to its corners, sr (Van Oosterom & Strackee 1983, "The solid
+/// Solid angle of a triangle, given unit vectors to its corners, sr (Van Oosterom & Strackee 1983, "The solid
 /// angle of a plane triangle", equation 8).
 fn of_triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
 impl WallLight<'_> {
-    /// Light of all lamps, suns and what glows.
+    /// Computes the light of all lamps, suns and emissive surfaces.
     pub(super) fn found(&self) -> LitWalls {
         let lit = |(patch, &primitive): (&Patch, &PrimitiveId)| {
             let lamps = self.lights.iter().map(|light| (light, 0.0));
@@ -94,17 +95,18 @@ impl WallLight<'_> {
         LitWalls { irradiances, glossy: GlossySource::new(&along) }
     }
 
-    /// Light of one, whose points are not nearer than so many metres.
+    /// Light of one luminaire on a patch; its points within `nearest_m` do not count.
     fn arriving(
         &self,
         (light, nearest_m): (&Luminaire, f64),
         (patch, primitive): (&Patch, PrimitiveId),
     ) -> Option<Arriving> {
         let (right, up) = patch.normal.any_orthonormal_pair();
-        // About the middle of the patch's cell, on its plane: where it is depends on no leaf.
+        // Around the centre of the patch's cell, on its plane: the place depends on no leaf.
         let node = self.grid.nearest(patch.position + 0.25 * self.grid.cell_m * patch.normal);
         let middle = self.grid.position(node);
-        // Of what glows each patch sees points of its own: few of them have no mean that all could share.
+        // For an emissive surface each patch has sampled points of its own, as few points give no common
+        // mean.
         let first = if nearest_m > 0.0 { node * SHADOW_RAYS * SHADOW_RAYS } else { 0 };
         let middle = middle - (middle - patch.position).dot(patch.normal) * patch.normal;
         let step = self.grid.cell_m / SHADOW_RAYS as f64;
@@ -119,7 +121,7 @@ impl WallLight<'_> {
             };
             let (seen, origin) = (patch.position + off_wall, place + off_wall);
             let way = Ray { origin: seen, direction: (origin - seen).normalize_or_zero() };
-            // Beyond a corner the wall goes on in another plane.
+            // Beyond a corner the wall continues in another plane.
             if self.snapshot.tree.any_hit(&way, (origin - seen).length(), Some(primitive)) {
                 continue;
             }
@@ -141,7 +143,7 @@ impl WallLight<'_> {
         Some(Arriving { to_light, irradiance: sum / f64::max(count, 1.0) })
     }
 
-    /// Share of a light that comes along a ray from a distance.
+    /// Share of a light that arrives along a ray from a distance.
     fn reaching(&self, light: &FrozenLight, ray: &Ray, distance: f64, from: PrimitiveId) -> Rgb {
         let visible = self.snapshot.visibility(ray, distance, Some(from));
         if visible == Rgb::ZERO {
@@ -158,7 +160,8 @@ mod tests {
     use crate::light::{Emission, LampShape};
     use std::f64::consts::PI;
 
-    /// A lamp sends half of its light to a wide wall, however near it is; far away it is a point's.
+    /// A lamp sends half of its light to a wide wall, however near it is; a far wall has that of a point
+    /// light.
     #[test]
     fn a_lamp_lights_a_square_by_its_solid_angle() {
         let lit = |half_m: f64, height_m: f64| {
@@ -172,7 +175,7 @@ mod tests {
             assert!((power / (3.0 * 2.0 * PI) - 1.0).abs() < 1e-3, "{height_m}: {power}");
         }
         assert!((lit(1e-3, 2.0) / (3.0 / 4.0) - 1.0).abs() < 1e-6);
-        // Of a cube about the lamp a face has a sixth.
+        // A face of a cube around the lamp has a sixth of its light.
         assert!((4.0 * lit(1.0, 1.0) / (3.0 * 4.0 * PI / 6.0) - 1.0).abs() < 1e-12);
         assert_eq!(lit(1.0, -1.0), 0.0, "from behind");
     }

@@ -1,5 +1,5 @@
-//! Walls of a snapshot: ground, trunks, rooms. In go triangles, out come the links from node to node that
-//! they cut, and the patches that are seen instead. Invariant: a crossing is exact, so no wall is too thin.
+//! Walls of a snapshot: ground, trunks, rooms. In go triangles, out come the links between nodes that they
+//! cut, and the patches that nodes see instead. Invariant: crossings are exact, so thin walls cut links, too.
 
 use super::cut_patches::cut_patches;
 use crate::accel::PrimitiveId;
@@ -21,7 +21,7 @@ pub(super) struct SnapshotWalls {
     pub(super) primitives: Vec<PrimitiveId>,
 }
 
-/// Key of the patch that a place belongs to: the cell, the direction that it faces most, the mesh.
+/// Key of a patch: its cell, the main direction of its normal, its mesh.
 type PatchKey = (usize, u8, u32);
 
 impl SnapshotWalls {
@@ -39,14 +39,14 @@ impl SnapshotWalls {
     }
 }
 
-/// Along each axis, which nodes may be ends of links that are cut; those about the grid are among them.
+/// Ranges of indices along each axis of nodes at the ends of cut links, with those just around the grid.
 type Ends = [std::ops::RangeInclusive<i32>; 3];
 
 /// Crossing of a triangle and a link, as the node at one of its ends sees it.
 struct Crossing {
     node: usize,
     link: usize,
-    /// Place on the link, as a share of it.
+    /// Position on the link, as a share of its length.
     at: f64,
     /// Point in world space.
     point: DVec3,
@@ -59,12 +59,12 @@ struct Building<'a> {
     nodes: Vec<CutNode>,
     number_of: Vec<u32>,
     patches: Vec<Patch>,
-    /// A triangle of each of them.
+    /// A triangle of each patch.
     primitives: Vec<PrimitiveId>,
-    /// Mean optics of each of them.
+    /// Mean optics of each patch.
     means: Vec<MeanOptics>,
     patch_of: HashMap<PatchKey, u32>,
-    /// Cells, by their lowest node, and triangles about them.
+    /// Lowest nodes of cells, with triangles near them.
     about_cell: Vec<(u32, CellTriangle)>,
 }
 
@@ -83,7 +83,7 @@ impl<'a> Building<'a> {
         }
     }
 
-    /// Cuts the links that a triangle crosses, and notes the cells that it touches.
+    /// Cuts the links that a triangle crosses, and records the cells that it touches.
     fn add(&mut self, wall: &WallTriangle) {
         let (grid, triangle) = (self.grid, &wall.triangle);
         let [a, b, c] = triangle.corners;
@@ -100,7 +100,7 @@ impl<'a> Building<'a> {
         let reach = 1.75 * grid.cell_m;
         let range =
             |axis: usize| grid_low[axis].saturating_sub(1)..(grid_high[axis] + 2).min(grid.size[axis]);
-        // Both ends of a link that it crosses are nodes of a cell that it touches.
+        // Both ends of a crossed link are nodes of a cell that the triangle touches.
         let ends: Ends = [0, 1, 2].map(|axis| {
             let [before, past] = [is_before, is_past].map(|beyond| i32::from(beyond.test(axis)));
             grid_low[axis] as i32 - before..=grid_high[axis] as i32 + 1 + past
@@ -124,7 +124,7 @@ impl<'a> Building<'a> {
         }
     }
 
-    /// Cuts links that lead from a node to neighbours that come after it, and to the cells about the grid.
+    /// Cuts links from a node to later neighbours, and to the cells around the grid.
     fn cut_links(&mut self, wall: &WallTriangle, cell: [usize; 3], ends: &Ends) {
         let (grid, triangle) = (self.grid, &wall.triangle);
         let normal = triangle.normal;
@@ -167,7 +167,7 @@ impl<'a> Building<'a> {
         }
     }
 
-    /// The patch that is seen, unless another is before it.
+    /// Patch at a crossing; `None` if another wall lies before it.
     fn see(&mut self, primitive: PrimitiveId, crossing: &Crossing) -> Option<u32> {
         let number = self.walled(crossing.node);
         if !self.nodes[number].sees(crossing.link, crossing.at) {
@@ -189,7 +189,7 @@ impl<'a> Building<'a> {
     fn patch(&mut self, primitive: PrimitiveId, &Crossing { point, facing, .. }: &Crossing) -> u32 {
         let axis = (0..3).max_by(|a, b| facing[*a].abs().total_cmp(&facing[*b].abs())).expect("three");
         let face = 2 * axis as u8 + u8::from(facing[axis] > 0.0);
-        // Off the wall, so that rounding does not decide which cell it is.
+        // Off the wall, so that rounding does not decide on the cell.
         let cell = self.grid.nearest(point + 0.25 * self.grid.cell_m * facing);
         let key = (cell, face, primitive.instance);
         let next = self.patches.len() as u32;
@@ -211,8 +211,8 @@ impl<'a> Building<'a> {
     }
 }
 
-/// Intersection of a way from one place to another with a triangle, as a share of the way (Möller &
-/// Trumbore 1997). Edges count as inside.
+/// Intersection of a line segment with a triangle, as a share of its length (Möller & Trumbore 1997). Edges
+/// count as inside.
 fn crossing([a, b, c]: &[DVec3; 3], from: DVec3, to: DVec3) -> Option<f64> {
     const SLACK: f64 = 1e-9;
     let (ab, ac, way) = (*b - *a, *c - *a, to - from);

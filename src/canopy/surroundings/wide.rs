@@ -1,5 +1,5 @@
-//! Bounds of parts, and parts that may be ground. In go parts, out come boxes and what of them is level.
-//! Invariant: a plain under layers of fog is no reason for cells.
+//! Bounds of parts, and parts that may be ground. In go parts, out come boxes and level corners. Invariant:
+//! plain ground below layers of fog has no box, so it gets no cells.
 
 use super::{POINTS, PlacedPart, Surroundings};
 use crate::canopy::core_bounds::{Weighed, union};
@@ -13,12 +13,12 @@ pub(crate) struct WidePart {
     /// Corners in world space.
     pub(crate) corners: Vec<DVec3>,
     pub(crate) width_m: f64,
-    /// Area of the widest side of the box about it.
+    /// Area of the largest side of its bounds.
     pub(crate) area_m2: f64,
 }
 
 impl Surroundings<'_> {
-    /// Walls of at least a width, by their parts that face up or down; of bodies by those that face up.
+    /// Parts of walls with at least a width that face up or down; closed bodies only where they face up.
     pub(crate) fn wide_parts(&self, width_m: f64, up: DVec3) -> Vec<WidePart> {
         let parts = self.parts.iter().enumerate();
         let wide = parts.filter(|(_, part)| part.width_m >= width_m && !part.is_blended);
@@ -30,9 +30,9 @@ impl Surroundings<'_> {
         wide.filter_map(tell).collect()
     }
 
-    /// Corners of a part's triangles that are no steeper than a bank.
+    /// Corners of a part's triangles that are no steeper than an embankment.
     fn level_corners(&self, placed: &PlacedPart, up: DVec3) -> Vec<DVec3> {
-        /// Part of the normal along the way up.
+        /// Minimum component of the normal along `up`.
         const STEEPEST: f64 = 0.3;
         let (mesh, part) = (self.mesh(placed), placed.part);
         let primitives = part.triangles.iter().filter_map(|&triangle| mesh.primitive(triangle));
@@ -44,7 +44,7 @@ impl Surroundings<'_> {
         corners.filter(is_level).flatten().collect()
     }
 
-    /// Marks parts as a plain under layers of fog; what they do to light, on their mean.
+    /// Marks parts as plain ground below layers of fog; returns their mean optics.
     pub(crate) fn take_plain(&mut self, numbers: &[usize]) -> SurfaceOptics {
         let mut mean = MeanOptics::default();
         for &number in numbers {
@@ -55,7 +55,7 @@ impl Surroundings<'_> {
         mean.mean()
     }
 
-    /// The boxes about all parts that are narrower, and no plain, in world space.
+    /// Boxes of all parts that are narrower and not plain ground, in world space.
     pub(crate) fn boxes(&self, widest_m: f64) -> Vec<Weighed> {
         let parts = self.parts.par_iter().filter(|part| !part.is_large(widest_m) && !part.is_plain);
         let weighed = |part: &PlacedPart| {
@@ -66,7 +66,7 @@ impl Surroundings<'_> {
         parts.filter_map(weighed).collect()
     }
 
-    /// Places that a part lies between.
+    /// Corners of a part's bounds.
     fn corners(&self, placed: &PlacedPart) -> Vec<DVec3> {
         let (mesh, part) = (self.mesh(placed), placed.part);
         if mesh.is_bent {
