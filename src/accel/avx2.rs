@@ -1,12 +1,12 @@
-//! [`Lanes`] by AVX2. Invariant: a value of [`Avx2`], and hence any of its lanes, exists only on a
-//! processor that has AVX2, which is what makes each `unsafe` below sound.
+//! [`Lanes`] with AVX2. Invariant: a value of [`Avx2`], and hence any of its lanes, exists only on a
+//! processor with AVX2, which makes each `unsafe` below sound.
 #![allow(unsafe_code, reason = "vector instructions, behind a proof that the processor has them")]
 
 use super::simd::{Eight, Kernel, Lanes, Mask, Simd, WIDTH};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 
-/// Bytes that come from memory together.
+/// Number of bytes that are fetched from memory together.
 const CACHE_LINE: usize = 64;
 
 /// Proof that the processor has AVX2.
@@ -18,7 +18,7 @@ impl Avx2 {
         is_x86_feature_detected!("avx2").then_some(Self(()))
     }
 
-    /// Runs a kernel that is compiled for AVX2.
+    /// Runs a kernel compiled for AVX2.
     #[inline]
     pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
         #[target_feature(enable = "avx2")]
@@ -61,13 +61,13 @@ impl Simd for Avx2 {
     fn prefetch<T>(self, soon_read: &T) {
         let start = std::ptr::from_ref(soon_read).cast::<i8>();
         for offset in (0..size_of::<T>()).step_by(CACHE_LINE) {
-            // SAFETY: a hint, for any address; this one lies in what is borrowed.
+            // SAFETY: a hint, for any address; this one lies in the borrowed value.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(offset)) };
         }
     }
 }
 
-/// An operator of lanes or masks that is one instruction.
+/// Implements an operator of lanes or masks that is one instruction.
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $instruction:ident) => {
         impl $trait for $type {

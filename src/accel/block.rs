@@ -1,5 +1,5 @@
-//! Up to eight triangles side by side. Invariant: lanes without a triangle hold NaN, which fails every
-//! comparison, and so meet nothing.
+//! Up to eight triangles side by side. In go triangles, out come their vertices by lane. Invariant: lanes
+//! without a triangle hold NaN, which fails every comparison, so nothing hits them.
 
 use super::simd::{Eight, WIDTH};
 use glam::{DVec3, Vec3};

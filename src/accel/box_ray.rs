@@ -7,9 +7,9 @@ use super::{
     wide_tree::{LEAF, Node, WideTree, plane},
 };
 
-/// A ray in single precision, prepared for boxes that are padded by what single precision may lose: the
-/// origin is moved against the planes the ray enters by and along with those it leaves by (Woop, Benthin
-/// and Wald 2013, section 5). Boxes bring their own part of that along.
+/// A ray in single precision, prepared for boxes that are padded against rounding. The origin is moved
+/// against the planes by which the ray enters and along with those by which it leaves (Woop, Benthin and Wald
+/// 2013, section 5). Padding for the boxes' own rounding is part of the boxes.
 pub(super) struct BoxRay<L> {
     origin_entering: [L; 3],
     origin_leaving: [L; 3],
@@ -47,7 +47,7 @@ impl<L: Lanes> BoxRay<L> {
         }
     }
 
-    /// Boxes of a node that the ray meets before `t_far`, as bits, and where it enters them.
+    /// Children whose boxes the ray meets before `t_far`, as bits, with the distances at which it enters.
     #[inline(always)]
     fn meet<S: Simd<Lanes = L>>(&self, simd: S, node: &Node, t_far: f32) -> (u32, L) {
         let mut near = self.t_min;
@@ -58,14 +58,14 @@ impl<L: Lanes> BoxRay<L> {
                 * self.inverse_direction[axis];
             let leave = (simd.load(&node.planes[entering ^ 1]) - self.origin_leaving[axis])
                 * self.inverse_direction[axis];
-            // A NaN, from a ray that runs within a plane, must not cull: so it comes first.
+            // A NaN, from a ray within a plane, must not cull, so it comes first.
             near = enter.max(near);
             far = leave.min(far);
         }
         (near.le(far).bits(), near)
     }
 
-    /// Whether it may meet anything of a tree before `t_far`, as far as its uppermost boxes say.
+    /// Whether the ray may meet anything of a tree before `t_far`, tested by the uppermost boxes.
     #[inline(always)]
     pub(super) fn may_meet<S: Simd<Lanes = L>>(&self, simd: S, tree: &WideTree, t_far: f32) -> bool {
         match tree.root {
@@ -74,8 +74,8 @@ impl<L: Lanes> BoxRay<L> {
         }
     }
 
-    /// Visits the leaves whose boxes the ray meets before `t_far`, near ones first. Says whether a
-    /// visit ended the query.
+    /// Visits the leaves whose boxes the ray meets before `t_far`, near ones first. Returns whether a visit
+    /// ended the query.
     #[inline(always)]
     pub(super) fn visit_leaves<S: Simd<Lanes = L>>(
         &self,
@@ -98,7 +98,7 @@ impl<L: Lanes> BoxRay<L> {
                 let node = &tree.nodes[child as usize];
                 let (hits, near) = self.meet(simd, node, t_far);
                 if hits != 0 {
-                    // Most of them are visited after some others, and no cache holds all of a large scene.
+                    // Most children are visited after some others, and no cache holds all of a large scene.
                     if hits & (hits - 1) != 0 {
                         each_lane(hits, |lane| visitor.expect(simd, node.children[lane]));
                     }
@@ -121,11 +121,11 @@ impl<L: Lanes> BoxRay<L> {
 }
 
 pub(super) trait LeafVisitor<S: Simd> {
-    /// Hears of a child that may be visited after some others.
+    /// Called for a child that may be visited after some others.
     #[inline(always)]
     fn expect(&self, _simd: S, _child: u32) {}
 
-    /// Visits a leaf, may shorten `t_far`, and says whether the query is over.
+    /// Visits a leaf and may shorten `t_far`; returns whether the query is over.
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack, t_far: &mut f32) -> bool;
 }
 
@@ -137,7 +137,7 @@ fn each_lane(mut lanes: u32, mut say: impl FnMut(usize)) {
     }
 }
 
-/// The nearest of the children that are hit; the others go onto the stack, the farthest first.
+/// Returns the nearest of the children that are hit; pushes the others onto the stack, the farthest first.
 #[inline(always)]
 fn nearest<S: Simd>(simd: S, node: &Node, mut hits: u32, near: S::Lanes, stack: &mut Stack) -> u32 {
     let first = hits.trailing_zeros() as usize;

@@ -1,6 +1,6 @@
-//! Boxes of a tree against regions that affine functions bound. In go functions of position, out come the
-//! leaves that may hold something of the region. Invariant: a box is passed over only if nothing in it can,
-//! even after rounding, belong to the region.
+//! Boxes of a tree against regions bounded by affine functions. In go functions of position, out come the
+//! leaves that may overlap the region. Invariant: a box is skipped only if nothing in it can belong to the
+//! region, even after rounding.
 
 use super::{
     block::Block,
@@ -48,7 +48,7 @@ impl<L: Lanes> LaneFunctional<L> {
     }
 }
 
-/// Error bound of an affine function that is evaluated in a box in single precision.
+/// Error bound of an affine function evaluated in a box in single precision.
 #[inline(always)]
 fn padding(functional: &Functional, bounds: Bounds) -> f64 {
     wide_tree::padding(functional.gradient.abs().dot(bounds.magnitude().as_dvec3()) + functional.offset.abs())
@@ -62,14 +62,14 @@ pub(super) fn may_vanish(functional: &Functional, bounds: Bounds) -> bool {
     functional.at(0.5 * (min + max)).abs() <= spread + padding(functional, bounds)
 }
 
-/// The upper limit of an affine function over a box.
+/// Upper bound of an affine function over a box.
 pub(super) struct BoxLimit<L> {
     functional: LaneFunctional<L>,
     corner: [usize; 3],
 }
 
 impl<L: Lanes> BoxLimit<L> {
-    /// Limit of the region, with the rounding error of its offset. Boxes of nodes are padded by that of
+    /// Bound for the region, with the rounding error of its offset. Boxes of nodes are padded by the error of
     /// positions.
     #[inline(always)]
     pub(super) fn new<S: Simd<Lanes = L>>(simd: S, functional: &Functional) -> Self {
@@ -88,12 +88,12 @@ impl<L: Lanes> BoxLimit<L> {
     }
 }
 
-/// Whether boxes may hold something of a region: where the first two limits, a plane from both its
-/// sides, and all the others are not negative.
+/// Test of boxes against a region: they may overlap it where no bound is negative. The first two are a plane
+/// from both of its sides.
 pub(super) struct BoxRegion<L, const N: usize>(pub(super) [BoxLimit<L>; N]);
 
 impl<L: Lanes, const N: usize> BoxRegion<L, N> {
-    /// The children that may hold something of the region, as bits.
+    /// Children that may overlap the region, as bits.
     #[inline(always)]
     fn meets<S: Simd<Lanes = L>>(&self, simd: S, node: &Node) -> u32 {
         let zero = simd.splat(0.0);
@@ -111,12 +111,12 @@ impl<L: Lanes, const N: usize> BoxRegion<L, N> {
 pub(super) trait LeafVisitor<S: Simd> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack);
 
-    /// Hears of a leaf that is visited after some others.
+    /// Called for a leaf that is visited after some others.
     #[inline(always)]
     fn expect(&self, _simd: S, _leaf: u32) {}
 }
 
-/// Visits the leaves whose boxes may hold something of the region.
+/// Visits the leaves whose boxes may overlap the region.
 #[inline(always)]
 pub(super) fn visit_leaves<S: Simd, const N: usize>(
     simd: S,
@@ -139,7 +139,7 @@ pub(super) fn visit_leaves<S: Simd, const N: usize>(
             let lane = met.trailing_zeros() as usize;
             met &= met - 1;
             let child = node.children[lane];
-            // In large scenes gathering waited for these two fifths of its time.
+            // Without it, gathering waited for memory two fifths of its time in large scenes.
             if child & LEAF != 0 {
                 visitor.expect(simd, child & !LEAF);
             } else if let Some(node) = tree.nodes.get(child as usize) {

@@ -1,6 +1,6 @@
-//! The shadow of each triangle by itself, for triangles that light partly passes. In: a [`LightPlane`];
-//! out: an interval a triangle. Invariant: all in double precision, and a triangle that the ray passes
-//! through shadows only the side of it that lies away from the light.
+//! The shadow of each triangle by itself, for triangles that transmit light. In goes a [`LightPlane`], out
+//! comes an interval for each triangle. Invariant: all is in double precision, and a triangle across the ray
+//! shadows only the part of the ray on its far side from the light.
 
 use super::{
     block::Block,
@@ -14,14 +14,14 @@ use super::{
     triangle_cut::Crossing,
 };
 
-/// Part of a ray that a triangle shadows, metres.
+/// Part of a ray that a triangle shadows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleShadow {
     /// Triangle.
     pub primitive: PrimitiveId,
-    /// Start of its shadow.
+    /// Start of its shadow, metres.
     pub start: f64,
-    /// End of its shadow.
+    /// End of its shadow, metres.
     pub end: f64,
 }
 
@@ -96,8 +96,8 @@ impl<S: Simd> LeafVisitor<S> for TriangleQuery<'_> {
     }
 }
 
-/// The shadow of a segment whose ends have these functions: of the part of it above the ray and on this
-/// side of the light.
+/// Shadow of a segment, given the functions' values at its ends: that of its part above the ray and before
+/// the light.
 fn shadow_of(along: [f64; 2], depth: [f64; 2], height: [f64; 2], (t0, t1): (f64, f64)) -> Option<(f64, f64)> {
     // From 0 at one end to 1 at the other.
     let (mut from, mut to): (f64, f64) = (0.0, 1.0);
@@ -115,7 +115,7 @@ fn shadow_of(along: [f64; 2], depth: [f64; 2], height: [f64; 2], (t0, t1): (f64,
     }
     let at = |fraction: f64| {
         let mix = |[a, b]: [f64; 2]| (1.0 - fraction) * a + fraction * b;
-        // Beside the light itself the shadow goes on without end.
+        // Next to the light the shadow has no end.
         (mix(along) / mix(depth).max(f64::MIN_POSITIVE)).clamp(t0, t1)
     };
     let (a, b) = (at(from), at(to));

@@ -1,11 +1,12 @@
-//! Hits of rays: names that all answers use. Invariant: a hit's weights lie in the triangle.
+//! Hits of rays, as names for the answers of all queries. Invariant: a hit's barycentrics lie in the
+//! triangle.
 
 /// A triangle of a placed mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PrimitiveId {
-    /// Index into the meshes an [`InstanceTree`](super::InstanceTree) was made of.
+    /// Index into the meshes from which an [`InstanceTree`](super::InstanceTree) was built.
     pub instance: u32,
-    /// Index into the triangles its [`MeshTree`](super::MeshTree) was made of.
+    /// Index into the triangles from which its [`MeshTree`](super::MeshTree) was built.
     pub triangle: u32,
 }
 

@@ -1,12 +1,13 @@
-//! A mesh placed in a frame. In go the mesh and its place, out comes what queries need of both. Invariant:
-//! relative space; a mesh whose matrix is singular is no instance.
+//! A mesh placed in a frame. In go the mesh and its place, out come the data that queries need. Invariant:
+//! relative space; a mesh with a singular matrix is no instance.
 
 use super::mesh_tree::MeshTree;
 use super::wide_tree::WideTree;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// Scales beyond this, up or down, do not survive single precision and count as singular.
+/// Largest scale, and inverse of the smallest, that single precision holds; beyond it a matrix counts as
+/// singular.
 const LARGEST_SCALE: f64 = 1e15;
 
 /// One mesh placed in the frame.
@@ -18,7 +19,7 @@ pub struct PlacedMesh {
     pub relative_from_mesh: DAffine3,
 }
 
-/// A placed mesh with what queries need.
+/// A placed mesh with the data that queries need.
 #[derive(Debug)]
 pub(super) struct Instance {
     pub(super) mesh: Arc<MeshTree>,
@@ -29,15 +30,15 @@ pub(super) struct Instance {
     pub(super) index: u32,
 }
 
-/// Single precision knows a mesh to some 1e-7 of its size. That shows on a ground that reaches to the
-/// horizon but is looked at from near by: from nearer than this fraction of its size.
+/// Distance of the camera, as a fraction of a mesh's size, below which its rounding in single precision, some
+/// 1e-7 of its size, is visible. An example is ground that reaches the horizon.
 const NEAR: f64 = 0.25;
 
-/// Maximum number of blocks of such meshes: double precision is slower.
+/// Maximum number of blocks of meshes in double precision, which is slower.
 const FEW_BLOCKS: usize = 64;
 
 impl PlacedMesh {
-    /// Its inverse transform; `None` where nothing can ever hit it: its matrix is singular, or it is empty.
+    /// Inverse of its transform; `None` where no ray can hit it, as its matrix is singular or it is empty.
     pub fn mesh_from_relative(&self) -> Option<DAffine3> {
         let Self { mesh, relative_from_mesh } = self;
         let determinant = relative_from_mesh.matrix3.determinant();
@@ -65,14 +66,14 @@ impl Instance {
         Some(Self { mesh, relative_from_mesh, needs_doubles, index })
     }
 
-    /// Inverse of its transform. It is not kept: instances of many moments are most of their memory, and what
-    /// goes through them waits for that.
+    /// Inverse of its transform. It is computed anew, as instances of many moments are most of their memory,
+    /// and traversal waits for memory.
     #[inline(always)]
     pub(super) fn mesh_from_relative(&self) -> DAffine3 {
         self.relative_from_mesh.inverse()
     }
 
-    /// Around it, in relative space: the boxes of its tree's uppermost nodes, placed.
+    /// Bounds in relative space, from the boxes of its tree's uppermost nodes.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
         let matrix = self.relative_from_mesh.matrix3;
         let absolute = glam::DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs());
@@ -91,6 +92,6 @@ impl Instance {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instances<'a> {
     pub(super) tree: &'a WideTree,
-    /// Instances by the tree's leaves.
+    /// Instances in the order of the tree's leaves.
     pub(super) list: &'a [Instance],
 }

@@ -1,7 +1,7 @@
-//! Placed meshes and the questions one may ask them. Invariant: relative space throughout, and the
-//! instance numbers of answers are positions in the list the tree was made of, counted from where its
-//! maker wants. What keeps still may be a tree of its own, which the trees of many moments share, about
-//! whatever origin each has.
+//! Tree over placed meshes, and its queries. In go placed meshes, out come hits, shadows and cuts. Invariant:
+//! all is in relative space. Instance numbers are positions in the list from which the tree was built, plus
+//! the number of shared instances. Still instances may have a tree of their own, shared by the trees of many
+//! moments with different origins.
 
 use super::each_shadow::{AddEachShadow, TriangleShadow};
 use super::hit::{Hit, PrimitiveId};
@@ -18,38 +18,38 @@ use crate::math::{IntervalSet, Ray};
 use glam::{DAffine3, DVec3, Vec3};
 use std::sync::Arc;
 
-/// All placed meshes of a frame.
+/// Tree of all placed meshes of a frame.
 #[derive(Debug)]
 pub struct InstanceTree {
     shared: Option<SharedTree>,
     tree: WideTree,
     instances: Vec<Instance>,
-    /// Positions in `instances`, by number; nowhere what nothing can hit.
+    /// Index into `instances`, by number; none for instances that nothing can hit.
     positions: Vec<u32>,
     first_number: u32,
     bounds: Option<(DVec3, DVec3)>,
     level: Level,
 }
 
-/// Instances that a tree shares with others.
+/// Tree of instances that several trees share.
 #[derive(Clone, Debug)]
 pub struct SharedTree {
-    /// Tree of them.
+    /// The shared tree.
     pub tree: Arc<InstanceTree>,
-    /// Their number: where others' numbers begin.
+    /// Number of its instances, and so the first number of the others.
     pub count: u32,
-    /// Origin of whoever shares it, in its relative space.
+    /// Origin of the sharing tree, in the shared tree's relative space.
     pub origin: DVec3,
 }
 
 impl InstanceTree {
-    /// Builds the tree. There may be no mesh at all. A mesh whose matrix is singular, because it is
-    /// scaled to nothing for instance, is never hit and throws no shadow.
+    /// Builds the tree; the list may be empty. A mesh with a singular matrix, such as one scaled to zero, is
+    /// never hit and casts no shadow.
     pub fn new(placed: Vec<PlacedMesh>) -> Self {
         Self::numbered((0..).zip(placed))
     }
 
-    /// Tree of others beside the first instances, which another tree has.
+    /// Builds a tree of further instances, besides those of a shared tree.
     pub fn beside(shared: SharedTree, others: Vec<PlacedMesh>) -> Self {
         let mut tree = Self::numbered((shared.count..).zip(others));
         let of_shared = shared.tree.bounds.map(|(low, high)| (low - shared.origin, high - shared.origin));
@@ -59,13 +59,13 @@ impl InstanceTree {
         tree
     }
 
-    /// Tree with a number for each instance.
+    /// Builds a tree with a given number for each instance.
     pub fn numbered(placed: impl Iterator<Item = (u32, PlacedMesh)>) -> Self {
         Self::with_level(placed, Level::detect())
     }
 
     fn with_level(placed: impl Iterator<Item = (u32, PlacedMesh)>, level: Level) -> Self {
-        // As many as there may be: a million take hundreds of megabytes, and growing would double that.
+        // Reserved at once: a million take hundreds of megabytes, and growing would double that.
         let mut instances = Vec::with_capacity(placed.size_hint().1.unwrap_or_default());
         instances.extend(placed.filter_map(|(index, placed)| Instance::new(index, placed)));
         let mut bounds: Option<(DVec3, DVec3)> = None;
@@ -83,7 +83,7 @@ impl InstanceTree {
             order.extend_from_slice(instances);
             order.len() as u32 - 1
         });
-        // In the order in which the tree meets them; in place, for a million take hundreds of megabytes.
+        // In the tree's order, and in place, as a million take hundreds of megabytes.
         let mut goes_to = vec![0; instances.len()];
         for (to, &from) in order.iter().enumerate() {
             goes_to[from as usize] = to;
@@ -105,8 +105,8 @@ impl InstanceTree {
         Self { shared: None, tree, instances, positions, first_number, bounds, level }
     }
 
-    /// The nearest hit with `0 < t < t_max` (metres), on either side of a triangle, `skip` left out:
-    /// name the triangle there on which the ray starts.
+    /// Nearest hit with `0 < t < t_max` (metres), on either side of a triangle. `skip` is left out: pass the
+    /// triangle on which the ray starts.
     pub fn nearest_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> Option<Hit> {
         let of_shared = self.shared.as_ref();
         let of_shared =
@@ -115,16 +115,16 @@ impl InstanceTree {
         self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: false }).or(of_shared)
     }
 
-    /// Whether there is any hit with `0 < t < t_max` (metres), `skip` left out.
+    /// Whether any triangle but `skip` is hit with `0 < t < t_max` (metres).
     pub fn any_hit(&self, ray: &Ray, t_max: f64, skip: Option<PrimitiveId>) -> bool {
         let of_shared = self.shared.as_ref();
         of_shared.is_some_and(|shared| shared.tree.any_hit(&ray.moved(shared.origin), t_max, skip))
             || self.level.run(Trace { instances: self.instances(), ray, t_max, skip, any: true }).is_some()
     }
 
-    /// Adds the parts of the plane's ray that lie in the shadow of any mesh. The ray must not pass
-    /// through a triangle within the asked part, though it may end on one: a triangle counts as a whole
-    /// as before or behind the ray.
+    /// Adds the parts of the plane's ray that lie in the shadow of any mesh. The ray must not cross a
+    /// triangle within the range, though it may end on one: a triangle counts as a whole as before or behind
+    /// the ray.
     pub fn add_shadows(&self, plane: &LightPlane, shadows: &mut IntervalSet) {
         if let Some(shared) = &self.shared {
             shared.tree.add_shadows(&plane.moved(shared.origin), shadows);
@@ -132,7 +132,7 @@ impl InstanceTree {
         self.level.run(AddShadows { instances: self.instances(), plane, shadows });
     }
 
-    /// Appends the shadow of each triangle on the plane's ray by itself. The ray may pass through triangles.
+    /// Appends the shadow of each triangle on the plane's ray by itself. The ray may cross triangles.
     pub fn add_each_shadow(&self, plane: &LightPlane, shadows: &mut Vec<TriangleShadow>) {
         if let Some(shared) = &self.shared {
             shared.tree.add_each_shadow(&plane.moved(shared.origin), shadows);
@@ -140,7 +140,7 @@ impl InstanceTree {
         AddEachShadow { instances: self.instances(), plane, shadows }.run(Portable);
     }
 
-    /// Appends what the half plane cuts, in an order that depends on the tree alone.
+    /// Appends the cuts of the half plane, in an order that depends on the tree alone.
     pub fn add_cuts(&self, half_plane: &HalfPlane, cuts: &mut Vec<Cut>) {
         if let Some(shared) = &self.shared {
             let half_plane = HalfPlane { eye: half_plane.eye + shared.origin, ..*half_plane };
@@ -149,12 +149,12 @@ impl InstanceTree {
         self.level.run(AddCuts { instances: self.instances(), half_plane, cuts });
     }
 
-    /// Whether there is nothing in it.
+    /// Whether it has no instances.
     pub fn is_empty(&self) -> bool {
         self.instances.is_empty() && self.shared.as_ref().is_none_or(|shared| shared.tree.is_empty())
     }
 
-    /// Where the mesh of a number is. It must be one that can be hit.
+    /// Transform of the mesh of a number; the mesh must be one that can be hit.
     pub fn relative_from_mesh(&self, number: u32) -> DAffine3 {
         if let Some(shared) = &self.shared
             && number < shared.count
@@ -170,7 +170,7 @@ impl InstanceTree {
         Instances { tree: &self.tree, list: &self.instances }
     }
 
-    /// The corners of the box around everything, in relative space; `None` when there is nothing.
+    /// Corners of the bounds of all instances, in relative space; `None` if there are none.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.bounds
     }
@@ -190,7 +190,7 @@ mod tests {
         DVec3::new(x, y, z) * 2.0 - 1.0
     }
 
-    /// Hits and shadows are the same to the last bit, whichever instructions find them.
+    /// Hits and shadows are the same to the last bit with any instructions.
     #[test]
     fn instructions_do_not_show() {
         let mut sampler = Sampler::new(1, 0, 0, 0);
@@ -213,7 +213,7 @@ mod tests {
         for ray in 0..2000 {
             let mut sampler = Sampler::new(2, ray, 0, 0);
             let direction = vector(&mut sampler).normalize();
-            // Now and then along an axis, where slabs divide by 0.
+            // Sometimes along an axis, where slabs divide by 0.
             let direction = if ray % 10 == 0 { DVec3::X } else { direction };
             let ray = Ray { origin: 5.0 * vector(&mut sampler), direction };
             let hit = fast.nearest_hit(&ray, 100.0, None);
@@ -236,7 +236,7 @@ mod tests {
         assert!(hits > 50 && intervals > 1000, "{hits} {intervals}");
     }
 
-    /// What a tree shares with others is met as if it were its own.
+    /// Shared instances are hit as if they were the tree's own.
     #[test]
     fn sharing_does_not_show() {
         let mut sampler = Sampler::new(3, 0, 0, 0);
@@ -256,7 +256,7 @@ mod tests {
             let shared = SharedTree { tree: Arc::new(InstanceTree::new(still)), count: 25, origin };
             InstanceTree::beside(shared, others.to_vec())
         };
-        // Of another origin all agree but for the rounding of their boxes and blocks.
+        // With another origin all agree but for the rounding of their boxes and blocks.
         let [beside, moved] = [DVec3::ZERO, DVec3::new(0.5, -0.25, 0.125)].map(beside);
         assert_eq!(beside.bounds(), alone.bounds());
         for number in 0..40 {

@@ -1,11 +1,11 @@
-//! Instruction sets. In goes a kernel, out comes its answer. Invariant: the answer is the same on every
-//! level.
+//! Instruction sets. In goes a kernel, out comes its result. Invariant: the result is the same for every
+//! instruction set.
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2::Avx2;
 use super::simd::{Kernel, Portable, Simd};
 
-/// Implementation that serves this processor.
+/// Instruction set of this processor.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Level {
     /// Plain Rust.
@@ -16,7 +16,7 @@ pub(super) enum Level {
 }
 
 impl Level {
-    /// The fastest one there is.
+    /// Detects the fastest available one.
     pub(super) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = Avx2::detect() {
@@ -35,14 +35,14 @@ impl Level {
     }
 }
 
-/// Loops over slices that are worth compiling for the widest vectors there are. Everything below `run` has to
-/// be inlined into it, and no sum may depend on the width.
+/// Loops over slices, compiled for the widest available vectors. All functions called by `run` must be
+/// inlined into it, and no sum may depend on the width.
 pub trait Vectorized {
-    /// Does it.
+    /// Runs the loops.
     fn run(self);
 }
 
-/// Does it by the vectors of this processor.
+/// Runs the loops with the vectors of this processor.
 pub fn vectorized(work: impl Vectorized) {
     Level::detect().run(Loops(work));
 }

@@ -1,18 +1,18 @@
-//! The plane through a ray and a light, in which everything lies that can shadow the ray. In: a ray and
-//! a light; out: affine functions of position. Invariant: all are computed in double precision.
+//! The plane through a ray and a light, which holds all points that can shadow the ray. In go a ray and a
+//! light, out come affine functions of position. Invariant: all are computed in double precision.
 
 use crate::math::Ray;
 use glam::{DAffine3, DVec3};
 
-/// Ray and light count as collinear below this angle, in radians: directions in double precision do not
-/// say more.
+/// Angle below which ray and light count as collinear, in radians: directions in double precision resolve no
+/// less.
 const COLLINEAR: f64 = 1e-14;
 
-/// Below this angle, in radians, triangles are cut in double precision, because errors grow as its
-/// inverse: single precision then still keeps five digits.
+/// Angle below which triangles are cut in double precision, in radians, as errors grow as its inverse. Single
+/// precision keeps five digits above it.
 const NEARLY_COLLINEAR: f64 = 0.02;
 
-/// Stands for an infinite end of a range of distances, in metres, so that it times 0 is 0.
+/// Finite value for an infinite end of a range of distances, in metres, so that its product with 0 is 0.
 const FAR: f64 = 1e30;
 
 /// An affine function of position: `gradient . p + offset`.
@@ -28,7 +28,7 @@ impl Functional {
         Self { gradient, offset: -gradient.dot(root) }
     }
 
-    /// Function of positions that are `by` farther on.
+    /// The function for positions relative to `by`.
     fn moved(&self, by: DVec3) -> Self {
         Self { gradient: self.gradient, offset: self.offset - self.gradient.dot(by) }
     }
@@ -49,7 +49,7 @@ impl Functional {
         }
     }
 
-    /// Function of positions in the space that `to_here` maps from: no inverse is needed.
+    /// The function for positions in the space that `to_here` maps from; it needs no inverse.
     pub(super) fn pulled_back(&self, to_here: &DAffine3) -> Self {
         Self {
             gradient: to_here.matrix3.transpose() * self.gradient,
@@ -58,31 +58,31 @@ impl Functional {
     }
 }
 
-/// Functions of position that tell where on the ray its shadow falls.
+/// Functions of position that give the distance of a point's shadow along the ray.
 ///
 /// A point `p` of the plane (`out_of_plane(p) = 0`) that lies on the light's side of the ray
-/// (`towards_light(p) > 0`) shadows the ray at `t = along(p) / depth(p)`; points with
-/// `depth(p) <= 0` lie beyond a point light and shadow nothing.
+/// (`towards_light(p) > 0`) shadows the ray at `t = along(p) / depth(p)`; points with `depth(p) <= 0` lie
+/// beyond a point light and shadow nothing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaneFunctions {
     /// Distance out of the plane, in metres.
     pub(super) out_of_plane: Functional,
     /// Numerator of the shadow's distance along the ray.
     pub(super) along: Functional,
-    /// Denominator of the same; 1 everywhere for a directional light.
+    /// Denominator of that distance; 1 everywhere for a directional light.
     pub(super) depth: Functional,
     /// Height above the ray, towards the light, in metres.
     pub(super) towards_light: Functional,
 }
 
 impl PlaneFunctions {
-    /// Functions of positions in the space that `to_here` maps from.
+    /// Functions for positions in the space that `to_here` maps from.
     #[inline(always)]
     pub(super) fn pulled_back(&self, to_here: &DAffine3) -> Self {
         self.pulled_back_with(self.out_of_plane.pulled_back(to_here), to_here)
     }
 
-    /// Functions of positions in that space, where `out_of_plane` is known already.
+    /// As [`Self::pulled_back`], where `out_of_plane` has been computed already.
     #[inline(always)]
     pub(super) fn pulled_back_with(&self, out_of_plane: Functional, to_here: &DAffine3) -> Self {
         Self {
@@ -93,28 +93,28 @@ impl PlaneFunctions {
         }
     }
 
-    /// Function that is not negative where the shadow falls at or after distance `t`.
+    /// Function that is not negative where the shadow is at or after distance `t`.
     #[inline(always)]
     pub(super) fn at_or_after(&self, t: f64) -> Functional {
         self.along.plus(-t, &self.depth)
     }
 }
 
-/// The plane through a ray and a light, and the part of the ray that is asked about.
+/// The plane through a ray and a light, with a range of the ray.
 #[derive(Clone, Copy, Debug)]
 pub struct LightPlane {
     pub(super) functions: PlaneFunctions,
-    /// The part of the ray, in metres.
+    /// Range of the ray, in metres.
     pub(super) t_range: (f64, f64),
-    /// Whether `depth` varies.
+    /// Whether `depth` varies, as for a point light.
     pub(super) is_fan: bool,
-    /// Whether the ray points so nearly at the light, or away from it, that single precision won't do.
+    /// Whether the ray is so nearly parallel to the light that it needs double precision.
     pub(super) needs_doubles: bool,
 }
 
 impl LightPlane {
-    /// Plane for light from the unit direction `to_light`. `None` if the ray is parallel to it, so that it
-    /// is its own shadow.
+    /// Plane for light from the unit direction `to_light`; `None` if the ray is parallel to it, and so
+    /// shadows itself.
     pub fn towards_direction(ray: &Ray, to_light: DVec3, t_range: (f64, f64)) -> Option<Self> {
         let normal = exact_cross(ray.direction, to_light);
         let sine = normal.length();
@@ -169,7 +169,7 @@ impl LightPlane {
         })
     }
 
-    /// The same plane, all of which lies `by` farther on.
+    /// The plane for positions relative to `by`.
     pub(super) fn moved(&self, by: DVec3) -> Self {
         let PlaneFunctions { out_of_plane, along, depth, towards_light } = &self.functions;
         let [out_of_plane, along, depth, towards_light] =
@@ -182,7 +182,7 @@ fn finite((start, end): (f64, f64)) -> (f64, f64) {
     (start.clamp(-FAR, FAR), end.clamp(-FAR, FAR))
 }
 
-/// The cross product to within two roundings even where it cancels (Kahan's difference of products).
+/// Cross product to within two roundings even where it cancels (Kahan's difference of products).
 fn exact_cross(a: DVec3, b: DVec3) -> DVec3 {
     let difference = |a: f64, b: f64, c: f64, d: f64| {
         let product = c * d;

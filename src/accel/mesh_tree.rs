@@ -1,4 +1,5 @@
-//! A mesh's triangles, ready to be asked. Invariant: nothing changes after it is built.
+//! Tree of a mesh's triangles. In go positions and triangles, out come boxes and blocks for queries.
+//! Invariant: it does not change after it is built.
 
 use super::{
     block::Block,
@@ -12,7 +13,7 @@ use glam::{DVec3, Vec3};
 pub struct MeshTree {
     pub(super) tree: WideTree,
     pub(super) blocks: Vec<Block>,
-    /// Middle of its box.
+    /// Centre of its bounds.
     pub(super) centre: DVec3,
 }
 

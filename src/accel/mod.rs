@@ -1,5 +1,5 @@
-//! Boxes in, answers out: which triangle a ray meets first, whether it meets any, and which parts of it lie
-//! in the shadow of a light. Invariant: answers are the same bits with and without SIMD.
+//! Ray and shadow queries of triangles. In go placed meshes and rays, out come nearest hits, occlusion, and
+//! the parts of a ray in the shadow of a light. Invariant: answers have the same bits with and without SIMD.
 //!
 //! A [`MeshTree`] is built once per mesh and shared. An [`InstanceTree`] places such meshes for one frame in
 //! *relative space*: world axes, with the camera at the origin. The camera is subtracted in double precision
@@ -7,7 +7,7 @@
 //! precision has to resolve a mesh, never a landscape.
 //!
 //! The kernels are written once over `simd::Lanes` and instantiated for AVX2 and for plain Rust. The
-//! processor is asked at run time (`level.rs`).
+//! instruction set is detected at run time (`level.rs`).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -1,8 +1,8 @@
 //! Rays against trees and triangles. In goes a ray in double precision, out comes the nearest hit, or whether
-//! there is one. Invariant: no ray slips between triangles that share an edge or a vertex.
+//! there is one. Invariant: no ray passes between triangles that share an edge or a vertex.
 //!
-//! Candidates are found in single precision and settled in double precision. So a hit's distance is good to a
-//! few units in 1e16, and a ray that starts on a surface needs no offset.
+//! Candidates are found in single precision and settled in double precision. So a hit's distance is accurate
+//! to a few units in 1e16, and a ray that starts on a surface needs no offset.
 
 use super::{
     block::Block,
@@ -19,16 +19,16 @@ use super::{
 use crate::math::Ray;
 use glam::DVec3;
 
-/// Distance, in roundings of double precision, up to which the ends of a ray count as lying in a
-/// triangle's plane: placing an end takes a dozen operations, measuring its height as many.
+/// Distance from a triangle's plane, in roundings of double precision, below which an end of a ray counts as
+/// in the plane: computing an end takes a dozen operations, and its height as many.
 const PLANE_ROUNDOFFS: f64 = 32.0;
 
-/// Barycentrics by which a ray may miss a triangle and still meet it in its plane: two triangles of a plane,
-/// however large, then have no step between them. Further out the triangle is all but edge-on, and its plane
-/// may be met anywhere.
+/// Distance in barycentrics at which a ray may miss a triangle and is still settled on its plane. So two
+/// triangles of a plane have no step between them, at any size. Farther out the triangle is nearly edge-on,
+/// and the hit on its plane may be anywhere.
 const BESIDE_AN_EDGE: f64 = 1e-3;
 
-/// A query that goes through the instances.
+/// Query over the instances.
 pub(super) struct RayQuery<'a> {
     ray: &'a Ray,
     instances: Instances<'a>,
@@ -38,7 +38,7 @@ pub(super) struct RayQuery<'a> {
     nearest: Option<Hit>,
 }
 
-/// The nearest hit with `0 < t < t_max`; if `any`, the first that is found.
+/// Search for the nearest hit with `0 < t < t_max`; for the first that is found if `any`.
 pub(super) struct Trace<'a> {
     pub(super) instances: Instances<'a>,
     pub(super) ray: &'a Ray,
@@ -80,7 +80,8 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
         let mesh_from_relative = instance.mesh_from_relative();
         let origin = mesh_from_relative.transform_point3(self.ray.origin);
         let direction = mesh_from_relative.transform_vector3(self.ray.direction);
-        // Re-centre on the point next to the mesh's middle: what is left has the mesh's magnitude.
+        // Re-centred on the ray's point nearest to the mesh's centre, so the remainder has the mesh's
+        // magnitude.
         let to_centre = mesh.centre - origin;
         let t_centre = to_centre.dot(direction) / direction.length_squared();
         let centred = origin + t_centre * direction;
@@ -93,7 +94,7 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
             round_down(-t_centre),
         );
         let local_t_far = round_up(self.t_max - t_centre);
-        // A leaf lies across its box in relative space: most rays through that pass by.
+        // A flat leaf lies diagonally in its box in relative space, so most rays through the box miss it.
         if !box_ray.may_meet(simd, &mesh.tree, local_t_far) {
             return false;
         }
@@ -123,17 +124,17 @@ impl<S: Simd> LeafVisitor<S> for RayQuery<'_> {
     }
 }
 
-/// A query that goes through one instance's mesh.
+/// Query over one instance's mesh.
 struct MeshQuery<'a, 'b, L> {
     mesh: &'a MeshTree,
     instance: &'a Instance,
-    /// The ray in the mesh's space; its direction is not normalised, so that `t` stays comparable.
+    /// The ray in the mesh's space; its direction is not normalised, so that `t` is the same as outside.
     origin: DVec3,
     direction: DVec3,
-    /// Magnitude of the numbers that the ray's ends are computed from, in the mesh's space: their rounding
+    /// Magnitude of the numbers from which the ray's ends are computed, in the mesh's space; their rounding
     /// is a fraction of it.
     magnitude: f64,
-    /// End of the ray, if at a certain place.
+    /// End of the ray, if it ends at a given point.
     t_end: f64,
     t_centre: f64,
     shear: Shear<L>,
@@ -173,8 +174,8 @@ impl<S: Simd> LeafVisitor<S> for MeshQuery<'_, '_, S::Lanes> {
 }
 
 impl<L: Lanes> MeshQuery<'_, '_, L> {
-    /// Distance and barycentrics in double precision of a hit that single precision has found
-    /// (Moller and Trumbore 1997).
+    /// Distance and barycentrics in double precision of a hit found in single precision (Moller and Trumbore
+    /// 1997).
     #[inline(always)]
     fn settle(&self, block: &Block, lane: usize) -> (f64, [f64; 2]) {
         let [a, b, c] = block.corners(lane);
@@ -183,8 +184,8 @@ impl<L: Lanes> MeshQuery<'_, '_, L> {
         let normal = ab.cross(ac);
         let moment = from_a.cross(self.direction);
         let (height, growth) = (from_a.dot(normal), self.direction.dot(normal));
-        // What the ray starts on it does not meet, nor what a shadow ray's light lies in: two leaves in one
-        // plane would shadow each other by accident of rounding.
+        // A ray does not hit the surface on which it starts, nor a shadow ray that of its light: two leaves
+        // in one plane would shadow each other by rounding.
         let blur = PLANE_ROUNDOFFS * f64::EPSILON * (self.magnitude + a.abs().max_element());
         let blur_squared = blur * blur * ab.length_squared() * ac.length_squared();
         let end = height + growth * self.t_end;
@@ -198,7 +199,7 @@ impl<L: Lanes> MeshQuery<'_, '_, L> {
         if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
             return (t, [u, v]);
         }
-        // Rounding made single and double precision disagree, at an edge.
+        // Single and double precision disagree at an edge.
         let (inside, beyond) = nearest_inside(u, v);
         if beyond <= BESIDE_AN_EDGE {
             return (t, inside);
@@ -209,7 +210,8 @@ impl<L: Lanes> MeshQuery<'_, '_, L> {
     }
 }
 
-/// Barycentrics of a point of the triangle next to one outside, and how far that lies outside.
+/// Barycentrics of the triangle's point nearest to one outside, and the distance of that, also in
+/// barycentrics.
 #[cold]
 fn nearest_inside(u: f64, v: f64) -> ([f64; 2], f64) {
     let (mut near_u, mut near_v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));

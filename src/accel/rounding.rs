@@ -3,14 +3,14 @@
 /// Unit roundoff of single precision: the largest relative error of one rounding.
 pub(super) const UNIT_ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
 
-/// The smallest single not below `x`.
+/// The smallest single that is not below `x`.
 #[inline(always)]
 pub(super) fn round_up(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) < x { nearest.next_up() } else { nearest }
 }
 
-/// The largest single not above `x`.
+/// The largest single that is not above `x`.
 #[inline(always)]
 pub(super) fn round_down(x: f64) -> f32 {
     let nearest = x as f32;

@@ -1,5 +1,5 @@
-//! Parts of a ray in the shadow of a light. In: a [`LightPlane`]; out: intervals. Invariant: all of the
-//! asked part that a triangle shadows lies in them.
+//! Parts of a ray in the shadow of a light. In goes a [`LightPlane`], out come intervals. Invariant: the
+//! intervals include every part of the range that a triangle shadows.
 
 use super::{
     block::Block,
@@ -13,7 +13,7 @@ use super::{
 use crate::math::IntervalSet;
 use glam::DVec3;
 
-/// Region that shadows the asked part of a ray: in the plane, between the light's rays to the part's ends
+/// Region of points that shadow a range of a ray: in the plane, between the light's rays to the range's ends,
 /// and on the light's side.
 #[inline(always)]
 pub(super) fn shadowing<S: Simd>(
@@ -50,7 +50,7 @@ impl Kernel for AddShadows<'_> {
     }
 }
 
-/// A query that goes through the instances.
+/// Query over the instances.
 struct ShadowQuery<'a> {
     plane: &'a LightPlane,
     instances: &'a [Instance],
@@ -62,15 +62,14 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
     fn visit(&mut self, simd: S, leaf: u32, stack: &mut Stack) {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
-        // As in slices: the plane passes many by whose boxes it crosses.
+        // As for slices: the plane misses many meshes whose boxes it crosses.
         let out_of_plane = self.plane.functions.out_of_plane.pulled_back(&instance.relative_from_mesh);
         if !may_vanish(&out_of_plane, mesh.tree.bounds) {
             return;
         }
         let here = self.plane.functions.pulled_back_with(out_of_plane, &instance.relative_from_mesh);
         let box_region = shadowing(simd, &here, self.plane.t_range);
-        // Distances are counted from where the middle of the mesh throws its shadow: what is left has
-        // the mesh's magnitude.
+        // Distances are relative to that of the mesh's centre, so the remainder has the mesh's magnitude.
         let (t0, t1) = self.plane.t_range;
         let at_centre = here.along.at(mesh.centre) / here.depth.at(mesh.centre);
         let t_centre = if at_centre > t0 && at_centre < t1 { at_centre } else { (t0 + t1) / 2.0 };
@@ -103,13 +102,13 @@ impl<S: Simd> LeafVisitor<S> for ShadowQuery<'_> {
     }
 }
 
-/// Turns distances from an instance's middle into distances along the ray.
+/// Converts distances relative to that of an instance's centre into distances along the ray.
 struct ShadowSink<'a> {
     t_range: (f64, f64),
     t_centre: f64,
-    /// Ends of the asked range as the cut knows them.
+    /// Ends of the range, relative to the same.
     limits: (f64, f64),
-    /// Shadows seen so far that touch one another: neighbouring triangles mostly do.
+    /// Union of the last shadows, which touch each other, as those of neighbouring triangles mostly do.
     pending: (f64, f64),
     shadows: &'a mut IntervalSet,
 }
@@ -125,7 +124,7 @@ impl ShadowSink<'_> {
         }
     }
 
-    /// Hands on what is pending. Ends that were clipped become the ends of the asked range, exactly.
+    /// Adds the pending shadow. Clipped ends become the exact ends of the range.
     fn flush(&mut self) {
         let (start, end) = self.pending;
         let (t0, t1) = self.t_range;
@@ -139,7 +138,7 @@ impl ShadowSink<'_> {
 /// An interval that touches no other.
 const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
-/// A query that goes through one instance's mesh in single precision.
+/// Query over one instance's mesh in single precision.
 struct LaneQuery<'a, L> {
     blocks: &'a [Block],
     zero: L,
@@ -184,7 +183,7 @@ impl<S: Simd> LeafVisitor<S> for LaneQuery<'_, S::Lanes> {
     }
 }
 
-/// Query in double precision, a triangle at a time.
+/// Query in double precision, one triangle at a time.
 struct DoubleQuery<'a> {
     blocks: &'a [Block],
     cut: PlaneFunctions,

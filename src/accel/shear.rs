@@ -1,5 +1,6 @@
-//! Rays against the triangles of a block, in single precision. In go a ray and a block, out comes which of
-//! its triangles the ray meets. Invariant: no ray slips between triangles that share an edge or a vertex.
+//! Rays against the triangles of a block, in single precision. In go a ray and a block, out come the
+//! triangles that the ray may meet. Invariant: no ray passes between triangles that share an edge or a
+//! vertex.
 
 use super::{
     block::Block,
@@ -12,7 +13,7 @@ use glam::DVec3;
 pub(super) struct Shear<L> {
     axes: [usize; 3],
     origin: [L; 3],
-    /// x and y by z of the direction, and 1 by z.
+    /// x and y over z of the direction, and 1 over z.
     shear: [L; 3],
 }
 
@@ -55,8 +56,8 @@ impl<L: Lanes> Shear<L> {
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
 
-    /// The triangles that the ray meets, as bits: surely inside their edges, and between the distances
-    /// in single precision.
+    /// Triangles that the ray meets, as bits: certainly within their edges, and between the distances in
+    /// single precision.
     #[inline(always)]
     pub(super) fn candidates<S: Simd<Lanes = L>>(&self, simd: S, block: &Block, t_min: L, t_max: L) -> u32 {
         let zero = simd.splat(0.0);

@@ -1,28 +1,28 @@
-//! Eight numbers at a time. Invariant: every implementation of [`Lanes`] rounds each operation the
-//! same way, so that which one runs never shows in an answer.
+//! Vectors of eight singles. Invariant: every implementation of [`Lanes`] rounds each operation in the same
+//! way, so results do not depend on the implementation.
 //!
-//! A [`Simd`] value is a proof that its instructions exist on this processor; whoever holds one, or
+//! A [`Simd`] value proves that its instructions exist on this processor; code with such a value, or with
 //! lanes made by it, may use them. Multiplications and additions are never fused: the shared edges of
-//! triangles stay tight only because `a * b - c * d` is antisymmetric to the last bit.
+//! triangles are watertight only because `a * b - c * d` is antisymmetric to the last bit.
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 
-/// Lanes of a vector; children of a node and triangles of a block.
+/// Number of lanes of a vector, of children of a node and of triangles of a block.
 pub(super) const WIDTH: usize = 8;
 
-/// `WIDTH` singles in memory, aligned as vector loads like it.
+/// `WIDTH` singles in memory, aligned for vector loads.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Eight(pub(super) [f32; WIDTH]);
 
-/// `[f(0), f(1), f(2)]`. Kernels use this rather than `array::map`, and closures marked to be inlined,
-/// because code that is left standing on its own is compiled without the vector instructions.
+/// `[f(0), f(1), f(2)]`. Kernels use this rather than `array::map`, with closures marked to be inlined:
+/// functions that are not inlined are compiled without the vector instructions.
 #[inline(always)]
 pub(super) fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
-/// A number, or several of them handled alike.
+/// One number or several, with the same operations.
 pub(super) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
@@ -41,7 +41,7 @@ pub(super) trait Lanes:
     fn or_else(self, mask: Self::Mask, other: Self) -> Self;
 }
 
-/// Truth values of [`Lanes`].
+/// Boolean values of [`Lanes`].
 pub(super) trait Mask:
     Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
@@ -49,20 +49,20 @@ pub(super) trait Mask:
     fn bits(self) -> u32;
 }
 
-/// A way to compute on [`WIDTH`] singles.
+/// An implementation of arithmetic on [`WIDTH`] singles.
 pub(super) trait Simd: Copy {
     /// The vector of [`WIDTH`] singles.
     type Lanes: Lanes;
     fn splat(self, value: f32) -> Self::Lanes;
     fn load(self, values: &Eight) -> Self::Lanes;
     fn store(self, lanes: Self::Lanes) -> [f32; WIDTH];
-    /// Begins to fetch what is soon to be read.
+    /// Starts to fetch memory that will be read soon.
     #[inline(always)]
     fn prefetch<T>(self, _soon_read: &T) {}
 }
 
-/// A computation that is compiled for each implementation of [`Simd`]. Everything below `run` has
-/// to be inlined into it.
+/// A computation that is compiled for each implementation of [`Simd`]. All functions called by `run` must be
+/// inlined into it.
 pub(super) trait Kernel {
     type Output;
     fn run<S: Simd>(self, simd: S) -> Self::Output;
@@ -76,7 +76,7 @@ pub(super) struct Portable;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PortableLanes([f32; WIDTH]);
 
-/// Truth values of [`PortableLanes`]: all bits set, or none.
+/// Boolean values of [`PortableLanes`]: all bits set, or none.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PortableMask([u32; WIDTH]);
 
@@ -111,7 +111,7 @@ impl PortableLanes {
     }
 }
 
-/// An operator of lanes or masks, lane by lane.
+/// Implements an operator of lanes or masks, lane by lane.
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $operation:expr) => {
         impl $trait for $type {
@@ -179,7 +179,7 @@ impl Mask for PortableMask {
     }
 }
 
-/// One double is a lane too: the kernels then compute in double precision.
+/// A single double as a lane: kernels then compute in double precision.
 impl Lanes for f64 {
     type Mask = bool;
     #[inline(always)]

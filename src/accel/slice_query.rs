@@ -1,6 +1,6 @@
-//! Everything that a half plane cuts. In: a [`HalfPlane`]; out: a segment for each triangle that
-//! crosses it. Invariant: triangles that share an edge get the same end there, to the last bit, so a
-//! closed mesh has a closed outline.
+//! Cuts of triangles by a half plane. In goes a [`HalfPlane`], out comes a segment for each triangle that
+//! crosses it. Invariant: triangles that share an edge have the same end there, to the last bit, so a closed
+//! mesh has a closed outline.
 
 use super::{
     block::Block,
@@ -25,7 +25,7 @@ pub struct HalfPlane {
     pub axis: DVec3,
     /// Unit vector at right angles to it.
     pub outward: DVec3,
-    /// Slope of the line above which anything matters: `height >= lowest_slope * reach`.
+    /// Minimum slope of the relevant part: `height >= lowest_slope * reach`.
     pub lowest_slope: f64,
 }
 
@@ -34,7 +34,7 @@ pub struct HalfPlane {
 pub struct Cut {
     /// Triangle.
     pub primitive: PrimitiveId,
-    /// The two ends, `(reach, height)` in metres; the reach may be negative, where the triangle goes on
+    /// The two ends, `(reach, height)` in metres; the reach may be negative where the triangle continues
     /// beyond the edge of the half plane.
     pub ends: [DVec2; 2],
     /// Error bound of the ends, as a share of their distance and of the cut's length.
@@ -42,13 +42,13 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// Sixteen roundings of single precision, in which most are made.
+    /// Bound in single precision, which most cuts have: sixteen roundings.
     pub const SINGLE: f64 = 1e-6;
-    /// Double precision, with as much to spare: that of a wide ground.
+    /// Bound in double precision, with a similar margin, as for a wide ground.
     pub const DOUBLE: f64 = 1e-12;
 }
 
-/// Appends the cuts of all instances, in the order in which the tree meets them.
+/// Appends the cuts of all instances, in the tree's order.
 pub(super) struct AddCuts<'a> {
     pub(super) instances: Instances<'a>,
     pub(super) half_plane: &'a HalfPlane,
@@ -72,7 +72,7 @@ impl Kernel for AddCuts<'_> {
     }
 }
 
-/// Half plane: there `out_of_plane = 0`, and `reach` and `above` are not negative.
+/// Functions of the half plane: there `out_of_plane = 0`, and `reach` and `above` are not negative.
 #[derive(Clone, Copy)]
 struct Region {
     out_of_plane: Functional,
@@ -110,8 +110,7 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
         let instance = &self.instances[leaf as usize];
         let mesh = &*instance.mesh;
         let here = |functional: &Functional| functional.pulled_back(&instance.relative_from_mesh);
-        // The plane passes a third of them by: a leaf is flat, and the box of a flat thing
-        // that is turned is not.
+        // The plane misses a third of them: a leaf is flat, and the box of a rotated flat mesh is not.
         let out_of_plane = here(&self.region.out_of_plane);
         if !may_vanish(&out_of_plane, mesh.tree.bounds) {
             return;
@@ -129,7 +128,7 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
             visit_leaves(simd, &mesh.tree, &limits, stack, &mut query);
             return;
         }
-        // Coordinates are counted from the middle of the mesh: single precision has to resolve a leaf.
+        // Coordinates are relative to the mesh's centre: single precision has to resolve a leaf.
         let centre = DVec2::new(region.reach.at(mesh.centre), region.height.at(mesh.centre));
         let from_centre = |functional: &Functional, at_centre: f64| {
             LaneFunctional::new(simd, &Functional { offset: functional.offset - at_centre, ..*functional })
@@ -148,7 +147,7 @@ impl<S: Simd> LeafVisitor<S> for SliceQuery<'_> {
     }
 }
 
-/// A query that goes through one instance's mesh.
+/// Query over one instance's mesh.
 struct BlockQuery<'a, L> {
     blocks: &'a [Block],
     zero: L,
@@ -185,7 +184,7 @@ impl<S: Simd> LeafVisitor<S> for BlockQuery<'_, S::Lanes> {
     }
 }
 
-/// Query in double precision, a triangle at a time.
+/// Query in double precision, one triangle at a time.
 struct DoubleQuery<'a> {
     blocks: &'a [Block],
     region: Region,

@@ -1,7 +1,6 @@
-//! Stack of a traversal. Invariant: it never overflows, and allocates only for trees deeper than any sane
-//! one.
+//! Stack of a traversal. Invariant: it never overflows, and allocates only for trees of extreme depth.
 
-/// Entries kept without allocating: seven for each of eighteen levels of eight-wide nodes.
+/// Number of entries without allocation: seven for each of eighteen levels of eight-wide nodes.
 const INLINE: usize = 128;
 
 /// A child to visit.
@@ -42,7 +41,7 @@ impl Stack {
         }
     }
 
-    /// The last entry, unless only `base` entries are left.
+    /// Removes and returns the last entry, unless only `base` entries are left.
     #[inline(always)]
     pub(super) fn pop(&mut self, base: usize) -> Option<Entry> {
         if self.len() <= base {
@@ -55,7 +54,7 @@ impl Stack {
         self.inline.get(self.len).copied()
     }
 
-    /// Forgets all but `base` entries.
+    /// Removes all but `base` entries.
     #[inline(always)]
     pub(super) fn truncate(&mut self, base: usize) {
         self.spill.truncate(base.saturating_sub(INLINE));

@@ -1,6 +1,6 @@
-//! A triangle cut by the plane of a ray and a light: which part of the ray it shadows. In go the plane's
-//! functions at its vertices, out comes an interval. Invariants: triangles that share an edge get the same
-//! bits where it crosses the plane, so no light leaks between them. Nothing is ever NaN.
+//! Shadow of a triangle that the plane of a ray and a light cuts. In go the plane's functions at its
+//! vertices, out comes an interval of the ray. Invariants: triangles that share an edge get the same bits
+//! where it crosses the plane, so no light leaks between them. No result is NaN.
 
 use super::simd::{Lanes, Mask};
 
@@ -15,18 +15,18 @@ pub(super) struct Shadow<L: Lanes> {
     pub(super) end: L,
 }
 
-/// Ends of a cut: a numerator and a denominator of each one's shadow's distance along the ray, and its
-/// height above that.
+/// Ends of a cut: for each the numerator and the denominator of its shadow's distance along the ray, and its
+/// height above the ray.
 pub(super) struct FanEnds<L> {
     n: [L; 2],
     d: [L; 2],
     y: [L; 2],
 }
 
-/// The two edges that cross the plane: those of the vertex that is alone on its side. Vertices in the
-/// plane count as above it.
+/// The two edges that cross the plane: those of the vertex that is alone on its side. Vertices in the plane
+/// count as above it.
 pub(super) struct Crossing<L: Lanes> {
-    /// Triangles that cross the plane at all.
+    /// Triangles that cross the plane.
     pub(super) exists: L::Mask,
     first_is_alone: L::Mask,
     second_is_alone: L::Mask,
@@ -52,9 +52,9 @@ impl<L: Lanes> Crossing<L> {
         first.or_else(self.first_is_alone, second.or_else(self.second_is_alone, third))
     }
 
-    /// A function's values where the two edges cross the plane. Exchanging an edge's ends negates both
-    /// numerator and denominator exactly, as nothing is fused. The denominator is the difference of two
-    /// numbers of different sign, never 0.
+    /// Values of a function where the two edges cross the plane. Exchanging an edge's ends negates numerator
+    /// and denominator exactly, as no operation is fused. The denominator is the difference of two numbers of
+    /// different sign, never 0.
     #[inline(always)]
     pub(super) fn at_ends(&self, values: Corners<L>) -> [L; 2] {
         let [va, vb, vc] = self.alone_first(values);
@@ -77,13 +77,13 @@ impl<L: Lanes> Crossing<L> {
         let (y_low, y_high) = (yb.or_else(swapped, ya), ya.or_else(swapped, yb));
         let (low, high) = (tb.or_else(swapped, ta), ta.or_else(swapped, tb));
         let (start, end) = (low.max(t0), high.min(t1));
-        // Twice the height above the ray at the middle, times the uncut interval's length.
+        // Twice the height above the ray in the interval's middle, times the unclipped interval's length.
         let (to_low, to_high) = ((start - low) + (end - low), (high - start) + (high - end));
         let height = y_low * to_high + y_high * to_low;
         Shadow { exists: self.exists & start.lt(end) & zero.lt(height), start, end }
     }
 
-    /// Ends of the cut, with the numbers that tell where their shadows fall under a point light.
+    /// Ends of the cut, with the numbers for their shadows under a point light.
     #[inline(always)]
     pub(super) fn fan_ends(
         &self,
@@ -104,15 +104,15 @@ impl<L: Lanes> Crossing<L> {
     ) -> Shadow<L> {
         let after = [n[0] - t0 * d[0], n[1] - t0 * d[1]];
         let before = [t1 * d[0] - n[0], t1 * d[1] - n[1]];
-        // Where the way from one end to the other crosses the two limits.
+        // Parameters at which the cut crosses the two limits, from one end to the other.
         let after_at = after[0] / (after[0] - after[1]);
         let before_at = before[0] / (before[0] - before[1]);
-        // The end itself, or the limit by which it is cut off: the one that the way in crosses last.
+        // The end itself, or the limit that clips it: the one that the cut crosses last on its way in.
         let a_before = before[0].lt(zero);
         let b_before = before[1].lt(zero);
         let a_after = after[0].lt(zero) & (!a_before | before_at.lt(after_at));
         let b_after = after[1].lt(zero) & (!b_before | after_at.lt(before_at));
-        // An end at the light itself is 0 / 0; the limits take it in.
+        // An end at the light itself is 0 / 0, which the limits replace.
         let ta = t0.or_else(a_after, t1.or_else(a_before, (n[0] / d[0]).min(t1).max(t0)));
         let tb = t0.or_else(b_after, t1.or_else(b_before, (n[1] / d[1]).min(t1).max(t0)));
         let from = after_at.or_else(a_after, before_at.or_else(a_before, zero));
@@ -127,13 +127,13 @@ impl<L: Lanes> Crossing<L> {
     }
 }
 
-/// Accuracy of a cut's depths over their span, in double precision: roundings, many times over where an
-/// edge of the triangle nearly lies in the plane.
+/// Relative accuracy of a cut's depths in double precision: a rounding, many times over where an edge of the
+/// triangle nearly lies in the plane.
 const LEAST_DEPTH: f64 = 1e-12;
 
 impl FanEnds<f64> {
-    /// The part before the light: where a cut goes through the light itself, rounding would decide on which
-    /// side of it shadows fall. `None` if all of it lies beyond.
+    /// The part before the light; `None` if all of it lies beyond. Where a cut passes through the light
+    /// itself, rounding would decide on the side of its shadows.
     pub(super) fn before_light(mut self) -> Option<Self> {
         let least = LEAST_DEPTH * (self.d[0] - self.d[1]).abs();
         if self.d[0].max(self.d[1]) <= least {
@@ -154,7 +154,7 @@ impl FanEnds<f64> {
 }
 
 impl<L: Lanes> Shadow<L> {
-    /// The lanes where there is one, as bits.
+    /// Lanes with a shadow, as bits.
     #[inline(always)]
     pub(super) fn bits(&self) -> u32 {
         self.exists.bits()

@@ -1,6 +1,6 @@
-//! A tree of boxes, eight children a node. In: boxes of primitives; out: nodes over leaves of up to
-//! [`WIDTH`] primitives. Invariant: a child's box contains every box below it, padded by what queries in
-//! single precision may lose of its coordinates.
+//! A tree of boxes with eight children a node. In go boxes of primitives, out come nodes over leaves of up to
+//! [`WIDTH`] primitives. Invariant: a child's box contains every box below it, padded by the rounding of
+//! coordinates in queries in single precision.
 
 use super::rounding::{UNIT_ROUNDOFF, round_down, round_up};
 use super::simd::{Eight, WIDTH};
@@ -13,10 +13,10 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 /// Marks a child that is a leaf; the other bits are its index.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Padding of nodes' boxes, in roundings of their largest coordinate. Queries add as much for what they
-/// themselves bring along. For a ray, shearing a vertex moves it by at most 6 (two differences, a product,
-/// a quotient), and the slab test a plane by at most 4. For an affine function, evaluating it rounds
-/// gradient, product and three sums, at the box and again at a vertex, and a cut adds 4: 2 * 5 + 4.
+/// Padding of nodes' boxes, in roundings of their largest coordinate. Queries add as much for their own
+/// numbers. For a ray, shearing moves a vertex by at most 6 (two differences, a product, a quotient), and the
+/// slab test moves a plane by at most 4. Evaluating an affine function rounds gradient, product and three
+/// sums, at the box and again at a vertex, and a cut adds 4: 2 * 5 + 4.
 const BOX_PADDING_ROUNDOFFS: f64 = 16.0;
 
 /// The index of a node's plane: `[min x, max x, min y, max y, min z, max z]`.
@@ -28,7 +28,7 @@ pub(super) const fn plane(axis: usize, upper: bool) -> usize {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// Planes by [`plane`]. Lanes without a child hold an inverted, infinite box that nothing meets.
+    /// Planes by [`plane`]. Lanes without a child hold an inverted, infinite box that no ray meets.
     pub(super) planes: [Eight; 6],
     /// Index of a node, or [`LEAF`] and index of a leaf.
     pub(super) children: [u32; WIDTH],
@@ -47,8 +47,8 @@ impl Node {
         children: [LEAF; WIDTH],
     };
 
-    /// Each box is padded by its own magnitude, not by the tree's: small things next to a ground of thousands
-    /// of kilometres stay small.
+    /// Sets a child with its box, padded by the box's own magnitude and not the tree's: small objects next to
+    /// a ground of thousands of kilometres keep small boxes.
     fn set_child(&mut self, lane: usize, bounds: Bounds, child: u32) {
         let padding = padding(bounds.magnitude().max_element().into());
         for axis in 0..3 {
@@ -59,7 +59,7 @@ impl Node {
     }
 }
 
-/// Padding of a coordinate, or a sum of terms, of a magnitude.
+/// Padding of a coordinate, or of a sum of terms, of a magnitude.
 pub(super) fn padding(magnitude: f64) -> f64 {
     BOX_PADDING_ROUNDOFFS * UNIT_ROUNDOFF * magnitude
 }
@@ -95,20 +95,20 @@ impl Bounds {
     }
 }
 
-/// The tree. Where its leaves are is up to its owner.
+/// The tree. Its owner stores the leaves.
 #[derive(Debug)]
 pub(super) struct WideTree {
     pub(super) nodes: Vec<Node>,
-    /// Child to visit first; none when there is no primitive.
+    /// First child to visit; `None` if there is no primitive.
     pub(super) root: Option<u32>,
-    /// Around everything.
+    /// Bounds of all primitives.
     pub(super) bounds: Bounds,
-    /// Around the root's children.
+    /// Bounds of the root's children.
     pub(super) top_boxes: Vec<Bounds>,
 }
 
 impl WideTree {
-    /// Builds a tree over `boxes`, which must be finite, and hands the primitives of each leaf, at most
+    /// Builds a tree over `boxes`, which must be finite. Passes the primitives of each leaf, at most
     /// `leaf_size <= WIDTH`, to `add_leaf`, which returns the leaf's index.
     pub(super) fn new(boxes: &[Bounds], leaf_size: usize, mut add_leaf: impl FnMut(&[u32]) -> u32) -> Self {
         let bounds = boxes.iter().fold(Bounds::EMPTY, |all, one| all.union(*one));
@@ -141,7 +141,7 @@ impl WideTree {
                 tree.nodes[wide_node].set_child(lane, binary.bounds(child), reference);
             }
         }
-        // An open shutter has dozens of trees: what they grew by is a quarter of them.
+        // An open shutter has dozens of trees, and spare capacity would be a quarter of them.
         tree.nodes.shrink_to_fit();
         tree
     }
@@ -149,26 +149,26 @@ impl WideTree {
 
 /// Maximum shift of a box before the builder, as a fraction of its extent.
 ///
-/// PLOC joins boxes that are each other's best. In a row of equal boxes at equal distances all pairs are
-/// as good, each box takes its neighbour on the same side, and a whole pass joins one pair: 100,000 slats
-/// of a fence took minutes. Distances that differ by a little let a third of them agree.
+/// PLOC merges boxes that are each other's best partner. In a row of equal boxes at equal distances all pairs
+/// are equally good, each box chooses its neighbour on the same side, and a whole pass merges one pair:
+/// 100,000 slats of a fence took minutes. With slightly different distances a third of them agree.
 const LARGEST_SHIFT: f64 = 1.0 / 4096.0;
 
-/// Minimum size of a box before the builder, as a fraction of the largest coordinate: smaller ones are
-/// this large and shifted by up to as much. Their areas would be rounded to the same or to nothing, and
-/// again all pairs would be as good.
+/// Minimum size of boxes that the builder gets, as a fraction of the largest coordinate: smaller ones are
+/// enlarged to it and shifted by up to as much. Otherwise their areas would be rounded to equal values or 0,
+/// and all pairs would be equally good.
 const SMALLEST_BOX: f32 = 1.0 / (1 << 20) as f32;
 
 /// A binary tree by PLOC with reinsertion (Meister and Bittner 2018, 2022), as obvhs builds it with its
 /// medium settings. Built in one thread: the same tree every time.
 fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
-    // A power of two brings the coordinates near 1, so that no area overflows.
+    // Scaling by a power of two brings coordinates near 1, so no area overflows.
     let largest = boxes.iter().fold(0.0_f32, |m, b| m.max(b.magnitude().max_element()));
     let scale = (-f64::from(largest).log2().ceil()).clamp(-200.0, 200.0).exp2();
     let scaled = |v: Vec3| Vec3A::from((v.as_dvec3() * scale).as_vec3());
     let moved = |(index, b): (usize, &Bounds)| {
         let (min, max) = (scaled(b.min), scaled(b.max));
-        // Multiples of the golden ratio are spread evenly, however many there are.
+        // Multiples of the golden ratio are evenly distributed, for any number.
         let fraction = (index as f64 * GOLDEN).fract();
         if (max - min).max_element() < SMALLEST_BOX {
             let min = min + fraction as f32 * SMALLEST_BOX;
@@ -184,15 +184,15 @@ fn build_binary(boxes: &[Bounds], leaf_size: usize) -> BinaryTree {
     let mut reinsertion = ReinsertionOptimizer::default();
     reinsertion.run(&mut tree, 0.05, None);
     collapse(&mut tree, leaf_size as u32, 3.0);
-    // Reinsertion sizes its stack by the depth that PLOC left, made the tree deeper, and
-    // panics where it is full.
+    // Reinsertion sizes its stack by the depth after PLOC, although it has made the tree deeper, and panics
+    // when the stack is full.
     tree.max_depth = tree.max_depth.max(depth(&tree) + 1);
     reinsertion.run(&mut tree, 0.1, None);
     let bounds = tight_bounds(&tree, boxes);
     BinaryTree { tree, bounds }
 }
 
-/// Nodes on the longest way from the root to a leaf.
+/// Number of nodes on the longest path from the root to a leaf.
 fn depth(tree: &Bvh2) -> usize {
     let mut deepest = 0;
     let mut unvisited = vec![(0, 1)];
@@ -207,7 +207,7 @@ fn depth(tree: &Bvh2) -> usize {
     deepest
 }
 
-/// Around the `boxes` below each node.
+/// Bounds of the `boxes` below each node.
 fn tight_bounds(tree: &Bvh2, boxes: &[Bounds]) -> Vec<Bounds> {
     let mut parents_first = vec![0];
     let mut next = 0;
@@ -232,7 +232,7 @@ fn tight_bounds(tree: &Bvh2, boxes: &[Bounds]) -> Vec<Bounds> {
     bounds
 }
 
-/// A tree as its builder made it, with its nodes' boxes as they are.
+/// A tree as the builder returns it, with its nodes' unshifted boxes.
 struct BinaryTree {
     tree: Bvh2,
     bounds: Vec<Bounds>,
@@ -253,7 +253,7 @@ impl BinaryTree {
         self.bounds[node]
     }
 
-    /// Up to eight nodes that make up `node`, found by opening the largest box again and again.
+    /// Up to eight descendants that replace `node`, found by repeatedly opening the largest box.
     fn open_largest(&self, node: usize) -> Vec<usize> {
         let mut opened = vec![node];
         while opened.len() < WIDTH {

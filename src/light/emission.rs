@@ -1,45 +1,44 @@
-//! Emission of a light without extent: the share of its intensity in each direction. It also says where a
-//! ray enters and leaves what the light reaches. Invariant: between the crossings named here the share
-//! that reaches a ray is either nothing all along, or smooth.
+//! Angular distribution of a light without extent: its share of the intensity by direction. In go directions
+//! and rays, out come shares, and the range of a ray that the light reaches. Invariant: between the crossings
+//! returned here the share along a ray is either 0 throughout, or smooth.
 
 use crate::math::Ray;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-/// The share of the greatest intensity that goes each way.
+/// Share of the maximum intensity by direction.
 #[derive(Clone, Copy, Debug)]
 pub enum Emission {
-    /// All of it, everywhere.
+    /// Isotropic.
     Even,
     /// Within a soft-edged cone.
     Spot(Cone),
-    /// One side of a flat piece of surface of uniform radiance: the cosine of the angle to its normal
-    /// (Lambert).
+    /// One side of a flat surface of uniform radiance: the cosine of the angle to its normal (Lambert).
     Flat {
-        /// Unit vector, to the side that shines.
+        /// Unit vector towards the emitting side.
         normal: DVec3,
     },
-    /// The same behind a grid, as of a soft box: its slats hide the more of the light the farther it goes
-    /// off the normal, and all of it beyond the outer cone.
+    /// As `Flat`, behind a grid as of a soft box: its slats block more light farther off the normal, and all
+    /// of it beyond the outer cone.
     Gridded(Cone),
 }
 
-/// Cones with a smaller cosine are planes: its square is lost beside 1.
+/// Cosine below which a cone counts as a plane: its square is lost beside 1.
 const FLAT: f64 = 1e-8;
 
-/// The soft-edged cone of a spot.
+/// Soft-edged cone of a spot.
 #[derive(Clone, Copy, Debug)]
 pub struct Cone {
     /// Unit vector along the beam.
     pub axis: DVec3,
-    /// Beyond this there is no light.
+    /// Cosine of the angle beyond which there is no light.
     pub cos_outer: f64,
-    /// Within this there is all of it.
+    /// Cosine of the angle within which the share is 1.
     pub cos_inner: f64,
 }
 
 impl Emission {
-    /// The share that goes along a unit vector.
+    /// Share of the intensity along a unit vector.
     pub fn share(&self, away: DVec3) -> f64 {
         match self {
             Self::Even => 1.0,
@@ -49,7 +48,8 @@ impl Emission {
         }
     }
 
-    /// A unit vector that two uniform numbers pick where there is light: evenly, or by a flat piece's cosine.
+    /// Unit vector that two uniform numbers sample among the lit directions: uniformly, or by the cosine of a
+    /// flat surface.
     pub fn pick(&self, [u, v]: [f64; 2]) -> DVec3 {
         let (axis, along) = match self {
             Self::Even => (DVec3::Y, 1.0 - 2.0 * u),
@@ -73,7 +73,7 @@ impl Emission {
         }
     }
 
-    /// Whether any light goes along a vector, of any length.
+    /// Whether light reaches a direction, given by a vector of any length.
     pub fn reaches(&self, away: DVec3) -> bool {
         match self {
             Self::Even => true,
@@ -82,7 +82,7 @@ impl Emission {
         }
     }
 
-    /// Every `t` at which a ray may enter or leave what the light at `position` reaches, in order.
+    /// Every `t` at which a ray may enter or leave the range of the light at `position`, in order.
     pub fn borders(&self, ray: &Ray, position: DVec3) -> [Option<f64>; 2] {
         match self {
             Self::Even => [None, None],
@@ -94,7 +94,7 @@ impl Emission {
         }
     }
 
-    /// Every `t` within what is lit at which the share of the light is not smooth, in order.
+    /// Every `t` within the lit range at which the share of the light is not smooth, in order.
     pub fn kinks(&self, ray: &Ray, position: DVec3) -> [Option<f64>; 2] {
         match self {
             Self::Even | Self::Flat { .. } => [None, None],
@@ -105,8 +105,8 @@ impl Emission {
 }
 
 impl Cone {
-    /// The share of the intensity at an angle from the axis, as Cycles does it:
-    /// `smoothstep((cos - cos_outer) / ((1 - cos_outer) * blend))`.
+    /// Share of the intensity at an angle from the axis, as in Cycles: `smoothstep((cos - cos_outer) / ((1 -
+    /// cos_outer) * blend))`.
     pub fn falloff(&self, cos_angle: f64) -> f64 {
         let width = self.cos_inner - self.cos_outer;
         if width <= 0.0 {
@@ -116,21 +116,21 @@ impl Cone {
         x * x * (3.0 - 2.0 * x)
     }
 
-    /// The share of a flat light's intensity at an angle `a` from the axis behind a grid, as Cycles has it:
-    /// `cos a (1 - tan a / tan a_outer) = sin(a_outer - a) / sin a_outer`.
+    /// Share of a flat light's intensity at an angle `a` from the axis behind a grid, as in Cycles: `cos a (1
+    /// - tan a / tan a_outer) = sin(a_outer - a) / sin a_outer`.
     fn gridded(&self, cos_angle: f64) -> f64 {
         let sine = |cos: f64| (1.0 - cos * cos).max(0.0).sqrt();
         (cos_angle - sine(cos_angle) * self.cos_outer / sine(self.cos_outer)).max(0.0)
     }
 
-    /// Where a ray comes nearest to the axis, where angles from it change fastest.
+    /// Point of a ray nearest to the axis, where angles from it change fastest.
     fn nearest_to_axis(&self, ray: &Ray, apex: DVec3) -> Option<f64> {
         let (off, growth) = ((ray.origin - apex).cross(self.axis), ray.direction.cross(self.axis));
         let t = -off.dot(growth) / growth.length_squared();
         t.is_finite().then_some(t)
     }
 
-    /// Crossings of a ray with the double cone of another angle about the same axis, in order.
+    /// Crossings of a ray with the double cone of an angle about the axis, in order.
     ///
     /// With `x(t) = ray.at(t) - apex` its surface is `(x . axis)^2 = cos^2 |x|^2`, a quadratic in `t`.
     fn crossings(&self, cos: f64, ray: &Ray, apex: DVec3) -> [Option<f64>; 2] {
@@ -142,7 +142,7 @@ impl Cone {
         let a = da * da - cos * cos;
         let half_b = da * xa - cos * cos * x.dot(ray.direction);
         let c = xa * xa - cos * cos * x.length_squared();
-        // half_b^2 - a c with cos^2 taken out, so that nearly flat cones keep their digits.
+        // half_b^2 - a c without its factor cos^2, so that nearly flat cones keep their digits.
         let across = (da * x - xa * ray.direction).length_squared();
         let discriminant = cos * cos * (across - cos * cos * x.cross(ray.direction).length_squared());
         if discriminant <= 0.0 {
@@ -170,7 +170,7 @@ mod tests {
         assert!((cone.falloff(0.6) - 0.5).abs() < 1e-15);
     }
 
-    /// Its cone is nearly a plane, which the ray crosses: found by chance, when the quadratic's
+    /// Its cone is nearly a plane, which the ray crosses: found by a random test, when the quadratic's
     /// discriminant lost its digits.
     #[test]
     fn a_nearly_flat_cone_has_a_border() {
@@ -185,7 +185,7 @@ mod tests {
     }
 
     proptest! {
-        /// Between two borders nothing changes: all of it is reached, or none.
+        /// Between two borders either all of the ray is reached, or none.
         #[test]
         fn light_begins_and_ends_at_the_borders(
             x in prop::array::uniform3(-2.0..2.0_f64), d in prop::array::uniform3(-1.0..1.0_f64),

@@ -1,4 +1,4 @@
-//! A frozen light without extent: a point in, direction and irradiance out. Invariant: directions
+//! A frozen light without extent. In goes a point, out come direction and irradiance. Invariant: directions
 //! point from the lit point towards the light.
 
 use super::{Emission, LampShape};
@@ -15,15 +15,15 @@ pub enum FrozenLight {
         /// Irradiance on a perpendicular plane, W/m^2.
         irradiance: Rgb,
     },
-    /// Light from a point, perhaps not the same in all directions.
+    /// Light from a point, with any angular distribution.
     Point {
         /// Position relative to the camera.
         position: DVec3,
-        /// Largest intensity, W/sr.
+        /// Maximum intensity, W/sr.
         intensity: Rgb,
         /// Share of the intensity by direction.
         emission: Emission,
-        /// The lamp that it is a point of.
+        /// Extent of the lamp that it is a point of.
         shape: LampShape,
     },
 }
@@ -51,7 +51,7 @@ impl FrozenLight {
         self.arriving(point, LampShape::share)
     }
 
-    /// The same of a point in fog, to which nothing faces: its fluence, W/m^2.
+    /// Direction to the light, distance, and fluence at a point in fog, W/m^2.
     pub fn arriving_in_fog(&self, point: DVec3) -> (DVec3, f64, Rgb) {
         self.arriving(point, LampShape::share_in_fog)
     }
@@ -97,7 +97,8 @@ mod tests {
         assert!((irradiance.x - 8.0 / 5.0).abs() < 1e-12, "{irradiance}");
     }
 
-    /// By what a disc and a sphere fill: within the sphere, at its surface, beyond; far away as on surfaces.
+    /// The lamp's disc and sphere, by their solid angles: within the sphere, at its surface, beyond; far away
+    /// as on surfaces.
     #[test]
     fn a_soft_lamp_in_fog_is_a_disc_for_all_directions() {
         let shape = LampShape { softened_m2: 0.09, ..LampShape::NONE };
@@ -111,7 +112,7 @@ mod tests {
         assert!((shape.share_in_fog(far) / shape.share(far) - 1.0).abs() < 1e-6);
     }
 
-    /// Points of a sphere give half of what all of its surface gives within it.
+    /// Points of a sphere give half the fluence within it that its whole surface gives.
     #[test]
     fn a_sphere_that_shines_inward_fills_itself() {
         let shape = LampShape { inward_m2: 0.09, ..LampShape::NONE };

@@ -1,5 +1,5 @@
 //! Lights without extent, placed relative to the camera at one moment. In goes a point, out come direction,
-//! distance and irradiance of the light there. Invariant: nothing here knows what stands in the light's way.
+//! distance and irradiance of the light there. Invariant: this module knows no occlusion.
 
 mod emission;
 mod frozen_light;

@@ -1,6 +1,6 @@
-//! Meshes in the shape that they have at one moment, ready to be hit. In go an instance and its pose, out
-//! come vertices and trees. Invariant: the same pose of the same instance is the same mesh, whoever asked for
-//! another in between; an instance that keeps its pose keeps its trees.
+//! Meshes in their shape at one moment, with their trees. In go an instance and its pose, out come vertices
+//! and trees. Invariant: equal poses of an instance give equal meshes, in any order of requests; an instance
+//! that keeps its pose keeps its trees.
 
 use crate::accel::MeshTree;
 use crate::scene::{Pose, Shape};
@@ -12,18 +12,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct BentMesh {
     pub(super) pose: Pose,
     pub(super) shape: Shape,
-    /// Trees of its opaque and of its blended triangles, where it has such.
+    /// Trees of its opaque and of its blended triangles; `None` where it has none.
     pub(super) trees: [Option<Arc<MeshTree>>; 2],
 }
 
-/// The last shape of each instance that changes its own, by the instance's number.
+/// The last shape of each instance with a changing shape, by the instance's number.
 #[derive(Default)]
 pub(super) struct BentMeshes {
     last: Mutex<HashMap<usize, Arc<BentMesh>>>,
 }
 
 impl BentMeshes {
-    /// The mesh of an instance by its number, in a pose; `bend` makes it if it was in another.
+    /// Mesh of an instance, by its number, in a pose; `bend` makes it if the last pose differs.
     pub(super) fn get(
         &self,
         number: usize,

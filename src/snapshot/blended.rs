@@ -1,6 +1,5 @@
-//! Transmittance of surfaces. In go a ray and a distance, out comes a transmittance or the blended
-//! surfaces that it is the product of. Invariant: scenes without blended surfaces ask one question of one
-//! tree, as if there were no such thing.
+//! Transmittance of surfaces. In go a ray and a distance, out comes a transmittance or the blended surfaces
+//! whose product it is. Invariant: a scene without blended surfaces costs one query of one tree.
 
 use super::{Snapshot, SurfacePoint};
 use crate::accel::{InstanceTree, PrimitiveId};
@@ -8,8 +7,8 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use std::ops::Range;
 
-/// A transmittance below which nothing is followed any further. All that lies behind counts for this share of
-/// its radiance at most: a hundred thousandth of what single precision tells.
+/// Transmittance below which rays are not traced any further. All radiance behind is multiplied by less than
+/// this: a hundred thousandth of the resolution of single precision.
 pub const NEGLIGIBLE: f64 = 1e-12;
 
 /// A blended surface on a ray.
@@ -22,8 +21,7 @@ pub struct BlendedHit {
 }
 
 impl Snapshot<'_> {
-    /// The share of light that surfaces let through within `0 < t < distance`; `skip` is
-    /// where the ray starts.
+    /// Transmittance of surfaces within `0 < t < distance`; `skip` is the triangle on which the ray starts.
     pub fn visibility(&self, ray: &Ray, distance: f64, skip: Option<PrimitiveId>) -> Rgb {
         if self.casting().any_hit(ray, distance, skip) {
             return Rgb::ZERO;
@@ -32,7 +30,7 @@ impl Snapshot<'_> {
         dimming.iter().fold(Rgb::ONE, |product, hit| product * hit.point.see_through)
     }
 
-    /// All blended surfaces within a part of a ray, in order, up to where they let next to nothing through.
+    /// All blended surfaces within a range of a ray, in order, until the transmittance is negligible.
     pub fn blended_hits(&self, ray: &Ray, shown: &Range<f64>, skip: Option<PrimitiveId>) -> Vec<BlendedHit> {
         self.hits((&self.blended, |_| true), ray, shown, skip)
     }
@@ -42,12 +40,12 @@ impl Snapshot<'_> {
         self.hits((&self.blended, |primitive| self.is_seen(primitive)), ray, shown, None)
     }
 
-    /// Blended surfaces that dim light.
+    /// Blended surfaces that attenuate light.
     pub fn blended_casting(&self, ray: &Ray) -> Vec<BlendedHit> {
         self.hits((self.casting_blended(), |_| true), ray, &(0.0..f64::INFINITY), None)
     }
 
-    /// Hits of a tree that `counts` lets through.
+    /// Hits of a tree that `counts` accepts.
     fn hits(
         &self,
         (tree, counts): (&InstanceTree, impl Fn(PrimitiveId) -> bool),

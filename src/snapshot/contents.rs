@@ -1,6 +1,6 @@
-//! Contents of a moment before it can be traced. In go a moment and mesh trees, out comes a snapshot, or a
-//! digest by which two moments are told apart. Invariant: moments of one scene that have the same digest
-//! give the same light everywhere.
+//! Contents of a moment, before they are prepared for tracing. In go a moment and mesh trees, out comes a
+//! snapshot, or a digest to compare moments. Invariant: moments of one scene with the same digest have the
+//! same light everywhere.
 
 use super::mesh_parts::MeshParts;
 use super::moment::{Moment, PlacedInstances};
@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-/// Everything of a scene at one moment, about an origin.
+/// All contents of a scene at one moment, relative to an origin.
 pub struct Contents<'scene> {
     scene: &'scene Scene,
     is_blended: Arc<[bool]>,
@@ -23,7 +23,7 @@ pub struct Contents<'scene> {
     origin: DVec3,
     /// Instances with opaque and with blended triangles.
     classes: [PlacedInstances; 2],
-    /// Tree of those of the opaque ones that keep still, if other moments share it.
+    /// Tree of the still ones among the opaque instances, if other moments share it.
     still: Option<SharedTree>,
     materials: Cow<'scene, [Material]>,
     lights: Vec<Luminaire>,
@@ -32,7 +32,7 @@ pub struct Contents<'scene> {
 }
 
 impl<'scene> Contents<'scene> {
-    /// Contents with those of the scene's lights of which `shining` says so.
+    /// Contents of a moment, with those of the scene's lights that `shining` selects.
     pub(super) fn of(moment: &Moment<'scene, '_>, trees: &MeshTrees, shining: &[bool]) -> Self {
         let &Moment { scene, time_s, eye: origin, .. } = moment;
         let medium = moment.medium();
@@ -54,7 +54,7 @@ impl<'scene> Contents<'scene> {
         }
     }
 
-    /// Contents about an origin that does not depend on the camera, for light that does not either.
+    /// Contents relative to an origin that does not depend on the camera, for light that does not either.
     pub(super) fn apart_from_camera(
         scene: &'scene Scene,
         trees: &MeshTrees,
@@ -70,13 +70,13 @@ impl<'scene> Contents<'scene> {
         Self::of(&moment, trees, shining)
     }
 
-    /// Ready to be traced about its origin.
+    /// Prepares the contents for tracing, relative to their origin.
     pub fn frozen(self) -> Snapshot<'scene> {
         let view = View::at(self.origin);
         self.seen_by(view)
     }
 
-    /// Ready to be traced; the view's eye is the origin.
+    /// Prepares the contents for tracing; the view's eye is the origin.
     pub(super) fn seen_by(self, view: View) -> Snapshot<'scene> {
         let rays = rays_of(self.scene, &self.classes);
         let casting = casting(&self.classes, rays.as_ref());
@@ -107,7 +107,7 @@ impl<'scene> Contents<'scene> {
             medium: self.medium,
             background: self.scene.background,
             sky: self.sky,
-            // One of a file: it does not change.
+            // A backdrop is part of a file and does not change.
             backdrop: self.scene.backdrop.as_ref().and_then(|backdrop| FrozenSky::new(backdrop, 0.0)),
             motion: None,
             mattes: None,
@@ -116,7 +116,7 @@ impl<'scene> Contents<'scene> {
         }
     }
 
-    /// SHA-256 over all that changes from moment to moment.
+    /// SHA-256 over all that differs from moment to moment.
     pub fn digest(&self) -> [u8; 32] {
         let mut hash = Sha256::new();
         let mut numbers: Vec<f64> = Vec::new();
@@ -148,7 +148,7 @@ fn push(numbers: &mut Vec<f64>, place: &DAffine3) {
     numbers.extend(place.to_cols_array());
 }
 
-/// The median by each axis: strays do not move it. The world's origin where there is nothing.
+/// Median along each axis, which outliers do not move; the world's origin if there are no places.
 fn median(places: impl Iterator<Item = DVec3>) -> DVec3 {
     let mut places: Vec<DVec3> = places.filter(|place| place.is_finite()).collect();
     if places.is_empty() {

@@ -1,9 +1,9 @@
-//! Exposure of a frame: snapshots of moments between the shutter's opening and closing. In go a scene and
-//! a shutter, out come as many moments as the motion needs. Invariants: a scene that keeps still, or a
-//! shutter that opens for an instant, has one; all moments have the same lights in the same order.
+//! Exposure of a frame: snapshots of moments between the shutter's opening and closing. In go a scene and a
+//! shutter, out come as many moments as the motion needs. Invariants: a still scene, or an instantaneous
+//! shutter, has one moment; all moments have the same lights in the same order.
 //!
-//! Moments are frozen when the first of them is asked for: light of higher orders, which is solved before,
-//! has the memory until then.
+//! Moments are frozen on first use: the solution of higher orders, which comes before, has the memory until
+//! then.
 
 use super::moment::shining;
 use super::still::Still;
@@ -14,14 +14,14 @@ use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant as Clock};
 
-/// Moments of a shutter that sees something move. A leaf that crosses 30 pixels meanwhile is drawn at
-/// steps of about a pixel; odd, so that one of them is the middle.
+/// Number of moments of a shutter with motion. A leaf that crosses 30 pixels is rendered in steps of about a
+/// pixel; the number is odd, so that one moment is the middle.
 const MOMENTS: usize = 33;
 
-/// Instances of all moments together. Each takes a fifth of a kilobyte, places and its share of the
-/// tree: two gigabytes.
+/// Maximum number of instances of all moments together: two gigabytes. Each takes a fifth of a kilobyte, for
+/// its place and its share of the tree.
 const MOST_PLACED: usize = 1 << 23;
-/// However many instances there are: the opening's, the middle's and the closing's.
+/// Minimum number of moments, for any number of instances: opening, middle and closing.
 const FEWEST_MOMENTS: usize = 3;
 
 /// The moments of one frame.
@@ -32,21 +32,21 @@ pub struct Exposure<'scene> {
     /// Times of its moments.
     times_s: Vec<f64>,
     middle_s: f64,
-    /// Whether each of the scene's lights shines at any moment of the shutter.
+    /// Whether each of the scene's lights emits at any moment of the shutter.
     shining: Vec<bool>,
     motion: Option<Arc<MotionField>>,
     mattes: Option<Arc<[u32]>>,
     frozen: OnceLock<Frozen<'scene>>,
 }
 
-/// Moments, and how long it took to freeze them.
+/// Moments, and the time that it took to freeze them.
 struct Frozen<'scene> {
     moments: Vec<Snapshot<'scene>>,
     took: Duration,
 }
 
 impl<'scene> Exposure<'scene> {
-    /// Exposure by the moments of `shutter`; for the rest see [`Snapshot::new`].
+    /// Exposure with the moments of `shutter`; for the other arguments see [`Snapshot::new`].
     pub fn new(
         scene: &'scene Scene,
         trees: &'scene MeshTrees,
@@ -57,8 +57,8 @@ impl<'scene> Exposure<'scene> {
         Self::of(scene, trees, Framing { camera, aspect }, shutter, |times_s| times_s)
     }
 
-    /// Exposure of the moment in the middle alone, with the lights of all: enough to choose how to render,
-    /// in a small part of the memory.
+    /// Exposure with the middle moment alone, with the lights of all moments. It suffices to choose a method,
+    /// and takes a small part of the memory.
     pub fn middle_of(
         scene: &'scene Scene,
         trees: &'scene MeshTrees,
@@ -111,7 +111,7 @@ impl<'scene> Exposure<'scene> {
             Snapshot { motion: self.motion.clone(), mattes: self.mattes.clone(), ..snapshot }
         };
         let middle = self.times_s.len() / 2;
-        // The middle first: what it makes and all others share is kept then.
+        // The middle first: the others share trees that it builds.
         let of_middle = freeze(&self.times_s[middle]);
         let [before, after] = [&self.times_s[..middle], &self.times_s[middle + 1..]]
             .map(|times_s| times_s.par_iter().map(freeze));
@@ -119,12 +119,12 @@ impl<'scene> Exposure<'scene> {
         Frozen { moments, took: started.elapsed() }
     }
 
-    /// The moment in the middle, wherever the camera stands.
+    /// Contents of the middle moment, independent of the camera.
     pub fn contents(&self) -> Contents<'scene> {
         Contents::apart_from_camera(self.scene, self.trees, self.middle_s, &self.shining)
     }
 
-    /// Warning where an open shutter has fewer moments than motion blur needs to look smooth.
+    /// Returns a warning if an open shutter has fewer moments than smooth motion blur needs.
     pub fn remark(scene: &Scene, shutter_frames: f64) -> Option<Diagnostic> {
         let (count, instances) = (count(scene, shutter_frames), scene.instances.len());
         (1 < count && count < MOMENTS).then(|| {
@@ -153,7 +153,7 @@ impl<'scene> Exposure<'scene> {
         self
     }
 
-    /// Finds fog by voxels as the camera sees it in a picture of that size, if it keeps still for it.
+    /// Precomputes fog of voxels along camera rays for a picture of that size, if the fog is still.
     pub fn see_fog(&self, size: Size) {
         let middle = self.middle();
         let is_still =
@@ -163,7 +163,7 @@ impl<'scene> Exposure<'scene> {
         }
         let Some(seen) = SeenFog::new(middle, size).map(Arc::new) else { return };
         for moment in self.moments() {
-            // Who asks again, asks for the same.
+            // A second call has the same size.
             let _ = moment.seen_fog.set(Arc::clone(&seen));
         }
     }
@@ -173,7 +173,7 @@ impl<'scene> Exposure<'scene> {
         &self.frozen.get_or_init(|| self.freeze()).moments
     }
 
-    /// Time that it took to freeze the moments; none before anybody asks for them.
+    /// Time that it took to freeze the moments; 0 before their first use.
     pub fn took(&self) -> Duration {
         self.frozen.get().map_or(Duration::ZERO, |frozen| frozen.took)
     }
@@ -183,25 +183,25 @@ impl<'scene> Exposure<'scene> {
         &self.moments()[self.times_s.len() / 2]
     }
 
-    /// The moment that a number in `[0, 1)` picks.
+    /// The moment that a number in `[0, 1)` selects.
     pub fn at(&self, u: f64) -> &Snapshot<'scene> {
         let count = self.times_s.len();
         &self.moments()[((u * count as f64) as usize).min(count - 1)]
     }
 
-    /// Whether the sky lights anything at any of its moments.
+    /// Whether the sky lights anything at any of the moments.
     pub fn has_sky_light(&self) -> bool {
         self.moments().iter().any(|moment| moment.sky.is_some_and(|sky| sky.lights_surfaces()))
     }
 
-    /// Whether there is nothing to average over but the picture's area and the lights'.
+    /// Whether moment and lens are fixed, so that only points of pixels and lights are sampled.
     pub fn is_instant(&self) -> bool {
         self.times_s.len() == 1
     }
 }
 
-/// Number of moments of a shutter, by how long it is open, in any unit: fewer where each takes much
-/// memory, an odd number always.
+/// Number of moments of a shutter, given how long it is open, in any unit: always odd, and fewer where each
+/// takes much memory.
 fn count(scene: &Scene, duration: f64) -> usize {
     if duration <= 0.0 || scene.is_still() {
         return 1;

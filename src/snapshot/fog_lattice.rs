@@ -1,15 +1,14 @@
-//! Lattice of rays and steps on which fog is known as the camera sees it. In go a snapshot and the size of
-//! a picture, out come rays and places on them. Invariant: neither knows which part of the picture is
-//! wanted.
+//! Lattice of camera rays and steps on which fog is precomputed. In go a snapshot and the size of a picture,
+//! out come rays and places on them. Invariant: neither depends on the wanted part of the picture.
 
 use super::{Snapshot, View};
 use crate::math::Ray;
 use crate::scene::Size;
 use glam::{DVec2, DVec3};
 
-/// Between rays, pixels; farther apart where there would be too many.
+/// Distance between rays, pixels; larger where there would be too many.
 const SPACING_PX: f64 = 1.5;
-/// Between planes, voxels and optical depth.
+/// Distance between planes, in voxels and in optical depth.
 const STEP_VOXELS: f64 = 2.0;
 const STEP_DEPTH: f64 = 0.2;
 const MOST_STEPS: f64 = 1024.0;
@@ -17,7 +16,7 @@ const MOST_STEPS: f64 = 1024.0;
 /// Rays through a grid of places on the film, and planes across the view axis.
 pub(super) struct FogLattice {
     pub(super) view: View,
-    /// Place of the first ray on the film, and from one to the next.
+    /// Place of the first ray on the film, and the step to the next.
     first: DVec2,
     spacing: DVec2,
     pub(super) columns: usize,
@@ -26,15 +25,15 @@ pub(super) struct FogLattice {
     start_m: f64,
     step_m: f64,
     pub(super) steps: usize,
-    /// Whether more numbers would make it no finer.
+    /// Whether a larger memory limit would make it no finer.
     pub(super) is_finest: bool,
 }
 
-/// Rays about a place on the film, and how much each counts.
+/// Rays around a place on the film, with their weights.
 pub(super) type Between = [(usize, f32); 4];
 
 impl FogLattice {
-    /// Lattice with so many numbers at each place, and about `most` in all; `None` where no fog is in the
+    /// Lattice with so many numbers at each place, and about `most` in all; `None` if there is no fog in the
     /// picture, or too much.
     pub(super) fn of(snapshot: &Snapshot, size: Size, (numbers, most): (usize, f64)) -> Option<Self> {
         let (view, medium) = (snapshot.view, &snapshot.medium);
@@ -62,7 +61,7 @@ impl FogLattice {
         let px = DVec2::new(size.width as f64, size.height as f64).recip();
         let count = ((high - low) / (SPACING_PX * px)).element_product() * (steps + 1.0) * numbers as f64;
         let spacing = SPACING_PX * (count / most).sqrt().max(1.0) * px;
-        // One more to each side: of the last pixels some samples lie beyond.
+        // One more on each side, as some samples of the outermost pixels lie beyond them.
         let (first, last) = ((low / spacing).floor() - 1.0, (high / spacing).ceil() + 1.0);
         let is_finest = count <= most;
         let count = last - first + 1.0;
@@ -85,7 +84,7 @@ impl FogLattice {
         self.view.ray(place.x, place.y)
     }
 
-    /// Distances at which a ray passes through the planes.
+    /// Distances at which a ray crosses the planes.
     pub(super) fn places(&self, ray: &Ray) -> Vec<f64> {
         (0..=self.steps).map(|step| self.place(ray, step as f64)).collect()
     }
@@ -95,12 +94,12 @@ impl FogLattice {
         (self.start_m + self.step_m * step) / self.view.depth(ray.direction)
     }
 
-    /// The other way round.
+    /// Step of a distance along a ray, the inverse of [`Self::place`].
     pub(super) fn step(&self, ray: &Ray, t: f64) -> f64 {
         ((t * self.view.depth(ray.direction) - self.start_m) / self.step_m).clamp(0.0, self.steps as f64)
     }
 
-    /// The rays about one.
+    /// The rays around a given one.
     pub(super) fn between(&self, ray: &Ray) -> Between {
         let place = self.view.film_place(ray.at(1.0)).unwrap_or(DVec2::splat(0.5));
         let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);

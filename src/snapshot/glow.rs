@@ -1,5 +1,5 @@
-//! Emissive surfaces as a light to sample. In go a snapshot's triangles and what they emit, out come
-//! points of them, with a density by their emission. Invariant: every point that emits may be picked.
+//! Emissive surfaces as a light for sampling. In go a snapshot's triangles and their emission, out come
+//! points on them, with a density by emission. Invariant: every point that emits has a positive density.
 
 use super::{Luminaire, Snapshot};
 use crate::accel::PrimitiveId;
@@ -9,29 +9,29 @@ use crate::math::Ray;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Maximum number of lights of emissive surfaces, and the number of points of each.
+/// Maximum number of lights that represent emissive surfaces, and the number of points of each.
 const MOST_LIGHTS: usize = 16;
 const POINTS: usize = 256;
-/// Steps of a sequence that is even in two dimensions (Roberts 2018, "The unreasonable effectiveness of
+/// Steps of an additive recurrence in two dimensions (Roberts 2018, "The unreasonable effectiveness of
 /// quasirandom sequences").
 const SPREAD: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
 
-/// Maximum number of triangles that are sampled one by one: beyond that they light things as a whole.
+/// Maximum number of triangles that rays sample one by one; more of them light the scene by the grid alone.
 const MOST_LOOKED_FOR: usize = 1 << 16;
 
-/// Maximum number of bodies that are picked by how near they are.
+/// Maximum number of bodies that are sampled by distance.
 const MOST_BODIES: usize = 64;
 
-/// Triangles that glow, to pick points of by their power.
+/// Emissive triangles, from which points are sampled by power.
 pub struct Glow {
     triangles: Vec<PrimitiveId>,
-    /// Sums of area times luminance, textures aside, up to and with each of them.
+    /// Sums of area times luminance, textures aside, up to and including each triangle.
     up_to: Vec<f64>,
     /// Separate bodies, in the order of their triangles.
     bodies: Vec<Body>,
 }
 
-/// Triangles of one instance, or all of them.
+/// Triangles of one instance, or of all instances.
 struct Body {
     triangles: Range<usize>,
     /// Sum of area times luminance.
@@ -41,12 +41,12 @@ struct Body {
 }
 
 impl Body {
-    /// Estimate of its light at a place.
+    /// Estimate of its irradiance at a place.
     fn weight(&self, place: DVec3) -> f64 {
         self.power / (place.distance_squared(self.middle) + self.squared_radius)
     }
 
-    /// Integral of that over a part of a ray.
+    /// Integral of that estimate over a range of a ray.
     fn weight_along(&self, ray: &Ray, (start, end): (f64, f64)) -> f64 {
         let nearest = (self.middle - ray.origin).dot(ray.direction);
         let gap = (ray.at(nearest).distance_squared(self.middle) + self.squared_radius).sqrt();
@@ -55,7 +55,7 @@ impl Body {
 }
 
 impl Glow {
-    /// `None` if nothing glows.
+    /// Collects the emissive triangles; `None` if there are none.
     pub(super) fn of(snapshot: &Snapshot) -> Option<Self> {
         if snapshot.materials.iter().all(|material| material.emission == Rgb::ZERO) {
             return None;
@@ -77,7 +77,7 @@ impl Glow {
         (all > 0.0 && all.is_finite()).then_some(glow)
     }
 
-    /// Triangles by instance, or all of them where those are too many.
+    /// Triangles by instance, or all of them together if there are too many instances.
     fn parted(&self, most: usize) -> Vec<Range<usize>> {
         let mut end = 0;
         let of_instances = self.triangles.chunk_by(|a, b| a.instance == b.instance).map(|triangles| {
@@ -98,33 +98,33 @@ impl Glow {
         Body { triangles, power, middle: low.midpoint(high), squared_radius }
     }
 
-    /// Area times luminance of all triangles before one.
+    /// Sum of area times luminance of all triangles before one.
     fn before(&self, triangle: usize) -> f64 {
         triangle.checked_sub(1).map_or(0.0, |last| self.up_to[last])
     }
 
-    /// Whether surfaces look for its light by rays, so that shadows and what is near are sharp.
+    /// Whether rays sample its light, for sharp shadows and detail nearby.
     pub fn is_looked_for(&self) -> bool {
-        // Of many bodies that are picked by their power alone most are far: noise, where a grid has none.
+        // If many bodies are sampled by power alone, most samples are far away: noise, where a grid has none.
         let are_apart = self.bodies.len() == self.parted(usize::MAX).len();
         are_apart && self.triangles.len() <= MOST_LOOKED_FOR
     }
 
-    /// Luminaires of what glows: one a body, or one for all of them where they are many.
+    /// Luminaires of emissive surfaces: one for each body, or one for all of them if they are many.
     pub fn luminaires(&self, snapshot: &Snapshot) -> Vec<Luminaire> {
         let bodies = self.parted(MOST_LIGHTS).into_iter();
         bodies.filter_map(|triangles| self.luminaire(snapshot, &triangles)).collect()
     }
 
-    /// Points of some triangles, which shine to one side or the other.
+    /// Luminaire of points on some triangles, each of which emits to one side.
     fn luminaire(&self, snapshot: &Snapshot, triangles: &Range<usize>) -> Option<Luminaire> {
-        /// Off the surface, by its size, so that no light begins behind it.
+        /// Offset from the surface, relative to its size, so that no light starts behind it.
         const OFF: f64 = 1e-4;
         let all = self.before(triangles.end) - self.before(triangles.start);
         if all <= 0.0 {
             return None;
         }
-        // One half of the points after the other, so that few of them, evenly picked, are of both sides.
+        // One half of the points after the other, so that a few evenly chosen points include both sides.
         let half = POINTS / 2;
         let point = |number: usize| {
             let within = (number % half) as f64 + 0.5;
@@ -147,7 +147,7 @@ impl Glow {
         Luminaire::of_points((0..POINTS).map(point).collect())
     }
 
-    /// The one among some that a uniform number picks by its power.
+    /// The triangle among some that a uniform number samples by power.
     fn triangle_at(&self, triangles: &Range<usize>, u: f64) -> PrimitiveId {
         let (before, end) = (self.before(triangles.start), self.before(triangles.end));
         let up_to = before + u * (end - before);
@@ -156,13 +156,13 @@ impl Glow {
         self.triangles[triangles.start + number]
     }
 
-    /// A point that three uniform numbers pick for a place to be lit, and its triangle.
+    /// A point that three uniform numbers sample for a place to be lit, and its triangle.
     pub fn pick(&self, snapshot: &Snapshot, place: DVec3, u: [f64; 3]) -> (PrimitiveId, DVec3) {
         let (triangle, point, _) = self.pick_by(snapshot, |body| body.weight(place), u);
         (triangle, point)
     }
 
-    /// The same for a part of a ray to be lit, and its probability density, 1/m^2.
+    /// As [`Self::pick`], for a range of a ray to be lit; with its probability density, 1/m^2.
     pub fn pick_along(
         &self,
         snapshot: &Snapshot,
@@ -180,7 +180,7 @@ impl Glow {
     ) -> (PrimitiveId, DVec3, f64) {
         let all: f64 = self.bodies.iter().map(&weight).sum();
         let (mut left, mut chosen) = (which * all, 0);
-        // What is left of a number that has decided is uniform again.
+        // The remainder of a number that decided is uniform again.
         while chosen + 1 < self.bodies.len() && left >= weight(&self.bodies[chosen]) {
             left -= weight(&self.bodies[chosen]);
             chosen += 1;
@@ -192,8 +192,8 @@ impl Glow {
         (triangle, evenly(snapshot.corners(triangle), [u, v]), per_m2)
     }
 
-    /// Share of the glow's light at a place that comes from near bodies, roughly, from 0 to 1: 0 if all
-    /// are small and far.
+    /// Approximate share of its light at a place that comes from near bodies, from 0 to 1: 0 if all are small
+    /// and far.
     pub fn nearness(&self, place: DVec3) -> f64 {
         let of_body = |body: &Body| {
             let nearness = body.squared_radius / (place.distance_squared(body.middle) + body.squared_radius);
@@ -202,7 +202,7 @@ impl Glow {
         self.bodies.iter().map(of_body).sum::<f64>() / self.weight(place)
     }
 
-    /// Probability density of [`Glow::pick`] for points of a triangle, 1/m^2; 0 if it does not glow.
+    /// Probability density of [`Glow::pick`] for points of a triangle, 1/m^2; 0 if it does not emit.
     pub fn picked_per_m2(&self, snapshot: &Snapshot, place: DVec3, primitive: PrimitiveId) -> f64 {
         let brightness = luminance(snapshot.emission(primitive));
         if brightness <= 0.0 {
@@ -219,7 +219,7 @@ impl Glow {
     }
 }
 
-/// A point of a triangle, evenly all over: Pharr, Jakob & Humphreys 2023, "Physically Based Rendering",
+/// A uniformly distributed point of a triangle: Pharr, Jakob & Humphreys 2023, "Physically Based Rendering",
 /// section 6.5.3.
 fn evenly([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
     let root = u.sqrt();
@@ -227,12 +227,12 @@ fn evenly([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
 }
 
 impl Snapshot<'_> {
-    /// Emissive surfaces, found when they are first asked for; `None` if there are none.
+    /// Emissive surfaces, collected on first use; `None` if there are none.
     pub fn glow(&self) -> Option<&Glow> {
         self.glow.get_or_init(|| Glow::of(self)).as_ref()
     }
 
-    /// Radiance that a triangle's material emits, before its texture and its vertices' colours.
+    /// Radiance that a triangle's material emits, without its texture and vertex colours.
     fn emission(&self, primitive: PrimitiveId) -> Rgb {
         let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance];
         let triangle = &self.scene.meshes[instance.mesh].triangles[primitive.triangle as usize];

@@ -1,4 +1,4 @@
-//! A frozen camera: film positions and points of the lens in, rays out. Invariant: the middle of the
+//! A frozen camera. In go film positions and points of the lens, out come rays. Invariant: the centre of the
 //! lens is the origin of relative space.
 
 use crate::math::{Ray, disc_from_square};
@@ -15,18 +15,18 @@ pub struct View {
     right: DVec3,
     up: DVec3,
     backward: DVec3,
-    /// Half extents of the picture, and its middle, at distance 1; of parallel rays in any plane.
+    /// Half extents of the picture, and its centre, at distance 1; for parallel rays in any plane.
     half: DVec2,
     middle: DVec2,
     /// Whether its rays are parallel.
     is_orthographic: bool,
-    /// 0 for a pinhole.
+    /// Radius of the lens, metres; 0 for a pinhole.
     lens_radius_m: f64,
     /// Distance of the plane in focus, metres.
     focus_distance_m: f64,
-    /// Straight blades of the lens' opening; 0 is a round one.
+    /// Number of straight blades of the aperture; 0 for a round one.
     blades: u32,
-    /// Between which planes surfaces show.
+    /// Clipping planes, between which surfaces are visible.
     clip: Clip,
 }
 
@@ -39,12 +39,12 @@ impl View {
         let backward = axes.z_axis.try_normalize().unwrap_or(DVec3::Z);
         let right =
             axes.y_axis.cross(backward).try_normalize().unwrap_or_else(|| backward.any_orthonormal_vector());
-        // A mirrored camera node shows a mirrored picture.
+        // A mirrored camera node renders a mirrored picture.
         let right = right * if right.dot(axes.x_axis) < 0.0 { -1.0 } else { 1.0 };
         let up = backward.cross(right) * backward.cross(right).dot(axes.y_axis).signum();
         let is_orthographic = matches!(camera.lens, Lens::Orthographic { .. });
         let aperture = camera.aperture.as_ref().filter(|_| !is_orthographic);
-        // A pinhole's plane in focus is anywhere, so at infinity.
+        // A pinhole has everything in focus; infinity is as good as any distance.
         let focus_distance_m =
             aperture.map_or(f64::INFINITY, |aperture| aperture.focus_distance_m.at(time_s));
         let lens_radius_m = aperture.map_or(0.0, |aperture| {
@@ -66,7 +66,7 @@ impl View {
         }
     }
 
-    /// Looks along -Z from a place of the world, as nobody's camera.
+    /// A view along -Z from a place in the world, without a camera.
     pub(super) fn at(eye: DVec3) -> Self {
         Self {
             eye,
@@ -83,13 +83,12 @@ impl View {
         }
     }
 
-    /// View of surfaces in a box of relative space: without clipping planes if none of them may hide
-    /// anything.
+    /// The view for surfaces in a box of relative space: without clipping planes if these hide none of them.
     pub fn of_surfaces(mut self, bounds: Option<(DVec3, DVec3)>) -> Self {
         let hides = |(low, high): (DVec3, DVec3)| {
             let (near_low, near_high) = self.box_before_clip_start();
             let is_before_start = near_low.cmple(high).all() && low.cmple(near_high).all();
-            // The corner farthest forwards.
+            // The farthest corner in the view direction.
             let farthest = DVec3::select(self.backward.cmplt(DVec3::ZERO), high, low);
             is_before_start || self.depth(farthest) > self.clip.end_m
         };
@@ -99,7 +98,7 @@ impl View {
         self
     }
 
-    /// Corners of a box around what the picture would show of the space before the nearer plane.
+    /// Corners of a box around the space in view before the near plane.
     fn box_before_clip_start(&self) -> (DVec3, DVec3) {
         let mut corners = Vec::with_capacity(8);
         for side in [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]] {
@@ -118,12 +117,12 @@ impl View {
         (fold(DVec3::min, DVec3::INFINITY), fold(DVec3::max, DVec3::NEG_INFINITY))
     }
 
-    /// Between which planes surfaces show.
+    /// Clipping planes, between which surfaces are visible.
     pub fn clip(&self) -> Clip {
         self.clip
     }
 
-    /// The part of a ray of the camera, metres, on which surfaces show.
+    /// Range of a camera ray, metres, on which surfaces are visible.
     pub fn shown_along(&self, ray: &Ray) -> Range<f64> {
         if self.clip == Clip::NONE {
             return 0.0..f64::INFINITY;
@@ -132,13 +131,13 @@ impl View {
         self.clip.start_m / depth_per_m..self.clip.end_m / depth_per_m
     }
 
-    /// The ray from the middle of the lens through a film position: `(0, 0)` is the top left corner,
-    /// `(1, 1)` the bottom right one.
+    /// The ray from the centre of the lens through a film position: `(0, 0)` is the top left corner, `(1, 1)`
+    /// the bottom right one.
     pub fn ray(&self, film_x: f64, film_y: f64) -> Ray {
         self.ray_from(DVec2::ZERO, film_x, film_y)
     }
 
-    /// Ray from a point of the lens, to the right and up from its middle, metres.
+    /// Ray from a point of the lens, given to the right and up from its centre, metres.
     pub fn ray_from(&self, lens_point: DVec2, film_x: f64, film_y: f64) -> Ray {
         let place = self.middle + DVec2::new(2.0 * film_x - 1.0, 1.0 - 2.0 * film_y) * self.half;
         let in_plane = |point: DVec2| point.x * self.right + point.y * self.up;
@@ -151,8 +150,8 @@ impl View {
         Ray { origin: in_plane(lens_point), direction }
     }
 
-    /// Film position, as [`View::ray`] has them, of a point of relative space seen from the middle of the
-    /// lens, also beyond the picture; `None` if it is not before the camera.
+    /// Film position, as in [`View::ray`], of a point of relative space seen from the centre of the lens,
+    /// also beyond the picture; `None` if it is not in front of the camera.
     pub fn film_place(&self, point: DVec3) -> Option<DVec2> {
         let across = DVec2::new(point.dot(self.right), point.dot(self.up));
         if self.is_orthographic {
@@ -162,8 +161,8 @@ impl View {
         (depth > 0.0).then(|| self.film_of(across / depth))
     }
 
-    /// Film place of a direction, for what lies infinitely far away. Parallel rays see it everywhere, so
-    /// nowhere in particular.
+    /// Film position of a direction, for objects at infinity. `None` for parallel rays, which see it
+    /// everywhere.
     pub fn film_place_of_direction(&self, direction: DVec3) -> Option<DVec2> {
         if self.is_orthographic { None } else { self.film_place(direction) }
     }
@@ -173,23 +172,23 @@ impl View {
         0.5 * DVec2::new(1.0 + x, 1.0 - y)
     }
 
-    /// Whether its rays are parallel, rather than from one eye.
+    /// Whether its rays are parallel, rather than from a single eye.
     pub fn is_orthographic(&self) -> bool {
         self.is_orthographic
     }
 
-    /// Whether it has a lens, rather than a pinhole.
+    /// Whether it has a lens rather than a pinhole.
     pub fn has_lens(&self) -> bool {
         self.lens_radius_m > 0.0
     }
 
-    /// The point of the lens that two numbers in `[0, 1)` pick, metres; uniform over the opening.
+    /// The point of the lens that two numbers in `[0, 1)` sample, metres; uniform over the aperture.
     pub fn lens_point(&self, [u, v]: [f64; 2]) -> DVec2 {
         if self.blades == 0 {
             return self.lens_radius_m * disc_from_square(DVec2::new(u, v));
         }
-        // A regular polygon is made of equal triangles about the middle (Pharr et al., PBR, section
-        // A.5.4: uniform over a triangle with the square root for its first coordinate).
+        // A regular polygon consists of equal triangles around its centre (Pharr et al., PBR, section A.5.4:
+        // uniform over a triangle with the square root for its first coordinate).
         let scaled = u * f64::from(self.blades);
         let corner = |number: f64| DVec2::from_angle(TAU * number / f64::from(self.blades));
         let (first, within) = (scaled.floor(), scaled.fract());
@@ -202,12 +201,12 @@ impl View {
         (self.right, self.up, -self.backward)
     }
 
-    /// Half width and height of the picture, at distance 1 unless its rays are parallel.
+    /// Half width and height of the picture, at distance 1; for parallel rays in any plane.
     pub fn half_extents(&self) -> DVec2 {
         self.half
     }
 
-    /// The picture's middle in the same plane, to the right and up from the view axis.
+    /// The picture's centre in the same plane, to the right and up from the view axis.
     pub fn middle(&self) -> DVec2 {
         self.middle
     }
@@ -265,7 +264,7 @@ mod tests {
         assert!((right.x / -right.z - 2.0).abs() < 1e-14);
     }
 
-    /// Every ray of a film position lands there again when it is projected.
+    /// Projecting a ray of a film position gives that position again.
     #[test]
     fn rays_and_projection_are_inverses() {
         let lenses = [

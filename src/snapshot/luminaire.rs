@@ -1,8 +1,8 @@
-//! A frozen light of any shape. In go uniform numbers, out comes a light without extent. Invariant:
-//! over uniform numbers the irradiance of [`Luminaire::point`] anywhere is on average that of the
-//! light; so whatever is exact for lights without extent holds for the others, averaged.
+//! A frozen light of any shape. In go uniform numbers, out comes a light without extent. Invariant: the
+//! expected irradiance of [`Luminaire::point`] is that of the light, at any place. So results that are exact
+//! for lights without extent hold for the others on average.
 //!
-//! The points do not depend on who is lit, so that a whole slice of rays may share one.
+//! Points do not depend on the place that is lit, so a whole slice of rays may share one.
 
 use crate::color::Rgb;
 use crate::light::{Cone, Emission, FrozenLight, LampShape};
@@ -12,10 +12,10 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-/// Half angle of an area light's spread from which on there is no grid, radians: pi / 2 in single precision.
+/// Half angle of an area light's spread from which it has no grid, radians: pi / 2 in single precision.
 const WITHOUT_GRID: f64 = FRAC_PI_2 - 1e-6;
 
-/// Who sees a lamp.
+/// Kind of observer of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Watcher {
     /// The camera.
@@ -29,11 +29,11 @@ pub enum Watcher {
 pub struct Luminaire {
     pub(super) centre: FrozenLight,
     pub(super) extent: Extent,
-    /// Intensity without fog, W/sr, of a lamp that the camera and that mirrors see.
+    /// Intensity without fog, W/sr, of a lamp that the camera and mirrors see, for each of these.
     shown: [Option<Rgb>; 2],
 }
 
-/// Distribution of a light's points about its centre.
+/// Distribution of a light's points around its centre.
 #[derive(Clone, Debug)]
 pub(super) enum Extent {
     /// No extent.
@@ -42,9 +42,9 @@ pub(super) enum Extent {
     Disc { half_axes: [DVec3; 2], picture: Option<Arc<DiscPicture>>, is_visible: bool },
     /// Places within a sphere.
     Ball { radius: f64 },
-    /// Places of a parallelogram or of the ellipse within, from the middle to the middles of two edges.
+    /// Places of a parallelogram or of its ellipse, given from the centre to the middles of two edges.
     Flat { shape: AreaShape, half_axes: [DVec3; 2] },
-    /// Lights that stand for it, each with all of its power.
+    /// Lights that represent it, each with all of its power.
     Points(Arc<[FrozenLight]>),
 }
 
@@ -63,7 +63,7 @@ impl Luminaire {
             LightKind::SunDisc(disc) => {
                 let centre = FrozenLight::Sun { to_light: -beam, irradiance: power };
                 let sin_radius = (0.5 * disc.angular_diameter.at(time_s)).sin();
-                // As seen from below: facing the sun, right and up.
+                // As seen from below, facing the sun: right and up.
                 let up = (axes.y_axis - axes.y_axis.dot(beam) * beam).try_normalize();
                 let up = up.unwrap_or_else(|| beam.any_orthonormal_vector());
                 let turn = DVec2::from_angle(disc.picture_rotation.at(time_s));
@@ -87,14 +87,15 @@ impl Luminaire {
             }
             LightKind::Area { shape, width, height, spread } => {
                 let half_axes = [0.5 * width.at(time_s) * axes.x_axis, 0.5 * height.at(time_s) * axes.y_axis];
-                // A sheared light is flat all the same: what counts is the plane that it lies in.
+                // A sheared light is still flat: its plane counts.
                 let normal = half_axes[0].cross(half_axes[1]).try_normalize().unwrap_or(beam);
                 let normal = if normal.dot(beam) < 0.0 { -normal } else { normal };
                 // Lambert: the power is pi times the intensity along the normal.
                 let half_angle = 0.5 * spread.at(time_s);
                 let centre = if half_angle < WITHOUT_GRID {
                     let cone = Cone { axis: normal, cos_outer: half_angle.cos(), cos_inner: 1.0 };
-                    // What the grid would hide is given to the rest: the integral over the cone is the same.
+                    // Power that the grid would block is added to the rest: the integral over the cone stays
+                    // the same.
                     let narrowed = 1.0 - half_angle / half_angle.tan();
                     point(power * FRAC_1_PI / narrowed, Emission::Gridded(cone))
                 } else {
@@ -106,7 +107,7 @@ impl Luminaire {
         Self { centre, extent, shown: [None; 2] }
     }
 
-    /// A sun that the picture of a sky shows: it only lights, for the picture is seen.
+    /// A sun in the picture of a sky: it lights only, as the picture shows it.
     pub(super) fn of_sky(sun: &SkySun) -> Self {
         let &SkySun { to_sun, irradiance, angular_diameter } = sun;
         let sin_radius = (0.5 * angular_diameter).sin();
@@ -141,12 +142,12 @@ impl Luminaire {
         self
     }
 
-    /// Intensity of a lamp that somebody sees, W/sr.
+    /// Intensity of a lamp that an observer sees, W/sr.
     pub(super) fn shown_to(&self, watcher: Watcher) -> Option<Rgb> {
         self.shown[watcher as usize]
     }
 
-    /// Whether a lobe of an alpha shows it at a place as an image.
+    /// Whether a specular lobe of an alpha shows it as an image at a place.
     pub fn shows_in(&self, alpha: f64, place: DVec3) -> bool {
         matches!(self.centre, FrozenLight::Point { shape, .. } if shape.shows_in(alpha, place))
     }
@@ -162,8 +163,8 @@ impl Luminaire {
         self
     }
 
-    /// Luminaire in fog of an extinction, 1/m. A sphere shines at its surface, but its points lie within:
-    /// it gets back what fog would take on the way out. The disc of soft falloff is in the middle.
+    /// Luminaire in fog of an extinction, 1/m. A sphere emits at its surface, but its sampled points lie
+    /// within, so the fog between is compensated. The disc of soft falloff is at the centre.
     pub fn in_fog(mut self, extinction_per_m: Rgb) -> Self {
         if let (Extent::Ball { radius }, FrozenLight::Point { intensity, shape, .. }) =
             (&self.extent, &mut self.centre)
@@ -174,27 +175,27 @@ impl Luminaire {
         self
     }
 
-    /// Whether it has no extent: every [`Luminaire::point`] is [`Luminaire::centre`], which is all of it.
+    /// Whether it has no extent: every [`Luminaire::point`] is [`Luminaire::centre`].
     pub fn is_delta(&self) -> bool {
         matches!(self.extent, Extent::None)
     }
 
-    /// Radius of a sphere, metres; 0 of all others.
+    /// Radius of a sphere, metres; 0 for all others.
     pub fn radius_m(&self) -> f64 {
         if let Extent::Ball { radius } = self.extent { radius } else { 0.0 }
     }
 
-    /// Whether points differ in the hue that [`Luminaire::hued_point`] tells.
+    /// Whether points differ in their hue, see [`Luminaire::hued_point`].
     pub fn has_hues(&self) -> bool {
         matches!(&self.extent, Extent::Disc { picture: Some(picture), .. } if !picture.is_grey())
     }
 
-    /// The one in the middle: where it is seen from afar, and what it costs. Not its mean.
+    /// The point at its centre: its place as seen from afar. It is not its mean.
     pub fn centre(&self) -> FrozenLight {
         self.centre
     }
 
-    /// The one that three numbers in `[0, 1)` pick; uniform numbers make it all of the light on average.
+    /// The point that three numbers in `[0, 1)` sample; over uniform numbers its mean is the light.
     pub fn point(&self, u: [f64; 3]) -> FrozenLight {
         let (mut point, hue) = self.hued_point(u);
         match &mut point {
@@ -205,7 +206,7 @@ impl Luminaire {
         point
     }
 
-    /// Point with all the light's colour, and its hue: a factor, each channel 1 on average over the light.
+    /// Point with the light's mean colour, and its hue: a factor, each channel 1 on average over the light.
     pub fn hued_point(&self, u: [f64; 3]) -> (FrozenLight, Rgb) {
         let in_square = DVec2::new(u[0], u[1]);
         let mut hue = Rgb::ONE;
@@ -226,8 +227,8 @@ impl Luminaire {
         };
         let point = match self.centre {
             FrozenLight::Sun { to_light, irradiance } => {
-                // Uniform over the disc's projection along its axis, whose density per steradian is cos /
-                // (pi sin^2): on a plane perpendicular to the axis every point gives the same irradiance.
+                // Uniform over the disc's projection along its axis, with the density cos / (pi sin^2) per
+                // steradian: on a plane perpendicular to the axis every point gives the same irradiance.
                 let cos = (1.0 - offset.length_squared()).max(0.0).sqrt();
                 let to_point = (cos * to_light + offset).normalize();
                 let irradiance = irradiance / cos.max(f64::MIN_POSITIVE);
@@ -240,12 +241,12 @@ impl Luminaire {
         (point, hue)
     }
 
-    /// Whether any ray that leaves the scene sees it.
+    /// Whether rays that leave the scene may see it.
     pub fn is_visible(&self) -> bool {
         self.shown[0].is_some() || matches!(self.extent, Extent::Disc { is_visible: true, .. })
     }
 
-    /// Radiance seen by a ray that leaves the scene in that direction.
+    /// Radiance along a ray that leaves the scene in that direction.
     pub fn seen_along(&self, direction: DVec3) -> Rgb {
         let (
             FrozenLight::Sun { to_light, irradiance },
@@ -268,16 +269,16 @@ fn span(axes: &[DVec3; 2], along: DVec2) -> DVec3 {
     along.x * axes[0] + along.y * axes[1]
 }
 
-/// Factor by which more of a sphere's light gets through fog if it comes from its surface, not from the
-/// points of [`in_ball`]. `depth` is the optical depth of its radius.
+/// Ratio of a sphere's light through fog from its surface to that from the points of [`in_ball`]. `depth` is
+/// the optical depth of its radius.
 ///
-/// A chord of half length `h` gives `exp(h)` at its near end, and `I0(h)` on the mean of its points, in
-/// units of what comes from its middle. Over all chords seen from afar, `2 ((t - 1) exp(t) + 1) / t^2` and
-/// `2 I1(t) / t`, here both by their power series.
+/// A chord of half length `h` gives `exp(h)` at its near end, and `I0(h)` averaged over its points, relative
+/// to its middle. Over all chords seen from afar these are `2 ((t - 1) exp(t) + 1) / t^2` and `2 I1(t) / t`,
+/// here both by their power series.
 fn surface_per_ball(depth: f64) -> f64 {
-    /// Beyond it, where nothing shines through any more, as at it.
+    /// Depth beyond which nothing is transmitted, and the ratio stays constant.
     const MOST: f64 = 30.0;
-    /// `MOST^k / k!` is below the last bit of the sum from here on.
+    /// From this term on `MOST^k / k!` is below the last bit of the sum.
     const TERMS: u32 = 120;
     let t = depth.min(MOST);
     let (mut surface, mut ball, mut power, mut square) = (0.0, 0.0, 1.0, 1.0);
@@ -292,14 +293,13 @@ fn surface_per_ball(depth: f64) -> f64 {
 }
 
 /// A point of the unit ball, with a density in proportion to `1 / sqrt(1 - r^2)`.
+/// Along a line at the distance `b` from the centre that density integrates to `integral ds / sqrt(1 - b^2 -
+/// s^2) = pi`, the same for all `b < 1`. So seen from outside, points that emit equally in all directions
+/// look together like a sphere of uniform radiance, as one that emits at its surface does. Points on the
+/// surface would do as well, each emitting to its own half space; but then half of them would light nothing
+/// at any given place.
 ///
-/// Along a line that passes the middle at the distance `b` that density adds up to
-/// `integral ds / sqrt(1 - b^2 - s^2) = pi`, the same for all `b < 1`: seen from outside, points that
-/// shine evenly to all sides look together like a sphere of one radiance, which is what a sphere that
-/// shines at its surface looks like. Points on that surface would do as well, each lighting its own
-/// half of space; but then every second one would be dark to whoever is lit.
-///
-/// It is the density of a point on the sphere in four dimensions, seen in three (Shoemake 1992,
+/// It is the density of a uniform point on the sphere in four dimensions, projected to three (Shoemake 1992,
 /// "Uniform Random Rotations", for the point).
 fn in_ball(u: [f64; 3]) -> DVec3 {
     let (inner, outer) = ((1.0 - u[0]).sqrt(), u[0].sqrt());

@@ -1,6 +1,6 @@
-//! Connected parts of a mesh: leaves, bodies, walls. In goes a mesh, out come its parts and the places
-//! that stand for them. Invariant: all is chosen in mesh space, so that a part that moves keeps its
-//! places; chosen in world space, rounding would pick others from frame to frame.
+//! Connected parts of a mesh: leaves, bodies, walls. In goes a mesh, out come its parts and places that
+//! represent them. Invariant: all is chosen in mesh space, so a moving part keeps its places; in world space
+//! rounding would choose others from frame to frame.
 
 use super::self_shading::exposed;
 use crate::scene::{Mesh, Scene};
@@ -8,44 +8,44 @@ use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-/// Triangles that hang together.
+/// A connected set of triangles.
 #[derive(Clone, Debug)]
 pub struct MeshPart {
-    /// Their numbers.
+    /// Numbers of the triangles.
     pub triangles: Vec<u32>,
-    /// The box about them, in mesh space.
+    /// Lower corner of its bounds, in mesh space.
     pub low: DVec3,
-    /// Its other corner.
+    /// Upper corner of its bounds.
     pub high: DVec3,
-    /// Whether nothing gets inside.
+    /// Whether it is a closed surface.
     pub is_closed: bool,
-    /// Share of its area on both sides that no other of its triangles hides, weighted by the light it
-    /// would get: 1 if flat, a half for a ball.
+    /// Share of its area on both sides that its other triangles do not hide, weighted by irradiance: 1 if
+    /// flat, a half for a ball.
     pub exposed: f64,
-    /// Places that stand for all of it.
+    /// Places that represent the part.
     pub places: Vec<PartPlace>,
-    /// Places that stand for it where it is small beside all that is asked of it.
+    /// Fewer places, for a part that is small in its context.
     pub few_places: Vec<PartPlace>,
 }
 
-/// A triangle that stands for a share of its part.
+/// A triangle that represents a share of its part.
 #[derive(Clone, Copy, Debug)]
 pub struct PartPlace {
     /// Number of the triangle.
     pub triangle: u32,
-    /// Share of the part's area that it stands for, over its own area in mesh space.
+    /// Share of the part's area that it represents, divided by the triangle's area in mesh space.
     pub share: f64,
-    /// Area of the part that it stands for, in mesh space.
+    /// Area that it represents, in mesh space.
     pub area: f64,
 }
 
-/// Places of a part that is as wide as it is long.
+/// Number of places of a part that is as wide as it is long.
 const PLACES: f64 = 8.0;
 const FEW_PLACES: f64 = 2.0;
-/// A part that is longer has no more places.
+/// Ratio of length to width above which a part has no more places.
 const MOST_SLENDER: f64 = 8.0;
 
-/// The parts of each of a scene's meshes, found when they are first asked for.
+/// Parts of each of a scene's meshes, computed on first use.
 #[derive(Debug, Default)]
 pub(super) struct MeshParts(Vec<OnceLock<Parts>>);
 
@@ -127,14 +127,14 @@ fn part(mesh: &Mesh, names: &[u32], triangles: Vec<u32>, count: usize) -> MeshPa
     MeshPart { triangles, low, high, is_closed, exposed, places, few_places }
 }
 
-/// The longest side by the next.
+/// Ratio of the longest side to the next.
 fn slenderness(extent: DVec3) -> f64 {
     let mut sides = extent.to_array();
     sides.sort_by(f64::total_cmp);
     (sides[2] / sides[1]).min(MOST_SLENDER)
 }
 
-/// Places of a part, evenly spread over the area.
+/// Places of a part, evenly distributed over its area.
 fn places(triangles: &[u32], areas: &[f64], count: f64) -> Vec<PartPlace> {
     let whole: f64 = areas.iter().sum();
     if !(whole > 0.0 && whole.is_finite()) {
@@ -147,7 +147,7 @@ fn places(triangles: &[u32], areas: &[f64], count: f64) -> Vec<PartPlace> {
     for (&triangle, &area) in triangles.iter().zip(areas) {
         let before = so_far;
         so_far += area;
-        // As many marks as lie on it, half a step after the start and then each step.
+        // Number of marks on the triangle: the first half a step after the start, then one for each step.
         let marks = (so_far / step + 0.5).floor() - (before / step + 0.5).floor();
         if marks > 0.0 && area > 0.0 {
             places.push(PartPlace { triangle, share: marks * step / area, area: marks * step });
@@ -156,7 +156,7 @@ fn places(triangles: &[u32], areas: &[f64], count: f64) -> Vec<PartPlace> {
     places
 }
 
-/// Whether every edge is shared by two triangles that agree which side is out.
+/// Whether every edge is shared by two triangles of consistent orientation.
 fn is_closed(mesh: &Mesh, names: &[u32], triangles: &[u32]) -> bool {
     let mut open: HashMap<(u32, u32), i32> = HashMap::new();
     for &triangle in triangles {
@@ -184,7 +184,7 @@ fn welded(positions: &[Vec3]) -> Vec<u32> {
         .collect()
 }
 
-/// Connected vertices: union and find, with path halving.
+/// Sets of connected vertices: union-find with path halving.
 struct Sets(Vec<u32>);
 
 impl Sets {
@@ -232,7 +232,7 @@ mod tests {
         }
     }
 
-    /// Its corners are there three times, as files have them whose normals differ.
+    /// Its corners occur three times, as in files with different normals.
     #[test]
     fn a_tetrahedron_is_closed_and_one_without_a_face_is_not() {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -1,5 +1,5 @@
-//! Mesh trees, built when a frame first needs them and kept for all frames. Invariant: a tree is
-//! built at most once; meshes that no frame shows cost nothing.
+//! Mesh trees, built on first use and kept for all frames. In go a scene's meshes, out come trees. Invariant:
+//! a tree is built at most once; meshes that no frame shows cost nothing.
 
 use super::bent_mesh::{BentMesh, BentMeshes};
 use super::mesh_parts::MeshParts;
@@ -13,15 +13,15 @@ use std::sync::{Arc, OnceLock};
 #[derive(Default)]
 pub struct MeshTrees {
     trees: Vec<PartTrees>,
-    /// Whether anything shows through, by material.
+    /// Whether a material transmits light straight through anywhere, by material.
     pub(super) is_blended: Arc<[bool]>,
-    /// Meshes that change their shape.
+    /// Meshes with a changing shape.
     bent: BentMeshes,
     /// Connected parts of the meshes.
     pub(super) parts: Arc<MeshParts>,
 }
 
-/// Trees of a mesh, as far as they were needed; triangles keep their numbers in all of them.
+/// Trees of a mesh, as far as they have been used; triangles have the same numbers in all of them.
 #[derive(Default)]
 struct PartTrees {
     whole: OnceLock<Arc<MeshTree>>,
@@ -30,7 +30,7 @@ struct PartTrees {
 }
 
 impl MeshTrees {
-    /// Room for the trees of `scene`.
+    /// Empty trees for `scene`.
     pub fn new(scene: &Scene) -> Self {
         Self {
             trees: scene.meshes.iter().map(|_| PartTrees::default()).collect(),
@@ -55,8 +55,8 @@ impl MeshTrees {
         })
     }
 
-    /// The trees of an instance's opaque and of its blended triangles, where it has such, of the scene that
-    /// these trees were made for.
+    /// Trees of an instance's opaque and of its blended triangles, `None` where it has none. The scene must
+    /// be the one that the trees were made for.
     pub(super) fn of(&self, scene: &Scene, instance: &Instance) -> [Option<Arc<MeshTree>>; 2] {
         let (index, mesh) = (instance.mesh, &scene.meshes[instance.mesh]);
         let trees = &self.trees[index];
@@ -72,7 +72,7 @@ impl MeshTrees {
         }
     }
 
-    /// Trees with other positions, not kept.
+    /// Trees with other positions; they are not stored.
     fn of_shape(&self, scene: &Scene, instance: &Instance, positions: &[Vec3]) -> [Option<Arc<MeshTree>>; 2] {
         let mesh = &scene.meshes[instance.mesh];
         match self.classes(scene, instance) {
@@ -94,7 +94,7 @@ impl MeshTrees {
 
     /// The tree of all triangles, or of the opaque or blended ones.
     fn build(&self, mesh: &Mesh, positions: &[Vec3], part: Option<bool>) -> Arc<MeshTree> {
-        // Corners that do not exist: such triangles are left out.
+        // Invalid corners, so that the tree leaves such triangles out.
         let nowhere = [u32::MAX; 3];
         let is_in = |triangle: &Triangle| part.is_none_or(|part| self.is_blended[triangle.material] == part);
         let corners = |triangle| if is_in(triangle) { triangle.vertices } else { nowhere };
@@ -103,7 +103,7 @@ impl MeshTrees {
     }
 }
 
-/// Whether anything shows through anywhere, by material.
+/// Whether each material transmits light straight through anywhere.
 fn blended(scene: &Scene) -> Arc<[bool]> {
     let mut fades = vec![false; scene.materials.len()];
     for instance in &scene.instances {
@@ -116,7 +116,8 @@ fn blended(scene: &Scene) -> Arc<[bool]> {
     scene.materials.iter().zip(fades).map(|(material, fades)| is_blended(scene, material, fades)).collect()
 }
 
-/// Whether anything shows through a material anywhere; `fades` if it is shown by vertices that have an alpha.
+/// Whether a material transmits light straight through anywhere; `fades` if vertices that have an alpha show
+/// it.
 fn is_blended(scene: &Scene, material: &Material, fades: bool) -> bool {
     let texture = material.base_color_texture.map(|texture| &scene.textures[texture]);
     material.alpha_mode == AlphaMode::Blend

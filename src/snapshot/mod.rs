@@ -1,7 +1,7 @@
-//! One shutter interval, frozen and ready to trace. In go a [`Scene`], its mesh trees and a time, out comes a
-//! [`Snapshot`]. Invariants: `Snapshot::new` is pure. Below it there is no frame number and no absolute time.
+//! One shutter interval, prepared for tracing. In go a [`Scene`], its mesh trees and a time, out comes a
+//! [`Snapshot`]. Invariants: `Snapshot::new` is pure. After it there is no frame number and no absolute time.
 //! Everything is in *relative space*: world axes, with the camera at the origin. The camera is subtracted in
-//! double precision, so a scene far from the world's origin loses nothing.
+//! double precision, so a scene far from the world's origin loses no precision.
 
 mod bent_mesh;
 mod blended;
@@ -72,52 +72,52 @@ impl Shutter {
         Self { open_s: moment_s, close_s: moment_s }
     }
 
-    /// The moment that a picture without motion blur shows.
+    /// The moment of a picture without motion blur.
     pub fn middle_s(self) -> f64 {
         0.5 * (self.open_s + self.close_s)
     }
 }
 
-/// Everything a ray can ask about.
+/// The scene of one moment, for all queries of rays.
 pub struct Snapshot<'scene> {
     scene: &'scene Scene,
     /// The camera.
     pub view: View,
-    /// All visible triangles but those of `blended`.
+    /// All visible opaque triangles.
     pub tree: InstanceTree,
-    /// All visible triangles that let something through.
+    /// All visible triangles that transmit light straight through.
     pub blended: InstanceTree,
-    /// Shadow casters of both trees, if they are not all.
+    /// Shadow casters of both trees; `None` if these are all instances.
     casting: Option<[InstanceTree; 2]>,
-    /// Ray visibility of the instances of both, under their numbers; `None` if all rays meet all.
+    /// Ray visibility of the instances of both trees, by number; `None` if all rays meet all of them.
     rays: Option<RaysOfInstances>,
-    /// The scene's, as they are at this moment.
+    /// The scene's materials at this moment.
     materials: Cow<'scene, [Material]>,
-    /// Whether anything shows through, by material.
+    /// Whether a material transmits light straight through, by material.
     is_blended: Arc<[bool]>,
     /// Connected parts of the scene's meshes.
     parts: Arc<mesh_parts::MeshParts>,
-    /// Instances of both trees, under their numbers.
+    /// Instances of both trees, by number.
     placed: Vec<Placed>,
     /// Number of the first instance of `blended`.
     first_blended: usize,
-    /// All lights that shine.
+    /// All lights that emit.
     pub lights: Vec<Luminaire>,
     /// All fog.
     pub medium: Medium,
-    /// Radiance of rays that leave the scene, but for the sky and for suns that they meet.
+    /// Radiance of rays that leave the scene, without the sky and without suns.
     pub background: Rgb,
     /// The sky, unless it is dark.
     pub sky: Option<FrozenSky<'scene>>,
-    /// What the camera sees in its place.
+    /// Sky that the camera sees instead.
     pub backdrop: Option<FrozenSky<'scene>>,
-    /// Motion of surfaces, if anybody asks.
+    /// Motion of surfaces, if it is requested.
     pub motion: Option<Arc<MotionField>>,
-    /// Cryptomatte ids of the scene's instances, if anybody asks.
+    /// Cryptomatte ids of the scene's instances, if they are requested.
     pub mattes: Option<Arc<[u32]>>,
-    /// Fog as the camera sees it, if that is known for all its rays.
+    /// Fog along camera rays, if it was precomputed.
     seen_fog: OnceLock<Arc<SeenFog>>,
-    /// Emissive surfaces, once they have been asked for.
+    /// Emissive surfaces, after their first use.
     glow: OnceLock<Option<Glow>>,
 }
 
@@ -127,7 +127,7 @@ struct Instant<'a> {
     time_s: f64,
     /// Middle of the shutter.
     frame_s: f64,
-    /// What keeps still in all of the shutter's moments.
+    /// Instances that are still at all of the shutter's moments.
     still: Option<&'a Still>,
 }
 
@@ -139,7 +139,7 @@ struct Framing {
 }
 
 impl<'scene> Snapshot<'scene> {
-    /// Freezes `scene` as its camera number `camera` sees it in the middle of `shutter`.
+    /// Freezes `scene` as seen by its camera number `camera` in the middle of `shutter`.
     ///
     /// `aspect` is width / height of the whole picture.
     pub fn new(
@@ -154,7 +154,7 @@ impl<'scene> Snapshot<'scene> {
         Self::at(scene, trees, Framing { camera, aspect }, instant, &shining(scene, time_s))
     }
 
-    /// Freezes a moment with those of the scene's lights of which `shining` says so.
+    /// Freezes a moment, with those of the scene's lights that `shining` selects.
     fn at(
         scene: &'scene Scene,
         trees: &MeshTrees,
@@ -171,18 +171,18 @@ impl<'scene> Snapshot<'scene> {
         contents.seen_by(view)
     }
 
-    /// Where an instance is.
+    /// Transform of an instance.
     fn relative_from_mesh(&self, number: usize) -> DAffine3 {
         let tree = if number < self.first_blended { &self.tree } else { &self.blended };
         tree.relative_from_mesh(number as u32)
     }
 
-    /// Whether anything shines.
+    /// Whether any surface is glossy.
     pub fn has_gloss(&self) -> bool {
         self.materials.iter().any(|material| material.coat.is_some())
     }
 
-    /// Whether any visible surface lets something through.
+    /// Whether any visible surface transmits light straight through.
     pub fn has_blended(&self) -> bool {
         !self.blended.is_empty()
     }
@@ -193,7 +193,7 @@ impl<'scene> Snapshot<'scene> {
         self.background + sky + self.suns_along(direction)
     }
 
-    /// Radiance beyond the scene on a ray from the camera, which may not see the sky.
+    /// Radiance beyond the scene on a camera ray; the sky may be hidden from the camera.
     pub fn seen_beyond(&self, direction: DVec3) -> Rgb {
         let suns = || self.suns_along(direction);
         match (&self.backdrop, &self.sky) {
@@ -203,29 +203,29 @@ impl<'scene> Snapshot<'scene> {
         }
     }
 
-    /// The part of it that suns show themselves.
+    /// The part of it that is the discs of suns.
     pub fn suns_along(&self, direction: DVec3) -> Rgb {
         self.lights.iter().map(|light| light.seen_along(direction)).sum()
     }
 
-    /// Whether camera rays that leave the scene see something, suns aside.
+    /// Whether camera rays that leave the scene see a background, suns aside.
     pub fn has_background(&self) -> bool {
         let is_seen = self.backdrop.is_some() || self.sky.is_some_and(|sky| sky.is_seen());
         is_seen || self.background != Rgb::ZERO
     }
 
-    /// Whether no camera ray that leaves the scene sees anything, not even a sun or lamp.
+    /// Whether no camera ray that leaves the scene sees any light, not even a sun or lamp.
     pub fn is_dark_beyond(&self) -> bool {
         !self.has_background() && !self.lights.iter().any(Luminaire::is_visible)
     }
 
-    /// Fog as the camera sees it, once [`Exposure::see_fog`] has found it.
+    /// Fog along camera rays, once [`Exposure::see_fog`] has computed it.
     pub fn seen_fog(&self) -> Option<&SeenFog> {
         self.seen_fog.get().map(|seen| &**seen)
     }
 
-    /// Motion of a surface's point that a ray met, or of what lies infinitely far away in its direction;
-    /// see [`MotionField`]. 0 if nobody asked.
+    /// Motion of the surface point that a ray hit, or of objects at infinity in its direction; see
+    /// [`MotionField`]. 0 unless motion is requested.
     pub fn motion_px(&self, surface: Option<&SurfacePoint>, direction: DVec3) -> [f64; 4] {
         let Some(motion) = &self.motion else { return [0.0; 4] };
         let Some(point) = surface else { return motion.of_direction(direction) };
@@ -234,7 +234,7 @@ impl<'scene> Snapshot<'scene> {
         motion.of_point(self.scene, instance, point.primitive.triangle as usize, weights)
     }
 
-    /// Cryptomatte id of the object that a triangle belongs to; 0 if nobody asked.
+    /// Cryptomatte id of the object that a triangle belongs to; 0 unless ids are requested.
     pub fn matte_id(&self, primitive: PrimitiveId) -> u32 {
         let instance = self.placed[primitive.instance as usize].instance;
         self.mattes.as_ref().map_or(0, |mattes| mattes[instance])

@@ -1,7 +1,7 @@
-//! A scene at one moment, in relative space: instances, fog, lights and materials, as its nodes place
-//! them. In go a scene, a time and where the eye is, out comes what a snapshot is made of. Invariant:
-//! what is invisible, or has no extent, is not there. But lights stay, switched off, so that all moments
-//! of a shutter have the same.
+//! A scene at one moment, in relative space: instances, fog, lights and materials, as its nodes place them.
+//! In go a scene, a time and the eye, out come the parts of a snapshot. Invariant: invisible instances, and
+//! those without extent, are left out. Lights stay, switched off, so that all moments of a shutter have the
+//! same.
 
 use super::bent_mesh::BentMesh;
 use super::still::Still;
@@ -13,33 +13,33 @@ use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Place and time that a scene is looked at from.
+/// Place and time from which a scene is seen.
 pub(super) struct Moment<'scene, 'a> {
     pub(super) scene: &'scene Scene,
     pub(super) time_s: f64,
-    /// Time of the frame: mist is that of the middle of the shutter.
+    /// Time of the frame: mist is that in the middle of the shutter.
     pub(super) frame_s: f64,
     /// Placements of its nodes.
     pub(super) placements: Vec<Placement>,
     /// The origin of relative space, in the world.
     pub(super) eye: DVec3,
-    /// What keeps still at this moment and others.
+    /// Instances that are still at this moment and others.
     pub(super) still: Option<&'a Still>,
 }
 
-/// An instance of a tree, back in the scene's terms.
+/// An instance of a tree, with its reference to the scene.
 pub(super) struct Placed {
     pub(super) instance: usize,
     /// Bent shape of its mesh, if it bends.
     pub(super) bent: Option<Arc<BentMesh>>,
 }
 
-/// Instances that rays can meet, and what a tree is built of for them, in the same order.
+/// Instances that rays can meet, and their placed meshes for the tree, in the same order.
 #[derive(Default)]
 pub(super) struct PlacedInstances {
     pub(super) placed: Vec<Placed>,
     pub(super) meshes: Vec<PlacedMesh>,
-    /// Number of the first of them that keep still at other moments too.
+    /// Number of leading instances that are still at other moments, too.
     pub(super) still: usize,
 }
 
@@ -75,7 +75,7 @@ impl<'scene> Moment<'scene, '_> {
             for (class, mesh) in classes.into_iter().zip(own) {
                 let Some(mesh) = mesh else { continue };
                 let mesh = PlacedMesh { mesh, relative_from_mesh };
-                // A leaf scaled to nothing is a leaf that is not there.
+                // A leaf scaled to zero is left out.
                 if mesh.mesh_from_relative().is_some() {
                     class.placed.push(Placed { instance: index, bent: bent.clone() });
                     class.meshes.push(mesh);
@@ -100,7 +100,7 @@ impl<'scene> Moment<'scene, '_> {
         Medium::new(banks).with_emitters(emitters)
     }
 
-    /// Fog by the grids of files, and what shines in it.
+    /// Adds fog from the grids of files, and its emission.
     fn add_grids(
         &self,
         fog: &Fog,
@@ -109,7 +109,7 @@ impl<'scene> Moment<'scene, '_> {
         emitters: &mut Vec<Emitter>,
     ) {
         let time_s = self.time_s;
-        // What is carried is made anew for each time: once a frame.
+        // Advected voxels are computed anew for each time: once a frame.
         let voxels_s = if grids.is_carried() { self.frame_s } else { time_s };
         let Some(voxels) = grids.at(voxels_s) else { return };
         let (sigma_t, albedo) = (fog.density_per_m.at(time_s), fog.albedo.at(time_s));
@@ -126,7 +126,7 @@ impl<'scene> Moment<'scene, '_> {
         }));
     }
 
-    /// `None` if it does nothing.
+    /// Bank of a fog; `None` if it has no effect.
     fn fog_bank(&self, fog: &Fog) -> Option<FogBank> {
         let (relative_from_node, time_s) = (self.relative_from(fog.node), self.time_s);
         let (sigma_t, albedo) = (fog.density_per_m.at(time_s), fog.albedo.at(time_s));
@@ -140,7 +140,7 @@ impl<'scene> Moment<'scene, '_> {
                 Some(FogBank::in_box(relative_from_node, sigma_t, albedo, g)?.thinning(frozen(falloff)?))
             }
             FogShape::Layer(falloff) => FogBank::everywhere(frozen(falloff)?, sigma_t, albedo, g),
-            // Of which there may be several.
+            // There may be several, see `add_grids`.
             FogShape::Voxels(_) => None,
             FogShape::Mist(mist) => {
                 let shape_from_voxel = DAffine3::from_scale(DVec3::splat(mist.voxel_m));
@@ -150,7 +150,7 @@ impl<'scene> Moment<'scene, '_> {
         }
     }
 
-    /// Lights of which `shining` says so, suns of the sky last.
+    /// Lights that `shining` selects, suns of the sky last.
     pub(super) fn lights(&self, shining: &[bool], medium: &Medium) -> Vec<Luminaire> {
         let of_sky = self.scene.sky.iter().flat_map(|sky| sky.suns_at(self.time_s));
         let of_sky = of_sky.zip(&shining[self.scene.lights.len()..]).filter(|(_, shines)| **shines);
@@ -178,7 +178,7 @@ impl<'scene> Moment<'scene, '_> {
     }
 }
 
-/// Whether each of a scene's lights shines, and then each sun of its sky.
+/// Whether each of a scene's lights emits, and then each sun of its sky.
 pub(super) fn shining(scene: &Scene, time_s: f64) -> Vec<bool> {
     let shines =
         |light: &Light| light.power.at(time_s).max_element() > 0.0 && scene.is_visible(light.node, time_s);

@@ -1,18 +1,17 @@
-//! Motion of a surface's point in the picture: at a frame, a frame before and a frame after. In go a
-//! triangle and a place on it, out come pixels. Invariant: pure; no tree is built and no ray traced for
-//! it.
+//! Motion of a surface point in the picture, from a frame before to a frame after. In go a triangle and a
+//! place on it, out come pixels. Invariant: pure; it builds no tree and traces no ray.
 //!
-//! The point is followed, whatever moment of the shutter it was seen at: so all samples of a still leaf
-//! agree, and motion blur moves no vector.
+//! The point is the same for any moment of the shutter at which it was seen: all samples of a still leaf
+//! agree, and motion blur changes no vector.
 
 use super::View;
 use crate::scene::{Instance, Scene, Size};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
-/// The moments, in order of time.
+/// Number of moments, in order of time.
 const MOMENTS: usize = 3;
 
-/// Everything that moves, at three moments.
+/// Transforms and shapes of all instances, at three moments.
 #[derive(Debug)]
 pub struct MotionField {
     size: Size,
@@ -27,8 +26,8 @@ struct Moment {
 }
 
 impl MotionField {
-    /// Motion field from the moments a frame before, at the frame and a frame after; the rest is as for
-    /// [`super::Snapshot::new`].
+    /// Motion field from the moments a frame before, at the frame and a frame after; for the other arguments
+    /// see [`super::Snapshot::new`].
     pub fn new(scene: &Scene, camera: usize, size: Size, times_s: [f64; MOMENTS]) -> Self {
         let aspect = size.width as f64 / size.height as f64;
         let moments = times_s.map(|time_s| {
@@ -47,7 +46,7 @@ impl MotionField {
         Self { size, moments }
     }
 
-    /// The motion of a point of an instance's triangle, of which the three vertices have the `weights`.
+    /// Motion of a point of an instance's triangle, with the `weights` of its three vertices.
     pub(super) fn of_point(
         &self,
         scene: &Scene,
@@ -66,13 +65,13 @@ impl MotionField {
         })
     }
 
-    /// The motion of what lies infinitely far away in a direction.
+    /// Motion of objects at infinity in a direction.
     pub(super) fn of_direction(&self, direction: DVec3) -> [f64; 4] {
         self.vectors(|moment| moment.view.film_place_of_direction(direction))
     }
 
-    /// Blender's vectors: from where it is to where it was, and from where it will be to where it is, in
-    /// pixels to the right and up; 0 where the camera cannot see that far behind itself.
+    /// Vectors as Blender has them: from the place now to the one before, and from the place after to the one
+    /// now, in pixels to the right and up; 0 where the point is behind the camera.
     fn vectors(&self, film_place: impl Fn(&Moment) -> Option<DVec2>) -> [f64; 4] {
         let [before, now, after] = self.moments.each_ref().map(film_place);
         let pixels = DVec2::new(self.size.width as f64, -(self.size.height as f64));

@@ -1,20 +1,19 @@
-//! Placed meshes as they stand, for who draws them one after another instead of following rays. In goes a
-//! snapshot, out come triangles in relative space. Invariant: the triangles are those of the trees, taken
-//! from the same vertices.
+//! Placed meshes, for code that draws them one after another instead of tracing rays. In goes a snapshot, out
+//! come triangles in relative space. Invariant: the triangles and vertices are those of the trees.
 
 use super::{MeshPart, Snapshot};
 use crate::accel::PrimitiveId;
 use crate::scene::{Mesh, Triangle};
 use glam::{DAffine3, Vec3};
 
-/// Mesh where it is placed; its opaque triangles, or its blended ones.
+/// A placed mesh, with its opaque or its blended triangles.
 #[derive(Clone, Copy)]
 pub struct DrawnMesh<'a> {
     /// Transform.
     pub relative_from_mesh: DAffine3,
-    /// Vertices as they are bent, in its own space.
+    /// Vertices in their bent shape, in mesh space.
     pub positions: &'a [Vec3],
-    /// Whether they are not where they are in the file.
+    /// Whether they differ from the file's.
     pub is_bent: bool,
     /// Whether these are its blended triangles.
     pub is_blended: bool,
@@ -28,13 +27,13 @@ impl Snapshot<'_> {
         self.placed.len()
     }
 
-    /// The number of a mesh that it has at all moments of a shutter, whatever else appears or is hidden in
-    /// it; below [`Self::lasting_count`].
+    /// Number of a mesh that is the same at all moments of a shutter, whichever other meshes are visible;
+    /// below [`Self::lasting_count`].
     pub fn lasting_number(&self, number: usize) -> usize {
         2 * self.placed[number].instance + usize::from(number >= self.first_blended)
     }
 
-    /// Number of lasting numbers: two for each of the scene's instances, its opaque and its blended
+    /// Count of lasting numbers: two for each of the scene's instances, for its opaque and its blended
     /// triangles.
     pub fn lasting_count(&self) -> usize {
         2 * self.scene.instances.len()
@@ -46,7 +45,7 @@ impl Snapshot<'_> {
         self.parts.part_of((mesh, &self.scene.meshes[mesh]), primitive.triangle)
     }
 
-    /// Whether the camera sees one of them.
+    /// Whether the camera sees a mesh.
     pub fn is_mesh_seen(&self, number: usize) -> bool {
         self.rays_of_instances().is_none_or(|rays| rays.of_instance(number).visible_to_camera)
     }
@@ -67,26 +66,25 @@ impl Snapshot<'_> {
 }
 
 impl<'a> DrawnMesh<'a> {
-    /// Connected parts, by its shape before it is bent.
+    /// Connected parts of its unbent shape.
     pub fn parts(self) -> &'a [MeshPart] {
         self.snapshot.parts.of(self.mesh())
     }
 
-    /// Numbers of mesh and material: equal for meshes that look the same in one snapshot, wherever they
-    /// are.
+    /// Numbers of mesh and material: equal for meshes with the same look in one snapshot, in any place.
     pub fn looks(self) -> (usize, Option<usize>) {
         let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
         (instance.mesh, instance.material)
     }
 
-    /// The mesh as it is in the scene, and its number there.
+    /// The mesh in the scene, and its number there.
     fn mesh(self) -> (usize, &'a Mesh) {
         let scene = self.snapshot.scene;
         let number = scene.instances[self.snapshot.placed[self.number].instance].mesh;
         (number, &scene.meshes[number])
     }
 
-    /// Primitive of one of its triangles; `None` if that is not among these.
+    /// Primitive of a triangle; `None` if these triangles do not include it.
     pub fn primitive(self, triangle: u32) -> Option<PrimitiveId> {
         let (instance, mesh) =
             (&self.snapshot.scene.instances[self.snapshot.placed[self.number].instance], self.mesh().1);
@@ -95,7 +93,7 @@ impl<'a> DrawnMesh<'a> {
         is_in.then_some(PrimitiveId { instance: self.number as u32, triangle })
     }
 
-    /// Triangles: the primitives that the snapshot knows them by, and their vertices.
+    /// Triangles: their primitives in the snapshot, and their vertices.
     pub fn triangles(self) -> impl Iterator<Item = (PrimitiveId, [usize; 3])> + 'a {
         let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
         let scene = self.snapshot.scene;

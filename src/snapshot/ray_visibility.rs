@@ -1,6 +1,6 @@
-//! Ray visibility of surfaces. In go flags of the scene's nodes, out come answers by triangle, and trees
-//! of shadow casters. Invariant: where all rays meet all surfaces there is one tree for all questions, and
-//! no list.
+//! Ray visibility of surfaces. In go flags of the scene's nodes, out come flags by triangle, and trees of
+//! shadow casters. Invariant: where all rays meet all surfaces there is one tree for all queries, and no
+//! list.
 
 use super::Snapshot;
 use super::moment::PlacedInstances;
@@ -25,7 +25,7 @@ impl RaysOfInstances {
     }
 }
 
-/// Ray visibility of opaque instances, then of blended ones; `None` if none of them is unusual.
+/// Ray visibility of opaque instances, then of blended ones; `None` if all rays meet all of them.
 pub(super) fn rays_of(scene: &Scene, classes: &[PlacedInstances; 2]) -> Option<RaysOfInstances> {
     if scene.ray_visibility.is_empty() {
         return None;
@@ -65,13 +65,13 @@ impl Snapshot<'_> {
         self.rays.as_ref().is_none_or(|rays| rays.of(primitive).visible_to_camera)
     }
 
-    /// Whether the camera sees a hole in its place.
+    /// Whether the camera sees a hole in place of a triangle.
     #[inline]
     pub fn is_holdout(&self, primitive: PrimitiveId) -> bool {
         self.rays.as_ref().is_some_and(|rays| rays.of(primitive).holdout)
     }
 
-    /// Whether a triangle ends all light: it is opaque and throws shadows.
+    /// Whether a triangle blocks all light: it is opaque and casts shadows.
     #[inline]
     pub fn ends_light(&self, primitive: PrimitiveId) -> bool {
         let casts = self.rays.as_ref().is_none_or(|rays| rays.of(primitive).casts_shadow);

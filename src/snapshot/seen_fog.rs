@@ -1,7 +1,7 @@
-//! Fog by voxels as the camera sees it. In go a snapshot and the size of a picture, out come depths and
-//! light. A lattice of camera rays has optical depths and what suns scatter before each step, of which lit
-//! intervals take differences. Invariant: depths along its rays are exact at steps. Between them all is
-//! linear, and errs by no more than a tolerance.
+//! Fog of voxels along camera rays. In go a snapshot and the size of a picture, out come optical depths and
+//! in-scattered light. A lattice of camera rays has prefix sums of optical depth and of suns' scattered light
+//! by step, of which lit intervals take differences. Invariant: depths along its rays are exact at steps.
+//! Between these all is linear, with an error within a tolerance.
 
 use super::fog_lattice::{Between, FogLattice};
 use super::{FrozenLight, Snapshot};
@@ -12,15 +12,15 @@ use crate::scene::Size;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Root mean square error that a ray between those of the lattice may have: of transmittance, and of
-/// sunlight as a share of its own root mean square.
+/// Maximum root mean square error of a ray between those of the lattice: of transmittance, and of sunlight
+/// relative to its own root mean square.
 const TOLERANCE: f64 = 0.02;
-/// Numbers on a lattice at most: 64 MB.
+/// Maximum number of values of a lattice: 64 MB.
 const MOST_NUMBERS: f64 = (1 << 24) as f64;
-/// So few do where they err by no more than that: 16 MB.
+/// Number of values of a coarse lattice, 16 MB, which suffices with an error below `TOLERANCE_OF_FEW`.
 const FEW_NUMBERS: f64 = (1 << 22) as f64;
 const TOLERANCE_OF_FEW: f64 = 0.005;
-/// Cosine of how far a point of a sun's disc may lie from the middle that light is for: a degree.
+/// Minimum cosine between a point of a sun's disc and its centre, for which light was computed: a degree.
 const NEAR: f64 = 0.999_85;
 
 /// Optical depths and light of suns on a lattice of camera rays.
@@ -28,17 +28,17 @@ pub struct SeenFog {
     lattice: FogLattice,
     /// Directions towards suns.
     suns: Vec<DVec3>,
-    /// Henyey-Greenstein g of all of it.
+    /// Henyey-Greenstein g of all voxels.
     g: f64,
-    /// Channels that differ: 1 or 3.
+    /// Number of channels that differ: 1 or 3.
     channels: usize,
-    /// Values by ray, then step, then quantity: optical depth, and for each sun the light scattered,
-    /// without the phase function; then channel.
+    /// Values by ray, then step, then quantity, then channel. Quantities are optical depth, and for each sun
+    /// the scattered light without the phase function.
     numbers: Vec<f32>,
 }
 
 impl SeenFog {
-    /// `None` where rays are better followed one by one.
+    /// Precomputes the fog; `None` where single rays are better.
     pub(super) fn new(snapshot: &Snapshot, size: Size) -> Option<Self> {
         let (view, medium) = (&snapshot.view, &snapshot.medium);
         let g = medium.anisotropy_of_voxels()?;
@@ -76,7 +76,7 @@ impl SeenFog {
         let mut numbers = vec![0.0_f32; lattice.columns * lattice.rows * of_ray];
         numbers.par_chunks_mut(of_ray).enumerate().for_each(|(number, numbers)| {
             let ray = lattice.ray(number);
-            // So that what is between two places is in fog: the first and the last may be as dense as any.
+            // Steps are clamped to the fog's range, as its density may be anything at the ends.
             let (enter, leave) = medium.range(&ray, f64::INFINITY).unwrap_or_default();
             let steps = lattice.places(&ray).into_iter().map(|place| place.min(leave).max(enter));
             let places = with_middles(&steps.collect::<Vec<f64>>());
@@ -96,8 +96,8 @@ impl SeenFog {
         Self { lattice, suns: suns.to_vec(), g, channels, numbers }
     }
 
-    /// Root mean square error of a ray between those that are known. Where values are smooth it is a third
-    /// of the difference between a known ray and the mean of the four beside it.
+    /// Root mean square error of a ray between those of the lattice. Where values are smooth it is a third of
+    /// the difference between a ray and the mean of its four neighbours.
     fn error(&self) -> f64 {
         let FogLattice { columns, rows, .. } = self.lattice;
         let at_end = |ray: usize, quantity: usize| {
@@ -121,7 +121,7 @@ impl SeenFog {
         (0..=self.suns.len()).map(of_quantity).fold(0.0, f64::max)
     }
 
-    /// Numbers of a step.
+    /// Number of values of a step.
     fn of_step(&self) -> usize {
         self.channels * (1 + self.suns.len())
     }
@@ -131,7 +131,7 @@ impl SeenFog {
         self.numbers[step * self.of_step() + quantity * self.channels]
     }
 
-    /// A ray of the camera through it.
+    /// A camera ray through it.
     pub fn along<'a>(&'a self, ray: &'a Ray) -> SeenRay<'a> {
         let of_ray = self.of_step() * (self.lattice.steps + 1);
         let between = self.lattice.between(ray).map(|(ray, weight)| (of_ray * ray, weight));
@@ -139,23 +139,23 @@ impl SeenFog {
     }
 }
 
-/// Places, and the middle between each two: depths to a sun count as linear between places, and half a step
-/// has a quarter of that error.
+/// Places, with the middle between each two: depths to a sun count as linear between places, and half a step
+/// has a quarter of the error.
 fn with_middles(places: &[f64]) -> Vec<f64> {
     let pairs = places.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]);
     pairs.chain(places.last().copied()).collect()
 }
 
-/// A ray between those of the lattice.
+/// A camera ray between those of the lattice.
 pub struct SeenRay<'a> {
     fog: &'a SeenFog,
     ray: &'a Ray,
-    /// Where the numbers of the rays about it begin, and how much each counts.
+    /// Start of the values of the rays around it, and their weights.
     between: Between,
 }
 
 impl SeenRay<'_> {
-    /// Quantity before a place, which is given in steps.
+    /// A quantity up to a place, which is given in steps.
     fn before(&self, step: f64, quantity: usize) -> Rgb {
         let SeenFog { lattice, channels, numbers, .. } = self.fog;
         let first = (step as usize).min(lattice.steps - 1);
@@ -176,21 +176,21 @@ impl SeenRay<'_> {
         self.fog.lattice.step(self.ray, t)
     }
 
-    /// Optical depth before a place.
+    /// Optical depth up to a distance.
     pub fn optical_depth(&self, t: f64) -> Rgb {
         self.before(self.step(t), 0)
     }
 
-    /// Transmittance from a distance.
+    /// Transmittance up to a distance.
     pub fn transmittance(&self, t: f64) -> Rgb {
         exp_minus(self.optical_depth(t))
     }
 
-    /// Passage up to a distance of which a sun lights parts; `None` for any other light.
+    /// Passage up to a distance with the parts that a sun lights; `None` for any other light.
     pub fn passage(&self, distance: f64, lit: &LitSegments, light: &FrozenLight) -> Option<Passage> {
         let FrozenLight::Sun { to_light, irradiance } = *light else { return None };
         let sun = self.fog.suns.iter().position(|sun| sun.dot(to_light) > NEAR)?;
-        // Of steps in which fog begins or ends all is in it.
+        // Within fog alone, as fog begins or ends within a step.
         let fog = lit.within(0.0, f64::INFINITY);
         let ends = fog.end < distance;
         let before = |t: f64| {
@@ -206,8 +206,8 @@ impl SeenRay<'_> {
         Some(Passage { scattered: phase * sum * irradiance, transmittance: self.transmittance(distance) })
     }
 
-    /// The place in a range before which a share of the light lost there is lost, and its density per
-    /// metre: as often as the eye's own light would be scattered there. `None` where nothing is lost.
+    /// Distance within a range at which a given share of its loss is reached, and the density there per
+    /// metre: proportional to the extinction of light from the eye. `None` where nothing is lost.
     pub fn place_by_depth(&self, (start, end): (f64, f64), u: f64) -> Option<(f64, f64)> {
         let mean = |step: f64| self.before(step, 0).element_sum() / 3.0;
         let (first, last) = (self.step(start), self.step(end));

@@ -1,23 +1,23 @@
-//! Self-shading of a part. In go triangles, out comes the share of light from all sides that meets one of
-//! the others first. Invariant: nothing in it is random, so a mesh has the same share always.
+//! Self-shading of a part. In go triangles, out comes the share of its area that is not shaded by others of
+//! them. Invariant: nothing is random, so a mesh always has the same share.
 //!
-//! A part that is much smaller than a cell is area in a turbid medium: it stops as much light as its
-//! outline does. Of a bent leaf the sum of its triangles' outlines is more, and of a closed body twice as
-//! much.
+//! A part much smaller than a cell is area in a turbid medium, which stops as much light as its projection
+//! does. For a bent leaf the sum of its triangles' projections is larger, and for a closed body twice as
+//! large.
 
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Places on a part, with two ways to look from each; fewer where there are many triangles.
+/// Maximum number of places on a part, with two directions from each; fewer where there are many triangles.
 const PLACES: usize = 256;
 const FEWEST_PLACES: usize = 16;
 /// Maximum number of places times triangles, over all parts of a mesh.
 const MOST_TESTS: usize = 20_000_000;
-/// Projected share of the area above which a part counts as flat, and nothing hides anything.
+/// Projected share of the area above which a part counts as flat, without self-shading.
 const FLAT: f64 = 1.0 - 1e-6;
 
-/// Share of a part's area on both sides that is not hidden, weighted by the cosine of where light comes
-/// from. It is one of `parts` of its mesh.
+/// Share of a part's area on both sides that is not shaded, weighted by the cosine of the direction. The part
+/// is one of `parts` of its mesh.
 pub(super) fn exposed(triangles: &[[DVec3; 3]], areas: &[f64], parts: usize) -> f64 {
     let whole: f64 = areas.iter().sum();
     let facing: DVec3 = triangles.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).sum();
@@ -43,10 +43,10 @@ pub(super) fn exposed(triangles: &[[DVec3; 3]], areas: &[f64], parts: usize) -> 
     open as f64 / (2 * count) as f64
 }
 
-/// A place on a triangle, and a direction by the cosine.
+/// A place on a triangle, and a cosine-distributed direction.
 fn look([a, b, c]: &[DVec3; 3], number: usize) -> (DVec3, DVec3) {
-    /// The root of `x^5 = x + 1`: its powers spread points in four dimensions (Roberts 2018, "The
-    /// unreasonable effectiveness of quasirandom sequences").
+    /// The root of `x^5 = x + 1`, whose powers are the steps of an additive recurrence in four dimensions
+    /// (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     const ROOT: f64 = 1.167_303_978_261_418_7;
     let [u, v, w, angle] = [1, 2, 3, 4].map(|power| (0.5 + number as f64 * ROOT.powi(-power)).fract());
     let root = u.sqrt();
@@ -80,7 +80,7 @@ mod tests {
         exposed(triangles, &triangles.iter().map(area).collect::<Vec<_>>(), 1)
     }
 
-    /// A sheet along z, bent about it: through these points across.
+    /// A sheet along z, bent about it, with these points as its cross-section.
     fn sheet(across: &[(f64, f64)]) -> Vec<[DVec3; 3]> {
         let strip = |pair: &[(f64, f64)]| {
             let at = |(x, y): (f64, f64), z: f64| DVec3::new(x, y, z);
@@ -95,8 +95,8 @@ mod tests {
         assert_eq!(exposed_of(&sheet(&[(0.0, 0.0), (1.0, 0.0), (3.0, 0.0)])), 1.0);
     }
 
-    /// By lengths of outlines: a line meets a long convex trough as often as its hull, all but its own
-    /// crossings (Crofton). Of half a tube of radius 1 that is `(pi + 2) / (2 pi)`.
+    /// By perimeters (Crofton): a line meets a long convex trough whenever it meets the trough's hull. For
+    /// half a tube of radius 1 the share is `(pi + 2) / (2 pi)`.
     #[test]
     fn half_a_tube_stops_light_as_its_hull_does() {
         let arc: Vec<(f64, f64)> =

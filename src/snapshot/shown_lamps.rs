@@ -1,5 +1,5 @@
-//! Lamps that show themselves. In go rays, out come distances and radiances. Invariant: they block nothing,
-//! as in Cycles, where rays go on through them.
+//! Visible lamps. In go rays, out come distances and radiances. Invariant: lamps block nothing, as in Cycles,
+//! where rays pass through them.
 
 use super::luminaire::{Extent, Luminaire, Watcher};
 use super::{FrozenLight, Snapshot};
@@ -10,7 +10,8 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 impl Luminaire {
-    /// Where a ray meets it, metres, and its radiance there, W m^-2 sr^-1; `None` if it is not seen.
+    /// Distance at which a ray meets it, metres, and its radiance there, W m^-2 sr^-1; `None` if it is not
+    /// seen.
     pub fn met_by(&self, watcher: Watcher, ray: &Ray) -> Option<(f64, Rgb)> {
         let intensity = self.shown_to(watcher)?;
         let FrozenLight::Point { position, emission, shape, .. } = self.centre else { return None };
@@ -21,7 +22,7 @@ impl Luminaire {
                 let squared_gap = to_centre.cross(ray.direction).length_squared();
                 let squared = radius * radius;
                 let t = if shape.softened_m2 > 0.0 {
-                    // A disc across the way to its middle.
+                    // A disc at right angles to the direction to its centre.
                     let (t, least) = (to_centre.length_squared() / along, along * along * squared);
                     (squared_gap * to_centre.length_squared() < least).then_some(t)?
                 } else {
@@ -49,7 +50,7 @@ impl Luminaire {
 }
 
 impl Snapshot<'_> {
-    /// Where a ray meets lamps, metres, and their radiances.
+    /// Distances at which a ray meets lamps, metres, and their radiances.
     pub fn lamps_met(&self, watcher: Watcher, ray: &Ray) -> impl Iterator<Item = (f64, Rgb)> {
         self.lights.iter().filter_map(move |light| light.met_by(watcher, ray))
     }
@@ -59,7 +60,7 @@ impl Snapshot<'_> {
         self.suns_along(ray.direction) != Rgb::ZERO || self.lamps_met(Watcher::Camera, ray).next().is_some()
     }
 
-    /// Whether a lobe of an alpha shows lamps at a place.
+    /// Whether a specular lobe of an alpha shows lamps as images at a place.
     pub fn shows_lamps(&self, alpha: f64, place: DVec3) -> bool {
         self.lights.iter().any(|light| light.shows_in(alpha, place))
     }

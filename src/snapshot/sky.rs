@@ -1,5 +1,5 @@
 //! The sky at one time. In go directions and uniform numbers, out come radiances, directions and densities.
-//! Invariant: directions are of relative space, turned as the sky is.
+//! Invariant: directions are those of relative space, with the sky's rotation included.
 
 use crate::color::Rgb;
 use crate::scene::{Sky, SkyLight};
@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 pub struct FrozenSky<'scene> {
     sky: &'scene Sky,
     strength: Rgb,
-    /// Cosine and sine of how far it is turned about +Y.
+    /// Cosine and sine of its rotation about +Y.
     turn: DVec2,
 }
 
@@ -21,7 +21,7 @@ impl<'scene> FrozenSky<'scene> {
         (strength.max_element() > 0.0).then_some(Self { sky, strength, turn })
     }
 
-    /// Part that changes with time: strength, and cosine and sine of the angle that it is turned by.
+    /// Its values that change with time: strength, and cosine and sine of the rotation.
     pub(super) fn turned_by(&self) -> (Rgb, DVec2) {
         (self.strength, self.turn)
     }
@@ -31,13 +31,12 @@ impl<'scene> FrozenSky<'scene> {
         self.strength * self.sky.along(self.before_turn(direction))
     }
 
-    /// Radiance in a direction without suns that are lights of their own, W m^-2 sr^-1.
+    /// Radiance in a direction, without suns that are lights of their own, W m^-2 sr^-1.
     pub fn along_beside_suns(&self, direction: DVec3) -> Rgb {
         self.strength * self.sky.along_beside_suns(self.before_turn(direction))
     }
 
-    /// Mean radiances beside suns of cells that share out the sphere evenly, with the directions of their
-    /// middles.
+    /// Mean radiances, without suns, of cells of equal solid angle, with the directions of their centres.
     pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
         let (turn, strength) = (self.turn, self.strength);
         self.sky.means().map(move |(direction, mean)| (turned(direction, turn), strength * mean))
@@ -63,18 +62,18 @@ impl<'scene> FrozenSky<'scene> {
         self.sky.lights == SkyLight::SurfacesAndFog
     }
 
-    /// A direction that two uniform numbers pick, about as densely as it is bright; `None` if it is
-    /// the same everywhere.
+    /// The direction that two uniform numbers sample, with about the density of its radiance; `None` if it is
+    /// uniform.
     pub fn pick(&self, u: DVec2) -> Option<DVec3> {
         self.sky.pick(u).map(|direction| turned(direction, self.turn))
     }
 
-    /// Probability density of [`FrozenSky::pick`] for a direction, 1/sr; 0 if it picks none.
+    /// Probability density of [`FrozenSky::pick`] for a direction, 1/sr; 0 if it samples none.
     pub fn picked(&self, direction: DVec3) -> f64 {
         self.sky.picked(self.before_turn(direction))
     }
 
-    /// Whether [`FrozenSky::pick`] picks directions.
+    /// Whether [`FrozenSky::pick`] samples directions.
     pub fn is_uneven(&self) -> bool {
         self.sky.is_uneven()
     }
@@ -84,7 +83,7 @@ impl<'scene> FrozenSky<'scene> {
     }
 }
 
-/// A direction turned about +Y by an angle, of which `turn` is the cosine and the sine.
+/// A direction rotated about +Y; `turn` is the cosine and the sine of the angle.
 fn turned(direction: DVec3, turn: DVec2) -> DVec3 {
     // Anticlockwise from above: +Z goes towards +X.
     let DVec2 { x, y } = DVec2::new(direction.z, direction.x).rotate(turn);

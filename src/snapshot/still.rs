@@ -1,27 +1,25 @@
-//! What keeps still while the shutter is open. In goes a scene, out come the instances that stand in one
-//! place at all times, and the tree of these. Invariant: it is the same at every moment, wherever the camera
-//! is by then.
+//! Instances that are still while the shutter is open. In goes a scene, out come the instances that never
+//! move, and their tree. Invariant: the tree is the same at every moment, wherever the camera is.
 
 use crate::accel::{InstanceTree, PlacedMesh, SharedTree};
 use crate::scene::Scene;
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 
-/// How far the camera may go, as a share of the diagonal of what keeps still. Trees are about an origin in
-/// single precision, which is only as good as everywhere else near it.
+/// Maximum motion of the camera, as a share of the diagonal of the still instances. A tree in single
+/// precision is only accurate near its origin.
 const FARTHEST: f64 = 0.01;
 
-/// Instances that keep still. Most of a wood does, and a tree of it for each moment would be most of the
-/// memory.
+/// Still instances. Most of a wood is still, and a tree for each moment would take most of the memory.
 pub(super) struct Still {
-    /// By the scene's numbers.
+    /// Whether each of the scene's instances is still.
     keeps: Vec<bool>,
-    /// Tree of them, and the origin that it is about, in the world.
+    /// Tree of these instances, and its origin in the world.
     tree: OnceLock<(Arc<InstanceTree>, DVec3)>,
 }
 
 impl Still {
-    /// `None` where nothing keeps still.
+    /// Finds the still instances; `None` if there are none.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let mut nodes: Vec<bool> = Vec::with_capacity(scene.nodes.len());
         for node in &scene.nodes {
@@ -37,8 +35,8 @@ impl Still {
         self.keeps[instance]
     }
 
-    /// Tree of those with opaque triangles, which are given in the scene's order about an origin of the
-    /// world. `None` where that is too far from the first that asked.
+    /// Tree of the still instances with opaque triangles, which are given in the scene's order relative to an
+    /// origin in the world. `None` if that is too far from the origin of the first call.
     pub(super) fn tree(&self, opaque: &[PlacedMesh], origin: DVec3) -> Option<SharedTree> {
         let made = || (Arc::new(InstanceTree::new(opaque.to_vec())), origin);
         let (tree, about) = self.tree.get_or_init(made);
@@ -59,7 +57,7 @@ mod tests {
 
     fn moving() -> Motion {
         let key = |time_s, x| Key { time_s, value: DVec3::new(x, 0.0, 0.0), to_next: Segment::Linear };
-        // Back where it began when the shutter closes.
+        // The motion is back at its start when the shutter closes.
         let keys = vec![key(0.0, 0.0), key(0.5, 1.0), key(1.0, 0.0)];
         Motion::Keyed {
             translation: Track::new(keys, Extend::Hold).unwrap(),
@@ -68,7 +66,7 @@ mod tests {
         }
     }
 
-    /// Things that stand, that move and that stand on what moves.
+    /// Objects that are still, that move, and that are children of moving ones.
     fn scene() -> Scene {
         let mut scene = Scene::default();
         let stands = scene.add_node(String::new(), None, Motion::STILL);
@@ -85,7 +83,7 @@ mod tests {
         assert_eq!(still.keeps, [true, false, false]);
     }
 
-    /// A camera that goes a little way shares the tree; one that goes far has its own.
+    /// A camera with a small motion shares the tree; one with a large motion has its own.
     #[test]
     fn a_tree_is_shared_by_who_is_near() {
         let still = Still::of(&scene()).unwrap();

@@ -1,5 +1,5 @@
-//! Surface at a hit: the accelerator's answer in, the surface's properties out. Invariant: both normals
-//! have unit length and face the ray's origin.
+//! Surface at a hit. In goes the accelerator's hit, out come the surface's properties. Invariant: both
+//! normals have unit length and face the ray's origin.
 
 mod layers;
 mod texels;
@@ -16,43 +16,43 @@ use texels::{FacetTexels, Shine};
 /// A point of a surface, ready for shading.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// Relative to the camera, metres.
+    /// Position relative to the camera, metres.
     pub position: DVec3,
     /// Normal of the flat triangle.
     pub geometric_normal: DVec3,
-    /// Interpolated where the mesh has normals.
+    /// Normal for shading, interpolated where the mesh has normals.
     pub shading_normal: DVec3,
-    /// The same unbent, where bumps of a normal map shade themselves.
+    /// Shading normal before the normal map, where its bumps cast shadows on themselves.
     pub unbent_normal: Option<DVec3>,
-    /// Shading normal of its shine: where bumps shade themselves it mirrors no light from within.
+    /// Shading normal of specular reflection: where bumps shade themselves it mirrors no light from within.
     pub shine_normal: DVec3,
     /// Lambert reflectance.
     pub albedo: Rgb,
     /// Lambert transmittance.
     pub transmission: Rgb,
-    /// Glossy coat, if it shines.
+    /// Glossy coat, if it has one.
     pub gloss: Option<Gloss>,
-    /// Rough dielectric that is a share of it.
+    /// Rough dielectric, which is a share of the surface.
     pub dielectric: Option<Dielectric>,
-    /// Layers over it.
+    /// Sheen and clear coat over it.
     pub layers: Option<Layers>,
-    /// Unit vector to where it is seen from.
+    /// Unit vector towards the observer.
     pub to_eye: DVec3,
     /// Mirror reflectance.
     pub mirror: Rgb,
     /// Emitted radiance.
     pub emission: Rgb,
-    /// Coverage, `0..=1`: a weight of reflected and emitted light.
+    /// Coverage, `0..=1`: the weight of reflected and emitted light.
     pub alpha: f64,
-    /// Transmittance for what lies behind.
+    /// Transmittance for light from behind.
     pub see_through: Rgb,
-    /// Triangle: rays that leave it must not meet it again.
+    /// Triangle, which rays from this point must not hit again.
     pub primitive: PrimitiveId,
     /// The instance's number.
     pub leaf_id: u32,
 }
 
-/// A placed triangle with all that its points share: worth keeping where many rays meet the same one.
+/// A placed triangle with all data that its points share, for reuse by rays that hit it.
 #[derive(Clone, Copy, Debug)]
 pub struct Facet<'a> {
     /// Triangle.
@@ -61,18 +61,18 @@ pub struct Facet<'a> {
     material: &'a Material,
     textures: &'a [Texture],
     texture: Option<&'a Texture>,
-    /// Attributes by which a normal map bends its normals.
+    /// Attributes with which a normal map bends its normals.
     bending: Option<Bending<'a>>,
     leaf_id: u32,
-    /// Whether its normal points into its body: its instance is mirrored.
+    /// Whether its normal points into its body, as its instance is mirrored.
     is_turned: bool,
     corners: [usize; 3],
     first_corner: DVec3,
-    /// Unit length; zero if the triangle has no area.
+    /// Unit normal; zero if the triangle has no area.
     normal: DVec3,
     /// Gradients of the second and third barycentric coordinate.
     gradients: [DVec3; 2],
-    /// Normals at the corners, where the mesh has any.
+    /// Normals at the corners, if the mesh has any.
     corner_normals: Option<[DVec3; 3]>,
 }
 
@@ -80,13 +80,13 @@ pub struct Facet<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Bending<'a> {
     positions: &'a [Vec3],
-    /// None in flat meshes.
+    /// Normals of the mesh; empty for flat meshes.
     normals: &'a [Vec3],
     tangents: &'a [Vec4],
     relative_from_mesh_normal: DMat3,
 }
 
-/// A place that is seen so near to a plane, in radians, lies within it.
+/// Angle to a plane, in radians, below which a point seen from there lies within it.
 const IN_PLANE: f64 = 1e-12;
 
 impl Snapshot<'_> {
@@ -146,7 +146,7 @@ impl Snapshot<'_> {
         vertices.map(|vertex| relative_from_mesh.transform_point3(positions[vertex as usize].as_dvec3()))
     }
 
-    /// Whether alpha may differ from place to place on a triangle.
+    /// Whether alpha may vary over a triangle.
     pub fn is_textured(&self, primitive: PrimitiveId) -> bool {
         let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance];
         let mesh = &self.scene.meshes[instance.mesh];
@@ -159,15 +159,15 @@ impl Snapshot<'_> {
         material.base_color_texture.is_some_and(|texture| self.scene.textures[texture].has_alpha()) || fades()
     }
 
-    /// Looks up everything about a hit of `ray`.
+    /// Returns the surface at a hit of `ray`.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.facet(hit.primitive).at(ray, hit.t, hit.barycentrics)
     }
 }
 
 impl Facet<'_> {
-    /// Distance along a ray to its plane; NaN if the ray starts in that plane, to rounding: it meets it
-    /// nowhere else, or runs within it.
+    /// Distance along a ray to its plane; NaN if the ray starts in that plane, to rounding, and so meets it
+    /// nowhere else or lies within it.
     pub fn distance_along(&self, ray: &Ray) -> f64 {
         let way = self.first_corner - ray.origin;
         let height = way.dot(self.normal);
@@ -177,13 +177,13 @@ impl Facet<'_> {
         height / ray.direction.dot(self.normal)
     }
 
-    /// Whether anything of it shows in the dark, or of what stands around it, if that is seen in shine.
+    /// Whether it is visible without lights, by emission or by what it reflects if `is_seen_around`.
     pub fn shows(&self, is_seen_around: bool) -> bool {
         let Material { emission, mirror, coat, .. } = self.material;
         *emission != Rgb::ZERO || *mirror != Rgb::ZERO || is_seen_around && coat.is_some()
     }
 
-    /// Point that a ray sees at a distance.
+    /// The surface at a distance along a ray.
     pub fn seen_along(&self, ray: &Ray, distance: f64) -> SurfacePoint {
         let [_, v, w] = self.weights_at(ray.at(distance));
         self.at(ray, distance, [v, w])
@@ -265,23 +265,23 @@ impl Facet<'_> {
         })
     }
 
-    /// A normal as a map bends it.
+    /// A normal bent by a normal map.
     fn bent(&self, normal: DVec3, (map, scale): (TextureMap, f64), weights: [f64; 3]) -> DVec3 {
         let Some((bending, texel)) = self.bending.zip(self.texel(map, weights)) else { return normal };
         let [bent, unbent] = bending.bent(self.corners, weights, 2.0 * texel - Rgb::ONE, scale);
-        // Seen from behind, it is bent as seen from the front and then turned over.
+        // Seen from behind, it is bent as seen from the front and then reversed.
         let is_turned = unbent.dot(normal) < 0.0;
         bent.try_normalize().map_or(normal, |bent| if is_turned { -bent } else { bent })
     }
 }
 
 impl Bending<'_> {
-    /// The direction of a normal map's texel at a point of the triangle, in the world's axes, and the normal
-    /// that it would be unbent; neither of unit length.
+    /// Direction of a normal map's texel at a point of the triangle, in the world's axes, and the unbent
+    /// normal; neither of unit length.
     ///
-    /// Like Blender and its bakers this neither normalises nor squares up what it interpolates, and bends in
-    /// the mesh's own space (Mikkelsen 2008, "Simulation of wrinkled surfaces revisited", 2.2; glTF 2.0,
-    /// 3.9.3: +X is to the right in the texture, +Y up, +Z towards the viewer; only x and y are scaled).
+    /// Like Blender and its bakers it neither normalises nor orthogonalises interpolated vectors, and bends
+    /// in mesh space (Mikkelsen 2008, "Simulation of wrinkled surfaces revisited", 2.2; glTF 2.0, 3.9.3: +X
+    /// is to the right in the texture, +Y up, +Z towards the viewer; only x and y are scaled).
     fn bent(&self, corners: [usize; 3], weights: [f64; 3], texel: DVec3, scale: f64) -> [DVec3; 2] {
         let between = |value: &dyn Fn(usize) -> Vec3| -> DVec3 {
             (0..3).map(|corner| weights[corner] * value(corners[corner]).as_dvec3()).sum()

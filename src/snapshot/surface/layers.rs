@@ -1,5 +1,5 @@
-//! Sheen and clear coat of a point of a surface. In go a facet and where on it, out come its layers.
-//! Invariant: a surface without any asks for no texture.
+//! Sheen and clear coat at a surface point. In go a facet and a point on it, out come its layers. Invariant:
+//! a surface without layers looks up no texture.
 
 use super::Facet;
 use crate::color::Rgb;
@@ -8,7 +8,7 @@ use crate::scene::TextureMap;
 use glam::DVec3;
 
 impl Facet<'_> {
-    /// `normal` is the shading normal before the surface's own normal map bends it.
+    /// Returns the layers; `normal` is the shading normal before the surface's own normal map.
     pub(super) fn layers(&self, weights: [f64; 3], normal: DVec3) -> Option<Layers> {
         let material = self.material;
         if material.sheen.is_none() && material.clearcoat.is_none() {

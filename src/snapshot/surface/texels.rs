@@ -1,5 +1,5 @@
-//! Image and vertex values at a point of a facet. In go barycentric coordinates, out come colours, alphas
-//! and the coat that they make. Invariant: what has neither image nor colours is 1.
+//! Image and vertex values at a point of a facet. In go barycentric coordinates, out come colours, alphas and
+//! the coat that results. Invariant: without image and vertex colours a value is 1.
 
 use super::Facet;
 use crate::color::Rgb;
@@ -11,16 +11,16 @@ use glam::{DVec3, Vec2};
 pub(super) struct FacetTexels<'a> {
     facet: &'a Facet<'a>,
     weights: [f64; 3],
-    /// The image of the base colour, and where in it.
+    /// Image of the base colour, and the coordinates in it.
     base: Option<(&'a Texture, Vec2)>,
     color: Rgb,
 }
 
-/// How a surface shines.
+/// Specular part of a surface.
 pub(super) struct Shine {
     pub(super) gloss: Option<Gloss>,
     pub(super) dielectric: Option<Dielectric>,
-    /// Share that is matte.
+    /// Share of the diffuse part.
     pub(super) matte: f64,
 }
 
@@ -35,7 +35,7 @@ impl<'a> FacetTexels<'a> {
     pub(super) fn of(&self, map: Option<TextureMap>) -> Rgb {
         match map {
             None => Rgb::ONE,
-            // Mostly that of the base colour again.
+            // Mostly the texel of the base colour.
             Some(TextureMap { texture, layer: 0 })
                 if self.facet.material.base_color_texture == Some(texture) =>
             {
@@ -55,8 +55,8 @@ impl<'a> FacetTexels<'a> {
         self.color * (0..3).map(corner).sum::<DVec3>()
     }
 
-    /// Shine of a surface whose metal and whose dielectric have such a colour; `is_within` says that the eye
-    /// sees its back.
+    /// Specular part of a surface with a colour for metal and dielectric; `is_within` if the eye sees its
+    /// back.
     pub(super) fn shine(&self, color: Rgb, is_within: bool) -> Shine {
         let Some(coat) = self.facet.material.coat else {
             return Shine { gloss: None, dielectric: None, matte: 1.0 };
@@ -64,7 +64,7 @@ impl<'a> FacetTexels<'a> {
         let texel = coat.texture.and_then(|map| self.facet.texel(map, self.weights)).unwrap_or(Rgb::ONE);
         let (metallic, roughness) = (coat.metallic * texel.z, coat.roughness * texel.y);
         let f0 = coat.f0 * self.of(coat.f0_texture);
-        // glTF 2.0, appendix B.3.5: metals reflect their colour in the coat, and nothing beneath it.
+        // glTF 2.0, appendix B.3.5: metals have their colour in the coat, and nothing below it.
         let plain = Gloss::new(f0, Rgb::splat(coat.f90), roughness);
         let gloss = if self.facet.material.is_principled { plain.principled() } else { plain };
         let grazing = if self.facet.material.has_even_metal { color } else { Rgb::ONE };
@@ -76,7 +76,7 @@ impl<'a> FacetTexels<'a> {
                 matte,
             };
         };
-        // Of what is no metal it takes its share, coat and all.
+        // It takes its share of the non-metallic part, coat included.
         let share = matte * own.share;
         let cover = 1.0 - share;
         let is_left = cover > 0.0;
@@ -89,7 +89,7 @@ impl<'a> FacetTexels<'a> {
         Shine { gloss, dielectric: Some(dielectric), matte: matte - share }
     }
 
-    /// Coverage of the surface, and its transmittance for what lies behind.
+    /// Coverage of the surface, and its transmittance for light from behind.
     pub(super) fn opacity(&self) -> (f64, Rgb) {
         let material = self.facet.material;
         match material.alpha_mode {
@@ -130,7 +130,7 @@ impl Facet<'_> {
     }
 }
 
-/// A mesh's texture coordinates of a layer, if it has them.
+/// Texture coordinates of a layer of a mesh, if it has them.
 fn layer(mesh: &Mesh, layer: usize) -> Option<&[Vec2]> {
     let uvs = if layer == 0 { Some(&mesh.uvs) } else { mesh.more_uvs.get(layer - 1) };
     uvs.map(Vec::as_slice).filter(|uvs| !uvs.is_empty())
