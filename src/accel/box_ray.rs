@@ -1,5 +1,5 @@
-//! Rays against the boxes of a tree. In go a ray and a visitor, out come the leaves that it may meet, near
-//! ones first. Invariant: no box that the ray meets in exact arithmetic is left out.
+//! Rays against the boxes of a tree. In go a ray and a visitor, out come the leaves that the ray may meet,
+//! near ones first. Invariant: no box that the ray meets in exact arithmetic is left out.
 
 use super::{
     simd::{Lanes, Mask, Simd, WIDTH, three},

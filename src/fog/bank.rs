@@ -1,6 +1,6 @@
 //! One bank of fog: its place, its density, its optics. In go lines, out come lengths and densities.
-//! Invariant: lengths are exact also for lines that run in a face of the bank's box, and finite also for
-//! lines that do not end.
+//! Invariant: lengths are exact also for lines in a face of the bank's box, and finite also for infinite
+//! lines.
 
 use super::beer_lambert::NOTHING_LEFT;
 use super::falloff::{Climb, Falloff};
@@ -11,45 +11,47 @@ use crate::math::{LitVoxels, Ray};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
-/// A cut too many costs one exponential, a cut too few an error: rounding must not lose one.
+/// Tolerance of edges: a superfluous cut costs one exponential, a missing cut is an error, so rounding must
+/// lose none.
 pub(super) const EDGE_SLACK: f64 = 1e-9;
 
-/// Rays through fog without bounds end here, in metres: as far out as coordinates go.
+/// Maximum length of rays through unbounded fog, in metres: the range of coordinates.
 const FARTHEST_M: f64 = 1e15;
 
-/// Optical depth, at most, of what may count as one voxel.
+/// Maximum optical depth over which voxels may be averaged.
 const DEEPEST: f64 = 0.125;
 
-/// Beyond this optical depth nothing is seen.
+/// Optical depth beyond which fog is opaque.
 pub(super) const OPAQUE: f64 = 60.0;
 
-/// Density of fog, as a share of the densest. A new kind is a variant: see docs/decisions/fog.md.
+/// Density of fog relative to its maximum. A new kind is a variant: see docs/decisions/fog.md.
 #[derive(Clone, Debug)]
 enum Density {
     /// Uniform.
     Even,
     /// Decreasing with height.
     Thinning(Falloff),
-    /// A grid, whose box is the bank's.
+    /// A grid of voxels, whose box is the bank's.
     Voxels(VoxelFog),
 }
 
 /// Fog in a parallelepiped, or everywhere. Frozen at one time.
 #[derive(Clone, Debug)]
 pub struct FogBank {
-    /// Without bounds: maps everything to the middle of the cube, so that no line ever leaves it.
+    /// Map into the cube of the box. For unbounded fog it maps everything to the centre of the cube, so no
+    /// line leaves the cube.
     cube_from_relative: DAffine3,
     density: Density,
-    /// Extinction where it is densest, 1/m.
+    /// Extinction at maximum density, 1/m.
     pub sigma_t: Rgb,
-    /// Scattering where it is densest, 1/m.
+    /// Scattering coefficient at maximum density, 1/m.
     pub sigma_s: Rgb,
     /// Henyey-Greenstein g.
     pub g: f64,
 }
 
 impl FogBank {
-    /// Fog in the image of `[-1, 1]^3`; `None` if the box is flat or its fog does nothing.
+    /// Fog in the image of `[-1, 1]^3`; `None` if the box is flat or the fog has no effect.
     pub fn in_box(relative_from_cube: DAffine3, sigma_t: Rgb, albedo: Rgb, g: f64) -> Option<Self> {
         let cube_from_relative = relative_from_cube.inverse();
         let useful = cube_from_relative.is_finite() && sigma_t.max_element() > 0.0;
@@ -57,7 +59,7 @@ impl FogBank {
         useful.then_some(Self { cube_from_relative, density: Density::Even, sigma_t, sigma_s, g })
     }
 
-    /// Fog without bounds; `None` if it does nothing.
+    /// Unbounded fog; `None` if it has no effect.
     pub fn everywhere(falloff: Falloff, sigma_t: Rgb, albedo: Rgb, g: f64) -> Option<Self> {
         let cube_from_relative = DAffine3 { matrix3: DMat3::ZERO, translation: DVec3::ZERO };
         let sigma_s = sigma_t * albedo;
@@ -70,7 +72,8 @@ impl FogBank {
         Self { density: Density::Thinning(falloff), ..self }
     }
 
-    /// Fog as dense as voxels are, of which 1 stands for `sigma_t`; `None` if it does nothing.
+    /// Fog with the density of voxels, whose value 1 has the extinction `sigma_t`; `None` if it has no
+    /// effect.
     pub fn of_voxels(
         relative_from_voxel: DAffine3,
         grid: Arc<LitVoxels>,
@@ -86,7 +89,7 @@ impl FogBank {
         Some(Self { density: Density::Voxels(VoxelFog::new(relative_from_voxel, grid)), ..bank })
     }
 
-    /// Fog with optical depths ready for lights at these places.
+    /// Fog with precomputed optical depths to lights at these places.
     pub fn lit_by(self, lights: &[LightPlace]) -> Self {
         match self.density {
             Density::Voxels(voxels) => {
@@ -97,7 +100,7 @@ impl FogBank {
         }
     }
 
-    /// Voxels, if it has some.
+    /// Its voxels, if it has any.
     pub(super) fn voxels(&self) -> Option<&VoxelFog> {
         match &self.density {
             Density::Voxels(voxels) => Some(voxels),
@@ -105,23 +108,23 @@ impl FogBank {
         }
     }
 
-    /// The share of its scattering that harmonics below a degree do not tell from going straight on:
-    /// delta-M, `f = g^degree` (Wiscombe 1977, "The delta-M method", eq. 14).
+    /// Share of its scattering that harmonics below a degree cannot separate from unscattered light: delta-M,
+    /// `f = g^degree` (Wiscombe 1977, "The delta-M method", eq. 14).
     pub(super) fn forward_peak(&self, degree: i32) -> f64 {
         self.g.max(0.0).powi(degree)
     }
 
-    /// Delta-M scaled fog: light in the forward peak counts as not scattered.
+    /// Delta-M scaled fog: light in the forward peak counts as unscattered.
     pub(super) fn without_peak(&self, degree: i32) -> Self {
         Self { sigma_t: self.sigma_t - self.forward_peak(degree) * self.sigma_s, ..self.clone() }
     }
 
-    /// Whether it ends somewhere.
+    /// Whether it has bounds.
     pub(super) fn is_bounded(&self) -> bool {
         self.cube_from_relative.matrix3 != DMat3::ZERO
     }
 
-    /// The box about it, in relative space; `None` if it has no bounds.
+    /// Its bounds in relative space; `None` if it has none.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.is_bounded().then(|| {
             let relative_from_cube = self.cube_from_relative.inverse();
@@ -132,8 +135,7 @@ impl FogBank {
         })
     }
 
-    /// Direction in which unbounded fog thins out, a unit vector, and the metres over which it does to a
-    /// share of 1/e.
+    /// Direction in which unbounded fog thins out, a unit vector, and its scale height, metres.
     pub fn layer(&self) -> Option<(DVec3, f64)> {
         match &self.density {
             Density::Thinning(falloff) if !self.is_bounded() => Some(falloff.up()),
@@ -141,12 +143,12 @@ impl FogBank {
         }
     }
 
-    /// Whether it is as dense everywhere.
+    /// Whether its density is uniform.
     pub(super) fn is_even(&self) -> bool {
         matches!(self.density, Density::Even)
     }
 
-    /// Heights along a ray, if it thins out with them.
+    /// Heights along a ray, if its density depends on height.
     pub(super) fn climb(&self, ray: &Ray) -> Option<Climb> {
         match &self.density {
             Density::Even | Density::Voxels(_) => None,
@@ -154,7 +156,7 @@ impl FogBank {
         }
     }
 
-    /// Whether its density changes about a place on a ray.
+    /// Whether its density varies around a place on a ray.
     pub(super) fn changes_at(&self, ray: &Ray, t: f64) -> bool {
         match &self.density {
             Density::Even => false,
@@ -163,7 +165,7 @@ impl FogBank {
         }
     }
 
-    /// Metres, as dense as where it is densest, between two places on a ray that are inside.
+    /// Metres of fog at maximum density between two places on a ray that are inside.
     pub(super) fn metres(&self, ray: &Ray, start: f64, end: f64) -> f64 {
         match &self.density {
             Density::Even => (end - start).max(0.0),
@@ -172,7 +174,7 @@ impl FogBank {
         }
     }
 
-    /// The density, as a share of the densest, at a place on a ray that is inside.
+    /// Relative density at a place on a ray that is inside.
     pub(super) fn density_along(&self, ray: &Ray, t: f64) -> f64 {
         match &self.density {
             Density::Even => 1.0,
@@ -181,7 +183,7 @@ impl FogBank {
         }
     }
 
-    /// The part of the line that lies inside, as a range of `t` that may be negative; `None` if it misses.
+    /// Range of the line inside, as `t` that may be negative; `None` if the line misses.
     fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (origin, direction) = self.in_cube(ray.origin, ray.direction);
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -200,8 +202,8 @@ impl FogBank {
         (enter < leave).then_some((enter, leave))
     }
 
-    /// The part of the ray within `[0, t_max]` where there is fog to be seen: finite, as distances and
-    /// heights from which nothing shows are left out.
+    /// Range of the ray within `[0, t_max]` that has visible fog. It is finite, as distances and heights
+    /// without visible fog are left out.
     pub(super) fn visible_span(&self, ray: &Ray, t_max: f64) -> Option<(f64, f64)> {
         let (enter, leave) = self.span(ray)?;
         let (mut enter, mut leave) = (enter.max(0.0), leave.min(t_max).min(FARTHEST_M));
@@ -220,15 +222,14 @@ impl FogBank {
         (enter < leave).then_some((enter, leave))
     }
 
-    /// Metres of fog, as dense as where it is densest, on `origin + t * direction`, `0 < t < t_max`, for a
-    /// unit direction.
+    /// Metres of fog at maximum density on `origin + t * direction`, `0 < t < t_max`, for a unit direction.
     pub(super) fn length(&self, origin: DVec3, direction: DVec3, t_max: f64) -> f64 {
         let ray = Ray { origin, direction };
         let Some((enter, leave)) = self.span(&ray) else { return 0.0 };
         self.metres(&ray, enter.max(0.0), leave.min(t_max))
     }
 
-    /// Metres of densest fog between two points.
+    /// Metres at maximum density between two points.
     pub(super) fn length_between(&self, from: DVec3, to: DVec3) -> f64 {
         let way = to - from;
         let distance = way.length();
@@ -240,8 +241,8 @@ impl FogBank {
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         for axis in 0..3 {
             let (from, to) = (from[axis], to[axis]);
-            // Between two points inside a pair of faces the way crosses neither: mostly so,
-            // and no division then.
+            // A line between two points inside a pair of faces crosses neither; this is the usual case, and
+            // needs no division.
             if from.abs().max(to.abs()) <= 1.0 {
                 continue;
             }
@@ -255,7 +256,7 @@ impl FogBank {
         distance * (leave - enter).max(0.0)
     }
 
-    /// Metres of densest fog from a point to a light; of voxels those that make it opaque are enough.
+    /// Metres at maximum density from a point to a light; voxels are added up until they are opaque.
     pub(super) fn metres_to(&self, point: DVec3, light: LightPlace) -> f64 {
         match light {
             LightPlace::Towards(to_light) => {
@@ -270,7 +271,7 @@ impl FogBank {
         }
     }
 
-    /// Metres as [`FogBank::metres_to`] has them, of a lamp by a lattice of voxels where there is one.
+    /// Metres as in [`FogBank::metres_to`]; for a lamp from a lattice of voxels where there is one.
     pub(super) fn known_metres_to(&self, point: DVec3, light: LightPlace) -> f64 {
         let known = match (self.voxels(), light) {
             (Some(voxels), LightPlace::At(position)) => voxels.metres_to_lamp(point, position),
@@ -279,14 +280,13 @@ impl FogBank {
         known.unwrap_or_else(|| self.metres_to(point, light))
     }
 
-    /// Metres as [`FogBank::length`] has them, where voxels count by their means over up to `DEEPEST` of
-    /// optical depth.
+    /// Metres as in [`FogBank::length`], with voxels averaged over up to `DEEPEST` of optical depth.
     pub(super) fn rough_length(&self, ray: &Ray, end: f64) -> f64 {
         let Some(voxels) = self.voxels() else { return self.length(ray.origin, ray.direction, end) };
         voxels.rough_metres(ray, end, DEEPEST / self.sigma_t.max_element())
     }
 
-    /// Metres of densest fog up to the sky, approximate: good enough for light from everywhere.
+    /// Approximate metres at maximum density up to the sky, for light from all directions.
     pub(super) fn length_to_sky(&self, ray: &Ray) -> f64 {
         let Some(voxels) = self.voxels() else {
             return self.length(ray.origin, ray.direction, f64::INFINITY);
@@ -294,20 +294,20 @@ impl FogBank {
         voxels.metres_to_sky(ray, DEEPEST / self.sigma_t.max_element())
     }
 
-    /// Metres of densest fog from a point to a sun whose depths its voxels have.
+    /// Metres at maximum density from a point to a sun; `None` unless its voxels have depths to that sun.
     pub(super) fn metres_to_sun(&self, point: DVec3, to_light: DVec3) -> Option<f64> {
         let ray = Ray { origin: point, direction: to_light };
         self.voxels()?.towards_sun(&ray, to_light).map(|metres| metres.at(0.0))
     }
 
-    /// Whether it is the same fog by voxels.
+    /// Whether both have the same voxels.
     pub(super) fn is_same_voxels(&self, other: &Self) -> bool {
         let optics = |fog: &Self| (fog.sigma_t, fog.sigma_s, fog.g);
         let voxels = self.voxels().zip(other.voxels());
         optics(self) == optics(other) && voxels.is_some_and(|(own, others)| own.is(others))
     }
 
-    /// Corners of the box about it.
+    /// Corners of its box; `None` if it has no bounds.
     pub fn corners(&self) -> Option<[DVec3; 8]> {
         self.is_bounded().then(|| {
             let relative_from_cube = self.cube_from_relative.inverse();
@@ -318,12 +318,12 @@ impl FogBank {
         })
     }
 
-    /// Whether a ray comes into its box, or begins there.
+    /// Whether a ray enters its box or begins there.
     pub(super) fn lies_on(&self, ray: &Ray) -> bool {
         self.span(ray).is_some_and(|(_, leave)| leave > 0.0)
     }
 
-    /// The density at a point, as a share of the densest; 0 outside.
+    /// Relative density at a point; 0 outside.
     pub(super) fn density(&self, point: DVec3) -> f64 {
         if self.cube_from_relative.transform_point3(point).abs().max_element() > 1.0 {
             return 0.0;
@@ -331,13 +331,13 @@ impl FogBank {
         self.density_along(&Ray { origin: point, direction: DVec3::ZERO }, 0.0)
     }
 
-    /// Every `t` at which the way from `ray.at(t)` to the light may change the faces it crosses, or the
-    /// ray passes through the base, which in between counts as another face.
+    /// Every `t` at which the way from `ray.at(t)` to the light may change the faces that it crosses, or the
+    /// ray crosses the base, which counts as another face.
     ///
-    /// The way is cut by the face `x_i = a` at the fraction `(a - x_i(t)) / w_i(t)` of itself, where
-    /// `w` leads to the light; two faces swap where two such fractions are equal, and that
-    /// equation is linear in `t` for distant and for near lights alike. It counts only where the
-    /// way really crosses the edge between the two faces.
+    /// The way crosses the face `x_i = a` at the fraction `(a - x_i(t)) / w_i(t)` of its length, where `w`
+    /// leads to the light. Two faces swap where two such fractions are equal, and that equation is linear in
+    /// `t` for distant and for near lights. It counts only where the way crosses the edge between the two
+    /// faces.
     pub(super) fn for_each_kink(&self, ray: &Ray, light: LightPlace, mut kink: impl FnMut(f64)) {
         let (origin, direction) = self.in_cube(ray.origin, ray.direction);
         // w(t) = w0 + t * w1.
@@ -385,7 +385,7 @@ impl FogBank {
 
 #[cfg(test)]
 impl FogBank {
-    /// Even fog between two corners, of albedo 0.5.
+    /// Uniform fog between two corners, of albedo 0.5.
     pub(super) fn between(low: DVec3, high: DVec3, sigma_t: f64) -> Self {
         let relative_from_cube =
             DAffine3::from_translation(0.5 * (low + high)) * DAffine3::from_scale(0.5 * (high - low));

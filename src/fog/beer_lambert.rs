@@ -3,11 +3,11 @@
 
 use crate::color::Rgb;
 
-/// Optical depth beyond which nothing shows: `exp(-40)` is 4e-18, less than one rounding of what it would
-/// be added to.
+/// Optical depth beyond which nothing is visible: `exp(-40)` is 4e-18, below one rounding of the sum to which
+/// it is added.
 pub(super) const NOTHING_LEFT: f64 = 40.0;
 
-/// `exp(-tau)` per channel, computed once where the channels are alike.
+/// `exp(-tau)` per channel, computed once where the channels are equal.
 pub fn exp_minus(tau: Rgb) -> Rgb {
     if tau.x == tau.y && tau.y == tau.z {
         return Rgb::splat((-tau.x).exp());
@@ -15,7 +15,7 @@ pub fn exp_minus(tau: Rgb) -> Rgb {
     Rgb::new((-tau.x).exp(), (-tau.y).exp(), (-tau.z).exp())
 }
 
-/// `exp(-x)`; where x is little by Padé's approximation, within 2e-6.
+/// `exp(-x)`; for small x by Padé's approximation, within 2e-6.
 #[inline]
 pub fn exp_minus_little(x: Rgb) -> Rgb {
     const LITTLE: f64 = 0.25;

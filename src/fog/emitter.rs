@@ -1,20 +1,20 @@
-//! Emission of fog, by voxels. In go rays and what gets through fog on them, out comes light. Invariant:
-//! each cell has a rule of Gauss of its own, exact where nothing absorbs.
+//! Emission of fog, by voxels. In go rays and transmittances along them, out comes radiance. Invariant: each
+//! cell has its own Gauss rule, exact without absorption.
 
 use crate::color::Rgb;
 use crate::math::{Ray, Voxels, gauss_legendre};
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// Nodes of the rule.
+/// Number of nodes of the rule.
 const NODES: usize = 3;
 
-/// Light of one colour by voxels, frozen at one time.
+/// Emission of one colour with the density of voxels, frozen at one time.
 #[derive(Clone, Debug)]
 pub struct Emitter {
     voxel_from_relative: DAffine3,
     voxels: Arc<Voxels>,
-    /// Where voxels are 1, W m^-3 sr^-1.
+    /// Emission where voxels are 1, W m^-3 sr^-1.
     per_voxel: Rgb,
 }
 
@@ -26,7 +26,7 @@ impl Emitter {
         shines.then_some(Self { voxel_from_relative, voxels, per_voxel })
     }
 
-    /// The box about it, in relative space.
+    /// Its bounds, in relative space.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
         let (low, high) = self.voxels.bounds();
         let relative_from_voxel = self.voxel_from_relative.inverse();
@@ -38,13 +38,13 @@ impl Emitter {
         corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), about)
     }
 
-    /// Light that a place sends out in every direction, W m^-3 sr^-1.
+    /// Emission at a point in every direction, W m^-3 sr^-1.
     pub(super) fn at(&self, point: DVec3) -> Rgb {
         self.per_voxel * self.voxels.at(self.voxel_from_relative.transform_point3(point))
     }
 
-    /// Its light before a place on a ray, as it is at the ray's origin, by what gets there from other places,
-    /// W m^-2 sr^-1.
+    /// Radiance at the ray's origin of its emission up to a distance, W m^-2 sr^-1; `through` is the
+    /// transmittance from there.
     pub(super) fn along(&self, ray: &Ray, end: f64, through: impl Fn(f64) -> Rgb) -> Rgb {
         let line = Ray {
             origin: self.voxel_from_relative.transform_point3(ray.origin),

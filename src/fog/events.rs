@@ -1,11 +1,11 @@
-//! Collisions in fog and directions of scattering, picked at random. In go rays, uniform numbers and
-//! weights of the channels, out come places, directions and their densities. Invariant: depths are
-//! inverted, no step is rejected, so a pick takes a fixed count of numbers.
+//! Random collisions in fog and directions of scattering. In go rays, uniform numbers and weights of the
+//! channels, out come places, directions and their densities. Invariant: optical depths are inverted and no
+//! sample is rejected, so a sample takes a fixed count of numbers.
 //!
-//! Channels share their picks: one is picked by its weight, and the density is the mean over all of them
-//! by the same weights, Veach and Guibas' balance heuristic with one sample (1995, section 3.3; for
-//! channels Wilkie et al. 2014, "Hero wavelength spectral sampling", eq. 9). So no weight grows without
-//! bound.
+//! Channels share their samples. One is chosen by its weight, and the density is the mean over all of them
+//! with the same weights: the balance heuristic with one sample (Veach and Guibas 1995, section 3.3; for
+//! channels Wilkie et al. 2014, "Hero wavelength spectral sampling", eq. 9). So weights of samples are
+//! bounded.
 
 use super::beer_lambert::exp_minus;
 use super::foggy_ray::FoggyRay;
@@ -15,40 +15,40 @@ use crate::color::Rgb;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// A place of an optical depth is found when it is off by less than this part of all of it.
+/// Tolerance in inverting optical depth, relative to the whole depth.
 const DEPTH_TOLERANCE: f64 = 1e-10;
-/// Bisection alone needs 34 steps for that.
+/// Maximum number of steps; bisection alone needs 34.
 const MOST_STEPS: usize = 40;
 
-/// Collisions of light on a part of a ray.
+/// Collisions of light on a range of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Losses {
     range: (f64, f64),
-    /// Weighted share of each channel that fog takes.
+    /// Weighted share of each channel that collides.
     lost: Rgb,
     depth: Rgb,
-    /// The share of all that is lost, `0..=1`.
+    /// Share of all light that collides, `0..=1`.
     pub chance: f64,
 }
 
-/// A place where fog takes light.
+/// A sampled collision in fog.
 #[derive(Clone, Copy, Debug)]
 pub struct Loss {
-    /// Along the ray, metres.
+    /// Distance along the ray, metres.
     pub t: f64,
-    /// Transmittance to the place over the probability density of picking it, m.
+    /// Transmittance to the collision over its probability density, m.
     pub through_per_density: Rgb,
 }
 
 impl Losses {
-    /// The part of the ray.
+    /// The range of the ray.
     pub fn range(&self) -> (f64, f64) {
         self.range
     }
 }
 
 impl FoggyRay<'_> {
-    /// Losses of light with the weights of its channels, up to the ray's end; `None` if there are none.
+    /// Collisions of light with the weights of its channels, up to the ray's end; `None` if there are none.
     pub fn losses(&self, weights: Rgb) -> Option<Losses> {
         let range = self.medium.range(self.ray, self.t_max)?;
         let depth = self.optical_depth(range.1);
@@ -57,7 +57,7 @@ impl FoggyRay<'_> {
         (chance > 0.0).then_some(Losses { range, lost, depth, chance })
     }
 
-    /// Place of a collision, for two uniform numbers.
+    /// Samples a collision by two uniform numbers.
     pub fn pick_loss(&self, weights: Rgb, losses: &Losses, [u, v]: [f64; 2]) -> Option<Loss> {
         let Losses { range, lost, depth, .. } = *losses;
         let channel = pick(lost.to_array(), u);
@@ -68,7 +68,7 @@ impl FoggyRay<'_> {
         (per_m > 0.0).then(|| Loss { t, through_per_density: through / per_m })
     }
 
-    /// Probability density of [`Self::pick_loss`] for a place, 1/m.
+    /// Probability density of [`Self::pick_loss`] at a distance, 1/m.
     pub fn picked(&self, weights: Rgb, losses: &Losses, t: f64) -> f64 {
         let (start, end) = losses.range;
         if t < start || end < t {
@@ -78,12 +78,12 @@ impl FoggyRay<'_> {
         (weights * through * self.extinction(t)).element_sum() / losses.lost.element_sum()
     }
 
-    /// Distance on a part of the ray at which `wanted` of its optical depth lies behind. `of` makes one
-    /// number of a colour.
+    /// Distance within a range of the ray at which `wanted` of the range's optical depth is reached. `of`
+    /// reduces a colour to one number.
     pub fn place_at_depth(&self, (start, end): (f64, f64), wanted: f64, of: impl Fn(Rgb) -> f64) -> f64 {
         let depth_to = |t: f64| of(self.optical_depth(t));
         let all = depth_to(end);
-        // Newton's method within what bisection leaves: of one even bank the first step is exact.
+        // Newton's method, bracketed by bisection: for a single uniform bank the first step is exact.
         let (mut low, mut high) = (start, end);
         let mut t = start + (end - start) * (wanted / all);
         for _ in 0..MOST_STEPS {
@@ -104,8 +104,9 @@ impl FoggyRay<'_> {
 }
 
 impl Medium {
-    /// Whereto fog at a point sends light that travels along a unit vector, for three uniform numbers: a
-    /// direction, and what is scattered there over how densely it was picked, 1/m. `None` if nothing is.
+    /// Samples the direction in which fog at a point scatters light that travels along a unit vector, by
+    /// three uniform numbers. Returns it with the scattering over its density, 1/m; `None` without
+    /// scattering.
     pub fn pick_scattering(
         &self,
         point: DVec3,
@@ -120,7 +121,7 @@ impl Medium {
             left -= counts(fog);
             left < 0.0
         });
-        // Rounding may leave a little after the last of them.
+        // Rounding may leave a small rest after the last of them.
         let fog = picked.or_else(|| self.banks().iter().rfind(|fog| counts(fog) > 0.0))?;
         let (cos, _) = pick_henyey_greenstein(fog.g, u[1]);
         let (right, up) = travel.any_orthonormal_pair();
@@ -175,8 +176,8 @@ mod tests {
         (index as f64 + 0.5) / count as f64
     }
 
-    /// The mean of `f / density` over picked places is the integral of `f`: of extinction times transmittance
-    /// what is lost, and of its first moment.
+    /// The mean of `f / density` over sampled places is the integral of `f`, for extinction times
+    /// transmittance and its first moment.
     #[test]
     fn places_are_picked_as_densely_as_is_said() {
         let medium = two_fogs();
@@ -190,7 +191,7 @@ mod tests {
                 let loss = along.pick_loss(weights, &losses, u).expect("a place");
                 assert!(loss.t >= losses.range.0 && loss.t <= losses.range.1);
                 let here = loss.through_per_density * medium.extinction_at(ray.at(loss.t));
-                // As the head says: what counts never grows beyond all that counts.
+                // As the module's head says: no weight exceeds the sum of all.
                 assert!((here * weights).max_element() <= (losses.lost.element_sum()) * (1.0 + 1e-9));
                 lost += here / (count * count) as f64;
             }
@@ -199,13 +200,13 @@ mod tests {
         }
     }
 
-    /// Directions are picked as the sum of both phase functions sends light.
+    /// Directions are distributed by the sum of both phase functions.
     #[test]
     fn directions_are_picked_as_densely_as_is_said() {
         let medium = two_fogs();
         let (point, travel) = (DVec3::new(1.5, 0.5, 0.0), DVec3::new(0.3, -0.4, 0.2).normalize());
         let (mut scattered, mut forward) = (Rgb::ZERO, Rgb::ZERO);
-        // Many to pick a fog by: one of them is picked rarely.
+        // Many numbers to choose the fog by, as one fog is chosen rarely.
         let counts = [1000, 80, 4];
         let all = counts.iter().product::<usize>();
         for index in 0..all {

@@ -1,16 +1,17 @@
-//! Fog that thins out with height. In goes a line through it, out comes how much fog lies along the line.
-//! Invariant: all lengths are closed forms in which nothing cancels. That holds however flat the line,
-//! however thin the fog and however far above it the line starts.
+//! Fog that thins out with height. In goes a line through it, out comes the amount of fog along the line.
+//! Invariant: all lengths are closed forms without cancellation, for any slope of the line, any thinness of
+//! the fog and any height of the line's start.
 
 use super::beer_lambert::mean_transmittance;
 use crate::math::Ray;
 use glam::{DAffine3, DVec3};
 
-/// Stands for the length of a way through fog that does not end: finite, so that times 0 it is 0,
-/// and so long that not even fog of 1e-15 per metre lets anything through.
+/// Finite length for an infinite way through fog: its product with 0 is 0, and even fog of 1e-15 per metre is
+/// opaque over it.
 pub(super) const ENDLESS_M: f64 = 1e200;
 
-/// The density is that of the base times `exp(-max(u, 0))`, where `u` counts scale heights above it.
+/// Density relative to that of the base: `exp(-max(u, 0))`, where `u` is the height above the base in scale
+/// heights.
 #[derive(Clone, Copy, Debug)]
 pub struct Falloff {
     /// `u` at the origin of relative space.
@@ -22,9 +23,9 @@ pub struct Falloff {
 }
 
 impl Falloff {
-    /// Above the plane `y = base_y` of a node's space; `None` if that space is flat.
+    /// Falloff above the plane `y = base_y` of a node's space; `None` if that space is flat.
     ///
-    /// Heights are metres at right angles to the plane, whatever the node's scale.
+    /// Heights are metres at right angles to the plane, for any scale of the node.
     pub fn new(relative_from_node: DAffine3, base_y: f64, scale_height_m: f64) -> Option<Self> {
         let node_from_relative = relative_from_node.inverse();
         let y_per_m = node_from_relative.matrix3.row(1);
@@ -65,23 +66,23 @@ impl Climb {
         self.start + self.per_m * t
     }
 
-    /// The density at a distance, as a share of that at the base.
+    /// Density at a distance, relative to that of the base.
     pub fn density(&self, t: f64) -> f64 {
         (-self.height(t).max(0.0)).exp()
     }
 
-    /// Distance at which the ray passes through the base, perhaps negative; not finite if it does not.
+    /// Distance at which the ray crosses the base, which may be negative; not finite if it does not.
     pub fn at_base(&self) -> f64 {
         -self.start / self.per_m
     }
 
-    /// `integral of density(t) dt`: metres of fog as dense as at the base that weigh as much.
+    /// `integral of density(t) dt`: metres of fog at the base's density with the same optical depth.
     pub fn metres_at_base_density(&self, start: f64, end: f64) -> f64 {
         let (u, k, length) = (self.height(start), self.per_m, end - start);
         if length.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
             return 0.0;
         }
-        // Where it passes through the base, if it does.
+        // Distance to its crossing of the base, if it has one.
         let to_base = if (u < 0.0) == (k > 0.0) { (-u / k).abs() } else { f64::INFINITY };
         let metres = match (u < 0.0, to_base < length) {
             (true, false) => length,
@@ -92,8 +93,8 @@ impl Climb {
         metres.min(ENDLESS_M)
     }
 
-    /// The inverse: how far after `start` so many metres lie behind. Infinite if never, or not within
-    /// the range of heights that an exponential can tell.
+    /// The inverse: distance from `start` over which so many metres are gathered. Infinite if that never
+    /// happens, or not within the range of an exponential.
     pub fn distance_to_gather(&self, start: f64, metres: f64) -> f64 {
         let (u, k) = (self.height(start), self.per_m);
         if u < 0.0 {
@@ -111,7 +112,7 @@ impl Climb {
     }
 }
 
-/// Metres at base density over a line above the base that starts at height `u` and climbs `k` a metre.
+/// Metres at base density over a line above the base that starts at height `u` and climbs by `k` per metre.
 fn above_base(u: f64, k: f64, length: f64) -> f64 {
     if length <= 0.0 {
         return 0.0;
@@ -130,7 +131,7 @@ fn distance_above(u: f64, k: f64, metres: f64) -> f64 {
     if share >= 1.0 || !level.is_finite() {
         return f64::INFINITY;
     }
-    // -ln(1 - s) / s, which tends to 1 on level ways.
+    // -ln(1 - s) / s, which tends to 1 on level lines.
     if share == 0.0 { level } else { level * (-share).ln_1p() / -share }
 }
 
@@ -179,7 +180,7 @@ mod tests {
         for endless in [Climb { start: 2.0, per_m: 0.0 }, Climb { start: 1e4, per_m: -0.1 }] {
             assert!(endless.metres_at_base_density(0.0, f64::INFINITY) > 1e150);
         }
-        // So far up that there is nothing left.
+        // So high that no fog is left.
         assert_eq!(Climb { start: 1e4, per_m: 0.0 }.metres_at_base_density(0.0, f64::INFINITY), 0.0);
         assert_eq!(Climb { start: 1e4, per_m: 1.0 }.metres_at_base_density(0.0, f64::INFINITY), 0.0);
     }

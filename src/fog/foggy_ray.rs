@@ -1,5 +1,5 @@
-//! A ray and all fog on it. In go a medium and a ray, out come optical depths. Invariant: voxels are walked
-//! through once.
+//! A ray with all fog on it. In go a medium and a ray, out come optical depths. Invariant: voxels are
+//! traversed once.
 
 use super::beer_lambert::exp_minus;
 use super::voxel_cells::VoxelCells;
@@ -7,17 +7,17 @@ use super::{FogBank, Medium};
 use crate::color::Rgb;
 use crate::math::Ray;
 
-/// A ray up to where it ends.
+/// A ray with its end.
 pub struct FoggyRay<'a> {
     pub(super) medium: &'a Medium,
     pub(super) ray: &'a Ray,
     pub(super) t_max: f64,
-    /// Cells by bank; none for banks without voxels, and an empty list where no bank has some.
+    /// Cells by bank; `None` for banks without voxels, and an empty list if no bank has any.
     cells: Vec<Option<VoxelCells>>,
 }
 
 impl Medium {
-    /// Fog along a ray up to where that ends.
+    /// Fog along a ray up to its end.
     pub fn along<'a>(&'a self, ray: &'a Ray, t_max: f64) -> FoggyRay<'a> {
         let cells_of = |fog: &FogBank| {
             let voxels = fog.voxels()?;
@@ -35,7 +35,7 @@ impl FoggyRay<'_> {
         self.cells.get(bank)?.as_ref()
     }
 
-    /// Optical depth from its origin on.
+    /// Optical depth from the origin to a distance.
     pub fn optical_depth(&self, t: f64) -> Rgb {
         let Ray { origin, direction } = *self.ray;
         let metres = |(number, fog): (usize, &FogBank)| {
@@ -45,7 +45,7 @@ impl FoggyRay<'_> {
         self.medium.banks().iter().enumerate().map(metres).sum()
     }
 
-    /// Extinction at a place on it, 1/m.
+    /// Extinction at a distance, 1/m.
     pub fn extinction(&self, t: f64) -> Rgb {
         let point = self.ray.at(t);
         let density = |(number, fog): (usize, &FogBank)| {
@@ -55,7 +55,7 @@ impl FoggyRay<'_> {
         self.medium.banks().iter().enumerate().map(density).sum()
     }
 
-    /// Light of what shines before a place, as it is at its origin, W m^-2 sr^-1.
+    /// Radiance at the origin of the fog's emission up to a distance, W m^-2 sr^-1.
     pub fn emitted(&self, end: f64) -> Rgb {
         let through = |t: f64| exp_minus(self.optical_depth(t));
         self.medium.emitters.iter().map(|emitter| emitter.along(self.ray, end, through)).sum()

@@ -1,6 +1,6 @@
-//! The parts of a ray that a light reaches. In go intervals in shadow and intervals that are dimmed
-//! (*veils*), out come the lit parts in order, each with the share of the light that is left there.
-//! Invariant: the order in which they are added does not show, to the last bit.
+//! Parts of a ray that a light reaches. In go intervals in shadow and dimmed intervals (*veils*), out come
+//! the lit parts in order, each with its share of the light. Invariant: the result does not depend on the
+//! order in which they are added, to the last bit.
 
 use crate::color::Rgb;
 use crate::light::FrozenLight;
@@ -12,7 +12,7 @@ use std::ops::Range;
 pub struct LitSegments {
     shadows: IntervalSet,
     range: (f64, f64),
-    /// Veils on the rest of it.
+    /// Veils, which dim the lit parts.
     veils: Vec<Veil>,
     /// Start of each piece between the ends of veils, and its transmittance; before the first it is 1.
     pieces: Vec<(f64, Rgb)>,
@@ -33,13 +33,13 @@ impl LitSegments {
         Self { shadows, range, ..Self::default() }
     }
 
-    /// Starts over with a range of a ray that is lit, but for where the light does not shine.
+    /// Starts anew with a range of a ray that is lit wherever the light emits.
     pub fn start(&mut self, ray: &Ray, light: &FrozenLight, range: (f64, f64)) {
         self.shadows.clear();
         self.veils.clear();
         self.pieces.clear();
         self.range = range;
-        // What lies outside a spot's cone, or behind a flat light, counts as shadow.
+        // Outside a spot's cone, or behind a flat light, the range counts as shadowed.
         let FrozenLight::Point { position, emission, .. } = light else { return };
         let mut start = range.0;
         for end in emission.borders(ray, *position).into_iter().flatten().chain([range.1]) {
@@ -51,31 +51,31 @@ impl LitSegments {
         }
     }
 
-    /// The range, metres.
+    /// Range of the ray, metres.
     pub fn range(&self) -> (f64, f64) {
         self.range
     }
 
-    /// Shadows, to be added to.
+    /// Shadows, to which more can be added.
     pub fn shadows_mut(&mut self) -> &mut IntervalSet {
         &mut self.shadows
     }
 
-    /// Dims the light between two places, once [`LitSegments::resolve`] is called.
+    /// Dims the light between two places, from the next call of [`LitSegments::resolve`] on.
     pub fn dim(&mut self, start: f64, end: f64, transmittance: Rgb) {
         if transmittance != Rgb::ONE && start < end {
             self.veils.push(Veil { start, end, transmittance });
         }
     }
 
-    /// Multiplies what dims the same parts.
+    /// Multiplies the veils that overlap.
     pub fn resolve(&mut self) {
         let Self { veils, pieces, product, .. } = self;
         let key = |veil: &Veil| {
             let [red, green, blue] = veil.transmittance.to_array();
             [veil.start, veil.end, red, green, blue]
         };
-        // A fixed order of factors: rounding must not tell in which order the tree met them.
+        // A fixed order of factors: rounding must not depend on the tree's order.
         veils.sort_unstable_by(|a, b| {
             let order = key(a).into_iter().zip(key(b)).map(|(a, b)| a.total_cmp(&b));
             order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
@@ -93,15 +93,15 @@ impl LitSegments {
         }
     }
 
-    /// Calls `lit(start, end, share)` for the lit parts of a range, in order, with the share of the
-    /// light that is left there.
+    /// Calls `lit(start, end, share)` for the lit parts of a range, in order, with the share of the light
+    /// there.
     pub fn for_each_part(&self, range: &Range<f64>, mut lit: impl FnMut(f64, f64, Rgb)) {
         self.shadows.for_each_gap(range.start, range.end, |start, end| {
             self.for_each_piece(start, end, &mut lit);
         });
     }
 
-    /// Pieces of a part that lies in no shadow.
+    /// Calls back with the pieces of a part without shadow.
     fn for_each_piece(&self, start: f64, end: f64, mut piece: impl FnMut(f64, f64, Rgb)) {
         let mut next = self.pieces.partition_point(|(from, _)| *from <= start);
         let mut transmittance = if next == 0 { Rgb::ONE } else { self.pieces[next - 1].1 };

@@ -1,5 +1,5 @@
-//! All fog together, by points and rays. In go places, out come optical depths, densities and where fog is
-//! at all. Invariant: where banks overlap their coefficients add up, and so do their optical depths.
+//! All fog together, for points and rays. In go places, out come optical depths, densities and the range of
+//! fog. Invariant: where banks overlap their coefficients add up, and so do their optical depths.
 
 use super::beer_lambert::exp_minus;
 use super::phase::{henyey_greenstein, scattered_before};
@@ -18,7 +18,7 @@ pub struct Medium {
 }
 
 impl Medium {
-    /// Fog of several banks.
+    /// Medium of several banks.
     pub fn new(banks: Vec<FogBank>) -> Self {
         debug_assert!(banks.len() <= MOST_FOGS, "a scene that exists has no more");
         Self { banks, emitters: Vec::new() }
@@ -34,38 +34,38 @@ impl Medium {
         &self.banks
     }
 
-    /// True if there is no fog at all, and nothing that shines.
+    /// Whether there is no fog and no emission.
     pub fn is_empty(&self) -> bool {
         self.banks.is_empty() && self.emitters.is_empty()
     }
 
-    /// True if no fog changes its density.
+    /// Whether all fog is uniform.
     pub(super) fn is_even(&self) -> bool {
         self.banks.iter().all(FogBank::is_even)
     }
 
-    /// Whether some of it is fog by voxels.
+    /// Whether some fog has voxels.
     pub fn has_voxels(&self) -> bool {
         self.banks.iter().any(|fog| fog.voxels().is_some())
     }
 
-    /// Extinction where all fog is densest, of the colour of which it takes most, 1/m.
+    /// Sum of the maximum extinctions of all banks, in the channel where it is largest, 1/m.
     pub fn most_extinction_per_m(&self) -> f64 {
         self.banks.iter().map(|fog| fog.sigma_t.max_element()).sum()
     }
 
-    /// Boxes about what has bounds, in relative space.
+    /// Bounds of all bounded banks, in relative space.
     pub fn all_bounds(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
         let banks = self.banks.iter().filter_map(FogBank::bounds);
         banks.chain(self.emitters.iter().map(Emitter::bounds))
     }
 
-    /// Whether something in it shines.
+    /// Whether some fog emits.
     pub fn shines(&self) -> bool {
         !self.emitters.is_empty()
     }
 
-    /// Light that a place sends out in every direction, W m^-3 sr^-1.
+    /// Emission at a point in every direction, W m^-3 sr^-1.
     pub fn emission_at(&self, point: DVec3) -> Rgb {
         self.emitters.iter().map(|emitter| emitter.at(point)).sum()
     }
@@ -75,7 +75,7 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t * fog.length(origin, direction, t_max)).sum()
     }
 
-    /// The share of light that gets through (Beer-Lambert).
+    /// Transmittance (Beer-Lambert).
     pub fn transmittance(&self, origin: DVec3, direction: DVec3, t_max: f64) -> Rgb {
         if self.is_empty() {
             return Rgb::ONE;
@@ -83,18 +83,18 @@ impl Medium {
         exp_minus(self.optical_depth(origin, direction, t_max))
     }
 
-    /// Optical depth of a ray up to a place, of voxels by means: as well as grids of light need it.
+    /// Optical depth of a ray up to a distance, with averaged voxels: accurate enough for grids of light.
     pub fn rough_optical_depth(&self, ray: &Ray, t_max: f64) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_t * fog.rough_length(ray, t_max)).sum()
     }
 
-    /// Optical depth of a ray up to the sky, approximate: for one of many directions picked at random.
+    /// Approximate optical depth of a ray up to the sky, for one of many random directions.
     pub fn optical_depth_to_sky(&self, ray: &Ray) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_t * fog.length_to_sky(ray)).sum()
     }
 
-    /// The share of a light's that gets through to a point from it, at a distance in a direction: of suns
-    /// by the depths that voxels know already.
+    /// Transmittance from a light to a point, given by direction and distance; for suns from depths that
+    /// voxels have precomputed.
     pub fn transmittance_from(&self, point: DVec3, to_light: DVec3, distance: f64) -> Rgb {
         let metres = |fog: &FogBank| {
             let known = if distance == f64::INFINITY { fog.metres_to_sun(point, to_light) } else { None };
@@ -108,7 +108,7 @@ impl Medium {
         self.banks.iter().filter_map(|fog| Some(fog.voxels()?.voxel_m(ray))).reduce(f64::min)
     }
 
-    /// Whether it is the same fog by voxels alone.
+    /// Whether both consist of the same voxels alone.
     pub fn is_same_voxels(&self, other: &Self) -> bool {
         let pairs = self.banks.iter().zip(&other.banks);
         self.banks.len() == other.banks.len()
@@ -120,19 +120,19 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t * fog.metres_to(point, light)).sum()
     }
 
-    /// Optical depth as [`Medium::optical_depth_to`] has it, of a lamp by lattices of voxels where there are
+    /// Optical depth as in [`Medium::optical_depth_to`]; for a lamp from lattices of voxels where there are
     /// some.
     pub(super) fn known_depth_to(&self, point: DVec3, light: LightPlace) -> Rgb {
         self.banks.iter().map(|fog| fog.sigma_t * fog.known_metres_to(point, light)).sum()
     }
 
-    /// Medium with optical depths ready for lights at these places.
+    /// Medium with precomputed optical depths to lights at these places.
     pub fn lit_by(self, lights: &[LightPlace]) -> Self {
         Self { banks: self.banks.into_iter().map(|bank| bank.lit_by(lights)).collect(), ..self }
     }
 
-    /// First and last fog to be seen on the ray within `[0, t_max]`; `None` if there is none. Finite, also
-    /// where ray and fog are not.
+    /// Range of the ray within `[0, t_max]` that has visible fog; `None` if there is none. It is finite, even
+    /// for infinite rays and fog.
     pub fn range(&self, ray: &Ray, t_max: f64) -> Option<(f64, f64)> {
         let spans = self.banks.iter().filter_map(|fog| fog.visible_span(ray, t_max));
         spans.reduce(|(a, b), (enter, leave)| (a.min(enter), b.max(leave)))
@@ -149,8 +149,8 @@ impl Medium {
             .sum()
     }
 
-    /// Scattering as [`Self::scattering_at`] has it, of light that forward peaks have scattered `times`
-    /// before; see [`scattered_before`].
+    /// Scattering as in [`Self::scattering_at`], of light that forward peaks have scattered `times` before;
+    /// see [`scattered_before`].
     pub fn scattering_again_at(&self, point: DVec3, cos_deflection: f64, times: f64) -> Rgb {
         self.banks
             .iter()
@@ -160,8 +160,7 @@ impl Medium {
             .sum()
     }
 
-    /// Extinction at a point, and what of the harmonics of each degree of radiance fog sends on there, 1/m:
-    /// `sum(sigma_s g^degree)`.
+    /// Extinction at a point, and the scattering coefficient of each degree, 1/m: `sum(sigma_s g^degree)`.
     pub fn coefficients_at<const DEGREES: usize>(&self, point: DVec3) -> (Rgb, [Rgb; DEGREES]) {
         let (mut extinction, mut scattering) = (Rgb::ZERO, [Rgb::ZERO; DEGREES]);
         for fog in &self.banks {
@@ -182,7 +181,7 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_s * (fog.density(point) * fog.forward_peak(degree))).sum()
     }
 
-    /// Delta-M scaled medium: light of that peak counts as not scattered.
+    /// Delta-M scaled medium: light of that peak counts as unscattered.
     pub fn without_peaks(&self, degree: i32) -> Self {
         Self::new(self.banks.iter().map(|bank| bank.without_peak(degree)).collect())
     }
@@ -202,7 +201,7 @@ impl Medium {
         self.banks.iter().map(|fog| fog.sigma_t * fog.density(point)).sum()
     }
 
-    /// Henyey-Greenstein g of the fog at a point, as the mean of its banks by how much they scatter.
+    /// Henyey-Greenstein g of the fog at a point: the mean over banks, weighted by scattering.
     pub fn anisotropy_at(&self, point: DVec3) -> f64 {
         let (mut weighted, mut all) = (0.0, 0.0);
         for fog in &self.banks {
@@ -237,7 +236,7 @@ mod tests {
         assert_eq!(fog.length(DVec3::new(-2.0, 1.0 + 1e-12, 0.0), DVec3::X, f64::INFINITY), 0.0);
     }
 
-    /// Inside and outside, across faces, corners and edges.
+    /// For points inside and outside, across faces, corners and edges.
     #[test]
     fn between_two_points_lies_as_much_as_along_the_ray() {
         let fog = FogBank::between(DVec3::new(-1.0, -2.0, 0.0), DVec3::new(3.0, 1.5, 1.0), 0.2);

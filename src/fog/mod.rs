@@ -1,7 +1,7 @@
 //! Fog. In go rays, lights and lit intervals, out come optical depths and in-scattered radiance. Invariant:
 //! shadows are input; this module knows no surfaces, cameras or pixels.
 //!
-//! Transport asks a [`Medium`]: `medium.rs` for points and rays, `scattered.rs` for in-scattered radiance
+//! Transport queries a [`Medium`]: `medium.rs` for points and rays, `scattered.rs` for in-scattered radiance
 //! along a ray, [`FogSlice`] for all rays of a half plane. A medium is a list of banks (`bank.rs`). Each has
 //! a density that is uniform, falls with height (`falloff.rs`) or is given by voxels (`voxel_fog.rs`).
 //! `sun_stretch.rs` and `near_light.rs` choose how to integrate a stretch of a ray (`stretch.rs`): in closed

@@ -1,7 +1,7 @@
-//! Light that a near lamp scatters into a ray. In go a stretch of fog and a light, out comes the integral
-//! over any lit part of it. A few parts of even fog that is not deep are integrated one by one. The order
-//! of their rules follows from where the integrand is not analytic. Otherwise all parts share one
-//! antiderivative. Invariant: it is fitted to a tolerance.
+//! Light of a near lamp that fog scatters into a ray. In go a stretch of fog and a light, out comes the
+//! integral over any lit part of it. A few parts of uniform fog of low depth are integrated one by one, with
+//! rules whose order follows from the integrand's singularities. Otherwise all parts share one
+//! antiderivative. Invariant: the antiderivative is fitted to a tolerance.
 //!
 //! The variable is `x = asinh((t - nearest) / gap)`, with `dt / distance^2 = dtheta / gap = dx / (gap cosh
 //! x)`. It is the inverse Gudermannian of the equiangular angle `theta` (Kulla & Fajardo 2012). In `theta`
@@ -27,26 +27,26 @@ pub(super) struct NearLight<'a> {
     shape: LampShape,
     nearest: f64,
     gap: f64,
-    /// Nodes for a falloff that is itself a polynomial: its degree, halved and rounded up.
+    /// Additional nodes for an angular distribution that is a polynomial: its degree, halved and rounded up.
     more_nodes: usize,
-    /// Extinction of all fog together, 1/m: how fast the exponential may change.
+    /// Maximum extinction of all fog together, 1/m, which bounds the exponential's rate.
     densest_per_m: f64,
     /// The nearest poles before and after the stretch, in `x`: see [`NearLight::poles`].
     poles: (f64, f64),
 }
 
-/// A light this near to the ray, as a fraction of its distance, counts as this far from it: the
-/// integral grows beyond all bounds as the gap closes, and no picture shows that.
+/// Minimum distance of a light from the ray, as a fraction of the light's distance: nearer lights count as
+/// this far. The integral is unbounded as the gap closes, but no picture shows that.
 const SMALLEST_RELATIVE_GAP: f64 = 1e-7;
 
-/// Minimum gap as a fraction of the way to the end of the fog: with a lamp at the camera every ray passes
-/// through it.
+/// Minimum gap as a fraction of the distance to the end of the fog: every ray passes through a lamp at the
+/// camera.
 const SMALLEST_SHARE: f64 = 1e-18;
 
-/// Tolerance of a fit, as a share of the whole that it is fitted to.
+/// Tolerance of a fit, relative to the integral over the whole range.
 const FIT_TOLERANCE: f64 = 1e-8;
 
-/// Where voxels lie about: depths to the lamp are no better, nor smoother, than their lattice.
+/// Tolerance near voxels, whose depths to the lamp are no more accurate, nor smoother, than their lattice.
 const VOXEL_TOLERANCE: f64 = 1e-4;
 
 /// Number of parts from which a fit costs no more than the parts one by one (`cargo bench --bench figures
@@ -56,10 +56,10 @@ const MANY_PARTS: usize = 20;
 /// Maximum length of a step, see [`NearLight::part`].
 const LONGEST_STEP: f64 = 2.0;
 
-/// Maximum ratio of a distance along the ray to the gap: its square is finite.
+/// Maximum ratio of a distance along the ray to the gap, so that its square is finite.
 const LARGEST_RATIO: f64 = 1e150;
 
-/// Beyond this optical depth parts are fitted too: most of their steps would add nothing.
+/// Optical depth beyond which parts are fitted, too: most of their steps would add nothing.
 const DEEPEST: f64 = 30.0;
 
 impl<'a> NearLight<'a> {
@@ -70,7 +70,7 @@ impl<'a> NearLight<'a> {
         let gap = ray.direction.cross(to_light).length();
         let gap = gap.max(SMALLEST_RELATIVE_GAP * to_light.length());
         let gap = gap.max(SMALLEST_SHARE * stretch.end).max(f64::MIN_POSITIVE);
-        // `Cone::falloff` is a cubic of the cosine, however narrow the cone's edge.
+        // `Cone::falloff` is a cubic of the cosine, for any width of the cone's edge.
         let is_plain = !matches!(emission, Emission::Spot(_)) && shape.softened_m2 == 0.0;
         let more_nodes = if is_plain { 0 } else { 2 };
         let densest_per_m = stretch.medium.most_extinction_per_m();
@@ -88,7 +88,7 @@ impl<'a> NearLight<'a> {
             return sum;
         }
         let mut start = range.start;
-        // The slope of a spot's falloff changes at kinks, and light at the surface of the lamp.
+        // The slope of a spot's falloff jumps at kinks, and light jumps at the lamp's surface.
         let [a, b] = self.emission.kinks(self.stretch.ray, self.light);
         let [c, d] = self.shape.crossings(self.stretch.ray);
         let mut ends = [a, b, c, d, None].map(|end| end.unwrap_or(range.end));
@@ -114,9 +114,9 @@ impl<'a> NearLight<'a> {
         }
         let is_deep = self.densest_per_m * (hull.end - hull.start) > DEEPEST;
         let mut sum = Rgb::ZERO;
-        // A cell is short.
+        // Cells are short.
         let is_smooth = self.stretch.medium.is_even() || self.stretch.is_in_a_cell();
-        // Behind a grid light is the less so the nearer the ray comes to the axis.
+        // Behind a grid, light is less smooth the nearer the ray comes to the axis.
         let is_smooth = is_smooth && !matches!(self.emission, Emission::Gridded(_));
         if parts < MANY_PARTS && !is_deep && is_smooth {
             lit.for_each_part(range, |start, end, share| sum += share * self.part(start, end));
@@ -135,11 +135,11 @@ impl<'a> NearLight<'a> {
 
     /// Integral over one part, times the gap, by Gauss-Legendre rules.
     ///
-    /// On a step of width `w` a rule of `n` nodes errs by about `rho^-2n`, where `rho` belongs to the
-    /// largest ellipse about the step in which the integrand is analytic (Trefethen, "Approximation Theory
-    /// and Approximation Practice", theorem 19.3). Three things bound that ellipse: the lines at `pi / 2`
-    /// from the real axis, the poles before and after the stretch, and, in its stead, how much the
-    /// exponential changes on the way.
+    /// On a step of width `w` a rule of `n` nodes errs by about `rho^-2n`, where `rho` belongs to the largest
+    /// ellipse around the step in which the integrand is analytic (Trefethen, "Approximation Theory and
+    /// Approximation Practice", theorem 19.3). Three things bound that ellipse: the lines at `pi / 2` from
+    /// the real axis, the poles before and after the stretch, and the change of the exponential over the
+    /// step.
     fn part(&self, start: f64, end: f64) -> Rgb {
         let (mut t, mut x, last) = (start, self.x(start), self.x(end));
         let mut sum = Rgb::ZERO;
@@ -168,13 +168,13 @@ impl<'a> NearLight<'a> {
         sum
     }
 
-    /// Change of the exponent from one place to another, approximate.
+    /// Approximate change of the exponent from one place to another.
     fn depths_between(&self, from: f64, to: f64) -> f64 {
         let along = self.densest_per_m * (to - from);
         if self.poles == (f64::NEG_INFINITY, f64::INFINITY) {
             return along;
         }
-        // Near a pole the way through the fog grows by more than the way.
+        // Near a pole the way through the fog grows faster than the distance along the ray.
         let Stretch { medium, ray, light, .. } = *self.stretch;
         let to_light = |t: f64| medium.known_depth_to(ray.at(t), light);
         along + (to_light(to) - to_light(from)).abs().max_element()
@@ -183,8 +183,8 @@ impl<'a> NearLight<'a> {
     /// Poles of the integrand on the real axis just before and just after the stretch.
     ///
     /// The way to the light enters a bank through a face `y_i = a` at the fraction `(a - y_i(t)) / (p_i -
-    /// y_i(t))` of itself, `p` being the light in the bank's own space: a pole where the ray has come as
-    /// far as the light along the axis `i`. Within the stretch there is none, as `a` lies between.
+    /// y_i(t))` of its length, where `p` is the light in the bank's own space. It has a pole where the ray's
+    /// coordinate `i` equals the light's. Within the stretch there is none, as `a` lies between.
     fn poles(&self) -> (f64, f64) {
         let (first, last) = (self.x(self.stretch.start), self.x(self.stretch.end));
         let (mut before, mut after) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -193,7 +193,7 @@ impl<'a> NearLight<'a> {
             let (origin, direction) = bank.in_cube(ray.origin, ray.direction);
             let (light, _) = bank.in_cube(self.light, DVec3::ZERO);
             for axis in 0..3 {
-                // Between the faces light and ray meet none of the two.
+                // A way between the faces crosses neither.
                 if light[axis].abs() <= 1.0 {
                     continue;
                 }
@@ -209,8 +209,8 @@ impl<'a> NearLight<'a> {
     }
 
     fn x(&self, t: f64) -> f64 {
-        // `asinh` of the library keeps its relative precision near 0, at three times the time; the
-        // absolute one will do.
+        // The library's `asinh` keeps its relative precision near 0, at three times the time; absolute
+        // precision suffices.
         let ratio = ((t - self.nearest) / self.gap).clamp(-LARGEST_RATIO, LARGEST_RATIO);
         (ratio.abs() + (ratio * ratio + 1.0).sqrt()).ln().copysign(ratio)
     }
@@ -219,8 +219,8 @@ impl<'a> NearLight<'a> {
         self.nearest + self.gap * x.sinh()
     }
 
-    /// Scattering, transmittance both ways, the light's share and `1 / cosh x`, which is the inverse
-    /// square times `gap dt/dx`; rounding does not leave the range of `t`.
+    /// Scattering, transmittance of both ways, the light's share and `1 / cosh x`, which is the inverse
+    /// square times `gap dt/dx`. `t` is clamped to the range against rounding.
     fn integrand(&self, x: f64, range: &Range<f64>) -> Rgb {
         let exp = x.exp();
         let (sinh, cosh) = (0.5 * (exp - 1.0 / exp), 0.5 * (exp + 1.0 / exp));
@@ -233,10 +233,10 @@ impl<'a> NearLight<'a> {
     }
 }
 
-/// A pole may be as near as rounding puts it; no step is shorter.
+/// Minimum length of a step, as rounding may put a pole arbitrarily near.
 const SHORTEST_STEP: f64 = 1e-6;
 
-/// Nodes for a step of that width, with a relative error below 1e-7 (`tests/library/near_light.rs`).
+/// Number of nodes for a step of a width, with a relative error below 1e-7 (`tests/library/near_light.rs`).
 fn order_for(width: f64) -> usize {
     match width {
         w if w < 0.06 => 2,

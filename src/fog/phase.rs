@@ -1,10 +1,10 @@
-//! Phase functions: the cosine of a deflection in, a density per steradian out. Invariant: they
+//! Phase functions. In goes the cosine of a deflection, out comes a density per steradian. Invariant: they
 //! integrate to 1 over the sphere.
 
 use crate::math::legendre;
 use std::f64::consts::PI;
 
-/// |g| below which the phase function is taken for even when a cosine is picked.
+/// |g| below which cosines are sampled as if the phase function were isotropic.
 const EVEN: f64 = 1e-3;
 
 /// Henyey & Greenstein 1941, eq. 2: `(1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^1.5)`, 1/sr.
@@ -16,15 +16,14 @@ pub fn henyey_greenstein(cos_deflection: f64, g: f64) -> f64 {
     (1.0 - g * g) / (4.0 * PI * spread * spread.sqrt())
 }
 
-/// Degrees of Legendre polynomials that a sun's light keeps as fog scatters it first; its forward peak are
-/// those from this one on.
+/// Number of Legendre degrees that the first scattering of a sun's light keeps; its forward peak has those
+/// from this one on.
 pub const BEAM_DEGREES: i32 = 6;
 
-/// Phase function of light that was scattered `times` before in the peak that delta-M cuts off, 1/sr.
+/// Phase function of light that was scattered `times` before within delta-M's forward peak, 1/sr.
 ///
-/// Each such scattering leaves harmonics up to that degree, L, as they were and takes `g^(l - L)` of the
-/// others, so of the phase function's `g^l` there is `g^(l + times (l - L))`: a wider lobe, but for the
-/// first harmonics.
+/// Each such scattering keeps harmonics up to that degree, L, and multiplies the others by `g^(l - L)`. So
+/// the phase function's `g^l` becomes `g^(l + times (l - L))`: a wider lobe, except for the first harmonics.
 pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
     if g <= EVEN {
         return henyey_greenstein(cos_deflection, g);
@@ -38,8 +37,8 @@ pub(super) fn scattered_before(cos_deflection: f64, g: f64, times: f64) -> f64 {
     factor * henyey_greenstein(cos_deflection, wide) + kept.sum::<f64>()
 }
 
-/// The cosine of a deflection that a uniform number picks, as densely as [`henyey_greenstein`] says (Witt
-/// 1977, "Multiple scattering in reflection nebulae I", eq. 19), and that density over the sphere, 1/sr.
+/// Cosine of a deflection that a uniform number samples from [`henyey_greenstein`] (Witt 1977, "Multiple
+/// scattering in reflection nebulae I", eq. 19), and its density over the sphere, 1/sr.
 pub fn pick_henyey_greenstein(g: f64, u: f64) -> (f64, f64) {
     let cos = if g.abs() < EVEN {
         1.0 - 2.0 * u
@@ -114,7 +113,7 @@ mod tests {
         assert!((sum - g).abs() < 1e-12);
     }
 
-    /// The mean of `f(cos) / density` over what is picked is the integral of `f` over the sphere.
+    /// The mean of `f(cos) / density` over samples is the integral of `f` over the sphere.
     #[test]
     fn cosines_are_picked_as_densely_as_is_said() {
         for g in [-0.9, -0.5, 0.0, 5e-4, 2e-3, 0.3, 0.9] {

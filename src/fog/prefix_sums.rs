@@ -1,5 +1,5 @@
-//! Fog before each of some places on a ray. In go places in order, out come optical depths and what a sun
-//! scatters where nothing is in its way. Invariant: fog is by voxels alone, and depths are exact.
+//! Prefix sums of fog at places on a ray. In go places in order, out come optical depths and unshadowed
+//! scattering of a sun. Invariant: all fog has voxels, and depths are exact.
 
 use super::beer_lambert::mean_transmittance_between;
 use super::{FogBank, Medium};
@@ -8,23 +8,23 @@ use crate::light::LightPlace;
 use crate::math::Ray;
 use glam::DVec3;
 
-/// A ray and the fog from the first of some places on it to each.
+/// A ray with the fog from the first of some places on it to each.
 pub struct FogBefore<'a> {
     medium: &'a Medium,
     ray: &'a Ray,
     places: &'a [f64],
-    /// Metres of densest fog, by bank and place.
+    /// Metres at maximum density, by bank and place.
     metres: Vec<Vec<f64>>,
 }
 
 impl Medium {
-    /// The anisotropy that all of it shares; `None` if some of it is not by voxels, or differs in that.
+    /// Anisotropy that all fog shares; `None` if some fog has no voxels, or another anisotropy.
     pub fn anisotropy_of_voxels(&self) -> Option<f64> {
         let g = self.banks().first()?.g;
         self.banks().iter().all(|fog| fog.voxels().is_some() && fog.g == g).then_some(g)
     }
 
-    /// Fog before places on a ray, which are in order; nothing is before the first.
+    /// Prefix sums at places on a ray, in order; the first is 0.
     pub fn before_each<'a>(&'a self, ray: &'a Ray, places: &'a [f64]) -> FogBefore<'a> {
         let voxels = self.banks().iter().filter_map(FogBank::voxels);
         let metres = voxels.map(|voxels| voxels.metres_before_each(ray, places)).collect();
@@ -33,13 +33,13 @@ impl Medium {
 }
 
 impl FogBefore<'_> {
-    /// Optical depths before each place.
+    /// Optical depths up to each place.
     pub fn depths(&self) -> Vec<Rgb> {
         self.sums(|fog| fog.sigma_t)
     }
 
-    /// Single scattering of a sun before each place, per unit of irradiance and of phase function. Between
-    /// two places the optical depths, those to the eye in `depths` and those to the sun, count as linear.
+    /// Single scattering of a sun up to each place, per unit of irradiance and of phase function. Between two
+    /// places the optical depths count as linear, those to the eye in `depths` and those to the sun.
     pub fn sunlight(&self, to_light: DVec3, depths: &[Rgb]) -> Vec<Rgb> {
         let scattering = self.sums(|fog| fog.sigma_s);
         let mut all_depths = depths.to_vec();
@@ -64,7 +64,7 @@ impl FogBefore<'_> {
         std::iter::once(Rgb::ZERO).chain(sums).collect()
     }
 
-    /// Metres before each place, times what a bank says.
+    /// Sum over banks of the metres up to each place, times a value of the bank.
     fn sums(&self, per_metre: impl Fn(&FogBank) -> Rgb) -> Vec<Rgb> {
         let mut sums = vec![Rgb::ZERO; self.places.len()];
         for (fog, metres) in self.medium.banks().iter().zip(&self.metres) {

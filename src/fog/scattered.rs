@@ -1,5 +1,5 @@
-//! Light that fog scatters towards the start of a ray. In go the lit parts of the ray, out comes radiance.
-//! Invariant: nothing is sampled, nothing is stepped.
+//! Light that fog scatters towards the origin of a ray. In go the lit parts of the ray, out comes radiance.
+//! Invariant: it is integrated without sampling or stepping.
 
 use super::beer_lambert::exp_minus;
 use super::near_light::NearLight;
@@ -10,12 +10,12 @@ use crate::color::Rgb;
 use crate::light::FrozenLight;
 use crate::math::Ray;
 
-/// Scattering and transmittance of fog along one ray.
+/// Scattering and transmittance of fog along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage {
-    /// Transmittance from what lies behind.
+    /// Transmittance for light from behind.
     pub transmittance: Rgb,
-    /// Radiance scattered on the way, W m^-2 sr^-1.
+    /// In-scattered radiance, W m^-2 sr^-1.
     pub scattered: Rgb,
 }
 

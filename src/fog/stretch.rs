@@ -1,6 +1,6 @@
-//! A ray cut into stretches. In go a ray through fog and a light, out come parts on which the
-//! fog's parameters are constant. Invariant: on a stretch the optical depths to the eye and to
-//! the light are smooth.
+//! A ray cut into stretches. In go a ray through fog and a light, out come parts on which the fog's
+//! parameters are constant. Invariant: on a stretch the optical depths to the eye and to the light are
+//! smooth.
 
 use super::foggy_ray::FoggyRay;
 use super::phase::henyey_greenstein;
@@ -9,23 +9,23 @@ use crate::color::Rgb;
 use crate::light::LightPlace;
 use crate::math::Ray;
 
-/// A part of a ray on which everything is smooth.
+/// A part of a ray on which all functions are smooth.
 #[derive(Clone, Copy)]
 pub(super) struct Stretch<'a> {
     pub(super) along: &'a FoggyRay<'a>,
     pub(super) medium: &'a Medium,
     pub(super) ray: &'a Ray,
     pub(super) light: LightPlace,
-    /// Where it begins and ends, metres.
+    /// Start and end, metres.
     pub(super) start: f64,
     pub(super) end: f64,
     /// Optical depth from the ray's origin to `start`.
     tau_at_start: Rgb,
-    /// Growth of it per metre, in fog whose density does not change on the way.
+    /// Extinction of the fog that is uniform on the stretch, 1/m.
     even_per_m: Rgb,
     /// Bit `i` set: inside bank `i`.
     inside: u64,
-    /// Bit `i` set: and its density changes on the way.
+    /// Bit `i` set: the density of bank `i` varies on the stretch.
     changing: u64,
 }
 
@@ -101,8 +101,8 @@ impl<'a> Stretch<'a> {
         })
     }
 
-    /// Optical depth to eye and light and what is scattered, as [`Stretch::tau`] and [`Stretch::scattering`]
-    /// have them, of some of the banks alone; before the start all of them count.
+    /// Optical depth to eye and light and scattering, as [`Stretch::tau`] and [`Stretch::scattering`], of
+    /// some of the banks alone; before the stretch all of them count.
     pub(super) fn of_banks(&self, banks: u64, t: f64, cos_deflection: f64) -> (Rgb, Rgb) {
         if banks == 0 {
             return (self.tau_at_start, Rgb::ZERO);
@@ -125,7 +125,7 @@ impl<'a> Stretch<'a> {
         })
     }
 
-    /// Scattering where all its fog is as dense as at its base.
+    /// Scattering with all its fog at maximum density.
     pub(super) fn densest_scattering(&self, cos_deflection: f64) -> Rgb {
         self.scattering_at_base(self.inside, cos_deflection)
     }
@@ -134,7 +134,7 @@ impl<'a> Stretch<'a> {
         self.members(banks).map(|(_, fog)| fog.sigma_s * henyey_greenstein(cos_deflection, fog.g)).sum()
     }
 
-    /// Banks by a mask of their numbers.
+    /// Banks by a mask of their indices.
     fn members(&self, mask: u64) -> impl Iterator<Item = (usize, &'a FogBank)> {
         let banks = self.medium.banks().iter().enumerate();
         banks.filter(move |(index, _)| mask >> index & 1 == 1)
@@ -157,7 +157,7 @@ fn cuts(along: &FoggyRay, light: LightPlace) -> Vec<f64> {
             cut(leave);
         }
         match (along.cells(number), light) {
-            // What is scattered of a near light is fitted, and has a kink at each cell.
+            // Light of a near lamp is fitted, and has a kink at each cell.
             (Some(cells), LightPlace::At(_)) => cells.for_each_border(&mut cut),
             _ => fog.for_each_kink(ray, light, &mut cut),
         }

@@ -1,6 +1,6 @@
-//! A stretch of a ray under a distant light. In go the fog on it, out comes the light scattered on any
-//! part of it that is lit. Invariant: in closed form wherever there is one; elsewhere from one fit,
-//! which a hundred lit parts share.
+//! A stretch of a ray under a distant light. In go the fog on it, out comes the light scattered on any lit
+//! part of it. Invariant: in closed form wherever there is one; elsewhere from one fit, shared by all lit
+//! parts.
 
 use super::beer_lambert::{exp_minus, mean_transmittance};
 use super::falloff::Climb;
@@ -10,13 +10,13 @@ use crate::color::Rgb;
 use crate::math::{Antiderivative, Ray};
 use glam::DVec3;
 
-/// Tolerance of a fit, as a share of what the whole stretch would scatter without any shadow.
+/// Tolerance of a fit, relative to the light scattered on the whole stretch without shadows.
 const TOLERANCE: f64 = 1e-11;
 
 /// Light scattered on a stretch, per unit of irradiance.
 pub(super) enum SunStretch<'a> {
     Closed(ClosedForm),
-    /// A rule for each cell.
+    /// A quadrature rule for each cell.
     Voxels(VoxelStretch<'a>),
     /// An integral that has no closed form.
     Fitted(Antiderivative),
@@ -48,7 +48,7 @@ impl<'a> SunStretch<'a> {
 }
 
 /// Closed form for an optical depth, from the eye to `t` and on to a distant light, that is linear in the
-/// metres of fog on the way, counted at the density of the fog's base.
+/// metres of fog up to `t`, at the density of the fog's base.
 pub(super) struct ClosedForm {
     /// `sigma_s * phase`, per metre at base density and sr.
     scattering: Rgb,
@@ -75,11 +75,11 @@ impl ClosedForm {
                 continue;
             }
             let climb = fog.climb(ray).filter(|_| !fog.is_bounded())?;
-            // Below the base it is as dense everywhere, and the column above weighs the same.
+            // Below the base the density is uniform, and the column above has the same depth everywhere.
             if climb.height(middle) <= 0.0 {
                 continue;
             }
-            // At height u the way to a light at the elevation k' weighs exp(-u) / k', and per metre
+            // At height u the way to a light at the elevation k' has a depth of exp(-u) / k', and per metre
             // at base density u grows by k exp(u): the two exponentials cancel.
             let towards_light = fog.climb(&Ray { origin: DVec3::ZERO, direction: to_light })?;
             if !is_inside || towards_light.per_m <= 0.0 {
@@ -93,7 +93,7 @@ impl ClosedForm {
             let line = Self { scattering, start, climb: Some(climb), tau_at_start, tau_per_m };
             return (count == 1).then_some(line);
         }
-        // Just inside, so that a way that starts in a face is measured on this stretch's side.
+        // Just inside, so that a way that starts in a face is measured on the stretch's side.
         let (a, b) = (start + 1e-3 * (end - start), end - 1e-3 * (end - start));
         let (tau_a, tau_b) = (stretch.tau(a), stretch.tau(b));
         let tau_per_m = (tau_b - tau_a) / (b - a);
@@ -107,8 +107,9 @@ impl ClosedForm {
 
     /// `integral of density * exp(-tau) dt` over `[start, end]`, times the scattering.
     ///
-    /// The integral is written as `metres * exp(-tau_min) * (1 - exp(-d)) / d` with `d` the difference of the
-    /// ends' depths: nothing cancels, neither in thin fog nor as the ray turns towards the sun (`d -> 0`).
+    /// The integral is written as `metres * exp(-tau_min) * (1 - exp(-d)) / d`, where `d` is the difference
+    /// of the depths at the ends: nothing cancels, neither in thin fog nor as the ray turns towards the sun
+    /// (`d -> 0`).
     fn integral(&self, start: f64, end: f64) -> Rgb {
         let (before, metres) = (self.metres(self.start, start), self.metres(start, end));
         let one = |at_start: f64, per_m: f64| {

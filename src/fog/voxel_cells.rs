@@ -1,10 +1,10 @@
-//! Voxels along a ray. In go the cells that it passes through, out come metres and densities. Invariant: each
-//! cell is looked at once, and metres are exact.
+//! Voxels along a ray. In go the cells that it crosses, out come metres and densities. Invariant: each cell
+//! is visited once, and metres are exact.
 
 use super::voxel_fog::VoxelFog;
 use crate::math::{Cubic, Ray};
 
-/// Cells that hold something, in order; densities are shares of the densest.
+/// Cells that are not empty, in order; densities are relative to the maximum.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VoxelCells(Vec<Cell>);
 
@@ -14,7 +14,7 @@ struct Cell {
     end: f64,
     /// Density from `start` on.
     density: Cubic,
-    /// Metres of densest fog in all cells before.
+    /// Metres at maximum density in all cells before.
     metres_before: f64,
 }
 
@@ -35,12 +35,12 @@ impl VoxelCells {
         Self(cells)
     }
 
-    /// Metres before a place on the ray, as dense as the densest.
+    /// Metres at maximum density up to a distance.
     pub(super) fn metres(&self, t: f64) -> f64 {
         self.at(self.cursor(t), t).0
     }
 
-    /// The density there.
+    /// Relative density at a distance.
     pub(super) fn density(&self, t: f64) -> f64 {
         self.at(self.cursor(t), t).1
     }
@@ -53,13 +53,12 @@ impl VoxelCells {
         }
     }
 
-    /// Number of the first cell that ends beyond a place.
+    /// Index of the first cell that ends beyond a distance.
     pub(super) fn cursor(&self, t: f64) -> usize {
         self.0.partition_point(|cell| cell.end <= t)
     }
 
-    /// End of the cell or gap that begins or goes on at a place, and whether it is a cell; `cursor` comes
-    /// along.
+    /// End of the cell or gap at a distance, and whether it is a cell; advances `cursor`.
     pub(super) fn next_border(&self, cursor: &mut usize, t: f64) -> (f64, bool) {
         while self.0.get(*cursor).is_some_and(|cell| cell.end <= t) {
             *cursor += 1;
@@ -71,7 +70,7 @@ impl VoxelCells {
         }
     }
 
-    /// Metres before a place, and the density there, both as of the densest.
+    /// Metres up to a distance, and the density there, both relative to the maximum density.
     pub(super) fn at(&self, cursor: usize, t: f64) -> (f64, f64) {
         match self.0.get(cursor) {
             Some(cell) if cell.start <= t => (cell.metres(t), cell.density.at(t - cell.start)),

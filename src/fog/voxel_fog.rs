@@ -1,5 +1,5 @@
-//! Fog as dense as the voxels of a grid. In go rays of relative space, out come metres and densities.
-//! Invariant: metres along a ray are exact; towards lights they are interpolated where fog gathers light.
+//! Fog with the density of a grid of voxels. In go rays in relative space, out come metres and densities.
+//! Invariant: metres along a ray are exact; those towards lights are interpolated on lattices.
 
 use crate::light::LightPlace;
 use crate::math::{Cubic, LitVoxels, Ray, VoxelDepths, VoxelMeans};
@@ -11,9 +11,9 @@ use std::sync::Arc;
 pub(super) struct VoxelFog {
     grid: Arc<LitVoxels>,
     voxel_from_relative: DAffine3,
-    /// Along the axis in which they are longest.
+    /// Length of a voxel along its longest axis, metres.
     widest_voxel_m: f64,
-    /// Suns: where they are, and depths in metres by those in voxels.
+    /// Suns: their directions, and the factor from depths in voxels to metres.
     suns: Vec<Sun>,
     lamps: Vec<Lamp>,
 }
@@ -27,21 +27,22 @@ struct Sun {
 
 #[derive(Clone, Debug)]
 struct Lamp {
-    /// In the voxels' own space.
+    /// Position in voxel space.
     place: DVec3,
     means: Arc<VoxelMeans>,
 }
 
-/// Lamps that have a lattice: others' rays are walked.
+/// Maximum number of lamps with a lattice; rays to others traverse the voxels.
 const MOST_LAMPS: usize = 32;
 
-/// Voxels by which a point of a lamp may lie off the middle that means are for.
+/// Maximum distance in voxels between a point of a lamp and the centre, for which means are computed.
 const BESIDE: f64 = 0.5;
 
-/// Steps of a voxel in which lamps stand for their lattices: so they are the same seen from anywhere.
+/// Number of steps in a voxel to which lamps' positions are rounded for their lattices, so these do not
+/// depend on the camera.
 const STEPS: f64 = 4096.0;
 
-/// Cosine of how far a point of a sun's disc may lie from the middle that depths are for: a degree.
+/// Minimum cosine between a point of a sun's disc and its centre, for which depths are computed: a degree.
 const NEAR: f64 = 0.999_85;
 
 impl VoxelFog {
@@ -53,7 +54,7 @@ impl VoxelFog {
         Self { grid, voxel_from_relative, widest_voxel_m, suns: Vec::new(), lamps: Vec::new() }
     }
 
-    /// `densest_per_m` is the extinction where it is densest.
+    /// Computes depths to lights; `densest_per_m` is the extinction at maximum density.
     pub(super) fn lit_by(self, lights: &[LightPlace], densest_per_m: f64) -> Self {
         let sun = |to_light: DVec3| {
             let direction = self.voxel_from_relative.transform_vector3(to_light);
@@ -83,37 +84,37 @@ impl VoxelFog {
         }
     }
 
-    /// Between two places on a ray, as dense as the densest.
+    /// Metres at maximum density between two places on a ray.
     pub(super) fn metres(&self, ray: &Ray, start: f64, end: f64) -> f64 {
         self.grid.voxels.integral(&self.line(ray), (start, end)) / self.grid.voxels.most()
     }
 
-    /// The same, or some number above `most` as soon as it is above that.
+    /// As [`Self::metres`], or any number above `most` once the sum exceeds that.
     pub(super) fn metres_up_to(&self, ray: &Ray, span: (f64, f64), most: f64) -> f64 {
         let densest = self.grid.voxels.most();
         self.grid.voxels.integral_up_to(&self.line(ray), span, most * densest) / densest
     }
 
-    /// Metres of densest fog from the first of some places on a ray, which are in order, to each.
+    /// Metres at maximum density from the first of some places on a ray, in order, to each.
     pub(super) fn metres_before_each(&self, ray: &Ray, places: &[f64]) -> Vec<f64> {
         let mut integrals = self.grid.voxels.integrals(&self.line(ray), places);
         integrals.iter_mut().for_each(|integral| *integral /= self.grid.voxels.most());
         integrals
     }
 
-    /// Metres of densest fog along a ray up to `end`, where voxels may be averaged over `widest_m` metres.
+    /// Metres at maximum density along a ray up to `end`; voxels may be averaged over `widest_m` metres.
     pub(super) fn rough_metres(&self, ray: &Ray, end: f64, widest_m: f64) -> f64 {
         let times = widest_m / self.widest_voxel_m;
         self.grid.rough_integral(&self.line(ray), (0.0, end), times) / self.grid.voxels.most()
     }
 
-    /// Metres of densest fog along a ray towards a place of the sky or one beside it.
+    /// Metres at maximum density along a ray towards the sky, in its direction or one near it.
     pub(super) fn metres_to_sky(&self, ray: &Ray, widest_m: f64) -> f64 {
         let times = widest_m / self.widest_voxel_m;
         self.grid.rough_integral_to_sky(&self.line(ray), times) / self.grid.voxels.most()
     }
 
-    /// Whether it is the same fog, lit by the same suns.
+    /// Whether both are the same fog, lit by the same suns.
     pub(super) fn is(&self, other: &Self) -> bool {
         let suns = |fog: &Self| fog.suns.iter().map(|sun| sun.to_light).collect::<Vec<_>>();
         Arc::ptr_eq(&self.grid, &other.grid)
@@ -121,19 +122,19 @@ impl VoxelFog {
             && suns(self) == suns(other)
     }
 
-    /// Density as a share of the densest.
+    /// Relative density at a point.
     pub(super) fn density(&self, point: DVec3) -> f64 {
         self.grid.voxels.at(self.voxel_from_relative.transform_point3(point)) / self.grid.voxels.most()
     }
 
-    /// Metres towards a sun from places on a ray; `None` if none of the suns is there.
+    /// Metres towards a sun from places on a ray; `None` if no sun is in that direction.
     pub(super) fn towards_sun(&self, ray: &Ray, to_light: DVec3) -> Option<MetresToSun> {
         let sun = self.suns.iter().find(|sun| sun.to_light.dot(to_light) > NEAR)?;
         let line = sun.depths.line(&self.line(ray));
         Some(MetresToSun { depths: Arc::clone(&sun.depths), line, metres_per_voxel: sun.metres_per_voxel })
     }
 
-    /// Metres between a place and a lamp; `None` if no lattice has them.
+    /// Metres between a place and a lamp; `None` if there is no lattice for it.
     pub(super) fn metres_to_lamp(&self, point: DVec3, position: DVec3) -> Option<f64> {
         if self.lamps.is_empty() {
             return None;
@@ -148,8 +149,8 @@ impl VoxelFog {
         self.voxel_from_relative.transform_vector3(ray.direction).length().recip()
     }
 
-    /// Cells that a part of a ray passes through, if they hold something: where it does, and the density as a
-    /// share of the densest.
+    /// Calls back with the cells on a range of a ray that are not empty: the range of each, and its relative
+    /// density.
     pub(super) fn for_each_cell(&self, ray: &Ray, span: (f64, f64), mut each: impl FnMut((f64, f64), Cubic)) {
         let per_most = self.grid.voxels.most().recip();
         self.grid.voxels.for_each_cell(&self.line(ray), span, |cell| {
@@ -158,7 +159,7 @@ impl VoxelFog {
     }
 }
 
-/// Metres of voxels, as dense as the densest, between a sun and places on a ray.
+/// Metres of voxels at maximum density between a sun and places on a ray.
 pub(super) struct MetresToSun {
     depths: Arc<VoxelDepths>,
     line: Ray,

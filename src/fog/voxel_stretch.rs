@@ -1,6 +1,6 @@
 //! A stretch of a ray through voxels under a sun. In go cells and the depths towards the sun, out comes the
-//! light scattered on what is lit. Invariant: optical depths to the eye are exact; a rule of Gauss takes the
-//! product with what gets through, in every cell by itself.
+//! light scattered on lit parts. Invariant: optical depths to the eye are exact; every cell has its own Gauss
+//! rule for the product with transmittance.
 
 use super::FogBank;
 use super::bank::OPAQUE;
@@ -13,33 +13,33 @@ use crate::color::Rgb;
 use crate::math::{Ray, gauss_legendre};
 use glam::DVec3;
 
-/// Optical depth of the densest fog, and share of a voxel at least, that one rule has at most.
+/// Maximum optical depth of the densest fog for one rule, and the minimum share of a voxel.
 const DEEPEST: f64 = 2.0;
 const THINNEST: f64 = 1.0 / 64.0;
 
-/// Stretch, with what does not change on it.
+/// A stretch, with values that are constant on it.
 pub(super) struct VoxelStretch<'a> {
     stretch: &'a Stretch<'a>,
     cos: f64,
-    /// Voxels that the ray passes through.
+    /// Banks of voxels on the ray.
     inside: Vec<Bank<'a>>,
-    /// Voxels on the way to the sun.
+    /// Banks of voxels between the ray and the sun.
     to_sun: Vec<ToSun<'a>>,
     /// All other banks, by a mask, and whether they scatter here.
     others: u64,
     others_scatter: bool,
-    /// Length over which the depth to the sun is about a cubic, where no cell says it, metres.
+    /// Length over which the depth to the sun is nearly a cubic, where no cell limits it, metres.
     longest_m: f64,
-    /// Length over which light may fall to little, metres.
+    /// Length over which light may fall strongly, metres.
     steepest_m: f64,
-    /// Whether some of it may be hidden by the rest.
+    /// Whether the stretch is so deep that part of it may be invisible.
     is_deep: bool,
 }
 
 /// Voxels between the ray and a sun.
 struct ToSun<'a> {
     fog: &'a FogBank,
-    /// `None` for a direction that they have no lattice for.
+    /// Lattice of depths; `None` for a direction without one.
     lattice: Option<MetresToSun>,
 }
 
@@ -47,13 +47,13 @@ struct ToSun<'a> {
 struct Bank<'a> {
     cells: &'a VoxelCells,
     sigma_t: Rgb,
-    /// Scattering towards the eye where it is densest, 1/(m sr).
+    /// Scattering towards the eye at maximum density, 1/(m sr).
     scattering: Rgb,
     metres_at_start: f64,
 }
 
 impl<'a> VoxelStretch<'a> {
-    /// `None` where no voxels change what is scattered.
+    /// `None` where no voxels affect the scattered light.
     pub(super) fn new(stretch: &'a Stretch, to_light: DVec3) -> Option<Self> {
         let Stretch { medium, ray, start, .. } = *stretch;
         let cos = to_light.dot(ray.direction);
@@ -119,7 +119,7 @@ impl<'a> VoxelStretch<'a> {
         sum
     }
 
-    /// Whether voxels hide a place.
+    /// Whether the fog before a place is opaque.
     fn is_opaque(&self, t: f64, cursors: &[usize]) -> bool {
         let depth = |(bank, cursor): (&Bank, &usize)| {
             bank.sigma_t.min_element() * (bank.cells.at(*cursor, t).0 - bank.metres_at_start)
@@ -127,10 +127,10 @@ impl<'a> VoxelStretch<'a> {
         self.is_deep && self.inside.iter().zip(cursors).map(depth).sum::<f64>() > OPAQUE
     }
 
-    /// Between two places that no border of a cell lies between.
+    /// Integral between two places without a border of a cell between them.
     fn within_cells(&self, start: f64, end: f64, cursors: &[usize]) -> Rgb {
         let half = 0.5 * (end - start);
-        // Two nodes have a cubic exactly, and little depth hardly bends it.
+        // Two nodes are exact for a cubic, and a small depth hardly bends it.
         let nodes = if self.stretch.medium.most_extinction_per_m() * half < 0.05 { 2 } else { 3 };
         let mut sum = Rgb::ZERO;
         for (node, weight) in gauss_legendre(nodes) {

@@ -1,34 +1,34 @@
-//! Bricks of 8 x 8 x 8 numbers by rows along z. In go bricks, out come numbers. Invariant: what a brick's
-//! rows of nothing take is one row.
+//! Bricks of 8 x 8 x 8 numbers, stored by rows along z. In go bricks, out come numbers. Invariant: all empty
+//! rows of a brick share one row.
 
-/// Numbers along an edge of a brick, as a power of two.
+/// Length of a brick's edge, as a power of two.
 pub(super) const LOG_EDGE: i32 = 3;
 pub(super) const EDGE: i32 = 1 << LOG_EDGE;
-/// Numbers of a brick, z fastest.
+/// Count of numbers of a brick; z is fastest.
 pub const BRICK: usize = 512;
-/// Number of the brick that holds nothing.
+/// Index of the empty brick.
 pub(super) const NOTHING: u32 = 0;
-/// Numbers of a row, and rows of a brick.
+/// Count of numbers of a row, and of rows of a brick.
 const ROW: usize = EDGE as usize;
 const ROWS: usize = BRICK / ROW;
 
-/// Bricks, by number.
+/// Bricks, by index.
 #[derive(Debug)]
 pub(super) struct BrickRows {
     bricks: Vec<Brick>,
     values: Vec<f32>,
 }
 
-/// Where a brick's rows are.
+/// Location of a brick's rows.
 #[derive(Debug)]
 struct Brick {
-    /// The first of them, which is of nothing, among all rows.
+    /// Index among all rows of its first, which is empty.
     first: u32,
-    /// Steps from there, by x and y, y fastest.
+    /// Offset from there of each row, by x and y, y fastest.
     rows: [u8; ROWS],
 }
 
-/// One brick, of nothing.
+/// One empty brick.
 impl Default for BrickRows {
     fn default() -> Self {
         Self { bricks: vec![Brick { first: 0, rows: [0; ROWS] }], values: vec![0.0; ROW] }
@@ -36,14 +36,14 @@ impl Default for BrickRows {
 }
 
 impl BrickRows {
-    /// With room for so many bricks.
+    /// Empty, with room for so many bricks.
     pub(super) fn of_up_to(bricks: usize) -> Self {
         let mut rows = Self::default();
         rows.values.reserve_exact(bricks * (BRICK + ROW));
         rows
     }
 
-    /// Number of a brick of these values, of which what is below 0 counts as nothing.
+    /// Stores a brick of these values, negative ones as 0; returns its index.
     pub(super) fn add(&mut self, values: impl IntoIterator<Item = f32>) -> u32 {
         let (start, mut rows) = (self.values.len(), [0; ROWS]);
         self.values.resize(start + ROW, 0.0);
@@ -66,20 +66,20 @@ impl BrickRows {
         self.bricks.len() as u32 - 1
     }
 
-    /// Place of a brick's row among all numbers, by `x << 3 | y`.
+    /// Index among all numbers of a brick's row, by `x << 3 | y`.
     #[inline]
     pub(super) fn row(&self, brick: u32, along: usize) -> usize {
         let Brick { first, rows } = &self.bricks[brick as usize];
         ROW * (*first as usize + usize::from(rows[along & (ROWS - 1)]))
     }
 
-    /// The number at a place among all.
+    /// The number at an index among all.
     #[inline]
     pub(super) fn value(&self, place: usize) -> f32 {
         self.values[place]
     }
 
-    /// All of a brick.
+    /// All numbers of a brick.
     pub(super) fn brick(&self, brick: u32) -> [f32; BRICK] {
         let mut values = [0.0; BRICK];
         for (along, values) in values.chunks_exact_mut(ROW).enumerate() {
@@ -88,7 +88,7 @@ impl BrickRows {
         values
     }
 
-    /// Largest number.
+    /// Maximum of all numbers.
     pub(super) fn most(&self) -> f32 {
         self.values.iter().copied().fold(0.0, f32::max)
     }
@@ -103,7 +103,7 @@ impl BrickRows {
 mod tests {
     use super::*;
 
-    /// Bricks are as they came, and of a row that is not nothing all is kept.
+    /// Bricks are returned as they were added, and rows that are not empty are stored whole.
     #[test]
     fn rows_of_nothing_take_no_memory() {
         let mut rows = BrickRows::default();

@@ -1,12 +1,12 @@
-//! Counter-based random numbers: no state, no order. Invariant: a number is a pure function of
-//! (seed, item, draw), whatever else is drawn.
+//! Counter-based random numbers, without state or order. In go a seed, an item and a draw, out comes a
+//! number. Invariant: it is a pure function of these, for any other draws.
 
-/// The chance of one item of many.
+/// Random numbers of one item of many.
 #[derive(Clone, Copy, Debug)]
 pub struct Chance(u64);
 
 impl Chance {
-    /// Chance of item number `item` under `seed`.
+    /// Random numbers of item `item` under `seed`.
     pub fn of(seed: u32, item: u32) -> Self {
         Self(mix((u64::from(seed) << 32) | u64::from(item)))
     }

@@ -1,6 +1,6 @@
-//! The antiderivative of a smooth function, fitted once and then asked often. In go a function, an interval
+//! Antiderivative of a smooth function, fitted once and then evaluated often. In go a function, an interval
 //! and a tolerance. Out comes the integral over any part of the interval. Invariant: the error of the whole
-//! is estimated from the fit itself, and pieces are halved until it is met.
+//! is estimated from the fit itself, and pieces are halved until it is within the tolerance.
 
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -10,8 +10,7 @@ use std::sync::LazyLock;
 const DEGREE: usize = 16;
 const POINTS: usize = DEGREE + 1;
 
-/// A bound on the work for functions that are not smooth after all: with this many pieces
-/// the fit stays as it is.
+/// Maximum number of pieces, which bounds the work for functions that are not smooth.
 const MAX_PIECES: usize = 512;
 
 /// Half angles `j pi / DEGREE`, whose cosines are the Chebyshev points of the second kind.
@@ -30,19 +29,19 @@ pub struct Antiderivative {
 struct Piece {
     start: f64,
     end: f64,
-    /// Chebyshev coefficients of the antiderivative that is 0 at the start.
+    /// Chebyshev coefficients of the antiderivative that is 0 at the start of the piece.
     coefficients: [DVec3; POINTS],
-    /// The antiderivative at the end.
+    /// Antiderivative at the end of the piece.
     whole: DVec3,
     /// Bound on the error of `whole`.
     error: DVec3,
-    /// The sum of all pieces before.
+    /// Sum of all earlier pieces.
     before: DVec3,
 }
 
 impl Antiderivative {
-    /// Fits `function` over `[start, end]`, so that the integral over the whole is wrong by no more than
-    /// about `tolerance` times itself in each component. What is there is replaced, its memory kept.
+    /// Fits `function` over `[start, end]`, so that the integral over the whole has a relative error of about
+    /// `tolerance` at most in each component. Replaces an earlier fit and reuses its memory.
     pub fn fit(&mut self, function: impl Fn(f64) -> DVec3, start: f64, end: f64, tolerance: f64) {
         self.pieces.clear();
         self.pieces.push(Piece::new(&function, start, end));
@@ -99,7 +98,7 @@ impl Piece {
         let mut of_function: [DVec3; POINTS + 1] =
             std::array::from_fn(|k| if k < POINTS { coefficient(k) } else { DVec3::ZERO });
         of_function[DEGREE] *= 0.5;
-        // The integral of T_k is T_(k+1) / 2(k+1) - T_(k-1) / 2(k-1); the last, which the next points would
+        // The integral of T_k is T_(k+1) / 2(k+1) - T_(k-1) / 2(k-1); the last, which further points would
         // change most, is left out.
         let mut coefficients = [DVec3::ZERO; POINTS];
         for k in 1..POINTS {

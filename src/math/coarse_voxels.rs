@@ -1,5 +1,5 @@
-//! Voxels some times wider: means of cubes. In go voxels, out come integrals along lines at a part of the
-//! cost. Invariant: what voxels hold all together stays the same.
+//! Voxels of several times the size: means of cubes. In go voxels, out come integrals along lines at a part
+//! of the cost. Invariant: the sum over all voxels stays the same.
 
 use super::brick_rows::BRICK;
 use super::voxels::VoxelsBuilder;
@@ -8,29 +8,29 @@ use glam::{DVec2, DVec3, IVec3};
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-/// Directions towards the sky along each side of the square that stands for the sphere.
+/// Number of directions towards the sky along each side of the square that is mapped to the sphere.
 const SKY_SIDE: usize = 12;
-/// Maximum number of coarse voxels that have depths in all directions: 80 MB.
+/// Maximum number of coarse voxels with depths in all directions: 80 MB.
 const MOST_UNDER_SKY: f64 = (1 << 17) as f64;
 
-/// Voxels that are means of others.
+/// Voxels that are means of finer ones.
 #[derive(Debug)]
 pub(super) struct CoarseVoxels {
     voxels: Voxels,
-    /// Number of the others along the edge of one.
+    /// Number of fine voxels along the edge of a coarse one.
     times: f64,
-    /// Depths towards the sky, by direction, once they have been asked for.
+    /// Depths towards the sky, by direction, computed on first use.
     sky: Vec<OnceLock<VoxelDepths>>,
 }
 
 impl CoarseVoxels {
     /// Means of cubes of `times` voxels along each edge, a power of two up to 8; `None` where means are
-    /// next to nothing.
+    /// negligible.
     pub(super) fn new(fine: &Voxels, times: i32) -> Option<Self> {
         let mut bricks: HashMap<IVec3, [f32; BRICK]> = HashMap::new();
         let per_voxel = (times as f32).powi(-3);
         fine.for_each_brick(|first, values| {
-            // All of a brick lies in one of the coarse ones.
+            // A fine brick lies within a single coarse one.
             let first = first.div_euclid(IVec3::splat(times));
             let coarse = bricks.entry(first >> 3).or_insert([0.0; BRICK]);
             for (place, value) in values.iter().enumerate() {
@@ -49,13 +49,12 @@ impl CoarseVoxels {
         Some(Self { voxels, times: f64::from(times), sky })
     }
 
-    /// The integral over a part of a line of the others' space, in units of `t`.
+    /// Integral over a range of a line in the fine voxels' space, in units of `t`.
     pub(super) fn integral(&self, line: &Ray, range: (f64, f64)) -> f64 {
         self.voxels.integral(&self.line(line), range)
     }
 
-    /// Integral from where a line begins towards the sky, in the direction nearest to its own of those
-    /// that are known.
+    /// Integral from a line's origin towards the sky, in the nearest of the precomputed directions.
     pub(super) fn integral_to_sky(&self, line: &Ray) -> f64 {
         let line = self.line(line);
         let per_t = line.direction.length();
@@ -64,7 +63,7 @@ impl CoarseVoxels {
         let Some(depths) = self.sky.get(row * SKY_SIDE + column) else {
             return self.voxels.integral(&line, (0.0, f64::INFINITY));
         };
-        // Made outside of the lock: whoever helps to make them may want them too.
+        // Computed outside of the lock, as threads that help may need them, too.
         let made = || {
             let middle = (DVec2::new(column as f64, row as f64) + 0.5) / SKY_SIDE as f64;
             VoxelDepths::new(&self.voxels, sphere_from_square(middle), 1.0)
@@ -76,9 +75,9 @@ impl CoarseVoxels {
         depths.of(depths.line(&line).origin) * self.voxels.most() / per_t
     }
 
-    /// A line of the others' space in its own.
+    /// A line of the fine voxels' space in that of the coarse ones.
     fn line(&self, &Ray { origin, direction }: &Ray) -> Ray {
-        // The middle of a cube, in the space of its voxels.
+        // Centre of a cube, in the space of its voxels.
         let middle = DVec3::splat(0.5 * (self.times - 1.0));
         Ray { origin: (origin - middle) / self.times, direction: direction / self.times }
     }
@@ -88,7 +87,7 @@ impl CoarseVoxels {
 mod tests {
     use super::*;
 
-    /// Lines through all of it weigh as much as through what it is the means of, and towards the sky about
+    /// Lines through all of it have the same integral as through the fine voxels, and towards the sky nearly
     /// so.
     #[test]
     fn means_hold_as_much() {

@@ -1,9 +1,10 @@
-//! The unit disc and the sphere as images of the unit square. Invariant: equal areas go to equal areas.
+//! Equal-area maps from the unit square to the unit disc and the sphere. In go points of one, out come points
+//! of the other. Invariant: equal areas go to equal areas.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// A point of `[0, 1]^2` in the unit disc: squares about the middle become circles (Shirley & Chiu
+/// Maps a point of `[0, 1]^2` to the unit disc: squares around the centre become circles (Shirley & Chiu
 /// 1997, "A Low Distortion Map Between Disk and Square").
 pub fn disc_from_square(square: DVec2) -> DVec2 {
     let DVec2 { x, y } = 2.0 * square - 1.0;
@@ -15,10 +16,10 @@ pub fn disc_from_square(square: DVec2) -> DVec2 {
     radius * DVec2::from_angle(angle)
 }
 
-/// The way back: a point of the unit disc in `[0, 1]^2`.
+/// Maps a point of the unit disc to `[0, 1]^2`, the inverse of [`disc_from_square`].
 pub fn square_from_disc(disc: DVec2) -> DVec2 {
     let radius = disc.length();
-    // The quarter that `disc_from_square` took x or y for the radius of, signs included.
+    // The sector in which `disc_from_square` used x or y as the radius, signs included.
     let (x, y) = if disc.x.abs() > disc.y.abs() {
         let radius = radius.copysign(disc.x);
         (radius, radius * (disc.y / disc.x).atan() / FRAC_PI_4)
@@ -31,8 +32,8 @@ pub fn square_from_disc(disc: DVec2) -> DVec2 {
     (0.5 * (DVec2::new(x, y) + 1.0)).clamp(DVec2::ZERO, DVec2::ONE)
 }
 
-/// A point of `[0, 1]^2` on the unit sphere: the middle is +Y, all of the edge is -Y (Lambert's azimuthal
-/// equal-area projection of the disc that the square becomes: `|p| = sin(angle from +Y / 2)`).
+/// Maps a point of `[0, 1]^2` to the unit sphere: the centre to +Y, the whole edge to -Y (Lambert's azimuthal
+/// equal-area projection of the disc from that square: `|p| = sin(angle from +Y / 2)`).
 pub fn sphere_from_square(square: DVec2) -> DVec3 {
     let disc = disc_from_square(square);
     let squared = disc.length_squared().min(1.0);
@@ -41,7 +42,7 @@ pub fn sphere_from_square(square: DVec2) -> DVec3 {
     DVec3::new(around.x, 1.0 - 2.0 * squared, around.y)
 }
 
-/// The way back: a unit vector in `[0, 1]^2`.
+/// Maps a unit vector to `[0, 1]^2`, the inverse of [`sphere_from_square`].
 pub fn square_from_sphere(direction: DVec3) -> DVec2 {
     let radius = (0.5 * (1.0 - direction.y)).max(0.0).sqrt();
     let around = DVec2::new(direction.x, direction.z).try_normalize().unwrap_or(DVec2::X);

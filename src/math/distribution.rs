@@ -1,6 +1,6 @@
-//! Points of the unit square as densely as a table says. In go the density of each cell of a grid
-//! and uniform numbers, out come cells and places. Invariant: the map keeps neighbours together, so
-//! low-discrepancy points stay such; a cell of density 0 is never picked.
+//! Piecewise constant distribution on the unit square. In go the density of each cell of a grid and uniform
+//! numbers, out come cells and places. Invariant: the map is continuous enough to keep low-discrepancy points
+//! well distributed; a cell of density 0 is never sampled.
 
 use glam::DVec2;
 
@@ -9,14 +9,14 @@ use glam::DVec2;
 #[derive(Clone, Debug)]
 pub struct SquareDistribution {
     side: usize,
-    /// Sums of the rows' densities: 0, the first row's, the first two rows', ... all.
+    /// Prefix sums of the rows' densities: 0, the first row's, the first two rows', ... all.
     rows: Vec<f64>,
-    /// Sums within each row, row by row.
+    /// Prefix sums within each row, row by row.
     columns: Vec<f64>,
 }
 
 impl SquareDistribution {
-    /// Distribution from densities, row by row; `None` if they are nowhere more than 0, or not finite.
+    /// Distribution from densities, row by row; `None` if all are 0, or some are not finite.
     pub fn new(side: usize, densities: impl Iterator<Item = f64>) -> Option<Self> {
         let mut rows = vec![0.0];
         let mut columns = Vec::with_capacity(side * (side + 1));
@@ -36,7 +36,7 @@ impl SquareDistribution {
         (total > 0.0 && total.is_finite()).then_some(Self { side, rows, columns })
     }
 
-    /// The number of the cell that two uniform numbers pick, and the place within the square.
+    /// Index of the cell that two uniform numbers sample, and the place within the square.
     pub fn pick(&self, u: DVec2) -> (usize, DVec2) {
         let (row, y) = pick(&self.rows, u.y);
         let (column, x) = pick(&self.columns[row * (self.side + 1)..][..=self.side], u.x);
@@ -44,7 +44,7 @@ impl SquareDistribution {
         (row * self.side + column, place)
     }
 
-    /// Probability density of places in a cell, where 1 is the mean over the square.
+    /// Probability density of places in a cell, relative to the mean over the square.
     pub fn density(&self, cell: usize) -> f64 {
         let (row, column) = (cell / self.side, cell % self.side);
         let first = row * (self.side + 1) + column;
@@ -52,14 +52,14 @@ impl SquareDistribution {
         share * (self.side * self.side) as f64
     }
 
-    /// The cell in which a place of the square lies.
+    /// Index of the cell that holds a place of the square.
     pub fn cell(&self, place: DVec2) -> usize {
         let index = |x: f64| ((x * self.side as f64) as usize).min(self.side - 1);
         index(place.y) * self.side + index(place.x)
     }
 }
 
-/// Index of the step of `sums` that holds the share `u` of all, and how far within the step that is.
+/// Index of the step of `sums` that holds the share `u` of the total, and the position within the step.
 fn pick(sums: &[f64], u: f64) -> (usize, f64) {
     let wanted = u * sums[sums.len() - 1];
     // The last step that begins at or before the wanted sum and is not empty.

@@ -1,18 +1,18 @@
-//! An exponential for inner loops. Invariant: no branch and no table, so that a loop over it becomes
-//! vector instructions.
+//! An exponential for inner loops. In goes a number, out comes its exponential. Invariant: no branch and no
+//! table, so loops over it compile to vector instructions.
 
 use std::f64::consts::LOG2_E;
 
-/// ln 2 cut off after 21 bits, so that an integer below 2^32 times it is exact, and what was cut off.
+/// ln 2 truncated after 21 bits, so that its product with an integer below 2^32 is exact, and the remainder.
 const LN_2_PARTS: (f64, f64) = (0.693_146_705_627_441_4, 4.749_325_039_031_672_6e-7);
 
-/// `exp(x)` to a relative 1e-11 for `-700 <= x <= 700`; numbers beyond that count as its ends.
+/// `exp(x)` to a relative 1e-11 for `-700 <= x <= 700`; other numbers are clamped to that range.
 ///
-/// `x = n ln 2 + r` with `|r| <= ln 2 / 2`, so `exp(x) = 2^n exp(r)`, and `exp(r)` by its Taylor
-/// polynomial: the first term left out is `r^10 / 10!`, below 7e-12.
+/// `x = n ln 2 + r` with `|r| <= ln 2 / 2`, so `exp(x) = 2^n exp(r)`, where `exp(r)` is a Taylor polynomial:
+/// the first omitted term is `r^10 / 10!`, below 7e-12.
 #[inline(always)]
 pub fn fast_exp(x: f64) -> f64 {
-    /// Added to a small number it leaves the nearest integer in the last bits of the sum.
+    /// Adding it to a small number leaves the nearest integer in the last bits of the sum.
     const ROUNDER: f64 = 1.5 * (1_u64 << 52) as f64;
     let x = x.clamp(-700.0, 700.0);
     let rounded = x * LOG2_E + ROUNDER;

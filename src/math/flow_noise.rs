@@ -1,20 +1,20 @@
-//! Gradient noise that churns. In go places and how far its gradients have turned, out come numbers.
-//! Invariant: a number is a function of seed, place and turn alone; a whole turn later it is the same.
+//! Flow noise: gradient noise with rotating gradients. In go places and the turn of the gradients, out come
+//! numbers. Invariant: a number is a function of seed, place and turn alone, and periodic in whole turns.
 
 use super::{Chance, sphere_from_square};
 use glam::{DVec2, DVec3, IVec3};
 use std::f64::consts::TAU;
 
-/// Noise of one size: about every whole place it grows and falls at random.
+/// Noise of one scale, with random extrema around integer places.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowNoise {
     /// Seed of the noise.
     pub seed: u32,
-    /// Turns of all gradients, each in a plane of its own (Perlin & Neyret 2001, "Flow noise").
+    /// Rotation of all gradients in turns, each in a plane of its own (Perlin & Neyret 2001, "Flow noise").
     pub turns: f64,
 }
 
-/// The root of its mean square: gradients have unit length.
+/// Root mean square of the noise: gradients have unit length.
 pub const FLOW_NOISE_DEVIATION: f64 = 0.191;
 
 /// The noise within a box.
@@ -25,7 +25,7 @@ pub struct NoiseWithin {
 }
 
 impl FlowNoise {
-    /// Ready for places between two corners.
+    /// Prepares the noise for places between two corners.
     pub fn within(&self, low: DVec3, high: DVec3) -> NoiseWithin {
         let first = low.floor().as_ivec3();
         let size = high.floor().as_ivec3() - first + 2;
@@ -102,7 +102,7 @@ mod tests {
         }
     }
 
-    /// Whatever box it is asked for, a whole turn later, and without leaps.
+    /// For any box, a whole turn later, and without jumps.
     #[test]
     fn it_is_a_smooth_function_of_place_and_turn() {
         let at = |place: DVec3, turns: f64| FlowNoise { seed: 8, turns }.within(place, place).at(place);

@@ -1,4 +1,5 @@
-//! A union of closed intervals. Invariant: sorted, disjoint, none empty.
+//! A union of closed intervals. In go intervals, out come the union and its gaps. Invariant: sorted,
+//! disjoint, none empty.
 
 use std::cmp::Ordering;
 
@@ -25,7 +26,8 @@ impl IntervalSet {
         self.intervals.get(after).is_some_and(|interval| interval.0 < number)
     }
 
-    /// Adds `[start, end]`, merging whatever it touches. Empty intervals (`start >= end`) add nothing.
+    /// Adds `[start, end]`, merged with all intervals that it touches. Empty intervals (`start >= end`) add
+    /// nothing.
     pub fn insert(&mut self, start: f64, end: f64) {
         self.insert_and_tell(start, end, |_, _| {});
     }
@@ -33,7 +35,7 @@ impl IntervalSet {
     /// Adds `[start, end]` and calls `gap(start, end)` for each part that no interval covered before, in
     /// order.
     pub fn insert_and_tell(&mut self, start: f64, end: f64, mut gap: impl FnMut(f64, f64)) {
-        // Anything but Less: a NaN is dropped too.
+        // Anything but Less: a NaN is ignored, too.
         if start.partial_cmp(&end) != Some(Ordering::Less) {
             return;
         }
@@ -92,7 +94,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Against the obvious oracle: a bitmap of unit cells.
+        /// Compared with a bitmap of unit cells.
         #[test]
         fn equals_a_bitmap(inserted in prop::collection::vec((0_u8..60, 0_u8..60), 0..40)) {
             let mut set = IntervalSet::default();

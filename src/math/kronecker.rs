@@ -1,5 +1,5 @@
-//! Additive recurrences: points of which any run of neighbours is well spread. In goes a number,
-//! out comes a point. Invariant: it is in `[0, 1)`.
+//! Additive recurrence: a sequence with well distributed runs of neighbours. In goes a number, out comes a
+//! point. Invariant: the point is in `[0, 1)`.
 
 /// The golden ratio's fractional part.
 pub const GOLDEN: f64 = 0.618_033_988_749_894_8;
@@ -8,7 +8,7 @@ pub const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// unreasonable effectiveness of quasirandom sequences"); `shift` is in `[0, 1)`.
 pub fn kronecker(shift: f64, number: usize) -> f64 {
     let sum = shift + number as f64 * GOLDEN;
-    // As `fract`, which is a call on processors of old.
+    // Equal to `fract`, which is a function call on old processors.
     sum - sum as i64 as f64
 }
 
@@ -16,8 +16,8 @@ pub fn kronecker(shift: f64, number: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// The defining property of a low-discrepancy sequence: every run of `n` has about
-    /// `n / 4` in each quarter.
+    /// The defining property of a low-discrepancy sequence: every run of `n` has about `n / 4` in each
+    /// quarter.
     #[test]
     fn runs_of_neighbours_are_spread() {
         for start in (0..1000).step_by(37) {

@@ -1,35 +1,35 @@
-//! Voxels that suns, lamps and a sky shine through. In go voxels, out come depths towards lights and rough
-//! integrals. Invariant: what lights know of the voxels is found once.
+//! Voxels that light of suns, lamps and a sky passes through. In go voxels, out come depths towards lights
+//! and approximate integrals. Invariant: depths of a light are computed once.
 
 use super::coarse_voxels::CoarseVoxels;
 use super::{Ray, Recent, VoxelDepths, VoxelMeans, Voxels};
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 
-/// Spacing of the nodes of a light's lattice, in voxels, at most.
+/// Maximum spacing of the nodes of a light's lattice, in voxels.
 const SPACING: f64 = 0.5;
 
-/// Optical depth by which a lattice may err between its nodes.
+/// Tolerance of a lattice in optical depth, between its nodes.
 const TOLERANCE: f64 = 0.01;
 
-/// Where voxels have so much optical depth, a way is opaque after few: it is walked if a lattice for it would
-/// have too many nodes.
+/// Optical depth of a voxel above which ways are opaque after a few voxels: they are traversed if a lattice
+/// would have too many nodes.
 const THICK: f64 = 2.0;
 const MANY_NODES: f64 = (1 << 24) as f64;
 
-/// Suns and lamps whose depths are kept.
+/// Maximum numbers of suns and lamps whose depths are cached.
 const MOST_SUNS: usize = 8;
 const MOST_LAMPS: usize = 32;
 
-/// Voxels that light shines through.
+/// Voxels with cached depths towards lights.
 #[derive(Debug)]
 pub struct LitVoxels {
-    /// Them.
+    /// The voxels.
     pub voxels: Voxels,
-    /// By directions and by places of the voxels' own space.
+    /// Depths and means by directions and by places in voxel space.
     suns: Recent<(DVec3, f64), Arc<VoxelDepths>>,
     lamps: Recent<(DVec3, f64), Arc<VoxelMeans>>,
-    /// Twice, four and eight times as wide, once they have been asked for.
+    /// Voxels of two, four and eight times the size, computed on first use.
     coarse: [OnceLock<Option<CoarseVoxels>>; 3],
 }
 
@@ -40,14 +40,13 @@ impl From<Voxels> for LitVoxels {
 }
 
 impl LitVoxels {
-    /// The integral over a part of a line, in units of `t`, where voxels may count as wider ones: at most
-    /// `times` as wide.
+    /// Integral over a range of a line, in units of `t`, from voxels of at most `times` the size.
     pub fn rough_integral(&self, line: &Ray, range: (f64, f64), times: f64) -> f64 {
         let walked = || self.voxels.integral(line, range);
         self.coarse(times).map_or_else(walked, |coarse| coarse.integral(line, range))
     }
 
-    /// Integral from where a line begins, where the line may have one of some directions about its own.
+    /// Approximate integral from a line's origin, in its direction or one near it.
     pub fn rough_integral_to_sky(&self, line: &Ray, times: f64) -> f64 {
         let walked = || self.voxels.integral(line, (0.0, f64::INFINITY));
         self.coarse(times).map_or_else(walked, |coarse| coarse.integral_to_sky(line))
@@ -58,8 +57,8 @@ impl LitVoxels {
         self.coarse[level].get_or_init(|| CoarseVoxels::new(&self.voxels, 2 << level)).as_ref()
     }
 
-    /// Depths towards a direction of its own space, found once. The optical depth of a voxel that is as dense
-    /// as the densest says how fine; `None` where it would be too fine.
+    /// Depths towards a direction in voxel space, computed once. `of_voxel`, the optical depth of a voxel at
+    /// maximum density, sets the resolution; `None` where that would be too fine.
     pub fn depths_towards(&self, to_light: DVec3, of_voxel: f64) -> Option<Arc<VoxelDepths>> {
         let (spacing, (low, high)) = (spacing(of_voxel), self.voxels.bounds());
         if of_voxel > THICK && (high - low).element_product() / spacing.powi(3) > MANY_NODES {
@@ -69,15 +68,16 @@ impl LitVoxels {
         Some(self.suns.of((to_light, spacing), MOST_SUNS, made))
     }
 
-    /// Mean densities on the ways to a place of its own space, found once, as fine.
+    /// Mean densities on the ways to a place in voxel space, computed once, with the same resolution.
     pub fn means_to(&self, lamp: DVec3, of_voxel: f64) -> Arc<VoxelMeans> {
         let spacing = spacing(of_voxel);
         self.lamps.of((lamp, spacing), MOST_LAMPS, || VoxelMeans::new(&self.voxels, lamp, spacing).into())
     }
 }
 
-/// Spacing in voxels of nodes between which lines err by a tolerance: where density grows by `of_voxel` a
-/// voxel they err by `of_voxel * spacing^2 / 8`. Density that is keyed changes it in steps of 2.
+/// Spacing of nodes, in voxels, at which interpolation errs by the tolerance: where density grows by
+/// `of_voxel` a voxel the error is `of_voxel * spacing^2 / 8`. It is a power of 2, so that keyed density
+/// changes it in few steps.
 fn spacing(of_voxel: f64) -> f64 {
     let wanted = (8.0 * TOLERANCE / of_voxel).sqrt() / SPACING;
     SPACING * wanted.log2().floor().clamp(-8.0, 0.0).exp2()

@@ -1,5 +1,5 @@
-//! Geometry and numbers without any notion of scenes or light. Invariant: nothing here knows a
-//! unit other than metres, seconds and radians.
+//! Geometry and numerics without any notion of scenes or light. Invariant: the only units are metres, seconds
+//! and radians.
 
 mod brick_rows;
 mod chance;

@@ -1,6 +1,6 @@
-//! Low-discrepancy points whose places in an order are given. In goes a place, out come coordinates.
-//! Invariant: together with the place itself they are a Sobol sequence. So the points of every aligned run of
-//! places are evenly spread, and so are those of places that only ever halve their distance.
+//! Low-discrepancy points with given places in an order. In goes a place, out come coordinates. Invariant:
+//! together with the place they are a Sobol sequence. So the points of every aligned run of places are well
+//! distributed, and so are those of rounds that each halve the distance of places.
 
 use super::sampler::mix;
 use sobol_burley::parts::{hash, owen_scramble_rev, sobol_rev, u32_to_f32_norm};
@@ -16,15 +16,15 @@ const ROW_STEPS: [f64; 5] = [
     0.531_555_397_715_791_4,
 ];
 
-/// Number of places that share a sequence, as a power of two: the library keeps sixteen bits of a point's
-/// number.
+/// Number of places that share a sequence, as a power of two: the library uses sixteen bits of a point's
+/// index.
 const SEQUENCE_BITS: u32 = 16;
 
-/// The coordinates that belong to a place.
+/// Coordinates of a place.
 ///
-/// The first coordinate of a Sobol sequence is its van der Corput sequence: the number of a point is its
-/// first coordinate with its binary digits in reverse. So with that as the place any other coordinate is
-/// known, whichever places are asked for first. Each has an Owen scrambling of its own.
+/// The first coordinate of a Sobol sequence is its van der Corput sequence: a point's index is its first
+/// coordinate with the binary digits reversed. With that coordinate as the place, all others are known, in
+/// any order of places. Each has an Owen scrambling of its own.
 pub struct PlacedPoints {
     /// The place, as a binary fraction.
     place: u32,
@@ -33,7 +33,7 @@ pub struct PlacedPoints {
     strata: Option<Strata>,
 }
 
-/// Strata of as many points as come again, row after row.
+/// Strata with one point each, repeated row after row.
 #[derive(Clone, Copy)]
 struct Strata {
     /// Their number, as a power of two.
@@ -42,21 +42,21 @@ struct Strata {
 }
 
 impl PlacedPoints {
-    /// The coordinates of a place in the order `stream`, of which there may be any number.
+    /// Coordinates of a place in the order `stream`, of any length.
     pub fn new(seed: u32, stream: u32, place: usize) -> Self {
         let sequence = (place >> SEQUENCE_BITS) as u32;
         let place = (place as u32) << (u32::BITS - SEQUENCE_BITS);
         Self { place, seed: mix(seed ^ mix(stream ^ mix(sequence))), next_dimension: 1, strata: None }
     }
 
-    /// The coordinates of a place where the first `period` places come again and again, each time elsewhere
-    /// in the cells that they divide the space into: every run of so many places is as even as the first.
+    /// Coordinates of a place where the strata of the first `period` places recur, each time with another
+    /// point in the stratum. So every run of `period` places is as well distributed as the first.
     pub fn in_strata(seed: u32, stream: u32, place: usize, period: usize) -> Self {
         let strata = Strata { bits: period.max(1).ilog2(), row: place / period.max(1) };
         Self { strata: Some(strata), ..Self::new(seed, stream, place % period.max(1)) }
     }
 
-    /// The next so many coordinates, each in `[0, 1)`.
+    /// The next `N` coordinates, each in `[0, 1)`.
     pub fn take<const N: usize>(&mut self) -> [f64; N] {
         std::array::from_fn(|coordinate| {
             let dimension = self.next_dimension;
@@ -64,7 +64,8 @@ impl PlacedPoints {
             let point = owen_scramble_rev(sobol_rev(self.place, dimension), hash(self.seed ^ mix(dimension)));
             let point = f64::from(u32_to_f32_norm(point.reverse_bits()));
             let Some(Strata { bits, row }) = self.strata else { return point };
-            // Cells have the same number of digits in each of the first two coordinates, or one more.
+            // Cells have the same number of digits in each of the first two coordinates, or one more in the
+            // first.
             let digits = [bits.div_ceil(2), bits / 2].get(coordinate).copied().unwrap_or(0);
             let cells = f64::from(1_u32 << digits);
             let start = f64::from(mix(self.seed ^ mix(dimension ^ mix(self.place)))) / 2.0_f64.powi(32);
@@ -102,7 +103,7 @@ mod tests {
         }
     }
 
-    /// Every run, and rows one above the other where the whole is finer than the strata.
+    /// Every run is stratified, and so are rows together, finer than the strata.
     #[test]
     fn strata_come_again_with_other_points() {
         let point = |place| PlacedPoints::in_strata(7, 3, place, 16).take::<2>();

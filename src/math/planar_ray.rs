@@ -1,15 +1,14 @@
-//! A ray within a half plane that it starts on the edge of. In go reach, which is the distance from
-//! the edge, and height, which is that along it, both per metre; out comes a slope. Invariant: the
-//! ray leads away from the edge.
+//! A ray in a half plane, from its edge. In go reach, the distance from the edge, and height, the distance
+//! along it, both per metre; out comes a slope. Invariant: the ray leads away from the edge.
 
 use glam::DVec2;
 
-/// A ray out of the origin of a half plane.
+/// A ray from the origin of a half plane.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanarRay {
     /// Unit vector: reach and height per metre.
     pub direction: DVec2,
-    /// Height per reach.
+    /// Height over reach.
     pub slope: f64,
 }
 

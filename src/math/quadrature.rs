@@ -1,7 +1,8 @@
-//! Gauss-Legendre rules on `[-1, 1]`. Invariant: weights are positive and sum to 2.
+//! Gauss-Legendre rules on `[-1, 1]`. In goes an order, out come nodes and weights. Invariant: weights are
+//! positive and sum to 2.
 use std::sync::LazyLock;
 
-/// Highest order kept.
+/// Maximum order of a rule.
 const MAX_ORDER: usize = 16;
 
 /// (node, weight) pairs of the rule with `order` nodes, `1..=16`.

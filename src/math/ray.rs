@@ -12,7 +12,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// The same ray, all of which lies `by` farther on.
+    /// The ray translated by `by`.
     pub fn moved(&self, by: DVec3) -> Self {
         Self { origin: self.origin + by, direction: self.direction }
     }

@@ -3,7 +3,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-/// Values by their keys; a copy has none.
+/// Values by their keys; a clone is empty.
 #[derive(Debug)]
 pub struct Recent<K, V>(Mutex<Vec<(K, V)>>);
 
@@ -20,7 +20,8 @@ impl<K, V> Clone for Recent<K, V> {
 }
 
 impl<K: PartialEq, V: Clone> Recent<K, V> {
-    /// Value of a key. Of more than `most` the one goes that was asked for longest ago.
+    /// Returns the value of a key, made if there is none. With more than `most` values the least recently
+    /// used is dropped.
     pub fn of(&self, key: K, most: usize, make: impl FnOnce() -> V) -> V {
         let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let known = || {

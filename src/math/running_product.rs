@@ -1,30 +1,30 @@
-//! A product of factors that come and go. In go factors with fixed places, out comes the product of all,
-//! at any time. Invariant: a change takes as many multiplications as the number of places has binary
+//! Product of factors that change one at a time. In go factors with fixed places, out comes the product of
+//! all, at any time. Invariant: a change takes as many multiplications as the number of places has binary
 //! digits, and nothing is divided.
 
 use crate::color::Rgb;
 
 #[cfg(test)]
 thread_local! {
-    /// Number that this thread has made.
+    /// Number of multiplications by this thread.
     pub(crate) static MULTIPLICATIONS: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
 }
 
-/// The factors are the leaves of a binary tree, each of whose nodes is the product of the two below it.
+/// Binary tree with the factors as leaves; each node is the product of the two below it.
 #[derive(Clone, Debug, Default)]
 pub struct RunningProduct {
-    /// The root is at 1, the nodes below `i` at `2 i` and `2 i + 1`.
+    /// Nodes: the root at 1, the children of `i` at `2 i` and `2 i + 1`.
     nodes: Vec<Rgb>,
 }
 
 impl RunningProduct {
-    /// Starts over with so many places, each of a factor of 1.
+    /// Starts anew with so many places, each with a factor of 1.
     pub fn start(&mut self, places: usize) {
         self.nodes.clear();
         self.nodes.resize(2 * places.next_power_of_two(), Rgb::ONE);
     }
 
-    /// Puts a factor in its place.
+    /// Sets the factor of a place.
     pub fn set(&mut self, place: usize, factor: Rgb) {
         let nodes = &mut self.nodes;
         let mut node = nodes.len() / 2 + place;

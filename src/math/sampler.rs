@@ -19,13 +19,13 @@ impl Sampler {
         Self { seed, sample: sample % Self::MAX_SAMPLES, next_set: 0 }
     }
 
-    /// How many points were drawn.
+    /// Number of points drawn so far.
     pub fn drawn(&self) -> u32 {
         self.next_set
     }
 
-    /// The points of one of `of` branches that part here. Those of all branches of all samples are the points
-    /// of as many samples.
+    /// Points of one of `of` branches of this sample. All branches of all samples together have the points of
+    /// as many samples.
     pub fn branch(&self, number: u32, of: u32) -> Self {
         let sample = u64::from(self.sample) * u64::from(of) + u64::from(number);
         let most = u64::from(Self::MAX_SAMPLES);
@@ -33,7 +33,7 @@ impl Sampler {
         Self { seed, sample: (sample % most) as u32, next_set: 0 }
     }
 
-    /// What is left once so many more points were drawn.
+    /// The sampler after so many more points are drawn.
     pub fn after(&self, drawn: u32) -> Self {
         Self { next_set: self.next_set.wrapping_add(drawn), ..*self }
     }
@@ -56,7 +56,7 @@ impl Sampler {
         self.next_2d().0
     }
 
-    /// Padding: each set of dimensions is a fresh sequence (Burley, section 5).
+    /// Padding: each set of dimensions has a sequence of its own (Burley, section 5).
     fn next_seed(&mut self) -> u32 {
         let seed = mix(self.seed.wrapping_add(self.next_set));
         self.next_set += 1;

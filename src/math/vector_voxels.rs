@@ -1,28 +1,28 @@
-//! Vectors at the whole places of a grid, trilinear between them. In go bricks of 8 x 8 x 8 and cubes of one
-//! vector, out come vectors. Invariant: where there is neither it is the background.
+//! Vectors at integer places of a grid, trilinear between them. In go bricks of 8 x 8 x 8 and uniform cubes,
+//! out come vectors. Invariant: outside of all bricks and cubes the vector is the background.
 
 use super::brick_rows::BRICK;
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
 
-/// Velocities or colours.
+/// Grid of velocities or colours.
 #[derive(Debug)]
 pub struct VectorVoxels {
     background: Vec3,
-    /// By place of a brick the number of its vectors.
+    /// Index of each brick's vectors, by the brick's place.
     bricks: HashMap<IVec3, usize>,
     vectors: Vec<Vec3>,
-    /// Cubes of one vector by their first voxel, for each edge.
+    /// Cubes of a uniform vector by their first voxel, for each edge.
     even: BTreeMap<i32, HashMap<IVec3, Vec3>>,
 }
 
 impl VectorVoxels {
-    /// Nothing yet but a background.
+    /// Only a background.
     pub fn new(background: Vec3) -> Self {
         Self { background, bricks: HashMap::new(), vectors: Vec::new(), even: BTreeMap::new() }
     }
 
-    /// A brick, z fastest. `first` is a multiple of 8.
+    /// Adds a brick, z fastest; `first` is a multiple of 8.
     pub fn add(&mut self, first: IVec3, vectors: impl IntoIterator<Item = Vec3>) {
         let number = self.vectors.len() / BRICK;
         self.vectors.extend(vectors.into_iter().take(BRICK));
@@ -30,18 +30,18 @@ impl VectorVoxels {
         self.bricks.insert(first >> 3, number);
     }
 
-    /// A cube of one vector, of `edge` voxels; `first` is a multiple of that.
+    /// Adds a uniform cube of `edge` voxels; `first` is a multiple of that.
     pub fn add_even(&mut self, first: IVec3, edge: i32, vector: Vec3) {
         self.even.entry(edge).or_default().insert(first, vector);
     }
 
-    /// Every vector that there is.
+    /// All vectors of the grid.
     pub fn all(&self) -> impl Iterator<Item = Vec3> + '_ {
         let even = self.even.values().flat_map(|cubes| cubes.values());
         std::iter::once(&self.background).chain(&self.vectors).chain(even).copied()
     }
 
-    /// At a whole place.
+    /// Vector at an integer place.
     pub fn voxel(&self, voxel: IVec3) -> Vec3 {
         if let Some(number) = self.bricks.get(&(voxel >> 3)) {
             let within = voxel & 7;
@@ -55,9 +55,9 @@ impl VectorVoxels {
         self.even.iter().find_map(even).unwrap_or(self.background)
     }
 
-    /// At a place.
+    /// Vector at a place.
     pub fn at(&self, place: DVec3) -> Vec3 {
-        // As far out as whole numbers go.
+        // Range in which places convert to integers.
         if place.is_nan() || place.abs().max_element() >= 1e9 {
             return self.background;
         }

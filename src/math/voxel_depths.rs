@@ -1,44 +1,45 @@
-//! Depths of voxels towards a sun. In go voxels and a direction, out come depths of any place by a lattice
-//! of lines along it. Invariant: at the lattice's nodes they are exact; between them they are linear.
+//! Depths of voxels towards a sun. In go voxels and a direction, out come depths at any place, from a lattice
+//! of lines along the direction. Invariant: at the lattice's nodes they are exact; between them they are
+//! linear.
 
 use super::{Ray, Voxels};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
 
-/// Nodes lie farther apart where there would be more.
+/// Maximum number of nodes; their distance grows to keep it.
 const MOST_NODES: f64 = (1 << 23) as f64;
 
-/// So many at most lie nearer together than `FINE` voxels.
+/// Maximum number of nodes with a distance below `FINE` voxels.
 const MOST_FINE_NODES: f64 = (1 << 21) as f64;
 const FINE: f64 = 0.5;
 
-/// Depths in voxels of the densest, towards one direction.
+/// Depths towards one direction, in voxels of maximum density.
 pub struct VoxelDepths {
-    /// Unit vectors: across, across, and towards the sun.
+    /// Unit vectors: two at right angles to the sun, and one towards it.
     axes: [DVec3; 3],
     low: DVec3,
     spacing: f64,
-    /// Lines along the second axis, by the first.
+    /// Number of lines along the second axis for each step along the first.
     columns: usize,
     lines: Vec<Line>,
-    /// At the nodes of one line after the other, from the last before the fog to the first behind it, which
-    /// is there twice: on the rest of a line depths stay the same.
+    /// Depths at the nodes of one line after the other, from the last node before the fog to the first behind
+    /// it. That one is stored twice, as depths stay the same on the rest of a line.
     depths: Vec<f32>,
 }
 
-/// Where a line's depths are.
+/// Location of a line's depths.
 #[derive(Clone, Copy)]
 struct Line {
-    /// Number of the first among all.
+    /// Index of its first depth.
     first: u32,
-    /// Nodes of the lattice before it.
+    /// Number of the lattice's nodes before it.
     skipped: u32,
-    /// Steps from the first to the last.
+    /// Number of steps from the first to the last.
     steps: u32,
 }
 
-/// Addresses alone: depths never change.
+/// Prints the address alone: depths never change.
 impl fmt::Debug for VoxelDepths {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "VoxelDepths({self:p})")
@@ -46,7 +47,8 @@ impl fmt::Debug for VoxelDepths {
 }
 
 impl VoxelDepths {
-    /// `to_light` is a direction of the voxels' own space; nodes lie so far apart, in voxels.
+    /// Computes depths; `to_light` is a direction in voxel space, `spacing` the minimum distance of nodes, in
+    /// voxels.
     pub(super) fn new(voxels: &Voxels, to_light: DVec3, spacing: f64) -> Self {
         let up = to_light.normalize();
         let (right, across) = up.any_orthonormal_pair();
@@ -92,14 +94,14 @@ impl VoxelDepths {
         Self { axes, low: from, spacing, columns: size[1], lines, depths }
     }
 
-    /// A line of the voxels' own space in the lattice's.
+    /// A line in voxel space, transformed to the lattice's.
     pub fn line(&self, line: &Ray) -> Ray {
         let along = |way: DVec3| DVec3::from_array(self.axes.map(|axis| axis.dot(way))) / self.spacing;
         Ray { origin: along(line.origin) - self.low / self.spacing, direction: along(line.direction) }
     }
 
-    /// Depth at a place of the lattice's space. Before the lattice, seen from the sun, there is nothing;
-    /// behind it all.
+    /// Depth at a place in the lattice's space. On the sun's side of the lattice it is 0, beyond it that of
+    /// the whole line.
     pub fn of(&self, at: DVec3) -> f64 {
         let last = [self.lines.len() / self.columns - 1, self.columns - 1];
         if !(at.x >= 0.0 && at.y >= 0.0 && at.x <= last[0] as f64 && at.y <= last[1] as f64) {
@@ -115,7 +117,7 @@ impl VoxelDepths {
         near + (at.x - i as f64) * (between(i + usize::from(i < last[0])) - near)
     }
 
-    /// Depth so many steps along a line.
+    /// Depth at a number of steps along a line.
     fn on_line(&self, line: usize, steps: f64) -> f64 {
         let Line { first, skipped, steps: all } = self.lines[line];
         let steps = (steps - f64::from(skipped)).clamp(0.0, f64::from(all));

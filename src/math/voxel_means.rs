@@ -1,8 +1,8 @@
 //! Mean densities of voxels on the ways to a lamp. In go voxels and its place, out come means from any place,
-//! by a lattice among them. Invariant: at the lattice's nodes they are exact; between them they are linear.
+//! from a lattice. Invariant: at the lattice's nodes they are exact; between them they are linear.
 //!
-//! Depths have the tip of a cone at the lamp, which no lattice shows. Means have none. A node's is found once
-//! somebody asks: whoever it is, it is the same.
+//! Depths have the tip of a cone at the lamp, which a lattice cannot represent; means have none. A node's
+//! mean is computed on first use, with the same result for any thread.
 
 use super::lattice::Lattice;
 use super::{Ray, Voxels};
@@ -10,13 +10,13 @@ use glam::DVec3;
 use std::fmt;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// They lie farther apart where there would be more: means over many voxels change little.
+/// Maximum number of nodes; their distance grows to keep it, as means over many voxels change little.
 const MOST_NODES: f64 = (1 << 18) as f64;
 
-/// Bits of no mean.
+/// Bits that mark a mean as not computed.
 const UNKNOWN: u32 = u32::MAX;
 
-/// Means by the densest voxel, towards one place.
+/// Means relative to the densest voxel, towards one place.
 pub struct VoxelMeans {
     lamp: DVec3,
     low: DVec3,
@@ -26,7 +26,7 @@ pub struct VoxelMeans {
     means: Vec<AtomicU32>,
 }
 
-/// Addresses alone: means never change.
+/// Prints the address alone: means never change.
 impl fmt::Debug for VoxelMeans {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "VoxelMeans({self:p})")
@@ -34,7 +34,8 @@ impl fmt::Debug for VoxelMeans {
 }
 
 impl VoxelMeans {
-    /// `lamp` is a place of the voxels' own space; nodes lie so far apart, in voxels.
+    /// Lattice of means; `lamp` is a place in voxel space, `spacing` the minimum distance of nodes, in
+    /// voxels.
     pub(super) fn new(voxels: &Voxels, lamp: DVec3, spacing: f64) -> Self {
         let (low, high) = voxels.bounds();
         let nodes = (high - low).element_product() / spacing.powi(3);
@@ -45,14 +46,14 @@ impl VoxelMeans {
         Self { lamp, low, spacing, lattice, means }
     }
 
-    /// The mean from a place, of the voxels that it was made for.
+    /// Mean from a place; `voxels` are those that the lattice was made for.
     pub fn of(&self, voxels: &Voxels, place: DVec3) -> f64 {
         let [at, lamp] = [place, self.lamp].map(|place| (place - self.low) / self.spacing);
         let mean = |at: DVec3| self.lattice.at(at, |node| self.of_node(voxels, node));
         if self.lattice.holds(at) {
             return mean(at);
         }
-        // From beyond the voxels there is nothing up to where the way enters them.
+        // From outside, there is no fog up to the point where the way enters the voxels.
         let (way, last) = (lamp - at, self.lattice.last());
         let (a, b) = (-at / way, (last - at) / way);
         let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());

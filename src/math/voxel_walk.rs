@@ -1,30 +1,30 @@
-//! A line through voxels, cell by cell. In go a line, out come the cells that hold something, and integrals.
-//! Invariant: along a line a trilinear cell is a cubic, so its integral is exact.
+//! Traversal of voxels along a line, cell by cell. In goes a line, out come the cells that are not empty, and
+//! integrals. Invariant: along a line a trilinear cell is a cubic, so its integral is exact.
 
 use super::voxels::{Corners, Neighbours, Voxels};
 use super::{Cubic, Ray};
 use glam::{DVec3, IVec3};
 use std::ops::ControlFlow;
 
-/// Values of a cell along the part of a line that passes through it.
+/// Values of a cell along the line's part in it.
 pub struct Passed {
     /// Distances at which the line enters and leaves.
     pub start: f64,
     pub end: f64,
-    /// Values from `start` on.
+    /// Values by distance from `start`.
     pub values: Cubic,
 }
 
 impl Passed {
-    /// Integral over its part of the line.
+    /// Integral over the line's part in the cell.
     pub fn integral(&self) -> f64 {
         self.values.integral(self.end - self.start)
     }
 }
 
 impl Voxels {
-    /// Calls `passed` for the cells on a part of a line of the voxels' own space, in order; those that hold
-    /// nothing are left out. The line's direction has any length.
+    /// Calls `passed` for the cells on a range of a line in voxel space, in order, without empty ones. The
+    /// line's direction may have any length.
     pub fn for_each_cell(&self, line: &Ray, range: (f64, f64), mut passed: impl FnMut(Passed)) {
         self.try_for_each_cell(line, range, |cell| {
             passed(cell);
@@ -32,7 +32,7 @@ impl Voxels {
         });
     }
 
-    /// The same, until `passed` breaks off.
+    /// As [`Self::for_each_cell`], until `passed` breaks.
     fn try_for_each_cell(
         &self,
         line: &Ray,
@@ -64,7 +64,7 @@ impl Voxels {
                 let exits = std::array::from_fn(|axis| way.exit(axis, from[axis], to[axis]));
                 axis = nearest(&exits);
                 t = exits[axis].clamp(t, end);
-                // Rounding leaves no block by another side than that of its exit.
+                // Rounding must not leave a block by another side than that of its exit.
                 cell = line.at(t).floor().as_ivec3().clamp(from, to - 1);
                 cell[axis] = if way.step[axis] > 0 { to[axis] } else { from[axis] - 1 };
             }
@@ -82,7 +82,7 @@ impl Voxels {
         }
     }
 
-    /// Place of a line in a cell; `None` if its brick holds nothing.
+    /// State of a line in a cell; `None` if its brick is empty.
     #[inline]
     fn begin(&self, way: &Way, cell: IVec3) -> Option<Here> {
         let bricks = self.bricks_about(cell)?;
@@ -90,14 +90,14 @@ impl Voxels {
         Some(Here { corners: self.corners(&bricks, cell), bricks, exits })
     }
 
-    /// The integral over a part of a line, in units of `t`.
+    /// Integral over a range of a line, in units of `t`.
     pub fn integral(&self, line: &Ray, range: (f64, f64)) -> f64 {
         let mut sum = 0.0;
         self.for_each_cell(line, range, |cell| sum += cell.integral());
         sum
     }
 
-    /// The same, or some number above `most` as soon as it is above that.
+    /// As [`Self::integral`], or any number above `most` once the sum exceeds that.
     pub fn integral_up_to(&self, line: &Ray, range: (f64, f64), most: f64) -> f64 {
         let mut sum = 0.0;
         self.try_for_each_cell(line, range, |cell| {
@@ -107,7 +107,7 @@ impl Voxels {
         sum
     }
 
-    /// The integral from the first of some places on a line, which are in order, to each.
+    /// Integrals from the first of some places on a line, in order, to each.
     pub fn integrals(&self, line: &Ray, places: &[f64]) -> Vec<f64> {
         let (mut sum, mut integrals) = (0.0, Vec::with_capacity(places.len()));
         let [Some(&first), Some(&last)] = [places.first(), places.last()] else { return integrals };
@@ -123,21 +123,21 @@ impl Voxels {
     }
 }
 
-/// A cell that a line has come to.
+/// The cell that a line has reached.
 struct Here {
     bricks: Neighbours,
     corners: Corners,
-    /// Distance at which the line leaves it by each axis.
+    /// Distances at which the line leaves it along each axis.
     exits: [f64; 3],
 }
 
-/// A line, ready for planes across the axes and for cells.
+/// A line, prepared for planes at right angles to the axes and for cells.
 struct Way {
     origin: DVec3,
     direction: DVec3,
-    /// Products of two of its coordinates: y z, x z, x y.
+    /// Products of two coordinates of its direction: y z, x z, x y.
     products: DVec3,
-    /// Growth of `t` by a voxel along each axis.
+    /// Change of `t` over a voxel along each axis.
     per_voxel: DVec3,
     step: [i32; 3],
 }
@@ -150,7 +150,8 @@ impl Way {
         Self { origin, direction, products, per_voxel: direction.recip(), step }
     }
 
-    /// Trilinear interpolation between corners, x fastest, along the line, from a place within the cell.
+    /// Trilinear interpolation between corners, x fastest, along the line from a place within the cell, as a
+    /// cubic.
     #[inline]
     fn cubic(&self, corners: &[f32; 8], at: DVec3) -> Cubic {
         let along = self.direction;
@@ -159,7 +160,7 @@ impl Way {
         let (x, y, z) = (cx - c0, cy - c0, cz - c0);
         let (xy, xz, yz) = (cxy - cx - y, cxz - cx - z, cyz - cy - z);
         let xyz = cxyz - cxy - cxz + cx - yz;
-        // Its slopes where the line begins.
+        // Slopes at the line's start.
         let (by_yz, by_xz, by_xy) = (yz + xyz * at.x, xz + xyz * at.y, xy + xyz * at.z);
         let (by_x, by_y) = (x + xy * at.y + by_xz * at.z, y + yz * at.z);
         let value = c0 + by_x * at.x + by_y * at.y + z * at.z;
@@ -169,7 +170,7 @@ impl Way {
         Cubic([value, slope, bend, xyz * along.x * self.products.x])
     }
 
-    /// Distance at which it leaves what lies between two planes across an axis.
+    /// Distance at which it leaves the slab between two planes at right angles to an axis.
     #[inline]
     fn exit(&self, axis: usize, low: i32, high: i32) -> f64 {
         let per_voxel = self.per_voxel[axis];
@@ -177,7 +178,7 @@ impl Way {
         if per_voxel.is_finite() { (f64::from(side) - self.origin[axis]) * per_voxel } else { f64::INFINITY }
     }
 
-    /// The part of a part of it that lies in a box; `None` if none does.
+    /// Part of a range within a box; `None` if there is none.
     fn clipped(&self, (low, high): (DVec3, DVec3), (start, end): (f64, f64)) -> Option<(f64, f64)> {
         let (mut start, mut end) = (start, end);
         for axis in 0..3 {
@@ -196,7 +197,7 @@ impl Way {
     }
 }
 
-/// The axis by which a line leaves first.
+/// The axis along which a line leaves first.
 #[inline]
 fn nearest(exits: &[f64; 3]) -> usize {
     let first = if exits[1] < exits[0] { 1 } else { 0 };
@@ -208,7 +209,7 @@ mod tests {
     use super::super::voxels::VoxelsBuilder;
     use super::*;
 
-    /// Two bricks apart from one another, with values that follow no pattern.
+    /// Two separate bricks with irregular values.
     fn apart() -> Voxels {
         let mut builder = VoxelsBuilder::default();
         let value = |place: usize, seed: usize| ((place * 7919 + seed) % 101) as f32 / 101.0;
@@ -225,7 +226,7 @@ mod tests {
             let aim = middle + 9.0 * DVec3::new(unit(index, 31), unit(index, 57), unit(index, 83));
             let mut direction = DVec3::new(unit(index, 13), unit(index, 29), unit(index, 41)).normalize();
             if index % 5 == 0 {
-                // Along an axis, in a face of cells every other time.
+                // Sometimes along an axis, and every other time in a face of cells.
                 direction = DVec3::AXES[index % 3];
             }
             let aim = if index % 10 == 0 { aim.round() } else { aim };
@@ -233,7 +234,7 @@ mod tests {
         })
     }
 
-    /// Against a sum of many steps, for rays that pass both bricks, one or none.
+    /// Compared with a sum of many steps, for rays through both bricks, one or none.
     #[test]
     fn integrals_are_those_of_many_steps() {
         let voxels = apart();
@@ -250,7 +251,7 @@ mod tests {
         assert!(most > 3.0, "{most}");
     }
 
-    /// Parts add up, whichever way one goes.
+    /// Parts add up, in both directions.
     #[test]
     fn parts_of_a_line_add_up() {
         let voxels = apart();
@@ -290,7 +291,7 @@ mod tests {
         let mut builder = VoxelsBuilder::default();
         builder.add_even(IVec3::new(0, 0, 0), 16, 2.0).expect("it is small");
         let voxels = builder.built().expect("it holds something");
-        // From the first voxel to the last it is even, and one more to either side falls to nothing.
+        // It is uniform from the first voxel to the last, and falls to 0 within one more on either side.
         let line = Ray { origin: DVec3::new(-50.0, 7.25, 3.5), direction: DVec3::X };
         assert!((voxels.integral(&line, (0.0, 100.0)) - 2.0 * 16.0).abs() < 1e-12);
         assert_eq!(voxels.bounds(), (DVec3::splat(-1.0), DVec3::splat(16.0)));
@@ -314,7 +315,7 @@ mod tests {
         }
     }
 
-    /// Who wants no more than some gets all where there is less, and more than that where there is more.
+    /// With a limit, sums below it are complete, and larger ones exceed it.
     #[test]
     fn what_is_too_much_is_not_counted() {
         let voxels = apart();

@@ -1,5 +1,5 @@
-//! Numbers at the whole places of a grid, trilinear between them, nothing beyond. In go bricks of 8 x 8 x 8,
-//! out come values. Invariant: what holds nothing takes no memory but its place in a table.
+//! Numbers at integer places of a grid, trilinear between them, 0 outside. In go bricks of 8 x 8 x 8, out
+//! come values. Invariant: empty regions take no memory but their entries in a table.
 
 use super::brick_rows::{BRICK, BrickRows, EDGE, LOG_EDGE, NOTHING};
 use glam::{DVec3, IVec3};
@@ -7,86 +7,86 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Voxels between the origin and any brick at most: so all steps are whole numbers of 32 bits.
+/// Maximum distance in voxels between the origin and any brick, so that 32 bits hold all steps.
 const FARTHEST: i32 = 1 << 29;
 
-/// Places in the table at most: 64 MB.
+/// Maximum number of entries of the table: 64 MB.
 const MOST_PLACES: u64 = 1 << 24;
 
 static IDS: AtomicU64 = AtomicU64::new(0);
 
-/// A grid of numbers, none of them negative.
+/// A grid of non-negative numbers.
 pub struct Voxels {
-    /// The first voxel of the first brick, and bricks along each axis. Those at the sides hold nothing.
+    /// First voxel of the first brick, and number of bricks along each axis. Those at the sides are empty.
     first: IVec3,
     bricks: IVec3,
-    /// Number by place of a brick, z fastest.
+    /// Index of the brick at each place, z fastest.
     table: Vec<u32>,
     rows: BrickRows,
-    /// Corners of what is not nothing, in whole places.
+    /// Corners of the region that is not 0, in integer places.
     low: IVec3,
     high: IVec3,
     most: f32,
-    /// No two grids of a process have the same.
+    /// Unique number of the grid within the process.
     id: u64,
 }
 
-/// Numbers of a brick and of the seven next to it that its cells have corners in: ahead along x by bit 0 of
+/// Indices of a brick and of the seven next to it in which its cells have corners: ahead along x by bit 0 of
 /// the index, y by bit 1, z by bit 2.
 pub(super) type Neighbours = [u32; 8];
 
-/// Values at the corners of a cell, x fastest, and where the rows along z of the first four begin.
+/// Values at the corners of a cell, x fastest, and the starts of the first four corners' rows along z.
 pub(super) struct Corners {
     pub(super) values: [f32; 8],
     rows: [usize; 4],
 }
 
-/// Id alone: its numbers never change.
+/// Prints the id alone: its numbers never change.
 impl fmt::Debug for Voxels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Voxels({})", self.id)
     }
 }
 
-/// Why there is no grid.
+/// Reason why a grid cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum VoxelsError {
-    /// Nothing is in it.
+    /// It is empty.
     #[error("no voxel is above 0")]
     Empty,
-    /// It lies too far out.
+    /// It lies too far from the origin.
     #[error("it has voxels beyond number {FARTHEST} along an axis")]
     TooFar,
-    /// It reaches too far.
+    /// It is too large.
     #[error("its voxels reach over {0} bricks of 8 x 8 x 8, more than {MOST_PLACES}")]
     TooWide(u64),
 }
 
-/// Bricks as they come, by their first voxel; a later one of the same place replaces the earlier.
+/// Bricks as they are added, by their first voxel; a later one at the same place replaces the earlier.
 #[derive(Debug, Default)]
 pub struct VoxelsBuilder {
     rows: BrickRows,
-    /// Number of each brick.
+    /// Index of each brick.
     bricks: HashMap<IVec3, u32>,
-    /// Numbers of bricks that are the same all over, by their value's bits.
+    /// Indices of uniform bricks, by their value's bits.
     even: HashMap<u32, u32>,
 }
 
 impl VoxelsBuilder {
-    /// Builder with room for so many bricks: while there is, they are never held twice.
+    /// Builder with room for so many bricks, so that they are never copied.
     pub fn of_up_to(bricks: usize) -> Self {
         Self { rows: BrickRows::of_up_to(bricks), ..Self::default() }
     }
 
-    /// A brick, z fastest. `first` is a multiple of 8; what is below 0 counts as nothing.
+    /// Adds a brick, z fastest. `first` is a multiple of 8; negative values count as 0.
     pub fn add(&mut self, first: IVec3, values: impl IntoIterator<Item = f32>) {
         self.bricks.insert(first >> LOG_EDGE, self.rows.add(values));
     }
 
-    /// A cube of one value, of `edge` voxels, a multiple of 8: its bricks share their values.
+    /// Adds a uniform cube of `edge` voxels, a multiple of 8: its bricks share their values.
     ///
     /// # Errors
-    /// If it reaches too far.
+    /// If it is too large.
     pub fn add_even(&mut self, first: IVec3, edge: i32, value: f32) -> Result<(), VoxelsError> {
         let along = i64::from(edge >> LOG_EDGE);
         let count = along.pow(3) as u64 + self.bricks.len() as u64;
@@ -103,13 +103,13 @@ impl VoxelsBuilder {
         Ok(())
     }
 
-    /// All of it.
+    /// Builds the grid.
     ///
     /// # Errors
-    /// If there is nothing, or it reaches too far.
+    /// If it is empty or too large.
     pub fn built(self) -> Result<Voxels, VoxelsError> {
         let full = || self.bricks.iter().filter(|(_, number)| **number != NOTHING);
-        // A cell has corners in the brick that it begins in and in those ahead.
+        // A cell has corners in the brick in which it begins and in those ahead.
         let low = full().map(|(at, _)| *at).reduce(IVec3::min).ok_or(VoxelsError::Empty)? - 1;
         let high = full().map(|(at, _)| *at).reduce(IVec3::max).ok_or(VoxelsError::Empty)? + 1;
         if low.min(-high).min_element() < -FARTHEST >> LOG_EDGE {
@@ -152,7 +152,7 @@ impl Voxels {
         }
     }
 
-    /// Corners of the box outside of which it is nothing.
+    /// Corners of the box outside of which all values are 0.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         ((self.low - 1).as_dvec3(), (self.high + 1).as_dvec3())
     }
@@ -162,12 +162,12 @@ impl Voxels {
         self.rows.memory() + size_of_val(&*self.table)
     }
 
-    /// Largest number.
+    /// Maximum of all numbers.
     pub fn most(&self) -> f64 {
         f64::from(self.most)
     }
 
-    /// Calls `each` for every brick that holds something, with its first voxel.
+    /// Calls `each` for every brick that is not empty, with its first voxel.
     pub fn for_each_brick(&self, mut each: impl FnMut(IVec3, &[f32])) {
         for (place, &number) in self.table.iter().enumerate().filter(|(_, number)| **number != NOTHING) {
             let (place, [_, rows, row]) = (place as i32, self.bricks.to_array());
@@ -176,18 +176,18 @@ impl Voxels {
         }
     }
 
-    /// Index of a brick by its steps from the first.
+    /// Index in the table of a brick, by its steps from the first.
     fn place(&self, brick: IVec3) -> Option<usize> {
         let is_in = brick.cmpge(IVec3::ZERO).all() && brick.cmplt(self.bricks).all();
         is_in.then(|| ((brick.x * self.bricks.y + brick.y) * self.bricks.z + brick.z) as usize)
     }
 
-    /// The bricks about the cells that begin in one; `None` if they hold nothing.
+    /// Indices of the bricks around the cells that begin in one; `None` if they are empty.
     #[inline]
     pub(super) fn bricks_about(&self, cell: IVec3) -> Option<Neighbours> {
         let start = self.place((cell - self.first) >> LOG_EDGE)?;
         let [_, rows, row] = self.bricks.to_array().map(|count| count as usize);
-        // What begins in the last bricks along an axis has nothing ahead.
+        // Beyond the last bricks along an axis there is nothing.
         let number = |corner: usize| {
             let ahead = (corner & 1) * rows * row + (corner >> 1 & 1) * row + (corner >> 2);
             self.table.get(start + ahead).copied().unwrap_or(NOTHING)
@@ -202,7 +202,7 @@ impl Voxels {
         (low, low + EDGE)
     }
 
-    /// Whether a cell that was reached by a step along an axis begins in the same brick as the one before.
+    /// Whether a cell, reached by a step along an axis, begins in the same brick as the one before.
     pub(super) fn is_in_the_brick_before(&self, cell: IVec3, axis: usize, step: i32) -> bool {
         let local = (cell[axis] - self.first[axis]) & (EDGE - 1);
         local != if step > 0 { 0 } else { EDGE - 1 }
@@ -217,7 +217,8 @@ impl Voxels {
         corners
     }
 
-    /// Makes of the corners of a cell those of the next along an axis, in the same brick: half of them stay.
+    /// Updates the corners of a cell to those of the next along an axis, in the same brick: half of them
+    /// stay.
     #[inline]
     pub(super) fn step_corners(
         &self,
@@ -247,13 +248,13 @@ impl Voxels {
         }
     }
 
-    /// A cell's place in its brick.
+    /// Indices of a cell in its brick.
     #[inline]
     fn local(&self, cell: IVec3) -> [usize; 3] {
         ((cell - self.first) & (EDGE - 1)).to_array().map(|along| along as usize)
     }
 
-    /// Looks up the two corners of a cell on a row: the first ahead along x by bit 0 of `column`, y by bit 1.
+    /// Looks up the two corners of a cell on a row along z: ahead along x by bit 0 of `column`, y by bit 1.
     #[inline]
     fn put_column(&self, bricks: &Neighbours, corners: &mut Corners, local: [usize; 3], column: usize) {
         let row = self.row(bricks, (local, column), 0);
@@ -262,14 +263,14 @@ impl Voxels {
         corners.values[column + 4] = value(local[2] + 1);
     }
 
-    /// Value on a column of a cell, of which `row` is in the cell's brick.
+    /// Value on a column of a cell; `row` is the start of the column's row.
     #[inline]
     fn value(&self, bricks: &Neighbours, row: usize, column: ([usize; 3], usize), z: usize) -> f32 {
         let is_ahead = z >> LOG_EDGE == 1;
         self.rows.value(if is_ahead { self.row(bricks, column, 1) } else { row + z })
     }
 
-    /// Where a row begins, in the bricks that lie `ahead` along z.
+    /// Start of a row, in the brick `ahead` along z.
     #[inline]
     fn row(&self, bricks: &Neighbours, (local, column): ([usize; 3], usize), ahead: usize) -> usize {
         let (x, y) = (local[0] + (column & 1), local[1] + (column >> 1));
@@ -279,7 +280,7 @@ impl Voxels {
 
     /// Value at a place.
     pub fn at(&self, place: DVec3) -> f64 {
-        // As far out as whole numbers go.
+        // Range in which places convert to integers.
         if place.is_nan() || place.abs().max_element() >= 1e9 {
             return 0.0;
         }
@@ -289,7 +290,7 @@ impl Voxels {
     }
 }
 
-/// Between a cell's corners; `share` of the way along each axis.
+/// Interpolates between a cell's corners; `share` is the position along each axis.
 fn trilinear(corners: &[f32; 8], share: DVec3) -> f64 {
     let along = |from: f32, to: f32| f64::from(from) + share.x * (f64::from(to) - f64::from(from));
     let [a, b] = [0, 4].map(|z| {

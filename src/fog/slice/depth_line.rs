@@ -1,6 +1,6 @@
-//! Even fog along a part of a ray. In go an optical depth that changes in proportion to the reach and what is
-//! lit there, out comes the integral of what gets through. Invariant: nothing cancels, neither in thin fog
-//! nor as the ray turns towards the sun.
+//! Uniform fog along a range of a ray. In go an optical depth that is linear in the reach, and the lit parts,
+//! out comes the integral of the transmittance. Invariant: nothing cancels, neither in thin fog nor as the
+//! ray turns towards the sun.
 
 use super::lit_cells::{Lit, MOST_PIECES, Piece};
 use crate::color::Rgb;
@@ -8,8 +8,8 @@ use crate::fog::beer_lambert::NOTHING_LEFT;
 use crate::math::fast_exp;
 use std::ops::Range;
 
-/// The optical depth, to the eye and to the light together: `at_start + per_reach * (reach - start)`. Fog
-/// that treats all colours alike has one lane, other fog three.
+/// Optical depth, to the eye and to the light together: `at_start + per_reach * (reach - start)`. Grey fog
+/// has one lane, other fog three.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthLine<const LANES: usize> {
     pub(super) start: f64,
@@ -24,7 +24,7 @@ impl<const LANES: usize> DepthLine<LANES> {
         Self { start, at_start: [0.0; LANES], per_reach: [0.0; LANES] }
     }
 
-    /// Adds metres of a bank.
+    /// Adds a bank, by its metres at maximum density.
     #[inline(always)]
     pub(super) fn add(&mut self, sigma_t: Rgb, metres_at_start: f64, metres_per_reach: f64) {
         for lane in 0..LANES {
@@ -33,9 +33,9 @@ impl<const LANES: usize> DepthLine<LANES> {
         }
     }
 
-    /// `integral of exp(-tau)` over what is lit of a range: see [`Lit::for_each_piece`]. `None` if the fog
-    /// changes too fast along it. What is left out is the eighth power of half a piece's change over `8!` of
-    /// the integral at most: 1e-7.
+    /// `integral of exp(-tau)` over the lit parts of a range: see [`Lit::for_each_piece`]. `None` if the fog
+    /// changes too fast along it. The truncation error, relative to the integral, is at most the eighth power
+    /// of half a piece's change over `8!`: 1e-7.
     #[inline(always)]
     pub(super) fn lit_integral(&self, range: Range<f64>, lit: &Lit) -> Option<Rgb> {
         let steepest = self.steepest();
@@ -55,14 +55,14 @@ impl<const LANES: usize> DepthLine<LANES> {
         Some(Rgb::from_array(std::array::from_fn(|channel| sum[channel % LANES])))
     }
 
-    /// Change of the depth per reach, of the colour of which it is largest.
+    /// Change of the depth per reach, in the channel where it is largest.
     #[inline(always)]
     pub(super) fn steepest(&self) -> f64 {
         self.per_reach.iter().fold(0.0, |most, k| most.max(k.abs()))
     }
 
-    /// The part of a range where, of some colour, something is left beside what gets through
-    /// at its brighter end.
+    /// Part of a range where the transmittance of some channel is not negligible beside that at its brighter
+    /// end.
     fn visible(&self, range: Range<f64>) -> Range<f64> {
         let (mut first, mut last) = (range.end, range.start);
         for per_reach in self.per_reach {
@@ -73,7 +73,7 @@ impl<const LANES: usize> DepthLine<LANES> {
         first.max(range.start)..last.min(range.end)
     }
 
-    /// `integral of exp(-tau)` over what is lit of a piece, by eight moments. The derivatives of the
+    /// `integral of exp(-tau)` over the lit part of a piece, from eight moments. The derivatives of the
     /// integrand are powers of `k`.
     #[inline(always)]
     fn integral(&self, lane: usize, offset: f64, half_width: f64, m: &[f64; 8]) -> f64 {
@@ -93,7 +93,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Against the sum over all lit pieces one by one, by the textbook's antiderivative.
+        /// Compared with the sum over all lit pieces one by one, by the textbook's antiderivative.
         #[test]
         fn equals_the_sum_over_pieces(
             inserted in prop::collection::vec((0.0..20.0_f64, 0.0..2.0_f64), 0..40),
@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    /// The visible part decides, however thick the fog; where even that is long there is no answer.
+    /// The visible part decides, however thick the fog; `None` where even that is long.
     #[test]
     fn thick_fog() {
         let (mut cells, none) = <(LitCells, IntervalSet)>::default();

@@ -1,8 +1,8 @@
-//! Fog that thins out with height, alone or with even fog, along a part of a ray. In go the ways of eye and
-//! light through it and what is lit. Out comes the integral of what is scattered and gets through. Invariant:
-//! every piece is so short that ten terms of its series tell all but 1e-8 of it.
+//! Fog that thins out with height, alone or with uniform fog, along a range of a ray. In go the ways of eye
+//! and light through it, and the lit parts. Out comes the integral of scattering times transmittance.
+//! Invariant: every piece is so short that ten terms of its series are accurate to 1e-8.
 //!
-//! The optical depth's series is known in the middle of a piece (`thinning_fog.rs`). Those of `exp(-tau)` and
+//! The optical depth's series is given at the centre of a piece (`thinning_fog.rs`). Those of `exp(-tau)` and
 //! of its product with the density follow by the rules for power series (Knuth, "The Art of Computer
 //! Programming" 2, section 4.7).
 
@@ -14,18 +14,18 @@ use crate::math::fast_exp;
 
 /// Fog on a stretch of a ray.
 pub(super) struct DepthSeries<'a> {
-    /// The optical depth, but for what thinning fog adds from the start on and towards the light.
+    /// Optical depth without that of thinning fog from the start on and towards the light.
     pub(super) even: DepthLine<3>,
-    /// Scattering of the even fog, per metre and irradiance, 1/(m sr).
+    /// Scattering of the uniform fog, per metre and irradiance, 1/(m sr).
     pub(super) scattering: Rgb,
     pub(super) thinning: &'a [ThinningFog],
 }
 
 impl DepthSeries<'_> {
-    /// Light scattered on what is lit of a range, per unit of irradiance and, as its integral goes over
-    /// reaches, per metre of reach: see [`Lit::for_each_piece`], by the sum of the exponents of density and
-    /// transmittance. `None` if the fog changes too fast along it. What is left out is below 1e-8 of what an
-    /// unshadowed piece scatters (see the tests).
+    /// Light scattered on the lit parts of a range, per unit of irradiance and per metre of reach, as the
+    /// integral is over reach: see [`Lit::for_each_piece`]. Pieces follow the sum of the exponents of density
+    /// and transmittance. `None` if the fog changes too fast along the range. The truncation error is below
+    /// 1e-8 of the light that an unshadowed piece scatters (see the tests).
     pub(super) fn lit_integral(&self, end: f64, lit: &Lit) -> Option<Rgb> {
         let start = self.even.start;
         let range = start..end;
@@ -80,8 +80,8 @@ fn dot(coefficients: &[Rgb; ORDER], powers: &[f64; ORDER]) -> Rgb {
     coefficients.iter().zip(powers).fold(Rgb::ZERO, |sum, (coefficient, power)| sum + coefficient * *power)
 }
 
-/// The coefficients of `exp(-tau)` by powers of the distance from the middle: as `f' = -tau' f`, `n f_n` is
-/// the sum of `-j tau_j f_(n - j)` over j.
+/// Coefficients of `exp(-tau)` by powers of the distance from the centre: as `f' = -tau' f`, `n f_n` is the
+/// sum of `-j tau_j f_(n - j)` over j.
 fn exp_of_minus(tau: &[Rgb; ORDER]) -> [Rgb; ORDER] {
     let slopes: [Rgb; ORDER] = std::array::from_fn(|j| -tau[j] * (j as f64 / FACTORIALS[j]));
     let mut f = [Rgb::ZERO; ORDER];
@@ -93,7 +93,7 @@ fn exp_of_minus(tau: &[Rgb; ORDER]) -> [Rgb; ORDER] {
     f
 }
 
-/// The integrals of powers, weighted with a density.
+/// Integrals of powers, weighted with a density.
 fn weighted(density: &Series, powers: &[f64; ORDER]) -> [f64; ORDER] {
     let coefficients: Series = std::array::from_fn(|j| density[j] * (1.0 / FACTORIALS[j]));
     std::array::from_fn(|k| (0..ORDER - k).map(|j| coefficients[j] * powers[k + j]).sum())
@@ -109,7 +109,7 @@ mod tests {
     use glam::DVec2;
     use proptest::prelude::*;
 
-    /// A quadrature with the textbook's closed forms for the two ways, over what is lit.
+    /// Quadrature with the textbook's closed forms for the two ways, over the lit parts.
     struct Truth {
         start: f64,
         ray: PlanarRay,
@@ -146,8 +146,8 @@ mod tests {
         }
     }
 
-    /// Ten thousand kilometres below the base, where the light's way through the layer is
-    /// the same everywhere.
+    /// Ten thousand kilometres below the base, where the light's way through the layer has the same depth
+    /// everywhere.
     #[test]
     fn far_below_the_base() {
         let heights = Linear { at_eye: -3.0, per_reach: 0.3, per_height: 0.8 };
@@ -182,7 +182,7 @@ mod tests {
             let heights = Linear { at_eye, per_reach: tilt.sin() / scale_height, per_height };
             let ray = PlanarRay::new(DVec2::new(1.0, slope).normalize());
             let along = heights.along(&Line { at_axis: 0.0, growth: slope });
-            // Where the ray is above the base, and not too far above it.
+            // The ray is above the base, and not too far above it.
             let limit = if along.growth < 0.0 { 0.0 } else { 30.0 };
             let end = (start + width).min((limit - along.at_axis) / along.growth);
             prop_assume!(end > start + 1e-3);
@@ -212,7 +212,7 @@ mod tests {
             }
             let lit = Lit { cells: &cells, shadows: &shadows, more_shadows: &IntervalSet::default() };
             let found = series.lit_integral(end, &lit);
-            // Left to the per-ray method if it would take too many pieces, as it rarely does.
+            // Left to the per-ray method if it would take too many pieces, which is rare.
             prop_assume!(found.is_some());
             let found = found.unwrap_or_default();
 

@@ -1,12 +1,11 @@
-//! Moments of the lit part of a slice, summed up beforehand. In go the shadows as they grow. Out come the
-//! moments of what is lit, for any range of reaches in a few pieces. Invariant: a cell knows its lit part
-//! exactly, by its moments. Single shadows are looked at only in the cells where a range begins and ends,
-//! once for all colours.
+//! Moments of the lit part of a slice, precomputed by cell. In go shadows as they grow. Out come the moments
+//! of the lit part of any range of reaches, in a few pieces. Invariant: the moments of a cell are exact.
+//! Single shadows are visited only in the cells at the ends of a range, once for all channels.
 //!
-//! Let `x` be the distance from a piece's middle in halves of its width. Let `m_j` be the integral of `x^j
-//! / j!` over what is lit. The integral of any smooth `f` over the same is `sum(f_j m_j)`, where `f_j` are
-//! its derivatives in the middle. This is a multipole expansion (Greengard & Rokhlin 1987, section 2). The
-//! moments depend neither on the camera's ray nor on what is integrated.
+//! Let `x` be the distance from a piece's centre in halves of its width. Let `m_j` be the integral of `x^j /
+//! j!` over the lit part. The integral of any smooth `f` over the same is `sum(f_j m_j)`, where `f_j` are its
+//! derivatives at the centre. This is a multipole expansion (Greengard & Rokhlin 1987, section 2). The
+//! moments depend neither on the camera's ray nor on the integrand.
 
 use crate::math::IntervalSet;
 use std::ops::Range;
@@ -14,10 +13,10 @@ use std::ops::Range;
 /// Number of moments of a piece.
 pub(super) const ORDER: usize = 10;
 
-/// However thick the fog, no more cells than this between two breaks.
+/// Maximum number of cells between two breaks, however thick the fog.
 const MOST_CELLS: f64 = 64.0;
 
-/// Rays that take more pieces than this on one stretch are left to the per-ray method.
+/// Maximum number of pieces on one stretch; rays with more are left to the per-ray method.
 pub(super) const MOST_PIECES: f64 = 512.0;
 
 /// `j!`
@@ -32,7 +31,7 @@ pub(super) struct LitCells {
     moments: Vec<Moments>,
 }
 
-/// The integrals of `x^j / j!` over what is lit.
+/// Integrals of `x^j / j!` over the lit part.
 pub(super) type Moments = [f64; ORDER];
 
 /// A range of reaches.
@@ -43,7 +42,7 @@ pub(super) struct Piece {
 }
 
 impl LitCells {
-    /// Starts over with everything lit. Every break is an edge; beyond `last_reach` there will be no
+    /// Starts anew with everything lit. Every break is an edge of cells. Beyond `last_reach` there will be no
     /// shadows, and so no cells.
     pub(super) fn start(&mut self, breaks: &[f64], last_reach: f64, cells_per_reach: f64) {
         self.edges.clear();
@@ -62,7 +61,7 @@ impl LitCells {
         self.moments.extend(self.edges.windows(2).map(whole));
     }
 
-    /// Darkens the range between two reaches, which was lit until now.
+    /// Darkens the range between two reaches, which must have been lit.
     pub(super) fn darken(&mut self, start: f64, end: f64) {
         let first = self.edges.partition_point(|edge| *edge <= start).saturating_sub(1);
         for (edges, moments) in self.edges[first..].windows(2).zip(&mut self.moments[first..]) {
@@ -78,21 +77,22 @@ impl LitCells {
     }
 }
 
-/// Light that reaches a ray: cells, and shadows beside theirs.
+/// Light that reaches a ray: the cells, and further shadows.
 pub(super) struct Lit<'a> {
     pub(super) cells: &'a LitCells,
-    /// Shadows that the cells know of.
+    /// Shadows that the cells include.
     pub(super) shadows: &'a IntervalSet,
-    /// The ray's own.
+    /// Further shadows, of this ray alone.
     pub(super) more_shadows: &'a IntervalSet,
 }
 
 impl Lit<'_> {
-    /// Calls back with a range in pieces and with the moments of what is lit there: in no shadow. What the
-    /// ray's own take away comes as pieces of its own, with negative moments.
+    /// Calls back with a range in pieces and with the moments of its lit parts. The ray's own shadows come as
+    /// pieces with negative moments.
     ///
-    /// The integrand takes the first N moments. `changes` says how fast the integrand changes per reach,
-    /// which between two places is no faster than at one of the two; over a piece it changes by 1 at most.
+    /// The integrand uses the first N moments. `changes` bounds the integrand's relative change per reach;
+    /// between two places it must not exceed the larger of their values. Over a piece the integrand changes
+    /// by at most 1.
     #[inline(always)]
     pub(super) fn for_each_piece<const N: usize>(
         &self,
@@ -122,7 +122,7 @@ impl Lit<'_> {
     }
 }
 
-/// Pieces as of [`Lit::for_each_piece`], from the shadows themselves.
+/// Pieces as in [`Lit::for_each_piece`], from the shadows themselves.
 fn look_at<const N: usize>(
     range: Range<f64>,
     shadows: &IntervalSet,
@@ -137,7 +137,7 @@ fn look_at<const N: usize>(
         if change > 1.0 {
             end = start + (end - start) / change;
         }
-        // Rounding must not stop it.
+        // Rounding must not stop the loop.
         let end = if end > start { end } else { range.end };
         let piece = Piece::new(start, end);
         each(&piece, &piece.lit_moments(start, end, shadows, sign));
@@ -180,7 +180,7 @@ impl Piece {
         self.moments(&sums, sign)
     }
 
-    /// Adds the powers of `x` at the end and takes away those at the start.
+    /// Adds the powers of `x` at the end and subtracts those at the start.
     #[inline(always)]
     fn add_powers<const N: usize>(&self, start: f64, end: f64, sums: &mut [f64; N]) {
         let per_reach = self.half_width.max(f64::MIN_POSITIVE).recip();
@@ -197,7 +197,7 @@ impl Piece {
     }
 }
 
-/// `x`, `x^2` and so on, by few multiplications after one another.
+/// `x`, `x^2` and so on, with few dependent multiplications.
 #[inline(always)]
 fn powers(x: f64) -> [f64; ORDER] {
     let x2 = x * x;

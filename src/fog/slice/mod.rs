@@ -1,12 +1,12 @@
-//! Fog in a half plane, under a distant light. In go the half plane and its shadows as they grow. Out comes,
-//! for any ray in it, what fog does on the way. Invariant: what does not depend on the ray is found once a
-//! slice. Where there is no answer the ray is left to [`Medium::passage`].
+//! Fog in a half plane, under a distant light. In go the half plane and its shadows as they grow. Out come
+//! scattering and transmittance along any ray in it. Invariant: all that does not depend on the ray is
+//! computed once a slice. Where it has no answer, the ray is left to [`Medium::passage`].
 //!
 //! The light's way through a bank leads from one border of its section (`section.rs`) to another. Between
-//! breaks that are known beforehand the two stay the same. So all ways are smooth on every stretch of a ray
-//! between breaks (`stretch.rs`). What is lit there is known by its moments (`lit_cells.rs`), which the
-//! integrand's derivatives are multiplied with. Where fog is even these are powers (`depth_line.rs`). Where
-//! it thins out with height they are series (`depth_series.rs`, `thinning_fog.rs`).
+//! breaks, known beforehand, both borders stay the same. So all ways are smooth on every stretch of a ray
+//! between breaks (`stretch.rs`). The lit part there is given by its moments (`lit_cells.rs`), which the
+//! integrand's derivatives are multiplied with. In uniform fog these are powers (`depth_line.rs`), in fog
+//! that thins out with height series (`depth_series.rs`, `thinning_fog.rs`).
 
 mod depth_line;
 mod depth_series;
@@ -30,17 +30,16 @@ use thinning_fog::{Column, ThinningFog};
 /// All fog of a slice.
 #[derive(Debug, Default)]
 pub struct FogSlice {
-    /// Irradiance of the light on a plane across its way, W/m^2; `None` if nothing is known of this slice.
+    /// Irradiance of the light on a plane at right angles, W/m^2; `None` if this slice has no answers.
     irradiance: Option<Rgb>,
     banks: Vec<BankProfile>,
     /// Reaches at which the light's way changes from one border of a bank to another, in order.
     breaks: Vec<f64>,
-    /// The light's way between one break and the next: a row of all banks before the first break, one
-    /// after each.
+    /// The light's ways through all banks: one row before the first break, one after each.
     ways: Vec<Option<LightWay>>,
-    /// Whether all fog weakens all colours alike.
+    /// Whether all fog is grey.
     is_grey: bool,
-    /// Whether no fog thins out with height.
+    /// Whether all fog is uniform.
     is_even: bool,
     /// Thinning fog of the current stretch.
     thinning: Vec<ThinningFog>,
@@ -48,16 +47,16 @@ pub struct FogSlice {
     cells: LitCells,
 }
 
-/// Cells for each optical depth of the way through all fog, to the eye and to the light: where they
-/// are many each is soon done, where they are few many shadows lie in those that rays end in.
+/// Number of cells for each optical depth of all fog, to the eye and to the light together. More of them each
+/// cost a little; with fewer, the cells at the ends of rays have many shadows.
 const CELLS_PER_DEPTH: f64 = 3.0;
 
-/// Scale heights from the base up to which a double tells heights to 1e-10 of one.
+/// Maximum number of scale heights from the base: doubles resolve heights to 1e-10 scale heights up to there.
 const MOST_SCALE_HEIGHTS: f64 = 1e6;
 
 impl FogSlice {
-    /// Starts over with another slice, in which everything is lit. `slope` is that of a typical ray; all
-    /// shadows will be those of `cuts`.
+    /// Starts anew with another slice, in which everything is lit. `slope` is that of a typical ray; `cuts`
+    /// are the source of all later shadows.
     pub fn start(
         &mut self,
         medium: &Medium,
@@ -74,7 +73,7 @@ impl FogSlice {
         };
     }
 
-    /// `None` where a bank has no sections, or where heights are too great to tell.
+    /// Computes the sections; `None` where a bank has none, or where heights are too large for doubles.
     fn find(&mut self, medium: &Medium, half_plane: &HalfPlane, slope: f64, cuts: &[Cut]) -> Option<()> {
         self.is_grey = medium.banks().iter().all(|fog| fog.sigma_t == Rgb::splat(fog.sigma_t.x));
         self.banks.clear();
@@ -90,7 +89,7 @@ impl FogSlice {
             scale_heights_per_reach = scale_heights_per_reach.max(heights.along(&ray).growth.abs());
             farthest = farthest.max(heights.at_eye.abs());
         }
-        // Where fog has no end, cells have one where shadows do.
+        // In unbounded fog the cells end where shadows do.
         let is_bounded = medium.banks().iter().all(FogBank::is_bounded);
         let ends = if is_bounded { &[] } else { cuts }.iter().flat_map(|cut| cut.ends);
         let last_reach = ends.fold(0.0_f64, |last, end| last.max(end.x));
@@ -119,16 +118,16 @@ impl FogSlice {
         }
     }
 
-    /// The light's rays between two reaches, let through until now, are blocked from now on.
+    /// Shadows the light's rays between two reaches, which must have been lit.
     pub fn darken(&mut self, start: f64, end: f64) {
         if self.irradiance.is_some() {
             self.cells.darken(start, end);
         }
     }
 
-    /// Follows a ray up to a reach. The first `shadows` are those that [`FogSlice::darken`] was
-    /// told of, the second this ray's own. `None` if nothing is known of the slice, or the fog
-    /// changes too fast along the ray.
+    /// Scattering and transmittance of a ray up to a reach. The first `shadows` are those passed to
+    /// [`FogSlice::darken`], the second those of this ray alone. `None` if the slice has no answers, or the
+    /// fog changes too fast along the ray.
     pub fn follow(
         &mut self,
         planar: &PlanarRay,
@@ -171,12 +170,13 @@ impl FogSlice {
             };
             start = end;
         }
-        // In full shadow rounding may leave a trace of either sign.
+        // In full shadow rounding may leave a small value of either sign.
         let scattered = (scattered / planar.direction.x).max(Rgb::ZERO) * irradiance;
         Some(Passage { transmittance: exp_minus(tau), scattered })
     }
 
-    /// The share of the light that gets through to the place on a ray at a reach, if that is known.
+    /// Transmittance from the light to a place on a ray, given by its reach; `None` if the slice has no
+    /// answers.
     pub fn transmittance_to_light(&self, ray: &PlanarRay, reach: f64) -> Option<Rgb> {
         self.irradiance?;
         let row = self.breaks.partition_point(|before| *before <= reach);

@@ -1,12 +1,12 @@
-//! Section of one bank of fog by a slice. In go the bank and the half plane. Out come where a ray is
-//! inside, and between which heights the light is. Invariant: everything that does not depend on the ray
-//! is found once a slice.
+//! Section of one bank of fog by a slice. In go the bank and the half plane. Out come the range of a ray
+//! inside, and the heights at which the light enters and leaves. Invariant: all that does not depend on the
+//! ray is computed once a slice.
 //!
 //! A bank is bounded by planes, each of which cuts the half plane in a line. So the section is a convex
-//! polygon, perhaps without end. Its upper edge, where the light enters, is the least of some lines
-//! `height(reach)`; its lower edge is the greatest of others. Both are the same for all rays. Fog that
-//! thins out with height has two sections. Below its base it is uniform. Above it its density is
-//! `exp(-u)`, with `u` linear in reach and height.
+//! polygon, which may be unbounded. Its upper edge, where the light enters, is the minimum of some lines
+//! `height(reach)`; its lower edge is the maximum of others. Both are the same for all rays. Fog that thins
+//! out with height has two sections. Below its base it is uniform. Above it its density is `exp(-u)`, with
+//! `u` linear in reach and height.
 
 use crate::accel::HalfPlane;
 use crate::fog::FogBank;
@@ -14,24 +14,24 @@ use crate::fog::bank::EDGE_SLACK;
 use crate::math::Ray;
 use glam::DVec3;
 
-/// A border as near to the light's direction, in radians, runs along it: as a line over the reach it would be
-/// so steep that rounding puts it metres from where it is.
+/// Angle to the light's direction, in radians, below which a border counts as parallel to it: as a line over
+/// the reach it would be so steep that rounding moves it by metres.
 const ALONG_THE_LIGHT: f64 = 1e-12;
 
-/// Three pairs of faces, and the base.
+/// Maximum number of borders: three pairs of faces, and the base.
 const MOST_BORDERS: usize = 7;
 
 /// A bank's section, or the part of it on one side of its base.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FogSection {
-    /// Inside, all are positive.
+    /// Functions that are all positive inside.
     borders: [Linear; MOST_BORDERS],
     count: usize,
-    /// Scale heights above the base, where the density changes with them.
+    /// Scale heights above the base, if the density depends on them.
     pub(super) scale_heights: Option<Linear>,
 }
 
-/// A number that changes in proportion to the place in the half plane.
+/// A linear function of the place in the half plane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Linear {
     pub(super) at_eye: f64,
@@ -46,7 +46,7 @@ pub(super) struct Line {
     pub(super) growth: f64,
 }
 
-/// Between which heights the light is in the fog. Without end the upper is infinite.
+/// Heights between which the light is in the fog. In unbounded fog the upper is infinite.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightWay {
     pub(super) upper: Line,
@@ -76,7 +76,7 @@ impl Linear {
         Self { at_eye: -self.at_eye, per_reach: -self.per_reach, per_height: -self.per_height }
     }
 
-    /// Zero line, unless that runs along the light.
+    /// Line on which it is zero; `None` if that is parallel to the light.
     fn zero(&self) -> Option<Line> {
         let line =
             Line { at_axis: -self.at_eye / self.per_height, growth: -self.per_reach / self.per_height };
@@ -85,7 +85,7 @@ impl Linear {
 }
 
 impl FogSection {
-    /// Calls back with the sections of a bank; `None` if its density knows none.
+    /// Calls back with the sections of a bank; `None` if its density has no sections.
     pub(super) fn for_each(fog: &FogBank, half_plane: &HalfPlane, mut each: impl FnMut(Self)) -> Option<()> {
         let mut section = Self { borders: Default::default(), count: 0, scale_heights: None };
         if fog.is_bounded() {
@@ -123,7 +123,7 @@ impl FogSection {
         &self.borders[..self.count]
     }
 
-    /// Every reach at which the light passes from one border to another, or along a border.
+    /// Every reach at which the light's way changes from one border to another, or is parallel to one.
     pub(super) fn for_each_break(&self, mut reach: impl FnMut(f64)) {
         let borders = self.borders();
         for (index, border) in borders.iter().enumerate() {
@@ -146,7 +146,7 @@ impl FogSection {
         }
     }
 
-    /// Light's way through the fog at a reach, and so on both sides of it up to the next breaks.
+    /// Light's way through the fog at a reach, and so up to the next breaks on both sides.
     pub(super) fn light_way(&self, reach: f64) -> Option<LightWay> {
         let mut upper = Line { at_axis: f64::INFINITY, growth: 0.0 };
         let mut lower = Line { at_axis: f64::NEG_INFINITY, growth: 0.0 };
@@ -167,7 +167,7 @@ impl FogSection {
         (lower.at(reach) < upper.at(reach)).then_some(LightWay { upper, lower })
     }
 
-    /// Reaches between which a ray is inside, of a range.
+    /// Part of a range of reaches in which a ray is inside.
     pub(super) fn span_of(&self, slope: f64, (mut enter, mut leave): (f64, f64)) -> (f64, f64) {
         for border in self.borders() {
             let growth = border.per_reach + slope * border.per_height;

@@ -1,6 +1,6 @@
-//! A ray's way through fog, between two places where the way of the light through it changes. In go the banks
-//! as the slice and the ray cut them, out comes the light that is scattered on the way. Invariant: the
-//! optical depth of a stretch, to the eye and to the light together, is smooth.
+//! A ray's way through fog, between two breaks of the light's way. In go the sections of banks, by slice and
+//! ray, out comes in-scattered light. Invariant: the optical depth of a stretch, to the eye and to the light
+//! together, is smooth.
 
 use super::depth_line::DepthLine;
 use super::depth_series::DepthSeries;
@@ -12,16 +12,16 @@ use crate::fog::falloff::ENDLESS_M;
 use crate::fog::{FogBank, henyey_greenstein};
 use crate::math::{PlanarRay, Ray};
 
-/// A bank, or its part below its base or above it.
+/// A bank, or its part below or above its base.
 #[derive(Debug)]
 pub(super) struct BankProfile {
     pub(super) bank: FogBank,
     pub(super) section: FogSection,
-    /// Reaches between which the current ray is inside.
+    /// Range of reaches in which the current ray is inside.
     pub(super) span: (f64, f64),
-    /// Metres there, counted at the density of the base.
+    /// Metres there, at the density of the base.
     pub(super) metres: f64,
-    /// Light scattered into the current ray there, per such metre and irradiance, 1/(m sr).
+    /// Scattering into the current ray there, per such metre and irradiance, 1/(m sr).
     scattering: Rgb,
 }
 
@@ -32,7 +32,7 @@ pub(super) fn above(way: LightWay, ray: &PlanarRay, reach: f64) -> Option<LightW
     (lower.at(reach) < way.upper.at(reach)).then_some(LightWay { lower, ..way })
 }
 
-/// A part of a ray on which nothing but distances changes.
+/// A range of a ray on which all borders stay the same.
 pub(super) struct SliceStretch<'a> {
     pub(super) banks: &'a [BankProfile],
     /// The light's way through each bank.
@@ -43,7 +43,7 @@ pub(super) struct SliceStretch<'a> {
 }
 
 impl SliceStretch<'_> {
-    /// Light scattered on what is lit of it, where all fog is even.
+    /// Light scattered on its lit parts, where all fog is uniform.
     #[inline(always)]
     pub(super) fn even<const LANES: usize>(&self, lit: &Lit) -> Option<Rgb> {
         let (mut line, mut scattering) = (DepthLine::<LANES>::new(self.start), Rgb::ZERO);
@@ -56,7 +56,7 @@ impl SliceStretch<'_> {
         Some(scattering * line.lit_integral(self.start..self.end, lit)?)
     }
 
-    /// Light scattered on what is lit of it, where some fog thins out.
+    /// Light scattered on its lit parts, where some fog thins out.
     pub(super) fn thinning(&self, thinning: &mut Vec<ThinningFog>, lit: &Lit) -> Option<Rgb> {
         let (mut even, mut scattering) = (DepthLine::<3>::new(self.start), Rgb::ZERO);
         thinning.clear();
@@ -89,8 +89,8 @@ impl SliceStretch<'_> {
         DepthSeries { even, scattering, thinning }.lit_integral(self.end, lit)
     }
 
-    /// Adds the optical depth of an even bank, to the eye and to the light together, and what
-    /// it scatters per metre.
+    /// Adds the optical depth of a uniform bank, to the eye and to the light together, and its scattering per
+    /// metre.
     #[inline(always)]
     fn add_even<const LANES: usize>(
         &self,
@@ -116,7 +116,7 @@ impl SliceStretch<'_> {
         0.5 * (self.start + self.end)
     }
 
-    /// Whether the ray is inside a bank, and the metres of it that lie before.
+    /// Whether the ray is inside a bank, and the metres of the bank before the stretch.
     #[inline(always)]
     fn along_ray(&self, profile: &BankProfile) -> (bool, f64) {
         let (enter, leave) = profile.span;
@@ -136,7 +136,7 @@ impl BankProfile {
         Self { bank: bank.clone(), section, span: (0.0, 0.0), metres: 0.0, scattering: Rgb::ZERO }
     }
 
-    /// Finds where a ray that ends at a reach is inside.
+    /// Computes the range inside of a ray that ends at a reach.
     pub(super) fn enter(&mut self, planar: &PlanarRay, ray: &Ray, end: f64) {
         let range = if self.bank.is_even() {
             (0.0, end)
@@ -153,8 +153,7 @@ impl BankProfile {
         }
     }
 
-    /// Metres of this fog on the current ray up to a reach at which it is inside, counted at the
-    /// density of the base.
+    /// Metres of this fog on the current ray up to a reach inside, at the density of the base.
     fn metres_between(&self, ray: &PlanarRay, reach: f64) -> f64 {
         let (enter, _) = self.span;
         match self.section.scale_heights {

@@ -1,7 +1,7 @@
-//! Fog whose density is an exponential of the height, on the ways of eye and light. In go its section of
-//! the slice and a ray. Out come its metres on both ways and its density, as series about the middle of a
-//! piece. Invariant: where the density changes little on a way, nothing is divided by its change. So
-//! nothing cancels on level ways.
+//! Fog whose density is an exponential of the height, on the ways of eye and light. In go its section of the
+//! slice and a ray. Out come its metres on both ways and its density, as series around the centre of a piece.
+//! Invariant: where the density changes little on a way, nothing is divided by its change, so nothing cancels
+//! on level ways.
 
 use super::lit_cells::{ORDER, Piece};
 use super::section::{LightWay, Line, Linear};
@@ -9,16 +9,16 @@ use crate::color::Rgb;
 use crate::math::{PlanarRay, fast_exp};
 use std::ops::Range;
 
-/// A number and its derivatives in the middle of a piece, in halves of its width.
+/// A number and its derivatives at the centre of a piece, in halves of its width.
 pub(super) type Series = [f64; ORDER];
 
 /// One bank of fog, or its part above its base, on a stretch of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ThinningFog {
     pub(super) sigma_t: Rgb,
-    /// Light scattered per metre and irradiance at the base, where the ray is inside, 1/(m sr).
+    /// Scattering per metre and irradiance at the base, where the ray is inside, 1/(m sr).
     pub(super) scattering: Rgb,
-    /// Heights on the part of the ray inside.
+    /// Heights on the ray's part inside.
     pub(super) along_ray: Option<Ascent>,
     pub(super) to_light: Option<Column>,
 }
@@ -35,14 +35,14 @@ pub(super) struct Ascent {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column {
     way: LightWay,
-    /// Scale heights there.
+    /// Scale heights at the lower end.
     at_lower: Line,
     at_upper: Line,
     scale_heights: Linear,
 }
 
 impl Column {
-    /// `None` if the fog on it is endless.
+    /// Column of a way; `None` if its fog is infinite.
     pub(super) fn new(way: LightWay, scale_heights: Linear) -> Option<Self> {
         let (at_lower, at_upper) = (scale_heights.along(&way.lower), scale_heights.along(&way.upper));
         let column = Self { way, at_lower, at_upper, scale_heights };
@@ -53,12 +53,12 @@ impl Column {
         (scale_heights.per_height > 0.0).then_some(Self { at_upper, ..column })
     }
 
-    /// Metres at a reach, counted at the density of the base.
+    /// Metres at a reach, at the density of the base.
     pub(super) fn metres(&self, reach: f64) -> f64 {
         self.metres_and_ends(reach).0
     }
 
-    /// And the density at the lower and the upper end.
+    /// Those metres, and the densities at the lower and the upper end.
     fn metres_and_ends(&self, reach: f64) -> (f64, f64, f64) {
         let (low, high) = (self.at_lower.at(reach), self.at_upper.at(reach));
         let (at_lower, at_upper) = (fast_exp(-low), fast_exp(-high));
@@ -87,7 +87,7 @@ impl Column {
         let (per_upper, per_lower) = (-h * self.at_upper.growth, -h * self.at_lower.growth);
         let mut series = [metres; ORDER];
         if self.is_thin(piece.middle) {
-            // What the upper end gains - what the lower end loses - what all in between thins out.
+            // Gain at the upper end, minus loss at the lower end, minus thinning of all between.
             let mut gain = h * self.way.upper.growth * at_upper;
             let mut loss = h * self.way.lower.growth * at_lower;
             let thinning = h * self.scale_heights.per_reach;
@@ -108,13 +108,13 @@ impl Column {
         series
     }
 
-    /// The fastest that an exponent changes per reach.
+    /// Maximum change of an exponent per reach.
     fn exponents_change(&self) -> f64 {
         let ends = self.at_lower.growth.abs().max(self.at_upper.growth.abs());
         if self.is_endless() { ends } else { ends.max(self.scale_heights.per_reach.abs()) }
     }
 
-    /// A bound on the growth of the metres per reach at a reach of a range; its logarithm is convex.
+    /// Bound on the growth of the metres per reach, at a reach of a range; its logarithm is convex.
     fn growth_bound(&self, reach: f64, longest: f64) -> f64 {
         let (_, at_lower, at_upper) = self.metres_and_ends(reach);
         let per_height = self.scale_heights.per_height.abs();
@@ -128,10 +128,10 @@ impl Column {
     }
 }
 
-/// Below this change an exponential's mean is a polynomial.
+/// Change below which an exponential's mean is a polynomial.
 const SMALL_CHANGE: f64 = 0.5;
 
-/// `(1 - exp(-x)) / x` for `|x| < 0.5`: the first term left out is `x^9 / 10!`, below 1e-9.
+/// `(1 - exp(-x)) / x` for `|x| < 0.5`: the first omitted term is `x^9 / 10!`, below 1e-9.
 fn mean_of_exp_minus(x: f64) -> f64 {
     let x2 = x * x;
     let x4 = x2 * x2;
@@ -150,7 +150,7 @@ impl Ascent {
         }
     }
 
-    /// Metres after so much reach, counted at the density of the base, and the density there.
+    /// Metres over a distance in reach, at the density of the base, and the density there.
     pub(super) fn metres_and_density(&self, reach: f64) -> (f64, f64) {
         let change = self.scale_heights_per_reach * reach;
         let share = fast_exp(-change);
@@ -159,7 +159,7 @@ impl Ascent {
         (self.metres_per_reach * reach * self.density_at_start * mean, self.density_at_start * share)
     }
 
-    /// The density as a series, so much reach after the start.
+    /// Density as a series, at a distance in reach from the start.
     pub(super) fn density(&self, reach: f64, half_width: f64) -> Series {
         let ratio = -self.scale_heights_per_reach * half_width;
         let mut series = [self.metres_and_density(reach).1; ORDER];
@@ -187,13 +187,13 @@ impl ThinningFog {
         metres
     }
 
-    /// The fastest that an exponent changes per reach, whatever the fog's density.
+    /// Maximum change of an exponent per reach, for any density of the fog.
     pub(super) fn exponents_change(&self) -> f64 {
         let of_ray = self.along_ray.map_or(0.0, |ascent| ascent.scale_heights_per_reach.abs());
         of_ray.max(self.to_light.map_or(0.0, |column| column.exponents_change()))
     }
 
-    /// A bound on the growth of the optical depth at a reach of a range; its logarithm is convex.
+    /// Bound on the growth of the optical depth at a reach of a range; its logarithm is convex.
     pub(super) fn depth_change(&self, start: f64, reach: f64, range: &Range<f64>) -> f64 {
         let of_ray = self
             .along_ray
