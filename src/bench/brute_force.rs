@@ -1,6 +1,6 @@
-//! The slow truth: every triangle of a scene against a ray and a light, in double precision,
-//! without any tree. In go triangles relative to the camera, out come shadow intervals, and how far
-//! the exact method is from what follows from them. Invariant: shares no code with the trees.
+//! Brute force: every triangle of a scene against a ray and a light, in double precision, without any tree.
+//! In go triangles relative to the camera, out come shadow intervals, and the deviation of the exact method
+//! from their light. Invariant: it shares no code with the trees.
 
 use crate::color::Rgb;
 use crate::fog::LitSegments;
@@ -12,7 +12,7 @@ use crate::transport::lit_segments;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// All triangles that the scene shows at `time_s`, relative to `eye`.
+/// Returns all visible triangles at `time_s`, relative to `eye`.
 pub fn triangles(scene: &Scene, eye: DVec3, time_s: f64) -> Vec<[DVec3; 3]> {
     let placements = scene.placements(time_s);
     let mut triangles = Vec::new();
@@ -39,8 +39,8 @@ pub struct Deviation {
     pub largest: f64,
 }
 
-/// Light scattered into `rays` rays through random places of the picture, each from a random point of the
-/// light: the tree's shadows against all `triangles`.
+/// Compares the light scattered into `rays` rays through random places of the picture, each with a random
+/// point of the light: the tree's shadows against those of all `triangles`.
 pub fn deviation(
     snapshot: &Snapshot,
     triangles: &[[DVec3; 3]],
@@ -113,13 +113,13 @@ pub fn shadows(triangles: &[[DVec3; 3]], ray: &Ray, light: LightPlace, range: (f
     set
 }
 
-/// Points above the ray shade it along the direction `(light.0, light.1)`.
+/// Shadow of a cut whose points above the ray shade it along the direction `(light.0, light.1)`.
 fn shade_from_afar(a: DVec2, b: DVec2, light: DVec2, range: (f64, f64)) -> Option<(f64, f64)> {
     let shear = light.x / light.y;
     shade(a, b, range, |DVec2 { x, y }| x - y * shear)
 }
 
-/// Points between the ray and the light shade it; what lies above the light is cut off.
+/// Shadow of a cut whose points between the ray and the light shade it; the part above the light is cut off.
 fn shade_from_near(mut a: DVec2, mut b: DVec2, light: DVec2, range: (f64, f64)) -> Option<(f64, f64)> {
     if a.y > b.y {
         (a, b) = (b, a);
@@ -134,14 +134,15 @@ fn shade_from_near(mut a: DVec2, mut b: DVec2, light: DVec2, range: (f64, f64)) 
     shade(a, b, range, |DVec2 { x, y }| light.x + (x - light.x) * light.y / (light.y - y))
 }
 
-/// The shadow of a cut, clipped to the range; only what lies above the ray in the middle of it counts.
+/// The shadow of a cut, clipped to the range; it exists only if the cut is above the ray in its middle.
 fn shade(a: DVec2, b: DVec2, range: (f64, f64), on_ray: impl Fn(DVec2) -> f64) -> Option<(f64, f64)> {
     let (t_a, t_b) = (on_ray(a), on_ray(b));
     let (start, end) = (t_a.min(t_b).max(range.0), t_a.max(t_b).min(range.1));
     if start >= end {
         return None;
     }
-    // Bisection finds the point of the cut that shades the middle: no formula to share a mistake with.
+    // Bisection finds the point of the cut that shades the middle: no formula is shared with the exact
+    // method.
     let middle = 0.5 * (start + end);
     let (mut low, mut high) = (0.0, 1.0);
     let point = |f: f64| DVec2::new(a.x + f * (b.x - a.x), a.y + f * (b.y - a.y));

@@ -1,22 +1,22 @@
 //! Cost of an error, and growth of a cost. In go measured points, out come times at error levels and
-//! exponents. Invariant: everything is a straight line in logarithms between measured points; beyond them
-//! an answer says so.
+//! exponents. Invariant: all is linear in logarithms between measured points; answers beyond them are marked
+//! as such.
 
 /// Time to reach an error, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cost {
-    /// Between two measured points.
+    /// Interpolated between two measured points.
     Measured(f64),
-    /// The cheapest point does better already.
+    /// Upper bound: the cheapest point has a smaller error.
     AtMost(f64),
-    /// Beyond the dearest point, as if the last points went on in a straight line.
+    /// Extrapolated beyond the most expensive point, by a straight line through the last points.
     Extrapolated(f64),
-    /// More effort brings nothing, or too little was measured to tell.
+    /// More effort does not help, or there are too few points.
     Unknown,
 }
 
 impl Cost {
-    /// Seconds, however they were found.
+    /// Seconds, if there is a time.
     pub fn seconds(self) -> Option<f64> {
         match self {
             Self::Measured(seconds) | Self::AtMost(seconds) | Self::Extrapolated(seconds) => Some(seconds),
@@ -25,7 +25,7 @@ impl Cost {
     }
 }
 
-/// The points (seconds, error) that no other one beats in both, cheapest first.
+/// Pareto front: the points (seconds, error) that no other point beats in both, cheapest first.
 pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut points: Vec<_> =
         points.iter().copied().filter(|&(seconds, error)| seconds > 0.0 && error > 0.0).collect();
@@ -39,7 +39,7 @@ pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points
 }
 
-/// Time at which a front of [`front`] reaches `error`.
+/// Time at which a [`front`] reaches `error`.
 pub fn cost_of(front: &[(f64, f64)], error: f64) -> Cost {
     let (Some(&first), Some(&last)) = (front.first(), front.last()) else { return Cost::Unknown };
     if first.1 <= error {

@@ -10,7 +10,7 @@ pub struct RelativeErrors {
     pub rmse: f64,
     /// Mean of the absolute values.
     pub mean_abs: f64,
-    /// Below this are 99 of 100.
+    /// 99th percentile.
     pub p99: f64,
     /// The largest.
     pub max: f64,
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn errors_are_relative_to_the_mean_of_the_reference() {
-        // Mean over all colours 1; the only difference is 3 in one of 12 values.
+        // The mean over all channels is 1; the only difference is 3 in one of 12 values.
         let reference = frame(&[3.0, 3.0, 3.0, 3.0]);
         let errors = RelativeErrors::new(&frame(&[3.0, 0.0, 3.0, 3.0]), &reference);
         assert!((errors.rmse - (9.0_f64 / 12.0).sqrt()).abs() < 1e-15);

@@ -1,9 +1,8 @@
-//! The method that this renderer grew from, as its authors described it. Every pixel has a ray against every
-//! triangle. Every step of the image plane has a shadow ray against every triangle again. In go some pixels
-//! of a picture, out come their shafts and the time. Invariant: no tree.
-//!
-//! It is given what its authors had not. Shadow rays end at the first triangle in their way. The intersection
-//! is Moeller & Trumbore's, which costs less than comparing areas.
+//! The method that this renderer grew from, as its authors described it. Every pixel tests its ray against
+//! every triangle. Every step of the image plane tests a shadow ray against every triangle again. In go some
+//! pixels of a picture, out come their shafts and the time. Invariant: it uses no tree.
+//! It has two advantages that its authors' version lacked. Shadow rays end at the first occluding triangle.
+//! The intersection is Moeller & Trumbore's, which costs less than comparing areas.
 
 use super::Stage;
 use super::method::timed;
@@ -17,12 +16,12 @@ use glam::DVec3;
 /// Measurement of a part of the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Literal {
-    /// Pixels rendered, spread evenly over the picture.
+    /// Number of pixels rendered, evenly distributed over the picture.
     pub pixels: usize,
     /// Processor time of the whole picture at this rate, seconds.
     pub picture_s: f64,
-    /// Root mean square difference of the shafts to those found through the tree, relative to their mean;
-    /// `None` where a light has an extent, of which this method knows nothing.
+    /// Root mean square difference of the shafts from those by the tree, relative to their mean; `None` where
+    /// a light has an extent, which this method does not support.
     pub deviation: Option<f64>,
 }
 
@@ -59,8 +58,8 @@ impl Literal {
     }
 }
 
-/// Depth that the image plane has to be moved to, to leave nothing out, along the view axis, metres: to
-/// the first surface, or to the end of the fog.
+/// Depth along the view axis to which the image plane must be moved, metres: to the first surface, or to the
+/// end of the fog.
 pub fn depth_m(snapshot: &Snapshot) -> f64 {
     const GRID: usize = 64;
     let place = |index: usize| (index as f64 + 0.5) / GRID as f64;
@@ -73,7 +72,7 @@ pub fn depth_m(snapshot: &Snapshot) -> f64 {
     depths.fold(0.0, f64::max)
 }
 
-/// Rays through the centres of `count` pixels, spread evenly.
+/// Rays through the centres of `count` pixels, evenly distributed.
 fn rays(stage: &Stage, count: usize) -> impl Iterator<Item = Ray> {
     let (width, height) = (stage.size.width, stage.size.height);
     (0..count).map(move |index| {
@@ -83,7 +82,7 @@ fn rays(stage: &Stage, count: usize) -> impl Iterator<Item = Ray> {
     })
 }
 
-/// Light from the fog for each of these rays; the surface's shadow ray is sent too, as in a whole picture.
+/// In-scattered light for each of these rays; traces the surface's shadow ray, too, as for a whole picture.
 fn shafts(stage: &Stage, triangles: &[[DVec3; 3]], count: usize) -> Vec<Rgb> {
     rays(stage, count)
         .map(|ray| {
@@ -92,7 +91,7 @@ fn shafts(stage: &Stage, triangles: &[[DVec3; 3]], count: usize) -> Vec<Rgb> {
                 .filter_map(|triangle| distance(triangle, &ray))
                 .fold(f64::INFINITY, f64::min);
             let mut sum = Rgb::ZERO;
-            // A light with an extent counts as its centre: that is all its authors had.
+            // A light with an extent counts as its centre, as for its authors.
             for light in &stage.snapshot().lights {
                 let light = &light.centre();
                 sum += scattered(stage, triangles, light, &ray, nearest);

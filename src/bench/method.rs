@@ -1,5 +1,5 @@
-//! The methods that are compared, and what effort each may take. In goes a method and an effort,
-//! out comes a picture. Invariant: all methods make the picture of the same scene, to the same film.
+//! The compared methods, with their efforts. In goes a method and an effort, out comes a picture. Invariant:
+//! all methods render the same scene to the same film.
 
 use crate::film::Frame;
 use crate::render::{self, Job, Watch, render};
@@ -32,33 +32,34 @@ pub enum Method {
 /// Effort of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// Samples a pixel, at most.
+    /// Maximum number of samples a pixel.
     pub samples: u32,
-    /// Shadow rays a sample and light; `None` for the exact methods.
+    /// Shadow rays for each sample and light; `None` for the exact methods.
     pub steps: Option<u32>,
-    /// The estimated relative error at which a block of pixels is good enough; `None` if every
-    /// pixel has its samples.
+    /// Estimated relative error at which a block of pixels is finished; `None` if every pixel has all
+    /// samples.
     pub tolerance: Option<f64>,
 }
 
-/// Samples a pixel at which a tolerance gives up: as many as `render` takes.
+/// Maximum number of samples a pixel with a tolerance, as in `render`.
 const MOST_SAMPLES: u32 = 1024;
 
 impl Effort {
-    /// Effort of so many samples in every pixel, and nothing to choose beside.
+    /// Effort of so many samples in every pixel, without further parameters.
     pub fn of_samples(samples: u32) -> Self {
         Self { samples, steps: None, tolerance: None }
     }
 
-    /// Work in proportion to that of another effort of the same method, about.
+    /// Work relative to that of another effort of the same method, approximate.
     pub(super) fn work(&self) -> f64 {
-        // Errors fall faster than with the root of the samples: this expects too much rather than too little.
+        // Errors fall faster than with the root of the samples, so this overestimates rather than
+        // underestimates.
         let samples = self.tolerance.map_or(f64::from(self.samples), |tolerance| tolerance.powi(-2));
         samples * f64::from(self.steps.unwrap_or(1))
     }
 }
 
-/// Common part of all pictures.
+/// Input that all pictures share.
 #[derive(Clone, Copy)]
 pub struct Stage<'a> {
     /// The scene while the shutter is open.
@@ -67,20 +68,19 @@ pub struct Stage<'a> {
     pub size: Size,
     /// Maximum number of reflections of a ray.
     pub mirror_depth: u32,
-    /// Scatterings beyond the first.
+    /// Maximum number of scatterings after the first.
     pub bounces: Bounces,
     /// Depth that the literal method moves its image plane to, and its step, metres.
     pub planes: (f64, f64),
 }
 
 impl<'a> Stage<'a> {
-    /// The scene at the moment in the middle.
+    /// The scene in the middle of the shutter.
     pub fn snapshot(&self) -> &'a Snapshot<'a> {
         self.exposure.middle()
     }
 
-    /// The method whose mean is the picture: ray by ray, and by random walks where light is scattered more
-    /// than once.
+    /// Method of the reference, without bias: rays, or random walks where light is scattered more than once.
     pub(super) fn unbiased(&self) -> Method {
         if self.bounces == Bounces::NONE { Method::Segments } else { Method::Paths }
     }
@@ -101,8 +101,8 @@ impl Method {
         }
     }
 
-    /// Whether it makes a picture of so many scatterings that no other method makes: steps along the image
-    /// plane know single scattering alone, and walks of none are rays.
+    /// Whether it can render so many bounces: steps along the image plane have single scattering alone, and
+    /// walks without bounces are rays.
     pub fn makes(self, bounces: Bounces) -> bool {
         match self {
             Self::Literal => bounces == Bounces::NONE,
@@ -111,7 +111,7 @@ impl Method {
         }
     }
 
-    /// Every effort worth trying of at most so many samples a pixel, cheap ones before dear ones.
+    /// All efforts of at most so many samples a pixel, from cheap to expensive.
     pub(super) fn ladder(self, most_samples: u32) -> Vec<Effort> {
         let powers = |base: u32, highest: u32| {
             (0..).map(move |n| base.pow(n)).take_while(move |&p| p <= highest.min(most_samples))
@@ -155,8 +155,8 @@ impl Method {
         }
     }
 
-    /// The picture, on the current rayon pool. The literal method's is made through a tree: the
-    /// same picture, sooner.
+    /// Renders a picture on the current rayon pool. The literal method's is rendered with a tree, which gives
+    /// the same picture faster.
     pub fn picture(self, stage: &Stage, effort: Effort, seed: u32) -> Frame {
         let job = Job {
             size: stage.size,
@@ -176,7 +176,7 @@ impl Method {
     }
 }
 
-/// Result of `work`, and the processor time that the whole process spent meanwhile, seconds.
+/// Runs `work`; returns its result, and the processor time of the whole process meanwhile, seconds.
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let started = ProcessTime::now();
     let result = work();

@@ -1,6 +1,6 @@
-//! Error against run time, on any scene. In goes a snapshot, out come data: what each method costs
-//! and how far it is from a converged picture. Invariant: nothing here prints or writes; methods
-//! that are compared take turns in one run.
+//! Error against run time, for any scene. In goes a snapshot, out come data: the time of each method and its
+//! error against a converged picture. Invariant: this module prints and writes nothing; compared methods take
+//! turns in one run.
 
 pub mod brute_force;
 mod cost;

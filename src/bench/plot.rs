@@ -1,5 +1,5 @@
-//! A plot with logarithmic axes, as SVG. In go series of points, out comes the text of a file.
-//! Invariant: every series is told by its label, its marker and its colour, never by colour alone.
+//! A plot with logarithmic axes, as SVG. In go series of points, out comes the text of a file. Invariant:
+//! series differ by label, marker and colour, never by colour alone.
 
 use std::fmt::Write;
 
@@ -11,43 +11,42 @@ const RIGHT: f64 = 30.0;
 const TOP: f64 = 72.0;
 const BOTTOM: f64 = 62.0;
 
-/// Labels: height, width of a letter, distance from their point, and the room that is kept
-/// for them on the right.
+/// Labels: height, width of a letter, distance from their point, and the space on the right for them.
 const LINE_HEIGHT: f64 = 16.0;
 const LETTER_WIDTH: f64 = 7.3;
 const LABEL_GAP: f64 = 11.0;
 const LABEL_ROOM: f64 = 110.0;
 
-/// Labels that are as far apart as this allows do not cover each other, whatever rounding says.
+/// Margin by which the distance of labels may round down.
 const ROUNDING: f64 = 0.01;
 
-/// Colours that the colour-blind can tell apart (Okabe & Ito 2008), darkened where they are text on white.
+/// Colours that colour-blind people can distinguish (Okabe & Ito 2008), darkened for text on white.
 const COLORS: [&str; 8] =
     ["#d55e00", "#0072b2", "#00815d", "#b07a00", "#b0508a", "#000000", "#6b6b6b", "#3d8fc4"];
 
-/// Looks of a series.
+/// Style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
-    /// Markers joined by a line; the number picks colour and marker.
+    /// Markers joined by a line; the number selects colour and marker.
     Line(usize),
     /// A line with markers, thin and dashed: not measured here.
     Dashed(usize),
     /// Markers alone, hollow: an estimate.
     Hollow(usize),
-    /// A thin line alone: what was fitted to points.
+    /// A thin line alone: a fit to points.
     Fit,
 }
 
-/// Points that belong together.
+/// Points of one method or renderer.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// Label.
     pub name: String,
-    /// Looks.
+    /// Style.
     pub style: Style,
     /// Points in order of x, both positive.
     pub points: Vec<(f64, f64)>,
-    /// Points of the same series that are off the line, drawn faint.
+    /// Points of the same series off its line, drawn faint.
     pub aside: Vec<(f64, f64)>,
 }
 
@@ -56,7 +55,7 @@ pub struct Series {
 pub struct Plot {
     /// Heading.
     pub title: String,
-    /// Smaller, below.
+    /// Second heading, in smaller type below.
     pub subtitle: String,
     /// Label of the horizontal axis, with its unit.
     pub x_label: String,
@@ -74,7 +73,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// Axis from a little below the least value to a little above the largest, at least a decade.
+    /// Axis from slightly below the smallest value to slightly above the largest, at least a decade.
     fn around(values: impl Iterator<Item = f64>, from_px: f64, to_px: f64) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value.log10()), high.max(value.log10()))
@@ -84,7 +83,7 @@ impl Axis {
         Self { low: low - spare, high: high + spare, from_px, to_px }
     }
 
-    /// Scale that goes on to another pixel.
+    /// The same scale, extended to another pixel.
     fn reaching(self, to_px: f64) -> Self {
         let per_px = (self.high - self.low) / (self.to_px - self.from_px);
         Self { high: self.high + per_px * (to_px - self.to_px), to_px, ..self }
@@ -94,13 +93,13 @@ impl Axis {
         self.from_px + (value.log10() - self.low) / (self.high - self.low) * (self.to_px - self.from_px)
     }
 
-    /// Places of lines, and whether each has a number. On a short axis 2 and 5 have one too.
+    /// Values of grid lines, and whether each has a number. On a short axis 2 and 5 have one, too.
     fn ticks(&self) -> Vec<(f64, bool)> {
         let decades = self.low.floor() as i32..=self.high.floor() as i32;
         let short = self.high - self.low < 2.2;
         let all = decades.flat_map(|decade| (1..10).map(move |digit| (digit, decade)));
         all.map(|(digit, decade)| {
-            // Read, not multiplied: 0.2 is to be 0.2.
+            // Parsed rather than multiplied, so that 0.2 is exact.
             let value: f64 = format!("{digit}e{decade}").parse().unwrap_or(f64::NAN);
             (value, digit == 1 || short && [2, 5].contains(&digit))
         })
@@ -176,8 +175,8 @@ impl Plot {
         );
     }
 
-    /// A label at the end of each series, to the right of it where there is room; moved down where it
-    /// would cover another.
+    /// Draws a label at the end of each series, on its right where there is space; moved down where it would
+    /// cover another.
     fn draw_labels(&self, svg: &mut String, x: &Axis, y: &Axis) {
         let mut labels: Vec<Label> = self
             .series
@@ -200,7 +199,7 @@ impl Plot {
             let (anchor, at) = if *ends_there { ("end", left + width) } else { ("start", *left) };
             let (name, (color, _)) = (escaped(&series.name), series.style.look());
             let place = format!(r#"x="{at:.1}" y="{base:.1}" text-anchor="{anchor}" font-weight="bold""#);
-            // A white rim keeps it legible on lines.
+            // A white outline keeps it legible on lines.
             let _ = writeln!(
                 svg,
                 r##"<text {place} stroke="#ffffff" stroke-width="4" stroke-linejoin="round">{name}</text>"##
@@ -210,12 +209,12 @@ impl Plot {
     }
 }
 
-/// The name of a series on its way to its place.
+/// Label of a series, with its position.
 struct Label<'a> {
     left: f64,
     base: f64,
     width: f64,
-    /// Whether it stands to the left of its point.
+    /// Whether it is to the left of its point.
     ends_there: bool,
     series: &'a Series,
 }
@@ -271,7 +270,7 @@ fn draw_series(svg: &mut String, series: &Series, x: &Axis, y: &Axis) {
     }
 }
 
-/// A circle, square, triangle, diamond or triangle on its head around a place.
+/// A circle, square, triangle, diamond or inverted triangle around a place.
 fn marker(kind: usize, (x, y): (f64, f64), stroke: &str, fill: &str) -> String {
     let looks = format!(r#"stroke="{stroke}" stroke-width="1.6" fill="{fill}""#);
     let polygon = |corners: &[(f64, f64)]| {
@@ -288,7 +287,7 @@ fn marker(kind: usize, (x, y): (f64, f64), stroke: &str, fill: &str) -> String {
     }
 }
 
-/// A number as people write it: 0.02, 5, 10,000.
+/// Formats a number for people: 0.02, 5, 10,000.
 pub(super) fn number(value: f64) -> String {
     if value < 1000.0 {
         return format!("{value}");
@@ -304,7 +303,7 @@ pub(super) fn number(value: f64) -> String {
     text
 }
 
-/// Text that is safe within XML.
+/// Escapes text for XML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
@@ -327,7 +326,7 @@ mod tests {
         let axis = Axis::around([3.0, 4.0].into_iter(), 0.0, 100.0);
         assert!(axis.ticks().iter().filter(|tick| tick.1).count() >= 2);
         assert!(axis.px(3.0) > 0.0 && axis.px(4.0) < 100.0);
-        // No values at all make no picture, and no panic.
+        // Without values there is no picture, and no panic.
         assert!(Axis::around([].into_iter(), 0.0, 100.0).px(2.0).is_finite());
     }
 

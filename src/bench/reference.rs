@@ -1,6 +1,5 @@
-//! The picture that all are measured against. In goes a snapshot, out comes a converged frame and
-//! its own noise. Invariant: made by a method without bias, from random numbers that no measured picture
-//! uses.
+//! The reference picture. In goes a snapshot, out comes a converged frame with its own noise. Invariant: its
+//! method has no bias, and its random numbers are in no measured picture.
 
 use super::brute_force::{self, Deviation};
 use super::error::{colors, mean};
@@ -9,11 +8,11 @@ use crate::film::Frame;
 use glam::DVec3;
 use std::fmt;
 
-/// Seeds of the two halves and of the checked rays; the measured pictures take the sequence's, mostly 0.
+/// Seeds of the two halves and of the checked rays; measured pictures have the sequence's seed, mostly 0.
 const HALVES: [u32; 2] = [0x5eed_0a11, 0x5eed_0b22];
 const CHECK: u32 = 0x5eed_0c33;
 
-/// Triangle tests that brute force may take, over all rays: some seconds.
+/// Maximum number of triangle tests by brute force, over all rays: a few seconds.
 const MOST_TESTS: usize = 200_000_000;
 
 /// A converged picture.
@@ -24,7 +23,7 @@ pub struct Reference {
     pub samples: Option<(u32, Method)>,
     /// Root mean square of its standard error, relative to the mean.
     pub noise: f64,
-    /// Deviations from brute force of the method that made it, for each light; none without fog.
+    /// Deviations of its method from brute force, for each light; none without fog.
     pub deviations: Vec<Deviation>,
 }
 
@@ -47,7 +46,7 @@ impl Reference {
         Self { frame, samples: Some((2 * half.samples, method)), noise, deviations: Vec::new() }
     }
 
-    /// A picture that is known already, and the root mean square of its standard error.
+    /// A given picture, with the root mean square of its standard error.
     pub fn known(frame: Frame, standard_error: f64) -> Self {
         let noise = standard_error / mean(&frame);
         Self { frame, samples: None, noise, deviations: Vec::new() }
@@ -71,7 +70,7 @@ impl Reference {
             .collect();
     }
 
-    /// An error without this picture's own noise; `None` where there is little else.
+    /// An error without the reference's own noise; `None` where the noise is most of it.
     pub fn net(&self, rmse: f64) -> Option<f64> {
         const TELLS: f64 = 1.2;
         (rmse > TELLS * self.noise).then(|| (rmse * rmse - self.noise * self.noise).sqrt())

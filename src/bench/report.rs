@@ -1,5 +1,5 @@
-//! A study for people and for programs. In goes a [`Study`], out come a table, CSV and a plot.
-//! Invariant: what was extrapolated or lies at the reference's noise says so in each of them.
+//! A study as text for people and for programs. In goes a [`Study`], out come a table, CSV and a plot.
+//! Invariant: each of them marks values that are extrapolated or within the reference's noise.
 
 use super::cost::{Cost, cost_of, front};
 use super::plot::number;
@@ -7,14 +7,14 @@ use super::{Effort, Method, Plot, Point, Series, Study, Style};
 use clap::ValueEnum;
 use std::fmt::Write;
 
-/// Errors whose price is told.
+/// Error levels whose times are reported.
 const LEVELS: [f64; 3] = [0.05, 0.01, 0.001];
 /// Heading of the CSV.
 const COLUMNS: &str = "method,samples,steps,tolerance,cpu_s,cpu_spread,rmse,rmse_with_reference_noise,mean_abs,\
     p99,max,extrapolated,note";
 
 impl Study {
-    /// Measured (seconds, error) of a method that say something about it.
+    /// Measured (seconds, error) of a method, without points lost in noise.
     fn usable(&self, method: Method) -> Vec<(f64, f64)> {
         let points = self.points.iter().filter(|point| point.method == method);
         points.filter_map(|point| Some((point.cpu_s, point.net_rmse?))).collect()
@@ -28,7 +28,7 @@ impl Study {
             .filter(|&method| self.points.iter().any(|point| point.method == method))
     }
 
-    /// Names of the renderers of the peers, each once.
+    /// Names of the peers' renderers, each once.
     fn renderers(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for peer in &self.peers {
@@ -44,7 +44,7 @@ impl Study {
         peers.map(|peer| (peer.cpu_s, peer.rmse)).collect()
     }
 
-    /// Names and fronts of everything that reaches several errors.
+    /// Names and fronts of all methods and peers with several errors.
     fn fronts(&self) -> Vec<(String, Vec<(f64, f64)>)> {
         let own = self.methods().map(|method| (method.name().to_owned(), front(&self.usable(method))));
         let renderers = self.renderers();
@@ -53,14 +53,14 @@ impl Study {
     }
 }
 
-/// Samples a pixel, or the error down to which there are more.
+/// Number of samples a pixel, or the tolerance.
 fn told_samples(effort: &Effort) -> String {
     effort
         .tolerance
         .map_or_else(|| effort.samples.to_string(), |tolerance| format!("{:.2} %", 100.0 * tolerance))
 }
 
-/// Caveat of a point's numbers.
+/// Note on a point's accuracy.
 fn note(point: &Point) -> String {
     match point.literal {
         Some(literal) => {
@@ -74,7 +74,7 @@ fn note(point: &Point) -> String {
     }
 }
 
-/// The study as a table, and below it what given errors cost.
+/// The study as a table, followed by the times to reach given errors.
 pub fn table(study: &Study) -> String {
     let mut text = format!("{}\n{}\n\n", study.title, study.reference_note);
     let _ = writeln!(
@@ -161,7 +161,7 @@ fn told(cost: Cost) -> String {
     }
 }
 
-/// Three digits that count.
+/// Formats a time with three significant digits.
 pub fn seconds(value: f64) -> String {
     let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 4.0) as usize;
     if value < 1000.0 { format!("{value:.digits$}") } else { number(value.round()) }
@@ -175,10 +175,10 @@ fn rounded(ratio: f64) -> String {
     }
 }
 
-/// One row a point, with a heading; errors are relative to the mean of the reference.
+/// One row for each point, with a heading; errors are relative to the mean of the reference.
 pub fn csv(study: &Study) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    // Into memory: there is nothing that could fail.
+    // Writing to memory cannot fail.
     let _ = writer.write_record(COLUMNS.split(','));
     let mut row = |fields: [&str; 13]| {
         let _ = writer.write_record(fields);
@@ -234,9 +234,9 @@ pub fn plot(study: &Study) -> Plot {
         Method::Equiangular => 2,
         Method::March => 3,
         Method::MarchJittered => 4,
-        // Never in one plot.
+        // These two are never in one plot.
         Method::Literal | Method::Paths => 5,
-        // The colour of slices, with a marker of its own.
+        // The colour of slices, with another marker.
         Method::SlicesUntil => 8,
     };
     let own = study.methods().map(|method| {

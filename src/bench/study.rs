@@ -1,6 +1,6 @@
-//! Error against run time. In goes a scene at one moment, out comes a [`Study`]: every method at a
-//! ladder of efforts. Invariant: in each round every point is measured once, the methods taking
-//! turns, so that whatever disturbs the machine disturbs all.
+//! Error against run time. In goes a scene at one moment, out comes a [`Study`]: every method at a ladder of
+//! efforts. Invariant: in each round every point is measured once, with methods in turn, so disturbances of
+//! the machine affect all of them.
 
 use super::method::timed;
 use super::{Effort, Literal, Method, Reference, RelativeErrors, Stage};
@@ -17,9 +17,9 @@ pub struct StudyPlan<'a> {
     pub methods: Vec<Method>,
     /// Number of measurements of each point, at least one.
     pub rounds: usize,
-    /// A method's ladder ends before a point that would take longer, seconds.
+    /// Maximum time of a point, seconds: a method's ladder ends before a longer one.
     pub longest_s: f64,
-    /// And before one of more samples a pixel.
+    /// Maximum number of samples of a point: a ladder ends before a larger one.
     pub most_samples: u32,
     /// Seed of the measured pictures.
     pub seed: u32,
@@ -32,31 +32,31 @@ pub struct Point {
     pub method: Method,
     /// Effort.
     pub effort: Effort,
-    /// Processor time of one thread for the picture: the least of all rounds, seconds.
+    /// Processor time of one thread for the picture: the minimum over all rounds, seconds.
     pub cpu_s: f64,
-    /// The longest round over the shortest, less one.
+    /// Ratio of the longest round to the shortest, minus 1.
     pub spread: f64,
-    /// Against the reference, its noise included.
+    /// Errors against the reference, its noise included.
     pub errors: RelativeErrors,
-    /// The RMSE without the reference's noise; `None` where there is little else.
+    /// The RMSE without the reference's noise; `None` where the noise is most of it.
     pub net_rmse: Option<f64>,
     /// Set where `cpu_s` is extrapolated from a part of the picture.
     pub literal: Option<Literal>,
 }
 
-/// Everything that was measured.
+/// All measurements.
 pub struct Study {
     /// Title of the picture.
     pub title: String,
-    /// Method by method, efforts from cheap to dear.
+    /// Points method by method, efforts from cheap to expensive.
     pub points: Vec<Point>,
     /// Points from elsewhere, with errors relative to the mean of the reference.
     pub peers: Vec<PeerRow>,
-    /// Description of the reference; the frame itself is kept by the caller.
+    /// Description of the reference; the caller has the frame itself.
     pub reference_note: String,
 }
 
-/// A point on its way: its times so far.
+/// A point during measurement, with its times so far.
 struct Run {
     method: Method,
     effort: Effort,
@@ -65,7 +65,8 @@ struct Run {
     literal: Option<Literal>,
 }
 
-/// Measures all points on the current rayon pool, which should have one thread. `report` hears of each round.
+/// Measures all points on the current rayon pool, which should have one thread. `report` receives a line on
+/// each round.
 pub fn run(plan: &StudyPlan, reference: &Reference, report: &dyn Fn(&str)) -> Vec<Point> {
     let mut runs: Vec<Run> = Vec::new();
     report(&format!("round 1 of {}", plan.rounds));
@@ -119,7 +120,7 @@ fn literal(plan: &StudyPlan, reference: &Reference) -> Run {
 
 /// Maximum time of an effort, from cheaper ones of the same method; `None` for the cheapest.
 fn expected_s(runs: &[Run], method: Method, effort: Effort) -> Option<f64> {
-    // Only points with no more of either say something; the one nearest in work says most.
+    // Only points with no more of either give a bound; the one nearest in work is best.
     let cheaper = runs.iter().filter(|run| {
         run.method == method && run.effort.samples <= effort.samples && run.effort.steps <= effort.steps
     });

@@ -1,5 +1,6 @@
-//! Triangles sorted into bands of rows, and what each band sees. Invariant: a band draws its triangles in the
-//! order of their numbers, so nothing depends on which thread does it.
+//! Triangles sorted into bands of rows, and the visibility of each band. In goes a snapshot, out come the
+//! surfaces that samples show. Invariant: a band draws its triangles in the order of their numbers, on any
+//! thread.
 
 use super::projection::{Projection, Vertex};
 use super::triangle::EdgeForms;
@@ -10,33 +11,33 @@ use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows of pixels a band: few enough to stay in the cache, and for all threads to have work.
+/// Number of rows of pixels in a band: few enough for the cache, and for all threads to have work.
 const ROWS: usize = 8;
 
-/// No triangle.
+/// Marks a sample without a triangle.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// Boxes are so much wider, in pixels: rounding moves their sides by much less.
+/// Margin of boxes, in pixels: rounding moves their sides by much less.
 const SLACK: f64 = 0.01;
 
-/// Maximum number of places in a row that are asked one by one; of more, those between the triangle's
-/// edges.
+/// Maximum number of places in a row that are tested one by one; with more, only those between the triangle's
+/// edges are tested.
 const FEW: usize = 6;
 
-/// All triangles that may be seen.
+/// All triangles that may be visible.
 pub(super) struct Bands {
     pub(super) size: Size,
-    /// Place of each sample within a pixel.
+    /// Lattice of each sample within a pixel.
     pub(super) lattices: Vec<Lattice>,
     projection: Projection,
     clip: Clip,
     meshes: Vec<SeenMesh>,
     pub(super) triangles: Vec<Member>,
-    /// Triangles that reach into each band.
+    /// Numbers of the triangles in each band.
     members: Vec<Vec<u32>>,
 }
 
-/// A placed mesh as the picture sees it.
+/// A placed mesh, projected to the picture.
 struct SeenMesh {
     vertices: Vec<Vertex>,
     is_blended: bool,
@@ -56,7 +57,7 @@ pub(super) struct Member {
     pub(super) primitive: PrimitiveId,
     /// Vertices of its mesh.
     corners: [u32; 3],
-    /// First row of pixels that it may cover, and the one behind the last.
+    /// First row of pixels that it may cover, and the row after the last.
     rows: [u32; 2],
 }
 
@@ -64,11 +65,11 @@ pub(super) struct Member {
 #[derive(Default)]
 pub(super) struct Visible {
     pub(super) rows: Range<usize>,
-    /// Along the view axis, metres; infinite where there is nothing.
+    /// Distance along the view axis, metres; infinite where there is no surface.
     pub(super) depths: Vec<f64>,
     /// Index into [`Bands::triangles`], or [`NOTHING`].
     pub(super) nearest: Vec<u32>,
-    /// Blended surfaces before that: by sample, then from far to near.
+    /// Blended surfaces in front of that: by sample, then from far to near.
     pub(super) layers: Vec<Layer>,
 }
 
@@ -90,7 +91,7 @@ impl Lattice {
         Self { offset, x, y }
     }
 
-    /// Columns and rows of the places within a box of pixels.
+    /// Ranges of columns and rows of samples within a box of pixels.
     #[inline]
     fn within(&self, low: DVec2, high: DVec2) -> [Range<usize>; 2] {
         let (low, high) = (low - self.offset - SLACK, high - self.offset + SLACK);
@@ -99,7 +100,7 @@ impl Lattice {
 }
 
 impl Bands {
-    /// `pattern` has the samples of a pixel, from its upper left corner.
+    /// Projects and sorts the triangles; `pattern` has the samples of a pixel, from its upper left corner.
     pub(super) fn new(snapshot: &Snapshot, size: Size, pattern: &[DVec2]) -> Self {
         let projection = Projection::new(&snapshot.view, size);
         let lattices: Vec<Lattice> =
@@ -131,7 +132,7 @@ impl Bands {
         Self { size, lattices, projection, clip: snapshot.view.clip(), meshes, triangles, members }
     }
 
-    /// Pixels of a band; the last may have less.
+    /// Number of pixels of a band; the last band may have fewer.
     pub(super) fn pixels(&self) -> usize {
         ROWS * self.size.width
     }
@@ -140,7 +141,7 @@ impl Bands {
         self.members.len()
     }
 
-    /// Draws one band over what another left.
+    /// Draws one band, overwriting an earlier one.
     pub(super) fn draw(&self, band: usize, visible: &mut Visible) {
         visible.rows = band * ROWS..((band + 1) * ROWS).min(self.size.height);
         let samples = visible.rows.len() * self.size.width * self.lattices.len();
@@ -149,7 +150,7 @@ impl Bands {
         visible.nearest.clear();
         visible.nearest.resize(samples, NOTHING);
         visible.layers.clear();
-        // Opaque ones come first: of the blended ones only what lies before them shows.
+        // Opaque triangles come first, as blended ones show only in front of them.
         for &number in &self.members[band] {
             self.draw_triangle(number, visible);
         }
@@ -208,8 +209,8 @@ impl SeenMesh {
     }
 }
 
-/// The rows in which a triangle may cover samples; `None` if it covers none. Small ones
-/// often lie between them.
+/// Rows in which a triangle may cover samples; `None` if it covers none, as small ones often lie between
+/// samples.
 fn rows(vertices: [&Vertex; 3], projection: &Projection, lattices: &[Lattice]) -> Option<[u32; 2]> {
     let (low, high) = projection.bounds(vertices)?;
     let mut found: Option<[u32; 2]> = None;
@@ -223,10 +224,10 @@ fn rows(vertices: [&Vertex; 3], projection: &Projection, lattices: &[Lattice]) -
     found
 }
 
-/// Whole numbers below `count` that are not less than `low` and not more than `high`.
+/// Integers below `count` from `low` to `high`, inclusive.
 #[inline]
 fn whole_between(low: f64, high: f64, count: usize) -> Range<usize> {
-    // Casts cut off, saturate, and make 0 of NaN.
+    // Casts truncate, saturate, and turn NaN into 0.
     let below = low as usize;
     let start = below.saturating_add(usize::from((below as f64) < low)).min(count);
     let end = if high >= 0.0 { (high as usize).saturating_add(1).min(count) } else { 0 };

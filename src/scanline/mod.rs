@@ -1,11 +1,11 @@
-//! A quick look at a frame: triangles one after another into a depth buffer, without a ray, a tree or a
-//! shadow. In goes a [`Snapshot`], out comes a [`Frame`]. Invariants: a pixel is a function of snapshot and
-//! size alone. What is seen where is decided in double precision from the triangles' vertices. No code is
-//! shared with `accel`, so that each can vouch for the other.
+//! Preview of a frame: triangles are drawn one after another into a depth buffer, without rays, trees or
+//! shadows. In goes a [`Snapshot`], out comes a [`Frame`]. Invariants: a pixel is a function of snapshot and
+//! size alone. Visibility is decided in double precision from the triangles' vertices. No code is shared with
+//! `accel`, so each can verify the other.
 //!
-//! Visibility comes first, then light (Burns and Hunt 2013, "The Visibility Buffer"). Bands of rows find
-//! which triangle each sample shows, then each pixel is shaded once for each of these. The light is
-//! that of `transport` without shadows and without light in fog; fog dims what lies behind it.
+//! Visibility comes first, then shading (Burns and Hunt 2013, "The Visibility Buffer"). Bands of rows find
+//! the triangle that each sample shows, then each pixel is shaded once for each of its triangles. Light is
+//! that of `transport` without shadows and without scattering in fog; fog attenuates surfaces behind it.
 
 mod bands;
 mod projection;
@@ -20,8 +20,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 use shade::Shader;
 
-/// Offsets of a pixel's samples from its upper left corner: a turned square, so that edges near the
-/// horizontal and near the vertical get all their steps.
+/// Offsets of a pixel's samples from its upper left corner: a rotated square, so that nearly horizontal and
+/// nearly vertical edges have all four steps.
 const ROTATED_GRID: [DVec2; 4] =
     [DVec2::new(0.375, 0.125), DVec2::new(0.875, 0.375), DVec2::new(0.125, 0.625), DVec2::new(0.625, 0.875)];
 
@@ -46,8 +46,8 @@ pub fn draw(snapshot: &Snapshot, size: Size) -> Frame {
 /// Distance along the view axis (planar Z) of the nearest opaque surface at every pixel's centre, metres, row
 /// by row from the top; `None` where there is none.
 ///
-/// A centre on a triangle's very edge belongs to it. Of two triangles that share the edge both count, and the
-/// nearer is seen, so nothing shows through between them.
+/// A centre exactly on a triangle's edge belongs to the triangle. Of two triangles that share the edge both
+/// count, and the nearer is visible, so no gap shows between them.
 pub fn depths(snapshot: &Snapshot, size: Size) -> Vec<Option<f64>> {
     let bands = Bands::new(snapshot, size, &CENTRES);
     let depths = (0..bands.count()).into_par_iter().map(|band| {

@@ -1,6 +1,6 @@
-//! Projection from relative space to the picture, without dividing. Invariant: what a perspective camera
-//! sees at a place (x, y) of its picture lies along (x, y, 1) in the space used here. Nothing is clipped,
-//! not even behind the eye.
+//! Projection from relative space to the picture, without division. In go points, out come homogeneous
+//! places. Invariant: a perspective camera sees the places (x, y, 1) of the space used here at (x, y) of its
+//! picture. Nothing is clipped, not even behind the eye.
 
 use crate::scene::Size;
 use crate::snapshot::View;
@@ -9,32 +9,32 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 /// A camera and a picture of some size.
 #[derive(Clone, Copy)]
 pub(super) struct Projection {
-    /// Right, up and forward.
+    /// Axes: right, up and forward.
     camera_from_relative: DMat3,
     is_orthographic: bool,
     half: DVec2,
     middle: DVec2,
     size: DVec2,
-    /// Planes through the eye and the picture's sides: what is seen has products of 0 and
-    /// more with all of them.
+    /// Normals of the planes through the eye and the picture's sides: visible points have products of at
+    /// least 0 with all of them.
     sides: [DVec3; 4],
 }
 
-/// A point as the picture sees it.
+/// A point, projected to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
-    /// Homogeneous: the place in the plane at distance 1 is `(x, y) / z`. Of parallel rays z is 1.
+    /// Homogeneous place: `(x, y) / z` in the plane at distance 1. For parallel rays z is 1.
     pub(super) place: DVec3,
-    /// Along the view axis, metres.
+    /// Distance along the view axis, metres.
     pub(super) depth: f64,
-    /// Pixel where it is seen, or where the picture ends in that direction; of a point before the eye.
+    /// Pixel of a point in front of the eye, clamped to the picture.
     pixels: DVec2,
-    /// A bit for each of the picture's sides that it lies beyond, and one for behind the eye: what has all
-    /// its vertices beyond the same one is not seen (the outcodes of Cohen and Sutherland).
+    /// One bit for each side of the picture that it lies beyond, and one for behind the eye. A triangle with
+    /// all its vertices beyond the same side is not visible (the outcodes of Cohen and Sutherland).
     beyond: u8,
 }
 
-/// Lies behind the eye.
+/// Bit of a point behind the eye.
 const BEHIND: u8 = 1 << 4;
 
 impl Projection {
@@ -72,25 +72,25 @@ impl Projection {
         Vertex { place, depth, pixels: self.pixels_within(place), beyond }
     }
 
-    /// Pixel of a point before the eye, clamped to the picture.
+    /// Pixel of a point in front of the eye, clamped to the picture.
     fn pixels_within(&self, place: DVec3) -> DVec2 {
         let in_plane = place.truncate() / place.z;
         self.pixels(in_plane.clamp(self.middle - self.half, self.middle + self.half))
     }
 
-    /// The place in the plane at distance 1 of a place in pixels.
+    /// Place in the plane at distance 1, of a place in pixels.
     pub(super) fn place(&self, pixels: DVec2) -> DVec2 {
         let film = pixels / self.size;
         self.middle + DVec2::new(2.0 * film.x - 1.0, 1.0 - 2.0 * film.y) * self.half
     }
 
-    /// And back.
+    /// Place in pixels, of a place in the plane at distance 1.
     pub(super) fn pixels(&self, place: DVec2) -> DVec2 {
         let film = (place - self.middle) / self.half;
         0.5 * DVec2::new(1.0 + film.x, 1.0 - film.y) * self.size
     }
 
-    /// A box in pixels around what is seen of a triangle; `None` if nothing is.
+    /// Bounds in pixels of the visible part of a triangle; `None` if nothing is visible.
     #[inline]
     pub(super) fn bounds(&self, triangle: [&Vertex; 3]) -> Option<(DVec2, DVec2)> {
         let [a, b, c] = triangle;
@@ -107,13 +107,13 @@ impl Projection {
     /// Bounds of a triangle that is partly behind the eye.
     #[cold]
     fn bounds_about_the_eye(&self, triangle: [&Vertex; 3]) -> Option<(DVec2, DVec2)> {
-        // Its part between the picture's sides (Sutherland and Hodgman 1974) has a box. The four sides meet
-        // in the eye, so nothing behind it is left, and they take the place of a near plane.
+        // Its part between the picture's sides (Sutherland and Hodgman 1974) has bounds. The four sides meet
+        // in the eye, so they clip away all that lies behind it, as a near plane would.
         let places = triangle.map(|vertex| vertex.place);
         let inside = self.sides.iter().fold(places.to_vec(), |polygon, side| clipped(&polygon, *side));
         match inside.as_slice() {
             [] => None,
-            // The very eye is seen everywhere.
+            // The eye itself is at every place of the picture.
             polygon if polygon.iter().any(|place| place.z <= 0.0) => Some((DVec2::ZERO, self.size)),
             polygon => {
                 let pixels = polygon.iter().map(|place| self.pixels_within(*place));
@@ -125,7 +125,7 @@ impl Projection {
     }
 }
 
-/// The part of a polygon where `side . place >= 0`.
+/// Part of a polygon where `side . place >= 0`.
 fn clipped(polygon: &[DVec3], side: DVec3) -> Vec<DVec3> {
     let mut out = Vec::with_capacity(polygon.len() + 1);
     for (number, &to) in polygon.iter().enumerate() {

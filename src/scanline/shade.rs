@@ -1,5 +1,5 @@
-//! Shading of samples. In goes what is visible, out come a band's pixels. Invariant: a pixel is shaded
-//! once for each triangle that it shows, however many of its samples show it.
+//! Shading of samples. In goes the visibility of a band, out come its pixels. Invariant: a pixel is shaded
+//! once for each of its triangles, for any number of samples that show the triangle.
 
 use super::bands::{Bands, NOTHING, Visible};
 use crate::color::Rgb;
@@ -11,12 +11,12 @@ use glam::DVec2;
 pub(super) struct Shader<'a> {
     snapshot: &'a Snapshot<'a>,
     bands: &'a Bands,
-    /// Lights with an extent shine from their middles.
+    /// Lights; those with an extent are replaced by their centres.
     lights: Vec<FrozenLight>,
     is_dark_beyond: bool,
-    /// The last triangle: neighbours often show the same.
+    /// The last triangle, as neighbouring samples often show the same.
     facet: Option<(u32, Facet<'a>)>,
-    /// Shaded triangles of the pixel at work.
+    /// Shaded triangles of the current pixel.
     shaded: Vec<(u32, Shaded)>,
 }
 
@@ -76,7 +76,7 @@ impl<'a> Shader<'a> {
         self.snapshot.view.ray(at.x / size.width as f64, at.y / size.height as f64)
     }
 
-    /// Radiance where nothing is: of every sample, for suns have edges.
+    /// Radiance of the background, for every sample, as suns have edges.
     fn radiance_beyond(&self, at: DVec2) -> Rgb {
         if self.is_dark_beyond {
             return Rgb::ZERO;
@@ -90,7 +90,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Alpha where nothing is: of a pixel, for fog is smooth.
+    /// Alpha of the background, once for each pixel, as fog is smooth.
     fn alpha_beyond(&self, at: DVec2) -> f64 {
         if self.snapshot.has_background() {
             return 1.0;
@@ -98,14 +98,14 @@ impl<'a> Shader<'a> {
         self.alpha_of_fog(at, f64::INFINITY)
     }
 
-    /// Alpha of fog up to a distance.
+    /// Alpha of the fog up to a distance.
     fn alpha_of_fog(&self, at: DVec2, distance: f64) -> f64 {
         let ray = self.ray(at);
         let through = self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
         1.0 - through.element_sum() / 3.0
     }
 
-    /// Distance along the ray of a depth along the view axis.
+    /// Distance along the ray, from a depth along the view axis.
     fn distance(&self, at: DVec2, depth: f64) -> f64 {
         depth / self.ray(at).direction.dot(self.snapshot.view.axes().2)
     }
@@ -114,7 +114,7 @@ impl<'a> Shader<'a> {
         self.snapshot.is_holdout(self.bands.triangles[triangle as usize].primitive)
     }
 
-    /// Shades a triangle for the pixel at work, at the place where it is first met.
+    /// Shades a triangle for the current pixel, at the first of its samples.
     fn shaded(&mut self, triangle: u32, at: DVec2, depth: f64) -> Shaded {
         if let Some((_, shaded)) = self.shaded.iter().find(|(known, _)| *known == triangle) {
             return *shaded;
@@ -128,7 +128,7 @@ impl<'a> Shader<'a> {
         let distance = self.distance(at, depth);
         let point = facet.seen_along(&ray, distance);
         let fog = self.snapshot.medium.transmittance(ray.origin, ray.direction, distance);
-        // Mirrors show what lies beyond everything.
+        // Mirrors show the background alone.
         let normal = point.shading_normal;
         let mirrored = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
         let mirrored = point.mirror * self.snapshot.radiance_beyond(mirrored);

@@ -1,27 +1,28 @@
-//! One triangle to the samples that it covers (Olano and Greer 1997, "Triangle scan conversion using 2D
-//! homogeneous coordinates"). Invariant: two triangles that share an edge agree, but for the sign, on which
-//! side of it every sample lies. So no sample falls between them.
+//! One triangle and the samples that it covers (Olano and Greer 1997, "Triangle scan conversion using 2D
+//! homogeneous coordinates"). In go vertices and places, out come depths. Invariant: two triangles that share
+//! an edge have the same edge function, except for its sign, at every sample. So no sample falls between
+//! them.
 
 use super::projection::Vertex;
 use glam::DVec3;
 
-/// A triangle, ready to be asked about places of the picture.
+/// A triangle, prepared for queries at places of the picture.
 pub(super) struct EdgeForms {
-    /// Edge functions: with the place as `d = (x, y, 1)`, `d . edges[i]` has the weight of vertex i. All
-    /// three have the sign of their sum where the triangle is, in front of the eye. Positive inside.
+    /// Edge functions: at the place `d = (x, y, 1)`, `d . edges[i]` is the weight of vertex i. Where the
+    /// triangle is visible, in front of the eye, all three have the sign of their sum. Positive inside.
     edges: [DVec3; 3],
     depths: [f64; 3],
 }
 
-/// Edge forms on a line of places.
+/// Edge functions on a line of places.
 pub(super) struct Line<'a> {
     forms: &'a EdgeForms,
-    /// Parts of the three weights that do not change along it.
+    /// Parts of the three weights that are constant along it.
     rests: [f64; 3],
 }
 
 impl EdgeForms {
-    /// `None` if it is seen edge-on, or has no area.
+    /// `None` if the triangle is edge-on, or has no area.
     pub(super) fn new([a, b, c]: [&Vertex; 3]) -> Option<Self> {
         // The cross product of b and a is, to the last bit, minus that of a and b.
         let edges = [b.place.cross(c.place), c.place.cross(a.place), a.place.cross(b.place)];
@@ -34,7 +35,7 @@ impl EdgeForms {
         }
     }
 
-    /// Edge forms on the places of one height in the picture's plane.
+    /// Edge functions on the places of one height in the picture's plane.
     #[inline]
     pub(super) fn at_height(&self, y: f64) -> Line<'_> {
         let [a, b, c] = &self.edges;
@@ -43,8 +44,8 @@ impl EdgeForms {
 }
 
 impl Line<'_> {
-    /// The range of x, in the picture's plane, within which it may be covered, but for rounding.
-    /// `None` if it is not.
+    /// Range of x, in the picture's plane, that the triangle may cover, to rounding; `None` if it covers
+    /// none.
     pub(super) fn span(&self) -> Option<(f64, f64)> {
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for (edge, rest) in self.forms.edges.iter().zip(self.rests) {
@@ -59,7 +60,7 @@ impl Line<'_> {
         Some((low, high))
     }
 
-    /// Distance along the view axis where the triangle is seen at a place; `None` if it is not.
+    /// Distance along the view axis of the triangle at a place; `None` if it does not cover the place.
     #[inline]
     pub(super) fn depth_at(&self, x: f64) -> Option<f64> {
         let (edges, rests) = (&self.forms.edges, &self.rests);
@@ -68,7 +69,7 @@ impl Line<'_> {
         if !(a >= 0.0 && b >= 0.0 && c >= 0.0 && sum > 0.0) {
             return None;
         }
-        // Weights of a perspective picture are already those of the triangle in space.
+        // Weights in a perspective picture are already those of the triangle in space.
         let depths = &self.forms.depths;
         let depth = (a * depths[0] + b * depths[1] + c * depths[2]) / sum;
         (depth > 0.0).then_some(depth)

@@ -1,9 +1,9 @@
-//! Directional albedos of coats. In go a roughness and a cosine, out come the factors of `f0` and of `f90`
-//! in the albedo. Together they are the albedo of a white coat, for light that is reflected once. Under
-//! Cycles' shadowing there is more, for the refractive indices of [`Fresnel`]. One number each goes from
-//! the first factor to the second where Fresnel's equations take the place of Schlick's term. The other is
-//! the mean of those equations over the microfacets that the eye sees and that mirror it upwards, each
-//! counted alike. Invariant: a table is made once, when it is first asked.
+//! Directional albedos of coats. In go a roughness and a cosine, out come the factors of `f0` and of `f90` in
+//! the albedo. Together they are the albedo of a white coat by single scattering. For Cycles' shadowing, and
+//! the refractive indices of [`Fresnel`], there are two more numbers. One is the share that moves from the
+//! first factor to the second where Fresnel's equations replace Schlick's term. The other is the unweighted
+//! mean of those equations over visible microfacets that mirror the eye upwards. Invariant: a table is
+//! computed once, on first use.
 
 use super::fresnel::{Fresnel, INDICES, schlick};
 use super::ggx::{Shadowing, visible_normal};
@@ -12,17 +12,17 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Smoother surfaces are taken for this rough: a highlight of a light without extent has to have some.
+/// Minimum roughness: a highlight of a light without extent needs some width.
 pub const LEAST_ROUGHNESS: f64 = 0.03;
 
-/// Numbers of the last row and column of the table.
+/// Indices of the last row and column of the table.
 const LAST_ROW: usize = 111;
 const LAST_COLUMN: usize = 79;
-/// Microfacets that an entry of the table is the mean of: from the one that faces the eye to the
-/// rim, and half around.
+/// Numbers of microfacets in the mean of a table's entry: from the one that faces the eye to the rim, and
+/// over half the circle.
 const RINGS: usize = 20;
 const AROUND: usize = 20;
-/// Without a divisor in common with `AROUND`.
+/// Has no divisor in common with `AROUND`.
 const STRIDE: usize = 7;
 
 /// Albedos of one roughness.
@@ -31,9 +31,9 @@ pub(super) struct CoatAlbedos {
     shadowing: Shadowing,
     /// Roughness as in glTF.
     roughness: f64,
-    /// Row of the table for it.
+    /// Row of the table for that roughness.
     row: f64,
-    /// Columns of the table over the logarithms that they are even in.
+    /// Scale of the table's columns, which are equally spaced in the logarithm.
     columns: f64,
 }
 
@@ -55,17 +55,17 @@ impl CoatAlbedos {
         }
     }
 
-    /// Factors of `f0` and `f90` for light from a direction.
+    /// Factors of `f0` and `f90` for light from one direction.
     pub(super) fn towards(self, cos: f64) -> [f64; 2] {
         self.between(cos, |entry| entry.once)
     }
 
-    /// Share that goes from the first factor to the second by Fresnel's equations.
+    /// Share that moves from the first factor to the second by Fresnel's equations.
     pub(super) fn beyond_schlick(self, cos: f64, fresnel: &Fresnel) -> f64 {
         fresnel.mix(self.between(cos, |entry| entry.beyond_schlick))
     }
 
-    /// The mean of those equations over microfacets that the eye sees.
+    /// Mean of those equations over visible microfacets.
     pub(super) fn risen(self, cos: f64, fresnel: &Fresnel) -> f64 {
         fresnel.mix(self.between(cos, |entry| entry.risen))
     }
@@ -80,7 +80,7 @@ impl CoatAlbedos {
         })
     }
 
-    /// Factors of `f0` and `f90` for light from everywhere.
+    /// Factors of `f0` and `f90`, averaged over the hemisphere.
     pub(super) fn mean(self) -> [f64; 2] {
         let table = self.table();
         self.between_rows(|row| table.means[row])
@@ -93,7 +93,7 @@ impl CoatAlbedos {
     }
 }
 
-/// The whole part, less than `last`, and the rest.
+/// The integer part, below `last`, and the remainder.
 pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
     let whole = (place as usize).min(last - 1);
     (whole, place - whole as f64)
@@ -101,15 +101,15 @@ pub(super) fn split(place: f64, last: usize) -> (usize, f64) {
 
 /// The table, by roughness and by cosine.
 ///
-/// At cosines about alpha shadowing sets in, be it ever so small. So rows are even in the logarithm of the
-/// roughness, and columns in that of the cosine's root over it, plus one.
+/// Shadowing begins at cosines around alpha, for any alpha. So rows are equally spaced in the logarithm of
+/// the roughness, and columns in that of 1 plus the cosine's root over the roughness.
 struct Albedos {
     directional: Vec<[Entry; LAST_COLUMN + 1]>,
     /// Means over all directions, by their cosine.
     means: [[f64; 2]; LAST_ROW + 1],
 }
 
-/// Factors of light from one direction.
+/// Factors for light from one direction.
 #[derive(Clone, Copy, Default)]
 struct Entry {
     once: [f64; 2],
@@ -137,26 +137,26 @@ static SEPARABLE: LazyLock<Albedos> = LazyLock::new(|| albedos(Shadowing::Separa
 static CORRELATED: LazyLock<Albedos> = LazyLock::new(|| albedos(Shadowing::Correlated));
 
 fn albedos(shadowing: Shadowing) -> Albedos {
-    // Half of the circle: the other is its mirror image.
+    // Half of the circle, as the other half is its mirror image.
     let around: [DVec2; AROUND] =
         std::array::from_fn(|step| DVec2::from_angle(PI * (step as f64 + 0.5) / AROUND as f64));
     let row = |row: usize| {
         let roughness = roughness_of(row);
-        // At grazing angles it has a limit.
+        // It has a limit at grazing angles.
         let cos = |column: usize| cos_of(column as f64, roughness).max(1e-6);
         std::array::from_fn(|column| {
             directional_albedo(shadowing, roughness * roughness, cos(column), &around)
         })
     };
     let directional: Vec<[Entry; LAST_COLUMN + 1]> = (0..=LAST_ROW).map(row).collect();
-    // The integral of 2 cos E(cos), that is of E over the square of the cosine, of what is looked up.
+    // Integral of 2 cos E(cos), that is of E over the square of the cosine, from the table's values.
     let mean = |row: usize| {
         let square = |column: f64| cos_of(column, roughness_of(row)).powi(2);
         [0, 1].map(|part| {
             let piece = |column: usize| {
                 let [a, b] = [column, column + 1].map(|column| directional[row][column].once[part]);
                 let (from, to) = (square(column as f64), square((column + 1) as f64));
-                // In parts: the end's value less what the squares before the end lack.
+                // By parts: the value at the end, less the integral of what the squares before it lack.
                 let before = gauss_legendre(4).iter().map(|(x, weight)| {
                     let way = 0.5 * (x + 1.0);
                     0.5 * weight * (square(column as f64 + way) - from)
@@ -169,9 +169,9 @@ fn albedos(shadowing: Shadowing) -> Albedos {
     Albedos { means: std::array::from_fn(mean), directional }
 }
 
-/// The integral of the BRDF times the cosine for a viewer at `cos`, over microfacets that he sees: of those
-/// each reflects `F G1(l)`, or what Cycles has there (Heitz 2018, "Sampling the GGX distribution of visible
-/// normals", equation 19).
+/// Integral of the BRDF times the cosine for a viewer at `cos`, over visible microfacets: each reflects `F
+/// G1(l)`, or Cycles' equivalent (Heitz 2018, "Sampling the GGX distribution of visible normals", equation
+/// 19).
 fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec2; AROUND]) -> Entry {
     let to_eye = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let alpha2 = alpha * alpha;
@@ -179,8 +179,8 @@ fn directional_albedo(shadowing: Shadowing, alpha: f64, cos: f64, around: &[DVec
     let weight = 1.0 / (RINGS * AROUND) as f64;
     for ring in 0..RINGS {
         for (step, &around) in around.iter().enumerate() {
-            // Denser towards the rim, where light begins to be lost below the surface. No two at the same
-            // distance from it (a lattice: Niederreiter 1992, chapter 5), or all would be lost there at once.
+            // Denser towards the rim, where light begins to be lost below the surface. No two have the same
+            // distance from the rim (a lattice: Niederreiter 1992, chapter 5), or all would be lost at once.
             let within = (step * STRIDE % AROUND) as f64 + 0.5;
             let left = 1.0 - (ring as f64 + within / AROUND as f64) / RINGS as f64;
             let half = visible_normal(alpha, to_eye, around, 1.0 - left * left);

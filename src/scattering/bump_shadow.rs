@@ -1,12 +1,11 @@
-//! Shadows of bumps that a normal map pretends. In go two normals and a direction, out comes the share of
-//! light that arrives. Invariant: 1 where nothing is bent, and no step but where bumps face away.
+//! Shadows of the bumps of a normal map. In go two normals and a direction, out comes the share of light that
+//! arrives. Invariant: 1 for an unbent normal, and continuous except where bumps face away.
 
 use glam::DVec3;
 
-/// Share of light from a direction that reaches matte bumps: the shadowing of microfacets that are as
-/// steep as the bent normal (Conty Estevez, Lecocq and Stein 2019, "A microfacet-based shadowing function
-/// to solve the bump terminator problem", as Cycles has it). None that comes from behind the surface to bumps
-/// before it, and the other way round.
+/// Share of light from a direction that reaches diffuse bumps: the shadowing of microfacets as steep as the
+/// bent normal (Conty Estevez, Lecocq and Stein 2019, "A microfacet-based shadowing function to solve the
+/// bump terminator problem", as in Cycles). It is 0 if light and bumps are on different sides of the surface.
 pub fn bump_shadow(unbent: DVec3, bent: DVec3, to_light: DVec3) -> f64 {
     if unbent.dot(to_light) * unbent.dot(bent) * bent.dot(to_light) < 0.0 {
         return 0.0;

@@ -1,6 +1,6 @@
 //! A dielectric that is a share of a surface: a thin sheet, or one face of a body. In go directions and the
-//! normal on the side of the eye, out comes a BSDF. Invariant: shares of what is reflected and of what goes
-//! through are those that directions are picked by.
+//! normal on the side of the eye, out comes a BSDF. Invariant: reflection and transmission are sampled from
+//! the densities that `picked` returns.
 
 use super::{Interface, ThinDielectric};
 use crate::color::Rgb;
@@ -9,14 +9,14 @@ use glam::{DVec2, DVec3};
 /// A rough dielectric.
 #[derive(Clone, Copy, Debug)]
 pub enum Dielectric {
-    /// Two faces at one place.
+    /// Thin sheet: two faces at one place.
     Thin(ThinDielectric),
-    /// One face.
+    /// Interface: one face.
     Interface(Interface),
 }
 
 impl Dielectric {
-    /// glTF's alpha of what it reflects, and of what goes through.
+    /// glTF's alpha of its reflection, and of its transmission.
     pub fn alphas(&self) -> [f64; 2] {
         match self {
             Self::Thin(sheet) => sheet.alphas(),
@@ -24,7 +24,7 @@ impl Dielectric {
         }
     }
 
-    /// Shares of light that it reflects and lets through, for the cosine of the eye.
+    /// Albedos of reflection and transmission, for the cosine of the eye.
     pub fn albedos(&self, cos: f64) -> [Rgb; 2] {
         match self {
             Self::Thin(sheet) => sheet.albedos(cos),
@@ -32,7 +32,7 @@ impl Dielectric {
         }
     }
 
-    /// BSDF, 1/sr; both directions lead away from the surface, that to the eye on the normal's side.
+    /// BSDF, 1/sr; both directions point away from the surface, `to_eye` on the normal's side.
     pub fn bsdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> Rgb {
         match self {
             Self::Thin(sheet) => sheet.bsdf(normal, to_eye, to_light),
@@ -40,7 +40,8 @@ impl Dielectric {
         }
     }
 
-    /// A direction to the light that two uniform numbers pick, of what is reflected or of what goes through.
+    /// Samples a direction to the light by two uniform numbers, in transmission if `is_through`, otherwise in
+    /// reflection.
     pub fn pick(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
         match self {
             Self::Thin(sheet) => sheet.pick(normal, to_eye, is_through, u),
@@ -48,7 +49,8 @@ impl Dielectric {
         }
     }
 
-    /// Probability densities of [`Dielectric::pick`] for a direction, 1/sr: reflected, through.
+    /// Probability densities of [`Dielectric::pick`] for a direction, 1/sr: in reflection and in
+    /// transmission.
     pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
         match self {
             Self::Thin(sheet) => sheet.picked(normal, to_eye, to_light),
@@ -56,7 +58,7 @@ impl Dielectric {
         }
     }
 
-    /// The direction from which light comes through where it is smooth.
+    /// Direction from which a smooth dielectric transmits light.
     pub fn straight(&self, normal: DVec3, to_eye: DVec3) -> DVec3 {
         match self {
             Self::Thin(_) => -to_eye,

@@ -1,15 +1,15 @@
-//! Fresnel term of a microfacet: the rise of its reflectance from that along its normal to that at grazing
-//! angles. In goes a cosine, out comes a share: 0 along the normal, 1 along the surface. Invariant: the
-//! share is Schlick's or that of a dielectric.
+//! Fresnel term of a microfacet: the rise of its reflectance from normal incidence to grazing angles. In goes
+//! a cosine, out comes a share: 0 at normal incidence, 1 at grazing. Invariant: the share is Schlick's or
+//! that of a dielectric.
 
-/// Refractive indices whose shares are known of rough surfaces, all directions together.
+/// Refractive indices with tabulated shares for rough surfaces, over all directions.
 pub(super) const INDICES: [f64; 4] = [1.15, 1.4, 1.5, 2.1];
-/// The means of [`Fresnel::rise`] over the hemisphere, by cosine.
+/// Means of [`Fresnel::rise`] over the hemisphere, weighted by cosine.
 const MEANS: [f64; 4] = [0.030_402, 0.050_435, 0.053_935, 0.054_358];
-/// The fourth roots of their reflectances along the normal, `sqrt((eta - 1) / (eta + 1))`.
+/// Fourth roots of their reflectances at normal incidence, `sqrt((eta - 1) / (eta + 1))`.
 const PLACES: [f64; 4] = [0.264_135_271_898, 0.408_248_290_464, 0.447_213_595_500, 0.595_683_397_181];
-/// Square roots of the reflectance beyond these are taken for these: of indices of 1.05, as one of 1 reflects
-/// nothing, and of 3.
+/// Range of the square root of the reflectance, to which others are clamped: for indices of 1.05, as one of 1
+/// reflects nothing, to 3.
 const ROOTS: [f64; 2] = [0.05 / 2.05, 0.5];
 
 /// Fresnel reflectance of a dielectric.
@@ -17,15 +17,16 @@ const ROOTS: [f64; 2] = [0.05 / 2.05, 0.5];
 pub(super) struct Fresnel {
     /// Refractive index.
     eta: f64,
-    /// Weights of [`INDICES`] whose mix this one is.
+    /// Weights of [`INDICES`] in its interpolation.
     shares: [f64; INDICES.len()],
 }
 
 impl Fresnel {
-    /// Dielectric with a reflectance along the normal, `0..=1`.
+    /// Dielectric with a reflectance at normal incidence, `0..=1`.
     pub(super) fn of_reflectance(f0: f64) -> Self {
         let root = f0.max(0.0).sqrt().clamp(ROOTS[0], ROOTS[1]);
-        // Lagrange's polynomials in the reflectance's fourth root: shares are within 0.0016 from 1.15 to 2.2.
+        // Lagrange polynomials in the fourth root of the reflectance: shares are accurate to 0.0016 from 1.15
+        // to 2.2.
         let place = root.sqrt();
         let share = |of: usize| {
             let others = (0..INDICES.len()).filter(|other| *other != of);
@@ -35,22 +36,22 @@ impl Fresnel {
         Self { eta, shares: std::array::from_fn(share) }
     }
 
-    /// Term at the cosine to a microfacet's normal.
+    /// Term at the cosine of the angle to a microfacet's normal.
     pub(super) fn at(&self, cos: f64) -> f64 {
         Self::rise(self.eta, cos)
     }
 
-    /// The mean over the hemisphere, as a surface sees it.
+    /// Mean over the hemisphere, weighted by cosine.
     pub(super) fn mean(&self) -> f64 {
         self.mix(MEANS)
     }
 
-    /// Value from those of [`INDICES`].
+    /// Interpolates a value between those of [`INDICES`].
     pub(super) fn mix(&self, each: [f64; INDICES.len()]) -> f64 {
         self.shares.iter().zip(each).map(|(share, value)| share * value).sum()
     }
 
-    /// Fresnel term in place of Schlick's, `(F - f0) / (1 - f0)`, for a refractive index (Pharr, Jakob and
+    /// Fresnel term to replace Schlick's, `(F - f0) / (1 - f0)`, for a refractive index (Pharr, Jakob and
     /// Humphreys 2023, "Physically based rendering", 9.3.5).
     pub(super) fn rise(eta: f64, cos: f64) -> f64 {
         let f0 = ((eta - 1.0) / (eta + 1.0)).powi(2);
@@ -72,7 +73,7 @@ mod tests {
     use super::*;
     use crate::math::gauss_legendre;
 
-    /// Known values: Fresnel's equations along the normal, at Brewster's angle, and along the surface.
+    /// Known values: Fresnel's equations at normal incidence, at Brewster's angle, and at grazing.
     #[test]
     fn rises_from_none_to_all() {
         for eta in [1.2, 1.33, 1.5, 2.0_f64] {

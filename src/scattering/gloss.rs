@@ -1,23 +1,22 @@
-//! The shiny coat of a surface: glTF's metallic-roughness model for one light direction. In go unit
-//! vectors and a normal, out come a BRDF and what is left for the matte surface beneath. Invariants: coat
-//! and a white surface beneath give back what they receive, no more. Both are reciprocal, but for what
-//! metals scatter more than once.
+//! Glossy coat of a surface: glTF's metallic-roughness model for one light direction. In go unit vectors and
+//! a normal, out come a BRDF and a factor for the diffuse base below it. Invariants: a coat with a white base
+//! conserves energy. Both are reciprocal, except for multiple scattering of metals.
 //!
 //! The coat is that of the glTF 2.0 specification, appendix B.3: a GGX distribution of microfacets with
-//! separable Smith shadowing and Schlick's Fresnel term. Beneath it the specification's example weighs
-//! Lambert by `1 - F(v.h)`. At grazing angles that gives up to nearly twice what it receives; B.1 leaves
-//! renderers free to do better. Here Lambert is weighed by what the coat leaves on the way in and on the way
-//! out. The weight is `(1 - E(v)) (1 - E(l)) / (1 - E_mean)`, with the coat's albedo `E`. It is equation 4 of
-//! Kelemen and Szirmay-Kalos 2001, "A microfacet based coupled specular-matte BRDF model".
+//! separable Smith shadowing and Schlick's Fresnel term. Below it the specification's example weights Lambert
+//! by `1 - F(v.h)`. At grazing angles that reflects up to nearly twice the incident light; B.1 leaves
+//! renderers free to do better. Here Lambert is weighted by the coat's transmission on the way in and on the
+//! way out. The weight is `(1 - E(v)) (1 - E(l)) / (1 - E_mean)`, with the coat's albedo `E`. It is equation
+//! 4 of Kelemen and Szirmay-Kalos 2001, "A microfacet based coupled specular-matte BRDF model".
 //!
-//! The model loses light that meets several microfacets: over two thirds of it on the roughest metals.
-//! Metals get it back as in Cycles, tinted by further reflections: the BRDF is scaled up by what its
-//! albedo for the eye lacks. That is equation 16 of Turquin 2019, "Practical multiple scattering
-//! compensation for microfacet models".
+//! The model loses light that meets several microfacets: over two thirds of it on the roughest metals. Metals
+//! get it back as in Cycles, tinted by further reflections: the BRDF is scaled up by the energy that its
+//! albedo for the eye lacks. That is equation 16 of Turquin 2019, "Practical multiple scattering compensation
+//! for microfacet models".
 //!
-//! Blender's Principled BSDF has its coat as Cycles has it. Fresnel's equations take the place of Schlick's
-//! term, and shadowing is correlated. What lies beneath is weighed by what the coat leaves towards the eye
-//! alone, which is not reciprocal.
+//! The coat of Blender's Principled BSDF is that of Cycles. Fresnel's equations replace Schlick's term, and
+//! shadowing is correlated. The base is weighted by the coat's transmission towards the eye alone, which is
+//! not reciprocal.
 
 use super::fresnel::{Fresnel, schlick};
 use super::ggx::Shadowing;
@@ -30,49 +29,49 @@ use glam::{DVec2, DVec3};
 pub struct Gloss {
     /// Reflectance of metal and coat together.
     all: Reflectance,
-    /// Reflectance of the part that is no metal: it alone lies over a matte surface.
+    /// Reflectance of the non-metallic part, which alone lies over a diffuse base.
     coat: Reflectance,
     /// Reflectance of multiple scattering, to be scaled by `(1 - E) / E` of a white coat's albedo `E`.
     repeated: Option<Reflectance>,
     principled: Option<Principled>,
     microfacets: Microfacets,
-    /// Share of the surface that it covers.
+    /// Share of the surface that it covers, `0..=1`.
     cover: f64,
 }
 
 /// Properties of a Principled BSDF's coat beyond glTF's.
 #[derive(Clone, Copy, Debug)]
 struct Principled {
-    /// Share of the surface that is no metal.
+    /// Non-metallic share of the surface.
     share: f64,
     fresnel: Fresnel,
-    /// Share of the coat's reflection that several microfacets in turn add.
+    /// Reflection by several microfacets in turn, as a share of the coat's.
     further: Rgb,
 }
 
 /// Reflectance of microfacets.
 #[derive(Clone, Copy, Debug)]
 struct Reflectance {
-    /// Reflectance along their normals.
+    /// Reflectance at normal incidence.
     f0: Rgb,
     /// Reflectance at grazing angles.
     f90: Rgb,
 }
 
 impl Reflectance {
-    /// Reflectance at the angle of a Schlick's term.
+    /// Reflectance at the angle of a Schlick term.
     fn at(&self, schlick: f64) -> Rgb {
         self.f0 + (self.f90 - self.f0) * schlick
     }
 
-    /// Albedo of a rough surface, by its factors.
+    /// Albedo of a rough surface, from its two factors.
     fn albedo(&self, part0: f64, part90: f64) -> Rgb {
         self.f0 * part0 + self.f90 * part90
     }
 }
 
 impl Gloss {
-    /// A coat with the reflectances `f0` along the normal and `f90` at grazing angles; `roughness` as in
+    /// A coat with the reflectances `f0` at normal incidence and `f90` at grazing angles; `roughness` as in
     /// glTF, `0..=1`.
     pub fn new(f0: Rgb, f90: Rgb, roughness: f64) -> Self {
         let coat = Reflectance { f0, f90 };
@@ -85,8 +84,8 @@ impl Gloss {
         self.microfacets.alpha
     }
 
-    /// Coat with a lobe at least as wide as that of an alpha, for its shape alone: it no longer reflects
-    /// as much as [`Gloss::albedo`] says.
+    /// Coat with a lobe at least as wide as that of an alpha, for its shape alone: its BRDF no longer has the
+    /// albedo [`Gloss::albedo`].
     pub fn widened(self, least_alpha: f64) -> Self {
         Self { microfacets: self.microfacets.widened(least_alpha), ..self }
     }
@@ -96,10 +95,10 @@ impl Gloss {
         Self { cover, ..self }
     }
 
-    /// Coat as Cycles' Principled BSDF has it, of the index that its reflectance along the normal stands for.
+    /// Coat of Cycles' Principled BSDF, with the index of its reflectance at normal incidence.
     pub fn principled(self) -> Self {
         let Reflectance { f0, f90 } = self.coat;
-        // Of a share of a surface both reflectances are that share of its own.
+        // For a share of a surface both reflectances are multiplied by the share.
         let fresnel = Fresnel::of_reflectance(f0.max_element() / f90.max_element().max(f64::MIN_POSITIVE));
         let own = Self { microfacets: self.microfacets.under(Shadowing::Correlated), ..self };
         let further = own.further(f0 + (f90 - f0) * fresnel.mean());
@@ -107,12 +106,12 @@ impl Gloss {
         Self { principled: Some(Principled { share: 1.0, fresnel, further }), repeated, ..own }
     }
 
-    /// Coat of which a share, `0..=1`, is metal, of reflectances along the normal and at grazing angles.
+    /// Coat with a metallic share, `0..=1`, of reflectances at normal incidence and at grazing angles.
     pub fn with_metal(self, share: f64, color: Rgb, grazing: Rgb) -> Self {
         if share <= 0.0 {
             return self;
         }
-        // Schlick's term over the hemisphere: 20 parts of f0 and one of f90.
+        // Schlick's term averaged over the hemisphere: 20 parts of f0 and one of f90.
         let further = self.further(color + (grazing - color) / 21.0);
         let mut repeated = Reflectance { f0: share * further * color, f90: share * further * grazing };
         if let Some(of_coat) = self.repeated {
@@ -125,16 +124,16 @@ impl Gloss {
         Self { all, repeated: Some(repeated), principled, ..self }
     }
 
-    /// Multiple scattering of microfacets over single, both of light from everywhere. A share of 1 -
-    /// E_mean meets another microfacet, a geometric series (Kulla and Conty 2017, "Revisiting physically
-    /// based shading at Imageworks", appendix; without its first bounce, which is the BRDF).
+    /// Ratio of multiple to single scattering by microfacets, for light from all directions. A share of 1 -
+    /// E_mean meets another microfacet, which gives a geometric series (Kulla and Conty 2017, "Revisiting
+    /// physically based shading at Imageworks", appendix; without its first bounce, which is the BRDF).
     fn further(&self, one_bounce: Rgb) -> Rgb {
         let [mean0, mean90] = self.microfacets.albedos.mean();
         let mean = mean0 + mean90;
         one_bounce * mean / (Rgb::ONE - one_bounce * (1.0 - mean))
     }
 
-    /// The coat's BRDF, 1/sr; both directions lead away from the surface, on the normal's side.
+    /// The coat's BRDF, 1/sr; both directions point away from the surface, on the normal's side.
     pub fn brdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> Rgb {
         let (cos_eye, cos_light) = (normal.dot(to_eye), normal.dot(to_light));
         let Some(half) = (to_eye + to_light).try_normalize() else { return Rgb::ZERO };
@@ -154,8 +153,8 @@ impl Gloss {
             / self.microfacets.smith(cos_eye, cos_light)
     }
 
-    /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine:
-    /// where a visible microfacet mirrors the eye. It may lie below the surface.
+    /// Samples a direction to the light by two uniform numbers, with a density close to the BRDF times the
+    /// cosine: a visible microfacet mirrors the eye. It may lie below the surface.
     pub fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
         self.microfacets.pick(normal, to_eye, u)
     }
@@ -165,8 +164,8 @@ impl Gloss {
         self.microfacets.picked(normal, to_eye, to_light)
     }
 
-    /// Factor of the BRDF of the matte surface beneath, for the cosines of both directions. It is of the
-    /// part that is no metal: nothing lies beneath metal.
+    /// Factor on the BRDF of the diffuse base, for the cosines of both directions. It belongs to the
+    /// non-metallic part: metal has no base.
     pub fn beneath(&self, cos_eye: f64, cos_light: f64) -> Rgb {
         if let Some(own) = self.principled {
             return Rgb::splat(self.let_out(own, cos_eye));
@@ -177,26 +176,27 @@ impl Gloss {
             let [part0, part90] = self.microfacets.albedos.towards(cos);
             Rgb::ONE - self.coat.albedo(part0, part90)
         };
-        // A coat that reflects all leaves nothing.
+        // A coat that reflects all light transmits none.
         Rgb::select(left.cmpgt(Rgb::ZERO), lets(cos_eye) * lets(cos_light) / left, Rgb::ZERO)
     }
 
-    /// Share of light that a Principled BSDF's coat lets out, with what it does not cover; `None` of another.
+    /// Transmission of a Principled BSDF's coat towards the eye, uncovered parts included; `None` for other
+    /// coats.
     pub fn principled_lets_out(&self, cos: f64) -> Option<f64> {
         self.principled.map(|own| 1.0 - self.cover * (1.0 - self.let_out(own, cos)))
     }
 
-    /// Factors that make of [`Gloss::beneath`], if it is a Principled BSDF's, one that takes that many times
-    /// as much.
+    /// Factors that turn [`Gloss::beneath`] of a Principled BSDF's coat into that of a coat with so many
+    /// times the absorption.
     pub fn leaves_in_turn(&self, takes: [Rgb; 2], cos_eye: f64) -> [Rgb; 2] {
         let Some(own) = self.principled.filter(|_| takes != [Rgb::ONE; 2]) else { return [Rgb::ONE; 2] };
         let left = self.let_out(own, cos_eye.max(0.0)).max(f64::MIN_POSITIVE);
         takes.map(|takes| (Rgb::ONE - takes * (1.0 - left)).max(Rgb::ZERO) / left)
     }
 
-    /// Share of light towards the eye that a Principled BSDF's coat lets out, for all colours that of the
-    /// one it reflects most (Cycles 5.0, `closure_layering_weight`). As there microfacets count alike, and
-    /// what others hide of their light is taken off all of it (`bsdf_microfacet_estimate_albedo`).
+    /// Transmission of a Principled BSDF's coat towards the eye, for all channels that of the one with the
+    /// highest reflection (Cycles 5.0, `closure_layering_weight`). As in Cycles, microfacets have equal
+    /// weights, and shadowing is applied to the whole (`bsdf_microfacet_estimate_albedo`).
     fn let_out(&self, own: Principled, cos: f64) -> f64 {
         let albedos = &self.microfacets.albedos;
         let [part0, part90] = albedos.towards(cos);
@@ -206,12 +206,12 @@ impl Gloss {
         (1.0 - reflected.max_element()).max(0.0)
     }
 
-    /// Share of the light from a direction that the coat reflects, all directions together.
+    /// Directional albedo of the coat.
     pub fn albedo(&self, cos: f64) -> Rgb {
         self.cover * self.albedo_where_it_is(cos)
     }
 
-    /// About the share of it that the coat leaves to what lies beneath.
+    /// Approximate transmission of the coat to its base.
     pub fn leaves(&self, cos: f64) -> Rgb {
         Rgb::ONE - self.albedo_where_it_is(cos)
     }
@@ -237,10 +237,11 @@ mod tests {
         DVec2::from_angle(angle).extend(0.0) * (1.0 - cos * cos).sqrt() + cos * DVec3::Z
     }
 
-    /// The integral over the hemisphere of a function of the direction to the light, fine about where a
-    /// mirror would reflect.
+    /// Integral over the hemisphere of a function of the direction to the light, with fine steps near the
+    /// mirror direction.
     fn over_lights(to_eye: DVec3, f: impl Fn(DVec3) -> Rgb) -> Rgb {
-        // Half vectors, in angles from the normal that crowd about it: l = 2 (v.h) h - v, dl = 4 (v.h) dh.
+        // Half vectors, in angles from the normal with smaller steps near it: l = 2 (v.h) h - v, dl = 4 (v.h)
+        // dh.
         let (rings, around) = (1200, 240);
         let mut sum = Rgb::ZERO;
         for ring in 0..rings {
@@ -259,7 +260,7 @@ mod tests {
         sum
     }
 
-    /// Reflectance of white Lambert beneath a coat, by the root of the cosine.
+    /// Reflectance of white Lambert below a coat, by the root of the cosine.
     fn lambert_beneath(gloss: &Gloss, cos: f64) -> Rgb {
         let count = 2000;
         let roots = (0..count).map(|ring| (f64::from(ring) + 0.5) / f64::from(count));
@@ -297,7 +298,7 @@ mod tests {
     fn the_table_is_the_integral_of_the_brdf() {
         for roughness in [0.0, 0.07, 0.2, 0.5, 0.77, 1.0] {
             let gloss = Gloss::new(Rgb::new(0.0, 0.04, 1.0), Rgb::ONE, roughness);
-            // Of refractive indices from 1.33 to 1.8.
+            // For refractive indices from 1.33 to 1.8.
             let principled =
                 [0.02, 0.04, 0.08].map(|f0| Gloss::new(Rgb::splat(f0), Rgb::ONE, roughness).principled());
             for (gloss, cos) in std::iter::once(gloss)
@@ -313,7 +314,7 @@ mod tests {
         }
     }
 
-    /// Samples over their density have the coat's albedo as their mean.
+    /// The mean of samples over their densities is the coat's albedo.
     #[test]
     fn directions_are_picked_as_densely_as_is_said() {
         let normal = DVec3::new(0.3, 0.8, -0.4).normalize();
@@ -334,18 +335,18 @@ mod tests {
         }
     }
 
-    /// Known values: the albedo of a rough conductor that reflects all, without multiple scattering.
+    /// Known values: the albedo of a rough conductor with full reflectance, without multiple scattering.
     #[test]
     fn a_white_conductor_loses_what_scatters_twice() {
-        // Both ends of GGX: a mirror loses nothing; with alpha 1 D is 1 / pi everywhere, so that E along the
-        // normal is the integral of c / (c + 1) dc.
+        // Both ends of GGX: a mirror loses nothing; with alpha 1, D is 1 / pi everywhere, so E at normal
+        // incidence is the integral of c / (c + 1) dc.
         let white = |roughness: f64| Gloss::new(Rgb::ONE, Rgb::ONE, roughness).albedo(1.0).x;
         assert!((white(0.0) - 1.0).abs() < 1e-3);
         let exact = 1.0 - 2.0_f64.ln();
         assert!((white(1.0) - exact).abs() < 1e-3, "{} {exact}", white(1.0));
     }
 
-    /// White metal, and half of it beside a white matte surface under a leaf's coat, at every roughness
+    /// White metal, and a half of it beside a white diffuse surface under a leaf's coat, at every roughness
     /// and angle.
     #[test]
     fn white_metal_gives_back_all() {
@@ -365,8 +366,8 @@ mod tests {
         }
     }
 
-    /// Metal's reflection in all of Kulla and Conty's series: some of the light once, the rest by its
-    /// colour again.
+    /// Metal's reflection as Kulla and Conty's whole series: some light is reflected once, the rest again and
+    /// again, tinted each time.
     #[test]
     fn coloured_metal_is_tinted_by_what_it_reflects_again() {
         let color = Rgb::new(0.9, 0.5, 0.0);
@@ -388,9 +389,9 @@ mod tests {
         assert!(gain.x > gain.y && gain.y > gain.z && gain.z > 1.0, "{gain}");
     }
 
-    /// White under a Principled BSDF's coat gives back what it gets, at every roughness and angle. Cycles'
-    /// estimate of the coat is off by 0.2 % from above, 1 % at grazing angles, and twice that along a
-    /// smooth one.
+    /// White under a Principled BSDF's coat reflects all light, at every roughness and angle. Cycles'
+    /// estimate of the coat's albedo is off by 0.2 % at normal incidence, 1 % at grazing angles, and twice
+    /// that for a smooth coat.
     #[test]
     fn a_principled_coat_gives_back_about_all() {
         for roughness in [0.0, 0.1, 0.25, 0.5, 0.7, 1.0] {
@@ -406,8 +407,8 @@ mod tests {
         }
     }
 
-    /// A white surface, at every roughness and angle: under no coat along the normal, under a leaf's, and
-    /// under one of diamond.
+    /// A white surface at every roughness and angle: without reflection at normal incidence, with a leaf's
+    /// coat, and with one of diamond.
     #[test]
     fn white_furnace() {
         for roughness in [0.0, 0.04, 0.06, 0.1, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0] {

@@ -1,12 +1,12 @@
-//! One face of a rough dielectric: what it reflects, and what it refracts. The skin of a body is made of such
-//! faces, and so is a sheet that is told to be no thin wall. In go directions and the normal on the side of
-//! the eye, out comes a BSDF. Invariant: a face without a colour gives back what it receives.
+//! One interface of a rough dielectric, which reflects and refracts. The surface of a body consists of such
+//! interfaces, and so does a sheet that is not declared a thin wall. In go directions and the normal on the
+//! side of the eye, out comes a BSDF. Invariant: without a colour an interface conserves energy.
 //!
 //! It is the transmission of Cycles' Principled BSDF: microfacets that refract (Walter, Marschner, Li and
 //! Torrance 2007, "Microfacet models for refraction through rough surfaces", equations 20 and 21), by
-//! Fresnel's equations. Radiance is not scaled by the square of the index. What meets several microfacets is
-//! made up for by the albedo for the eye (Turquin 2019), in the tint. As there, directions count that no
-//! microfacet refracts into, where both lie on its back.
+//! Fresnel's equations. Radiance is not scaled by the square of the index. Multiple scattering is compensated
+//! by the albedo for the eye (Turquin 2019), in the tint. As in Cycles, directions count that no microfacet
+//! refracts into, where both lie on its back.
 
 use super::albedos::split;
 use super::ggx::{self, Shadowing, visible_normal};
@@ -19,32 +19,32 @@ use std::sync::LazyLock;
 /// Interface on a share of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Interface {
-    /// Share of the surface that it is, `0..=1`.
+    /// Share of the surface that is dielectric, `0..=1`.
     share: f64,
-    /// Share of what is refracted that goes on: of two faces the colour is left.
+    /// Transmission tint: the square root of the colour, as light crosses two faces.
     tint: Rgb,
-    /// Refractive index of the other side over that of the eye's.
+    /// Refractive index of the far side over that of the eye's side.
     eta: f64,
     roughness: f64,
     microfacets: Microfacets,
 }
 
 impl Interface {
-    /// Face of glTF's roughness, `0..=1`, of a body of that colour and refractive index; `is_within` says
-    /// that the eye is on the inner side.
+    /// Interface of a body with a colour and a refractive index, and glTF's roughness, `0..=1`; `is_within`
+    /// if the eye is on the inner side.
     pub fn new(share: f64, color: Rgb, index: f64, roughness: f64, is_within: bool) -> Self {
         let tint = color.clamp(Rgb::ZERO, Rgb::ONE).powf(0.5);
         let eta = if is_within { 1.0 / index } else { index };
         Self { share, tint, eta, roughness, microfacets: Microfacets::new(roughness, Shadowing::Correlated) }
     }
 
-    /// glTF's alpha of what it reflects, and of a reflection as wide as what it refracts.
+    /// glTF's alpha of its reflection, and of a reflection as wide as its refraction.
     pub fn alphas(&self) -> [f64; 2] {
         let alpha = self.microfacets.alpha;
         [alpha, 0.5 * alpha * (1.0 - 1.0 / self.eta).abs()]
     }
 
-    /// Shares of light that it reflects and lets through, for the cosine of the eye.
+    /// Albedos of reflection and transmission, for the cosine of the eye.
     pub fn albedos(&self, cos: f64) -> [Rgb; 2] {
         if cos <= 0.0 {
             return [Rgb::ZERO; 2];
@@ -54,15 +54,15 @@ impl Interface {
         [scale * reflected, scale * refracted * self.tint]
     }
 
-    /// Factor that makes up for light that meets several microfacets, each of which tints it: `once` is the
-    /// share that meets one (Kulla and Conty 2017, "Revisiting physically based shading at Imageworks").
+    /// Factor that compensates for light that meets several microfacets, each of which tints it: `once` is
+    /// the share that meets one (Kulla and Conty 2017, "Revisiting physically based shading at Imageworks").
     fn scale(&self, once: f64) -> Rgb {
         let mean = mean(self.roughness, self.eta);
         let further = self.tint * mean / (Rgb::ONE - self.tint * (1.0 - mean));
         self.share * (Rgb::ONE + further * ((1.0 - once) / once))
     }
 
-    /// BSDF, 1/sr; both directions lead away from the surface, that to the eye on the normal's side.
+    /// BSDF, 1/sr; both directions point away from the surface, `to_eye` on the normal's side.
     pub fn bsdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> Rgb {
         let (cos_eye, cos_light) = (normal.dot(to_eye), normal.dot(to_light));
         if cos_eye <= 0.0 || cos_light == 0.0 {
@@ -73,13 +73,13 @@ impl Interface {
         let sent = if cos_light < 0.0 { (1.0 - reflected) * self.tint } else { Rgb::splat(reflected) };
         let parts: f64 = once(self.roughness, cos_eye, self.eta).iter().sum();
         let facets = self.microfacets.distribution(normal, half);
-        // G / (4 n.v n.l) times four times what turning a microfacet spreads directions by.
+        // G / (4 n.v n.l) times four times the Jacobian from a microfacet's normal to the direction.
         let seen = 4.0 * spread * to_eye.dot(half).abs() / self.microfacets.smith(cos_eye, cos_light.abs());
         facets * seen * sent * self.scale(parts)
     }
 
-    /// The microfacet's normal that sends one direction into the other, on either of its sides, and how
-    /// densely such normals lie, `d half / d light`.
+    /// Normal of the microfacet that maps one direction to the other, on either of its sides, and the
+    /// Jacobian `d half / d light`.
     fn half(&self, to_eye: DVec3, to_light: DVec3, is_through: bool) -> Option<(DVec3, f64)> {
         let sum = if is_through { to_eye + self.eta * to_light } else { to_eye + to_light };
         let length = sum.length();
@@ -92,8 +92,8 @@ impl Interface {
         (half.is_finite() && spread.is_finite()).then_some((half, spread))
     }
 
-    /// A direction to the light that two uniform numbers pick, of what is reflected or of what goes through.
-    /// It may lie on the other side.
+    /// Samples a direction to the light by two uniform numbers, in transmission if `is_through`, otherwise in
+    /// reflection. It may lie on the other side.
     pub fn pick(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
         if !is_through {
             return self.microfacets.pick(normal, to_eye, u);
@@ -105,14 +105,14 @@ impl Interface {
         })
     }
 
-    /// Probability densities of [`Interface::pick`] for a direction, 1/sr: reflected, through.
+    /// Probability densities of [`Interface::pick`] for a direction, 1/sr: in reflection and in transmission.
     pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
         let cos_eye = normal.dot(to_eye);
         if cos_eye <= 0.0 {
             return [0.0; 2];
         }
         let reflected = self.microfacets.picked(normal, to_eye, to_light);
-        // Facets that refract nothing are picked too, and reflect upwards.
+        // Facets with total reflection are sampled for transmission, too, and reflect upwards.
         let of_total = |to_light: DVec3| {
             let half = (to_eye + to_light).try_normalize().unwrap_or(normal);
             let is_total = reflectance(self.eta, to_eye.dot(half)) >= 1.0;
@@ -130,25 +130,25 @@ impl Interface {
         [reflected, total + facets * to_eye.dot(half) * spread]
     }
 
-    /// The direction from which light comes through where it is smooth.
+    /// Direction from which a smooth interface transmits light.
     pub fn straight(&self, normal: DVec3, to_eye: DVec3) -> DVec3 {
         refracted(self.eta, normal, to_eye).unwrap_or(-to_eye)
     }
 }
 
-/// A direction as the other side has it.
+/// A direction mirrored to the other side.
 fn mirrored(normal: DVec3, direction: DVec3) -> DVec3 {
     direction - 2.0 * normal.dot(direction) * normal
 }
 
-/// The direction to the light that a facet refracts to the eye; `None` if it reflects all.
+/// Direction to the light that a facet refracts to the eye; `None` for total reflection.
 fn refracted(eta: f64, half: DVec3, to_eye: DVec3) -> Option<DVec3> {
     let cos = to_eye.dot(half);
     let cos_beyond2 = 1.0 - (1.0 - cos * cos) / (eta * eta);
     (cos_beyond2 > 0.0).then(|| (cos / eta - cos_beyond2.sqrt()) * half - to_eye / eta)
 }
 
-/// Reflectance of a facet by Fresnel's equations, of all polarisations.
+/// Reflectance of a facet by Fresnel's equations, for unpolarised light.
 fn reflectance(eta: f64, cos: f64) -> f64 {
     let beyond2 = eta * eta - 1.0 + cos * cos;
     if beyond2 <= 0.0 {
@@ -160,22 +160,22 @@ fn reflectance(eta: f64, cos: f64) -> f64 {
     0.5 * (perpendicular * perpendicular + parallel * parallel)
 }
 
-/// Steps of roughness, cosine and index in the table, as in Cycles'.
+/// Number of steps of roughness, cosine and index in the table, as in Cycles.
 const STEPS: usize = 15;
-/// Last row of indices: up to 3.3.
+/// Last row of indices, for an index of 3.3.
 const LAST: usize = 11;
-/// Microfacets that an entry is the mean of.
+/// Number of microfacets in the mean of an entry.
 const FACETS: usize = 1200;
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// Light that is met once, by row of the index, of the roughness, and of the cosine.
+/// Shares of single scattering, by row of the index, of the roughness, and of the cosine.
 type Table = [[[[f64; 2]; STEPS + 1]; STEPS + 1]; LAST + 1];
 
-/// From outside, and from within.
+/// Table from outside, and from within.
 static TABLES: LazyLock<[Table; 2]> = LazyLock::new(|| {
     [false, true].map(|is_within| {
         std::array::from_fn(|row| {
-            // The fourth root of the reflectance along the normal is even.
+            // Rows are equally spaced in the fourth root of the reflectance at normal incidence.
             let root = (row as f64 / STEPS as f64).powi(2);
             let index = (1.0 + root) / (1.0 - root);
             let eta = if is_within { 1.0 / index } else { index };
@@ -188,11 +188,11 @@ fn share(step: usize) -> f64 {
     (step as f64 / STEPS as f64).max(1e-3)
 }
 
-/// Shares of light from everywhere, by row of the index and of the roughness; from outside, and from within.
+/// Mean shares over all directions, by row of the index and of the roughness; from outside, and from within.
 static MEANS: LazyLock<[[[f64; STEPS + 1]; LAST + 1]; 2]> =
     LazyLock::new(|| TABLES.map(|table| table.map(|row| row.map(mean_of))));
 
-/// The mean over all directions, by their cosine: straight between steps, so Simpson's rule is exact.
+/// Mean over all directions, weighted by cosine: linear between steps, so Simpson's rule is exact.
 fn mean_of(by_cos: [[f64; 2]; STEPS + 1]) -> f64 {
     let step = 1.0 / STEPS as f64;
     let once = |place: usize| by_cos[place].iter().sum::<f64>();
@@ -203,7 +203,7 @@ fn mean_of(by_cos: [[f64; 2]; STEPS + 1]) -> f64 {
     (0..STEPS).map(piece).sum()
 }
 
-/// Shares of light that single microfacets reflect and refract, straight between entries.
+/// Shares of light that single microfacets reflect and refract, interpolated linearly.
 fn once(roughness: f64, cos: f64, eta: f64) -> [f64; 2] {
     let table = &TABLES[usize::from(eta < 1.0)];
     between(row_of(eta), LAST, &|row| {
@@ -213,7 +213,7 @@ fn once(roughness: f64, cos: f64, eta: f64) -> [f64; 2] {
     })
 }
 
-/// Share of light from everywhere that microfacets of one roughness meet once.
+/// Mean share of single scattering over all directions, for one roughness.
 fn mean(roughness: f64, eta: f64) -> f64 {
     let means = &MEANS[usize::from(eta < 1.0)];
     let [mean] =
@@ -235,9 +235,9 @@ fn between<const PARTS: usize>(place: f64, last: usize, at: &dyn Fn(usize) -> [f
     std::array::from_fn(|part| a[part] + way.min(1.0) * (b[part] - a[part]))
 }
 
-/// The integral over microfacets that the eye sees, of what lies on its side and on the other.
+/// Integral over visible microfacets, of reflection and of refraction.
 fn entry(eta: f64, roughness: f64, cos: f64) -> [f64; 2] {
-    // Without an index nothing is bent, nor lost.
+    // With an index of 1 nothing is refracted or lost.
     if eta == 1.0 {
         return [0.0, 1.0];
     }
@@ -247,7 +247,7 @@ fn entry(eta: f64, roughness: f64, cos: f64) -> [f64; 2] {
     };
     let mut sums = [0.0; 2];
     for facet in 0..FACETS {
-        // A lattice: no two are as far from the rim (Niederreiter 1992, chapter 5).
+        // A lattice: no two have the same distance from the rim (Niederreiter 1992, chapter 5).
         let around = (facet as f64 + 0.5) / FACETS as f64;
         let to_rim = (facet as f64 * GOLDEN).fract();
         let half = visible_normal(alpha, to_eye, DVec2::from_angle(PI * around), to_rim);
@@ -267,7 +267,7 @@ fn entry(eta: f64, roughness: f64, cos: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Known values: 0.04 of glass along the normal, and all of it beyond the critical angle.
+    /// Known values: 0.04 for glass at normal incidence, and 1 beyond the critical angle.
     #[test]
     fn reflects_as_fresnel_says() {
         assert!((reflectance(1.5, 1.0) - 0.04).abs() < 1e-12);
@@ -276,10 +276,10 @@ mod tests {
         assert!((reflectance(1.5, 0.0) - 1.0).abs() < 1e-12);
     }
 
-    /// By samples over their density; light that no microfacet can refract is not among them.
+    /// By samples over their densities; light that no microfacet can refract is not among them.
     #[test]
     fn a_face_without_a_colour_gives_back_all() {
-        // Of the table's own: between them it is as coarse as Cycles'.
+        // Roughnesses of the table: in between it is as coarse as Cycles'.
         for (roughness, is_within) in [(0.2, false), (0.6, true), (1.0, false)] {
             let (index, count) = ((225.0 + 49.0) / (225.0 - 49.0), 300);
             let face = Interface::new(1.0, Rgb::ONE, index, roughness, is_within);

@@ -1,16 +1,16 @@
-//! Layers over a surface: the sheen of cloth, and a clear coat over all. In goes the BSDF without them,
-//! out comes the BSDF with them. Invariant: reciprocal if the surface is, and no more is given back than
-//! is received if the surface keeps to that; but for a Principled BSDF's clear coat.
+//! Layers over a surface: the sheen of cloth, and a clear coat over all. In goes the BSDF without them, out
+//! comes the BSDF with them. Invariant: layers keep reciprocity and conservation of energy if the surface has
+//! them, except that a Principled BSDF's clear coat is not reciprocal.
 //!
-//! A layer with the albedo `E` takes from what lies beneath it the larger of `E(v)` and `E(l)`, as
-//! KHR_materials_sheen says of sheen ("Albedo scaling"). KHR_materials_clearcoat takes `F(v)`, which is
-//! not reciprocal. So does Blender's Principled BSDF.
+//! A layer with the albedo `E` reduces the light below it by the larger of `E(v)` and `E(l)`, as
+//! KHR_materials_sheen defines for sheen ("Albedo scaling"). KHR_materials_clearcoat reduces it by `F(v)`,
+//! which is not reciprocal. So does Blender's Principled BSDF.
 
 use super::{Gloss, Sheen};
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// The layers of a point of a surface, from below.
+/// Layers of a surface point, from below.
 #[derive(Clone, Copy, Debug)]
 pub struct Layers {
     /// Sheen of cloth.
@@ -34,27 +34,27 @@ impl Clearcoat {
         Self { normal, gloss: Gloss::new(Rgb::splat(0.04 * share), Rgb::splat(share), roughness) }
     }
 
-    /// As Blender's Principled BSDF has it.
+    /// Clear coat of Blender's Principled BSDF.
     pub fn principled(normal: DVec3, share: f64, roughness: f64) -> Self {
         let gloss = Gloss::new(Rgb::splat(0.04), Rgb::ONE, roughness).principled();
         Self { normal, gloss: gloss.covering(share) }
     }
 
-    /// Share of light that it leaves to what lies beneath.
+    /// Transmission to the layers below.
     fn leaves(&self, to_eye: DVec3, to_light: DVec3) -> f64 {
         let of_principled = self.gloss.principled_lets_out(self.normal.dot(to_eye).abs());
         of_principled.unwrap_or_else(|| 1.0 - self.albedo(to_eye).max(self.albedo(to_light)))
     }
 
-    /// About how much of the light it reflects.
+    /// Approximate albedo of the coat.
     pub fn albedo(&self, direction: DVec3) -> f64 {
         self.gloss.albedo(self.normal.dot(direction).abs()).x
     }
 }
 
 impl Layers {
-    /// BSDF times cosine of the surface with its layers, 1/sr, of that without them; `normal` is that of the
-    /// sheen, and the light lies on the side of the eye if `is_before`.
+    /// BSDF times cosine of the surface with its layers, 1/sr, from that without them. `normal` is the
+    /// sheen's; the light is on the side of the eye if `is_before`.
     pub fn over(
         &self,
         mut scattered: Rgb,
@@ -80,18 +80,18 @@ impl Layers {
         scattered
     }
 
-    /// Share of what the surface emits or mirrors that comes through to the eye: a coat is in its
-    /// way, fibres are not.
+    /// Transmission of the surface's emission and mirror reflection to the eye: a coat attenuates them,
+    /// fibres do not.
     pub fn lets_out(&self, to_eye: DVec3) -> f64 {
         self.clearcoat.as_ref().map_or(1.0, |coat| coat.leaves(to_eye, to_eye))
     }
 
-    /// About how much of the light the layers scatter themselves.
+    /// Approximate albedo of the layers.
     pub fn albedo(&self, normal: DVec3, to_eye: DVec3) -> f64 {
         self.sheen_albedo(normal, to_eye) + self.clearcoat.as_ref().map_or(0.0, |coat| coat.albedo(to_eye))
     }
 
-    /// Albedo of the sheen alone, approximate.
+    /// Approximate albedo of the sheen alone.
     pub fn sheen_albedo(&self, normal: DVec3, to_eye: DVec3) -> f64 {
         self.sheen.as_ref().map_or(0.0, |sheen| sheen.albedo(normal.dot(to_eye).abs()))
     }
@@ -107,8 +107,8 @@ mod tests {
         (DVec2::from_angle(angle) * (1.0 - cos * cos).sqrt()).extend(cos)
     }
 
-    /// The integral over the hemisphere, with directions that crowd about the horizon: there a coat shines in
-    /// a narrow range of azimuths.
+    /// Integral over the hemisphere, with smaller steps near the horizon, where a coat reflects into a narrow
+    /// range of azimuths.
     fn over_lights(f: impl Fn(DVec3) -> f64) -> f64 {
         let (rings, around) = (400, 512);
         let mut sum = 0.0;
@@ -123,7 +123,7 @@ mod tests {
         sum
     }
 
-    /// Cycles 5.0: what a matte surface of .8 keeps beneath it, lit at 80 degrees and seen from above.
+    /// Cycles 5.0: reflection of a diffuse surface of .8 below it, lit at 80 degrees and seen from above.
     #[test]
     fn a_principled_coat_takes_on_the_way_out_alone() {
         let coat = Clearcoat::principled(DVec3::Z, 1.0, 0.03);
@@ -170,7 +170,7 @@ mod tests {
                 let white = |l: DVec3| Rgb::splat(FRAC_1_PI * l.z);
                 let all = over_lights(|l| layers.over(white(l), DVec3::Z, to_eye, l, true).x);
                 assert!(all < 1.001, "{layers:?} {cos}: {all}");
-                // What the layers take is less than what they could give if both ways were the worst.
+                // The layers take less than the worst case of both directions.
                 assert!(all > 0.3, "{layers:?} {cos}: {all}");
                 let black = over_lights(|l| layers.over(Rgb::ZERO, DVec3::Z, to_eye, l, true).x);
                 assert!(
@@ -181,7 +181,7 @@ mod tests {
         }
     }
 
-    /// Coats take from beneath as much as they reflect, by directions picked where they shine.
+    /// Coats reduce the light below by their own reflection; directions are sampled from the coats.
     #[test]
     fn coats_take_what_they_reflect() {
         for roughness in [0.03, 0.045, 0.08, 0.2, 0.5, 1.0] {

@@ -1,6 +1,5 @@
-//! Microfacets of one roughness: how densely they mirror one direction into another. In go unit vectors, out
-//! come factors of a BRDF, and directions to pick. Invariant: [`Microfacets::picked`] is the density of
-//! [`Microfacets::pick`].
+//! Microfacets of one roughness. In go unit vectors, out come factors of a BRDF, and sampled directions.
+//! Invariant: [`Microfacets::picked`] is the density of [`Microfacets::pick`].
 
 use super::albedos::{CoatAlbedos, LEAST_ROUGHNESS};
 use super::ggx::{self, Shadowing, visible_normal};
@@ -13,7 +12,7 @@ pub(super) struct Microfacets {
     /// glTF's alpha, the square of its roughness.
     pub(super) alpha: f64,
     shadowing: Shadowing,
-    /// Albedos of microfacets that reflect all, each light once.
+    /// Albedos of fully reflecting microfacets, by single scattering.
     pub(super) albedos: CoatAlbedos,
 }
 
@@ -29,7 +28,7 @@ impl Microfacets {
         Self { shadowing, albedos: self.albedos.under(shadowing), ..self }
     }
 
-    /// Microfacets at least as rough as an alpha, with the albedos that they had.
+    /// Microfacets at least as rough as an alpha, with unchanged albedos.
     pub(super) fn widened(self, least_alpha: f64) -> Self {
         Self { alpha: self.alpha.max(least_alpha), ..self }
     }
@@ -39,15 +38,14 @@ impl Microfacets {
         ggx::distribution(self.alpha * self.alpha, normal, half)
     }
 
-    /// What the distribution is divided by in a BRDF, for the cosines of both directions. B.3.2:
-    /// `G / (4 n.v n.l)`.
+    /// Divisor of the distribution in a BRDF, for the cosines of both directions. B.3.2: `G / (4 n.v n.l)`.
     pub(super) fn smith(&self, cos_eye: f64, cos_light: f64) -> f64 {
         let alpha2 = self.alpha * self.alpha;
         ggx::smith(alpha2, cos_eye) * self.shadowing.smith_of_light(alpha2, cos_eye, cos_light)
     }
 
-    /// A direction to the light that two uniform numbers pick, about as densely as the BRDF times the cosine:
-    /// where a visible microfacet mirrors the eye. It may lie below the surface.
+    /// Samples a direction to the light by two uniform numbers, with a density close to the BRDF times the
+    /// cosine: a visible microfacet mirrors the eye. It may lie below the surface.
     pub(super) fn pick(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
         let [across, up] = across(normal);
         let local = DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal));
@@ -56,7 +54,7 @@ impl Microfacets {
         to_light.x * across + to_light.y * up + to_light.z * normal
     }
 
-    /// The normal of a microfacet that the eye sees, that two uniform numbers pick.
+    /// Samples the normal of a visible microfacet by two uniform numbers.
     pub(super) fn pick_facet(&self, normal: DVec3, to_eye: DVec3, u: DVec2) -> DVec3 {
         let [across, up] = across(normal);
         let half = self.visible(DVec3::new(to_eye.dot(across), to_eye.dot(up), to_eye.dot(normal)), u);
@@ -78,13 +76,13 @@ impl Microfacets {
     }
 }
 
-/// Two unit vectors across a normal.
+/// Two unit vectors at right angles to a normal.
 fn across(normal: DVec3) -> [DVec3; 2] {
     let across = normal.any_orthonormal_vector();
     [across, normal.cross(across)]
 }
 
-/// Energy that microfacets which reflect all lack over their albedo, `(1 - E) / E`.
+/// Energy that fully reflecting microfacets lack, over their albedo: `(1 - E) / E`.
 pub(super) fn lacking([part0, part90]: [f64; 2]) -> f64 {
     (1.0 - part0 - part90) / (part0 + part90)
 }

@@ -1,5 +1,5 @@
 //! Specular scattering of surfaces: coats, cloth, rough mirrors and frosted glass. In go directions, out come
-//! shares of light. Invariant: nothing here knows visibility, cameras or pixels.
+//! BSDFs, samples and albedos. Invariant: this module knows no visibility, cameras or pixels.
 
 mod albedos;
 mod bump_shadow;

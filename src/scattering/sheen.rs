@@ -1,9 +1,9 @@
-//! The sheen of cloth: glTF's KHR_materials_sheen for one light direction. In go unit vectors and a normal,
-//! out come a BRDF and its albedo. Invariant: it is reciprocal and never gives back more than it receives.
+//! Sheen of cloth: glTF's KHR_materials_sheen for one light direction. In go unit vectors and a normal, out
+//! come a BRDF and its albedo. Invariant: it is reciprocal and never reflects more than the incident light.
 //!
 //! Fibres stand up and catch light from the side: the "Charlie" distribution with its fitted shadowing
 //! (Estevez and Kulla 2017, "Production friendly microfacet sheen BRDF"). Below a roughness of 0.3 the fit
-//! gives up to 2.5 times what arrives at grazing angles; there it is divided by its albedo.
+//! reflects up to 2.5 times the incident light at grazing angles; there it is divided by its albedo.
 
 use super::albedos::split;
 use crate::color::Rgb;
@@ -11,19 +11,19 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Factor on the albedos of the table: true ones are up to 3.5 % larger at grazing angles.
+/// Factor on the table's albedos: true ones are up to 3.5 % larger at grazing angles.
 const SAFETY: f64 = 1.04;
 
-/// Smoother sheens are taken for this rough: the distribution has no limit.
+/// Minimum roughness: the distribution has no limit at 0.
 const LEAST_ROUGHNESS: f64 = 0.1;
 
 /// Sheen.
 #[derive(Clone, Copy, Debug)]
 pub struct Sheen {
     color: Rgb,
-    /// The square of its roughness.
+    /// Square of its roughness.
     alpha: f64,
-    /// Roughness as a place in the table of albedos.
+    /// Row of the table of albedos for its roughness.
     row: f64,
 }
 
@@ -34,7 +34,7 @@ impl Sheen {
         Self { color, alpha: roughness * roughness, row: roughness * LAST as f64 }
     }
 
-    /// BRDF, 1/sr; both directions lead away from the surface, on the normal's side.
+    /// BRDF, 1/sr; both directions point away from the surface, on the normal's side.
     pub fn brdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> Rgb {
         let (cos_eye, cos_light) = (normal.dot(to_eye), normal.dot(to_light));
         let Some(half) = (to_eye + to_light).try_normalize() else { return Rgb::ZERO };
@@ -45,13 +45,12 @@ impl Sheen {
         self.color * charlie(self.alpha, normal.cross(half).length(), cos_eye, cos_light) / most
     }
 
-    /// Share of the light from a direction that it reflects, all directions together, in
-    /// its brightest channel.
+    /// Directional albedo in its brightest channel.
     pub fn albedo(&self, cos: f64) -> f64 {
         self.color.max_element() * self.uncolored(cos).min(1.0)
     }
 
-    /// Albedo of a white sheen, or a little more, before it is clamped to 1.
+    /// Albedo of a white sheen, or slightly more, before it is clamped to 1.
     fn uncolored(&self, cos: f64) -> f64 {
         let (above, down) = split(self.row, LAST);
         let (left, across) = split(cos.clamp(0.0, 1.0).sqrt() * LAST as f64, LAST);
@@ -78,21 +77,22 @@ fn shadow(alpha: f64, cos: f64) -> f64 {
     if cos < 0.5 { curve(cos).exp() } else { (2.0 * curve(0.5) - curve(1.0 - cos)).exp() }
 }
 
-/// Number of the last row and column of the table.
+/// Index of the last row and column of the table.
 const LAST: usize = 31;
 
-/// Albedos of a white sheen, by roughness and by the root of the cosine: it changes most at grazing angles.
+/// Albedos of a white sheen, by roughness and by the root of the cosine, as they change most at grazing
+/// angles.
 static ALBEDOS: LazyLock<Vec<[f64; LAST + 1]>> = LazyLock::new(|| {
     let at = |index: usize| index as f64 / LAST as f64;
     let row = |row: usize| {
         let roughness = at(row).max(LEAST_ROUGHNESS);
-        // At grazing angles it has a limit.
+        // It has a limit at grazing angles.
         std::array::from_fn(|column| directional_albedo(roughness * roughness, at(column).powi(2).max(1e-3)))
     };
     (0..=LAST).map(row).collect()
 });
 
-/// The integral of the BRDF times the cosine for a viewer at `cos`.
+/// Integral of the BRDF times the cosine for a viewer at `cos`.
 fn directional_albedo(alpha: f64, cos: f64) -> f64 {
     const RINGS: usize = 48;
     const AROUND: usize = 48;
@@ -101,7 +101,7 @@ fn directional_albedo(alpha: f64, cos: f64) -> f64 {
     for index in 0..RINGS * AROUND {
         let root = ((index / AROUND) as f64 + 0.5) / RINGS as f64;
         let cos_light = root * root;
-        // Half of the circle: the other is its mirror image.
+        // Half of the circle, as the other half is its mirror image.
         let around = DVec2::from_angle(PI * ((index % AROUND) as f64 + 0.5) / AROUND as f64);
         let to_light = ((1.0 - cos_light * cos_light).sqrt() * around).extend(cos_light);
         let half = (to_eye + to_light).normalize();

@@ -1,15 +1,16 @@
-//! Normal that bumps have for their shine. In go the normal of the flat surface, the direction of the eye and
-//! a bent normal, out comes one that is bent less. Invariant: what it mirrors towards the eye comes from
-//! before the surface.
+//! Normal of bumps for specular reflection. In go the geometric normal, the direction of the eye and a bent
+//! normal, out comes one that is bent less. Invariant: light that it mirrors towards the eye comes from the
+//! front of the surface.
 
 use glam::DVec3;
 
-/// Cosine above the surface that mirrored light has at least, and as a share of that of the eye.
+/// Minimum cosine of mirrored light, and the same as a share of the eye's cosine.
 const LEAST: f64 = 0.01;
 const LEAST_OF_EYE: f64 = 0.9;
 
-/// Normal between the bent one and that of the surface: as much bent as its mirror stays above the surface
-/// (Cycles 5.0, `ensure_valid_specular_reflection`). All are unit vectors, the surface's faces the eye.
+/// Normal between the bent one and that of the surface, bent as far as its mirror direction stays above the
+/// surface (Cycles 5.0, `ensure_valid_specular_reflection`). All are unit vectors; the surface's faces the
+/// eye.
 pub fn shine_normal(surface: DVec3, to_eye: DVec3, bent: DVec3) -> DVec3 {
     let mirrored = 2.0 * bent.dot(to_eye) * bent - to_eye;
     let up = to_eye.dot(surface);
@@ -17,8 +18,8 @@ pub fn shine_normal(surface: DVec3, to_eye: DVec3, bent: DVec3) -> DVec3 {
     if surface.dot(mirrored) >= least {
         return bent;
     }
-    // With the surface's normal along z and the bent one in the plane of x and z, z of the wanted one solves
-    // a quadratic equation in z^2: `4 a z^4 - 2 b z^2 + c = 0`.
+    // With the surface's normal along z and the bent one in the plane of x and z, z of the result solves a
+    // quadratic equation in z^2: `4 a z^4 - 2 b z^2 + c = 0`.
     let axis = (bent - bent.dot(surface) * surface).try_normalize().unwrap_or(bent);
     let across = to_eye.dot(axis);
     let a = across * across + up * up;

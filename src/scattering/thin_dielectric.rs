@@ -1,15 +1,14 @@
-//! A thin sheet of a rough dielectric, as a pane of frosted glass is: what it reflects, and what goes through
-//! it. In go directions and the normal on the side of the eye, out comes a BSDF. Invariant: a sheet without
-//! a colour gives back what it receives.
+//! A thin sheet of a rough dielectric, such as a pane of frosted glass. In go directions and the normal on
+//! the side of the eye, out comes a BSDF. Invariant: without a colour a sheet conserves energy.
 //!
-//! It is that of Cycles since Blender 5.2, after OpenPBR 1.1, section "Thin-walled case". Both shares sum
-//! what is reflected within, by the angle to the sheet's own normal (Pharr, Jakob and Humphreys 2023,
-//! section 9.5.1). Microfacets that reflect all spread them. The eye's angle alone counts, so shares
-//! are not reciprocal.
+//! It is that of Cycles since Blender 5.2, after OpenPBR 1.1, section "Thin-walled case". Both albedos
+//! include reflections within the sheet, by the angle to the sheet's own normal (Pharr, Jakob and Humphreys
+//! 2023, section 9.5.1). Fully reflecting microfacets spread them. Only the eye's angle counts, so they are
+//! not reciprocal.
 //!
-//! Light that goes through is refracted twice. A mirror image of the reflection stands for that, and has a
-//! roughness of its own (Kulla and Conty 2017, "Revisiting physically based shading at Imageworks", page
-//! 40). Its factor is 3.4 in Cycles, and 3.7 there.
+//! Transmitted light is refracted twice. It is represented by a mirror image of the reflection, with a
+//! roughness of its own (Kulla and Conty 2017, "Revisiting physically based shading at Imageworks", page 40).
+//! Its factor is 3.4 in Cycles, and 3.7 there.
 
 use super::fresnel::Fresnel;
 use super::ggx::Shadowing;
@@ -20,9 +19,9 @@ use glam::{DVec2, DVec3};
 /// A thin dielectric on a share of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinDielectric {
-    /// Share of the surface that it is, `0..=1`.
+    /// Share of the surface that is this sheet, `0..=1`.
     share: f64,
-    /// Share of light that goes through its inside along the normal.
+    /// Transmittance of its inside at normal incidence.
     color: Rgb,
     /// Refractive index, 1 or more.
     eta: f64,
@@ -40,19 +39,19 @@ impl ThinDielectric {
         Self { share, color, eta, reflecting, transmitting }
     }
 
-    /// glTF's alpha of what it reflects, and of what goes through.
+    /// glTF's alpha of its reflection, and of its transmission.
     pub fn alphas(&self) -> [f64; 2] {
         [self.reflecting.alpha, self.transmitting.alpha]
     }
 
-    /// Shares of light that it reflects and lets through, for the cosine of the eye.
+    /// Albedos of reflection and transmission, for the cosine of the eye.
     pub fn albedos(&self, cos: f64) -> [Rgb; 2] {
         if cos <= 0.0 {
             return [Rgb::ZERO; 2];
         }
         let f0 = ((self.eta - 1.0) / (self.eta + 1.0)).powi(2);
         let fresnel = f0 + (1.0 - f0) * Fresnel::rise(self.eta, cos);
-        // Absorption grows with the way within (Beer and Lambert).
+        // Absorption along the path within (Beer and Lambert).
         let cos_within = (1.0 - (1.0 - cos * cos) / (self.eta * self.eta)).max(0.0).sqrt();
         let inside = self.color.powf(1.0 / cos_within);
         let within = fresnel * inside;
@@ -60,7 +59,7 @@ impl ThinDielectric {
         [fresnel + through * within, through].map(|share| self.share * share)
     }
 
-    /// BSDF, 1/sr; both directions lead away from the surface, that to the eye on the normal's side.
+    /// BSDF, 1/sr; both directions point away from the surface, `to_eye` on the normal's side.
     pub fn bsdf(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> Rgb {
         let [reflected, through] = self.albedos(normal.dot(to_eye));
         if normal.dot(to_light) > 0.0 {
@@ -69,7 +68,8 @@ impl ThinDielectric {
         through * white(&self.transmitting, -normal, mirrored(normal, to_eye), to_light)
     }
 
-    /// A direction to the light that two uniform numbers pick, of what is reflected or of what goes through.
+    /// Samples a direction to the light by two uniform numbers, in transmission if `is_through`, otherwise in
+    /// reflection.
     pub fn pick(&self, normal: DVec3, to_eye: DVec3, is_through: bool, u: DVec2) -> DVec3 {
         if is_through {
             return self.transmitting.pick(-normal, mirrored(normal, to_eye), u);
@@ -77,19 +77,20 @@ impl ThinDielectric {
         self.reflecting.pick(normal, to_eye, u)
     }
 
-    /// Probability densities of [`ThinDielectric::pick`] for a direction, 1/sr: reflected, through.
+    /// Probability densities of [`ThinDielectric::pick`] for a direction, 1/sr: in reflection and in
+    /// transmission.
     pub fn picked(&self, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> [f64; 2] {
         let through = self.transmitting.picked(-normal, mirrored(normal, to_eye), to_light);
         [self.reflecting.picked(normal, to_eye, to_light), through]
     }
 }
 
-/// The direction to the eye as the other side has it.
+/// Direction to the eye mirrored to the other side.
 fn mirrored(normal: DVec3, to_eye: DVec3) -> DVec3 {
     to_eye - 2.0 * normal.dot(to_eye) * normal
 }
 
-/// BRDF of microfacets that reflect all, again and again.
+/// BRDF of fully reflecting microfacets, with multiple scattering.
 fn white(of: &Microfacets, normal: DVec3, to_eye: DVec3, to_light: DVec3) -> f64 {
     let (cos_eye, cos_light) = (normal.dot(to_eye), normal.dot(to_light));
     let Some(half) = (to_eye + to_light).try_normalize() else { return 0.0 };
@@ -108,7 +109,7 @@ mod tests {
         (DVec2::from_angle(angle) * (1.0 - cos * cos).sqrt()).extend(cos)
     }
 
-    /// Light on one side of the surface that comes back to the eye: samples over their density.
+    /// Reflectance of light from one side of the surface to the eye: samples over their densities.
     fn sent(sheet: &ThinDielectric, to_eye: DVec3, is_through: bool) -> Rgb {
         let count = 300;
         let weigh = |index: i32| {
@@ -138,7 +139,7 @@ mod tests {
         }
     }
 
-    /// Known values: along the normal a face of 1.5 reflects 0.04.
+    /// Known values: at normal incidence a face of index 1.5 reflects 0.04.
     #[test]
     fn a_pane_of_glass_reflects_a_thirteenth() {
         let [reflected, through] = ThinDielectric::new(0.5, Rgb::ONE, 1.5, 0.3).albedos(1.0);
@@ -148,7 +149,7 @@ mod tests {
         assert!((through - Rgb::new(0.5, 0.1, 0.0)).abs().max_element() < 1e-12);
     }
 
-    /// But for its shares, which are by the eye, and for what is reflected again.
+    /// Except for the albedos, which depend on the eye, and for multiple scattering.
     #[test]
     fn directions_can_be_swapped() {
         let sheet = ThinDielectric::new(0.7, Rgb::new(0.9, 0.5, 0.1), 1.5, 0.4);
