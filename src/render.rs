@@ -142,7 +142,7 @@ pub struct Rendered {
 pub struct Statistics {
     /// Samples, over all pixels and components; those of slices count by their worth.
     pub samples: u64,
-    /// Rounds of the component that took most.
+    /// Number of rounds of the component with the most rounds.
     pub rounds: u32,
     /// Whether it came from slices, each light from its own, or every sample was a ray.
     pub from_slices: bool,

@@ -194,7 +194,7 @@ impl<'scene> Exposure<'scene> {
         self.moments().iter().any(|moment| moment.sky.is_some_and(|sky| sky.lights_surfaces()))
     }
 
-    /// Whether moment and lens are fixed, so that only points of pixels and lights are sampled.
+    /// Whether it has a single moment.
     pub fn is_instant(&self) -> bool {
         self.times_s.len() == 1
     }

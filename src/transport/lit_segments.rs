@@ -23,7 +23,8 @@ pub fn lit_segments(snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, range: 
     lit
 }
 
-/// Removes shadows from the lit parts of a ray, and dims them past the blended surfaces on its way.
+/// Removes shadows of opaque surfaces from the lit parts of a ray. Dims parts behind blended surfaces, seen
+/// from the eye and from the light.
 pub(super) fn shade(lit: &mut LitSegments, snapshot: &Snapshot, ray: &Ray, light: &FrozenLight, way: &Way) {
     let range = lit.range();
     let plane = match *light {

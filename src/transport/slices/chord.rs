@@ -18,7 +18,7 @@ pub struct Chord {
     pub slopes: [f64; 2],
     /// Place of each piece's sample within it, `0..1`.
     pub phase: f64,
-    /// Weight of a sample for each unit of area per radian that it stands for.
+    /// Weight of a sample for each unit of area per radian that it represents.
     pub weight_per_area: f64,
     /// Random stream for choices beyond its surfaces: a seed, and the number of its slice for that seed.
     /// Neighbouring slices have successive numbers.
