@@ -122,7 +122,7 @@ impl<'scene> Contents<'scene> {
         let mut numbers: Vec<f64> = Vec::new();
         for class in &self.classes {
             for (placed, mesh) in class.placed.iter().zip(&class.meshes) {
-                numbers.push(placed.instance as f64);
+                numbers.push(placed.instance() as f64);
                 push(&mut numbers, &mesh.relative_from_mesh);
                 if let Some(bent) = &placed.bent {
                     let Pose { weights, shape_from_rest } = &bent.pose;

@@ -230,13 +230,13 @@ impl<'scene> Snapshot<'scene> {
         let Some(motion) = &self.motion else { return [0.0; 4] };
         let Some(point) = surface else { return motion.of_direction(direction) };
         let weights = self.facet(point.primitive).weights_at(point.position);
-        let instance = self.placed[point.primitive.instance as usize].instance;
+        let instance = self.placed[point.primitive.instance as usize].instance();
         motion.of_point(self.scene, instance, point.primitive.triangle as usize, weights)
     }
 
     /// Cryptomatte id of the object that a triangle belongs to; 0 unless ids are requested.
     pub fn matte_id(&self, primitive: PrimitiveId) -> u32 {
-        let instance = self.placed[primitive.instance as usize].instance;
+        let instance = self.placed[primitive.instance as usize].instance();
         self.mattes.as_ref().map_or(0, |mattes| mattes[instance])
     }
 

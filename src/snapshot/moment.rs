@@ -29,9 +29,22 @@ pub(super) struct Moment<'scene, 'a> {
 
 /// An instance of a tree, with its reference to the scene.
 pub(super) struct Placed {
-    pub(super) instance: usize,
+    instance: u32,
+    mesh: u32,
     /// Bent shape of its mesh, if it bends.
     pub(super) bent: Option<Arc<BentMesh>>,
+}
+
+impl Placed {
+    /// Number of the scene's instance.
+    pub(super) fn instance(&self) -> usize {
+        self.instance as usize
+    }
+
+    /// Number of its mesh.
+    pub(super) fn mesh(&self) -> usize {
+        self.mesh as usize
+    }
 }
 
 /// Instances that rays can meet, and their placed meshes for the tree, in the same order.
@@ -77,7 +90,8 @@ impl<'scene> Moment<'scene, '_> {
                 let mesh = PlacedMesh { mesh, relative_from_mesh };
                 // A leaf scaled to zero is left out.
                 if mesh.mesh_from_relative().is_some() {
-                    class.placed.push(Placed { instance: index, bent: bent.clone() });
+                    let [index, mesh_number] = [index, instance.mesh].map(|number| number as u32);
+                    class.placed.push(Placed { instance: index, mesh: mesh_number, bent: bent.clone() });
                     class.meshes.push(mesh);
                 }
             }

@@ -30,7 +30,7 @@ impl Snapshot<'_> {
     /// Number of a mesh that is the same at all moments of a shutter, whichever other meshes are visible;
     /// below [`Self::lasting_count`].
     pub fn lasting_number(&self, number: usize) -> usize {
-        2 * self.placed[number].instance + usize::from(number >= self.first_blended)
+        2 * self.placed[number].instance() + usize::from(number >= self.first_blended)
     }
 
     /// Count of lasting numbers: two for each of the scene's instances, for its opaque and its blended
@@ -41,7 +41,7 @@ impl Snapshot<'_> {
 
     /// Number of the part, within its mesh, that a triangle belongs to.
     pub fn part_of(&self, primitive: PrimitiveId) -> usize {
-        let mesh = self.scene.instances[self.placed[primitive.instance as usize].instance].mesh;
+        let mesh = self.placed[primitive.instance as usize].mesh();
         self.parts.part_of((mesh, &self.scene.meshes[mesh]), primitive.triangle)
     }
 
@@ -53,7 +53,7 @@ impl Snapshot<'_> {
     /// Mesh by its number.
     pub fn mesh(&self, number: usize) -> DrawnMesh<'_> {
         let placed = &self.placed[number];
-        let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
+        let mesh = &self.scene.meshes[placed.mesh()];
         DrawnMesh {
             relative_from_mesh: self.relative_from_mesh(number),
             positions: placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions),
@@ -73,21 +73,21 @@ impl<'a> DrawnMesh<'a> {
 
     /// Numbers of mesh and material: equal for meshes with the same look in one snapshot, in any place.
     pub fn looks(self) -> (usize, Option<usize>) {
-        let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
+        let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance()];
         (instance.mesh, instance.material)
     }
 
     /// The mesh in the scene, and its number there.
     fn mesh(self) -> (usize, &'a Mesh) {
         let scene = self.snapshot.scene;
-        let number = scene.instances[self.snapshot.placed[self.number].instance].mesh;
+        let number = scene.instances[self.snapshot.placed[self.number].instance()].mesh;
         (number, &scene.meshes[number])
     }
 
     /// Primitive of a triangle; `None` if these triangles do not include it.
     pub fn primitive(self, triangle: u32) -> Option<PrimitiveId> {
         let (instance, mesh) =
-            (&self.snapshot.scene.instances[self.snapshot.placed[self.number].instance], self.mesh().1);
+            (&self.snapshot.scene.instances[self.snapshot.placed[self.number].instance()], self.mesh().1);
         let material = instance.material.unwrap_or(mesh.triangles[triangle as usize].material);
         let is_in = self.snapshot.is_blended[material] == self.is_blended;
         is_in.then_some(PrimitiveId { instance: self.number as u32, triangle })
@@ -95,7 +95,7 @@ impl<'a> DrawnMesh<'a> {
 
     /// Triangles: their primitives in the snapshot, and their vertices.
     pub fn triangles(self) -> impl Iterator<Item = (PrimitiveId, [usize; 3])> + 'a {
-        let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance];
+        let instance = &self.snapshot.scene.instances[self.snapshot.placed[self.number].instance()];
         let scene = self.snapshot.scene;
         let is_in = move |triangle: &Triangle| {
             let material = instance.material.unwrap_or(triangle.material);

@@ -31,7 +31,7 @@ pub(super) fn rays_of(scene: &Scene, classes: &[PlacedInstances; 2]) -> Option<R
         return None;
     }
     let placed = classes.iter().flat_map(|class| &class.placed);
-    let nodes = placed.map(|placed| scene.instances[placed.instance].node);
+    let nodes = placed.map(|placed| scene.instances[placed.instance()].node);
     let rays: Arc<[RayVisibility]> =
         nodes.map(|node| *scene.ray_visibility.get(&node).unwrap_or(&RayVisibility::USUAL)).collect();
     rays.iter().any(|rays| *rays != RayVisibility::USUAL).then_some(RaysOfInstances(rays))

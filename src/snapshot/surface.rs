@@ -93,8 +93,8 @@ impl Snapshot<'_> {
     /// A triangle of the tree.
     pub fn facet(&self, primitive: PrimitiveId) -> Facet<'_> {
         let placed = &self.placed[primitive.instance as usize];
-        let instance = &self.scene.instances[placed.instance];
-        let mesh = &self.scene.meshes[instance.mesh];
+        let instance = &self.scene.instances[placed.instance()];
+        let mesh = &self.scene.meshes[placed.mesh()];
         let triangle = mesh.triangles[primitive.triangle as usize];
         let material = &self.materials[instance.material.unwrap_or(triangle.material)];
         let corners = triangle.vertices.map(|vertex| vertex as usize);
@@ -103,8 +103,13 @@ impl Snapshot<'_> {
             Some(bent) => (&bent.shape.positions, &bent.shape.normals, &bent.shape.tangents),
         };
         let relative_from_mesh = self.relative_from_mesh(primitive.instance as usize);
+        let is_bent = material.has_normal_map() && !tangents.is_empty();
         // Normals are covectors.
-        let relative_from_mesh_normal = || relative_from_mesh.inverse().matrix3.transpose();
+        let relative_from_mesh_normal = if is_bent || !normals.is_empty() {
+            relative_from_mesh.matrix3.inverse().transpose()
+        } else {
+            DMat3::ZERO
+        };
         let [a, b, c] =
             corners.map(|corner| relative_from_mesh.transform_point3(positions[corner].as_dvec3()));
         let (ab, ac) = (b - a, c - a);
@@ -116,12 +121,7 @@ impl Snapshot<'_> {
             material,
             textures: &self.scene.textures,
             texture: texture.map(|texture| &self.scene.textures[texture]),
-            bending: (material.has_normal_map() && !tangents.is_empty()).then_some(Bending {
-                positions,
-                normals,
-                tangents,
-                relative_from_mesh_normal: relative_from_mesh_normal(),
-            }),
+            bending: is_bent.then_some(Bending { positions, normals, tangents, relative_from_mesh_normal }),
             leaf_id: instance.leaf_id,
             is_turned: material.has_front() && relative_from_mesh.matrix3.determinant() < 0.0,
             corners,
@@ -129,17 +129,15 @@ impl Snapshot<'_> {
             normal: area_normal.normalize_or_zero(),
             gradients: [ac.cross(area_normal), area_normal.cross(ab)]
                 .map(|gradient| gradient / area_normal.length_squared()),
-            corner_normals: (!normals.is_empty()).then(|| {
-                let relative_from_mesh_normal = relative_from_mesh_normal();
-                corners.map(|corner| relative_from_mesh_normal * normals[corner].as_dvec3())
-            }),
+            corner_normals: (!normals.is_empty())
+                .then(|| corners.map(|corner| relative_from_mesh_normal * normals[corner].as_dvec3())),
         }
     }
 
     /// The corners of a triangle, in relative space.
     pub fn corners(&self, primitive: PrimitiveId) -> [DVec3; 3] {
         let placed = &self.placed[primitive.instance as usize];
-        let mesh = &self.scene.meshes[self.scene.instances[placed.instance].mesh];
+        let mesh = &self.scene.meshes[placed.mesh()];
         let positions = placed.bent.as_ref().map_or(&mesh.positions, |bent| &bent.shape.positions);
         let vertices = mesh.triangles[primitive.triangle as usize].vertices;
         let relative_from_mesh = self.relative_from_mesh(primitive.instance as usize);
@@ -148,7 +146,7 @@ impl Snapshot<'_> {
 
     /// Whether alpha may vary over a triangle.
     pub fn is_textured(&self, primitive: PrimitiveId) -> bool {
-        let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance];
+        let instance = &self.scene.instances[self.placed[primitive.instance as usize].instance()];
         let mesh = &self.scene.meshes[instance.mesh];
         let triangle = mesh.triangles[primitive.triangle as usize];
         let material = &self.materials[instance.material.unwrap_or(triangle.material)];
