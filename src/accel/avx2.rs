@@ -6,9 +6,6 @@ use super::simd::{Eight, Kernel, Lanes, Mask, Simd, WIDTH};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 
-/// Number of bytes that are fetched from memory together.
-const CACHE_LINE: usize = 64;
-
 /// Proof that the processor has AVX2.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Avx2(());
@@ -59,11 +56,7 @@ impl Simd for Avx2 {
     }
     #[inline(always)]
     fn prefetch<T>(self, soon_read: &T) {
-        let start = std::ptr::from_ref(soon_read).cast::<i8>();
-        for offset in (0..size_of::<T>()).step_by(CACHE_LINE) {
-            // SAFETY: a hint, for any address; this one lies in the borrowed value.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(offset)) };
-        }
+        super::prefetch(soon_read);
     }
 }
 

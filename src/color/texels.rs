@@ -68,12 +68,31 @@ impl Texels {
         let mix = |[a, b, c, d]: [DVec4; 4]| a.lerp(b, x).lerp(c.lerp(d, x), y);
         let codes = match &self.stored {
             Stored::Bytes { codes, .. } if self.mixes_codes => codes,
-            _ => return mix(self.get_all(indices).map(|texel| DVec4::from_array(texel.map(f64::from)))),
+            Stored::Bytes { codes, curve } => {
+                let texel = |index: usize| {
+                    let [a, b, c, d] = light(&codes[4 * index..4 * index + 4], curve);
+                    DVec4::new(a.into(), b.into(), c.into(), d.into())
+                };
+                let [a, b, c, d] = indices;
+                return mix([texel(a), texel(b), texel(c), texel(d)]);
+            }
+            _ => {
+                let texel = |index: usize| DVec4::from_array(self.get(index).map(f64::from));
+                return mix(indices.map(texel));
+            }
         };
         let code = |index: usize| [0, 1, 2, 3].map(|channel| f64::from(codes[4 * index + channel]));
         let [red, green, blue, alpha] = mix(indices.map(|index| DVec4::from_array(code(index)))).to_array();
         let light = |code: f64| f64::from(SRGB_WORDS[(257.0 * code).round() as usize]);
         DVec4::new(light(red), light(green), light(blue), alpha / 255.0)
+    }
+
+    /// The first byte of a texel of bytes.
+    pub fn byte(&self, index: usize) -> Option<&u8> {
+        match &self.stored {
+            Stored::Bytes { codes, .. } => codes.get(4 * index),
+            _ => None,
+        }
     }
 
     /// Texels from 8 bits a number, four numbers a texel; a rest of fewer is left out.
@@ -121,20 +140,6 @@ impl Texels {
         }
     }
 
-    /// Several of them.
-    ///
-    /// # Panics
-    /// If one of them does not exist.
-    #[inline]
-    pub fn get_all<const N: usize>(&self, indices: [usize; N]) -> [[f32; 4]; N] {
-        match &self.stored {
-            Stored::Bytes { codes, curve } => {
-                indices.map(|index| light(&codes[4 * index..4 * index + 4], curve))
-            }
-            _ => indices.map(|index| self.get(index)),
-        }
-    }
-
     /// All of them.
     pub fn iter(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
         (0..self.len()).map(|index| self.get(index))
@@ -150,7 +155,7 @@ impl Texels {
 }
 
 /// Colour by its curve, alpha as a share of the largest code, which is the curve's last.
-#[inline]
+#[inline(always)]
 fn light<T: Copy + Into<u16>>(texel: &[T], curve: &[f32]) -> [f32; 4] {
     let code = |channel: usize| -> u16 { texel[channel].into() };
     let color = |channel: usize| curve[usize::from(code(channel))];

@@ -56,6 +56,12 @@ impl Texture {
         (texels, DVec2::new(right, below))
     }
 
+    /// Where in memory the texels around `uv` are, above and below.
+    pub fn memory_at(&self, uv: Vec2) -> [Option<&u8>; 2] {
+        let ([above, _, below, _], _) = self.between(uv);
+        [above, below].map(|texel| self.texels.byte(texel))
+    }
+
     fn look_up(&self, uv: Vec2) -> DVec4 {
         let (texels, at) = self.between(uv);
         self.texels.between(texels, at)

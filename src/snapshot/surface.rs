@@ -5,7 +5,7 @@ mod layers;
 mod texels;
 
 use super::Snapshot;
-use crate::accel::{Hit, PrimitiveId};
+use crate::accel::{Hit, PrimitiveId, prefetch};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::scattering::{Dielectric, Gloss, Layers, shine_normal};
@@ -191,6 +191,18 @@ impl Facet<'_> {
     pub fn weights_at(&self, point: DVec3) -> [f64; 3] {
         let [v, w] = self.gradients.map(|gradient| gradient.dot(point - self.first_corner));
         [1.0 - v - w, v, w]
+    }
+
+    /// Asks for the texels that [`Self::seen_along`] will read.
+    pub fn prefetch_texels(&self, ray: &Ray, distance: f64) {
+        let Material { base_color_texture, transmission_texture, normal_map, coat, .. } = self.material;
+        let base = base_color_texture.map(|texture| TextureMap { texture, layer: 0 });
+        let others =
+            [*transmission_texture, normal_map.map(|(map, _)| map), coat.and_then(|coat| coat.texture)];
+        let weights = self.weights_at(ray.at(distance));
+        for map in others.into_iter().filter(|map| *map != base).chain([base]).flatten() {
+            self.texels_around(map, weights).into_iter().flatten().for_each(prefetch);
+        }
     }
 
     fn at(&self, ray: &Ray, distance: f64, [v, w]: [f64; 2]) -> SurfacePoint {

@@ -123,6 +123,12 @@ impl Facet<'_> {
         Some(self.textures[map.texture].color(self.interpolated(uvs, weights)))
     }
 
+    /// Memory of the texels around a point in an image.
+    pub(super) fn texels_around(&self, map: TextureMap, weights: [f64; 3]) -> [Option<&u8>; 2] {
+        let Some(uvs) = layer(self.mesh, map.layer) else { return [None; 2] };
+        self.textures[map.texture].memory_at(self.interpolated(uvs, weights))
+    }
+
     /// Alpha of an image; `None` if the mesh has no coordinates for it.
     pub(super) fn texel_alpha(&self, map: TextureMap, weights: [f64; 3]) -> Option<f64> {
         let uvs = layer(self.mesh, map.layer)?;

@@ -68,6 +68,10 @@ impl SliceRay<'_> {
         let mut sampler = self.sampler;
         let mut path = self.path(&mut sampler, scratch);
         let distance = self.distance();
+        if let Some((_, facet)) = self.meeting {
+            // They come while shadows and fog are found.
+            facet.prefetch_texels(ray, distance);
+        }
         let end = distance * planar.direction.x;
         let end_name = self.meeting.map(|_| light_rays.through(distance * planar.direction));
         let shadows = sweep.shadows(end_name);
