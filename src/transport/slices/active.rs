@@ -12,6 +12,8 @@ pub(super) struct Active {
     /// Slopes of the upper and the lower end of each segment; NaN once it is passed.
     slopes: Vec<[f64; 2]>,
     passed: usize,
+    /// The greatest slope of a ray that passes any more of them.
+    next_pass: f64,
 }
 
 impl Active {
@@ -19,6 +21,7 @@ impl Active {
         self.segments.clear();
         self.slopes.clear();
         self.passed = 0;
+        self.next_pass = f64::NEG_INFINITY;
     }
 
     /// Adds segments at the end.
@@ -28,7 +31,11 @@ impl Active {
         }
         self.segments.extend(segments);
         let new = &self.segments[self.slopes.len()..];
-        self.slopes.extend(new.iter().map(|segment| [segment.upper.slope, segment.lower.slope]));
+        let Self { next_pass, .. } = self;
+        self.slopes.extend(new.iter().map(|segment| {
+            *next_pass = next_pass.max(segment.lower.slope);
+            [segment.upper.slope, segment.lower.slope]
+        }));
     }
 
     fn forget_passed(&mut self) {
@@ -65,11 +72,17 @@ impl Active {
 
     /// Passes the segments that lie wholly above rays of a slope, one after another.
     pub(super) fn pass(&mut self, slope: f64, mut passed: impl FnMut(&Segment)) {
+        if slope > self.next_pass {
+            return;
+        }
+        self.next_pass = f64::NEG_INFINITY;
         for (segment, slopes) in self.segments.iter().zip(&mut self.slopes) {
             if slope <= slopes[1] {
                 passed(segment);
                 *slopes = [f64::NAN; 2];
                 self.passed += 1;
+            } else {
+                self.next_pass = self.next_pass.max(slopes[1]);
             }
         }
     }

@@ -77,6 +77,15 @@ pub(super) struct Sweep {
     met: Option<usize>,
 }
 
+/// The first place of a number; many are compared at once.
+fn position_of(number: f64, numbers: &[f64]) -> Option<usize> {
+    const AT_ONCE: usize = 16;
+    let is_among = |some: &[f64]| some.iter().fold(false, |any, other| any | (*other == number));
+    let some = numbers.chunks(AT_ONCE).position(is_among)?;
+    let from = AT_ONCE * some;
+    numbers[from..].iter().position(|other| *other == number).map(|index| from + index)
+}
+
 /// Crossing of a ray and a segment, and the shadow of the segment's part above the ray.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
@@ -144,7 +153,7 @@ impl Sweep {
 
     /// End of a segment at which one of the passed shadows begins or ends.
     pub(super) fn passed_end(&self, name: f64) -> Option<CutEnd> {
-        self.passed_names.iter().position(|passed| *passed == name).map(|index| self.passed_ends[index])
+        position_of(name, &self.passed_names).map(|index| self.passed_ends[index])
     }
 
     /// Shadows of segments that all rays of the part have passed.
@@ -242,5 +251,21 @@ impl Sweep {
             self.own_union.insert(start, end);
         }
         (&self.shadows, &self.own_union)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::position_of;
+
+    #[test]
+    fn the_first_of_equal_numbers_is_found() {
+        let numbers: Vec<f64> = (0..50).map(|number| f64::from(number % 20)).collect();
+        for count in 0..numbers.len() {
+            for number in [0.0, 7.0, 15.0, 16.0, 19.0, 0.5] {
+                let expected = numbers[..count].iter().position(|other| *other == number);
+                assert_eq!(position_of(number, &numbers[..count]), expected, "{number} of {count}");
+            }
+        }
     }
 }
