@@ -18,8 +18,10 @@ impl Film {
 
     /// The finished picture; see [`Film::resolve`]. What it has been made from is given back on the way.
     pub fn into_frame(mut self) -> Frame {
-        let fog = self.noisy_fog();
-        (self.fresh, self.fog) = (Vec::new(), Vec::new());
+        let variances = self.noise_of_fog();
+        self.fresh = Vec::new();
+        let fog = variances.map(|variances| (self.fog_to_smooth(), variances));
+        self.fog = Vec::new();
         let channels = self.channels();
         (self.sums, self.hues) = (Vec::new(), Vec::new());
         self.frame(channels, fog)
@@ -38,16 +40,22 @@ impl Film {
         self.frame(self.channels(), self.noisy_fog())
     }
 
-    /// Fog and the variance of each pixel, NaN where nothing is known; `None` if shafts are not smoothed.
+    /// Fog that is to be smoothed and how noisy it is; `None` if shafts are not smoothed.
     fn noisy_fog(&self) -> Option<(FogPlanes, Vec<f32>)> {
-        if self.fog.is_empty() {
-            return None;
-        }
+        self.noise_of_fog().map(|variances| (self.fog_to_smooth(), variances))
+    }
+
+    /// The variance of each pixel, NaN where nothing is known; `None` if shafts are not smoothed.
+    fn noise_of_fog(&self) -> Option<Vec<f32>> {
         let variance = |pixel| self.estimate(pixel).and_then(|estimate| estimate.variance);
         let variances = self.window.pixels().map(|pixel| variance(pixel).unwrap_or(f64::NAN) as f32);
+        (!self.fog.is_empty()).then(|| variances.collect())
+    }
+
+    fn fog_to_smooth(&self) -> FogPlanes {
         let mut fog = self.fog_planes(self.window);
         hues::correct(fog.shafts.iter_mut(), &self.hues, &self.weights, HueSums::missing_shafts);
-        Some((fog, variances.collect()))
+        fog
     }
 
     fn frame(&self, channels: Vec<Channel>, fog: Option<(FogPlanes, Vec<f32>)>) -> Frame {
