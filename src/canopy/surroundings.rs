@@ -16,7 +16,7 @@ use crate::snapshot::{DrawnMesh, MeshPart, PartPlace, Snapshot};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A triangle of a part that is larger than a cell.
 #[derive(Clone, Copy, Debug)]
@@ -24,10 +24,6 @@ pub(crate) struct WallTriangle {
     pub(crate) triangle: Triangle,
     pub(crate) primitive: PrimitiveId,
 }
-
-/// Key of parts with the same look in all places: mesh and material, whether these are its blended triangles,
-/// and the part's number.
-type Looks = ((usize, Option<usize>), bool, usize);
 
 /// Length in cells up to which a part has the mean optics of its look; longer parts have those of each place.
 const SMALL_CELLS: f64 = 1.0;
@@ -37,6 +33,9 @@ struct PlacedPart<'a> {
     mesh_number: usize,
     part: &'a MeshPart,
     number: usize,
+    /// Number of its look. Parts with the same look in all places share it: those with the same mesh,
+    /// material and part number, blended or not.
+    looks: u32,
     /// The shortest side of its bounds, metres.
     thickness_m: f64,
     /// The second longest side: the width of a leaf, a trunk or a wall, metres.
@@ -116,12 +115,19 @@ const FEWEST_POINTS: usize = 8;
 pub(crate) struct Surroundings<'a> {
     snapshot: &'a Snapshot<'a>,
     parts: Vec<PlacedPart<'a>>,
+    /// Mean of the parts that look alike, by their looks, once somebody asks.
+    means: Vec<OnceLock<SurfaceOptics>>,
 }
 
 impl<'a> Surroundings<'a> {
     pub(crate) fn of(snapshot: &'a Snapshot) -> Self {
+        let (mut first_looks, mut looks) = (HashMap::new(), 0);
         let placed = |mesh_number: usize| {
             let mesh = snapshot.mesh(mesh_number);
+            let first_looks = *first_looks.entry((mesh.looks(), mesh.is_blended)).or_insert_with(|| {
+                looks += mesh.parts().len();
+                looks - mesh.parts().len()
+            });
             let axes = mesh.relative_from_mesh.matrix3;
             let scale = DVec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
             mesh.parts().iter().enumerate().map(move |(number, part)| {
@@ -132,6 +138,7 @@ impl<'a> Surroundings<'a> {
                     mesh_number,
                     part,
                     number,
+                    looks: (first_looks + number) as u32,
                     thickness_m,
                     width_m,
                     length_m,
@@ -143,15 +150,12 @@ impl<'a> Surroundings<'a> {
         // Most meshes are one leaf, and so one part.
         let mut parts = Vec::with_capacity(snapshot.mesh_count());
         parts.extend((0..snapshot.mesh_count()).flat_map(placed));
-        Self { snapshot, parts }
+        let means = (0..looks).map(|_| OnceLock::new()).collect();
+        Self { snapshot, parts, means }
     }
 
     fn mesh(&self, part: &PlacedPart) -> DrawnMesh<'a> {
         self.snapshot.mesh(part.mesh_number)
-    }
-
-    fn looks(&self, part: &PlacedPart) -> Looks {
-        (self.mesh(part).looks(), part.is_blended, part.number)
     }
 
     /// Width of leaves: the mean by area over all parts narrower than `widest_m`; 0 if there are fewer than
@@ -171,28 +175,35 @@ impl<'a> Surroundings<'a> {
     /// Surfels of small parts: those narrower than `width_m`.
     pub(crate) fn surfels(&self, width_m: f64, cell_m: f64) -> Surfels<'_> {
         let leaves: Vec<&PlacedPart> = self.parts.iter().filter(|part| !part.is_wall(width_m)).collect();
-        let means = self.means(leaves.iter().copied());
-        // Optics: first the means of parts that look alike, then those of single places.
-        let (mut first, mut optics): (HashMap<Looks, u32>, _) = (HashMap::new(), Vec::new());
+        self.find_means(leaves.iter().copied());
+        let is_small = move |leaf: &PlacedPart| leaf.length_m < SMALL_CELLS * cell_m;
+        // By look: indices of the mean's optics, and of those of the first place.
+        let [mut means, mut places] = [(); 2].map(|()| vec![None; self.means.len()]);
+        let mut optics = Vec::new();
         for leaf in &leaves {
-            first.entry(self.looks(leaf)).or_insert_with(|| {
-                let first = optics.len() as u32;
-                let all = std::iter::once(means[&self.looks(leaf)]).chain(self.optics_of_places(leaf));
-                optics.extend(all.map(|part| bent(&part, leaf.exposed())));
-                first
-            });
+            let looks = leaf.looks as usize;
+            if means[looks].is_none() {
+                means[looks] = Some(optics.len() as u32);
+                optics.push(bent(&self.mean(leaf), leaf.exposed()));
+            }
+            if places[looks].is_none() && !is_small(leaf) && !leaf.is_large(width_m) {
+                places[looks] = Some(optics.len() as u32);
+                optics.extend(self.optics_of_places(leaf).map(|place| bent(&place, leaf.exposed())));
+            }
         }
         let (optics, count): (Arc<[SurfaceOptics]>, _) = (optics.into(), leaves.len());
         let known = Arc::clone(&optics);
         let surfels_of = move |leaf: &&PlacedPart| {
-            let mean = first[&self.looks(leaf)];
+            let looks = leaf.looks as usize;
+            let mean = means[looks].unwrap_or_default();
             if leaf.is_large(width_m) {
                 return self.pane(leaf, (mean, &known), cell_m);
             }
-            let is_small = leaf.length_m < SMALL_CELLS * cell_m;
+            let is_small = is_small(leaf);
             let chosen = if is_small { &leaf.part.few_places } else { &leaf.part.places };
+            let first_place = places[looks].unwrap_or_default();
             let surfel = |(place, number): (&PartPlace, u32)| {
-                self.surfel(leaf, place, (if is_small { mean } else { mean + 1 + number }, &known))
+                self.surfel(leaf, place, (if is_small { mean } else { first_place + number }, &known))
             };
             let mut surfels: Vec<Surfel> = chosen.iter().zip(0..).filter_map(surfel).collect();
             if is_small {
@@ -234,15 +245,15 @@ impl<'a> Surroundings<'a> {
     /// Parts with two sides that are no longer than a cell, in the order of their meshes.
     pub(crate) fn leaves(&self, cell_m: f64) -> Vec<Leaf> {
         let is_small = |part: &&PlacedPart| part.length_m < SMALL_CELLS * cell_m && !part.part.is_closed;
-        let means = self.means(self.parts.iter().filter(is_small));
-        let means: HashMap<Looks, Arc<SurfaceOptics>> =
-            means.into_iter().map(|(looks, optics)| (looks, Arc::new(optics))).collect();
+        self.find_means(self.parts.iter().filter(is_small));
+        let means: Vec<Option<Arc<SurfaceOptics>>> =
+            self.means.iter().map(|mean| mean.get().map(|mean| Arc::new(*mean))).collect();
         let mut all = Vec::new();
         // Exact, to save memory.
         all.reserve_exact(self.parts.iter().filter(is_small).count());
         for parts in self.parts.chunks(AT_ONCE) {
             let small = parts.par_iter().filter(is_small);
-            let leaves = small.filter_map(|part| self.leaf(part, &means[&self.looks(part)]));
+            let leaves = small.filter_map(|part| self.leaf(part, means[part.looks as usize].as_ref()?));
             all.extend(leaves.collect::<Vec<_>>());
         }
         all
@@ -270,18 +281,22 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Mean optics of parts, for each look.
-    fn means<'p>(&self, parts: impl Iterator<Item = &'p PlacedPart<'a>>) -> HashMap<Looks, SurfaceOptics>
+    /// Finds the means of some parts.
+    fn find_means<'p>(&self, parts: impl Iterator<Item = &'p PlacedPart<'a>>)
     where
         'a: 'p,
     {
-        let mut one_of: HashMap<Looks, &PlacedPart> = HashMap::new();
-        for part in parts {
-            one_of.entry(self.looks(part)).or_insert(part);
-        }
-        let points = points_of_each(one_of.len());
-        let mean = |(looks, part): (Looks, &PlacedPart)| (looks, self.mean_optics(part, points));
-        one_of.into_par_iter().map(mean).collect()
+        let mut is_known: Vec<bool> = self.means.iter().map(|mean| mean.get().is_some()).collect();
+        let unknown = parts.filter(|part| !std::mem::replace(&mut is_known[part.looks as usize], true));
+        unknown.collect::<Vec<_>>().into_par_iter().for_each(|part| {
+            self.mean(part);
+        });
+    }
+
+    /// Mean of all parts that look as one does.
+    fn mean(&self, part: &PlacedPart) -> SurfaceOptics {
+        let points = points_of_each(self.means.len());
+        *self.means[part.looks as usize].get_or_init(|| self.mean_optics(part, points))
     }
 
     /// Mean optics at evenly spaced points of a part, as a texture differs from point to point.
