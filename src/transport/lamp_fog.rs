@@ -2,9 +2,10 @@
 //! uniform numbers. Out comes an estimate of that radiance. Invariant: points sampled on a leg and on a
 //! lamp's rays have weights that add up to 1, by the balance heuristic (see `connection.rs`).
 //!
-//! A leg hardly ever crosses a narrow beam, so rays of the lamp sample points there. Lamps that emit in all
-//! directions have no such rays: legs meet their light often enough. Nor do lamps in voxels, where optical
-//! depths cost more time than they save.
+//! A leg hardly ever crosses a narrow beam. One that passes a lamp at a distance h has light in proportion to
+//! 1 / h, with infinite variance. So direction and distance to a point near the lamp are sampled jointly, on a
+//! ray of the lamp (Georgiev, Křivánek, Hachisuka, Nowrouzezahrai & Jarosz 2013, "Joint importance sampling of
+//! low-order volumetric scattering").
 
 use super::connection::Receiver;
 use super::equiangular;
@@ -14,30 +15,25 @@ use super::path::Path;
 use super::turn::Turn;
 use crate::accel::InstanceTree;
 use crate::color::Rgb;
-use crate::light::Emission;
 use crate::math::Ray;
-use crate::snapshot::{FrozenLight, Snapshot};
 use glam::DVec3;
 
 /// Radiance of a lamp's light in fog that the receiver scatters, W m^-2 sr^-1.
 pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     let snapshot = path.snapshot;
-    if snapshot.medium.is_empty() {
-        return Rgb::ZERO;
-    }
-    let lamps = beams(snapshot, path.light.lights);
+    let lamps = Lamp::among(path.light.lights);
     let count = lamps.clone().count();
-    if count == 0 {
+    if count == 0 || snapshot.medium.is_empty() {
         return Rgb::ZERO;
     }
     let [which, u, v] = path.sampler.next_3d();
-    let loss = path.sampler.next_2d();
     let Some(lamp) = lamps.clone().nth((which * count as f64) as usize) else { return Rgb::ZERO };
-    let Some(place) = picked(snapshot, &lamp.ray([u, v]), loss.into()) else { return Rgb::ZERO };
+    let reach = Reach::of(&lamp, receiver.place);
+    let place = lamp.ray([u, v]).at(reach.pick(path.sampler.next_1d()));
     let way = place - receiver.place;
     let Some(direction) = way.try_normalize() else { return Rgb::ZERO };
     let scattered = (receiver.scattered)(direction);
-    if scattered == Rgb::ZERO {
+    if scattered == Rgb::ZERO || snapshot.medium.extinction_at(place) == Rgb::ZERO {
         return Rgb::ZERO;
     }
     let (ray, distance) = (Ray { origin: receiver.place, direction }, way.length());
@@ -55,18 +51,10 @@ pub(super) fn scattered(path: &mut Path, receiver: &Receiver) -> Rgb {
     }
     let per_m = equiangular::per_m(path, (&ray, end), lamp.light, distance);
     let by_leg = (receiver.picked)(direction) * per_m;
-    let by_lamp = per_m3(snapshot, &lamp, place) * distance * distance;
+    let by_lamp = reach.per_m3(&lamp, place) * distance * distance;
     let sum = scattered * radiance / (by_leg + by_lamp);
-    if sum.is_finite() { sum } else { Rgb::ZERO }
-}
-
-/// Lamps whose rays are traced, with the probability of choosing each of them.
-fn beams<'a>(snapshot: &Snapshot, lights: &'a [FrozenLight]) -> impl Iterator<Item = Lamp<'a>> + Clone {
-    let has_voxels = snapshot.medium.has_voxels();
-    let is_beam = move |lamp: &Lamp| !has_voxels && !matches!(lamp.emission, Emission::Even);
-    let beams = Lamp::among(lights).filter(is_beam);
-    let chance = 1.0 / beams.clone().count() as f64;
-    beams.map(move |lamp| Lamp { chance, ..lamp })
+    // At the lamp itself the density is undefined.
+    if by_lamp > 0.0 && sum.is_finite() { sum } else { Rgb::ZERO }
 }
 
 /// Radiance of lamps that fog scatters into a leg before `distance`, from one point for each lamp. Points are
@@ -76,41 +64,40 @@ pub(super) fn on_leg(path: &mut Path, ray: &Ray, turn: Option<Turn>, distance: f
     // Past a blended surface the other technique does not sample.
     let turn = turn.filter(|turn| turn.place == ray.origin);
     let mut sum = Rgb::ZERO;
-    let mut beams = beams(snapshot, path.light.lights).peekable();
     for lamp in Lamp::among(path.light.lights) {
-        let beam = beams.next_if(|beam| std::ptr::eq(beam.light, lamp.light));
         let Some((t, per_m)) = equiangular::pick(path, ray, distance, lamp.light) else { continue };
         let found = scattered_at(snapshot, ray, t, lamp.light, &[]) / per_m;
         if found == Rgb::ZERO {
             continue;
         }
-        let share = |(turn, beam): (Turn, Lamp)| {
+        let share = |turn: Turn| {
             let by_leg = turn.density * per_m;
-            by_leg / (by_leg + per_m3(snapshot, &beam, ray.at(t)) * t * t)
+            by_leg / (by_leg + Reach::of(&lamp, turn.place).per_m3(&lamp, ray.at(t)) * t * t)
         };
-        sum += turn.zip(beam).map_or(1.0, share) * found;
+        sum += turn.map_or(1.0, share) * found;
     }
     sum
 }
 
-/// Samples a point in fog on a ray.
-fn picked(snapshot: &Snapshot, ray: &Ray, loss: [f64; 2]) -> Option<DVec3> {
-    let along = snapshot.medium.along(ray, f64::INFINITY);
-    let losses = along.losses(Rgb::ONE)?;
-    Some(ray.at(along.pick_loss(Rgb::ONE, &losses, loss)?.t))
-}
+/// Scale of the distances sampled along a lamp's rays, metres: half of them are shorter. It is the vertex's
+/// distance from the lamp, and needs neither fog nor walls.
+struct Reach(f64);
 
-/// Probability density with which [`picked`] samples a point on a lamp's rays, 1/m^3.
-fn per_m3(snapshot: &Snapshot, lamp: &Lamp, place: DVec3) -> f64 {
-    let way = place - lamp.position;
-    let Some(direction) = way.try_normalize() else { return 0.0 };
-    let per_sr = lamp.chance * lamp.emission.picked(direction);
-    if per_sr == 0.0 {
-        return 0.0;
+impl Reach {
+    fn of(lamp: &Lamp, vertex: DVec3) -> Self {
+        Self(vertex.distance(lamp.position))
     }
-    let ray = Ray { origin: lamp.position, direction };
-    let along = snapshot.medium.along(&ray, f64::INFINITY);
-    let losses = along.losses(Rgb::ONE);
-    let per_m = losses.map_or(0.0, |losses| along.picked(Rgb::ONE, &losses, way.length()));
-    per_sr * per_m / way.length_squared()
+
+    /// Maps a uniform number to a distance from the lamp, metres.
+    fn pick(&self, u: f64) -> f64 {
+        self.0 * u / (1.0 - u)
+    }
+
+    /// Probability density of a point on the lamp's rays, 1/m^3.
+    fn per_m3(&self, lamp: &Lamp, place: DVec3) -> f64 {
+        let way = place - lamp.position;
+        let (Some(direction), distance) = (way.try_normalize(), way.length()) else { return 0.0 };
+        let per_m = self.0 / (self.0 + distance).powi(2);
+        lamp.chance * lamp.emission.picked(direction) * per_m / (distance * distance)
+    }
 }

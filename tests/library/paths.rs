@@ -250,6 +250,41 @@ fn a_lamp_next_to_a_board_lights_a_wall_by_its_spot() {
     assert_is("a spot by a lamp", &scene, Bounces::UpTo(1), 16, expected, 2e-3 * expected);
 }
 
+/// A lamp in a box of thin fog lights a wall by it: `a / pi sigma / (4 pi) I cos / (r d)^2` of each of its
+/// places. Walks that pass the lamp closely find most, and hardly any does: places on legs alone are noise.
+#[test]
+fn fog_about_a_lamp_lights_a_wall() {
+    const SIGMA_PER_M: f64 = 1e-3;
+    const DIRECTIONS: u32 = 256;
+    const STEPS: u32 = 8;
+    let middle = DVec3::new(0.0, 3.0, -2.0);
+    let mut scene = camera_at(DVec3::ZERO);
+    add_box(&mut scene, DVec3::new(-8.0, -8.0, -4.1), DVec3::new(8.0, 8.0, -4.0), matte(0.5, 0.0));
+    add_light(&mut scene, LightKind::Point, middle, DVec3::Z, Rgb::splat(3.0));
+    add_fog(&mut scene, middle - 1.0, middle + 1.0, Rgb::splat(SIGMA_PER_M), Rgb::ONE, 0.0);
+    let along = |number: u32| -> f64 {
+        let z = 1.0 - 2.0 * (f64::from(number) + 0.5) / f64::from(DIRECTIONS);
+        let (sin, cos) = (2.0 * PI * (0.618_034 * f64::from(number)).fract()).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        let direction = DVec3::new(across * cos, across * sin, z);
+        let step_m = 1.0 / direction.abs().max_element() / f64::from(STEPS);
+        let lit = |step: u32| {
+            let place = middle + (f64::from(step) + 0.5) * step_m * direction;
+            step_m * mean_on_wall(&scene, |cos, distance| cos / (distance * distance), place)
+        };
+        (0..STEPS).map(lit).sum()
+    };
+    let mean_way: f64 = (0..DIRECTIONS).map(along).sum::<f64>() / f64::from(DIRECTIONS);
+    let expected = 0.5 / PI * SIGMA_PER_M * 3.0 * mean_way;
+    let straight = estimate(&scene, &by_paths(Bounces::NONE), 1).0;
+    let (mean, error) = estimate(&scene, &by_paths(Bounces::UpTo(1)), 64);
+    let found = (mean - straight).x;
+    println!("fog about a lamp: {found:.5e} +- {:.1e} of {expected:.5e}", error.x);
+    assert!(error.x < 0.02 * expected, "{} of {expected}", error.x);
+    // Light is dimmed by two thousandths on its way.
+    assert!((found - expected).abs() < SIGMAS * error.x + 5e-3 * expected, "{found} of {expected}");
+}
+
 /// The mean over the picture of what a wall 4 m before the camera has of a place, by the cosine at the wall
 /// and the distance.
 fn mean_on_wall(scene: &Scene, of: impl Fn(f64, f64) -> f64, place: DVec3) -> f64 {
