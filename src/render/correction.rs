@@ -20,8 +20,6 @@ const LEVELS: [f64; 6] = [f64::INFINITY, 12.0, 6.0, 3.0, 1.5, 0.6];
 /// Standard deviation of the surroundings in which signal and noise are compared, as a multiple of the
 /// mean's.
 const COMPARED: f64 = 4.0;
-/// Factor on the noise above which a difference counts as signal. By chance a few places exceed it.
-const CAUTION: f64 = 1.5;
 /// Minimum correction: with less, light would be black or negative.
 const LEAST: f64 = -0.95;
 
@@ -63,7 +61,7 @@ impl Scheme {
             let noise = Map::from_fn(|cell| mean(squares.of(cell)) * per_probe(cell).powi(2));
             let (detail, noise) = (detail.smoothed(COMPARED * sigma), noise.smoothed(COMPARED * sigma));
             let signal = Map::from_fn(|cell| {
-                let (detail, noise) = (detail.of(cell), CAUTION * noise.of(cell));
+                let (detail, noise) = (detail.of(cell), noise.of(cell));
                 if detail > noise { 1.0 - noise / detail } else { 0.0 }
             });
             so_far = Map::from_fn(|cell| {
