@@ -85,6 +85,11 @@ impl<'a> Stretch<'a> {
         self.inside & banks != 0
     }
 
+    /// Whether some banks are as dense all over.
+    pub(super) fn are_even(&self, banks: u64) -> bool {
+        self.members(banks).all(|(_, fog)| fog.is_even())
+    }
+
     /// Optical depth from the ray's origin over a `t` to the light.
     pub(super) fn tau(&self, t: f64) -> Rgb {
         self.tau_to_eye(t) + self.medium.known_depth_to(self.ray.at(t), self.light)
@@ -104,14 +109,21 @@ impl<'a> Stretch<'a> {
     /// Optical depth to eye and light and scattering, as [`Stretch::tau`] and [`Stretch::scattering`], of
     /// some of the banks alone; before the stretch all of them count.
     pub(super) fn of_banks(&self, banks: u64, t: f64, cos_deflection: f64) -> (Rgb, Rgb) {
-        if banks == 0 {
-            return (self.tau_at_start, Rgb::ZERO);
-        }
         let some = Self { inside: self.inside & banks, changing: self.changing & banks, ..*self };
         let point = self.ray.at(t);
         let to_light = |fog: &FogBank| fog.sigma_t * fog.metres_to(point, self.light);
         let tau = self.members(banks).fold(some.tau_to_eye(t), |tau, (_, fog)| tau + to_light(fog));
         (tau, some.scattering(t, cos_deflection))
+    }
+
+    /// What is linear on the stretch: at its start, and its growth per metre.
+    pub(super) fn line(&self, value: impl Fn(f64) -> Rgb) -> (Rgb, Rgb) {
+        // Just inside, so that a way that starts in a face is measured on this stretch's side.
+        let inset = 1e-3 * (self.end - self.start);
+        let (a, b) = (self.start + inset, self.end - inset);
+        let (at_a, at_b) = (value(a), value(b));
+        let per_m = (at_b - at_a) / (b - a);
+        (at_a - per_m * (a - self.start), per_m)
     }
 
     /// Light scattered per metre at a `t` towards the ray's origin per unit of irradiance:

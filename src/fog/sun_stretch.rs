@@ -38,7 +38,7 @@ impl<'a> SunStretch<'a> {
     }
 
     /// Integral over a lit part, 1/sr.
-    pub(super) fn integral(&self, start: f64, end: f64) -> Rgb {
+    pub(super) fn integral(&mut self, start: f64, end: f64) -> Rgb {
         match self {
             Self::Closed(closed) => closed.integral(start, end),
             Self::Fitted(fitted) => fitted.between(start, end),
@@ -62,7 +62,7 @@ pub(super) struct ClosedForm {
 impl ClosedForm {
     /// `None` if the optical depth is not linear.
     fn of(stretch: &Stretch, to_light: DVec3) -> Option<Self> {
-        let Stretch { ray, start, end, .. } = *stretch;
+        let Stretch { ray, start, .. } = *stretch;
         let middle = stretch.middle();
         let (mut thinning, mut count) = (None, 0);
         for (index, fog) in stretch.medium.banks().iter().enumerate() {
@@ -93,11 +93,7 @@ impl ClosedForm {
             let line = Self { scattering, start, climb: Some(climb), tau_at_start, tau_per_m };
             return (count == 1).then_some(line);
         }
-        // Just inside, so that a way that starts in a face is measured on the stretch's side.
-        let (a, b) = (start + 1e-3 * (end - start), end - 1e-3 * (end - start));
-        let (tau_a, tau_b) = (stretch.tau(a), stretch.tau(b));
-        let tau_per_m = (tau_b - tau_a) / (b - a);
-        let tau_at_start = tau_a - tau_per_m * (a - start);
+        let (tau_at_start, tau_per_m) = stretch.line(|t| stretch.tau(t));
         Some(Self { scattering, start, climb: None, tau_at_start, tau_per_m })
     }
 

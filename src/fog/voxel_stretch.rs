@@ -25,8 +25,8 @@ pub(super) struct VoxelStretch<'a> {
     inside: Vec<Bank<'a>>,
     /// Banks of voxels between the ray and the sun.
     to_sun: Vec<ToSun<'a>>,
-    /// All other banks, by a mask, and whether they scatter here.
-    others: u64,
+    /// All other banks, and whether they scatter here.
+    others: Others,
     others_scatter: bool,
     /// Length over which the depth to the sun is nearly a cubic, where no cell limits it, metres.
     longest_m: f64,
@@ -43,6 +43,24 @@ struct ToSun<'a> {
     lattice: Option<MetresToSun>,
 }
 
+/// Banks without voxels: optical depth to the eye and the sun, and scattering towards the eye, 1/(m sr).
+enum Others {
+    /// As dense all over: depth at the start, and its growth per metre.
+    Even { tau: (Rgb, Rgb), scattering: Rgb },
+    /// Some thin out. By a mask of numbers.
+    Thinning(u64),
+}
+
+impl Others {
+    fn new(stretch: &Stretch, banks: u64, cos: f64) -> Self {
+        let of_banks = |t: f64| stretch.of_banks(banks, t, cos);
+        if !stretch.are_even(banks) {
+            return Self::Thinning(banks);
+        }
+        Self::Even { tau: stretch.line(|t| of_banks(t).0), scattering: of_banks(stretch.middle()).1 }
+    }
+}
+
 /// A bank of voxels along the stretch.
 struct Bank<'a> {
     cells: &'a VoxelCells,
@@ -50,6 +68,16 @@ struct Bank<'a> {
     /// Scattering towards the eye at maximum density, 1/(m sr).
     scattering: Rgb,
     metres_at_start: f64,
+    /// Number of the cell or gap that the integral has come to.
+    cursor: usize,
+}
+
+impl Bank<'_> {
+    /// Metres since the start, and the density, as of the densest.
+    fn at(&self, t: f64) -> (f64, f64) {
+        let (metres, density) = self.cells.at(self.cursor, t);
+        (metres - self.metres_at_start, density)
+    }
 }
 
 impl<'a> VoxelStretch<'a> {
@@ -68,7 +96,7 @@ impl<'a> VoxelStretch<'a> {
             if let Some(cells) = stretch.along.cells(number).filter(|_| stretch.is_inside(number)) {
                 let scattering = fog.sigma_s * henyey_greenstein(cos, fog.g);
                 let metres_at_start = cells.metres(start);
-                inside.push(Bank { cells, sigma_t: fog.sigma_t, scattering, metres_at_start });
+                inside.push(Bank { cells, sigma_t: fog.sigma_t, scattering, metres_at_start, cursor: 0 });
                 voxel_m = voxels.voxel_m(ray).min(voxel_m);
             }
             if fog.lies_on(&way) {
@@ -77,6 +105,7 @@ impl<'a> VoxelStretch<'a> {
             }
         }
         let others_scatter = stretch.is_inside_of(others);
+        let others = Others::new(stretch, others, cos);
         let changes = !inside.is_empty() || !to_sun.is_empty();
         let steepest_m = (DEEPEST / medium.most_extinction_per_m()).max(THINNEST * voxel_m);
         let is_deep = medium.most_extinction_per_m() * (stretch.end - start) > OPAQUE;
@@ -94,14 +123,14 @@ impl<'a> VoxelStretch<'a> {
     }
 
     /// Integral over a lit part, 1/sr.
-    pub(super) fn integral(&self, start: f64, end: f64) -> Rgb {
+    pub(super) fn integral(&mut self, start: f64, end: f64) -> Rgb {
         let mut sum = Rgb::ZERO;
-        let mut cursors: Vec<usize> = self.inside.iter().map(|bank| bank.cells.cursor(start)).collect();
+        self.inside.iter_mut().for_each(|bank| bank.cursor = bank.cells.cursor(start));
         let mut from = start;
-        while from < end && !self.is_opaque(from, &cursors) {
+        while from < end && !self.is_opaque(from) {
             let (mut to, mut is_in_a_cell) = (end, false);
-            for (bank, cursor) in self.inside.iter().zip(&mut cursors) {
-                let (border, is_cell) = bank.cells.next_border(cursor, from);
+            for bank in &mut self.inside {
+                let (border, is_cell) = bank.cells.next_border(&mut bank.cursor, from);
                 to = border.min(to);
                 is_in_a_cell |= is_cell;
             }
@@ -112,33 +141,36 @@ impl<'a> VoxelStretch<'a> {
                 to = to.min((from + self.steepest_m).max(from.next_up()));
             }
             if is_in_a_cell || self.others_scatter {
-                sum += self.within_cells(from, to, &cursors);
+                sum += self.within_cells(from, to);
             }
             from = to;
         }
         sum
     }
 
-    /// Whether the fog before a place is opaque.
-    fn is_opaque(&self, t: f64, cursors: &[usize]) -> bool {
-        let depth = |(bank, cursor): (&Bank, &usize)| {
-            bank.sigma_t.min_element() * (bank.cells.at(*cursor, t).0 - bank.metres_at_start)
-        };
-        self.is_deep && self.inside.iter().zip(cursors).map(depth).sum::<f64>() > OPAQUE
+    /// Whether the voxels before a place are opaque.
+    fn is_opaque(&self, t: f64) -> bool {
+        let depth = |bank: &Bank| bank.sigma_t.min_element() * bank.at(t).0;
+        self.is_deep && self.inside.iter().map(depth).sum::<f64>() > OPAQUE
     }
 
     /// Integral between two places without a border of a cell between them.
-    fn within_cells(&self, start: f64, end: f64, cursors: &[usize]) -> Rgb {
+    fn within_cells(&self, start: f64, end: f64) -> Rgb {
         let half = 0.5 * (end - start);
         // Two nodes are exact for a cubic, and a small depth hardly bends it.
         let nodes = if self.stretch.medium.most_extinction_per_m() * half < 0.05 { 2 } else { 3 };
         let mut sum = Rgb::ZERO;
         for (node, weight) in gauss_legendre(nodes) {
             let t = start + half * (1.0 + node);
-            let (mut tau, mut scattering) = self.stretch.of_banks(self.others, t, self.cos);
-            for (bank, cursor) in self.inside.iter().zip(cursors) {
-                let (metres, density) = bank.cells.at(*cursor, t);
-                tau += bank.sigma_t * (metres - bank.metres_at_start);
+            let (mut tau, mut scattering) = match self.others {
+                Others::Even { tau: (at_start, per_m), scattering } => {
+                    (at_start + (t - self.stretch.start) * per_m, scattering)
+                }
+                Others::Thinning(banks) => self.stretch.of_banks(banks, t, self.cos),
+            };
+            for bank in &self.inside {
+                let (metres, density) = bank.at(t);
+                tau += bank.sigma_t * metres;
                 scattering += bank.scattering * density;
             }
             for ToSun { fog, lattice } in &self.to_sun {

@@ -138,7 +138,9 @@ fn a_march_of_many_steps_finds_the_same_light() {
     for scene in [&mut about, &mut behind] {
         add_fog(scene, low, high, Rgb::splat(0.05), Rgb::splat(0.9), 0.3);
     }
-    for scene in [lit_puff(), about, behind].iter().chain(&by_lamps) {
+    let mut under_sun = lit_puff();
+    add_fog(&mut under_sun, low, high, Rgb::new(0.05, 0.06, 0.08), Rgb::splat(0.9), 0.3);
+    for scene in [lit_puff(), under_sun, about, behind].iter().chain(&by_lamps) {
         for place in [[0.5, 0.5], [0.42, 0.55], [0.53, 0.46]] {
             let (expected, found) = (seen(scene, &march, place, 0), seen(scene, &EXACT, place, 0));
             assert!(found.radiance.min_element() > 0.005, "{place:?}: {}", found.radiance);
