@@ -66,7 +66,7 @@ impl CoarseVoxels {
         // Computed outside of the lock, as threads that help may need them, too.
         let made = || {
             let middle = (DVec2::new(column as f64, row as f64) + 0.5) / SKY_SIDE as f64;
-            VoxelDepths::new(&self.voxels, sphere_from_square(middle), 1.0)
+            VoxelDepths::new(&self.voxels, sphere_from_square(middle), (1.0, f64::INFINITY))
         };
         let depths = depths.get().unwrap_or_else(|| {
             let made = made();

@@ -12,6 +12,9 @@ const SPACING: f64 = 0.5;
 /// Tolerance of a lattice in optical depth, between its nodes.
 const TOLERANCE: f64 = 0.01;
 
+/// Optical depth at which a lattice's depths are cut off: a fourth of it is opaque.
+const DEEPEST: f64 = 300.0;
+
 /// Optical depth of a voxel above which ways are opaque after a few voxels: they are traversed if a lattice
 /// would have too many nodes.
 const THICK: f64 = 2.0;
@@ -64,7 +67,7 @@ impl LitVoxels {
         if of_voxel > THICK && (high - low).element_product() / spacing.powi(3) > MANY_NODES {
             return None;
         }
-        let made = || VoxelDepths::new(&self.voxels, to_light, spacing).into();
+        let made = || VoxelDepths::new(&self.voxels, to_light, (spacing, deepest(spacing))).into();
         Some(self.suns.of((to_light, spacing), MOST_SUNS, made))
     }
 
@@ -81,4 +84,10 @@ impl LitVoxels {
 fn spacing(of_voxel: f64) -> f64 {
     let wanted = (8.0 * TOLERANCE / of_voxel).sqrt() / SPACING;
     SPACING * wanted.log2().floor().clamp(-8.0, 0.0).exp2()
+}
+
+/// Depth that counts as all, in voxels of the densest. Where nodes lie nearer than `SPACING`, each of those has
+/// an optical depth of `8 TOLERANCE / spacing^2` at most, and of a fourth of that at least.
+fn deepest(spacing: f64) -> f64 {
+    if spacing < SPACING { DEEPEST * spacing.powi(2) / (8.0 * TOLERANCE) } else { f64::INFINITY }
 }

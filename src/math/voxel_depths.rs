@@ -1,6 +1,6 @@
 //! Depths of voxels towards a sun. In go voxels and a direction, out come depths at any place, from a lattice
-//! of lines along the direction. Invariant: at the lattice's nodes they are exact; between them they are
-//! linear.
+//! of lines along the direction. Invariant: at the lattice's nodes they are exact to a 65,535th of the line's
+//! whole depth; between them they are linear.
 
 use super::{Ray, Voxels};
 use glam::DVec3;
@@ -14,6 +14,9 @@ const MOST_NODES: f64 = (1 << 23) as f64;
 const MOST_FINE_NODES: f64 = (1 << 21) as f64;
 const FINE: f64 = 0.5;
 
+/// Number of parts of a line's whole depth: nodes of two bytes take half the memory of `f32`.
+const PARTS: f64 = u16::MAX as f64;
+
 /// Depths towards one direction, in voxels of maximum density.
 pub struct VoxelDepths {
     /// Unit vectors: two at right angles to the sun, and one towards it.
@@ -23,9 +26,10 @@ pub struct VoxelDepths {
     /// Number of lines along the second axis for each step along the first.
     columns: usize,
     lines: Vec<Line>,
-    /// Depths at the nodes of one line after the other, from the last node before the fog to the first behind
-    /// it. That one is stored twice, as depths stay the same on the rest of a line.
-    depths: Vec<f32>,
+    /// Depths at the nodes of one line after the other, in parts of the line's whole depth, from the last node
+    /// before the fog to the first behind it. That one is stored twice, as depths stay the same on the rest of
+    /// a line.
+    parts: Vec<u16>,
 }
 
 /// Location of a line's depths.
@@ -37,6 +41,8 @@ struct Line {
     skipped: u32,
     /// Number of steps from the first to the last.
     steps: u32,
+    /// Depth that a part stands for.
+    of_part: f32,
 }
 
 /// Prints the address alone: depths never change.
@@ -48,8 +54,8 @@ impl fmt::Debug for VoxelDepths {
 
 impl VoxelDepths {
     /// Computes depths; `to_light` is a direction in voxel space, `spacing` the minimum distance of nodes, in
-    /// voxels.
-    pub(super) fn new(voxels: &Voxels, to_light: DVec3, spacing: f64) -> Self {
+    /// voxels. Depths are cut off at `deepest`, in the same unit as they are.
+    pub(super) fn new(voxels: &Voxels, to_light: DVec3, (spacing, deepest): (f64, f64)) -> Self {
         let up = to_light.normalize();
         let (right, across) = up.any_orthonormal_pair();
         let axes = [right, across, up];
@@ -65,33 +71,35 @@ impl VoxelDepths {
         let spacing = spacing.max(apart(MOST_FINE_NODES).min(FINE)).max(apart(MOST_NODES));
         let size = (to - from).to_array().map(|side| (side / spacing).ceil() as usize + 1);
         let places: Vec<f64> = (0..size[2]).map(|index| spacing * index as f64).collect();
-        let row = |i: usize| {
-            let (mut lines, mut depths) = (Vec::with_capacity(size[1]), Vec::new());
-            for j in 0..size[1] {
-                let [i, j] = [i, j].map(|index| spacing * index as f64);
-                let origin = (from.x + i) * right + (from.y + j) * across + from.z * up;
+        let of_row = size[1] * (size[2] + 1);
+        // What no line comes to write takes no memory.
+        let mut parts = vec![0; size[0] * of_row];
+        let row = |(i, parts): (usize, &mut [u16])| {
+            let mut end = 0;
+            let line = |j: usize| {
+                let [x, y] = [i, j].map(|index| spacing * index as f64);
+                let origin = (from.x + x) * right + (from.y + y) * across + from.z * up;
                 let before = voxels.integrals(&Ray { origin, direction: up }, &places);
                 let all = before[size[2] - 1];
                 let skipped = before.iter().take_while(|before| **before == 0.0).count().saturating_sub(1);
                 let until = before.iter().take_while(|before| **before < all).count();
                 let nodes = &before[skipped.min(until)..=until];
+                let depth = |before: &f64| ((all - before) / voxels.most()).min(deepest);
+                let of_part = depth(&0.0) / PARTS;
+                let start = end;
+                for before in nodes.iter().chain(nodes.last()) {
+                    // On an empty line 0 / 0, which is cast to 0.
+                    parts[end] = (depth(before) / of_part).round() as u16;
+                    end += 1;
+                }
                 let [first, skipped, steps] =
-                    [depths.len(), skipped, nodes.len() - 1].map(|count| count as u32);
-                lines.push(Line { first, skipped, steps });
-                let depth = |before: &f64| ((all - before) / voxels.most()) as f32;
-                depths.extend(nodes.iter().chain(nodes.last()).map(depth));
-            }
-            (lines, depths)
+                    [i * of_row + start, skipped, nodes.len() - 1].map(|count| count as u32);
+                Line { first, skipped, steps, of_part: of_part as f32 }
+            };
+            (0..size[1]).map(line).collect::<Vec<_>>()
         };
-        let rows: Vec<_> = (0..size[0]).into_par_iter().map(row).collect();
-        let count = rows.iter().map(|(_, depths)| depths.len()).sum();
-        let (mut lines, mut depths) = (Vec::with_capacity(size[0] * size[1]), Vec::with_capacity(count));
-        for (row, of_row) in rows {
-            let before = depths.len() as u32;
-            lines.extend(row.iter().map(|line| Line { first: before + line.first, ..*line }));
-            depths.extend(of_row);
-        }
-        Self { axes, low: from, spacing, columns: size[1], lines, depths }
+        let lines = parts.par_chunks_mut(of_row).enumerate().flat_map_iter(row).collect();
+        Self { axes, low: from, spacing, columns: size[1], lines, parts }
     }
 
     /// A line in voxel space, transformed to the lattice's.
@@ -118,12 +126,13 @@ impl VoxelDepths {
     }
 
     /// Depth at a number of steps along a line.
+    #[inline]
     fn on_line(&self, line: usize, steps: f64) -> f64 {
-        let Line { first, skipped, steps: all } = self.lines[line];
+        let Line { first, skipped, steps: all, of_part } = self.lines[line];
         let steps = (steps - f64::from(skipped)).clamp(0.0, f64::from(all));
         let node = steps as u32;
         let at = (first + node) as usize;
-        let [here, next] = [self.depths[at], self.depths[at + 1]].map(f64::from);
-        here + (steps - f64::from(node)) * (next - here)
+        let [here, next] = [self.parts[at], self.parts[at + 1]].map(f64::from);
+        f64::from(of_part) * (here + (steps - f64::from(node)) * (next - here))
     }
 }
