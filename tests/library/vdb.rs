@@ -23,7 +23,7 @@ fn every_voxel_has_the_value_and_place_that_blender_gave_it() {
     assert!(grids[3].floats.as_ref().expect("floats").extent().is_none(), "it has no voxels");
     for grid in &grids[..2] {
         let floats = grid.floats.as_ref().expect("floats");
-        let voxels: Vec<_> = floats.tree.leaves.iter().flat_map(Leaf::voxels).collect();
+        let voxels: Vec<_> = floats.tree.leaves().flat_map(Leaf::voxels).collect();
         let (block, lines): (Vec<_>, Vec<_>) = voxels.into_iter().partition(|(voxel, _)| voxel[0] > 100);
         assert_eq!(lines.len(), 11 * 3 * 4);
         for ([i, j, k], value) in lines {
@@ -38,13 +38,30 @@ fn every_voxel_has_the_value_and_place_that_blender_gave_it() {
     }
 }
 
+/// Floats, doubles, doubles as halves, whole numbers of 32 and 64 bits, and vectors of doubles.
+#[test]
+fn every_kind_of_number_is_read() {
+    let grids = parsed(&bytes("numbers.vdb")).expect("a valid file");
+    let (vectors, numbers) = grids.split_last().expect("grids");
+    assert_eq!(numbers.len(), 5);
+    for grid in numbers {
+        let floats = grid.floats.as_ref().unwrap_or_else(|| panic!("{} is not read", grid.kind));
+        let values: Vec<_> = floats.tree.leaves().flat_map(Leaf::voxels).collect();
+        let expected: Vec<_> = (0..10_i16).map(|i| ([i.into(), 0, 0], f32::from(i) + 1.0)).collect();
+        assert_eq!(values, expected, "{}", grid.kind);
+    }
+    let vectors = vectors.vectors.as_ref().expect("vectors");
+    let values: Vec<_> = vectors.tree.leaves().flat_map(Leaf::voxels).collect();
+    assert_eq!(values[9], ([9, 0, 0], [10.0, 18.0, -1.0]));
+}
+
 #[test]
 fn a_billion_voxels_take_no_more_than_their_tiles() {
     let grids = parsed(&bytes("billion.vdb")).expect("a valid file");
     let floats = grids[0].floats.as_ref().expect("floats");
     let extent = floats.extent().expect("voxels");
     assert_eq!((extent.voxels, extent.mean), (1 << 30, 0.5));
-    assert!(floats.memory() < 20_000, "{} bytes", floats.memory());
+    assert!(floats.tree.memory() < 20_000, "{} bytes", floats.tree.memory());
 }
 
 #[test]

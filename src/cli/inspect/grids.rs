@@ -30,15 +30,15 @@ fn count(grids: usize) -> String {
 fn of_one(grid: &Grid) -> String {
     let Grid { name, kind, .. } = grid;
     if let Some(vectors) = &grid.vectors {
-        let voxels: usize = vectors.tree.leaves.iter().map(|leaf| leaf.voxels().count()).sum();
+        let voxels: usize = vectors.tree.leaves().map(|leaf| leaf.values.len()).sum();
         return format!(
             "\n{name}: {kind}\n  active voxels  {voxels} in {} leaves, and {} tiles; of fog velocities or colours",
-            vectors.tree.leaves.len(),
+            vectors.tree.leaves().len(),
             vectors.tree.tiles.len(),
         );
     }
     let Some(floats) = &grid.floats else {
-        return format!("\n{name}: {kind}, of which nothing is read; grids of floats and of vectors are");
+        return format!("\n{name}: {kind}, of which nothing is read; grids of numbers and of vectors are");
     };
     let Some(extent) = floats.extent() else {
         return format!("\n{name}: {kind}, no active voxels");
@@ -50,7 +50,7 @@ fn of_one(grid: &Grid) -> String {
          voxel edges    {:.6} x {:.6} x {:.6}\n  bounds         ({:.6}, {:.6}, {:.6}) to ({:.6}, {:.6}, {:.6})\n  \
          values         {} to {}, mean {:.6}, background {}\n  memory         {} bytes",
         extent.voxels,
-        floats.tree.leaves.len(),
+        floats.tree.leaves().len(),
         floats.tree.tiles.len(),
         edges.x_axis.length(),
         edges.y_axis.length(),
@@ -65,6 +65,6 @@ fn of_one(grid: &Grid) -> String {
         extent.most,
         extent.mean,
         floats.tree.background,
-        floats.memory(),
+        floats.tree.memory(),
     )
 }

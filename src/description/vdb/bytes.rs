@@ -1,6 +1,8 @@
 //! A file's bytes from front to back. Invariant: what is read lies inside the file, so that nothing is
 //! reserved for more than the file can hold.
 
+use half::f16;
+
 /// Why a grid cannot be had: where in the file, and what is wrong there.
 #[derive(Debug)]
 pub(super) struct Fault {
@@ -9,6 +11,41 @@ pub(super) struct Fault {
     pub(super) what: String,
     /// What helps, if writing it again does not.
     pub(super) remedy: Option<&'static str>,
+}
+
+/// How a file writes a number.
+#[derive(Clone, Copy)]
+pub(super) enum Number {
+    Half,
+    Float,
+    Double,
+    Int32,
+    Int64,
+}
+
+impl Number {
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::Half => 2,
+            Self::Float | Self::Int32 => 4,
+            Self::Double | Self::Int64 => 8,
+        }
+    }
+
+    /// The float nearest to a number of so many bytes.
+    pub(super) fn of(self, bytes: &[u8]) -> f32 {
+        match self {
+            Self::Half => f16::from_le_bytes(array(bytes)).to_f32(),
+            Self::Float => f32::from_le_bytes(array(bytes)),
+            Self::Double => f64::from_le_bytes(array(bytes)) as f32,
+            Self::Int32 => i32::from_le_bytes(array(bytes)) as f32,
+            Self::Int64 => i64::from_le_bytes(array(bytes)) as f32,
+        }
+    }
+}
+
+fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    std::array::from_fn(|at| bytes[at])
 }
 
 /// Numbers of a value at most.
@@ -95,10 +132,8 @@ impl<'a> Bytes<'a> {
         Ok(taken)
     }
 
-    fn array<const N: usize>(&mut self) -> Read<[u8; N]> {
-        let mut array = [0; N];
-        array.copy_from_slice(self.take(N)?);
-        Ok(array)
+    pub(super) fn array<const N: usize>(&mut self) -> Read<[u8; N]> {
+        self.take(N).map(array)
     }
 
     pub(super) fn u8(&mut self) -> Read<u8> {
@@ -113,19 +148,15 @@ impl<'a> Bytes<'a> {
         self.array().map(i64::from_le_bytes)
     }
 
-    pub(super) fn f32(&mut self) -> Read<f32> {
-        self.array().map(f32::from_le_bytes)
-    }
-
     pub(super) fn f64(&mut self) -> Read<f64> {
         self.array().map(f64::from_le_bytes)
     }
 
     /// A number or vector.
-    pub(super) fn value<V: Value>(&mut self) -> Read<V> {
+    pub(super) fn value<V: Value>(&mut self, written: Number) -> Read<V> {
         let mut numbers = [0.0; MOST_NUMBERS];
         for number in &mut numbers[..V::NUMBERS] {
-            *number = self.f32()?;
+            *number = written.of(self.take(written.size())?);
         }
         Ok(V::of(&numbers))
     }

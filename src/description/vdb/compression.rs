@@ -2,8 +2,7 @@
 //! Source: `openvdb/io/Compression.h`, `readCompressedValues`.
 
 use super::blosc;
-use super::bytes::{Bytes, Mask, Read, Value};
-use half::f16;
+use super::bytes::{Bytes, Mask, Number, Read, Value};
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 
 const ZIP: u32 = 0x1;
@@ -23,8 +22,9 @@ mod inactive {
 /// Encoding of a grid's values.
 pub(super) struct Encoding<V> {
     pub(super) flags: u32,
-    /// Whether values have 16 bits.
-    pub(super) is_half: bool,
+    /// How numbers of single values are written, and those of many.
+    pub(super) one: Number,
+    pub(super) many: Number,
     /// Value of what is not in the tree.
     pub(super) background: V,
 }
@@ -39,8 +39,8 @@ impl<V: Value> Encoding<V> {
         let mut off = [self.background.negated(), self.background];
         match kind {
             inactive::BACKGROUND => off[0] = self.background,
-            inactive::ONE | inactive::ONE_BY_MASK => off[0] = bytes.value()?,
-            inactive::TWO_BY_MASK => off = [bytes.value()?, bytes.value()?],
+            inactive::ONE | inactive::ONE_BY_MASK => off[0] = bytes.value(self.one)?,
+            inactive::TWO_BY_MASK => off = [bytes.value(self.one)?, bytes.value(self.one)?],
             _ => {}
         }
         let chosen = match kind {
@@ -68,17 +68,12 @@ impl<V: Value> Encoding<V> {
     }
 
     fn numbers(&self, bytes: &mut Bytes, count: usize) -> Read<Vec<f32>> {
-        if self.is_half {
-            // Nothing at all is written for no number, not even its length.
-            let raw = if count == 0 { Vec::new() } else { self.raw(bytes, 2 * count)? };
-            return Ok(raw
-                .chunks_exact(2)
-                .map(|two| f16::from_le_bytes([two[0], two[1]]).to_f32())
-                .collect());
+        // Nothing at all is written for no half, not even its length.
+        if count == 0 && matches!(self.many, Number::Half) {
+            return Ok(Vec::new());
         }
-        let raw = self.raw(bytes, 4 * count)?;
-        let number = |four: &[u8]| f32::from_le_bytes([four[0], four[1], four[2], four[3]]);
-        Ok(raw.chunks_exact(4).map(number).collect())
+        let raw = self.raw(bytes, self.many.size() * count)?;
+        Ok(raw.chunks_exact(self.many.size()).map(|bytes| self.many.of(bytes)).collect())
     }
 
     fn raw(&self, bytes: &mut Bytes, size: usize) -> Read<Vec<u8>> {
@@ -111,6 +106,7 @@ impl<V: Value> Encoding<V> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use half::f16;
     use miniz_oxide::deflate::compress_to_vec_zlib;
 
     const ACTIVE: [u8; 1] = [0b0101_0001];
@@ -121,11 +117,12 @@ mod tests {
     }
 
     /// The values of a node of 8 places, read from what stands before them and their bytes.
-    fn read(flags: u32, is_half: bool, before: &[u8], numbers: &[u8]) -> Vec<f32> {
+    fn read(flags: u32, many: Number, before: &[u8], numbers: &[u8]) -> Vec<f32> {
         let all = [before, numbers].concat();
         let mut bytes = Bytes::new(&all);
         let active = Bytes::new(&ACTIVE).mask(8).unwrap();
-        let values = Encoding { flags, is_half, background: 9.0_f32 }.values(&mut bytes, active, 8).unwrap();
+        let encoding = Encoding { flags, one: Number::Float, many, background: 9.0_f32 };
+        let values = encoding.values(&mut bytes, active, 8).unwrap();
         assert_eq!(bytes.place(), all.len() as i64, "all bytes are read");
         values
     }
@@ -150,10 +147,10 @@ mod tests {
             ([&[5][..], &two, &[BY_MASK]].concat(), 5.0, 6.0),
         ] {
             let expected = [1.0, chosen, off, off, 2.0, chosen, 3.0, off];
-            assert_eq!(read(ACTIVE_MASK, false, &before, &numbers), expected);
+            assert_eq!(read(ACTIVE_MASK, Number::Float, &before, &numbers), expected);
             for is_shorter in [true, false] {
                 let numbers = zipped(&numbers, is_shorter);
-                assert_eq!(read(ACTIVE_MASK | ZIP, false, &before, &numbers), expected);
+                assert_eq!(read(ACTIVE_MASK | ZIP, Number::Float, &before, &numbers), expected);
             }
         }
     }
@@ -161,11 +158,11 @@ mod tests {
     #[test]
     fn all_values_may_be_written_and_as_half_floats() {
         let all = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, -4.0];
-        assert_eq!(read(ACTIVE_MASK, false, &[6], &floats(&all)), all);
-        assert_eq!(read(0, false, &[0], &floats(&all)), all);
+        assert_eq!(read(ACTIVE_MASK, Number::Float, &[6], &floats(&all)), all);
+        assert_eq!(read(0, Number::Float, &[0], &floats(&all)), all);
         let halves: Vec<u8> = all.iter().flat_map(|&value| f16::from_f32(value).to_le_bytes()).collect();
-        assert_eq!(read(0, true, &[0], &halves), all);
-        assert_eq!(read(ZIP, true, &[0], &zipped(&halves, true)), all);
+        assert_eq!(read(0, Number::Half, &[0], &halves), all);
+        assert_eq!(read(ZIP, Number::Half, &[0], &zipped(&halves, true)), all);
     }
 
     #[test]
@@ -173,7 +170,8 @@ mod tests {
         for count in [7, 9, 100_000] {
             let chunk = [&[6][..], &zipped(&floats(&vec![1.0; count]), true)].concat();
             let active = Bytes::new(&ACTIVE).mask(8).unwrap();
-            let encoding = Encoding { flags: ZIP, is_half: false, background: 0.0_f32 };
+            let (one, many) = (Number::Float, Number::Float);
+            let encoding = Encoding { flags: ZIP, one, many, background: 0.0_f32 };
             assert!(encoding.values(&mut Bytes::new(&chunk), active, 8).is_err(), "{count}");
         }
     }

@@ -11,7 +11,7 @@ mod tree;
 
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Place};
-use bytes::{Bytes, Fault, Read};
+use bytes::{Bytes, Fault, Number, Read};
 use glam::{DAffine3, DVec3};
 use std::path::Path;
 
@@ -19,8 +19,15 @@ pub use bytes::Value;
 pub use frames::{GridFile, GridFiles, load_files};
 pub use tree::{Leaf, Tile, Tree};
 
-const FLOATS: &str = "Tree_float_5_4_3";
-const VECTORS: &str = "Tree_vec3s_5_4_3";
+/// What is read: OpenVDB's name of a tree's type, whether it holds vectors, and how it writes a number.
+const READ: [(&str, bool, Number); 6] = [
+    ("Tree_float_5_4_3", false, Number::Float),
+    ("Tree_double_5_4_3", false, Number::Double),
+    ("Tree_int32_5_4_3", false, Number::Int32),
+    ("Tree_int64_5_4_3", false, Number::Int64),
+    ("Tree_vec3s_5_4_3", true, Number::Float),
+    ("Tree_vec3d_5_4_3", true, Number::Double),
+];
 
 /// A grid of a file.
 #[derive(Debug)]
@@ -97,7 +104,8 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
     let mut behind = 0;
     for entry in entries {
         let (mut floats, mut vectors, mut is_staggered) = (None, None, false);
-        if [FLOATS, VECTORS].contains(&&*entry.kind) && entry.parent.is_empty() {
+        let read = READ.into_iter().find(|(kind, ..)| *kind == entry.kind && entry.parent.is_empty());
+        if let Some((_, is_vectors, one)) = read {
             let mut at = bytes.from(entry.start)?;
             if entry.start < behind {
                 return Err(at.fault("a grid begins inside the one before it"));
@@ -105,10 +113,11 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
             let flags = at.u32()?;
             is_staggered = header::is_staggered(&mut at)?;
             let transform = transform::read(&mut at)?;
-            if entry.kind == FLOATS {
-                floats = Some(Values { transform, tree: tree::read(&mut at, flags, entry.is_half)? });
+            let written = [one, if entry.is_half { Number::Half } else { one }];
+            if is_vectors {
+                vectors = Some(Values { transform, tree: tree::read(&mut at, flags, written)? });
             } else {
-                vectors = Some(Values { transform, tree: tree::read(&mut at, flags, entry.is_half)? });
+                floats = Some(Values { transform, tree: tree::read(&mut at, flags, written)? });
             }
             behind = at.place();
         }
@@ -117,18 +126,18 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
     Ok(grids)
 }
 
-impl<V: Value> Leaf<V> {
+impl<'a, V: Value> Leaf<'a, V> {
     /// Active voxels: places and values.
-    pub fn voxels(&self) -> impl Iterator<Item = ([i32; 3], V)> + '_ {
-        self.places().map(|(place, value)| {
+    pub fn voxels(self) -> impl Iterator<Item = ([i32; 3], V)> + 'a {
+        self.places().map(move |(place, value)| {
             let along = [place >> 6, place >> 3 & 7, place & 7];
             (std::array::from_fn(|axis| self.origin[axis].wrapping_add(along[axis] as i32)), value)
         })
     }
 
     /// Active voxels: places in the block and values.
-    pub fn places(&self) -> impl Iterator<Item = (usize, V)> + '_ {
-        let is_active = |place: &usize| self.active[place / 8] >> (place % 8) & 1 == 1;
+    pub fn places(self) -> impl Iterator<Item = (usize, V)> + 'a {
+        let is_active = move |place: &usize| self.active[place / 8] >> (place % 8) & 1 == 1;
         (0..8 * self.active.len()).filter(is_active).zip(self.values.iter().copied())
     }
 }
@@ -137,7 +146,7 @@ impl Floats {
     /// Extent of its active values; `None` if there are none.
     pub fn extent(&self) -> Option<Extent> {
         let tiles = self.tree.tiles.iter().map(|tile| (tile.origin, tile.edge, tile.value));
-        let leaves = self.tree.leaves.iter().flat_map(Leaf::voxels);
+        let leaves = self.tree.leaves().flat_map(Leaf::voxels);
         let (mut voxels, mut sum) = (0, 0.0);
         let [mut low, mut high] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let [mut least, mut most] = [f32::INFINITY, f32::NEG_INFINITY];
@@ -160,13 +169,7 @@ impl Floats {
 
     /// The smallest active number; `None` if there are none.
     pub fn least(&self) -> Option<f32> {
-        let values = self.tree.leaves.iter().flat_map(|leaf| &leaf.values);
+        let values = self.tree.leaves().flat_map(|leaf| leaf.values);
         values.chain(self.tree.tiles.iter().map(|tile| &tile.value)).copied().reduce(f32::min)
-    }
-
-    /// Bytes that its numbers take.
-    pub fn memory(&self) -> usize {
-        let values = self.tree.leaves.iter().map(|leaf| size_of_val(&*leaf.values)).sum::<usize>();
-        values + size_of_val(&*self.tree.leaves) + size_of_val(&*self.tree.tiles)
     }
 }

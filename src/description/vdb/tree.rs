@@ -1,8 +1,9 @@
 //! The tree of a grid: a root, two levels of nodes, leaves of 8 x 8 x 8 voxels. In go bytes, out come
 //! leaves and tiles. Source: `readTopology` and `readBuffers` in `openvdb/tree/`.
 
-use super::bytes::{Bytes, Fault, Mask, Read, Value};
+use super::bytes::{Bytes, Fault, Mask, Number, Read, Value};
 use super::compression::Encoding;
+use std::ops::Range;
 
 /// Places along an edge of each level's nodes, as powers of 2.
 const UPPER: u32 = 5;
@@ -14,14 +15,22 @@ const OF_LOWER_PLACE: i32 = 1 << LEAF;
 const OF_ROOT_PLACE: i32 = OF_UPPER_PLACE << UPPER;
 
 /// Active voxels of a block of 8 x 8 x 8, z fastest.
-#[derive(Debug)]
-pub struct Leaf<V = f32> {
+#[derive(Clone, Copy, Debug)]
+pub struct Leaf<'a, V = f32> {
     /// First voxel.
     pub origin: [i32; 3],
     /// Values of those that are active, in order.
-    pub values: Vec<V>,
+    pub values: &'a [V],
     /// Which are active, a bit each, the first lowest.
-    pub active: [u8; 64],
+    pub active: &'a [u8; 64],
+}
+
+/// Where a leaf is among all values.
+#[derive(Debug)]
+struct Block {
+    origin: [i32; 3],
+    active: [u8; 64],
+    values: Range<usize>,
 }
 
 /// Voxels of one value.
@@ -40,24 +49,25 @@ pub struct Tile<V = f32> {
 pub struct Tree<V = f32> {
     /// Value of all else.
     pub background: V,
-    /// Voxels, in the file's order.
-    pub leaves: Vec<Leaf<V>>,
+    blocks: Vec<Block>,
+    /// Of one block after the other: all memory goes back at once.
+    values: Vec<V>,
     /// Blocks of one value.
     pub tiles: Vec<Tile<V>>,
 }
 
-/// Reads a tree, topology and values.
-pub(super) fn read<V: Value>(bytes: &mut Bytes, flags: u32, is_half: bool) -> Read<Tree<V>> {
+/// Reads a tree, topology and values, whose numbers are written as said, `many` of them maybe shorter.
+pub(super) fn read<V: Value>(bytes: &mut Bytes, flags: u32, [one, many]: [Number; 2]) -> Read<Tree<V>> {
     let buffers = bytes.u32()?;
     if buffers != 1 {
         return Err(bytes.fault(format!("a tree has {buffers} buffers, not one")));
     }
-    let background: V = bytes.value()?;
-    let encoding = Encoding { flags, is_half, background };
-    let mut tree = Tree { background, leaves: Vec::new(), tiles: Vec::new() };
+    let background: V = bytes.value(one)?;
+    let encoding = Encoding { flags, one, many, background };
+    let (mut tree, mut leaves) = (Tree::new(background), Vec::new());
     let (tiles, children) = (bytes.u32()?, bytes.u32()?);
     for _ in 0..tiles {
-        let (origin, value, is_active) = (bytes.voxel()?, bytes.value()?, bytes.u8()? != 0);
+        let (origin, value, is_active) = (bytes.voxel()?, bytes.value(one)?, bytes.u8()? != 0);
         checked(bytes, value)?;
         if is_active {
             tree.tiles.push(Tile { origin, edge: OF_ROOT_PLACE, value });
@@ -67,21 +77,18 @@ pub(super) fn read<V: Value>(bytes: &mut Bytes, flags: u32, is_half: bool) -> Re
         let origin = bytes.voxel()?;
         let children = tree.topology(bytes, &encoding, Node { origin, log_edge: UPPER })?;
         for origin in children {
-            let leaves = tree.topology(bytes, &encoding, Node { origin, log_edge: LOWER })?;
-            for origin in leaves {
+            for origin in tree.topology(bytes, &encoding, Node { origin, log_edge: LOWER })? {
                 bytes.mask(512)?;
-                tree.leaves.push(Leaf { origin, values: Vec::new(), active: [0; 64] });
+                leaves.push(origin);
             }
         }
     }
-    for leaf in &mut tree.leaves {
-        let active = bytes.take(64)?;
-        leaf.active.copy_from_slice(active);
-        let active = Bytes::new(active).mask(512)?;
-        let values = encoding.values(bytes, active, 512)?;
+    for origin in leaves {
+        let active: [u8; 64] = bytes.array()?;
+        let mask = Bytes::new(&active).mask(512)?;
+        let values = encoding.values(bytes, mask, 512)?;
         values.iter().try_for_each(|&value| checked(bytes, value))?;
-        leaf.values = Vec::with_capacity(active.count());
-        leaf.values.extend(active.places().map(|place| values[place]));
+        tree.push(origin, active, mask.places().map(|place| values[place]));
     }
     Ok(tree)
 }
@@ -99,6 +106,34 @@ impl Node {
         let mask = (1 << self.log_edge) - 1;
         let along = [place >> (2 * self.log_edge), place >> self.log_edge & mask, place & mask];
         std::array::from_fn(|axis| self.origin[axis].wrapping_add(along[axis] * voxels))
+    }
+}
+
+impl<V> Tree<V> {
+    /// Tree of nothing but its background.
+    pub fn new(background: V) -> Self {
+        Self { background, blocks: Vec::new(), values: Vec::new(), tiles: Vec::new() }
+    }
+
+    /// Adds a leaf, of which `active` says which voxels `values` are of.
+    pub fn push(&mut self, origin: [i32; 3], active: [u8; 64], values: impl IntoIterator<Item = V>) {
+        let start = self.values.len();
+        self.values.extend(values);
+        self.blocks.push(Block { origin, active, values: start..self.values.len() });
+    }
+
+    /// Voxels, in the file's order.
+    pub fn leaves(&self) -> impl ExactSizeIterator<Item = Leaf<'_, V>> {
+        self.blocks.iter().map(|Block { origin, active, values }| Leaf {
+            origin: *origin,
+            values: &self.values[values.clone()],
+            active,
+        })
+    }
+
+    /// Bytes that its values take.
+    pub fn memory(&self) -> usize {
+        size_of_val(&*self.values) + size_of_val(&*self.blocks) + size_of_val(&*self.tiles)
     }
 }
 

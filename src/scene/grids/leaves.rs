@@ -7,7 +7,7 @@ use glam::{IVec3, Vec3};
 
 /// Leaves with a value for what is not active.
 pub(super) fn leaves<V: Value>(values: &Values<V>, off: V) -> impl Iterator<Item = (IVec3, Vec<V>)> + '_ {
-    values.tree.leaves.iter().map(move |leaf| {
+    values.tree.leaves().map(move |leaf| {
         let mut values = vec![off; BRICK];
         leaf.places().for_each(|(place, value)| values[place] = value);
         (IVec3::from(leaf.origin), values)

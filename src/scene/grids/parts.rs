@@ -99,7 +99,7 @@ fn unbuilt(name: &str, error: VoxelsError) -> Refused {
 
 /// Active voxels alone: what else a file holds is no part of the grid.
 fn built(floats: &Floats, of: impl Fn(f32) -> f32) -> Result<Voxels, VoxelsError> {
-    let mut builder = VoxelsBuilder::default();
+    let mut builder = VoxelsBuilder::of_up_to(floats.tree.leaves().len());
     for tile in &floats.tree.tiles {
         builder.add_even(IVec3::from(tile.origin), tile.edge, of(tile.value))?;
     }
@@ -119,7 +119,7 @@ fn by_albedo(
         return refused(found, "the same transform for both", "write both on the same voxels");
     }
     let tiles = colors.tree.tiles.iter().map(|tile| tile.value);
-    let voxels = colors.tree.leaves.iter().flat_map(|leaf| leaf.voxels().map(|(_, value)| value));
+    let voxels = colors.tree.leaves().flat_map(|leaf| leaf.values).copied();
     let mut is_grey = true;
     for value in tiles.chain(voxels).chain([colors.tree.background]) {
         is_grey &= value[0] == value[1] && value[1] == value[2];

@@ -74,15 +74,14 @@ fn by_axis(grids: &[Grid], name: &str) -> Option<Vec<Part>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::vdb::{Leaf, Tree, Values};
+    use crate::description::vdb::{Tree, Values};
 
     /// A brick whose numbers grow along each axis, on the faces before the voxels.
     #[test]
     fn staggered_velocities_are_those_of_faces() {
         let at = |place: usize| [place >> 6, place >> 3 & 7, place & 7].map(|along| along as f32);
-        let values = (0..512).map(at).collect();
-        let leaf = Leaf { origin: [0; 3], values, active: [255; 64] };
-        let tree = Tree { background: [0.0; 3], leaves: vec![leaf], tiles: Vec::new() };
+        let mut tree = Tree::new([0.0; 3]);
+        tree.push([0; 3], [255; 64], (0..512).map(at));
         let transform = DAffine3::from_scale(DVec3::splat(0.5));
         let grid = Grid {
             name: String::from("vel"),

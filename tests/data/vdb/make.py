@@ -7,7 +7,7 @@ floats; `velocity` holds vectors; `nothing` has no voxels. `billion.vdb`: 1024^3
 12 x 6 x 9 voxels of .25 where the lines of `several.vdb` are. `colours.vdb`: the same, with colours (.25, .5, 1) in
 `Cd`. `moving.1.vdb` and `moving.2.vdb`: a block of 4 voxels, 8 voxels of half a metre apart, and their velocity of 96
 metres a second in `vel`; `split.1.vdb`, `split.2.vdb`, `staggered.1.vdb` and `staggered.2.vdb`: the same, by a grid
-an axis and on the faces of voxels.
+an axis and on the faces of voxels. `numbers.vdb`: ten voxels along i, of 1 to 10, in every kind of number.
 """
 
 from pathlib import Path
@@ -81,3 +81,18 @@ for number in (1, 2):
     faces.name, faces.gridClass, faces.transform = "vel", openvdb.GridClass.STAGGERED, velocity.transform
     faces.fill((0, 0, 0), (31, 7, 7), (96.0, 0.0, 0.0), True)
     openvdb.write(str(HERE / f"staggered.{number}.vdb"), [block, faces])
+
+kinds = []
+for kind, is_half in (("Float", False), ("Double", False), ("Double", True), ("Int32", False), ("Int64", False)):
+    grid = getattr(openvdb, f"{kind}Grid")()
+    grid.name, grid.saveFloatAsHalf = f"{kind}, half" if is_half else kind, is_half
+    accessor = grid.getAccessor()
+    for i in range(10):
+        accessor.setValueOn((i, 0, 0), i + 1)
+    kinds.append(grid)
+vectors = openvdb.Vec3DGrid()
+vectors.name = "Vec3D"
+accessor = vectors.getAccessor()
+for i in range(10):
+    accessor.setValueOn((i, 0, 0), (i + 1.0, 2.0 * i, -1.0))
+openvdb.write(str(HERE / "numbers.vdb"), [*kinds, vectors])
