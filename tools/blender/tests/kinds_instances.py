@@ -49,7 +49,6 @@ def vectors(nodes, low, high, seed=0):
     return next(output for output in made.outputs if output.enabled)
 
 
-
 def doubled(scene, is_open=False):
     """Leaves with another, turned over, in their place."""
     scene.render.use_motion_blur = is_open
@@ -64,3 +63,9 @@ def box_on_the_ground(scene):
     """Nobody sees where they touch."""
     scenes.quad(scene, "ground", 6.0, matte().material)
     bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, 0.5))
+
+
+def flat_box(scene):
+    """Its top and its bottom are one."""
+    box_on_the_ground(scene)
+    bpy.context.active_object.scale.z = 0.0

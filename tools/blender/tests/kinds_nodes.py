@@ -271,3 +271,21 @@ def uv_of_nodes(scene):
     made.link(grid.outputs["UV Map"], named(store.inputs, "Value"))
     made.link(store.outputs["Geometry"], put.inputs["Geometry"])
     made.link(put.outputs["Geometry"], made.target.inputs["Geometry"])
+
+
+def rounded(scene):
+    """Rays that look at the thing itself and at nothing about it: edges, and how dark corners are."""
+    tree = matte()
+    shade = tree.node("AmbientOcclusion", only_local=True)
+    shade.inputs["Color"].default_value, shade.inputs["Distance"].default_value = RED, 0.5
+    tree.link(tree.node("Bevel").outputs["Normal"], tree.shader.inputs["Normal"])
+    tree.link(shade.outputs["Color"], tree.shader.inputs["Base Color"])
+    scenes.quad(scene, "ground", 6.0, matte().material)
+    bpy.ops.mesh.primitive_torus_add(major_segments=6, minor_segments=4, location=(0.0, 0.0, 0.2))
+    bpy.context.active_object.data.materials.append(tree.material)
+
+
+def lines_of_pixels(scene):
+    tree = matte()
+    tree.link(tree.node("Wireframe", use_pixel_size=True).outputs[0], tree.shader.inputs["Base Color"])
+    leaves(scene, tree, 1)

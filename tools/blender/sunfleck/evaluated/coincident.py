@@ -57,12 +57,14 @@ def found_in(placed, made):
     ]
     owners = numpy.repeat(numpy.arange(len(placed)), [len(one) for one in corners])
     closed, found, corners = {}, set(), numpy.concatenate(corners)
+    # What has no inside hides nothing.
+    is_flat = numpy.linalg.matrix_rank(numpy.array([matrix[:3, :3] for *_, matrix in placed])) < 3
     for one, other, is_opposed in overlapping(corners):
         pair = {owners[one], owners[other]}
         # A bent quad of a bevel is two triangles of which one may lie folded over the other.
         if is_opposed and abs(one - other) == 1 and (corners[one][:, None] == corners[other]).all(axis=2).sum() == 2:
             continue
-        if not (is_opposed and any(is_closed(placed[at][1], made[at], closed) for at in pair)):
+        if not (is_opposed and any(not is_flat[at] and is_closed(placed[at][1], made[at], closed) for at in pair)):
             found |= {placed[at][0] for at in pair}
     return found
 

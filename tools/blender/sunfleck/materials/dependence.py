@@ -29,7 +29,7 @@ VIEW, PLACE, SIDE, SURROUNDINGS, HAIR = (
 )
 LOST = {
     "FRESNEL": VIEW, "LAYER_WEIGHT": VIEW, "CAMERA": VIEW, "LIGHT_PATH": VIEW, "LIGHT_FALLOFF": VIEW,
-    "TANGENT": PLACE, "AMBIENT_OCCLUSION": SURROUNDINGS, "BEVEL": SURROUNDINGS, "HAIR_INFO": HAIR, "CURVE_INFO": HAIR, "POINT_INFO": HAIR,
+    "TANGENT": PLACE, "HAIR_INFO": HAIR, "CURVE_INFO": HAIR, "POINT_INFO": HAIR,
 }
 LOST_OUTPUTS = {
     "NEW_GEOMETRY": {
@@ -148,7 +148,10 @@ def is_unplaced(node):
 
 def is_of_shape(material):
     """Whether it looks otherwise once a mesh is bent."""
-    return any(node.type == "TEX_COORD" and is_asked(node, "Object", "Normal") for node in nodes_of(material))
+    return any(
+        node.type in {"BEVEL", "AMBIENT_OCCLUSION"} or (node.type == "TEX_COORD" and is_asked(node, "Object", "Normal"))
+        for node in nodes_of(material)
+    )
 
 
 def has_lines(material):
@@ -201,13 +204,17 @@ def losses(material):
         found |= {outputs.get(output.name) for output in node.outputs if output.is_linked}
         if not {node.type, node.bl_idname} & COMPARED and not node.type.startswith("BSDF_"):
             found.add(f"unknown-node-{node.bl_label.lower().replace(' ', '-')}")
+        if node.type == "AMBIENT_OCCLUSION" and not node.only_local:
+            found.add(SURROUNDINGS)
+        if node.type == "WIREFRAME" and node.use_pixel_size:
+            found.add(VIEW)
         if node.type == "TEX_COORD" and node.object and node.outputs["Object"].is_linked:
             found.add(PLACE)
         if node.type == "VECT_TRANSFORM" and {node.convert_from, node.convert_to} != {"OBJECT"}:
             found.add(VIEW if "CAMERA" in {node.convert_from, node.convert_to} else PLACE)
         if node.type in {"TEX_ENVIRONMENT", "TEX_SKY"} and not ("Vector" in node.inputs and node.inputs["Vector"].is_linked):
             found.add(PLACE)
-        if node.type in {"BUMP", "NORMAL_MAP"}:
+        if node.type in {"BUMP", "NORMAL_MAP", "BEVEL"}:
             # As a colour a normal is the world's.
             is_seen = any(link.to_socket.type in {"RGBA", "VALUE"} for link in node.outputs["Normal"].links)
             found.add(PLACE if is_seen or getattr(node, "space", "TANGENT") in {"WORLD", "BLENDER_WORLD"} else None)
