@@ -9,7 +9,7 @@ from .evaluated import lights, walk
 from .film import of_cycles
 from .keys import curves_of
 from .losses import Finding, ordered
-from .materials import colours, dependence, principled, sockets
+from .materials import colours, dependence, links, principled
 
 
 def check(scene):
@@ -224,15 +224,15 @@ def of_material(material, own):
     output = principled.output_of(material.node_tree) if material.node_tree else None
     if output is None:
         return
-    if sockets.link_to(output.inputs["Volume"]):
+    if links.link_to(output.inputs["Volume"]):
         yield Finding(
-            "volume-beside-surface" if sockets.link_to(output.inputs["Surface"]) else "volume-material", name
+            "volume-beside-surface" if links.link_to(output.inputs["Surface"]) else "volume-material", name
         )
     if not (own.all_bounces or own.bounces) and any(map(is_mirror, dependence.nodes_of(material))):
         yield Finding("mirror-bounces", name)
     if dependence.is_transparent(material) and not material.use_transparent_shadow:
         yield Finding("material-shadows", name)
-    if sockets.link_to(output.inputs["Displacement"]) and material.displacement_method != "BUMP":
+    if links.link_to(output.inputs["Displacement"]) and material.displacement_method != "BUMP":
         yield Finding("displacement", name)
 
 

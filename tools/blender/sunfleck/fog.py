@@ -11,9 +11,9 @@ import numpy
 from mathutils import Vector
 
 from . import world
-from .materials import principled, sockets
+from .materials import links, principled, sockets
 from .materials.colours import rec709
-from .materials.sockets import NotSimple
+from .materials.sources import NotSimple
 
 
 @dataclass
@@ -61,7 +61,7 @@ def of_material(thing):
 
 def numbers_of(socket):
     try:
-        return said(read(sockets.link_to(socket) or socket.links[0]))
+        return said(read(links.link_to(socket) or socket.links[0]))
     except NotSimple:
         return None
 
@@ -182,7 +182,7 @@ def is_in_side(thing, cube_from_thing):
 def read(link):
     node = link.from_node
     if node.type in {"GROUP", "GROUP_INPUT"} and not node.mute:
-        with sockets.behind(link.from_socket) as socket:
+        with links.behind(link.from_socket) as socket:
             return input_of(socket)
     reader = READERS.get(node.type)
     if node.mute or reader is None or getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
@@ -250,7 +250,7 @@ def mixed(node):
 
 
 def input_of(socket):
-    link = sockets.link_to(socket)
+    link = links.link_to(socket)
     return read(link) if link else Coefficients(numpy.zeros(3), numpy.zeros(3))
 
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 import numpy
 
 from . import fog
-from .materials import principled, sockets
-from .materials.sockets import NotSimple
+from .materials import links, principled, sockets
+from .materials.sources import NotSimple
 
 
 class NotFog(Exception):
@@ -73,7 +73,7 @@ def look(thing):
         # As Cycles has it: a Principled Volume as it is new.
         return Look(fog.Coefficients(numpy.full(3, 0.5), numpy.full(3, 0.5)), "density")
     output = principled.output_of(material.node_tree) if material.node_tree else None
-    link = output and sockets.link_to(output.inputs["Volume"])
+    link = output and links.link_to(output.inputs["Volume"])
     if not link:
         raise NotFog(f"its material `{material.name}` has no volume")
     try:
@@ -112,7 +112,7 @@ class Reader:
             self.shine(node, "Strength", "Color")
         elif node.type == "ADD_SHADER":
             for socket in node.inputs:
-                if one := sockets.link_to(socket):
+                if one := links.link_to(socket):
                     self.read(one)
         elif node.type == "PRINCIPLED_VOLUME":
             self.read_principled(node)
@@ -124,10 +124,10 @@ class Reader:
 
     def read_principled(self, node):
         named = {name: node.inputs[f"{name} Attribute"] for name in ("Density", "Color")}
-        if any(sockets.link_to(socket) for socket in named.values()):
+        if any(links.link_to(socket) for socket in named.values()):
             raise NotSimple(node)
         self.shine(node, "Emission Strength", "Emission Color")
-        if sockets.link_to(node.inputs["Blackbody Intensity"]) or fog.number(node, "Blackbody Intensity") > 0.0:
+        if links.link_to(node.inputs["Blackbody Intensity"]) or fog.number(node, "Blackbody Intensity") > 0.0:
             self.lost.append(LIGHT)
         self.colors = named["Color"].default_value
         if self.colors and fog.value(node, "Absorption Color").any():
@@ -151,7 +151,7 @@ class Reader:
 
 def factor(socket):
     """A number, and the name of the grid that it multiplies, "" without one."""
-    link = sockets.link_to(socket)
+    link = links.link_to(socket)
     node = link.from_node if link else None
     if node is not None and not node.mute:
         if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY" and link.from_socket.name != "Alpha":

@@ -19,7 +19,8 @@ from . import keys, world_picture, world_rays, world_sun
 from .film import ENGINE
 from .materials import dependence
 from .materials.colours import rec709
-from .materials.sockets import is_moved, link_to
+from .materials.links import link_to
+from .materials.pictures import is_moved
 
 # Blender has the middle of the image in the direction of +X, sunfleck in that of +Y (glTF's -Z).
 QUARTER_TURN = -0.5 * math.pi

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from .materials import sockets
+from .materials import links
 
 CAMERA = "Is Camera Ray"
 
@@ -38,12 +38,12 @@ def settle(tree, is_camera):
             tree.links.new(answer.outputs[0], link.to_socket)
         tree.nodes.remove(node)
     surface = tree.get_output_node("CYCLES").inputs["Surface"]
-    while (link := sockets.link_to(surface)) and link.from_node.type == "MIX_SHADER":
+    while (link := links.link_to(surface)) and link.from_node.type == "MIX_SHADER":
         mix = link.from_node
-        share = sockets.link_to(mix.inputs[0])
+        share = links.link_to(mix.inputs[0])
         if share is None or share.from_node != answer:
             return
-        chosen = sockets.link_to(mix.inputs[2 if is_camera else 1])
+        chosen = links.link_to(mix.inputs[2 if is_camera else 1])
         tree.nodes.remove(mix)
         if chosen is None:
             return

@@ -18,7 +18,7 @@ from . import world_picture
 from .evaluated import places
 from .evaluated.document import Document
 from .evaluated.lights import LUMENS_PER_WATT
-from .materials import bake, sockets
+from .materials import bake, links
 
 NAME = "sun of the sky"
 # Pixels of a square picture about the disc, which is so many of its widths across.
@@ -40,7 +40,7 @@ def disc_of(world: bpy.types.World | None) -> bpy.types.Node | None:
     if len(discs) != 1:
         return None
     vector = discs[0].inputs.get("Vector")
-    return None if vector and sockets.link_to(vector) else discs[0]
+    return None if vector and links.link_to(vector) else discs[0]
 
 
 def discs_in(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:

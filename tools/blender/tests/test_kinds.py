@@ -18,7 +18,7 @@ import scenes
 import sunfleck
 from sunfleck import export, losses, render, world
 from sunfleck.evaluated import coincident
-from sunfleck.materials import bake, dependence, instances
+from sunfleck.materials import dependence, instances, stage
 from test_addon import PROGRAM, document
 
 sys.path.append(str(Path(__file__).parents[2]))
@@ -172,7 +172,7 @@ class Rounded(unittest.TestCase):
 
     def test_lines_have_more_texels(self):
         leaf = mock.Mock(triangles=[None] * 2)
-        self.assertEqual((bake.size_on(leaf), bake.size_on(leaf, has_lines=True)), (256, 1024))
+        self.assertEqual((stage.size_on(leaf), stage.size_on(leaf, has_lines=True)), (256, 1024))
         tree = kinds.matte()
         self.assertFalse(dependence.has_lines(tree.material))
         tree.link(tree.node("Wireframe").outputs[0], tree.shader.inputs["Base Color"])

@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 
-from ..materials import closures, principled, sockets
+from ..materials import closures, links, principled, sources
 from ..materials.colours import rec709
 
 LUMENS_PER_WATT = 683.0
@@ -68,12 +68,12 @@ def of_nodes(light: bpy.types.Light) -> tuple[float, ...] | None:
     if not (light.use_nodes and light.node_tree):
         return (1.0, 1.0, 1.0)
     output = principled.output_of(light.node_tree)
-    link = sockets.link_to(output.inputs["Surface"]) if output else None
+    link = links.link_to(output.inputs["Surface"]) if output else None
     if link is None:
         return (0.0, 0.0, 0.0)
     try:
         surface = closures.read(link)
-    except sockets.NotSimple:
+    except sources.NotSimple:
         return None
     sources = [surface.sources.get(name) for name in ("emission", "emission_strength")]
     is_light = surface.sources["base"] == closures.BLACK and None not in sources

@@ -61,7 +61,7 @@ class Job:
     def __init__(self, scene, only=None):
         self.scene, self.only, self.frames = scene, only, frames(scene, only)
         self.library, self.values, self.shutter = Library(film.exposure(scene), only is not None), Values(scene), Shutter.of(scene)
-        self.library.watch(bpy.data.materials)
+        self.library.changes.watch(bpy.data.materials)
         blur_s = seconds_a_frame(scene.render) if self.shutter.length else 0.0
         self.record = Record(self.library, self.watch, blur_s)
         self.is_smooth = Smoothness(self.record).is_enough
@@ -89,7 +89,7 @@ class Job:
         self.record.visit(graph, frame, moment)
         self.values.see_scene(graph, frame, moment)
         if moment == 0.0:
-            self.library.see(graph, frame)
+            self.library.changes.see(graph, frame)
 
     def written(self, path, layer, scene_extras):
         """The file of what was seen."""

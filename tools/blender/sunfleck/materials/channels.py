@@ -8,7 +8,8 @@ are mixtures of parts.
 import math
 
 from . import sheets
-from .sockets import NotSimple, link_to
+from .links import link_to
+from .sources import NotSimple
 
 COLORS = ("reflected", "through", "emission")
 NUMBERS = ("cover", "roughness", "metallic")

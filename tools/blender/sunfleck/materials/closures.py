@@ -7,9 +7,9 @@ In goes a shader node, out comes a `Surface`. Invariant: what cannot be said exa
 
 from dataclasses import replace
 
-from . import principled, sockets
+from . import links, principled, sockets
 from .principled import WHITE, Surface
-from .sockets import NotSimple, Source
+from .sources import NotSimple, Source
 
 BLACK = Source((0.0, 0.0, 0.0))
 # From here on what bounces among facets shows.
@@ -25,7 +25,7 @@ def read(link):
         # A colour in a shader's place shines.
         return principled.emission(sockets.of_output(link.from_socket))
     if node.type in {"GROUP", "GROUP_INPUT"}:
-        with sockets.behind(link.from_socket) as socket:
+        with links.behind(link.from_socket) as socket:
             return of_socket(node, socket)
     if node.type == "MIX_SHADER":
         return mixed(node)
@@ -43,7 +43,7 @@ def of_input(node, number):
 
 
 def of_socket(node, socket):
-    link = sockets.link_to(socket)
+    link = links.link_to(socket)
     if link is None:
         raise NotSimple(node)
     return read(link)

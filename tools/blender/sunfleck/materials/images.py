@@ -13,7 +13,7 @@ import bpy
 import numpy
 
 from ..evaluated.document import Document
-from . import sockets
+from . import sources
 from .colours import rec709
 
 KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -120,7 +120,7 @@ class Images:
 
 
 def by_alpha(colors, alpha, way, is_float):
-    """Colours as Blender gives them by what Cycles does to them (`sockets.by_alpha`)."""
+    """Colours as Blender gives them by what Cycles does to them (`pictures.by_alpha`)."""
     left = numpy.where(alpha > 0.0, alpha, 1.0)
     if way == "times" and is_float:
         # Of 16 bits: Blender's have alpha in them, and Cycles multiplies as they are stored.
@@ -190,7 +190,7 @@ FILTERS = {"Closest": 9728}
 WRAPS = {"REPEAT": 10497, "EXTEND": 33071, "CLIP": 33071, "MIRROR": 33648}
 
 
-def texture(document, image, picture: sockets.Picture):
+def texture(document, image, picture: sources.Picture):
     """The number of a texture that shows a picture's image as its node does; `image` is a
     number and a kind."""
     number, kind = image

@@ -6,7 +6,7 @@ new node has it, is among them: later Blenders have more.
 
 import bpy
 
-from . import closures, dependence, sheets, sockets
+from . import closures, dependence, links, sheets
 
 # Inputs by what they do to whom: None is honoured, or does nothing alone.
 OF_PRINCIPLED = {
@@ -49,7 +49,7 @@ def losses_of(node):
         return
     known, usual = KNOWN[node.type], as_new(node.bl_idname)
     for socket in node.inputs:
-        if not socket.enabled or (not sockets.link_to(socket) and value_of(socket) == usual.get(socket.name)):
+        if not socket.enabled or (not links.link_to(socket) and value_of(socket) == usual.get(socket.name)):
             continue
         loss = known.get(socket.name, f"input-{socket.name.lower().replace(' ', '-')}")
         if loss and not does_nothing(node, loss):
@@ -63,7 +63,7 @@ def losses_of_principled(node):
         yield "metal-tint"
     # Light that bounces among the facets of what is rough.
     roughness = node.inputs["Roughness"]
-    is_rough = sockets.link_to(roughness) is not None or roughness.default_value > closures.ROUGH
+    is_rough = links.link_to(roughness) is not None or roughness.default_value > closures.ROUGH
     if node.distribution != "MULTI_GGX" and is_rough and not all(sheets.is_zero(node, of) for of in ("Metallic", "Specular IOR Level")):
         yield "single-scattering"
 
@@ -73,13 +73,13 @@ SMOOTH = 0.1
 
 
 def is_white(socket):
-    return not sockets.link_to(socket) and value_of(socket)[:3] == (1.0, 1.0, 1.0)
+    return not links.link_to(socket) and value_of(socket)[:3] == (1.0, 1.0, 1.0)
 
 
 def has_rough_coat(node):
     """Whether it takes more from what lies beneath it than here, by up to 3 %: since Blender 5.3."""
     roughness = node.inputs["Coat Roughness"]
-    is_rough = sockets.link_to(roughness) is not None or roughness.default_value > 0.5
+    is_rough = links.link_to(roughness) is not None or roughness.default_value > 0.5
     return bpy.app.version >= (5, 3) and is_rough and not sheets.is_zero(node, "Coat Weight")
 
 

@@ -6,52 +6,27 @@ asked for there is a word: exact, or what of it is lost.
 """
 
 import json
-from dataclasses import dataclass, field
 
 import bpy
-import numpy
 
-from .. import extras, keys
+from .. import extras
 from ..film import of_cycles
 from ..losses import Finding
 from ..evaluated.attributes import GENERATED
 from ..evaluated.geometry import ATLAS
 from ..evaluated.heeding import nobody
-from . import bake, closures, dependence, inputs, instances, principled, sheets, sockets
+from . import bake, dependence, instances, sheets, stage
+from .changes import Changes
 from .colours import rec709
 from .images import Images, has_codes
-from .principled import WHITE, Surface
-from .sockets import NotSimple, Source
-from .written import Writer, of_surface, shines
+from .looks import DEFAULT, NOTHING, looked_at
+from .principled import WHITE
+from .sources import NotSimple
+from .written import Writer, shines
 
 # On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces
 # change in every frame.
 MOST_MESHES = 64
-# Of animated numbers: pointers behind the material's, or none.
-POINTERS = {
-    "base": "pbrMetallicRoughness/baseColorFactor", "metallic": "pbrMetallicRoughness/metallicFactor",
-    "roughness": "pbrMetallicRoughness/roughnessFactor", "emission": "emissiveFactor",
-    "emission_strength": "extensions/KHR_materials_emissive_strength/emissiveStrength", "normal_scale": "normalTexture/scale",
-}
-# What a mesh without a material looks like in Cycles (a new Principled BSDF), and what a material
-# without a shader does.
-DEFAULT = Surface({"base": Source((0.8,) * 3)})
-NOTHING = Surface({"base": Source((0.0,) * 3), "specular": Source((0.0,) * 3), "roughness": WHITE})
-
-
-@dataclass
-class Look:
-    """What a material is: a surface, or none where it lets all light through; and what of it is lost."""
-
-    surface: Surface | None
-    losses: list = field(default_factory=list)
-    # Why it has to be baked; the surface is then that of each bake.
-    baked: str = ""
-    sizes: set = field(default_factory=set)
-    bakes: int = 0
-    mean: Surface | None = None
-    failed: str = ""
-    glows: bool = False
 
 
 class Library:
@@ -62,9 +37,7 @@ class Library:
         self.exposure, self.is_still = exposure, is_still
         # Raises if nobody wants what is made any more.
         self.heed = nobody
-        self.looks, self.numbers, self.tracks, self.changing = {}, {}, {}, set()
-        # What of each has no pointer, and materials of which it changes.
-        self.still, self.moved = {}, set()
+        self.looks, self.numbers, self.changes = {}, {}, Changes(exposure)
         # Of materials that differ from instance to instance: copies by facts, and how many levels
         # facts are rounded to.
         self.of_instances, self.copies, self.levels = {}, {}, {}
@@ -73,7 +46,8 @@ class Library:
 
     def start(self, document, clock, shutter):
         """Materials go into this document from now on, their keys by this clock."""
-        self.document, self.clock, self.shutter, self.images = document, clock, shutter, Images(document)
+        self.document, self.images = document, Images(document)
+        self.changes.start(document, clock, shutter)
 
     def look(self, material):
         if material not in self.looks:
@@ -213,17 +187,17 @@ class Library:
     def canvas(self, material, geometry):
         """What it is baked on: the mesh, or the unit square of its texture coordinates."""
         if self.wants_atlas(material, geometry):
-            return bake.Canvas(geometry, ATLAS, bake.size_on(geometry, dependence.has_lines(material)))
+            return stage.Canvas(geometry, ATLAS, stage.size_on(geometry, dependence.has_lines(material)))
         uv = dependence.uv_of(material)
         sides = geometry.sides_m(uv) if dependence.has_bumps(material) else (1.0, 1.0)
-        return bake.Canvas(None, uv, bake.size_of(dependence.largest_image(material)), sides)
+        return stage.Canvas(None, uv, stage.size_of(dependence.largest_image(material)), sides)
 
     def made(self, material, order, canvas):
         look = self.look(material)
         uv_number = lambda name: order.index(name) if name in order else 0
         writer = Writer(self.document, self.images, uv_number, self.exposure)
         surface = self.baked(material, look, canvas) if look.baked else look.surface
-        said = writer.material(material.name if material else "default", surface, material not in self.changing)
+        said = writer.material(material.name if material else "default", surface, material not in self.changes.watched)
         if canvas is None and surface.normal and any(
             uv_number(name) != uv_number(surface.normal[0].uv) for name in dependence.tangents_of(material)
         ):
@@ -252,8 +226,7 @@ class Library:
         if written:
             said["extras"] = written
         number = self.document.add("materials", said)
-        if material in self.changing and material in self.tracks:
-            self.animate(number, said, self.tracks[material])
+        self.changes.animate(material, number, said)
         look.glows |= "emissiveFactor" in said
         return number
 
@@ -307,9 +280,9 @@ class Library:
                 yield Finding("material-glows", name)
             if look.losses:
                 yield Finding("material-lost", name, ", ".join(look.losses))
-            if material in self.moved or (material in self.changing and (look.baked or material not in self.tracks)):
+            if not self.changes.is_told(material, bool(look.baked)):
                 yield Finding("material-changes", name)
-        for material in self.changing:
+        for material in self.changes.watched:
             if any(map(self.is_shown, self.copies_of(material))):
                 yield Finding("material-changes", f"the material `{material.name}`")
 
@@ -322,130 +295,14 @@ class Library:
     def is_shown(self, material):
         return any(key[0] == material for key in self.numbers)
 
-    # What changes.
-
-    def watch(self, materials):
-        """Those that are keyed or driven are looked at in every frame."""
-        self.changing = {material for material in materials if keys.changes(material)}
-
-    def see(self, graph, frame):
-        for material in self.changing:
-            try:
-                link = principled.surface_link(material.evaluated_get(graph))
-                surface = closures.read(link) if link else None
-            except NotSimple:
-                surface = None
-            if surface:
-                numbers = of_surface(surface, self.exposure)
-                still = what_stays(surface)
-                if self.still.setdefault(material, still) != still:
-                    self.moved.add(material)
-                self.tracks.setdefault(material, []).append((frame, numbers))
-
-    def animate(self, number, said, track):
-        """Pointers to every number that changes."""
-        changed = {
-            name for name in POINTERS if any(numbers[name] != track[0][1][name] for _, numbers in track)
-        }
-        if changed & {"emission", "emission_strength"}:
-            changed |= {"emission", "emission_strength"}
-            # A pointer needs something to point at.
-            said.setdefault("emissiveFactor", track[0][1]["emission"])
-            strength = {"emissiveStrength": max(track[0][1]["emission_strength"], 0.0)}
-            said.setdefault("extensions", {}).setdefault("KHR_materials_emissive_strength", strength)
-            self.document.extensions.add("KHR_materials_emissive_strength")
-        frames = numpy.array([frame for frame, _ in track], float)
-        # While the shutter is open Cycles has materials as they are at the frame.
-        way = "STEP" if self.shutter.length else "LINEAR"
-        times = self.clock.seconds(frames + self.shutter.switch if self.shutter.length else frames)
-        for name in sorted(changed):
-            values = numpy.array([numbers[name] for _, numbers in track], float).reshape(len(track), -1)
-            self.document.pointer_channel(
-                f"/materials/{number}/{POINTERS[name]}", times, values, way
-            )
-
-
-def what_stays(surface):
-    """Numbers of a surface that no pointer changes, and where its pictures lie."""
-    numbers = {name: source.factor for name, source in surface.sources.items() if name not in POINTERS}
-    pictures = [source.picture for source in (*surface.sources.values(), surface.alpha)]
-    pictures += [bent[0] for bent in (surface.normal, surface.coat_normal) if bent]
-    return numbers, [picture and picture.place() for picture in pictures]
-
-
-def looked_at(material, is_still):
-    if material is None:
-        return Look(DEFAULT)
-    link = principled.surface_link(material)
-    if link is None:
-        return Look(None if is_volume(material) else NOTHING)
-    losses = sorted(dependence.losses(material) | inputs.losses(material))
-    if dependence.is_of_film(material) and not is_still:
-        losses.append("image-sequence")
-    try:
-        surface = closures.read(link)
-        check_bumps(material)
-        check_attributes(surface)
-        check_pictures(surface)
-        honoured = {"transparent-tint", *({"transmission"} if "thin" in surface.sources else ())}
-        return Look(surface, [loss for loss in losses if loss not in honoured])
-    except NotSimple as more:
-        node = more.args[0] if more.args else None
-        return Look(DEFAULT, losses, f"node `{node.name}`" if node else "nodes")
-
-
-def check_bumps(material):
-    """Displacement that bends normals is a normal map, once it is baked."""
-    link = sockets.link_to(principled.output_of(material.node_tree).inputs["Displacement"])
-    if link and material.displacement_method != "DISPLACEMENT":
-        raise NotSimple(link.from_node)
-
-
-def check_attributes(surface):
-    """glTF has one colour of vertices, for the base colour, and its alpha for alpha."""
-    base, alpha = surface.sources.get("base", WHITE), surface.alpha
-    others = [source for name, source in surface.sources.items() if name != "base"]
-    two = None not in (base.attribute, alpha.attribute) and base.attribute != alpha.attribute
-    swapped = (base.attribute is not None and base.attribute_channel == 3) or (
-        alpha.attribute is not None and alpha.attribute_channel != 3
-    )
-    if two or swapped or any(source.attribute is not None for source in others):
-        raise NotSimple(None)
-
-
-def check_pictures(surface):
-    """glTF has one place for base colour and alpha, and one for metallic and roughness. What glows and what goes
-    through has colours, and no picture of how much."""
-    source = lambda name: surface.sources.get(name, WHITE)
-    pairs = (source("base"), surface.alpha), (source("metallic"), source("roughness"))
-    pictures = [[one.picture, other.picture] for one, other in pairs]
-    are_apart = any(None not in pair and pair[0].place() != pair[1].place() for pair in pictures)
-    are_colours = all(source(name).channel == "rgb" for name in ("emission", "through"))
-    # Factors of numbers end at 1, and what they multiply a picture by need not.
-    numbers = [surface.alpha, *map(source, ("metallic", "roughness", "coat", "coat_roughness"))]
-    are_apart |= any(number.picture is not None and number.number() > 1.0 for number in numbers)
-    if are_apart or not (are_colours and source("emission_strength").is_constant()):
-        raise NotSimple(None)
-
-
-def is_volume(material):
-    output = principled.output_of(material.node_tree) if material.node_tree else None
-    return bool(output and sockets.link_to(output.inputs["Volume"]))
-
 
 def custom(owner):
     """Its custom properties that JSON can hold."""
     found = {}
     for name, value in owner.items():
-        value = (
-            value.to_dict()
-            if hasattr(value, "to_dict")
-            else value.to_list()
-            if hasattr(value, "to_list")
-            else value
-        )
+        plain = getattr(value, "to_dict", None) or getattr(value, "to_list", None)
         try:
-            found[name] = json.loads(json.dumps(value, allow_nan=False))
+            found[name] = json.loads(json.dumps(plain() if plain else value, allow_nan=False))
         except (TypeError, ValueError):
             continue
     return found

@@ -6,8 +6,8 @@ is among `losses`, by an id; what a socket has that is no source raises `NotSimp
 
 from dataclasses import dataclass, field, replace
 
-from . import sheets, sockets
-from .sockets import NotSimple, Source
+from . import links, sheets, sockets
+from .sources import NotSimple, Source
 
 # Blender's sockets by what we call them.
 SOCKETS = {
@@ -55,7 +55,7 @@ def output_of(tree):
 def surface_link(material):
     """What gives a material's surface; None for nothing."""
     output = output_of(material.node_tree) if material.node_tree else None
-    return sockets.link_to(output.inputs["Surface"]) if output else None
+    return links.link_to(output.inputs["Surface"]) if output else None
 
 
 def read(shader):
@@ -133,7 +133,7 @@ def diffuse(shader):
 
 def glossy(shader):
     """A mirror of microfacets, whatever the angle: metal that reflects alike."""
-    if shader.mute or shader.distribution != "MULTI_GGX" or sockets.link_to(shader.inputs["Normal"]):
+    if shader.mute or shader.distribution != "MULTI_GGX" or links.link_to(shader.inputs["Normal"]):
         raise NotSimple(shader)
     black = Source((0.0,) * 3)
     sources = {
@@ -151,7 +151,7 @@ def emission(color, strength=WHITE):
 
 def alpha(socket):
     """Its source and, of a mask, the alpha from which on there is something."""
-    link = sockets.link_to(socket)
+    link = links.link_to(socket)
     node = link.from_node if link else None
     if node is None or node.type != "MATH" or node.mute:
         return sockets.of(socket), None
@@ -159,14 +159,14 @@ def alpha(socket):
         return sockets.of(node.inputs[0]), 0.5
     if node.operation == "GREATER_THAN":
         return sockets.of(node.inputs[0]), still(node, node.inputs[1])
-    if node.operation == "LESS_THAN" and not sockets.link_to(node.inputs[0]):
+    if node.operation == "LESS_THAN" and not links.link_to(node.inputs[0]):
         return sockets.of(node.inputs[1]), still(node, node.inputs[0])
     if (
         node.operation == "SUBTRACT"
-        and not sockets.link_to(node.inputs[0])
+        and not links.link_to(node.inputs[0])
         and node.inputs[0].default_value == 1.0
     ):
-        inner = sockets.link_to(node.inputs[1])
+        inner = links.link_to(node.inputs[1])
         if inner and inner.from_node.type == "MATH" and inner.from_node.operation == "LESS_THAN":
             return sockets.of(inner.from_node.inputs[0]), still(node, inner.from_node.inputs[1])
     return sockets.of(socket), None
@@ -181,7 +181,7 @@ def still(node, socket):
 
 def normal(socket):
     """Picture and strength of a normal map in tangent space; None if nothing bends the normal."""
-    link = sockets.link_to(socket)
+    link = links.link_to(socket)
     if link is None:
         return None
     node = link.from_node

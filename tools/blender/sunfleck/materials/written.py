@@ -11,7 +11,8 @@ import numpy
 from . import images as files
 from .colours import rec709
 from .principled import WHITE, Surface
-from .sockets import BRIGHTNESS, OTHER_FILTERS, Source
+from .pictures import OTHER_FILTERS
+from .sources import BRIGHTNESS, Source
 
 BLACK = Source((0.0, 0.0, 0.0))
 DEFAULTS = {
