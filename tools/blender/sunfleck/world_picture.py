@@ -70,9 +70,12 @@ def render(world, target, view=View()):
     scene = bpy.data.scenes.new("sunfleck world")
     data = bpy.data.cameras.new("sunfleck world")
     eye = bpy.data.objects.new("sunfleck world", data)
+    shown = world.copy()
     try:
         scene.collection.objects.link(eye)
-        scene.camera, scene.world = eye, world
+        scene.camera, scene.world = eye, shown
+        # What lights nothing needs no map of where it is bright: two fifths of the time.
+        shown.cycles.sampling_method = "NONE"
         eye.rotation_euler = mathutils.Vector(view.towards).to_track_quat("-Z", "Y").to_euler()
         if view.angle is None:
             data.type, data.panorama_type = "PANO", "EQUIRECTANGULAR"
@@ -98,6 +101,7 @@ def render(world, target, view=View()):
         bpy.data.objects.remove(eye)
         bpy.data.cameras.remove(data)
         bpy.data.scenes.remove(scene)
+        bpy.data.worlds.remove(shown)
 
 
 def in_rec709(target):
