@@ -24,7 +24,7 @@ from .stage import SAMPLES, Stage
 from .written import DEFAULTS
 
 # Counted up where the same tree comes to be baked otherwise: what was kept before is no longer looked at.
-WAY = 6
+WAY = 7
 # An alpha is a mask if so few texels are in between.
 SOFT_SHARE = 0.02
 # Of what glows where nothing else is, so that 8 bits hold it: alpha counts for light too.
@@ -292,5 +292,5 @@ def folder():
 def keep(path, made):
     """Whole or not there."""
     beside = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
-    numpy.savez_compressed(beside, **made)
+    numpy.savez(beside, **made)
     beside.replace(path)

@@ -179,7 +179,8 @@ def png(pixels, is_deep):
     above = numpy.concatenate([numpy.zeros((1, rows.shape[1]), "u1"), rows[:-1]])
     data = numpy.concatenate([numpy.full((height, 1), 2, "u1"), rows - above], axis=1).tobytes()
     header = struct.pack(">IIBBBBB", width, height, 16 if is_deep else 8, 6 if channels == 4 else 2, 0, 0, 0)
-    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(data, 6)), (b"IEND", b""))
+    # Of 16 bits more work makes files smaller by 2 %.
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(data, 1 if is_deep else 6)), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(
         struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
         for name, body in chunks

@@ -9,8 +9,11 @@ import bpy
 import numpy
 
 from ..evaluated.attributes import GENERATED, MADE
+from . import dependence
 
 SAMPLES = 4
+# So many texels a side have one each, in its middle, unless rays decide what they show.
+FINE, BY_RAYS = 2048, {"AMBIENT_OCCLUSION", "BEVEL"}
 MARGIN_TEXELS = 4
 
 
@@ -30,14 +33,14 @@ class Canvas:
 
 def size_of(image):
     """Texels of a side, on the unit square: of the largest image within."""
-    return min(2048, max(512, 1 << max(0, int(image) - 1).bit_length()))
+    return min(FINE, max(512, 1 << max(0, int(image) - 1).bit_length()))
 
 
 def size_on(geometry, has_lines=False):
     """On a mesh: 24 texels for each side of its triangles' cells, thrice as many for lines."""
     columns = int(numpy.ceil(numpy.sqrt(numpy.ceil(len(geometry.triangles) / 2))))
     texels = 3 * 24 if has_lines else 24
-    return min(2048, max(1024 if has_lines else 256, 1 << (texels * columns - 1).bit_length()))
+    return min(FINE, max(1024 if has_lines else 256, 1 << (texels * columns - 1).bit_length()))
 
 
 class Stage:
@@ -51,7 +54,8 @@ class Stage:
         self.scene.render.engine = "CYCLES"
         # Films show their picture of the frame at hand.
         self.scene.frame_set(bpy.context.scene.frame_current)
-        self.scene.cycles.samples, self.scene.cycles.use_denoising = SAMPLES, False
+        is_even = self.size == FINE and not any(node.type in BY_RAYS for node in dependence.nodes_of(self.material))
+        self.scene.cycles.samples, self.scene.cycles.use_denoising = 1 if is_even else SAMPLES, False
         self.scene.render.bake.margin = MARGIN_TEXELS
         geometry = self.canvas.geometry
         self.mesh = mesh_of(geometry, self.canvas.uv) if geometry else square(self.canvas)
