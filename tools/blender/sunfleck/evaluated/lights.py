@@ -9,8 +9,9 @@ from typing import Any
 
 import bpy
 
-from ..materials import closures, links, principled, sources
+from ..materials import closures, links, principled
 from ..materials.colours import rec709
+from ..materials.sources import NotSimple
 
 LUMENS_PER_WATT = 683.0
 # Radians, the whole angle.
@@ -73,7 +74,7 @@ def of_nodes(light: bpy.types.Light) -> tuple[float, ...] | None:
         return (0.0, 0.0, 0.0)
     try:
         surface = closures.read(link)
-    except sources.NotSimple:
+    except NotSimple:
         return None
     sources = [surface.sources.get(name) for name in ("emission", "emission_strength")]
     is_light = surface.sources["base"] == closures.BLACK and None not in sources

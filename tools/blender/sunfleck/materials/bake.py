@@ -18,7 +18,7 @@ from . import closures, dependence, links, principled, sheets, sockets
 from .colours import rec709, working_space
 from .channels import COLORS, NUMBERS, SHINE, Channels, is_socket
 from .fingerprint import of_tree
-from .principled import WHITE, Surface
+from .principled import Surface
 from .sources import NotSimple, Picture, Source
 from .stage import SAMPLES, Stage
 from .written import DEFAULTS

@@ -10,8 +10,8 @@ import numpy
 
 from . import images as files
 from .colours import rec709
-from .principled import WHITE, Surface
 from .pictures import OTHER_FILTERS
+from .principled import WHITE, Surface
 from .sources import BRIGHTNESS, Source
 
 BLACK = Source((0.0, 0.0, 0.0))
