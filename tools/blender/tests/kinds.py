@@ -377,7 +377,7 @@ SAID = {
     "points of nodes": (nodes_points, "point-cloud"), "hair": (hairs.hair, "hair"),
     "smooth transmission": (lambda scene: surfaces.rough_transmission(scene, 0.0), "material-lost"),
     "keyed coat": (surfaces.keyed_coat, "material-changes"), "stained gloss": (clear.stained_gloss, "material-lost", "transparent-tint"),
-    "uneven spot": (lamps.uneven_spot, "light-uneven"), 
+    "uneven spot": (lamps.uneven_spot, "light-uneven"), "fading lamp": (lamps.fading, "light-nodes"),
     "lamp about a leaf": (lamps.about_a_leaf, "light-near"), "mirror without bounces": (lamps.mirror_alone, "mirror-bounces"), "scrolled": (surfaces.scrolled, "material-changes"),
     "doubled": (instances.doubled, "coincident-faces"), "flat box": (instances.flat_box, "coincident-faces"),
     "lines of pixels": (made.lines_of_pixels, "material-lost", "depends-on-view"),

@@ -49,6 +49,16 @@ def uneven_spot(scene):
     lamp(scene, "SPOT").scale = (2.0, 0.5, 1.0)
 
 
+def fading(scene):
+    """By a node that is told how far its light goes."""
+    leaves(scene, matte())
+    data = lamp(scene, "POINT").data
+    data.use_nodes = True
+    falloff = data.node_tree.nodes.new("ShaderNodeLightFalloff")
+    shader = next(node for node in data.node_tree.nodes if node.type == "EMISSION")
+    data.node_tree.links.new(falloff.outputs["Linear"], shader.inputs["Strength"])
+
+
 def mirror_alone(scene):
     tree = matte()
     tree.shader.inputs["Metallic"].default_value, tree.shader.inputs["Roughness"].default_value = 1.0, 0.0
