@@ -42,13 +42,18 @@ pub enum DarkCause {
     TooLittleLight,
 }
 
+/// Whether surfaces or fires shine of themselves.
+pub(super) fn glows(scene: &Scene, time_s: f64) -> bool {
+    scene.materials.iter().any(|material| material.at(time_s).emission != Rgb::ZERO)
+        || scene.fogs.iter().any(|fog| fog.shape.shines())
+}
+
 /// The likeliest cause of a dark picture at a time, of which things cover the share `covered`.
 pub fn dark_cause(scene: &Scene, camera: usize, time_s: f64, covered: f64) -> DarkCause {
     let placements = scene.placements(time_s);
     let is_seen = |instance: &&Instance| placements[instance.node].visible;
     let shines = |light: &Light| placements[light.node].visible && brightest(light, time_s) > 0.0;
-    let glows = scene.materials.iter().any(|material| material.at(time_s).emission != Rgb::ZERO)
-        || scene.fogs.iter().any(|fog| fog.shape.shines());
+    let glows = glows(scene, time_s);
     if scene.lights.is_empty() && scene.sky.is_none() && !glows {
         DarkCause::NoLight
     } else if scene.instances.iter().all(|instance| !is_seen(&instance)) {

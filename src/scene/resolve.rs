@@ -116,10 +116,10 @@ fn light_up(scene: &mut Scene, settings: &RenderSettings, has_default: bool, fil
             let found = "the scene has no light: a sun behind the camera and an even sky light it (--default-light off leaves it dark)";
             scene.remarks.push(Diagnostic::choice(file.clone(), found));
         }
-    } else if scene.lights.is_empty()
-        && scene.sky.is_none()
-        && !scene.fogs.iter().any(|fog| fog.shape.shines())
-    {
+        return;
+    }
+    let first_s = settings.frame_rate.seconds(*settings.frames.start() as f64);
+    if scene.lights.is_empty() && scene.sky.is_none() && !darkness::glows(scene, first_s) {
         let found = "the scene has a background and no light";
         let remedy = "export with lights, or let the background light surfaces: `lights` of `sunfleck_env`";
         scene.remarks.push(Diagnostic::warning(Loss::NoLight, file.clone(), found).remedy(remedy));

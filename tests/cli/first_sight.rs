@@ -81,10 +81,19 @@ fn a_file_that_says_its_sky_gets_no_default_light() {
     let text = std::fs::read_to_string(checkout::file("tests/data/first/no_light_no_camera.gltf")).unwrap();
     let mut file: Value = serde_json::from_str(&text).unwrap();
     file["scenes"][0]["extras"]["sunfleck_env"] = json!({ "color": [0.0, 0.0, 0.0] });
-    std::fs::write(studio.path("dark.gltf"), file.to_string()).unwrap();
-    let described = studio.succeed("inspect dark.gltf --json").out;
-    let described: Value = serde_json::from_str(&described).unwrap();
-    assert_eq!(described["frames"][0]["lights"].as_object().unwrap().len(), 0);
+    let described = |file: &Value| -> Value {
+        std::fs::write(studio.path("dark.gltf"), file.to_string()).unwrap();
+        serde_json::from_str(&studio.succeed("inspect dark.gltf --json").out).unwrap()
+    };
+    assert_eq!(described(&file)["frames"][0]["lights"].as_object().unwrap().len(), 0);
+    // A background lights nothing, and what glows does.
+    let is_told = |file: &Value| {
+        described(file)["losses"].as_array().unwrap().iter().any(|loss| loss["id"] == "no-light")
+    };
+    file["scenes"][0]["extras"]["sunfleck_env"] = json!({ "color": [0.1, 0.1, 0.1] });
+    assert!(is_told(&file));
+    file["materials"][0]["emissiveFactor"] = json!([1.0, 1.0, 1.0]);
+    assert!(!is_told(&file));
 }
 
 /// What is exported is lit by whoever reads it, and then is the same picture.

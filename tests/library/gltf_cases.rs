@@ -157,6 +157,12 @@ fn what_is_damaged_is_left_out_and_the_rest_is_drawn() {
         ("/materials/0/alphaMode", json!("SOFT"), &["value-out-of-range"]),
         ("/materials/0/pbrMetallicRoughness/metallicFactor", json!(-1), &["value-out-of-range"]),
         ("/materials/0/pbrMetallicRoughness/roughnessFactor", json!(1.5), &["value-out-of-range"]),
+        // Of light that goes through, of which there is none.
+        (
+            "/materials/0/extras",
+            json!({ "sunfleck_material": { "coat_takes": [[1, 1, 1], [-1, 1, 1]] } }),
+            &["value-out-of-range"],
+        ),
         (
             "/materials/0/pbrMetallicRoughness/metallicRoughnessTexture",
             json!({ "index": 3 }),

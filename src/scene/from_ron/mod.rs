@@ -30,7 +30,7 @@ use super::outline::Tally;
 use super::sun_picture::image_for_suns;
 use super::{
     AlphaMode, Baking, Coat, Deformation, FrameRate, Instance, Material, MaterialIndex, Mesh, MeshIndex,
-    Motion, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Triangle, Wrap,
+    Motion, NodeIndex, RenderSettings, Scene, Texture, TextureIndex, TextureMap, Triangle, Wrap, darkness,
 };
 use crate::description::image::DecodedImage;
 use crate::description::obj::{self, ObjModel, ObjPicture};
@@ -240,8 +240,7 @@ impl<'a> Resolver<'a> {
     }
 
     fn remark_no_light(&mut self) {
-        let shines = self.scene.fogs.iter().any(|fog| fog.shape.shines());
-        if self.scene.lights.is_empty() && self.scene.sky.is_none() && !shines {
+        if self.scene.lights.is_empty() && self.scene.sky.is_none() && !darkness::glows(&self.scene, 0.0) {
             let place = self.problems.place("lights");
             let remedy = "add `lights: { \"sun\": Sun(to_sun: (0.4, 1.0, 0.6), irradiance_w_per_m2: (3.0, 3.0, 3.0)) }`";
             let remark = Diagnostic::warning(Loss::NoLight, place, "the scene has no light").remedy(remedy);
