@@ -17,6 +17,7 @@ import stages
 import sunfleck
 import truth
 from sunfleck import export
+from sunfleck.evaluated import simulations
 from sunfleck.evaluated.readback import File
 from test_addon import PROGRAM, inspect
 
@@ -71,6 +72,20 @@ class Leaves(Case):
 
     def test_simulation(self):
         self.check("simulation")
+
+    def test_what_frames_were_skipped_of_is_simulated_anew(self):
+        heights = []
+        for looked_at in (1, 5):
+            scene = stages.stage()
+            cloth = stages.grid(scene, "cloth")
+            cloth.modifiers.new("cloth", "CLOTH")
+            for frame in (1, looked_at):
+                scene.frame_set(frame)
+            with simulations.run(scene, scene.view_layers[0], range(1, 6)):
+                shown = cloth.evaluated_get(bpy.context.evaluated_depsgraph_get())
+                heights.append(min(vertex.co.z for vertex in shown.data.vertices))
+        self.assertLess(heights[0], -0.01)
+        self.assertAlmostEqual(*heights, places=6)
 
     def test_simulation_emits(self):
         counts = self.check("simulation_emits")

@@ -72,12 +72,22 @@ def run(scene, layer, frames):
         for collection in layer_collections(layer.layer_collection):
             if any(simulates(thing) for thing in collection.collection.objects):
                 switch(collection, "hide_viewport", False)
+        forget_skipped(scene)
         for frame in frames:
             scene.frame_set(frame)
         yield
     finally:
         for owner, name, value in reversed(switched):
             setattr(owner, name, value)
+
+
+def forget_skipped(scene):
+    """Has what was simulated across frames that nobody looked at simulated anew: it is not exact."""
+    holders = [one for thing in objects(scene) for one in (*thing.modifiers, *thing.particle_systems)]
+    for cache in (getattr(holder, "point_cache", None) for holder in holders):
+        if cache and cache.is_frame_skip and not (cache.is_baked or cache.use_external):
+            # What is set, to whatever, makes it outdated.
+            cache.frame_step = cache.frame_step
 
 
 def layer_collections(top):
