@@ -257,7 +257,7 @@ fn input_files_are_read_in_one_place() {
     for (file, module, text) in sources() {
         if readers.iter().any(|reader| text.contains(reader)) {
             // What the system says of this process is no input, nor is what an earlier run has kept.
-            let allowed = ["description/files.rs", "cli/process_memory.rs", "cli/loading.rs"]
+            let allowed = ["description/files.rs", "cli/process.rs", "cli/loading.rs"]
                 .contains(&file.as_str())
                 || module == "frame_file";
             assert!(allowed, "{file} opens files");

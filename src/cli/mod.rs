@@ -21,7 +21,7 @@ mod loading;
 mod parse;
 mod plan;
 mod preview;
-mod process_memory;
+mod process;
 mod progress;
 mod render;
 mod saving;
@@ -54,7 +54,7 @@ pub(crate) fn run() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { error::USAGE } else { 0 });
         }
     };
-    if let Some(note) = process_memory::tight_memory() {
+    if let Some(note) = process::tight_memory() {
         tell(&note);
     }
     let stop = match Stop::watch() {

@@ -2,7 +2,7 @@
 //! the program is at (loading, baking, building trees, rendering, writing), it ends about a tenth of a second
 //! after the signal, and no file is half-written.
 
-use super::{CliError, error, process_memory, tell};
+use super::{CliError, error, process, tell};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io;
 use std::sync::Arc;
@@ -74,7 +74,7 @@ impl Stop {
 #[cfg(unix)]
 fn heed_limits() -> io::Result<()> {
     use signal_hook::consts::{SIGABRT, SIGXFSZ};
-    let is_of_memory = Arc::new(AtomicBool::new(process_memory::is_there_any()));
+    let is_of_memory = Arc::new(AtomicBool::new(process::is_there_any()));
     let (panicked, say) = (Arc::clone(&is_of_memory), std::panic::take_hook());
     std::panic::set_hook(Box::new(move |panic| {
         panicked.store(false, Ordering::SeqCst);
@@ -99,18 +99,9 @@ const STOPPING: [i32; 2] = [SIGINT, SIGTERM];
 fn caught() -> io::Result<impl FnOnce() -> Option<i32>> {
     use signal_hook::consts::SIGHUP;
     // Under `nohup` the end of a terminal is nothing to hear of.
-    let of_terminal = (!is_ignored(SIGHUP)).then_some(SIGHUP);
+    let of_terminal = (!process::is_ignored(SIGHUP)).then_some(SIGHUP);
     let mut signals = signal_hook::iterator::Signals::new(STOPPING.into_iter().chain(of_terminal))?;
     Ok(move || signals.forever().next())
-}
-
-/// Whether the process was begun with a signal ignored (proc(5), `SigIgn`).
-#[cfg(unix)]
-fn is_ignored(signal: i32) -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    ignored.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// Catches signals where nothing can be waited for but a flag.

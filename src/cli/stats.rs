@@ -4,7 +4,7 @@
 
 use super::CliError;
 use super::inspect::losses;
-use super::process_memory::peak_memory_bytes;
+use super::process::peak_memory_bytes;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::fs::File;

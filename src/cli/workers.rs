@@ -4,7 +4,7 @@
 //! A frame alone leaves threads idle: a third of what indirect light takes is done by one. Two frames, each
 //! on half of the threads, leave next to none (docs/decisions/frames-at-once.md).
 
-use super::process_memory::{is_there_any, peak_memory_bytes, times_more};
+use super::process::{is_there_any, peak_memory_bytes, times_more};
 use super::threads;
 use rayon::ThreadPool;
 use std::sync::OnceLock;

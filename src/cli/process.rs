@@ -1,5 +1,5 @@
-//! The memory of this process, as the system tells of it. In go files in `/proc`, out come peak and limits.
-//! Invariant: where the system does not tell, there is no limit.
+//! This process as the system describes it. In go files in `/proc`, out come memory, limits and ignored
+//! signals. Invariant: where the system has no such files, there is no limit and no signal is ignored.
 
 use std::fs::read_to_string;
 use std::path::Path;
@@ -75,4 +75,13 @@ fn limit(name: &str) -> Option<u64> {
     let limits = read_to_string("/proc/self/limits").ok()?;
     let limit = limits.lines().find_map(|line| line.strip_prefix(name))?;
     limit.split_whitespace().next()?.parse().ok()
+}
+
+/// Whether the process was started with a signal ignored (proc(5), `SigIgn`).
+#[cfg(unix)]
+pub(super) fn is_ignored(signal: i32) -> bool {
+    let status = read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
