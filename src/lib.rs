@@ -3,10 +3,10 @@
 //!
 //! # A frame
 //!
-//! A [`Scene`] is loaded or built, a [`Renderer`] says what is wanted of it, a [`Frame`] holds arrays with
-//! names, shapes and units. What a file asks for and does not get is in [`Scene::warnings`]. What cannot be
-//! rendered is an error of one line, which has a method for the remedy. A pass that was asked for has its
-//! values.
+//! A [`Scene`] is loaded or built, a [`Renderer`] has the settings of a picture, and a [`Frame`] holds arrays
+//! with names, shapes and units. [`Scene::warnings`] lists a file's requests that are not honoured. A scene
+//! that cannot be rendered is an error of one line, with a method for the remedy. Every requested pass has
+//! its values.
 //!
 //! ```
 //! use sunfleck::{Pass, Renderer, Scene};
@@ -32,10 +32,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Renderer::sequence`] renders frame after frame. [`Scene::builder`] makes a scene in code, of parts
-//! that start with defaults and are changed by `with`. `examples/` has one, a walk through a glTF file's
-//! time, and a turntable. Rendering takes the threads of the rayon pool that it is called on; no
-//! picture depends on their number.
+//! [`Renderer::sequence`] renders frame after frame. [`Scene::builder`] makes a scene in code, of parts that
+//! start with defaults and are changed by `with`. `examples/` has one, a walk through a glTF file's time, and
+//! a turntable. Rendering uses the current rayon pool; no picture depends on the number of threads.
 //!
 //! # The story in ten lines
 //!
@@ -44,19 +43,20 @@
 //! 1. `description` reads what the author wrote: RON, glTF, OBJ. It alone opens input files.
 //! 2. `scene` resolves it once: SI units, keyframed tracks, no dangling names. A scene that exists is valid.
 //! 3. `snapshot` freezes one shutter interval: everything is placed relative to the camera.
-//! 4. `accel` answers about its triangles: nearest hit, any hit, and which parts of a ray lie in shadow.
-//! 5. `scattering` knows what surfaces send on, `light` what reaches a point, `fog` what is lost and
-//!    scattered on a way. `indirect` solves light that was scattered before.
+//! 4. `accel` has trees of its triangles: nearest hit, any hit, and the parts of a ray in shadow.
+//! 5. `scattering` has the BSDFs of surfaces, `light` the direct light at a point, `fog` transmittance and
+//!    in-scattering along a ray. `indirect` has light of more than one scattering: `ordinates` solves it,
+//!    with cross-sections and sources from `canopy`.
 //! 6. `transport` turns a ray into a colour: surface light times transmittance, plus the shafts.
 //! 7. `film` turns samples into pixels and passes.
-//! 8. `render` is the one loop that joins transport and film; `scanline` draws a frame without rays or
-//!    shadows, in moments.
-//! 9. `frame_file` writes a film as EXR, whole or not at all; `api` is this face, and plans
+//! 8. `render` is the one loop that joins transport and film; `scanline` draws a fast preview without rays
+//!    or shadows.
+//! 9. `frame_file` writes a film as EXR, whole or not at all; `api` is this interface, and prepares
 //!    what a frame needs.
-//! 10. `export` writes a scene as glTF. `sequence` decides which frames, `bench` measures error against time;
-//!     the program's `cli` is what a user types.
+//! 10. `export` writes a scene as glTF. `sequence` selects frames, `bench` measures error against time;
+//!     `cli` is the program's command line.
 //!
-//! Imports point only upward in this list; `tests/architecture.rs` holds that.
+//! Imports have one direction, in the order that `tests/architecture.rs` lists and checks.
 //!
 //! # Wording
 //!
@@ -64,15 +64,14 @@
 //! *world* and *camera* are the spaces of a file. *Relative* space has the world's axes and the camera at its
 //! origin; below `snapshot` it is the only one. Units are metres, seconds and radians unless the name ends in
 //! another (`_deg`, `_per_m`). *Radiance* is W/(m² sr) in linear Rec. 709, *irradiance* W/m², *intensity*
-//! W/sr. A *medium* is all the fog there is. Its `sigma_t` is what it takes from light in a metre, `tau` the
-//! optical depth of a stretch. `beta` is the light that reaches a point in spite of both. *Shafts* are light
-//! scattered in the fog towards the eye. A *pass* is a picture beside the *beauty*; a *channel* is what EXR
-//! stores of it. A *sampler* gives low-discrepancy points, nothing else. *Exact* means that visibility is
-//! found from the geometry in closed form (docs/decisions/exactness.md).
+//! W/sr. A *medium* is all fog together; `sigma_t` is its extinction per metre, `tau` the optical depth of a
+//! stretch. *Shafts* are light that fog scatters into the camera ray. A *pass* is a picture beside the
+//! *beauty*; a *channel* is what EXR stores of it. A *sampler* gives low-discrepancy points, nothing else.
+//! *Exact* means visibility in closed form, from the geometry (docs/decisions/exactness.md).
 
-// What tests alone look at is no face, and stands where it belongs.
+// Items that only tests of the library use stay where they belong, unreachable without the program.
 #![cfg_attr(not(feature = "program"), allow(dead_code, unreachable_pub, unused_imports))]
-// What is open to the program links to what is private.
+// Public items of the program's feature link to private ones.
 #![cfg_attr(feature = "program", allow(rustdoc::private_intra_doc_links))]
 
 #[cfg(test)]
@@ -107,7 +106,7 @@ mod inside {
     pub mod transport;
 }
 
-// The program and tests look inside; nobody else does.
+// Open to the program and its tests alone.
 #[cfg(not(feature = "program"))]
 use inside::*;
 #[cfg(feature = "program")]
@@ -131,8 +130,8 @@ pub use inside::render::{Method, Progress, Statistics};
 pub use inside::scene::{Bounces, FrameRate, LightUnits, PixelFilter, Size, Window};
 pub use inside::transport::MarchSteps;
 
-/// Numbers as the parts of scenes hold them: each type names its range. They are made of plain ones by
-/// `into()`, and checked when the scene is built.
+/// Numbers of scene parts; each type has its range. Plain numbers convert by `into()`, and are checked when
+/// the scene is built.
 pub mod numbers {
     pub use crate::inside::description::ron::{
         AirSpeed, AirVelocity, Anisotropy, ArealMass, Degrees, Direction, DiscAngle, FStop, FieldOfView,

@@ -1,4 +1,5 @@
-//! The program `sunfleck`. Invariant: all that is not about its command line is in the library.
+//! Program `sunfleck`. In go arguments, out comes an exit code. Invariant: only the command line lives here;
+//! all else is in the library.
 
 mod cli;
 
@@ -6,10 +7,10 @@ use std::panic::resume_unwind;
 use std::process::ExitCode;
 use std::thread::Builder;
 
-/// Bytes of stack, as Linux gives by itself: deeply nested files take most.
+/// Stack in bytes, Linux's default: deeply nested files need most.
 const STACK: usize = 8 << 20;
 
-/// On a thread of its own, the stack is as large as it has to be whatever the system's limit (`ulimit -s`).
+/// Runs the program on a thread of its own, whose stack does not depend on the system's limit (`ulimit -s`).
 fn main() -> ExitCode {
     match Builder::new().name(String::from("main")).stack_size(STACK).spawn(cli::run) {
         Ok(run) => run.join().unwrap_or_else(|panic| resume_unwind(panic)),

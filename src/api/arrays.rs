@@ -1,4 +1,4 @@
-//! Numbers of a frame with their shape. In go channels, out comes one array. Invariant: one value for each
+//! Arrays of numbers with their shape. In go channels, out comes one array. Invariant: one value for each
 //! channel of each pixel, pixel by pixel, row by row from the top.
 
 use crate::film::Channel;
@@ -32,7 +32,7 @@ pub struct Array {
 }
 
 impl Array {
-    /// Array of channels of equal size, at least one.
+    /// Creates an array of channels of equal size, at least one.
     pub(super) fn of(channels: &[&Channel], width: usize, height: usize, unit: &'static str) -> Self {
         let pixel = |index: usize| channels.iter().map(move |channel| channel.pixels[index]);
         Self {
@@ -44,19 +44,19 @@ impl Array {
         }
     }
 
-    /// Rows, columns, channels.
+    /// Shape: rows, columns, channels.
     pub fn shape(&self) -> [usize; 3] {
         [self.height, self.width, self.channels.len()]
     }
 
-    /// The values of a pixel, one for each channel; none beyond the array.
+    /// Values of a pixel, one for each channel; `None` outside the array.
     pub fn at(&self, x: usize, y: usize) -> Option<&[f32]> {
         let is_inside = x < self.width && y < self.height;
         let index = y.checked_mul(self.width)?.checked_add(x)?.checked_mul(self.channels.len())?;
         if is_inside { self.values.get(index..index + self.channels.len()) } else { None }
     }
 
-    /// The mean over all pixels, one for each channel.
+    /// Mean over all pixels, one for each channel.
     pub fn mean(&self) -> Vec<f64> {
         let count = self.channels.len();
         let sum =
@@ -68,7 +68,7 @@ impl Array {
     }
 }
 
-/// Gives the array back if its pixels have another number of values.
+/// Fails with the array itself if its pixels have another number of values.
 impl<P: Pixel<Subpixel = f32>> TryFrom<Array> for ImageBuffer<P, Vec<f32>> {
     type Error = Array;
 

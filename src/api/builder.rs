@@ -1,5 +1,5 @@
-//! A scene made in code. In go named parts, out comes a scene. Invariant: parts are those of files and go
-//! their way, so nothing can be built that a file could not hold.
+//! Builder of a scene in code. In go named parts, out comes a scene. Invariant: parts are those of scene
+//! files and are resolved by the same code, so a file can hold every scene that is built.
 
 use super::scene::Scene;
 use crate::description::obj::Triangles;
@@ -9,8 +9,8 @@ use crate::description::ron::{
 use crate::description::{Description, LoadError};
 use crate::scene::{Baking, ResolveOptions};
 
-/// Collects the parts of a scene; [`Scene::builder`] starts with none. Parts of one kind
-/// have names of their own.
+/// Builder that collects the parts of a scene; [`Scene::builder`] returns an empty one. Names of parts of one
+/// kind are unique.
 #[derive(Clone, Debug, Default)]
 #[must_use = "nothing is checked before `build`"]
 pub struct SceneBuilder {
@@ -18,13 +18,13 @@ pub struct SceneBuilder {
 }
 
 impl Scene {
-    /// An empty scene to be filled.
+    /// Creates a builder without parts.
     pub fn builder() -> SceneBuilder {
         SceneBuilder::default()
     }
 }
 
-/// A method for each section of a scene file: it adds a part by its name.
+/// Defines a method for each section of a scene file, which adds a part by its name.
 macro_rules! sections {
     ($($(#[$doc:meta])* $part:ident: $section:ident, $type:ty;)*) => {
         impl SceneBuilder {$(
@@ -38,21 +38,21 @@ macro_rules! sections {
 }
 
 sections! {
-    /// Adds a shape. Files lie relative to the folder that the program runs in.
+    /// Adds a shape. Paths of its files are relative to the working directory.
     shape: meshes, Shape;
-    /// Adds what surfaces are made of.
+    /// Adds a material.
     material: materials, Material;
     /// Places a mesh or a group.
     object: objects, Object;
     /// Scatters leaves.
     leaves: leaves, Leaves;
-    /// Lets leaves fall.
+    /// Adds falling leaves.
     fall: fall, Fall;
-    /// Adds a camera; the first one looks unless somebody wants another.
+    /// Adds a camera. The first one renders unless another is named.
     camera: cameras, Camera;
     /// Adds a light.
     light: lights, Light;
-    /// Adds a bank of fog.
+    /// Adds a fog volume.
     fog: fog, Fog;
 }
 
@@ -63,22 +63,22 @@ impl SceneBuilder {
         self
     }
 
-    /// Sky behind the scene, which lights it; not beside a background.
+    /// Sets the sky, which is seen behind the scene and lights it. A scene has no sky and background at once.
     pub fn sky(mut self, sky: Sky) -> Self {
         self.parts.file.sky = Some(sky);
         self
     }
 
-    /// Radiance of whatever lies beyond the scene; it lights nothing.
+    /// Sets the radiance of rays that leave the scene; it lights nothing.
     pub fn background(mut self, w_per_m2_sr: impl Into<Triple<NonNegative>>) -> Self {
         self.parts.file.background_w_per_m2_sr = w_per_m2_sr.into();
         self
     }
 
-    /// The scene, if all of it can be rendered.
+    /// Resolves and validates the scene.
     ///
     /// # Errors
-    /// With everything that is wrong, each by its path, such as `fog.haze.density_per_m`.
+    /// Lists all problems, each with its path, such as `fog.haze.density_per_m`.
     pub fn build(self) -> Result<Scene, LoadError> {
         let description = Description::built(self.parts)?;
         Ok(Scene::resolve(description, &ResolveOptions::default(), &Baking::ALONE)?)

@@ -1,5 +1,5 @@
-//! Changes to parts of a scene in code. In goes a part, out comes the same with other fields. Invariant:
-//! programs go on to compile when a version gives a part another field.
+//! Changes to parts of a scene in code. In goes a part, out comes the same part with other fields. Invariant:
+//! programs still compile when a later version adds a field to a part.
 
 use crate::description::obj::Triangles;
 use crate::description::ron::{
@@ -10,7 +10,7 @@ use crate::description::ron::{
 macro_rules! changed {
     ($($part:ty)*) => {
         $(impl $part {
-            /// Part with other fields: `part.with(|part| part.field = value)`.
+            /// Returns the part with changed fields: `part.with(|part| part.field = value)`.
             #[must_use]
             pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
                 change(&mut self);

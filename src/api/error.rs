@@ -1,5 +1,5 @@
-//! Errors in place of a frame. Invariant: every failure says what was found, what was expected and what to
-//! do.
+//! Errors of rendering and writing. In go causes, out come diagnostics. Invariant: each names what was found,
+//! what was expected and a remedy.
 
 use crate::diagnostic::{Diagnostic, Place};
 use crate::frame_file::FrameFileError;
@@ -15,13 +15,13 @@ pub enum Setting {
     Frame,
     /// Size of the whole picture.
     Size,
-    /// The part of it that is wanted.
+    /// Part of the picture to render.
     Crop,
     /// Samples a pixel.
     Samples,
-    /// The error at which a pixel is good enough.
+    /// Relative error at which a pixel needs no more samples.
     Tolerance,
-    /// Time that the shutter is open, and when.
+    /// Length of the shutter's opening, and its position.
     Shutter,
     /// Steps or points of the method.
     Method,
@@ -31,7 +31,7 @@ pub enum Setting {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// A setting has a value that cannot be rendered of this scene.
+    /// A setting has a value with which this scene cannot be rendered.
     #[error("{setting}: {found}")]
     Setting {
         /// Setting.
@@ -41,16 +41,16 @@ pub enum RenderError {
         /// Expectation that was not met.
         expected: String,
     },
-    /// There is not as much memory as the picture takes.
+    /// The picture needs more memory than there is.
     #[error("{}", .0.line())]
     Memory(Box<Diagnostic>),
-    /// The frame holds values that are no light: NaN or infinity.
+    /// The frame holds NaN or infinity.
     #[error("{}", .0.line())]
     Defective(Box<Diagnostic>),
-    /// Whoever looked on said to stop.
+    /// The caller cancelled the rendering.
     #[error("the frame was cancelled")]
     Cancelled,
-    /// The scene holds what no glTF file can.
+    /// The scene holds something that glTF cannot represent.
     #[error("{}", .0.line())]
     Export(Box<Diagnostic>),
     /// The frame could not be written.

@@ -1,5 +1,5 @@
-//! A finished frame as a program holds it. In goes what was rendered, out come arrays and files. Invariant: a
-//! file that it writes is the file that the command line would have written of the same settings.
+//! Finished frame in memory. In goes a rendered film, out come arrays and files. Invariant: a written file
+//! equals the command line's for the same settings.
 
 use super::arrays::Array;
 use super::error::RenderError;
@@ -13,7 +13,7 @@ use crate::render::{Rendered, Statistics};
 use crate::scene::{Size, Window};
 use std::path::Path;
 
-/// Unit of beauty.
+/// Unit of the beauty's channels.
 const RADIANCE: &str = "W m^-2 sr^-1";
 
 /// A rendered frame: the beauty and the passes that were asked for.
@@ -52,7 +52,7 @@ impl Frame {
         self.picture.full
     }
 
-    /// The part of it that there are pixels of; arrays are of its size.
+    /// Part of the picture that was rendered; arrays have its size.
     pub fn window(&self) -> Window {
         self.picture.window
     }
@@ -62,7 +62,7 @@ impl Frame {
         self.picture.channels.iter().map(|channel| channel.name.as_str())
     }
 
-    /// A channel by its name, such as `R`, `A` or `Normal.X`.
+    /// Channel with the given name, such as `R`, `A` or `Normal.X`.
     pub fn channel(&self, name: &str) -> Option<Array> {
         let channel = self.picture.channel(name)?;
         let unit = Pass::ALL.iter().find(|&&pass| belongs(channel, pass)).map(|&pass| pass.row().unit);
@@ -70,14 +70,14 @@ impl Frame {
         Some(self.array(&[channel], unit))
     }
 
-    /// The picture itself: R, G and B in linear Rec. 709, and the share of the pixel that surfaces cover, A.
+    /// Beauty: R, G and B in linear Rec. 709, and in A the share of the pixel that surfaces cover.
     pub fn beauty(&self) -> Array {
         let channels = ["R", "G", "B", "A"].map(|name| self.picture.channel(name));
         let channels: Vec<&Channel> = channels.into_iter().flatten().collect();
         self.array(&channels, RADIANCE)
     }
 
-    /// All channels of a pass; none if it was not asked for.
+    /// All channels of a pass; `None` if it was not requested.
     pub fn pass(&self, pass: Pass) -> Option<Array> {
         let channels = self.picture.channels.iter().filter(|channel| belongs(channel, pass));
         let mut channels: Vec<&Channel> = channels.collect();
@@ -91,7 +91,7 @@ impl Frame {
         &self.statistics
     }
 
-    /// Requests of the scene that are not honoured in this frame.
+    /// Requests of the scene that this frame does not honour.
     pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
         self.remarks.told()
     }
@@ -104,25 +104,25 @@ impl Frame {
     /// Writes an EXR file with all channels, whole or not at all; folders are created.
     ///
     /// # Errors
-    /// If the disk says no.
+    /// If the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), RenderError> {
         Ok(frame_file::write(path.as_ref(), &self.picture, &self.provenance)?)
     }
 
-    /// Writes a PNG for eyes, in the scene's look and as bright as it says, or else as a camera would expose
-    /// this frame.
+    /// Writes a PNG for viewing, with the scene's look and exposure. A scene without an exposure gets this
+    /// frame's automatic one.
     ///
     /// # Errors
-    /// If the picture is too large for a PNG or the disk says no.
+    /// If the picture is too large for a PNG or the file cannot be written.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<(), RenderError> {
         self.write_png_at(path, self.exposure_stops.unwrap_or_else(|| self.auto_exposure_stops()))
     }
 
-    /// Writes the frame as a PNG, brightened by a number of powers of two, finite: one for a sequence, so
-    /// that it does not flicker.
+    /// Writes the frame as a PNG with an exposure in stops, which has to be finite. One value for a whole
+    /// sequence avoids flicker.
     ///
     /// # Errors
-    /// If the picture is too large for a PNG or the disk says no.
+    /// If the picture is too large for a PNG or the file cannot be written.
     pub fn write_png_at(&self, path: impl AsRef<Path>, exposure_stops: f64) -> Result<(), RenderError> {
         let display = Display { exposure_stops, look: self.look, ..Display::default() };
         Ok(frame_file::write_preview(path.as_ref(), &self.picture, &display)?)

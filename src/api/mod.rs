@@ -1,6 +1,6 @@
-//! The library's face: a scene, a renderer, a frame. In go a file or parts that a program made, out come
-//! arrays and files. Invariant: everything else is prepared here, so no picture lacks what its passes need,
-//! and what cannot be rendered is an error.
+//! Public interface of the library: a scene, a renderer, a frame. In go a file or parts that a program made,
+//! out come arrays and files. Invariant: everything that passes need is prepared here. A scene that cannot be
+//! rendered is an error.
 
 mod arrays;
 mod builder;

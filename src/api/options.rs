@@ -1,5 +1,5 @@
-//! Options of whoever loads a scene. In go choices, out comes the scene. Invariant: a choice that is not
-//! made leaves what the input says.
+//! Options for loading a scene. In go choices, out comes the scene. Invariant: options that are not set leave
+//! the input's own values.
 
 use super::scene::Scene;
 use crate::description::{self, LoadError};
@@ -7,7 +7,7 @@ use crate::diagnostic::{Diagnostic, Place};
 use crate::scene::{Baking, FrameRate, LightUnits, ResolveOptions, Size};
 use std::path::Path;
 
-/// Choices about how an input is read; [`Scene::options`] starts with none.
+/// Options for reading an input; [`Scene::options`] sets none.
 #[derive(Clone, Debug, Default)]
 pub struct SceneOptions {
     wanted: ResolveOptions,
@@ -18,62 +18,62 @@ impl Scene {
     /// the current rayon pool.
     ///
     /// # Errors
-    /// If a file cannot be read, or with all that is wrong with what was found in it.
+    /// If a file cannot be read, or with all problems of their contents.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, LoadError> {
         Self::options().load(path)
     }
 
-    /// Choices to load with.
+    /// Options for loading, none of them set.
     pub fn options() -> SceneOptions {
         SceneOptions::default()
     }
 }
 
 impl SceneOptions {
-    /// Animation of a glTF file that plays: its name, its number from 0, or `all`.
+    /// Plays an animation of a glTF file: by its name, its number from 0, or `all` of them.
     #[must_use]
     pub fn animation(mut self, name: &str) -> Self {
         self.wanted.animation = Some(name.to_owned());
         self
     }
 
-    /// Units of the lights of a glTF file.
+    /// Sets the units of a glTF file's lights.
     #[must_use]
     pub fn light_units(mut self, units: LightUnits) -> Self {
         self.wanted.light_units = Some(units);
         self
     }
 
-    /// Whether a glTF or OBJ file without light gets a sun and a sky; without a choice it does.
+    /// Sets whether a glTF or OBJ file without light gets a sun and a sky; by default it does.
     #[must_use]
     pub fn default_light(mut self, is_on: bool) -> Self {
         self.wanted.no_default_light = !is_on;
         self
     }
 
-    /// Whether a sun in the picture of a sky lights as a `Sun` does; without a choice it does.
+    /// Sets whether a sun in a sky's picture becomes a `Sun` light; by default it does.
     #[must_use]
     pub fn sky_sun(mut self, is_apart: bool) -> Self {
         self.wanted.keep_sky_suns = !is_apart;
         self
     }
 
-    /// Pixels of the whole picture. A camera that is made up for a file without one looks so that all
-    /// is seen in this shape.
+    /// Sets the size of the whole picture in pixels. The default camera of a file without one frames
+    /// everything for this aspect.
     #[must_use]
     pub fn size(mut self, width: usize, height: usize) -> Self {
         self.wanted.size = Some(Size { width, height });
         self
     }
 
-    /// Frames a second, as a fraction such as 24000/1001.
+    /// Sets the frame rate in frames a second, as a fraction such as 24000/1001.
     #[must_use]
     pub fn frame_rate(mut self, numerator: u32, denominator: u32) -> Self {
         self.wanted.frame_rate = Some(FrameRate { numerator, denominator });
         self
     }
 
-    /// Name of the camera that looks.
+    /// Sets the camera that renders, by its name.
     #[must_use]
     pub fn camera(mut self, name: &str) -> Self {
         self.wanted.camera = Some(name.to_owned());
@@ -84,8 +84,7 @@ impl SceneOptions {
     /// the current rayon pool.
     ///
     /// # Errors
-    /// If a file cannot be read, or with all that is wrong with what was found in it; if a
-    /// choice cannot be met.
+    /// If a file cannot be read, or with all problems of their contents, or if an option cannot be met.
     pub fn load(&self, path: impl AsRef<Path>) -> Result<Scene, LoadError> {
         self.check()?;
         let description = description::load(path.as_ref())?;

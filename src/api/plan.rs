@@ -18,25 +18,25 @@ use std::collections::BTreeMap;
 /// 16384 x 8192.
 const MOST_PIXELS: usize = 1 << 27;
 
-/// Pixels along a side of what one ray of a rough look stands for.
+/// Side in pixels of the square that one ray of a rough preview covers.
 const ROUGH_PX: usize = 8;
 
-/// Everything that frames of a picture have in common.
+/// Everything that the frames of a picture share.
 pub struct Plan<'scene> {
     /// Scene to render.
     pub scene: &'scene Scene,
-    /// Settings as asked for.
+    /// Settings as requested.
     pub settings: RenderSettings,
     /// Index into the scene's cameras.
     pub camera: usize,
     /// Settings of each frame.
     pub job: Job,
-    /// Requests of the scene that are not honoured, as far as it is rendered.
+    /// Requests of the scene that are not honoured in the rendered frames.
     pub remarks: Diagnostics,
 }
 
 impl<'scene> Plan<'scene> {
-    /// Plan by `settings`, of the part inside `crop`.
+    /// Creates a plan with `settings` for the part inside `crop`.
     pub(super) fn new(
         scene: &'scene Scene,
         settings: RenderSettings,
@@ -67,18 +67,18 @@ impl<'scene> Plan<'scene> {
         Ok(Self { scene, settings, camera, job, remarks })
     }
 
-    /// Interval for which the shutter is open for a frame.
+    /// Time interval in which the shutter is open for a frame.
     pub fn shutter(&self, frame: i64) -> Shutter {
         Shutter::of(&self.settings, frame as f64)
     }
 
-    /// Exposure while a shutter is open, without what passes need.
+    /// Exposure for an interval of the shutter, without what passes need.
     pub fn exposure_of(&self, shutter: Shutter) -> Exposure<'scene> {
         let aspect = aspect(self.job.size);
         Exposure::new(&self.scene.resolved, self.scene.trees(), self.camera, aspect, shutter)
     }
 
-    /// Exposure of a frame, with all that the passes need.
+    /// Exposure of a frame, with everything that passes need.
     pub fn exposure(&self, frame: i64) -> Exposure<'scene> {
         let (scene, size) = (&self.scene.resolved, self.job.size);
         let mut exposure = self.exposure_of(self.shutter(frame));
@@ -98,7 +98,7 @@ impl<'scene> Plan<'scene> {
         self.carry_out(&self.job, exposure, watch)
     }
 
-    /// A rough look at an exposure of this plan: a ray for each square of [`ROUGH_PX`] pixels.
+    /// Renders a rough preview of an exposure: one ray for each square of [`ROUGH_PX`] pixels.
     pub fn rough(&self, exposure: &Exposure, watch: &Watch) -> film::Frame {
         let Size { width, height } = self.job.size;
         let size = Size { width: width.div_ceil(ROUGH_PX), height: height.div_ceil(ROUGH_PX) };
@@ -133,22 +133,22 @@ impl<'scene> Plan<'scene> {
         rendered
     }
 
-    /// Method for a frame, or a moment between two, where nobody says.
+    /// Default method for a frame, or for a moment between two frames.
     pub fn choice(&self, frame: f64) -> Choice {
         let (scene, shutter) = (&self.scene.resolved, Shutter::of(&self.settings, frame));
         let aspect = aspect(self.job.size);
         render::choose(&Exposure::middle_of(scene, self.scene.trees(), self.camera, aspect, shutter))
     }
 
-    /// A look at a frame without rays and shadows, of so many pixels in the shape of the picture.
+    /// Draws a frame without rays and shadows, at `size` pixels in the picture's aspect.
     pub fn draw(&self, frame: i64, size: Size) -> film::Frame {
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
         let shutter = self.shutter(frame);
         scanline::draw(&Snapshot::new(scene, self.scene.trees(), self.camera, aspect, shutter), size)
     }
 
-    /// Exposure of pictures for eyes in powers of two where nobody says: as a small picture of a frame
-    /// asks for, of `size` pixels and `samples` a pixel.
+    /// Default exposure of pictures for viewing, in stops: that of a small picture of a frame, with `size`
+    /// pixels and `samples` a pixel.
     pub fn auto_exposure_stops(&self, frame: i64, size: Size, samples: u32, watch: &Watch) -> f64 {
         let shutter = Shutter::instant(self.shutter(frame).middle_s());
         let (scene, aspect) = (&self.scene.resolved, aspect(self.job.size));
@@ -176,8 +176,8 @@ impl<'scene> Plan<'scene> {
         }
     }
 
-    /// Refuses a picture for which there is no memory: an allocation that fails in the middle of it
-    /// would end the process.
+    /// Refuses a picture for which there is too little memory, as a failed allocation would abort the
+    /// process.
     pub fn check_memory(&self) -> Result<(), RenderError> {
         let bytes = self.job.memory_bytes();
         let mut all: Vec<u8> = Vec::new();
@@ -193,7 +193,7 @@ impl<'scene> Plan<'scene> {
         })
     }
 
-    /// Refuses a frame that a sequence does not have.
+    /// Refuses a frame that the sequence does not have.
     pub(super) fn check_frame(&self, frame: i64) -> Result<(), RenderError> {
         let RenderSettings { frames, only_these_frames, .. } = &self.settings;
         if *only_these_frames && !frames.contains(&frame) {
@@ -214,7 +214,7 @@ impl<'scene> Plan<'scene> {
         View::new(camera, world_from_camera, aspect(self.job.size), time_s)
     }
 
-    /// Names of mattes, if the frames have any.
+    /// Names of the mattes, if the frames have mattes.
     fn object_names(&self) -> BTreeMap<u32, String> {
         let scene = &self.scene.resolved;
         let instances = 0..if self.needs(Needs::Names) { scene.instances.len() } else { 0 };
@@ -222,11 +222,11 @@ impl<'scene> Plan<'scene> {
         names.map(|name| (matte_id(name), name.to_owned())).collect()
     }
 
-    /// SHA-256 over everything but the input's files that reaches the pixels, the frame's number aside.
+    /// SHA-256 over everything that changes pixels, except the input's files and the frame's number.
     fn settings_hash(&self) -> String {
         let Self { settings, camera, job, .. } = self;
         let options = &self.scene.options;
-        // Named where it counts, so that the others' hash stays what it was.
+        // Included only where it has an effect, so that other hashes stay the same.
         let shutter_position = match settings.shutter * settings.shutter_position {
             0.0 => String::new(),
             _ => format!(" {:?}", settings.shutter_position),
@@ -261,7 +261,7 @@ fn check_size(size: Size) -> Result<(), RenderError> {
     Ok(())
 }
 
-/// The camera of a name, the first without.
+/// Camera of the given name, or the first one without a name.
 fn find_camera(scene: &scene::Scene, name: Option<&str>) -> Result<usize, RenderError> {
     let Some(name) = name else { return Ok(0) };
     scene.cameras.iter().position(|camera| camera.name == name).ok_or_else(|| {
@@ -271,7 +271,7 @@ fn find_camera(scene: &scene::Scene, name: Option<&str>) -> Result<usize, Render
     })
 }
 
-/// The window, unless its film would not fit into the memory of common machines.
+/// Window to render, unless its film needs more memory than common machines have.
 fn find_window(crop: Option<Window>, size: Size) -> Result<Window, RenderError> {
     let window = crop.unwrap_or(Window::whole(size));
     let Window { x, y, width, height } = window;

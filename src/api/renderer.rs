@@ -26,7 +26,7 @@ pub struct Renderer<'a> {
 }
 
 impl<'a> Renderer<'a> {
-    /// The scene's first frame as the scene wants to be rendered.
+    /// Creates a renderer of the scene's first frame with the scene's own settings.
     pub fn new(scene: &'a Scene) -> Self {
         let settings = scene.settings.clone();
         Self {
@@ -42,25 +42,25 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Number of the frame.
+    /// Sets the number of the frame.
     pub fn frame(mut self, frame: i64) -> Self {
         self.frame = frame;
         self
     }
 
-    /// Pixels of the whole picture.
+    /// Sets the size of the whole picture in pixels.
     pub fn size(mut self, width: usize, height: usize) -> Self {
         self.settings.size = Size { width, height };
         self
     }
 
-    /// The part of the picture that is wanted, its pixels the same as in the whole.
+    /// Sets the part of the picture to render. Its pixels are the same as in the whole picture.
     pub fn crop(mut self, window: Window) -> Self {
         self.crop = Some(window);
         self
     }
 
-    /// Pictures beside the beauty, in place of those that the scene asks for.
+    /// Sets the passes beside the beauty, in place of the scene's own.
     pub fn passes(mut self, passes: impl IntoIterator<Item = Pass>) -> Self {
         let mut passes: Vec<Pass> = passes.into_iter().collect();
         passes.sort_unstable();
@@ -69,93 +69,94 @@ impl<'a> Renderer<'a> {
         self
     }
 
-    /// Number of samples a pixel; with a tolerance the maximum.
+    /// Sets the number of samples a pixel; with a tolerance it is the maximum.
     pub fn samples(mut self, samples: u32) -> Self {
         self.samples = Some(samples);
         self
     }
 
-    /// Number of scatterings beyond direct light and single scattering.
+    /// Sets the number of scatterings beyond direct light and single scattering.
     pub fn bounces(mut self, bounces: Bounces) -> Self {
         self.settings.bounces = bounces;
         self
     }
 
-    /// Relative error around every pixel at which samples suffice, `0..=1`.
+    /// Sets the relative error around every pixel at which samples suffice, `0..=1`.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(tolerance);
         self
     }
 
-    /// Name of the camera.
+    /// Sets the camera by its name.
     pub fn camera(mut self, name: &str) -> Self {
         self.settings.camera = Some(name.to_owned());
         self
     }
 
-    /// Seed of the noise.
+    /// Sets the seed of the noise.
     pub fn seed(mut self, seed: u32) -> Self {
         self.settings.seed = seed;
         self
     }
 
-    /// Reconstruction filter.
+    /// Sets the reconstruction filter.
     pub fn filter(mut self, filter: PixelFilter) -> Self {
         self.settings.filter = filter;
         self
     }
 
-    /// Time that the shutter is open, in frames; 0 is an instant, without motion blur.
+    /// Sets how long the shutter is open, in frames; 0 is an instant, without motion blur.
     pub fn shutter(mut self, frames: f64) -> Self {
         self.settings.shutter = frames;
         self
     }
 
-    /// Offset from the frame to the middle of the time that the shutter is open, in parts of it: 0.5 opens
-    /// at the frame.
+    /// Sets the offset from the frame to the middle of the shutter's opening, as a fraction of its length:
+    /// 0.5 opens at the frame.
     pub fn shutter_position(mut self, position: f64) -> Self {
         self.settings.shutter_position = position;
         self
     }
 
-    /// Light that fog scatters alone in place of the beauty, with alpha for what fog hides.
+    /// Sets whether the picture shows only light that fog scatters, with alpha for what fog hides, in place
+    /// of the beauty.
     pub fn shafts_alone(mut self, alone: bool) -> Self {
         self.settings.shafts_alone = alone;
         self
     }
 
-    /// Method: places of samples, and light in fog.
+    /// Sets the method: places of samples, and integration of light in fog.
     pub fn method(mut self, method: Method) -> Self {
         self.method = method;
         self
     }
 
-    /// Is told now and then how far the frame is, from any thread.
+    /// Sets a callback for progress, which any thread may call.
     pub fn progress(mut self, progress: &'a (dyn Fn(Progress) + Sync)) -> Self {
         self.progress = progress;
         self
     }
 
-    /// Tells whether to stop; rendering then ends with [`RenderError::Cancelled`].
+    /// Sets a callback that returns true to stop; rendering then ends with [`RenderError::Cancelled`].
     pub fn cancelled(mut self, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
         self.cancelled = cancelled;
         self
     }
 
-    /// Renders.
+    /// Renders the frame.
     ///
     /// # Errors
-    /// If a wish cannot be met, there is too little memory, or the frame has pixels that are no light.
+    /// If a setting is invalid, memory does not suffice, or the frame has NaN or infinity.
     pub fn render(&self) -> Result<Frame, RenderError> {
         let mut sequence = self.sequence([self.frame])?;
         sequence.next().unwrap_or(Err(RenderError::Cancelled))
     }
 
-    /// Frames one after the other, whatever [`frame`](Self::frame) says. What they share is made once: the
-    /// plan, trees, and light of more than one scattering while only the camera moves.
+    /// Renders frames one after the other; [`frame`](Self::frame) has no effect. They share the plan, the
+    /// trees, and indirect light while only the camera moves.
     ///
     /// # Errors
-    /// If a wish cannot be met, of any frame, or there is too little memory.
+    /// If a setting is invalid for any frame, or memory does not suffice.
     pub fn sequence(&self, frames: impl IntoIterator<Item = i64>) -> Result<Sequence<'a>, RenderError> {
         let (plan, frames) = (self.plan()?, Vec::from_iter(frames));
         frames.iter().try_for_each(|&frame| plan.check_frame(frame))?;
@@ -164,7 +165,7 @@ impl<'a> Renderer<'a> {
         Ok(Sequence { plan, frames: frames.into_iter(), watch })
     }
 
-    /// The plan of all frames.
+    /// Plan of all frames.
     #[doc(hidden)]
     pub fn plan(&self) -> Result<Plan<'a>, RenderError> {
         let mut settings = self.settings.clone();

@@ -1,5 +1,5 @@
-//! A scene as a program holds it. In goes an input, out come frames, names and places. Invariant: a scene
-//! that exists is valid, and its files are not read again.
+//! Scene in memory. In goes an input, out come frames, names and placements. Invariant: a scene that exists
+//! is valid, and its files are not read again.
 
 use super::error::RenderError;
 use super::viewer::Viewer;
@@ -16,17 +16,17 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// A scene in all its frames, and how it wants to be rendered.
+/// Scene with all its frames and its render settings.
 pub struct Scene {
     pub(super) resolved: scene::Scene,
     pub(super) settings: RenderSettings,
     pub(super) options: ResolveOptions,
-    /// SHA-256 over all input files; and over the camera that was brought along, if any.
+    /// SHA-256 over all input files, and over the viewer's camera, if there is one.
     pub(super) content_hash: String,
     input_hash: String,
     /// Files that it was read from.
     files: Vec<PathBuf>,
-    /// Built as frames need them.
+    /// Trees of the meshes, built when a frame first needs them.
     trees: OnceLock<MeshTrees>,
     /// Indirect light of the last frame.
     light: KeptLight,
@@ -46,17 +46,18 @@ pub struct NodePlace {
     pub position_m: [f64; 3],
     /// Axes x, y and z of the node in the world, lengths included.
     pub axes: [[f64; 3]; 3],
-    /// Whether it and all that it follows take part in the picture.
+    /// Whether the node and all its parents are visible.
     pub visible: bool,
 }
 
 impl Scene {
-    /// Warnings: requests that are not honoured, or only nearly, and choices where the input says nothing.
+    /// Warnings: requests that are not honoured or only approximated, and assumptions where the input is
+    /// silent.
     pub fn warnings(&self) -> impl Iterator<Item = &Diagnostic> {
         self.resolved.remarks.told()
     }
 
-    /// First and last frame of what the input calls its own.
+    /// First and last frame of the input.
     pub fn frames(&self) -> RangeInclusive<i64> {
         self.settings.frames.clone()
     }
@@ -66,12 +67,12 @@ impl Scene {
         self.settings.frame_rate
     }
 
-    /// Size of its pictures unless somebody wants another.
+    /// Default size of its pictures.
     pub fn size(&self) -> Size {
         self.settings.size
     }
 
-    /// Names of the cameras, at least one; the first looks unless somebody wants another.
+    /// Names of the cameras, at least one. The first one renders by default.
     pub fn cameras(&self) -> impl Iterator<Item = &str> {
         self.resolved.cameras.iter().map(|camera| camera.name.as_str())
     }
@@ -81,7 +82,7 @@ impl Scene {
         self.resolved.nodes.iter().map(|node| node.name.as_str())
     }
 
-    /// Placement of the first node of that name at a frame, or between two; none if there is no such node.
+    /// Placement of the first node with that name at a frame, or between two; `None` without such a node.
     pub fn place(&self, node: &str, frame: f64) -> Option<NodePlace> {
         let index = self.nodes().position(|name| name == node)?;
         let placement = self.resolved.placements(self.settings.frame_rate.seconds(frame))[index];
@@ -93,21 +94,21 @@ impl Scene {
         })
     }
 
-    /// Built when a frame first needs them, kept for all.
+    /// Trees of the meshes, built on first use.
     pub(super) fn trees(&self) -> &MeshTrees {
         self.trees.get_or_init(|| MeshTrees::new(&self.resolved))
     }
 
-    /// Light of the last frame, for the next one if it is the same.
+    /// Cache of the last frame's indirect light, for a next frame with the same contents.
     pub(super) fn light(&self) -> &KeptLight {
         &self.light
     }
 
-    /// Writes it as a binary glTF file, whole or not at all: meshes shared, motion as keys over `frames`.
-    /// Read back, it gives the same pictures but for what is returned.
+    /// Writes a binary glTF file, whole or not at all: meshes shared, motion as keys over `frames`. Read
+    /// back, it gives the same pictures, except for the returned losses.
     ///
     /// # Errors
-    /// If it does not fit into a glTF file or the disk says no.
+    /// If it does not fit into a glTF file or the file cannot be written.
     pub fn write_glb(
         &self,
         path: impl AsRef<Path>,
@@ -126,7 +127,7 @@ impl Scene {
     }
 }
 
-// What the program asks of it beside.
+// Methods for the program alone.
 #[doc(hidden)]
 impl Scene {
     pub fn resolve(
@@ -143,8 +144,7 @@ impl Scene {
         Ok(Self { resolved, settings, options, content_hash, input_hash, files, trees, light })
     }
 
-    /// Has a camera that a program brings along, in place of the last such; without one it is as its files
-    /// say.
+    /// Replaces the camera by that of a viewer, or restores the file's without one.
     pub fn look_from(&mut self, viewer: Option<&Viewer>) {
         let Some(viewer) = viewer else { return self.content_hash.clone_from(&self.input_hash) };
         viewer.put_into(&mut self.resolved);
@@ -152,12 +152,12 @@ impl Scene {
         self.content_hash = Sha256::digest(said).iter().map(|byte| format!("{byte:02x}")).collect();
     }
 
-    /// Export as a glTF file for a folder, with its motion over some frames.
+    /// Exports the scene as glTF for a folder, with its motion over some frames.
     pub fn export(&self, frames: RangeInclusive<i64>, folder: &Path) -> Result<Exported, Diagnostic> {
         export::glb(&self.resolved, &RenderSettings { frames, ..self.settings.clone() }, folder)
     }
 
-    /// Files that it was read from.
+    /// Files that the scene was read from.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }

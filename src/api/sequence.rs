@@ -1,5 +1,5 @@
-//! Frames one after the other. In go a renderer's wishes and numbers, out come frames. Invariant: a frame is
-//! the one that it would be alone; what frames share is made once.
+//! Frames one after the other. In go a renderer's settings and numbers, out come frames. Invariant: each
+//! frame equals the one rendered alone; shared data are made once.
 
 use super::error::RenderError;
 use super::frame::Frame;
@@ -7,8 +7,8 @@ use super::plan::Plan;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::render::Watch;
 
-/// The frames that [`Renderer::sequence`](super::Renderer::sequence) was asked for, each rendered when it is
-/// taken.
+/// Iterator over the frames of [`Renderer::sequence`](super::Renderer::sequence), which renders each when it
+/// is taken.
 #[must_use = "frames are rendered as they are taken"]
 pub struct Sequence<'a> {
     pub(super) plan: Plan<'a>,
@@ -31,7 +31,7 @@ impl Iterator for Sequence<'_> {
 
 impl ExactSizeIterator for Sequence<'_> {}
 
-/// A frame of a plan, if it is one.
+/// Renders a frame of a plan.
 pub(super) fn rendered(plan: &Plan, frame: i64, watch: &Watch) -> Result<Frame, RenderError> {
     let rendered = plan.render(&plan.exposure(frame), watch);
     if (watch.cancelled)() {

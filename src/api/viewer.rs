@@ -11,15 +11,16 @@ use serde::{Deserialize, Serialize};
 pub struct Viewer {
     /// World from camera, metres, column by column as nodes of glTF have it; it looks along -Z, +Y is up.
     matrix: [f64; 16],
-    /// Full vertical angle, degrees; of parallel rays the whole picture's height, metres.
+    /// Full vertical angle, degrees; for parallel rays the picture's height, metres.
     #[serde(default)]
     fov_deg: Option<f64>,
     #[serde(default)]
     height_m: Option<f64>,
-    /// Offset of the picture's middle from the view axis, to the right and up, in its longer sides.
+    /// Offset of the picture's middle from the view axis, to the right and up, as a fraction of its longer
+    /// side.
     #[serde(default)]
     shift: [f64; 2],
-    /// Between which planes surfaces show, metres.
+    /// Distances of the clipping planes, metres.
     #[serde(default)]
     clip_m: Option<[f64; 2]>,
     #[serde(default)]
@@ -32,16 +33,16 @@ struct Opening {
     f_stop: f64,
     focus_distance_m: f64,
     sensor_width_m: f64,
-    /// 0 is a round one.
+    /// Number of blades; 0 is a round opening.
     #[serde(default)]
     blades: u32,
 }
 
-/// Name of its camera, which no file's has.
+/// Name of the viewer's camera, which no camera of a file can have.
 pub const NAME: &str = "\0viewer";
 
 impl Viewer {
-    /// Fault of it, if there is one.
+    /// Description of an invalid value, if there is one.
     pub fn fault(&self) -> Option<&'static str> {
         let is_length = |value: f64| value.is_finite() && value > 0.0;
         let world_from_camera = DMat4::from_cols_array(&self.matrix);
@@ -68,7 +69,7 @@ impl Viewer {
         faults.into_iter().find(|(is_fault, _)| *is_fault).map(|(_, fault)| fault)
     }
 
-    /// Puts its camera into a scene, in place of the last viewer's.
+    /// Puts the viewer's camera into a scene, in place of an earlier viewer's.
     pub fn put_into(&self, scene: &mut Scene) {
         let world_from_camera = DAffine3::from_mat4(DMat4::from_cols_array(&self.matrix));
         let motion = Motion::Still(world_from_camera);
