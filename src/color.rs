@@ -1,5 +1,5 @@
-//! Linear RGB in, linear RGB out. Invariant: every colour inside the renderer is linear Rec. 709;
-//! only textures and previews ever see the sRGB curve.
+//! Linear RGB colours. In goes linear or sRGB-encoded light, out comes the other. Invariant: every colour
+//! inside the renderer is linear Rec. 709; only textures and pictures for viewing use the sRGB curve.
 
 mod agx;
 mod blackbody;
@@ -23,10 +23,10 @@ pub use texels::{CodeCurve, Texels};
 /// Reflectances are in `0..=1`, radiances in W m^-2 sr^-1, irradiances in W m^-2, intensities in W/sr.
 pub type Rgb = DVec3;
 
-/// Lumens a watt, as Blender and glTF's importers count them whatever the colour.
+/// Luminous efficacy in lumens a watt of any colour, as Blender and glTF importers use it.
 pub const LUMENS_PER_WATT: f64 = 683.0;
 
-/// How much red, green and blue add to luminance (ITU-R BT.709, item 3.2).
+/// Weights of red, green and blue in luminance (ITU-R BT.709, item 3.2).
 const LUMINANCES: Rgb = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// Relative luminance of a linear Rec. 709 colour.

@@ -1,9 +1,9 @@
-//! The passes: pictures that a frame can hold beside its beauty. In goes a name, out come channels and how
-//! pixels are filtered. Invariant: everything that differs from pass to pass stands in one row of one table,
-//! but for the value itself (`film/pass_value.rs`).
+//! Passes: pictures that a frame can hold beside its beauty. In goes a name, out come channels and the rule
+//! for pixels. Invariant: all properties of a pass are in one row of one table, except its value
+//! (`film/pass_value.rs`).
 //!
-//! Names and types are those that Blender 5 shows as Depth, Normal, Position and Vector; a layer has one
-//! name and no nested dots.
+//! Channels have the names and types that Blender 5 shows as Depth, Normal, Position and Vector. A layer's
+//! name has no dots.
 
 use serde::Deserialize;
 
@@ -16,7 +16,7 @@ pub enum Precision {
     Float,
 }
 
-/// Rule by which the samples of a pixel become its value.
+/// Rule that makes a pixel's value from its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelRule {
     /// The weighted mean; a sample that shows no surface counts as the background.
@@ -24,22 +24,22 @@ pub enum PixelRule {
     /// The sample nearest to the pixel's centre. A mean of depths or of ids lies on neither surface;
     /// Cycles does the same.
     Nearest,
-    /// Coverage of each id.
+    /// Ids ranked by coverage.
     Ranked,
-    /// Estimate of the finished picture; no sample holds it.
+    /// Computed from the finished picture; samples have no value of it.
     Estimate,
 }
 
-/// Knowledge that a pass needs beyond the light along a ray.
+/// Data that a pass needs beyond light along a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// Nothing.
     Light,
-    /// The surface that is seen.
+    /// The visible surface.
     Surface,
-    /// Surface, and where it is a frame before and after.
+    /// The surface, and its position a frame before and after.
     Motion,
-    /// Surface, and its name.
+    /// The surface, and its name.
     Names,
 }
 
@@ -50,29 +50,29 @@ pub struct PassRow {
     pub name: &'static str,
     /// Description, for `--help`.
     pub shows: &'static str,
-    /// Full names, at most four, or three if they are averaged. None if the pass has its own way.
+    /// Full names, at most four, or three if they are averaged. Empty if the pass is written separately.
     pub channels: &'static [&'static str],
     /// Precision of the channels.
     pub precision: Precision,
-    /// Rule by which the samples of a pixel become its value.
+    /// Rule that makes a pixel's value from its samples.
     pub rule: PixelRule,
     /// Needs of the pass.
     pub needs: Needs,
     /// Unit of the values, `1` if they have none.
     pub unit: &'static str,
-    /// The value where no surface is seen.
+    /// Value without a surface.
     pub background: f32,
 }
 
-/// Name of Cryptomatte's layers, before their numbers.
+/// Name of Cryptomatte's layers, without their numbers.
 pub const MATTE_LAYER: &str = "CryptoObject";
 
-/// Depth of a pixel that shows no surface. Infinity trips readers up; Cycles writes this number.
+/// Depth of a pixel without a surface. Many readers cannot handle infinity; Cycles writes this number.
 const BACKGROUND_DEPTH_M: f32 = 1e10;
 
 macro_rules! passes {
     ($($variant:ident $name:literal $shows:literal [$($channel:literal),*] $precision:ident $rule:ident $needs:ident $unit:literal $background:expr;)*) => {
-        /// Pass of a frame beside its beauty. In RON a pass is called as its variant here.
+        /// Pass of a frame beside its beauty. RON files use the variants' names.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
         #[non_exhaustive]
         pub enum Pass {
@@ -80,10 +80,10 @@ macro_rules! passes {
         }
 
         impl Pass {
-            /// Every pass there is.
+            /// All passes.
             pub const ALL: &[Self] = &[$(Self::$variant),*];
 
-            /// All that differs from pass to pass.
+            /// Row of the table.
             pub const fn row(self) -> PassRow {
                 match self {
                     $(Self::$variant => PassRow {
@@ -102,7 +102,7 @@ macro_rules! passes {
     };
 }
 
-// In the order of their channels in a frame. Float holds ids exactly up to 2^24.
+// In the order of channels in a frame. Single precision holds ids exactly up to 2^24.
 passes! {
     Shafts "shafts" "Light scattered in the fog" ["shafts.R", "shafts.G", "shafts.B"] Half Mean Light "W m^-2 sr^-1" 0.0;
     Transmittance "transmittance" "What the fog lets through from the surface" ["transmittance.R", "transmittance.G", "transmittance.B"] Half Mean Light "1" 0.0;
@@ -124,18 +124,18 @@ impl Pass {
         self.row().name
     }
 
-    /// The pass of that name.
+    /// Pass of the given name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|pass| pass.name() == name)
     }
 
-    /// All names, for whoever has given another.
+    /// All names, for an error about an unknown one.
     pub fn names() -> String {
         Self::ALL.iter().map(|pass| pass.name()).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// Whether some pass needs something beyond light, so that it is worth computing.
+/// Whether some pass has a need that satisfies `what`.
 pub fn any_needs(passes: &[Pass], what: impl Fn(Needs) -> bool) -> bool {
     passes.iter().any(|pass| what(pass.row().needs))
 }

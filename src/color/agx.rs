@@ -1,4 +1,4 @@
-//! The AgX curve: scene light of any brightness to light that a display can show. In goes linear Rec. 709,
+//! AgX, a tone curve from scene light of any brightness to the range of a display. In goes linear Rec. 709,
 //! out comes linear Rec. 709 in `0..=1`. Invariant: grey stays grey, and more light never looks darker.
 //!
 //! It is Troy Sobotka's AgX as Blender 4 and later show it. Blender's table was made from Eary Chow's
@@ -29,14 +29,14 @@ const INSET: Mat3 = from_rows([
     [0.137_318_97, 0.761_242, 0.101_439_04],
     [0.111_898_21, 0.076_799_42, 0.811_302_37],
 ]);
-/// The inverse of primaries drawn in by 0.323, 0.283 and 0.037, not turned.
+/// Inverse of the mix with primaries drawn in by 0.323, 0.283 and 0.037, not turned.
 const OUTSET: Mat3 = from_rows([
     [1.127_100_6, -0.110_606_64, -0.016_493_94],
     [-0.141_329_76, 1.157_823_7, -0.016_493_94],
     [-0.141_329_76, -0.110_606_64, 1.251_936_4],
 ]);
 
-/// The light that is in the middle, between black and white.
+/// Linear value of middle grey, in the middle of the curve.
 const MIDDLE_GREY: f32 = 0.18;
 /// Stops from black to middle grey.
 const STOPS_BELOW: f32 = 10.0;
@@ -46,20 +46,20 @@ const STOPS_ABOVE: f32 = 6.5;
 const SLOPE: f32 = 2.4;
 /// Exponent of display light where the curve works (ITU-R BT.1886).
 const GAMMA: f32 = 2.4;
-/// Share that is kept of the change of hue from compressing channels one by one. With all of it orange
-/// becomes yellow before it becomes white.
+/// Share of the hue shift to keep that compression of single channels causes. With all of it orange turns
+/// yellow before it turns white.
 const HUE_SHIFT_KEPT: f32 = 0.4;
 
 const fn from_rows([a, b, c]: [[f32; 3]; 3]) -> Mat3 {
     Mat3::from_cols_array_2d(&[[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]])
 }
 
-/// Light as a display is to show it.
+/// Maps light to the range of a display.
 pub(super) fn agx(light: Vec3, look: Look) -> Vec3 {
     let mixed = look.graded(INSET * (REC_2020_FROM_REC_709 * light), MIDDLE_GREY);
     let formed = Vec3::from(mixed.to_array().map(|channel| encoded(channel).powf(GAMMA)));
     let turned = with_hue(formed, between_hues(hue(mixed), hue(formed), HUE_SHIFT_KEPT));
-    // What the display cannot show is cut off; Blender lifts it a little first.
+    // Values outside the display's gamut are clipped; Blender first lifts them a little.
     (REC_709_FROM_REC_2020 * (OUTSET * turned)).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
@@ -72,7 +72,7 @@ struct Arm {
     scale: f32,
 }
 
-/// Point where the arms meet, and both: below and above middle grey.
+/// Pivot of the sigmoid, where its arms meet, and the arms below and above it.
 static SIGMOID: LazyLock<(f32, [Arm; 2])> = LazyLock::new(|| {
     let x_pivot = STOPS_BELOW / (STOPS_BELOW + STOPS_ABOVE);
     let y_pivot = MIDDLE_GREY.powf(1.0 / GAMMA);
@@ -83,7 +83,7 @@ static SIGMOID: LazyLock<(f32, [Arm; 2])> = LazyLock::new(|| {
     (y_pivot, [arm(-1.0, x_pivot, y_pivot), arm(1.0, 1.0 - x_pivot, 1.0 - y_pivot)])
 });
 
-/// One channel of light to its encoded value in `0..=1`: a sigmoid of its logarithm, through middle grey.
+/// Encoded value of a channel in `0..=1`: a sigmoid of its logarithm, through middle grey.
 fn encoded(channel: f32) -> f32 {
     let (y_pivot, arms) = &*SIGMOID;
     let stops = (channel.max(f32::MIN_POSITIVE) / MIDDLE_GREY).log2().clamp(-STOPS_BELOW, STOPS_ABOVE);
@@ -93,7 +93,7 @@ fn encoded(channel: f32) -> f32 {
     y.clamp(0.0, 1.0)
 }
 
-/// Hue of the HSV model, `0..6`, 0 for red; of greys any.
+/// Hue of the HSV model, `0..6`, 0 for red; arbitrary for greys.
 fn hue(color: Vec3) -> f32 {
     let (most, spread) = (color.max_element(), color.max_element() - color.min_element());
     let Vec3 { x: r, y: g, z: b } = color;
@@ -106,7 +106,7 @@ fn hue(color: Vec3) -> f32 {
     around(hue)
 }
 
-/// A hue that has left the circle `0..6` by less than it is round.
+/// Wraps a hue into the circle `0..6`, from at most one turn outside it.
 fn around(hue: f32) -> f32 {
     if hue < 0.0 {
         hue + 6.0
@@ -117,13 +117,13 @@ fn around(hue: f32) -> f32 {
     }
 }
 
-/// The hue at a fraction of the shorter way from one to another.
+/// Hue at a fraction of the shorter arc between two hues.
 fn between_hues(from: f32, to: f32, fraction: f32) -> f32 {
     let way = around(to - from + 3.0) - 3.0;
     around(from + fraction * way)
 }
 
-/// The colour with the same largest and smallest channel and another hue.
+/// Colour with the same largest and smallest channel and another hue.
 fn with_hue(color: Vec3, hue: f32) -> Vec3 {
     let (most, least) = (color.max_element(), color.min_element());
     // Each channel is at its largest for a third of the circle, from one sixth before its own hue on.

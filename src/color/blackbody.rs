@@ -1,5 +1,5 @@
-//! Colour and brightness of what is hot. In go kelvin, out comes linear Rec. 709. Invariant: no channel is
-//! negative, and what is hotter is brighter.
+//! Blackbody radiation. In goes a temperature in kelvin, out comes linear Rec. 709. Invariant: no channel is
+//! negative, and luminance grows with temperature.
 
 use super::{Primaries, Rgb, luminance};
 use glam::{DMat3, DVec3};
@@ -21,27 +21,27 @@ pub struct Blackbody {
 /// Luminance by temperature.
 #[derive(Clone, Copy, Debug)]
 enum Brightness {
-    /// As Planck's law has it, times a number.
+    /// By Planck's law, times a factor.
     Planck(f64),
-    /// As all wavelengths together have it (Stefan and Boltzmann's law), beside that of so many kelvin.
+    /// By the Stefan-Boltzmann law, relative to the given temperature in kelvin.
     FourthPower(f64),
 }
 
 impl Blackbody {
-    /// Luminance is 1 at so many kelvin.
+    /// Blackbody with luminance 1 at a temperature in kelvin.
     pub fn of_luminance_1_at(kelvin: f64) -> Self {
         let raw =
             Self { rec_709_from_xyz: xyz_from_rec_709().inverse(), brightness: Brightness::Planck(1.0) };
         Self { brightness: Brightness::Planck(luminance(raw.at(kelvin)).recip()), ..raw }
     }
 
-    /// Luminance is 1 at so many kelvin, and grows with the fourth power of the temperature, as in Blender's
-    /// Principled Volume.
+    /// Blackbody with luminance 1 at a temperature in kelvin, which grows with the fourth power, as in
+    /// Blender's Principled Volume.
     pub fn by_fourth_power(kelvin: f64) -> Self {
         Self { brightness: Brightness::FourthPower(kelvin), ..Self::of_luminance_1_at(kelvin) }
     }
 
-    /// Its light; colours that Rec. 709 does not have lose what would be negative.
+    /// Colour at a temperature. Negative channels, of colours outside Rec. 709, become 0.
     pub fn at(&self, kelvin: f64) -> Rgb {
         if kelvin <= 0.0 {
             return Rgb::ZERO;
@@ -50,7 +50,7 @@ impl Blackbody {
         let xyz: DVec3 = (0..=steps)
             .map(|step| {
                 let nm = FIRST_NM + step as f64 * STEP_NM;
-                // Beside what it is at 560 nm, or next to nothing would be left of the numbers.
+                // Relative to 560 nm, to avoid underflow.
                 let planck = (nm / 560.0).powi(-5) / (SECOND_CONSTANT / (nm * 1e-9 * kelvin)).exp_m1();
                 planck * color_matching(nm)
             })

@@ -1,10 +1,9 @@
-//! Scene light to the bytes that a screen is sent. In goes linear Rec. 709 of any brightness, out come sRGB
-//! values. Invariant: a byte is a function of colour and place alone, and its mean over a place of 8 by 8
-//! pixels is the value.
+//! Display transform. In goes linear Rec. 709 of any brightness, out come sRGB values and bytes. Invariant: a
+//! byte depends on the colour and the pixel alone, and its mean over 8 by 8 pixels is the value.
 
 use super::{Look, Rgb, agx::agx, srgb_from_linear};
 
-/// How scene light is brought into the range of a display.
+/// Tone curve, from scene light to the range of a display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 pub enum Curve {
@@ -20,27 +19,27 @@ pub enum Curve {
 /// Light that a lens scatters over a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Bloom {
-    /// Under AgX a twentieth of what lies beyond white, such as a sun: its glare.
+    /// With AgX a twentieth of the light above white, such as a sun's glare; none otherwise.
     #[default]
     Auto,
-    /// Such a share of all light, `0..=1`.
+    /// The given share of all light, `0..=1`.
     Share(f64),
 }
 
-/// Display of pictures for eyes.
+/// Settings of pictures for viewing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
-    /// Brings the light into range.
+    /// Tone curve.
     pub curve: Curve,
-    /// Contrast, under AgX.
+    /// Contrast, with AgX.
     pub look: Look,
-    /// Brightens by powers of two before that.
+    /// Exposure in stops, applied before the curve.
     pub exposure_stops: f64,
-    /// Light that a lens scatters before all that; of a single colour nothing is known of it.
+    /// Light that a lens scatters, applied first. Single colours have none.
     pub bloom: Bloom,
 }
 
-/// Light beyond this is white under every curve, and its logarithm still finite.
+/// Largest value: light beyond it is white with every curve, and its logarithm stays finite.
 const GLARE: f64 = 1e9;
 
 /// Bayer's 8x8 threshold matrix (Bayer 1973, An optimum method for two-level rendition of
@@ -57,7 +56,7 @@ const BAYER: [[u8; 8]; 8] = [
 ];
 
 impl Display {
-    /// The values, `0..=1`, that a screen is sent for a colour.
+    /// Display values, `0..=1`, of a colour.
     pub fn encode(&self, color: Rgb) -> Rgb {
         let light = (color * self.exposure_stops.exp2()).clamp(Rgb::ZERO, Rgb::splat(GLARE));
         match self.curve {
@@ -67,14 +66,14 @@ impl Display {
         }
     }
 
-    /// Display values in bytes, at a pixel. An ordered dither rounds to the upper step the more often the
-    /// nearer a value is to it, so that smooth fog shows no bands.
+    /// Bytes of a colour at a pixel. Ordered dither rounds a value up with a frequency equal to its fraction,
+    /// so smooth fog shows no bands.
     pub fn bytes(&self, color: Rgb, x: usize, y: usize) -> [u8; 3] {
         dithered(self.encode(color), x, y)
     }
 }
 
-/// Bytes of values, `0..=1`, at a pixel.
+/// Dithered bytes of display values, `0..=1`, at a pixel.
 pub fn dithered(values: Rgb, x: usize, y: usize) -> [u8; 3] {
     let threshold = (f64::from(BAYER[y % 8][x % 8]) + 0.5) / 64.0;
     values.to_array().map(|value| (value * 255.0 + threshold) as u8)

@@ -1,10 +1,10 @@
-//! Looks of pictures for eyes. In goes light on its way to the AgX curve, out comes the same with more or
-//! less contrast. Invariant: middle grey stays, and `None` changes no bit.
+//! Looks of AgX. In goes light on its way to the curve, out comes the same with another contrast. Invariant:
+//! middle grey stays, and `None` changes no bit.
 
 use glam::Vec3;
 use serde::Deserialize;
 
-/// Look of the AgX curve, as Blender calls it.
+/// Look of AgX, with Blender's names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 #[non_exhaustive]
@@ -33,21 +33,21 @@ pub enum Look {
 /// Weights of saturation in OpenColorIO's primary grading.
 const LUMA: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
-/// Stops about middle grey that `AgX Log` has.
+/// Range of `AgX Log` in stops around middle grey.
 const STOPS: [f32; 2] = [-10.0, 15.0];
 
 /// Weights of `AgX - Greyscale`.
 const GREY: Vec3 = Vec3::new(0.258_923_54, 0.610_498_55, 0.130_577_94);
 
-/// Where in `AgX Log` the shadows of `AgX - Punchy` begin and are deepest, and their slopes there: of each
-/// channel, and of all.
+/// Values of `AgX Log` where the shadows of `AgX - Punchy` begin and are deepest, and their slopes there: of
+/// each channel, and of all.
 const SHADOWS: [f32; 2] = [0.4, 0.1];
 const SHADOW_SLOPES: [f32; 2] = [0.2, 0.35];
-/// Its power, which darkens all.
+/// Power of `AgX - Punchy`, which darkens everything.
 const POWER: f32 = 1.0912;
 
 impl Look {
-    /// Every look there is.
+    /// All looks.
     pub const ALL: [Self; 9] = [
         Self::None,
         Self::VeryHighContrast,
@@ -60,7 +60,7 @@ impl Look {
         Self::Greyscale,
     ];
 
-    /// Name that a person gives it by.
+    /// Name on the command line and in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -75,9 +75,9 @@ impl Look {
         }
     }
 
-    /// Light, mixed by the inset, as the look has it.
+    /// Applies the look to light that the inset has mixed.
     pub(super) fn graded(self, mixed: Vec3, middle_grey: f32) -> Vec3 {
-        // Contrast and saturation, as `GradingPrimaryTransform` of Blender's `config.ocio` has them.
+        // Contrast and saturation as in `GradingPrimaryTransform` of Blender's `config.ocio`.
         let (contrast, saturation) = match self {
             Self::None => return mixed,
             Self::Greyscale => return Vec3::splat(GREY.dot(mixed)),
@@ -97,14 +97,14 @@ impl Look {
     }
 }
 
-/// Light whose stops about middle grey are changed. `AgX Log` is linear in stops.
+/// Changes light in `AgX Log`, which is linear in stops around middle grey.
 fn in_stops(light: Vec3, middle_grey: f32, change: impl Fn(Vec3) -> Vec3) -> Vec3 {
     let [least, most] = STOPS;
     let stops = light.to_array().map(|light| (light / middle_grey).log2().clamp(least, most));
     middle_grey * Vec3::from(change(stops.into()).to_array().map(f32::exp2))
 }
 
-/// Deeper shadows, then a power, both in `AgX Log`, where stops from least to most are 0 to 1.
+/// Deepens shadows, then applies a power, both in `AgX Log`, where the range of stops is 0 to 1.
 fn punchy(stops: Vec3) -> Vec3 {
     let [least, most] = STOPS;
     let of_channel = |stops: f32| {
@@ -114,8 +114,8 @@ fn punchy(stops: Vec3) -> Vec3 {
     Vec3::from(stops.to_array().map(of_channel))
 }
 
-/// OpenColorIO's shadows of `GradingToneTransform`: from a slope at the deepest to 1 where they begin by two
-/// parabolas that meet in the middle; below goes a line.
+/// Shadows of OpenColorIO's `GradingToneTransform`: two parabolas lead from a slope at the deepest to 1 where
+/// shadows begin, and a line continues below.
 fn deepened(log: f32, slope: f32) -> f32 {
     let [start, deepest] = SHADOWS;
     let half = 0.5 * (start - deepest);

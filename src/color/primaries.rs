@@ -1,11 +1,12 @@
-//! Other primaries to ours. In go chromaticities, out comes a matrix. Invariant: white stays white.
+//! Conversion of primaries. In go chromaticities, out comes a matrix to Rec. 709. Invariant: white stays
+//! white.
 
 use glam::{DMat3, DVec2, DVec3};
 
 const D65: DVec2 = DVec2::new(0.3127, 0.329);
 const ACES_WHITE: DVec2 = DVec2::new(0.32168, 0.33767);
 
-/// The colours that R, G and B = 1 stand for, and their sum, as CIE 1931 x and y.
+/// Chromaticities of red, green, blue and white, as CIE 1931 x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Primaries {
     /// Red.
@@ -42,15 +43,15 @@ impl Primaries {
         Self { red, green, blue, white }
     }
 
-    /// Linear Rec. 709 from linear colours of these primaries; `None` if they span no colours. White is
-    /// adapted by Bradford's method (ICC.1:2022, annex E).
+    /// Matrix to linear Rec. 709 from linear colours of these primaries; `None` if they span no colours.
+    /// White is adapted by Bradford's method (ICC.1:2022, annex E).
     pub fn to_rec_709(self) -> Option<DMat3> {
         let ours = Self::REC_709.xyz_from_rgb()?;
         let matrix = ours.inverse() * adaptation(self.white, Self::REC_709.white) * self.xyz_from_rgb()?;
         matrix.is_finite().then_some(matrix)
     }
 
-    /// CIE XYZ from linear colours, white with Y = 1 (SMPTE RP 177, section 3.3).
+    /// Matrix to CIE XYZ from linear colours, white with Y = 1 (SMPTE RP 177, section 3.3).
     pub(super) fn xyz_from_rgb(self) -> Option<DMat3> {
         // Not scaled to Y = 1: primaries of CIE XYZ themselves have Y = 0.
         let column = |xy: DVec2| DVec3::new(xy.x, xy.y, 1.0 - xy.x - xy.y);

@@ -4,23 +4,23 @@
 use super::{Primaries, Rgb};
 use glam::DMat3;
 
-/// Elements of a matrix between primaries that are the same, but for the digits that files give.
+/// Largest difference of matrices of the same primaries, from rounded digits in files.
 const SAME_PRIMARIES: f64 = 1e-3;
 
-/// Meaning of a colour space's name.
+/// Meaning of a colour space's id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NamedSpace {
     /// Colours.
     Colors(ColorSpace),
-    /// Numbers that are no colours (`data`).
+    /// Numbers that are not colours (`data`).
     Data,
-    /// Whoever wrote it does not know (`unknown`).
+    /// Explicitly unknown (`unknown`).
     Unsaid,
-    /// A name that is not known here.
+    /// An id that is not supported.
     NotKnown,
 }
 
-/// A colour space whose colours can be had in linear Rec. 709.
+/// Colour space that can be converted to linear Rec. 709.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColorSpace {
     rec_709_from_linear: DMat3,
@@ -32,7 +32,7 @@ enum Curve {
     Linear,
     /// IEC 61966-2-1.
     Srgb,
-    /// Power to which it is linear.
+    /// Power of this exponent, from encoded to linear.
     Power(f64),
 }
 
@@ -40,27 +40,28 @@ impl ColorSpace {
     /// Linear Rec. 709.
     pub const OURS: Self = Self { rec_709_from_linear: DMat3::IDENTITY, curve: Curve::Linear };
 
-    /// Linear colours of these primaries; `None` if they span no colours.
+    /// Linear space of these primaries; `None` if they span no colours.
     pub fn linear(primaries: Primaries) -> Option<Self> {
         Some(Self { rec_709_from_linear: primaries.to_rec_709()?, curve: Curve::Linear })
     }
 
-    /// Whether colours are the same in both, but for the digits that files give.
+    /// Whether both spaces are the same, up to rounded digits in files.
     pub fn is_same(&self, other: &Self) -> bool {
         self.curve == other.curve && self.has_same_primaries(other)
     }
 
-    /// Whether linear colours of both mean the same.
+    /// Whether both have the same primaries.
     pub fn has_same_primaries(&self, other: &Self) -> bool {
         self.rec_709_from_linear.abs_diff_eq(other.rec_709_from_linear, SAME_PRIMARIES)
     }
 
-    /// Weights of red, green and blue of linear colours of this space in luminance.
+    /// Luminance weights of this space's linear red, green and blue.
     pub fn luminances(&self) -> Rgb {
         self.rec_709_from_linear.transpose() * super::LUMINANCES
     }
 
-    /// Colour in linear Rec. 709. Encoding is odd: negative values are encoded as positive ones.
+    /// Converts a colour to linear Rec. 709. The curve is odd: negative values are decoded like positive
+    /// ones.
     pub fn to_rec_709(self, color: Rgb) -> Rgb {
         let linear = |encoded: f64| match self.curve {
             Curve::Linear => encoded,
@@ -72,7 +73,8 @@ impl ColorSpace {
 }
 
 impl NamedSpace {
-    /// Space by its id: `lin_ap1_scene` is a curve, primaries, and whether it is of a scene or a display.
+    /// Space of an id. `lin_ap1_scene`, for example, has a curve, primaries, and whether it is of a scene or
+    /// a display.
     pub fn of(id: &str) -> Self {
         let known = id.strip_prefix("ocio:").unwrap_or(id);
         let mut words = known.split('_');
@@ -95,7 +97,7 @@ impl NamedSpace {
 fn curve_of(word: &str) -> Option<Curve> {
     Some(match word {
         "lin" => Curve::Linear,
-        // Of the extended range (`srgbe`) it is the same below 0 and above 1.
+        // The extended range (`srgbe`) continues below 0 and above 1.
         "srgb" | "srgbe" => Curve::Srgb,
         "g18" => Curve::Power(1.8),
         "g22" => Curve::Power(2.2),
@@ -113,7 +115,7 @@ fn matrix_of(word: &str) -> Option<DMat3> {
         "rec2020" => Primaries::REC_2020,
         "p3d65" => Primaries::P3_D65,
         "adobergb" => Primaries::ADOBE_RGB,
-        // CIE XYZ as it is, not scaled so that white is 1, 1, 1.
+        // CIE XYZ without scaling of white to 1, 1, 1.
         "ciexyzd65" => return Some(Primaries::REC_709.xyz_from_rgb()?.inverse()),
         _ => return None,
     };

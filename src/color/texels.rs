@@ -1,35 +1,35 @@
-//! Texels of images, as their files have them: in go codes, out comes linear light. Invariant: what is looked
-//! up is what single precision would hold, and an image takes no more memory than its codes.
+//! Texels of images, stored as in their files. In go codes, out comes linear light. Invariant: lookups equal
+//! those of single-precision texels, and memory is that of the codes.
 
 use super::linear_from_srgb;
 use glam::{DVec2, DVec4};
 use std::sync::LazyLock;
 
-/// Linear RGBA texels, row by row from the top. Two of them are equal if all that is looked up is.
+/// Linear RGBA texels, row by row from the top. They compare equal if all lookups are equal.
 #[derive(Clone, Debug)]
 pub struct Texels {
     stored: Stored,
-    /// Whether between texels of 8 bits codes are mixed, and not light.
+    /// Whether interpolation of 8-bit texels mixes codes, and not light.
     mixes_codes: bool,
 }
 
-/// Four numbers a texel.
+/// Texels, four numbers each.
 #[derive(Clone, Debug)]
 enum Stored {
     /// 8 bits each; colours become light by `curve`, one value a code.
     Bytes { codes: Vec<u8>, curve: &'static [f32] },
     /// 16 bits each, likewise.
     Words { codes: Vec<u16>, curve: &'static [f32] },
-    /// The light itself.
+    /// Linear light.
     Floats(Vec<[f32; 4]>),
 }
 
-/// Meaning of a colour's codes. Alpha is always itself.
+/// Encoding of a colour's codes. Alpha is always linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CodeCurve {
-    /// Colours in sRGB.
+    /// sRGB.
     Srgb,
-    /// Shares of the largest code.
+    /// Fractions of the largest code.
     Linear,
 }
 
@@ -38,7 +38,7 @@ static LINEAR_WORDS: LazyLock<Vec<f32>> = LazyLock::new(|| curve(u16::MAX, |shar
 static SRGB_BYTES: LazyLock<Vec<f32>> = LazyLock::new(|| curve(u8::MAX.into(), linear_from_srgb));
 static LINEAR_BYTES: LazyLock<Vec<f32>> = LazyLock::new(|| curve(u8::MAX.into(), |share| share));
 
-/// The light of every code up to `largest`.
+/// Table of the light of every code up to `largest`.
 fn curve(largest: u16, light: impl Fn(f64) -> f64) -> Vec<f32> {
     (0..=largest).map(|code| light(f64::from(code) / f64::from(largest)) as f32).collect()
 }
@@ -48,18 +48,19 @@ impl Texels {
         Self { stored, mixes_codes: false }
     }
 
-    /// From now on colours of 8 bits in sRGB are smoothed as they are stored, as Cycles does
-    /// (`svm_image_texture` in its `kernel/svm/image.h` decodes what was interpolated).
+    /// Interpolates 8-bit sRGB colours by their codes, as Cycles does (`svm_image_texture` in its
+    /// `kernel/svm/image.h` decodes after interpolation).
     pub fn mix_codes(&mut self) {
         self.mixes_codes = matches!(self.stored, Stored::Bytes { .. });
     }
 
-    /// Whether it does so.
+    /// Whether interpolation mixes codes.
     pub fn mixes_codes(&self) -> bool {
         self.mixes_codes
     }
 
-    /// What lies between four of them, row by row, so far from the first to the last.
+    /// Bilinear interpolation of four texels, row by row, at a fraction of the way from the first to the
+    /// last.
     ///
     /// # Panics
     /// If one of them does not exist.
@@ -104,7 +105,7 @@ impl Texels {
         Self::stored(Stored::Bytes { codes, curve })
     }
 
-    /// Texels from 16 bits a number, four numbers a texel; a rest of fewer is left out.
+    /// Creates texels from 16-bit numbers, four a texel; an incomplete last texel is dropped.
     pub fn of_words(codes: Vec<u16>, curve: CodeCurve) -> Self {
         let curve = match curve {
             CodeCurve::Srgb => SRGB_WORDS.as_slice(),
@@ -145,7 +146,7 @@ impl Texels {
         (0..self.len()).map(|index| self.get(index))
     }
 
-    /// All of them in single precision.
+    /// Linear colours of all texels in single precision.
     pub fn into_floats(self) -> Vec<[f32; 4]> {
         match self.stored {
             Stored::Floats(texels) => texels,
