@@ -5,7 +5,7 @@
 use crate::scene::{Size, Window};
 use std::ops::Range;
 
-/// Pixels along a block's side: few enough to follow an edge, enough for a mean over them to mean something.
+/// Pixels along a block's side: few enough to follow an edge, enough for a stable mean.
 pub const BLOCK_SIDE: usize = 8;
 
 /// The blocks that cover a part of a picture, row by row from the top.
@@ -24,7 +24,7 @@ impl Blocks {
         Self { full, columns: blocks(window.x, window.width), rows: blocks(window.y, window.height) }
     }
 
-    /// Blocks with those next to them, as far as there is a picture.
+    /// Blocks with their neighbours, inside the picture.
     pub fn with_neighbours(&self) -> Self {
         let grown = |blocks: &Range<usize>, pixels: usize| {
             blocks.start.saturating_sub(1)..(blocks.end + 1).min(pixels.div_ceil(BLOCK_SIDE))
@@ -38,12 +38,12 @@ impl Blocks {
         self.columns.len() * self.rows.len()
     }
 
-    /// The pixels of all of them.
+    /// Pixels of all blocks.
     pub fn window(&self) -> Window {
         self.pixels_of(self.columns.clone(), self.rows.clone())
     }
 
-    /// The block that a pixel of the full picture lies in.
+    /// Index of the block that contains a pixel of the full picture.
     pub fn index(&self, x: usize, y: usize) -> Option<usize> {
         let (column, row) = (x / BLOCK_SIDE, y / BLOCK_SIDE);
         let is_here = self.columns.contains(&column) && self.rows.contains(&row);
@@ -56,7 +56,7 @@ impl Blocks {
         self.pixels_of(column..column + 1, row..row + 1)
     }
 
-    /// A block and the up to eight around it.
+    /// Block and its neighbours, up to eight.
     pub fn neighbourhood(&self, block: usize) -> impl Iterator<Item = usize> {
         let (column, row) = self.place(block);
         let (columns, rows) = (self.columns.clone(), self.rows.clone());

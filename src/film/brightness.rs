@@ -1,41 +1,41 @@
-//! Brightness of a picture to a viewer. In goes a frame, out come the exposure with which a display shows it
-//! well, and whether next to nothing of it is seen. Invariant: only beauty and alpha count.
+//! Brightness of a picture to a viewer. In goes a frame, out come an exposure for its display and whether the
+//! picture looks black. Invariant: both depend on beauty and alpha alone.
 
 use super::Frame;
 use crate::color::{Rgb, luminance};
 use crate::scene::Window;
 
-/// Pictures whose average is a stop darker or brighter than middle grey (0.18) are shown as they are; others
-/// are brought to that, so that what was lit darkly stays rather dark.
+/// Least log average of a picture that is displayed unchanged, a stop below middle grey (0.18); the greatest
+/// is a stop above it. Other pictures are scaled to these bounds, so a dark picture stays rather dark.
 const DARKEST_AVERAGE: f64 = 0.09;
 const BRIGHTEST_AVERAGE: f64 = 0.36;
 
-/// Shadows count as if they were at least this part of the picture's median: how black they are says
-/// nothing of the rest.
+/// Least value of shadows in the average, relative to the picture's median, so that deep blacks do not
+/// dominate it.
 const DEEPEST_SHADOW: f64 = 1.0 / 256.0;
 
-/// No picture is brightened beyond where its brightest twentieth starts to be brighter than this:
-/// what is well lit stays so.
+/// Maximum of the brightest twentieth's lower bound after brightening, so that bright parts are not
+/// overexposed.
 const BRIGHTEST_TWENTIETH: f64 = 1.0;
 
-/// Maximum change of the exposure, in stops: what is darker counts as absent.
+/// Maximum change of the exposure in stops; anything darker counts as black.
 const MOST_STOPS: f64 = 16.0;
 
-/// Mean luminance of a picture's brightest hundredth, below which nobody sees anything: four
-/// stops below middle grey.
+/// Mean luminance of a picture's brightest hundredth below which the picture looks black: four stops below
+/// middle grey.
 const DARK: f64 = 0.01;
 
-/// A picture on which next to nothing is seen.
+/// Picture that looks black.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dark {
-    /// The share of it that things cover, seen or not, `0..=1`.
+    /// Share of the picture that surfaces cover, visible or not, `0..=1`.
     pub covered: f64,
 }
 
 impl Frame {
-    /// Exposure in powers of two with which a display should show the picture: 0 for most, in steps of a
-    /// half. The average is that of logarithms (Reinhard et al. 2002, "Photographic Tone Reproduction for
-    /// Digital Images", equation 1), over the pixels that show light.
+    /// Automatic exposure for the display, in stops: 0 for most pictures, in steps of a half. The average is
+    /// that of logarithms (Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images",
+    /// equation 1), over the pixels with light.
     pub fn auto_exposure_stops(&self) -> f64 {
         let mut lit: Vec<f64> =
             self.luminances().into_iter().filter(|light| *light > 0.0 && light.is_finite()).collect();
@@ -50,8 +50,8 @@ impl Frame {
         (2.0 * stops.clamp(-MOST_STOPS, MOST_STOPS)).round() / 2.0
     }
 
-    /// Whether next to nothing is seen. It is the brightest hundredth that has to be dark, so a lamp in the
-    /// night is none. Of a part of a picture nobody can tell.
+    /// Returns `Some` if the picture looks black. The brightest hundredth decides, so a lamp in the night
+    /// does not count. A crop returns `None`.
     pub fn darkness(&self) -> Option<Dark> {
         if self.window != Window::whole(self.full) {
             return None;
@@ -67,7 +67,7 @@ impl Frame {
         (brightest > 0 && sum < DARK * brightest as f64).then_some(Dark { covered })
     }
 
-    /// Luminance of every pixel; none if the frame has no colour. NaN is dark.
+    /// Luminance of every pixel; empty without R, G and B. NaN counts as 0.
     fn luminances(&self) -> Vec<f64> {
         let [Some(red), Some(green), Some(blue)] = ["R", "G", "B"].map(|name| self.channel(name)) else {
             return Vec::new();

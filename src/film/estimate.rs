@@ -1,32 +1,31 @@
-//! Error estimates of a picture from its own samples. In goes a film whose samples came in two halves. Out
-//! comes a variance for each pixel and each block of pixels. Invariant: a block is judged by its own
-//! pixels alone, and by all of them together. A pixel's two halves may agree by chance.
+//! Error estimates of a picture from its own samples. In goes a film whose samples are in two halves. Out
+//! come variances of pixels and of blocks of pixels. Invariant: a block's estimate uses all of its own pixels
+//! and no others, as the halves of a single pixel may agree by chance.
 
 use super::Film;
 use super::smooth::{FogPlanes, Smoothed};
 use crate::color::{Rgb, luminance};
 use crate::scene::Window;
 
-/// Estimate of a pixel by its samples.
+/// Estimate of a pixel from its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelEstimate {
     /// Luminance.
     pub luminance: f64,
-    /// Squared standard error of its colour: the mean over the channels, weighed as luminance weighs them. So
-    /// it is that of the luminance where all channels err alike, and more where they do not: an error of the
-    /// hue is one too. `None` without two halves.
+    /// Squared standard error of the colour: the mean over the channels, weighted as in luminance. It equals
+    /// the luminance's where channels err alike, and is larger where the hue errs. `None` without two halves.
     pub variance: Option<f64>,
 }
 
-/// Estimate of a block by its samples.
+/// Estimate of a block from its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockEstimate {
     /// Mean luminance of its pixels.
     pub luminance: f64,
-    /// Mean over its pixels of the squared standard error of their colour. Infinite where no
-    /// pixel has two halves.
+    /// Mean over the pixels of the squared standard error of their colour. Infinite if no pixel has two
+    /// halves.
     pub variance: f64,
-    /// Variance of its pixels' luminance that is not noise: its contrast, by its luminance, squared.
+    /// Variance of the pixels' luminance beyond noise, relative to the squared luminance: the contrast.
     pub detail: f64,
 }
 
@@ -54,8 +53,8 @@ impl Film {
 }
 
 impl Film {
-    /// Estimates of a part of the picture by that part alone, one a pixel that has samples. `completion` is
-    /// the factor on variances by which halves complete one another.
+    /// Estimates of the pixels with samples in a part of the picture, from that part alone. `completion` is
+    /// the factor on variances for halves that complete one another.
     pub fn estimates(&self, part: Window, completion: f64) -> Vec<((usize, usize), PixelEstimate)> {
         let of_pixel = |pixel| {
             let PixelEstimate { luminance, variance } = self.estimate(pixel)?;
@@ -74,7 +73,7 @@ impl Film {
         estimates
     }
 
-    /// A part with its shafts smoothed, if they are.
+    /// Part with smoothed shafts, if the film smooths them.
     fn smoothed(&self, part: Window, completion: f64) -> Option<Smoothed> {
         let is_smoothed = !self.fog.is_empty();
         let variance = |pixel| {
@@ -86,7 +85,7 @@ impl Film {
         is_smoothed.then(new)
     }
 
-    /// Fog in a part of the picture.
+    /// Planes of fog in a part of the picture.
     pub(super) fn fog_planes(&self, part: Window) -> FogPlanes {
         let plane = |channel: usize| -> Vec<f32> {
             let mean = |(x, y): (usize, usize)| {
@@ -100,8 +99,8 @@ impl Film {
 }
 
 impl BlockEstimate {
-    /// Estimate over those of its pixels that are known. Where there is but one half, half as many samples
-    /// vary twice as much.
+    /// Estimate over the pixels with known errors. A pixel with one half has half as many samples, and so
+    /// twice the variance.
     pub fn of(pixels: impl Iterator<Item = PixelEstimate> + Clone) -> Self {
         let (mut variances, mut judged, mut count) = (0.0, 0.0, 0.0);
         for pixel in pixels.clone() {
@@ -117,7 +116,7 @@ impl BlockEstimate {
         Self::new(pixels.map(|pixel| pixel.luminance), variance)
     }
 
-    /// Estimate by the luminance of each pixel and their mean squared error.
+    /// Estimate from the luminances of pixels and their mean squared error.
     pub fn new(luminances: impl Iterator<Item = f64>, variance: f64) -> Self {
         let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0_f64);
         for luminance in luminances {

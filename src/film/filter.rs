@@ -1,33 +1,31 @@
-//! The window of Blackman and Harris, by which a pixel can be a mean of what is around it. In goes a distance
-//! from the pixel's centre, out comes a weight; or the other way round, for samples that all weigh the same.
-//! Invariant: the weight is that of one axis, and adds up to 1.
+//! Blackman-Harris reconstruction filter. In goes a distance from the pixel's centre, out comes a weight; or
+//! an offset for samples of equal weight. Invariant: the weight is that of one axis, and integrates to 1.
 
 use std::array;
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
-/// Width of the window, pixels: as Blender has it unless told otherwise.
+/// Width of the filter in pixels, Blender's default.
 const WIDTH_PX: f64 = 1.5;
 
 /// Terms of 0 to 3 waves (Harris 1978, "On the use of windows for harmonic analysis with the discrete
 /// Fourier transform", table 1, four terms, minimum).
 const TERMS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 
-/// Entries of both tables. Between them the weight is found to 1e-5, places to 1e-4 pixels but at the very
-/// ends, where hardly any sample lies.
+/// Entries of both tables. Interpolation is accurate to 1e-5 for weights, and to 1e-4 pixels for offsets,
+/// except at the ends, where hardly any samples are.
 const ENTRIES: usize = 1024;
 
 /// Weight of a sample at a distance from the pixel's centre along one axis; 0 beyond 0.75 pixels.
 pub fn weight(distance_px: f64) -> f64 {
-    // One more entry, so that there is one beyond every place.
+    // One more entry than intervals, so that the last interval has two ends.
     static TABLE: LazyLock<[f64; ENTRIES + 2]> =
         LazyLock::new(|| array::from_fn(|entry| window(entry as f64 / ENTRIES as f64 * 0.5 * WIDTH_PX)));
     let at = distance_px.abs() * (ENTRIES as f64 / (0.5 * WIDTH_PX));
     if at >= ENTRIES as f64 { 0.0 } else { between(TABLE.as_slice(), at) }
 }
 
-/// Offset from the pixel's centre of a sample that is drawn with the density of [`weight`], for a number
-/// in `0..1`.
+/// Offset from the pixel's centre of a sample with the density of [`weight`], for a number in `0..1`.
 pub fn offset_px(number: f64) -> f64 {
     static TABLE: LazyLock<[f64; ENTRIES + 2]> =
         LazyLock::new(|| array::from_fn(|entry| where_sum_is(entry as f64 / ENTRIES as f64)));
@@ -40,14 +38,14 @@ fn between(table: &[f64], at: f64) -> f64 {
     table[entry] + (at - entry as f64) * (table[entry + 1] - table[entry])
 }
 
-/// The window, whose values add up to 1 over its width.
+/// Value of the filter, which integrates to 1 over its width.
 fn window(distance_px: f64) -> f64 {
     let turn = TAU / WIDTH_PX * distance_px;
     let waves = (1..).zip(&TERMS[1..]).map(|(times, term)| term * (f64::from(times) * turn).cos());
     (TERMS[0] + waves.sum::<f64>()) / (TERMS[0] * WIDTH_PX)
 }
 
-/// Integral of the [`window`] to one side of a place.
+/// Integral of the [`window`] up to a place.
 fn sum(distance_px: f64) -> f64 {
     let turn = TAU / WIDTH_PX * distance_px;
     let waves = (1..).zip(&TERMS[1..]).map(|(times, term)| {
@@ -57,7 +55,7 @@ fn sum(distance_px: f64) -> f64 {
     0.5 + distance_px / WIDTH_PX + waves.sum::<f64>() / TERMS[0]
 }
 
-/// The inverse of [`sum`], by halving.
+/// Inverse of [`sum`], by bisection.
 fn where_sum_is(wanted: f64) -> f64 {
     let (mut low, mut high) = (-0.5 * WIDTH_PX, 0.5 * WIDTH_PX);
     for _ in 0..52 {

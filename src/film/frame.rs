@@ -1,5 +1,5 @@
-//! A finished picture: named channels of pixels. Invariant: every channel has one value for each
-//! pixel of the window, row by row from the top.
+//! Finished picture of named channels. In go channels, out come parts, sums and defects. Invariant: every
+//! channel has one value for each pixel of the window, row by row from the top.
 
 use crate::passes::{MATTE_LAYER, Pass, Precision};
 use crate::scene::{Size, Window};
@@ -12,12 +12,12 @@ pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 /// The largest value that a half-precision channel can store.
 pub const HALF_MAX: f32 = 65504.0;
 
-/// A finished picture, or the part of it inside `window`.
+/// Finished picture, or its part inside `window`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// Size of the full picture (EXR: the display window).
     pub full: Size,
-    /// The part that there are pixels of.
+    /// Part that has pixels.
     pub window: Window,
     /// The channels, in no particular order; names are unique.
     pub channels: Vec<Channel>,
@@ -35,9 +35,9 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Whether its values are names of things: they are equal or not, and neither near nor far.
+    /// Whether values are ids, which compare only as equal or different.
     pub fn holds_ids(&self) -> bool {
-        // Of a Cryptomatte layer every other channel holds ids, the rest coverages.
+        // In a Cryptomatte layer the channels alternate between ids and coverages.
         self.name == "leaf_id.X" || self.name.starts_with(MATTE_LAYER) && self.name.ends_with(['R', 'B'])
     }
 }
@@ -53,12 +53,12 @@ pub struct FrameDefects {
     pub clamped: DefectCount,
 }
 
-/// Number of one kind's defects, and the first place.
+/// Number of defects of one kind, and the place of the first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DefectCount {
     /// Values concerned, over all channels.
     pub count: usize,
-    /// The first of them: by channel, then row, then column.
+    /// First defect: by channel, then row, then column.
     pub first: Option<PixelPlace>,
 }
 
@@ -74,13 +74,13 @@ pub struct PixelPlace {
 }
 
 impl Precision {
-    /// The half that a value is stored as. Finite values beyond the range become the largest one;
-    /// infinity and NaN stay.
+    /// Half-precision value as stored. Finite values beyond the range become the largest one; infinity and
+    /// NaN stay.
     pub fn half_from(value: f32) -> f16 {
         f16::from_f32(if value.is_finite() { value.clamp(-HALF_MAX, HALF_MAX) } else { value })
     }
 
-    /// The value as it is after being stored.
+    /// Value after storage.
     pub fn stored(self, value: f32) -> f32 {
         match self {
             Self::Half => Self::half_from(value).to_f32(),
@@ -90,14 +90,14 @@ impl Precision {
 }
 
 impl Channel {
-    /// A channel from its parts.
+    /// Creates a channel.
     pub fn new(name: &str, precision: Precision, pixels: Vec<f32>) -> Self {
         Self { name: name.to_owned(), precision, pixels }
     }
 }
 
 impl Frame {
-    /// Frame of another window, black where there are no pixels.
+    /// Frame with another window, black outside its own pixels.
     pub fn within(self, window: Window) -> Self {
         if self.window == window {
             return self;
@@ -109,8 +109,8 @@ impl Frame {
         Self { full: self.full, window, channels: self.channels.iter().map(channel).collect() }
     }
 
-    /// Adds the light of another picture of the same passes: beauty and shafts. What the other says of
-    /// surfaces and fog it says of the same ones, so that stays.
+    /// Adds beauty and shafts of another picture with the same passes. Passes of surfaces and fog are the
+    /// same in both, and stay.
     pub fn add_light(&mut self, other: &Self) {
         const LIGHT: [&str; 12] = [
             "R",
@@ -134,7 +134,7 @@ impl Frame {
         }
     }
 
-    /// The part of it inside another window, which must lie in its own.
+    /// Part inside another window, which must lie within its own.
     pub fn part(&self, window: Window) -> Self {
         let part_of = |channel: &Channel| {
             let pixels = window.pixels().filter_map(|(x, y)| self.window.index(x, y));
@@ -147,14 +147,14 @@ impl Frame {
         Self { full: self.full, window, channels: self.channels.iter().map(part_of).collect() }
     }
 
-    /// A copy without passes.
+    /// Copy without passes.
     pub fn colors(&self) -> Self {
         let colors = BEAUTY.into_iter().filter_map(|name| self.channel(name).cloned());
         Self { channels: colors.collect(), ..*self }
     }
 
-    /// A whole picture at a larger size, or the part of that inside a window: each pixel is the one that it
-    /// lies in.
+    /// Frame enlarged to another size, or a part of it inside a window. Each pixel has the value of the one
+    /// that contains it.
     pub fn enlarged(&self, full: Size, window: Window) -> Self {
         let own = self.full;
         let pixel_of =
@@ -167,13 +167,13 @@ impl Frame {
         Self { full, window, channels: channels.collect() }
     }
 
-    /// The channel of that name.
+    /// Channel of the given name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// Shows the shafts in place of the beauty, with alpha for how much of what is behind them fog hides, on
-    /// the mean of the colours. It needs both passes.
+    /// Replaces the beauty by the shafts, with one minus the mean transmittance as alpha. Both passes are
+    /// required.
     pub fn show_shafts_alone(&mut self) {
         let of = |pass: Pass| pass.row().channels.iter().map(|name| Some(self.channel(name)?.pixels.clone()));
         let shafts: Option<Vec<_>> = of(Pass::Shafts).collect();
@@ -189,13 +189,13 @@ impl Frame {
         }
     }
 
-    /// Leaves out the channels of these passes.
+    /// Removes the channels of these passes.
     pub fn drop_passes(&mut self, passes: &[Pass]) {
         let is_dropped = |name: &str| passes.iter().any(|pass| pass.row().channels.contains(&name));
         self.channels.retain(|channel| !is_dropped(&channel.name));
     }
 
-    /// Counts NaN, infinity and values beyond the range of their channel, and says where they begin.
+    /// Counts NaN, infinity and values beyond the range of their channel, each with its first place.
     pub fn check(&self) -> FrameDefects {
         let mut defects = FrameDefects::default();
         for channel in &self.channels {
@@ -221,7 +221,7 @@ impl Frame {
 }
 
 impl FrameDefects {
-    /// True if the frame must not be used: it holds NaN or infinity.
+    /// Whether the frame is unusable: it holds NaN or infinity.
     pub fn are_fatal(&self) -> bool {
         self.nan.count > 0 || self.infinite.count > 0
     }

@@ -1,13 +1,14 @@
-//! Pixels without a sample take over from their neighbours, ring by ring from the rim of each
-//! hole inwards. Invariant: pixels with a sample do not change, and the result does not depend on
-//! any order of threads.
+//! Filling of pixels without samples. In go channels, out come the same with values from neighbours, ring by
+//! ring from the rim of each hole inwards. Invariant: pixels with samples do not change, and the order of
+//! threads has no effect.
 
 use super::{Channel, Window};
 
-/// Fills every pixel that is not `known`. The first `mean_channels` channels take the mean of the known among
-/// the eight neighbours, the others the first known one in reading order, for ids and depths do not mix.
+/// Fills every pixel that is not `known`. In the first `mean_channels` channels it gets the mean of its known
+/// neighbours. In the others it gets the first known one's value in reading order, as ids and depths do not
+/// mix.
 ///
-/// A window without any known pixel is left as it is.
+/// A window without known pixels stays as it is.
 pub(super) fn fill(window: Window, mut known: Vec<bool>, channels: &mut [Channel], mean_channels: usize) {
     let mut holes: Vec<usize> = (0..known.len()).filter(|&pixel| !known[pixel]).collect();
     while !holes.is_empty() {
@@ -28,7 +29,7 @@ pub(super) fn fill(window: Window, mut known: Vec<bool>, channels: &mut [Channel
         if filled.is_empty() {
             return;
         }
-        // Only now, so that a ring sees the ring before it and nothing of itself.
+        // After the ring, so that its pixels do not fill each other.
         for &pixel in &filled {
             known[pixel] = true;
         }

@@ -1,15 +1,15 @@
-//! Light of many hues. In go samples by single points of a light, each with its hue, out come colours as all
-//! of the light gives them. Invariant: what does not depend on the light is left as it is, and where all
-//! points are seen alike no hue of a single one is left.
+//! Correction of colours under a light with a picture. In go samples of single points of the light, each with
+//! its hue, out come colours under the whole light. Invariant: light from elsewhere does not change, and
+//! where all points are equally visible no single point's hue remains.
 //!
-//! A picture on a sun has points that are red and points that are blue, and a pixel has met a few of them. By
-//! how much these are redder than all of the sun is known: its own hue is 1. So what the light gives is
-//! corrected by that, in each channel on its own.
+//! A picture on a sun has red points and blue points, and a pixel samples only a few of them. The mean hue of
+//! the whole sun is 1, so the error of the sampled mean is known. The light's contribution is corrected by
+//! it, channel by channel.
 
 use crate::color::Rgb;
 use crate::transport::Sample;
 
-/// Numbers that a sample's part is packed in.
+/// Packed numbers of a sample.
 pub(super) const PACKED: usize = 9;
 
 /// A pixel's weighted sums.
@@ -19,7 +19,7 @@ pub(super) struct HueSums {
     /// Radiance of the light, without hues, and with them.
     plain: Rgb,
     hued: Rgb,
-    /// Part that was scattered in fog, likewise.
+    /// Part that was scattered in fog, without and with hues.
     plain_shafts: Rgb,
     hued_shafts: Rgb,
 }
@@ -33,7 +33,7 @@ impl HueSums {
         self.hued_shafts += other.hued_shafts;
     }
 
-    /// Adds a packed sample's part.
+    /// Adds the packed numbers of a sample.
     pub(super) fn add_packed(&mut self, packed: &[f32], weight: f64) {
         let color = |at: usize| Rgb::from_array([0, 1, 2].map(|i| f64::from(packed[at + i])));
         let (hue, plain, plain_shafts) = (color(0), weight * color(3), weight * color(6));
@@ -41,7 +41,7 @@ impl HueSums {
         self.add(&Self { hue: weight * hue, plain, hued, plain_shafts, hued_shafts });
     }
 
-    /// Difference of sums.
+    /// Difference of two sums.
     pub(super) fn without(&self, part: &Self) -> Self {
         Self {
             hue: self.hue - part.hue,
@@ -52,40 +52,39 @@ impl HueSums {
         }
     }
 
-    /// Difference to add to the radiance of samples of a total weight, whose light has no hue yet.
+    /// Correction to add to the weighted radiance of samples, whose light has no hue yet.
     pub(super) fn missing(&self, weight: f64) -> Rgb {
         by_all_hues(self.plain, self.hued, self.hue / weight) - self.plain
     }
 
-    /// Difference to add to the part that was scattered in fog.
+    /// Correction to add to the part that was scattered in fog.
     pub(super) fn missing_shafts(&self, weight: f64) -> Rgb {
         by_all_hues(self.plain_shafts, self.hued_shafts, self.hue / weight) - self.plain_shafts
     }
 }
 
-/// Estimate of a whole light by points of it whose mean hue is `hue`.
+/// Estimate under the whole light from points with the mean hue `hue`.
 ///
-/// Where these are brighter in a channel than all points together they are divided by that (the ratio
-/// estimate: Cochran 1977, "Sampling Techniques", 6.2). Where they are darker, and perhaps without any
-/// light, the rest is added as it would come without hues (the difference estimate, 7.1). Neither is below
-/// 0, and both are right at once if all points are seen alike. Else they err by what visibility and hue
-/// have in common, which falls as samples grow in number.
+/// Where the mean hue of a channel is above 1, the sum is divided by it (the ratio estimate: Cochran 1977,
+/// "Sampling Techniques", 6.2). Where it is below 1, and perhaps 0, the missing share is added without hues
+/// (the difference estimate, 7.1). Neither is negative, and both are exact if all points are equally visible.
+/// Else their error is the covariance of visibility and hue, and falls with the number of samples.
 fn by_all_hues(plain: Rgb, hued: Rgb, hue: Rgb) -> Rgb {
     let channel =
         |i: usize| if hue[i] > 1.0 { hued[i] / hue[i] } else { hued[i] + plain[i] * (1.0 - hue[i]) };
     Rgb::from_array([0, 1, 2].map(channel))
 }
 
-/// A sample's part as numbers.
+/// Packs a sample's light.
 pub(super) fn packed(sample: &Sample) -> [f32; PACKED] {
-    // What does not come straight from the light has the hue of all of it.
+    // All other light counts as that of the whole light, and needs no correction.
     let of_light = sample.radiance - sample.emitted - sample.indirect - sample.indirect_shafts;
     let [h, p, s] =
         [sample.hue, of_light, sample.shafts - sample.indirect_shafts].map(|color| color.to_array());
     [h[0], h[1], h[2], p[0], p[1], p[2], s[0], s[1], s[2]].map(|value| value as f32)
 }
 
-/// Corrects the red, green and blue of a picture whose samples weigh `weights`, by what is missing of them.
+/// Corrects the red, green and blue of a picture whose samples have the total `weights`, by `missing`.
 pub(super) fn correct<'a>(
     planes: impl Iterator<Item = &'a mut Vec<f32>>,
     hues: &[[HueSums; 2]],

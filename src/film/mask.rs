@@ -1,15 +1,16 @@
-//! Mask of pixels that want samples. Invariant: pixels outside the window never do.
+//! Mask of pixels to sample. In go a window and a predicate, out comes a set of pixels. Invariant: it holds
+//! no pixel outside the window.
 
 use super::BLOCK_SIDE;
 use crate::scene::{Size, Window};
 
-/// A set of pixels of the full picture.
+/// Set of pixels of the full picture.
 #[derive(Clone, Debug)]
 pub struct Mask {
     window: Window,
     wanted: Vec<bool>,
-    /// The blocks that the window touches, in blocks from the picture's corner, and which of them
-    /// hold some of the pixels.
+    /// Blocks that the window touches, in blocks from the picture's corner, and which of them contain pixels
+    /// of the set.
     blocks: Window,
     is_inhabited: Vec<bool>,
 }
@@ -20,7 +21,7 @@ impl Mask {
         Self::from_fn(window, |_, _| true)
     }
 
-    /// The pixels `(x, y)` of a window of which `wanted` says so.
+    /// Pixels `(x, y)` of a window for which `wanted` is true.
     pub fn from_fn(window: Window, mut wanted: impl FnMut(usize, usize) -> bool) -> Self {
         let span = |from: usize, count: usize| {
             let first = from / BLOCK_SIDE;
@@ -39,7 +40,7 @@ impl Mask {
         Self { window, wanted: wanted.collect(), blocks, is_inhabited }
     }
 
-    /// Mask with the pixels next to it, as far as the picture reaches.
+    /// Mask with the neighbours of its pixels, inside the picture.
     pub fn with_rim(&self, full: Size) -> Self {
         if self.window == Window::whole(full) && self.wanted.iter().all(|wanted| *wanted) {
             return self.clone();
@@ -54,12 +55,12 @@ impl Mask {
         self.wanted.iter().filter(|wanted| **wanted).count()
     }
 
-    /// Whether a pixel of the full picture is one of them.
+    /// Whether the mask contains a pixel of the full picture.
     pub fn contains(&self, x: usize, y: usize) -> bool {
         self.window.index(x, y).is_some_and(|index| self.wanted[index])
     }
 
-    /// Blocks of the picture that hold some of them.
+    /// Blocks of the picture that contain pixels of the mask.
     pub fn inhabited_blocks(&self) -> impl Iterator<Item = Window> {
         let inhabited =
             self.blocks.pixels().zip(&self.is_inhabited).filter(|(_, is_inhabited)| **is_inhabited);
@@ -71,8 +72,8 @@ impl Mask {
         })
     }
 
-    /// Pixels around one that is not wanted, of which none is either: its block, or it alone.
-    /// `None` if it is wanted.
+    /// For a pixel outside the mask, a window around it that has no pixel of the mask: its block, or the
+    /// pixel alone. `None` for a pixel of the mask.
     pub fn unwanted_around(&self, x: usize, y: usize) -> Option<Window> {
         let (column, row) = (x / BLOCK_SIDE, y / BLOCK_SIDE);
         let is_inhabited = self.blocks.index(column, row).is_some_and(|block| self.is_inhabited[block]);

@@ -1,17 +1,16 @@
-//! Who covers a pixel, and how much of it. In go ids with shares of samples, out come channels of ids and
-//! coverages, ranked. Invariant: an id stands once in a pixel's list, and none is dropped before the
-//! ranks are known.
+//! Cryptomatte's ids and coverages of pixels. In go ids with shares of samples, out come ranked channels.
+//! Invariant: an id occurs once in a pixel's list, and none is dropped before ranking.
 
 use super::{Channel, Precision};
 use crate::passes::MATTE_LAYER;
 use crate::transport::{MATTES_OF_A_SAMPLE, Matte};
-/// Layers of two ids and their coverages each: six ranks, as many as Blender has by default.
+/// Number of layers, with two ids and coverages each: six ranks, Blender's default.
 const LAYERS: usize = 3;
 
-/// Numbers that a sample's shares are packed in.
+/// Packed numbers of a sample.
 pub(super) const PACKED: usize = 2 * MATTES_OF_A_SAMPLE;
 
-/// A pixel's ids, each with the weight of the samples that show it, in the order in which they came.
+/// Ids of a pixel, each with the weight of the samples that show it, in the order of arrival.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MatteList(Vec<(u32, f64)>);
 
@@ -23,12 +22,12 @@ impl MatteList {
         }
     }
 
-    /// Adds what another list of the same pixel holds.
+    /// Adds another list of the same pixel.
     pub(super) fn append(&mut self, other: &Self) {
         other.0.iter().for_each(|&(id, weight)| self.add(id, weight));
     }
 
-    /// Adds a packed sample's shares.
+    /// Adds the packed shares of a sample.
     pub(super) fn add_packed(&mut self, packed: &[f32], weight: f64) {
         for pair in packed.chunks_exact(2) {
             if pair[1] > 0.0 {
@@ -37,7 +36,7 @@ impl MatteList {
         }
     }
 
-    /// The largest first; of equal ones the smallest id.
+    /// Ids by decreasing weight; equal ones by increasing id.
     fn ranked(&self) -> Vec<(u32, f64)> {
         let mut ranked = self.0.clone();
         ranked.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -45,7 +44,7 @@ impl MatteList {
     }
 }
 
-/// A sample's shares as numbers: ids as the bits of single-precision ones.
+/// Packs a sample's shares: ids as the bits of single-precision numbers.
 pub(super) fn packed(mattes: &[Matte; MATTES_OF_A_SAMPLE]) -> [f32; PACKED] {
     let mut packed = [0.0; PACKED];
     for (pair, matte) in packed.chunks_exact_mut(2).zip(mattes) {
@@ -54,8 +53,8 @@ pub(super) fn packed(mattes: &[Matte; MATTES_OF_A_SAMPLE]) -> [f32; PACKED] {
     packed
 }
 
-/// Channels of a film's pixels, whose samples weigh `weights`: `CryptoObject00.RGBA` and so on, an id and its
-/// coverage in each pair (Cryptomatte specification 1.2.0).
+/// Channels of a film's pixels, whose samples have the total `weights`: `CryptoObject00.RGBA` and so on, with
+/// an id and its coverage in each pair (Cryptomatte specification 1.2.0).
 pub(super) fn channels(lists: &[MatteList], weights: &[f64]) -> Vec<Channel> {
     let names = (0..LAYERS).flat_map(|layer| "RGBA".chars().map(move |letter| (layer, letter)));
     let mut channels: Vec<Channel> = names

@@ -1,7 +1,7 @@
-//! Samples become pixels. In go any number of weighted [`Sample`]s a pixel, in any order and from any
-//! method; out comes a [`Frame`] of named channels. Invariant: a pixel keeps only sums of weight and of
-//! weight times value, which are divided once, at the end. So nothing assumes one ray per pixel sample,
-//! or weights with a known total.
+//! Film, which turns samples into pixels. In go any number of weighted [`Sample`]s a pixel, in any order and
+//! from any method; out comes a [`Frame`] of named channels. Invariant: a pixel keeps sums of weights and of
+//! weighted values, which are divided once, at the end. So a pixel may have any number of rays, and any total
+//! weight.
 
 mod blocks;
 mod brightness;
@@ -36,45 +36,44 @@ pub use mask::Mask;
 pub use smooth::REACH_PX;
 pub use splats::{Splat, Splats};
 
-/// Sums over the samples of a rectangle of the picture, for the beauty and the passes asked for.
+/// Sums over the samples of a rectangle of the picture, for the beauty and the requested passes.
 #[derive(Clone, Debug)]
 pub struct Film {
     full: Size,
     window: Window,
     passes: KeptPasses,
-    /// A pixel's sum of weights; 0 is a pixel without a sample.
+    /// Sum of a pixel's weights; 0 without samples.
     weights: Vec<f64>,
     /// A pixel's weighted sums: red, green, blue, alpha, then three for each pass that is averaged.
     sums: Vec<f64>,
     /// Sums of the fresh half of a pixel's samples: weight, and weighted red, green and blue.
     fresh: Vec<[f64; 4]>,
-    /// Sums by which shafts are smoothed: their weighted red, green and blue, and weighted transmittance, the
-    /// mean over the channels; empty if they are not.
+    /// Sums for smoothing shafts: their weighted red, green and blue, and weighted transmittance, the mean
+    /// over the channels. Empty without smoothing.
     fog: Vec<[f32; 4]>,
-    /// Distance of its nearest sample from a pixel's centre.
+    /// Distance of the nearest sample from a pixel's centre.
     nearest_distances_px: Vec<f32>,
-    /// Values of that sample: the channels of the other passes, pixel by pixel.
+    /// Values of that sample in the other passes, pixel by pixel.
     nearest_values: Vec<f32>,
-    /// Sums of hues of each pixel's samples, all of them and the fresh half; empty if the light has none.
+    /// Sums of hues of each pixel's samples, of all and of the fresh half; empty if the light has no hues.
     hues: Vec<[HueSums; 2]>,
-    /// Objects that cover each pixel; empty unless somebody asks.
+    /// Objects that cover each pixel; empty without Cryptomatte.
     mattes: Vec<MatteList>,
 }
 
-/// Zeros in memory that has been written to: a sum reads its memory first, for which the system would show a
-/// page of zeros and then, for the write, another.
+/// Zeros in memory that was written once. Otherwise the first addition would fault twice a page: for a shared
+/// page of zeros on the read, then for a page of its own on the write.
 fn written_zeros(count: usize) -> Vec<f64> {
     std::iter::repeat_n(std::hint::black_box(0.0), count).collect()
 }
 
 impl Film {
-    /// An empty film for `window` of a picture of size `full`. Passes not asked for take no memory.
+    /// Creates an empty film for `window` of a picture of size `full`. Other passes take no memory.
     pub fn new(full: Size, window: Window, passes: &[Pass]) -> Self {
         Self::of(full, window, KeptPasses::new(passes, false))
     }
 
-    /// Film of a picture of one light whose points have hues: [`Sample::hue`] is still to be multiplied
-    /// in.
+    /// Film of a light with hues: [`Sample::hue`] is not yet multiplied in.
     pub fn with_hues(full: Size, window: Window, passes: &[Pass]) -> Self {
         Self::of(full, window, KeptPasses::new(passes, true))
     }
@@ -102,12 +101,12 @@ impl Film {
         }
     }
 
-    /// Film whose picture has [smoothed shafts](smooth), where its samples come in halves.
+    /// Film with [smoothed shafts](smooth), for samples in two halves.
     pub fn with_smooth_shafts(full: Size, window: Window, passes: &[Pass], has_hues: bool) -> Self {
         Self::of(full, window, KeptPasses { fog: true, ..KeptPasses::new(passes, has_hues) })
     }
 
-    /// About what a pixel of a film with these passes takes in memory.
+    /// Approximate bytes that a pixel takes in a film with these passes.
     pub fn bytes_per_pixel(passes: &[Pass]) -> usize {
         let kept = KeptPasses::new(passes, true);
         let sums =
@@ -117,17 +116,17 @@ impl Film {
         sums + nearest + mattes + 2 * size_of::<HueSums>()
     }
 
-    /// The rectangle of the picture that this film covers.
+    /// Rectangle of the picture that this film covers.
     pub fn window(&self) -> Window {
         self.window
     }
 
-    /// Adds a sample. Pixels outside the window are none of this film's business.
+    /// Adds a sample. Pixels outside the window are ignored.
     pub fn add(&mut self, splat: &Splat, sample: &Sample) {
         self.add_to_half(false, splat, sample);
     }
 
-    /// Adds a sample of the fresh half, by which [`Film::estimate`] judges what was known without it.
+    /// Adds a sample of the fresh half, which [`Film::estimate`] compares with the known half.
     pub fn add_fresh(&mut self, splat: &Splat, sample: &Sample) {
         self.add_to_half(true, splat, sample);
     }
@@ -144,8 +143,7 @@ impl Film {
         }
     }
 
-    /// Makes all samples so far of these pixels the known half of the next estimate; other pixels keep
-    /// their halves.
+    /// Moves all samples of these pixels to the known half; other pixels keep their halves.
     pub fn let_fresh_be_known(&mut self, pixels: &Mask) {
         for (index, (x, y)) in self.window.pixels().enumerate() {
             if pixels.contains(x, y) {
@@ -167,7 +165,7 @@ impl Film {
     pub fn add_all(&mut self, lists: &[Splats]) {
         let pixels = self.weights.len().div_ceil(rayon::current_num_threads());
         let bands: Vec<Band> = self.bands(pixels).collect();
-        // Every band looks through all samples and takes its own: a pixel gets them in their order.
+        // Every band goes through all samples and takes its own, so a pixel gets them in order.
         bands.into_par_iter().for_each(|mut band| {
             for splats in lists {
                 for (place, values) in splats.iter() {
@@ -179,7 +177,7 @@ impl Film {
         });
     }
 
-    /// The film, cut into parts of so many pixels.
+    /// Film divided into bands of at most so many pixels.
     fn bands(&mut self, pixels: usize) -> impl Iterator<Item = Band<'_>> {
         let pixels = pixels.max(1);
         let (channels, nearest_channels) = (self.passes.mean_channels(), self.passes.nearest_channels());
@@ -204,11 +202,10 @@ impl Film {
         })
     }
 
-    /// Adds what another film of the same picture and the same passes has gathered, such as a
-    /// tile or a stack of slices.
+    /// Adds another film of the same picture and passes, such as that of a tile or a stack of slices.
     ///
-    /// Where the two overlap the order of pasting decides the rounding of the sums and, between samples
-    /// equally near to a pixel's centre, which one the data passes show: paste in a fixed order.
+    /// Films that overlap have to be pasted in a fixed order. It decides the rounding of sums, and which of
+    /// two samples equally near to a pixel's centre the data passes show.
     pub fn paste(&mut self, part: &Self) {
         debug_assert_eq!(self.passes, part.passes, "parts of one picture have the same passes");
         let stride = self.stride();
@@ -241,12 +238,12 @@ impl Film {
         }
     }
 
-    /// Samples that it holds, if each has weight 1.
+    /// Total weight: the number of samples, if each has weight 1.
     pub fn weight(&self) -> f64 {
         self.weights.iter().sum()
     }
 
-    /// Sums a pixel.
+    /// Number of sums a pixel.
     fn stride(&self) -> usize {
         self.passes.mean_channels()
     }

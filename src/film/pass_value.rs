@@ -1,5 +1,5 @@
-//! Values of a sample in each pass. In go a sample and a pass, out come the numbers of its channels
-//! (`passes.rs` says which). Invariant: where no surface is seen they are the pass's background.
+//! Values of a sample in each pass. In go a sample and a pass, out come the numbers of the pass's channels
+//! (see `passes.rs`). Invariant: without a surface they are the pass's background.
 
 use crate::passes::Pass;
 use crate::transport::Sample;
@@ -19,7 +19,7 @@ pub(super) fn value(pass: Pass, sample: &Sample) -> [f64; 4] {
         (Pass::Depth, Some(surface)) => [surface.depth_m; 4],
         (Pass::LeafId, Some(surface)) => [f64::from(surface.leaf_id); 4],
         (Pass::Motion, _) => sample.motion_px,
-        // Of no sample, see [`PixelRule`].
+        // Not a value of single samples, see [`PixelRule`].
         (Pass::Error | Pass::Cryptomatte, _) => [0.0; 4],
         (_, None) => [f64::from(pass.row().background); 4],
     }

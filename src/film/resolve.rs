@@ -1,5 +1,5 @@
-//! Sums become a picture. In goes a film, out comes a frame of named channels, in the order in which films
-//! keep their passes. Invariant: sums are divided by weights once, here.
+//! Resolution of sums into a picture. In goes a film, out comes a frame of named channels, in the order in
+//! which films keep their passes. Invariant: sums are divided by weights only here.
 
 use super::frame::BEAUTY;
 use super::hues::{self, HueSums};
@@ -9,14 +9,13 @@ use crate::color::Rgb;
 use crate::passes::Pass;
 
 impl Film {
-    /// Pixels of the full picture that have no sample yet; [`Film::resolve`] would fill them
-    /// from their neighbours.
+    /// Pixels of the full picture without samples; [`Film::resolve`] would fill them from their neighbours.
     pub fn holes(&self) -> Vec<(usize, usize)> {
         let pixels = self.window.pixels().zip(&self.weights);
         pixels.filter(|(_, weight)| **weight == 0.0).map(|(pixel, _)| pixel).collect()
     }
 
-    /// The finished picture; see [`Film::resolve`]. What it has been made from is given back on the way.
+    /// Finished picture; see [`Film::resolve`]. The film's memory is freed on the way.
     pub fn into_frame(mut self) -> Frame {
         let variances = self.noise_of_fog();
         self.fresh = Vec::new();
@@ -27,7 +26,7 @@ impl Film {
         self.frame(channels, fog)
     }
 
-    /// The colours so far, without passes: for whoever looks on.
+    /// Colours so far, without passes, for observers.
     pub fn look(&self) -> Frame {
         let mut channels: Vec<Channel> = self.means().take(BEAUTY.len()).collect();
         self.correct(&mut channels, HueSums::missing);
@@ -35,7 +34,7 @@ impl Film {
         self.frame(channels, self.noisy_fog())
     }
 
-    /// The picture so far. Values are not clamped and NaN stays NaN: ask [`Frame::check`].
+    /// Picture so far. Values are not clamped and NaN stays NaN; [`Frame::check`] finds them.
     pub fn resolve(&self) -> Frame {
         self.frame(self.channels(), self.noisy_fog())
     }
@@ -81,7 +80,7 @@ impl Film {
         channels
     }
 
-    /// Adds what hues lack to the first three channels.
+    /// Adds the correction for hues to the first three channels.
     fn correct(&self, channels: &mut [Channel], missing: fn(&HueSums, f64) -> Rgb) {
         let planes = channels[..3].iter_mut().map(|channel| &mut channel.pixels);
         hues::correct(planes, &self.hues, &self.weights, missing);
@@ -92,7 +91,7 @@ impl Film {
         holes::fill(self.window, known, channels, mean_channels);
     }
 
-    /// The beauty, and the passes that are averaged.
+    /// Beauty, and the passes that are averaged.
     fn means(&self) -> impl Iterator<Item = Channel> {
         let beauty = BEAUTY.into_iter().map(|name| (name, Precision::Half));
         let names = beauty.chain(names(&self.passes.mean)).enumerate();
@@ -105,7 +104,7 @@ impl Film {
         names.map(mean)
     }
 
-    /// The passes that show the nearest sample.
+    /// Passes that show the nearest sample.
     fn nearest(&self) -> impl Iterator<Item = Channel> {
         let stride = self.passes.nearest_channels();
         names(&self.passes.nearest).enumerate().map(move |(offset, (name, precision))| {

@@ -1,33 +1,31 @@
-//! Shafts smoothed over the picture, where each pixel samples the light and the lens at points of its own.
-//! In go a frame and how noisy its pixels are, out come its shafts with less noise, in the beauty as well.
-//! Invariants: what a pixel has depends on those within [`REACH_PX`]. As noise falls, shafts become what
-//! they were.
+//! Smoothing of shafts, for pixels that sample the light and the lens at points of their own. In go a frame
+//! and its variances, out come shafts with less noise, in their pass and in the beauty. Invariants: a pixel
+//! depends on those within [`REACH_PX`]. As noise falls to zero, so does the change.
 //!
-//! A shaft is as wide as the light's half shadow, and noise is as narrow as a slice. Where things of several
-//! distances lie in a pixel, its shafts go with its transmittance, which has no noise but theirs. So shafts
-//! are a straight line over transmittance in the surroundings of each pixel (He, Sun & Tang 2010, "Guided
-//! image filtering", with weights). What that loses is added back as far as it is no noise (James & Stein
-//! 1961).
+//! A shaft is as wide as the light's penumbra, and noise is as narrow as a slice. Where surfaces of several
+//! distances lie in a pixel, shafts follow transmittance, which is almost free of noise. So shafts are fitted
+//! by a linear function of transmittance around each pixel (He, Sun & Tang 2010, "Guided image filtering",
+//! with weights). The residual is added back as far as it exceeds noise (James & Stein 1961).
 
 use super::{Channel, Frame};
 use crate::passes::Pass;
 use crate::scene::Window;
 use rayon::prelude::*;
 
-/// Radius of the surroundings that a line is fitted to.
+/// Radius of the neighbourhood of the linear fit.
 const FITTED_PX: usize = 2;
-/// Radius of the surroundings over which signal and noise are compared.
+/// Radius of the neighbourhood in which residual and noise are compared.
 const COMPARED_PX: usize = 4;
-/// Maximum distance of pixels that a smoothed one depends on.
+/// Maximum distance of pixels that a smoothed pixel depends on.
 pub const REACH_PX: usize = FITTED_PX + COMPARED_PX;
-/// Share of the variance of noise as narrow as a slice that weights leave: the sum of their squares across.
+/// Share of the variance of slice-wide noise that remains after weighting: the sum of squared weights across.
 const LEFT: f64 = 19.0 / 81.0;
-/// Share of that variance by which values lie off their means, of which they are a third themselves.
+/// Expected squared residual relative to that variance; a value has a third of the weight in its own mean.
 const LACKING: f64 = 1.0 - 2.0 / 3.0 + LEFT;
-/// Variance of transmittance that tells nothing of shafts.
+/// Regularization: variance of transmittance below which the slope vanishes.
 const SAME_DISTANCE: f64 = 1e-5;
 
-/// Fog in a part of the picture, pixel by pixel.
+/// Fog in a part of the picture, a value a pixel.
 pub(super) struct FogPlanes {
     /// Red, green and blue.
     pub(super) shafts: [Vec<f32>; 3],
@@ -35,8 +33,8 @@ pub(super) struct FogPlanes {
     pub(super) through: Vec<f32>,
 }
 
-/// Smooths the shafts of a frame with such fog, in the beauty and in their own pass. Variances are those of
-/// its pixels, the mean over the channels, NaN where nothing is known.
+/// Smooths the shafts of a frame, in the beauty and in their own pass. Variances are those of its pixels, the
+/// mean over the channels, NaN where they are unknown.
 pub(super) fn smooth(frame: &mut Frame, fog: &FogPlanes, variances: &[f32]) {
     let smoothed = Smoothed::new(frame.window, fog, variances);
     let names = ["R", "G", "B"].into_iter().zip(Pass::Shafts.row().channels);
@@ -51,17 +49,17 @@ pub(super) fn smooth(frame: &mut Frame, fog: &FogPlanes, variances: &[f32]) {
     }
 }
 
-/// Shafts of a part of the picture as lines fit them, and how far they are from them.
+/// Fitted shafts of a part of the picture, and their residuals.
 pub(super) struct Smoothed {
     fitted: Vec<Vec<f32>>,
-    /// Mean square of what shafts lack when they are fitted, around each pixel.
+    /// Mean squared residual around each pixel.
     lacking: Vec<f32>,
     /// Mean variance around each pixel.
     noise: Vec<f32>,
 }
 
 impl Smoothed {
-    /// From fog and the variances of pixels.
+    /// Fits the shafts.
     pub(super) fn new(window: Window, fog: &FogPlanes, variances: &[f32]) -> Self {
         let FogPlanes { shafts, through } = fog;
         let fitted: Vec<Vec<f32>> = shafts.iter().map(|values| fit(window, through, values)).collect();
@@ -75,13 +73,13 @@ impl Smoothed {
         Self { fitted, lacking: around(&lacking), noise: around(variances) }
     }
 
-    /// Share of what a pixel's shafts lack that is no noise.
+    /// Share of a pixel's residual that is signal (James-Stein shrinkage).
     fn signal(&self, pixel: usize) -> f32 {
         let (lacking, noise) = (self.lacking[pixel], self.noise[pixel]);
         if lacking > noise { 1.0 - noise / lacking } else { 0.0 }
     }
 
-    /// Share of a pixel's variance that is left, its bias squared included.
+    /// Share of a pixel's variance that remains, squared bias included.
     pub(super) fn left(&self, pixel: usize) -> f64 {
         let [lacking, noise, signal] =
             [self.lacking[pixel], self.noise[pixel], self.signal(pixel)].map(f64::from);
@@ -95,12 +93,12 @@ impl Smoothed {
     }
 }
 
-/// Value of each pixel by the line over `guide` that fits the values around it best.
+/// Value of each pixel by a linear fit over `guide` to the values around it.
 fn fit(window: Window, guide: &[f32], values: &[f32]) -> Vec<f32> {
     (0..values.len())
         .into_par_iter()
         .map(|pixel| {
-            // About the pixel's own, so that no digits are lost.
+            // Relative to the pixel's own values, to avoid cancellation.
             let (g, v) = (f64::from(guide[pixel]), f64::from(values[pixel]));
             let mut sums = [0.0; 5];
             for (near, weight) in around(window, FITTED_PX, pixel) {
@@ -112,13 +110,13 @@ fn fit(window: Window, guide: &[f32], values: &[f32]) -> Vec<f32> {
             let [all, g_mean, v_mean, gg, gv] = sums.map(|sum| sum / sums[0]);
             debug_assert!(all == 1.0);
             let slope = (gv - g_mean * v_mean) / ((gg - g_mean * g_mean).max(0.0) + SAME_DISTANCE);
-            // No light is negative.
+            // Radiance is not negative.
             (v + v_mean - slope * g_mean).max(0.0) as f32
         })
         .collect()
 }
 
-/// Mean of the numbers around each pixel, with weights that fall off evenly; NaN where there are none.
+/// Mean around each pixel with a tent's weights; NaN where no value is known.
 fn tent(window: Window, radius: usize, values: &[f32]) -> Vec<f32> {
     let mean = |pixel: usize| {
         let known = around(window, radius, pixel).filter(|&(near, _)| !values[near].is_nan());

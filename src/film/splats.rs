@@ -1,5 +1,5 @@
-//! Samples on their way to a film. In go samples, out come the numbers that the film keeps of each,
-//! packed. Invariant: their order is kept, and with it the rounding of sums.
+//! Samples on their way to a film. In go samples, out come the packed numbers that the film keeps of each.
+//! Invariant: samples stay in order, and so the rounding of sums.
 
 use super::frame::BEAUTY;
 use super::hues::{self, HueSums};
@@ -10,22 +10,21 @@ use crate::passes::PixelRule;
 use crate::scene::Window;
 use crate::transport::Sample;
 
-/// Numbers that a sample's part in fog is packed in, see [`Film::fog`](super::Film).
+/// Packed numbers for a sample's fog, see [`Film::fog`](super::Film).
 const FOG: usize = 4;
 
-/// The most numbers that a sample can have: the beauty's, at most four for each pass, its part in fog, in
-/// hues and its mattes.
+/// Maximum numbers of a sample: the beauty's, four for each pass, fog, hues and mattes.
 pub(super) const MOST_CHANNELS: usize =
     BEAUTY.len() + 4 * Pass::ALL.len() + FOG + hues::PACKED + mattes::PACKED;
 
-/// Passes that a film keeps, by the rule that makes pixels of samples.
+/// Passes that a film keeps, by the rule that makes pixels from samples.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct KeptPasses {
     pub(super) mean: Vec<Pass>,
     pub(super) nearest: Vec<Pass>,
     /// Whether shafts are smoothed.
     pub(super) fog: bool,
-    /// Whether the light's points have hues.
+    /// Whether the light has hues.
     pub(super) hues: bool,
     /// Whether the film lists which objects cover a pixel.
     pub(super) mattes: bool,
@@ -43,25 +42,24 @@ impl KeptPasses {
         Self { mean: of(PixelRule::Mean), nearest: of(PixelRule::Nearest), fog: false, hues, mattes }
     }
 
-    /// Channels of the beauty and of the passes that are averaged.
+    /// Number of channels of the beauty and of averaged passes.
     pub(super) fn mean_channels(&self) -> usize {
         BEAUTY.len() + 3 * self.mean.len()
     }
 
-    /// Channels of the passes that show the sample nearest to the pixel's centre.
+    /// Number of channels of passes that show the sample nearest to the pixel's centre.
     pub(super) fn nearest_channels(&self) -> usize {
         self.nearest.iter().map(|&pass| pass.row().channels.len()).sum()
     }
 
-    /// All numbers that are kept of a sample.
+    /// Number of values that are kept of a sample.
     fn packed(&self) -> usize {
         let parts = [(self.fog, FOG), (self.hues, hues::PACKED), (self.mattes, mattes::PACKED)];
         let parts: usize = parts.iter().map(|&(is_kept, packed)| if is_kept { packed } else { 0 }).sum();
         self.mean_channels() + self.nearest_channels() + parts
     }
 
-    /// Calls back with the values of all channels in order: first those of the mean, last those of the
-    /// mattes.
+    /// Passes the values of all channels to `put` in order, from the means to the mattes.
     #[inline(always)]
     pub(super) fn pack(&self, sample: &Sample, mut put: impl FnMut(&[f32])) {
         let [red, green, blue] = sample.radiance.to_array();
@@ -85,7 +83,7 @@ impl KeptPasses {
     }
 }
 
-/// Samples, packed.
+/// Packed samples.
 #[derive(Clone, Debug)]
 pub struct Splats {
     window: Window,
@@ -94,18 +92,18 @@ pub struct Splats {
     pub(super) is_fresh: bool,
     places: Vec<SplatPlace>,
     samples: u32,
-    /// The channels of each sample, one after the other.
+    /// Values of each sample, one after the other.
     values: Vec<f32>,
 }
 
-/// Place that a sample goes to, with its weight there.
+/// Pixel of a sample, with its weight there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SplatPlace {
     pub(super) weight: f64,
-    /// Counted within the film's window.
+    /// Index within the film's window.
     pub(super) pixel: u32,
     pub(super) from_centre_px: f32,
-    /// Number of the sample.
+    /// Index of the sample.
     pub(super) sample: u32,
 }
 
@@ -114,14 +112,15 @@ pub(super) struct SplatPlace {
 pub struct Splat {
     /// Column and row, y downwards.
     pub pixel: (usize, usize),
-    /// Share of the pixel in any unit, such as the area that it stands for, 0 or more.
+    /// Share of the pixel in any unit, such as the area that the sample covers, 0 or more.
     pub weight: f64,
-    /// Distance from the pixel's centre: data passes show the nearest sample, of equal ones the first.
+    /// Distance from the pixel's centre: data passes show the nearest sample, and the first of equally near
+    /// ones.
     pub from_centre_px: f64,
 }
 
 impl Splat {
-    /// Place of a sample of that number; `None` outside of the window.
+    /// Place of the sample with that index; `None` outside the window.
     pub(super) fn place(&self, window: Window, sample: u32) -> Option<SplatPlace> {
         let pixel = window.index(self.pixel.0, self.pixel.1)? as u32;
         Some(SplatPlace { weight: self.weight, pixel, from_centre_px: self.from_centre_px as f32, sample })
@@ -133,7 +132,7 @@ impl Splats {
         Self { window, passes, is_fresh: false, places: Vec::new(), samples: 0, values: Vec::new() }
     }
 
-    /// Starts over with samples that all belong to the fresh half, or none.
+    /// Clears the list for samples of the fresh half, or of the known one.
     pub fn start(&mut self, is_fresh: bool) {
         self.is_fresh = is_fresh;
         self.places.clear();
@@ -141,7 +140,7 @@ impl Splats {
         self.values.clear();
     }
 
-    /// Keeps a sample, and tells its number.
+    /// Appends a sample and returns its index.
     pub fn keep(&mut self, sample: &Sample) -> u32 {
         let Self { passes, values, .. } = self;
         passes.pack(sample, |channels| values.extend_from_slice(channels));
@@ -149,12 +148,12 @@ impl Splats {
         self.samples - 1
     }
 
-    /// Counts a kept sample in a pixel. Pixels outside the window are none of the film's business.
+    /// Adds a kept sample to a pixel. Pixels outside the window are ignored.
     pub fn add(&mut self, sample: u32, splat: &Splat) {
         self.places.extend(splat.place(self.window, sample));
     }
 
-    /// Each place and its sample's channels.
+    /// Places with their samples' values.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&SplatPlace, &[f32])> {
         let packed = self.passes.packed();
         self.places.iter().map(move |place| (place, &self.values[place.sample as usize * packed..][..packed]))
