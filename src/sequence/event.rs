@@ -1,5 +1,5 @@
-//! Events of a run, for those who watch. Invariant: every frame of the list ends in exactly one of
-//! skipped, written, given up or none of them, and the summary counts them.
+//! Events of a run, for observers. In goes the progress of frames, out come events and a summary. Invariant:
+//! every frame of the list ends as skipped, written, given up or not reached, and the summary counts it once.
 
 use crate::diagnostic::shown;
 use crate::film::Dark;
@@ -15,45 +15,45 @@ pub enum Event {
         /// Frames in the list, skipped ones included.
         frames: usize,
     },
-    /// A killed run had left a temporary file, which is gone now.
+    /// A temporary file of a killed run was removed.
     AbandonedRemoved {
         /// The file.
         path: PathBuf,
     },
-    /// A frame is left as it is.
+    /// A frame was skipped.
     FrameSkipped {
         /// The frame.
         frame: i64,
         /// Why.
         reason: SkipReason,
     },
-    /// A frame that is left as it is gets no picture beside it.
+    /// A skipped frame gets no preview.
     PreviewOmitted {
         /// The frame.
         frame: i64,
-        /// Fault of its file, or of the disk.
+        /// Fault of the frame's file or of the disk.
         reason: String,
     },
-    /// A frame is being rendered.
+    /// The rendering of a frame began.
     FrameStarted {
         /// The frame.
         frame: i64,
     },
-    /// Some of it is done.
+    /// Part of the frame is done.
     FrameProgress {
         /// The frame.
         frame: i64,
         /// Progress and error so far.
         progress: Progress,
     },
-    /// It took longer than it may; its earlier file stays.
+    /// The frame exceeded the time limit; its earlier file stays.
     FrameGivenUp {
         /// The frame.
         frame: i64,
         /// Time that it was rendered for, seconds.
         seconds: f64,
     },
-    /// It is on the disk.
+    /// The frame was written.
     FrameWritten {
         /// The frame.
         frame: i64,
@@ -63,23 +63,23 @@ pub enum Event {
         seconds: f64,
         /// Time of encoding and writing, seconds.
         write_seconds: f64,
-        /// Values that were too large for half precision and stored as the largest half.
+        /// Number of values beyond half precision, stored as the largest half.
         clamped: usize,
-        /// Whether next to nothing is seen on it.
+        /// Set if the frame looks black.
         dark: Option<Dark>,
         /// Statistics of its rendering.
         statistics: Statistics,
     },
-    /// The run is over, be it complete or stopped; a run that fails ends without.
+    /// The run ended, complete or stopped; a failed run has no such event.
     Finished(Summary),
 }
 
 /// Why a frame was not rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SkipReason {
-    /// Its file holds what rendering would give.
+    /// Its file is valid and up to date.
     Valid,
-    /// It has a file.
+    /// Its file exists.
     Exists,
 }
 
@@ -92,9 +92,9 @@ pub struct Summary {
     pub skipped_valid: usize,
     /// Frames skipped because they have files.
     pub skipped_existing: usize,
-    /// Frames that took longer than they may.
+    /// Frames that exceeded the time limit.
     pub given_up: Vec<i64>,
-    /// Frames not reached because the run was stopped.
+    /// Frames not reached before the run stopped.
     pub not_reached: usize,
     /// Time of the run, seconds.
     pub seconds: f64,
@@ -112,7 +112,7 @@ impl Summary {
         }
     }
 
-    /// Frames that are written, kept or given up.
+    /// Number of frames that are written, skipped or given up.
     pub(super) fn done(&self) -> usize {
         self.written + self.skipped_valid + self.skipped_existing + self.given_up.len()
     }

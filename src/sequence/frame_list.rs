@@ -1,4 +1,5 @@
-//! Frame numbers from what the user types. Invariant: each frame comes once, in the order of first mention.
+//! List of frame numbers. In goes text of the command line, out come numbers. Invariant: each frame occurs
+//! once, in the order of first mention.
 //!
 //! | written | means |
 //! |---|---|
@@ -13,7 +14,7 @@ use crate::diagnostic::{Diagnostic, Place};
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-/// Maximum number of frames: two days of film at 24 frames a second would be four times as many.
+/// Maximum number of frames, a quarter of two days of film at 24 frames a second.
 const MOST_FRAMES: usize = 1_000_000;
 
 /// Frames in the order in which they are rendered.
@@ -21,7 +22,7 @@ const MOST_FRAMES: usize = 1_000_000;
 pub struct FrameList(Vec<i64>);
 
 impl FrameList {
-    /// Reads a list; `all` are the frames of the sequence, `none` is no frame.
+    /// Parses a list; `all` are the frames of the sequence, `none` is an empty list.
     ///
     /// # Errors
     /// If some part of it is no frame, range or `all`, or there are more frames than a million.
@@ -101,8 +102,7 @@ fn parse_item(item: &str, all: &RangeInclusive<i64>) -> Result<(RangeInclusive<i
     Ok((first..=last, step.0))
 }
 
-/// Integer at the start of `text`, and the rest. Frame numbers are those that EXR's `imageCounter` can
-/// hold.
+/// Integer at the start of `text`, and the rest. Numbers are limited to the range of EXR's `imageCounter`.
 fn split_number(text: &str) -> Option<(i64, &str)> {
     let text = text.trim_start();
     let digits_at = usize::from(text.starts_with('-'));

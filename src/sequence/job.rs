@@ -1,4 +1,5 @@
-//! What a run over frames is to do, and why it fails. Invariant: behind a failure no frame is written.
+//! Task of a run over frames. In go its settings, out come errors with the frame. Invariant: after a failed
+//! frame no other one is written.
 
 use super::{FrameList, OutputPattern};
 use crate::color::Display;
@@ -19,20 +20,20 @@ pub enum Skip {
     None,
 }
 
-/// Task of a run.
+/// Settings of a run.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
     /// Frames.
     pub frames: &'a FrameList,
     /// Pattern of their paths.
     pub output: &'a OutputPattern,
-    /// Frames that need no rendering.
+    /// Rule for skipping frames.
     pub skip: Skip,
-    /// Writes a PNG beside each frame, shown so; of frames that are kept, from their files.
+    /// Writes a PNG beside each frame with this display; for skipped frames, from their files.
     pub preview: Option<Display>,
-    /// Set by a signal: frames in progress are given up unless they get done, and none is begun.
+    /// Set by a signal: no frame is started, and those in progress may be abandoned.
     pub stop: &'a AtomicBool,
-    /// Asked once the first frame is done: how many of so many that are left are to be rendered at once.
+    /// Called after the first frame with the number of frames left; returns how many to render at once.
     pub workers: &'a (dyn Fn(usize) -> usize + Sync),
 }
 
@@ -43,7 +44,7 @@ impl std::fmt::Debug for Job<'_> {
     }
 }
 
-/// Why a run failed. Frames written before are whole and stay.
+/// Error of a run. Frames written before are whole and stay.
 #[derive(Debug, thiserror::Error)]
 pub enum SequenceError<E> {
     /// A frame could not be rendered.
@@ -51,7 +52,7 @@ pub enum SequenceError<E> {
     Render {
         /// The frame.
         frame: i64,
-        /// The renderer's reason.
+        /// The renderer's error.
         source: E,
     },
     /// A frame holds NaN or infinity and was not written.
@@ -59,7 +60,7 @@ pub enum SequenceError<E> {
     Defective {
         /// The frame.
         frame: i64,
-        /// Defects: how many, and where first.
+        /// Number of defects, and the place of the first.
         defects: FrameDefects,
     },
     /// A frame could not be written.
@@ -67,7 +68,7 @@ pub enum SequenceError<E> {
     Write {
         /// The frame.
         frame: i64,
-        /// The disk's reason, with a remedy.
+        /// The disk's error, with a remedy.
         source: FrameFileError,
     },
 }

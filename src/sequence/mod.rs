@@ -1,7 +1,6 @@
-//! Sequences of frames: which are rendered, where they go and what becomes of those that are there
-//! already. In go a [`FrameList`], an [`OutputPattern`] and a way to render a frame; out come files,
-//! [`Event`]s and a [`Summary`]. Invariant: whatever happens, and whenever, the output folder holds whole
-//! frames only.
+//! Sequences of frames: selection, paths, and skipping of existing files. In go a [`FrameList`], an
+//! [`OutputPattern`] and a function that renders a frame; out come files, [`Event`]s and a [`Summary`].
+//! Invariant: at any moment and after any failure, the output folder holds only whole frames.
 
 mod event;
 mod frame_list;

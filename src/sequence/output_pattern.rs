@@ -1,6 +1,6 @@
-//! A frame's number to the path of its file. Invariant: two frames have the same path only if the pattern has
-//! no place for the number. [`OutputPattern::check`] refuses more than one frame then. Bytes of a name that
-//! are no text are kept.
+//! Pattern of output paths. In goes a frame's number, out comes the path of its file. Invariant: two frames
+//! share a path only if the pattern has no placeholder, and [`OutputPattern::check`] then refuses more than
+//! one frame. Bytes of a name that are not valid text are kept.
 //!
 //! | written | frame 7 |
 //! |---|---|
@@ -11,7 +11,7 @@
 //! | `x.#.exr`, `x.@.exr`, `x.%d.exr`, `x.$F.exr`, `x.${F}.exr`, `x.<F>.exr` | `x.7.exr` |
 //! | `x.exr` | `x.exr`, for one frame only |
 //!
-//! In the name of a folder that exists none of these is a place for the number.
+//! In the name of an existing folder none of these is a placeholder.
 
 use crate::diagnostic::{Diagnostic, Place, shown};
 use std::ffi::{OsStr, OsString};
@@ -22,28 +22,28 @@ use std::path::{Path, PathBuf};
 pub struct OutputPattern {
     folder: PathBuf,
     before: OsString,
-    /// Least digits of the frame's number; `None` is a pattern without the number.
+    /// Minimum digits of the number; `None` without a placeholder.
     digits: Option<usize>,
     after: OsString,
-    /// Option of the command line that it is of, such as `--out`.
+    /// Option of the command line that it comes from, such as `--out`.
     option: &'static str,
 }
 
 impl OutputPattern {
-    /// Pattern when nothing is said.
+    /// Default pattern of a sequence.
     pub fn default_for(sequence_name: &str) -> Self {
         Self::in_folder(Path::new("out").join(sequence_name), sequence_name, "exr", "--out")
     }
 
-    /// Reads what follows `--out`.
+    /// Parses the value of `--out`.
     ///
     /// # Errors
-    /// If it is neither a folder nor the name of an EXR file, or has more than one place for the number.
+    /// If it is neither a folder nor the name of an EXR file, or has more than one placeholder.
     pub fn parse(text: impl AsRef<OsStr>, sequence_name: &str) -> Result<Self, Diagnostic> {
         Self::parse_as(text, sequence_name, "exr", "--out")
     }
 
-    /// Parses a pattern for files that end in another extension, or of another option.
+    /// Parses a pattern for another extension or option.
     ///
     /// # Errors
     /// As [`OutputPattern::parse`].
@@ -73,7 +73,7 @@ impl OutputPattern {
                 .remedy(format!("end it in .{extension}, or in / if it is a folder")));
         }
         let folder = path.parent().unwrap_or_else(|| Path::new(""));
-        // A folder that exists is that folder, whatever it is called.
+        // An existing folder is a folder, whatever its name.
         let folder_is_meant = folder.is_dir();
         if !folder_is_meant && !self::placeholders(folder.as_os_str().as_encoded_bytes()).is_empty() {
             return Err(error("the frame's number stands in a folder's name"));
@@ -109,7 +109,7 @@ impl OutputPattern {
     /// Refuses to write several frames to one file.
     ///
     /// # Errors
-    /// If there is more than one frame and no place for its number.
+    /// If there is more than one frame and no placeholder.
     pub fn check(&self, frames: usize) -> Result<(), Diagnostic> {
         if self.digits.is_some() || frames <= 1 {
             return Ok(());
@@ -125,7 +125,7 @@ impl OutputPattern {
             .remedy(format!("write for instance {} {}", self.option, shown(&self.folder.join(numbered)))))
     }
 
-    /// The file of a frame. Negative numbers have as many digits as others, after their sign.
+    /// Path of a frame's file. A negative number has as many digits as others, after its sign.
     pub fn path(&self, frame: i64) -> PathBuf {
         let number = self.digits.map_or_else(String::new, |digits| {
             let sign = if frame < 0 { "-" } else { "" };
@@ -137,20 +137,20 @@ impl OutputPattern {
         self.folder.join(name)
     }
 
-    /// The folder that all frames are in.
+    /// Folder of all frames.
     pub fn folder(&self) -> &Path {
         if self.folder.as_os_str().is_empty() { Path::new(".") } else { &self.folder }
     }
 }
 
-/// A place for the frame's number: bytes `start..end` of a name.
+/// Placeholder of the frame's number: bytes `start..end` of a name.
 struct Placeholder {
     start: usize,
     end: usize,
     digits: usize,
 }
 
-/// A part of a name that was cut beside ASCII characters. Only on Unix names may hold what is no text.
+/// Part of a name, cut at ASCII characters. Only Unix allows names that are not valid text.
 fn name_of(bytes: &[u8]) -> OsString {
     #[cfg(unix)]
     return std::os::unix::ffi::OsStringExt::from_vec(bytes.to_vec());
@@ -159,14 +159,14 @@ fn name_of(bytes: &[u8]) -> OsString {
 }
 
 fn placeholders(bytes: &[u8]) -> Vec<Placeholder> {
-    /// Longer runs of digits would be a slip of the finger, or of memory.
+    /// Maximum digits; longer runs are most likely typing errors.
     const MOST_DIGITS: usize = 18;
     let run =
         |from: usize, wanted: fn(&u8) -> bool| bytes[from..].iter().take_while(|&byte| wanted(byte)).count();
     let mut found = Vec::new();
     let mut at = 0;
     while at < bytes.len() {
-        // What stands before the width, and what has to stand behind it.
+        // Text before the width, and the alternatives after it.
         let framed = |before: &str, after: &[&str]| {
             let from = at + before.len();
             let width = bytes[at..].starts_with(before.as_bytes()).then(|| run(from, u8::is_ascii_digit))?;
@@ -191,7 +191,7 @@ fn placeholders(bytes: &[u8]) -> Vec<Placeholder> {
     found
 }
 
-/// Placeholder that other programs replace and we do not: `%s`, `${SHOT}`, `<UDIM>`, `$SHOT`.
+/// Placeholder of other programs that is not supported: `%s`, `${SHOT}`, `<UDIM>`, `$SHOT`.
 fn unknown_placeholder(name: &str) -> Option<&str> {
     let places = placeholders(name.as_bytes());
     let between = std::iter::once(0).chain(places.iter().map(|place| place.end));
@@ -218,7 +218,7 @@ fn unknown_placeholder(name: &str) -> Option<&str> {
     })
 }
 
-/// The number in `digits`; none is 1 digit, too large a one is cut by the caller.
+/// Number of digits from decimal `digits`; empty is 1, and large values saturate for the caller to limit.
 fn number(digits: &[u8]) -> usize {
     let add = |number: usize, digit: &u8| number.saturating_mul(10).saturating_add(usize::from(digit - b'0'));
     if digits.is_empty() { 1 } else { digits.iter().fold(0, add) }

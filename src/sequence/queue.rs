@@ -1,6 +1,6 @@
-//! Frames that are still to be rendered. In goes a list, out comes one task after the other. Invariant: tasks
-//! are numbered in the order of the list without those that are skipped, and no worker is far ahead of what
-//! is written.
+//! Queue of frames to render. In goes a list, out comes one task after the other. Invariant: tasks are
+//! numbered in the list's order without skipped frames. Workers are at most two tasks each ahead of the
+//! writer.
 
 use super::job::{Job, Skip};
 use super::{Event, SkipReason, Summary};
@@ -10,16 +10,16 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// A frame that is to be rendered.
+/// Frame to render.
 pub(super) struct Task {
-    /// Number among the tasks, from 0.
+    /// Index among the tasks, from 0.
     pub(super) order: usize,
     pub(super) frame: i64,
-    /// What its file says; or why nothing can be written where it belongs.
+    /// Provenance for the frame's file, or the error of a preview that could not be written.
     pub(super) provenance: Result<Provenance, FrameFileError>,
 }
 
-/// Frames of a job, shared by its workers.
+/// Queue of a job's frames, shared by its workers.
 pub(super) struct Queue<'a> {
     job: Job<'a>,
     provenance: &'a (dyn Fn(i64) -> Provenance + Sync),
@@ -29,10 +29,10 @@ pub(super) struct Queue<'a> {
 }
 
 struct State {
-    /// Frames taken from the list, and tasks made of them.
+    /// Number of frames taken from the list, and number of tasks made from them.
     taken: usize,
     begun: usize,
-    /// Tasks that the writer is done with.
+    /// Number of tasks that the writer has finished.
     done: usize,
     workers: usize,
     has_ended: bool,
@@ -54,20 +54,20 @@ impl<'a> Queue<'a> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Frames that nobody has taken.
+    /// Number of frames that no worker has taken.
     pub(super) fn left(&self) -> usize {
         self.job.frames.as_slice().len() - self.lock().taken
     }
 
-    /// Expects so many workers.
+    /// Sets the number of workers.
     pub(super) fn expect(&self, workers: usize) {
         self.lock().workers = workers;
     }
 
-    /// The next task; `None` at the end, after a signal and once nothing is written any more.
+    /// Next task; `None` at the end of the list, after a signal and after a failure.
     pub(super) fn next(&self) -> Option<Task> {
         let job = &self.job;
-        // A picture that waits for one before it takes memory.
+        // Pictures that wait for an earlier one occupy memory.
         let is_far_ahead =
             |state: &mut State| !state.has_ended && state.begun >= state.done + 2 * state.workers;
         let state = self.lock();
@@ -98,25 +98,25 @@ impl<'a> Queue<'a> {
         }
     }
 
-    /// Tells that so many tasks are done with.
+    /// Sets the number of tasks that the writer has finished.
     pub(super) fn done(&self, count: usize) {
         self.lock().done = count;
         self.news.notify_all();
     }
 
-    /// Lets no worker begin another frame.
+    /// Ends the queue, so that no worker starts another frame.
     pub(super) fn end(&self) {
         self.lock().has_ended = true;
         self.news.notify_all();
     }
 
-    /// What was skipped.
+    /// Counts of skipped frames.
     pub(super) fn into_summary(self) -> Summary {
         self.state.into_inner().unwrap_or_else(PoisonError::into_inner).summary
     }
 }
 
-/// Removes what killed runs left of a frame and of its preview.
+/// Removes temporary files that killed runs left of a frame and of its preview.
 fn remove_abandoned(job: &Job<'_>, path: &Path, report: &(dyn Fn(Event) + Sync)) {
     let targets = [path.to_owned(), path.with_extension("png")];
     for path in frame_file::remove_abandoned(job.output.folder(), |name| is_name_of(name, &targets)) {
@@ -124,7 +124,7 @@ fn remove_abandoned(job: &Job<'_>, path: &Path, report: &(dyn Fn(Event) + Sync))
     }
 }
 
-/// Keeps a frame, and makes its preview from its file.
+/// Skips a frame, and makes its preview from its file.
 fn keep(
     job: &Job<'_>,
     frame: i64,
@@ -151,7 +151,7 @@ fn skip_reason(skip: Skip, path: &Path, provenance: &Provenance) -> Option<SkipR
     }
 }
 
-/// Makes a kept frame's picture from its file, or says why the file gives none.
+/// Writes the preview of a skipped frame, or returns why its file gives none.
 fn preview_of_file(path: &Path, display: &Display) -> Result<Option<String>, FrameFileError> {
     let file = match frame_file::read(path) {
         Ok(file) => file,

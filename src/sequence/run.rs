@@ -1,6 +1,6 @@
-//! The loop over frames. In goes a way to render one, out come files; frames are rendered several at once,
-//! each by a worker of its own, while those that are done are encoded and written in order. Invariant: what
-//! comes of a frame does not depend on workers, and a frame with NaN or infinity is never written.
+//! Loop over frames. In goes a function that renders one, out come files. Workers render several frames at
+//! once, while finished ones are encoded and written in order. Invariant: a frame does not depend on the
+//! number of workers, and one with NaN or infinity is never written.
 
 use super::job::{Job, SequenceError};
 use super::queue::{Queue, Task};
@@ -11,19 +11,21 @@ use crate::render::{Progress, Rendered};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::time::Instant;
 
-/// Way to render a frame by a worker. These are numbered from 0, and the first frame is the first one's.
+/// Function that renders a frame for a worker. Workers are numbered from 0, and worker 0 renders the first
+/// frame.
 type Render<'a, E> =
     &'a (dyn Fn(usize, i64, &(dyn Fn(Progress) + Sync)) -> Result<Option<Rendered>, E> + Sync);
 
 /// Renders and writes the frames of a job that are not skipped.
 ///
-/// `provenance` is asked before rendering, for its hashes decide what is skipped. `render` gets the worker's
-/// number and a callback for the fraction done, which it may call from any thread; if it fails after `stop`
-/// was set, that counts as stopping, and without a picture the frame is given up. `report` hears of
-/// everything and may be called from several threads at once.
+/// `provenance` is called before rendering, as its hashes decide whether to skip. `render` gets the worker's
+/// number and a callback for progress, which any thread may call. An error of `render` after `stop` was set
+/// counts as stopping; `None` gives the frame up. `report` gets every event, also from several threads at
+/// once.
 ///
 /// # Errors
-/// The first failure in the order of frames ends the run: those before it are written, and none behind it.
+/// The first failure in the order of frames ends the run: the frames before it are written, and none after
+/// it.
 pub fn run<E: Send>(
     job: Job<'_>,
     provenance: impl Fn(i64) -> Provenance + Sync,
@@ -35,7 +37,7 @@ pub fn run<E: Send>(
     report(Event::Started { frames });
     let queue = Queue::new(job, &provenance, report);
     let written = std::thread::scope(|scope| {
-        // Without a buffer: a worker waits until what it hands over is taken.
+        // Capacity 0: a worker waits until the writer takes its frame.
         let (to_writer, from_workers) = sync_channel(0);
         let writer = Writer { job, report, queue: &queue };
         let writer = scope.spawn(move || writer.write_all(&from_workers));
@@ -46,7 +48,7 @@ pub fn run<E: Send>(
             report,
             to_writer: to_writer.clone(),
         };
-        // Alone, with all threads: it is seen soonest, and makes what all share.
+        // The first frame gets all threads, so that it is ready soon; it also makes shared data.
         worker(0).render_next();
         let count = (job.workers)(queue.left()).max(1);
         queue.expect(count);
@@ -69,7 +71,7 @@ pub fn run<E: Send>(
     Ok(summary)
 }
 
-/// A thread that renders one frame after the other until something stops it.
+/// Thread that renders frames until the queue ends.
 struct Worker<'a, E> {
     number: usize,
     queue: &'a Queue<'a>,
@@ -83,7 +85,7 @@ impl<E> Worker<'_, E> {
         while self.render_next() {}
     }
 
-    /// Renders the next frame, if there is one and somebody writes it.
+    /// Renders the next frame; returns false at the end of the queue, or without a writer.
     fn render_next(&self) -> bool {
         let Some(Task { order, frame, provenance }) = self.queue.next() else { return false };
         let report = self.report;
@@ -98,16 +100,16 @@ impl<E> Worker<'_, E> {
             });
         let seconds = frame_started.elapsed().as_secs_f64();
         if rendered.is_err() {
-            // No frame behind it is written.
+            // No later frame will be written.
             self.queue.end();
         }
-        // Refused only by a writer that has ended; its error is the one to tell.
+        // Fails only if the writer has ended, whose error is then reported.
         self.to_writer.send(Finished { order, frame, rendered, seconds }).is_ok()
     }
 }
 
 impl<E> Drop for Worker<'_, E> {
-    /// Nobody waits for a frame whose worker is gone.
+    /// Ends the queue when a worker panics, so that nobody waits for its frame.
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.queue.end();

@@ -1,5 +1,5 @@
-//! The thread that writes. In go frames as workers are done with them, out come files, in the order of
-//! frames. Invariant: behind a frame that fails nothing is written.
+//! Writer thread. In go frames as workers finish them, out come files, in the order of frames. Invariant:
+//! after a failed frame nothing is written.
 
 use super::Event;
 use super::job::{Job, SequenceError};
@@ -11,17 +11,17 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
-/// A frame on its way to the disk.
+/// Finished frame for the disk.
 pub(super) struct Finished<E> {
-    /// Number of its task.
+    /// Index of its task.
     pub(super) order: usize,
     pub(super) frame: i64,
-    /// Without a picture it was given up.
+    /// `None` if the frame was given up.
     pub(super) rendered: Result<Option<(Rendered, Provenance)>, SequenceError<E>>,
     pub(super) seconds: f64,
 }
 
-/// What became of frames.
+/// Outcome of the writer.
 #[derive(Default)]
 pub(super) struct Written {
     pub(super) written: usize,
@@ -36,7 +36,7 @@ pub(super) struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Writes frames as their turn comes, until no worker is left.
+    /// Writes frames in order until all workers are gone.
     pub(super) fn write_all<E>(
         self,
         from_workers: &Receiver<Finished<E>>,
