@@ -1,10 +1,10 @@
-//! Files that the glTF file names instead of holding them. In goes a path, out comes its URI. Invariant: it
-//! leads from the folder of the glTF file to that file, wherever the program runs.
+//! URIs of files beside a glTF file. In goes a path, out comes its URI. Invariant: the URI is relative to the
+//! glTF file's folder, in any working directory.
 
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
-/// A file's URI in a file of a folder. A sequence keeps the signs in its number's place.
+/// URI of a file, relative to a folder. The placeholder of a sequence's number stays as it is.
 pub(super) fn uri(file: &Path, folder: &Path) -> String {
     let (from, to) = (real(folder), real(file.parent().unwrap_or(Path::new(""))));
     let common = from.components().zip(to.components()).take_while(|(from, to)| from == to).count();
@@ -22,7 +22,7 @@ pub(super) fn uri(file: &Path, folder: &Path) -> String {
     uri
 }
 
-/// A folder without links, so that `..` leads where it seems to.
+/// Folder with links resolved, so that `..` leads to its real parent.
 fn real(folder: &Path) -> PathBuf {
     let folder = if folder == Path::new("") { Path::new(".") } else { folder };
     folder.canonicalize().or_else(|_| std::path::absolute(folder)).unwrap_or_else(|_| folder.to_owned())

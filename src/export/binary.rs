@@ -1,5 +1,5 @@
-//! Numbers and images in, the binary part of a file and the accessors that describe it out.
-//! Invariant: everything starts at a multiple of four bytes.
+//! Binary part of a `.glb` file. In go numbers and images, out come bytes and the accessors that describe
+//! them. Invariant: every view starts at a multiple of four bytes.
 
 use serde_json::{Value, json};
 
@@ -10,20 +10,20 @@ pub(super) struct Binary {
     pub(super) accessors: Vec<Value>,
 }
 
-/// Use of a view by graphics programs.
+/// Use of a view by the GPU.
 #[derive(Clone, Copy)]
 pub(super) enum Target {
     Vertices = 34962,
     Indices = 34963,
 }
 
-/// glTF's number of 32-bit floats.
+/// glTF's component type of 32-bit floats.
 const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 
 impl Binary {
-    /// A view of bytes.
+    /// Adds a view of bytes.
     pub(super) fn view(&mut self, bytes: impl IntoIterator<Item = u8>, target: Option<Target>) -> usize {
         let start = self.bytes.len();
         self.bytes.extend(bytes);
@@ -36,7 +36,7 @@ impl Binary {
         self.views.len() - 1
     }
 
-    /// An accessor of floats, `WIDTH` a value; with their bounds if glTF demands them.
+    /// Adds an accessor of floats, `WIDTH` a value, with bounds if glTF demands them.
     pub(super) fn floats<const WIDTH: usize>(
         &mut self,
         values: &[[f32; WIDTH]],
@@ -57,7 +57,7 @@ impl Binary {
         self.accessor(accessor)
     }
 
-    /// An accessor of a part of floats that are there already, one a value.
+    /// Adds an accessor of a part of existing floats, one a value.
     pub(super) fn part_of_times(&mut self, view: usize, times_s: &[f32], first: usize) -> usize {
         self.accessor(json!({
             "bufferView": view, "byteOffset": 4 * first, "componentType": FLOAT, "count": times_s.len(),
@@ -65,9 +65,9 @@ impl Binary {
         }))
     }
 
-    /// An accessor of vertex numbers below `vertices`.
+    /// Adds an accessor of vertex indices below `vertices`.
     pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> usize {
-        // The largest number of each type means a restart and is not for use.
+        // glTF reserves the largest value of each type for primitive restart.
         let (kind, view) = if vertices < usize::from(u16::MAX) {
             let bytes = indices.iter().flat_map(|&index| (index as u16).to_le_bytes());
             (UNSIGNED_SHORT, self.view(bytes, Some(Target::Indices)))
@@ -80,7 +80,7 @@ impl Binary {
         )
     }
 
-    /// An accessor of four joints a vertex.
+    /// Adds an accessor of four joints a vertex.
     pub(super) fn joints(&mut self, joints: &[[u16; 4]]) -> usize {
         let bytes = joints.as_flattened().iter().flat_map(|joint| joint.to_le_bytes());
         let view = self.view(bytes, Some(Target::Vertices));

@@ -1,5 +1,5 @@
-//! Values that change and that glTF does not animate, as nodes with the property `sunfleck_ctl`
-//! (read by `scene/from_gltf/controls.rs`). Invariant: a value that keeps still has no such node.
+//! Animated values that glTF cannot animate. In go tracks, out come nodes with the property `sunfleck_ctl`
+//! (read by `scene/from_gltf/controls.rs`). Invariant: a constant value has no such node.
 
 use super::Writer;
 use crate::color::Rgb;
@@ -21,7 +21,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Carries when something shows.
+    /// Writes the keys of a visibility.
     pub(super) fn carry_switch(&mut self, target: String, track: &Track<bool>) {
         let key = |key: &Key<bool>| Key {
             time_s: key.time_s,

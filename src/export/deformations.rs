@@ -1,6 +1,6 @@
-//! Morph targets and skins. In go what bends an instance, out come attributes of its primitives, weights
-//! of its node, and skins. Invariant: read back, every vertex goes where it went; those that masks cut
-//! into bent triangles nearly.
+//! Morph targets and skins. In goes the deformation of an instance, out come attributes of its primitives,
+//! weights of its node, and skins. Invariant: read back, every vertex has the same motion; vertices of masks
+//! cut into deforming triangles have it approximately.
 
 use super::Writer;
 use super::binary::Target;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 const PER_SET: usize = 4;
 
 impl Writer<'_> {
-    /// Adds to a primitive of these vertices what bends it.
+    /// Adds the morph targets and influences of these vertices to a primitive.
     pub(super) fn add_deformation(
         &mut self,
         primitive: &mut Map<String, Value>,
@@ -57,7 +57,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Adds the joints that move each vertex; an inner one is moved by those of its corners.
+    /// Adds the joints of each vertex. A vertex inside a triangle has those of its corners.
     fn add_influences(
         &mut self,
         attributes: &mut Value,
@@ -85,7 +85,7 @@ impl Writer<'_> {
         let all: Vec<Vec<(u16, f32)>> = used.iter().map(merged).collect();
         let sets = all.iter().map(Vec::len).max().unwrap_or_default().div_ceil(PER_SET).max(1);
         for set in 0..sets {
-            // What there is no joint for has joint 0 with a share of 0.
+            // Unused slots have joint 0 with a weight of 0.
             let four = |shares: &Vec<(u16, f32)>| -> [(u16, f32); PER_SET] {
                 std::array::from_fn(|at| shares.get(PER_SET * set + at).copied().unwrap_or_default())
             };
@@ -99,7 +99,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Lets a node's mesh be bent.
+    /// Sets the weights and the skin of a node's mesh.
     pub(super) fn bend(&mut self, node: usize, deformation: &Deformation) {
         if let Some(skin) = &deformation.skin {
             let number = self.skin(skin);
@@ -126,7 +126,7 @@ impl Writer<'_> {
         self.channels.push(json!({ "sampler": self.samplers.len() - 1, "target": target }));
     }
 
-    /// A skin; the same for all instances that share its joints.
+    /// Index of a skin, which instances with the same joints share.
     fn skin(&mut self, skin: &Skin) -> usize {
         let key: JointKey = skin.joints.iter().map(joint_key).collect();
         if let Some(number) = self.skin_numbers.get(&key) {
@@ -149,7 +149,8 @@ fn joint_key(joint: &Joint) -> (NodeIndex, [u64; 12]) {
     (joint.node, joint.joint_from_rest.to_cols_array().map(f64::to_bits))
 }
 
-/// Whether a track is straight or still between its keys, so that these and the moments before jumps say all.
+/// Whether a track is linear or constant between its keys, so that keys and the moments before jumps describe
+/// it.
 pub(super) fn is_straight<T: Animate>(track: &Track<T>) -> bool {
     track.extend() == Extend::Hold
         && track.keys().iter().all(|key| matches!(key.to_next, Segment::Linear | Segment::Step))

@@ -1,24 +1,26 @@
-//! Moments in, the times of keys out. Invariant: at every frame Blender shows what the curve has there.
+//! Times of keys. In go moments, out come times that Blender keeps apart. Invariant: at every frame Blender
+//! shows the curve's value there.
 //!
 //! Where keys lie less than a hundredth of a frame apart, Blender keeps one, with the last one's value. A key
 //! just beside a frame would give the frame another moment. So keys stay apart and frames come first. A jump
-//! is two keys in neighbouring numbers of single precision. Blender keeps what it jumps to, which is
-//! right, and a third key shortly before holds what it jumps from.
+//! is two keys in neighbouring numbers of single precision. Blender keeps the value after the jump, which is
+//! right, and a third key shortly before holds the value before it.
 
 use crate::scene::{Animate, FrameRate, Segment, Track};
 use std::collections::BTreeMap;
 
-/// Twice what Blender needs, for single precision moves keys: up to frame 49,000 by less than 0.003 frames.
+/// Least distance of keys in frames, twice what Blender needs: single precision moves keys by less than 0.003
+/// frames up to frame 49,000.
 pub(super) const APART_FRAMES: f64 = 0.02;
-/// Blender shows a key instead of the line between two if it is as near to the frame as 0.0001.
+/// Distance in frames within which a key counts as the frame's. Blender snaps to a key within 0.0001.
 const AT_FRAME: f64 = 1e-3;
 
-/// Key times for straight lines between them: of these moments, and of jumps as late as possible before
-/// and at once after; increasing, none negative, each only once in single precision.
+/// Times of keys for linear interpolation: the moments, and for each jump the last time before it and the
+/// first after it. Times increase, are not negative, and differ in single precision.
 ///
-/// A moment too near to a frame moves away from it; of two that are too near to each other one is left
-/// out; in both cases frames around keep what lies beyond them as it is. A jump too near to a frame
-/// becomes a short slope.
+/// A moment too near to a frame moves away from it. Of two moments too near to each other one is dropped. In
+/// both cases keys at the frames around limit the change to that interval. A jump too near to a frame becomes
+/// a short slope.
 pub(super) fn apart(rate: FrameRate, moments_s: &[f64], jumps_s: &[f64]) -> Vec<f64> {
     let apart_s = rate.seconds(APART_FRAMES);
     let (mut taken, mut jumps, mut others, mut pairs) = (Taken(BTreeMap::new()), vec![], vec![], vec![]);
@@ -43,7 +45,7 @@ pub(super) fn apart(rate: FrameRate, moments_s: &[f64], jumps_s: &[f64]) -> Vec<
             others.push(moment_s);
             continue;
         }
-        // A key that is there keeps its own time, and with it its value.
+        // A key of the scene at a frame keeps its own time, and so its value.
         let is_frame = moment_s as f32 == frame_s as f32;
         taken.insert(if is_frame { moment_s } else { frame_s });
         if !is_frame {
@@ -53,7 +55,7 @@ pub(super) fn apart(rate: FrameRate, moments_s: &[f64], jumps_s: &[f64]) -> Vec<
     for list in [&mut jumps, &mut others] {
         list.sort_by(f64::total_cmp);
         for &time_s in list.iter() {
-            // What has been moved away from a frame may be a rounding nearer.
+            // Rounding may move it nearer to the frame.
             if taken.has_room(time_s, 0.999 * apart_s) {
                 taken.insert(time_s);
             } else if !taken.contains(time_s) {
@@ -71,7 +73,7 @@ pub(super) fn apart(rate: FrameRate, moments_s: &[f64], jumps_s: &[f64]) -> Vec<
     taken.0.into_values().collect()
 }
 
-/// Whether Blender shows keys at these times, and nothing else, at every frame.
+/// Whether Blender shows exactly the keys' values at every frame.
 pub(super) fn are_apart(rate: FrameRate, times_s: &[f64]) -> bool {
     let is_clear = |&time_s: &f64| {
         let frame_s = nearest_frame(rate, time_s);
@@ -96,7 +98,7 @@ fn nearest_frame(rate: FrameRate, time_s: f64) -> f64 {
     rate.seconds(rate.frame(time_s).round())
 }
 
-/// Times by their bits in single precision, which are in order for times that are not negative.
+/// Times by their bits in single precision, whose order is that of times that are not negative.
 struct Taken(BTreeMap<u32, f64>);
 
 impl Taken {
@@ -117,7 +119,7 @@ impl Taken {
 }
 
 fn bits(time_s: f64) -> u32 {
-    // Of -0 too.
+    // Adding 0 turns -0 into 0.
     (time_s as f32 + 0.0).to_bits()
 }
 

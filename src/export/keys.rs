@@ -1,10 +1,10 @@
-//! Motion in, keys out. Invariant: at every moment of the file's frames the keys give what the motion
-//! gives, to single precision, here (slerp) and in Blender (components, brought to unit length).
+//! Keys of motion. In go tracks and motions, out come glTF's keys. Invariant: at every moment of the file's
+//! frames they equal the motion to single precision, here (slerp) and in Blender (normalized components).
 //!
-//! Keys of the scene itself are kept where glTF and Blender interpolate as we do: steps, and straight
-//! lines. Everything else is sampled: at every frame, where the shutter opens and closes, and at the
-//! scene's own keys. Curves are sampled with their slopes, as cubic splines: Blender reads no slopes, but
-//! has the value at every frame.
+//! Keys of the scene are kept where glTF and Blender interpolate alike: steps, and straight lines. Everything
+//! else is sampled: at every frame, where the shutter opens and closes, and at the scene's own keys. Curves
+//! are sampled with their slopes, as cubic splines: Blender ignores slopes, but has the right value at every
+//! frame.
 
 use super::deformations::is_straight;
 use super::{Writer, key_times};
@@ -15,43 +15,43 @@ use std::collections::BTreeMap;
 use std::ops::{Add, Mul};
 
 pub(super) struct Moments {
-    /// The first frame, where nodes stand if they stand still.
+    /// Time of the first frame, at which constant nodes are placed.
     pub(super) start_s: f64,
     rate: FrameRate,
     /// Increasing, none negative.
     times_s: Vec<f64>,
     /// Times as stored.
     stored_s: Vec<f32>,
-    /// View of the times in the file, once they are in it; and accessors of parts of them.
+    /// View of the times, once written, and accessors of parts of them.
     view: Option<usize>,
     parts: BTreeMap<(usize, usize), usize>,
 }
 
-/// A curve as glTF has it.
+/// Curve in glTF's form.
 pub(super) struct Keys<T> {
     times: Times,
-    /// One a time; of cubic splines three: the slope of arriving there, the value, the slope of leaving.
+    /// Values, one a time; for cubic splines three: the slope before, the value, the slope after.
     values: Vec<T>,
     interpolation: &'static str,
 }
 
 enum Times {
-    /// This part of the common moments.
+    /// A part of the common moments.
     Common(usize),
     Own(Vec<f32>),
 }
 
-/// Value that glTF stores.
+/// Value of a glTF channel.
 pub(super) trait Stored: Animate + Add<Output = Self> + Mul<f64, Output = Self> {
     type Numbers: Copy + PartialEq;
     fn stored(self) -> Self::Numbers;
-    /// Representation on the side of `previous`: a rotation has two quaternions.
+    /// Representation nearest to `previous`: a rotation has two quaternions.
     fn near(self, _previous: Self) -> Self {
         self
     }
     /// The largest difference of a component.
     fn distance(self, other: Self) -> f64;
-    /// True if straight lines between keys are the same in glTF and in Blender.
+    /// Whether glTF and Blender interpolate it linearly alike.
     const IS_LINEAR: bool = true;
 }
 
@@ -94,7 +94,7 @@ impl Moments {
         Self { start_s, rate, times_s, stored_s, view: None, parts: BTreeMap::new() }
     }
 
-    /// A curve sampled at the common moments; `None` if it stays where it is.
+    /// Curve sampled at the common moments; `None` if it is constant.
     pub(super) fn sampled<T: Stored>(&self, value: impl Fn(f64) -> T) -> Option<Keys<T>> {
         sampled(&self.times_s, value).map(|(first, values)| Keys {
             times: Times::Common(first),
@@ -103,7 +103,7 @@ impl Moments {
         })
     }
 
-    /// The curve of a track; `None` if it stays where it is.
+    /// Curve of a track; `None` if it is constant.
     pub(super) fn of_track<T: Stored>(&self, track: &Track<T>) -> Option<Keys<T>> {
         if track.is_constant() {
             return None;
@@ -129,9 +129,8 @@ impl Moments {
         Some(Keys { times: Times::Own(times_s), values, interpolation })
     }
 
-    /// Moments at which to ask several tracks together, so that straight lines in between are what they
-    /// are: at their keys, and just before they jump; at all moments too if one of them is curved or goes
-    /// on and on.
+    /// Moments for sampling several tracks together, so that linear interpolation is exact: their keys, and
+    /// the moments before jumps. If a track is curved or endless, the common moments are added.
     pub(super) fn of_tracks<'a, T: Animate + 'a>(
         &self,
         tracks: impl IntoIterator<Item = &'a Track<T>> + Clone,
@@ -141,7 +140,7 @@ impl Moments {
         if times_s.is_empty() { vec![0.0] } else { times_s }
     }
 
-    /// The keys of tracks, and perhaps the common moments.
+    /// Keys of tracks, and the common moments if wanted.
     fn with<'a, T: Animate + 'a>(
         &self,
         tracks: impl IntoIterator<Item = &'a Track<T>>,
@@ -153,7 +152,7 @@ impl Moments {
             times_s.extend(reached_s);
             jumps_s.extend(jumped_s);
         }
-        // After the keys: at one that is a frame's it is the key that counts, to the last bit.
+        // Added after the keys, so that a key at a frame keeps its exact time.
         if common {
             times_s.extend(&self.times_s);
         }
@@ -161,8 +160,8 @@ impl Moments {
     }
 }
 
-/// Values at moments without those before the first and after the last that differs: where the first
-/// is, and all. `None` if they are all the same.
+/// Values at moments, without constant stretches at the start and the end: the index of the first, and the
+/// values. `None` if they are all equal.
 fn sampled<T: Stored>(times_s: &[f64], value: impl Fn(f64) -> T) -> Option<(usize, Vec<T>)> {
     let mut values: Vec<T> = Vec::with_capacity(times_s.len());
     for &time_s in times_s {
@@ -171,7 +170,7 @@ fn sampled<T: Stored>(times_s: &[f64], value: impl Fn(f64) -> T) -> Option<(usiz
     }
     let differs = |pair: &[T]| pair[0].stored() != pair[1].stored();
     let mut first = values.windows(2).position(differs)?;
-    // Of the keys of a jump Blender needs the third.
+    // Blender needs the third key of a jump.
     if first > 0 && (times_s[first] as f32).next_up() == times_s[first + 1] as f32 {
         first -= 1;
     }
@@ -179,13 +178,13 @@ fn sampled<T: Stored>(times_s: &[f64], value: impl Fn(f64) -> T) -> Option<(usiz
     Some((first, values[first..=last].to_vec()))
 }
 
-/// Times, and more between them until a cubic spline through values and slopes is what the track is.
+/// Times, refined until a cubic spline through values and slopes matches the track.
 fn refined<T: Stored>(rate: FrameRate, track: &Track<T>, times_s: &[f64]) -> Vec<f64> {
-    /// Tolerance of metres, and of the components of a turn.
+    /// Tolerance in metres, and of a quaternion's components.
     const TOLERANCE: f64 = 1e-6;
     let shortest_s = rate.seconds(4.0 * key_times::APART_FRAMES);
     let mut refined_s = Vec::from_iter(times_s.first().copied());
-    // The last is the next.
+    // In reverse, so that `pop` takes the next.
     let mut ahead_s: Vec<f64> = times_s.iter().skip(1).rev().copied().collect();
     while let (Some(&from_s), Some(&to_s)) = (refined_s.last(), ahead_s.last()) {
         let (way_s, middle_s) = (to_s - from_s, 0.5 * (from_s + to_s));
@@ -203,7 +202,7 @@ fn refined<T: Stored>(rate: FrameRate, track: &Track<T>, times_s: &[f64]) -> Vec
     refined_s
 }
 
-/// Values with the slopes before and after each, per second.
+/// Values with their slopes before and after, per second.
 fn with_slopes<T: Stored>(track: &Track<T>, times_s: &[f64], values: &[T]) -> Vec<T> {
     let slope = |from: usize, to: usize| slope(track, values[from], times_s[from], times_s[to]);
     let last = values.len() - 1;
@@ -214,7 +213,7 @@ fn with_slopes<T: Stored>(track: &Track<T>, times_s: &[f64], values: &[T]) -> Ve
     (0..values.len()).flat_map(with_slopes).collect()
 }
 
-/// Slope of a track at a value towards another time, by three values close by (Abramowitz & Stegun
+/// Slope of a track at a value in the direction of another time, from three values (Abramowitz & Stegun
 /// 25.3.4).
 fn slope<T: Stored>(track: &Track<T>, value: T, from_s: f64, to_s: f64) -> T {
     const LONGEST_STEP_S: f64 = 1e-4;
@@ -229,13 +228,13 @@ fn slope<T: Stored>(track: &Track<T>, value: T, from_s: f64, to_s: f64) -> T {
     (value * -1.5 + near * 2.0 + far * -0.5) * step_s.recip()
 }
 
-/// The track's own keys, if glTF and Blender make of them what we make of them.
+/// Keys of the track itself, if glTF and Blender interpolate them alike.
 fn own_keys<T: Stored>(rate: FrameRate, track: &Track<T>) -> Option<Keys<T>> {
     let keys = track.keys();
     let segments = || keys[..keys.len() - 1].iter().map(|key| key.to_next);
     let are_steps = segments().all(|segment| matches!(segment, Segment::Step));
     let are_straight = T::IS_LINEAR && segments().all(|segment| matches!(segment, Segment::Linear));
-    // A step that was rounded up would come a frame late in Blender.
+    // A step that is rounded up would come a frame late in Blender.
     let time = |time_s: f64| {
         let rounded = time_s as f32;
         if are_steps && rounded > 0.0 { rounded.next_down() } else { rounded }
@@ -253,7 +252,7 @@ fn own_keys<T: Stored>(rate: FrameRate, track: &Track<T>) -> Option<Keys<T>> {
 }
 
 impl Writer<'_> {
-    /// Lets keys move a node's property.
+    /// Adds a channel that animates a node's property.
     pub(super) fn add_channel<T: Stored<Numbers = [f32; WIDTH]>, const WIDTH: usize>(
         &mut self,
         node: usize,

@@ -1,5 +1,5 @@
-//! Clear coat and sheen, as the extensions that they come from. Invariant: a material
-//! without them names neither.
+//! Clear coat and sheen, as glTF's extensions. In goes a material, out come its extensions. Invariant: a
+//! material without a layer has no extension for it.
 
 use super::Writer;
 use crate::scene::{Clearcoat, Material, Sheen, TextureIndex, TextureMap};
@@ -55,7 +55,7 @@ pub(super) fn is_data(material: &Material, texture: TextureIndex) -> bool {
     coat.chain(sheen).any(|map| map.texture == texture)
 }
 
-/// A texture as a material refers to it.
+/// A material's reference to a texture.
 pub(super) fn texture_info(map: TextureMap) -> Value {
     json!({ "index": map.texture, "texCoord": map.layer })
 }

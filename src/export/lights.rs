@@ -1,6 +1,5 @@
-//! Lights: those that glTF knows in lux and candela; their sizes, pictures on suns and area
-//! lights as `sunfleck_light`. Invariant: a light is as bright when it is read back, to the
-//! rounding of one multiplication.
+//! Lights. In go lights, out come glTF's in lux and candela; sizes, pictures on suns and area lights go into
+//! `sunfleck_light`. Invariant: read back, a light has the same power, to the rounding of one multiplication.
 
 use super::Writer;
 use super::materials::png;
@@ -11,7 +10,7 @@ use base64::prelude::{BASE64_STANDARD as STANDARD, Engine};
 use serde_json::{Map, Value, json};
 use std::f64::consts::PI;
 
-/// glTF wants the inner angle of a cone smaller than the outer one.
+/// Least difference in radians of a cone's angles: glTF wants the inner one smaller.
 const NARROWEST_EDGE: f64 = 1e-9;
 
 impl Writer<'_> {
@@ -60,7 +59,7 @@ impl Writer<'_> {
     }
 }
 
-/// Type of a light in glTF, and a spot's cone; `None` for an area light, which glTF has not.
+/// Type of a light in glTF, and a spot's cone; `None` for an area light.
 fn kind_in_gltf(kind: &LightKind, time_s: f64) -> Option<(&'static str, Option<Value>)> {
     match kind {
         LightKind::Sun | LightKind::SunDisc(_) => Some(("directional", None)),
@@ -74,7 +73,7 @@ fn kind_in_gltf(kind: &LightKind, time_s: f64) -> Option<(&'static str, Option<V
     }
 }
 
-/// Fields of `sunfleck_light` for what glTF does not know of a light.
+/// Fields of `sunfleck_light` for properties that glTF lacks.
 fn fields(kind: &LightKind, time_s: f64) -> Result<Vec<(&'static str, Value)>, Diagnostic> {
     Ok(match kind {
         LightKind::Sun | LightKind::Point => vec![],
@@ -96,7 +95,7 @@ fn fields(kind: &LightKind, time_s: f64) -> Result<Vec<(&'static str, Value)>, D
     })
 }
 
-/// Fields for traits that a lamp has.
+/// Fields of a lamp's traits.
 fn fields_of(traits: LampTraits) -> impl Iterator<Item = (&'static str, Value)> {
     let LampTraits { soft_falloff, shines_inward, visible_to_camera, visible_in_mirrors } = traits;
     let named = [
@@ -146,7 +145,7 @@ fn has(node: &Map<String, Value>, group: &str, key: &str) -> bool {
     node.get(group).is_some_and(|group| group.get(key).is_some())
 }
 
-/// The brightest channel, and the colour that it multiplies.
+/// Value of the brightest channel, and the colour relative to it.
 fn brightest(power: Rgb) -> (f64, Rgb) {
     let brightest = power.max_element();
     if brightest > 0.0 { (brightest, power / brightest) } else { (0.0, Rgb::ONE) }

@@ -1,6 +1,5 @@
-//! Materials that change, as pointers of KHR_animation_pointer. In goes a material and the one that
-//! was written for it, out come channels. Invariant: a number that changes has a channel, or the
-//! remarks say that it is lost.
+//! Animated materials, by KHR_animation_pointer. In go a material and its written form, out come channels.
+//! Invariant: a number that changes has a channel, or a remark reports its loss.
 
 use super::Writer;
 use crate::diagnostic::Loss;
@@ -17,8 +16,8 @@ const METALLIC: usize = 19;
 const ROUGHNESS: usize = 20;
 const NORMAL_SCALE: usize = 22;
 
-/// Form in which a material was written: what became of glTF's base colour, and how its emission was
-/// divided.
+/// Form in which a material was written: the property that became glTF's base colour, and the factor of its
+/// emission.
 pub(super) struct Written {
     pub(super) is_metal: bool,
     pub(super) is_unlit: bool,
@@ -26,7 +25,7 @@ pub(super) struct Written {
 }
 
 impl Writer<'_> {
-    /// Lets the numbers of material number `index` change.
+    /// Adds channels for the numbers of material `index`.
     pub(super) fn carry_changes(&mut self, index: usize, material: &Material, written: &Written) {
         let Some(changes) = &material.changes else { return };
         let times_s = self.moments.of_tracks([changes]);
@@ -69,7 +68,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Straight keys, as many values a time as there are.
+    /// Adds a channel with linear keys; each time has the same number of values.
     fn add_pointer(&mut self, pointer: String, times_s: &[f32], values: &[f32]) {
         let times: Vec<[f32; 1]> = times_s.iter().map(|&time_s| [time_s]).collect();
         let input = self.binary.floats(&times, None, true);

@@ -1,5 +1,5 @@
-//! Materials and their images. Invariant: what Lambert, a metal without roughness, emission and alpha
-//! cannot say stands in the custom property `sunfleck_material`.
+//! Materials and their images. In go materials, out come glTF's materials and textures. Invariant: everything
+//! beyond Lambert, smooth metal, emission and alpha is in the custom property `sunfleck_material`.
 
 use super::Writer;
 use super::layers::{self, texture_info};
@@ -20,7 +20,7 @@ pub(super) struct Images {
 }
 
 impl Writer<'_> {
-    /// All materials under the scene's numbers, and all textures.
+    /// All materials by the scene's indices, and all textures.
     pub(super) fn materials(&mut self) -> Result<(Vec<Value>, Images), Diagnostic> {
         let scene = self.scene;
         let numbered = scene.materials.iter().enumerate();
@@ -57,7 +57,7 @@ impl Writer<'_> {
                 material.coat.map_or(json!({ "specularFactor": 0.0 }), specular);
         }
         self.add_layers(material, &mut extensions);
-        // The factor itself is at most 1.
+        // glTF limits the factor to 1.
         let times_s = material.changes.iter().flat_map(|changes| changes.times_s().into_owned());
         let brightest = times_s.map(|time_s| material.at(time_s).emission.max_element());
         let emission = if is_unlit { Rgb::ZERO } else { material.emission };
@@ -91,7 +91,7 @@ impl Writer<'_> {
         written
     }
 
-    /// Properties that glTF has no word for.
+    /// Properties that glTF lacks.
     fn properties(&mut self, material: &Material, is_metal: bool) -> Value {
         let mut ours = json!({});
         if material.mirror != Rgb::ZERO && !is_metal {
@@ -147,7 +147,7 @@ impl Writer<'_> {
     }
 }
 
-/// The metallic-roughness model's share of a material.
+/// Metallic-roughness part of a material.
 fn pbr(material: &Material, is_metal: bool, is_unlit: bool) -> Value {
     let color = match material.painted {
         Painted::Emission if is_unlit => material.emission,
@@ -169,7 +169,7 @@ fn pbr(material: &Material, is_metal: bool, is_unlit: bool) -> Value {
     pbr
 }
 
-/// Shines in its own colours, which glTF keeps in 0 to 1, and does nothing else.
+/// Whether a material only emits, in colours that glTF keeps in 0 to 1.
 fn is_unlit(material: &Material) -> bool {
     let shares = [material.base_color, material.transmission, material.mirror, material.filter_color];
     material.painted == Painted::Emission
@@ -178,9 +178,8 @@ fn is_unlit(material: &Material) -> bool {
         && material.emission.max_element() <= 1.0
 }
 
-/// Specular extension: the part that is no metal reflects 0.04 along the normal, times a colour that may
-/// be above 1, times the factor, which alone counts at grazing angles (KHR_materials_specular,
-/// "Implementation").
+/// Specular extension. Non-metal reflects 0.04 along the normal, times a colour that may be above 1, times a
+/// factor. The factor alone counts at grazing angles (KHR_materials_specular, "Implementation").
 fn specular(coat: Coat) -> Value {
     let color = if coat.f90 > 0.0 { coat.f0 / (0.04 * coat.f90) } else { Rgb::ONE };
     let mut written = json!({ "specularFactor": coat.f90, "specularColorFactor": color.to_array() });
@@ -198,9 +197,9 @@ fn wrap(wrap: Wrap) -> u32 {
     }
 }
 
-/// The texture as PNG: with 8 bits where that gives the same texels again, else with 16.
+/// Encodes a texture as PNG, with 8 bits where they decode to the same texels, else with 16.
 ///
-/// Images of directions and roughness are linear already.
+/// Normal maps and roughness are linear already.
 pub(super) fn png(texture: &Texture, holds_data: bool) -> Result<Vec<u8>, Diagnostic> {
     let code = |value: f32, is_alpha: bool| {
         let value = f64::from(value);

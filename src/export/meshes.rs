@@ -1,5 +1,5 @@
-//! Meshes, a primitive a material. In goes a scene, out come glTF's meshes. Invariant: the triangles of a
-//! mesh are stored once, in however many materials and places it is shown.
+//! Meshes, one primitive a material. In goes a scene, out come glTF's meshes. Invariant: the triangles of a
+//! mesh are stored once, however many materials and instances show it.
 
 use super::Writer;
 use super::binary::Target;
@@ -10,24 +10,23 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A part of a glTF mesh: a mesh of ours, perhaps in a material that replaces its own,
-/// perhaps with what bends it.
+/// Part of a glTF mesh: a mesh of the scene, a material that replaces its own, and a deformation.
 type Part = (MeshIndex, Option<MaterialIndex>, Option<Bending>);
 
-/// Addresses of the targets and the influences of a deformation: what bends instances of one mesh alike.
+/// Addresses of a deformation's targets and influences, which instances of one mesh share.
 type Bending = (usize, Option<usize>);
 
-/// Triangles of a mesh as they are stored, and the material that they are in by themselves.
+/// Primitives of a mesh, each with its own material.
 type Primitives = Vec<(Map<String, Value>, MaterialIndex)>;
 
-/// Number of the glTF mesh by its node, its leaf id, and its instance if it is bent.
+/// Index of the glTF mesh by its node, its leaf id, and its instance if it deforms.
 pub(super) type Placed = BTreeMap<(NodeIndex, u32, Option<usize>), usize>;
 
 impl Writer<'_> {
-    /// Every mesh that is shown, and where.
+    /// All meshes that are shown, and their places.
     pub(super) fn meshes(&mut self) -> (Vec<Value>, Placed) {
         let scene = self.scene;
-        // What stands at one node under one leaf id is one mesh to glTF; what bends has a node of its own.
+        // Meshes at one node with one leaf id are one mesh in glTF; a deforming mesh has a node of its own.
         let mut shown: BTreeMap<(NodeIndex, u32, Option<usize>), Vec<Part>> = BTreeMap::new();
         for (number, instance) in scene.instances.iter().enumerate() {
             let bending = instance.deformation.as_deref().map(bending);
@@ -72,7 +71,7 @@ impl Writer<'_> {
         (meshes, placed)
     }
 
-    /// A primitive for each material of a mesh, with those vertices that it uses.
+    /// Primitives of a mesh, one a material, with the vertices that each uses.
     fn primitives(&mut self, mesh: &Mesh, deformation: Option<&Deformation>) -> Primitives {
         let mut by_material: Vec<(MaterialIndex, Vec<u32>)> = Vec::new();
         for triangle in &mesh.triangles {
@@ -90,7 +89,7 @@ impl Writer<'_> {
                     self.scene.materials[material].has_normal_map() && !mesh.tangents.is_empty();
                 let is_flat = mesh.normals.is_empty();
                 let primitive = match deformation {
-                    // Tangents mean nothing to glTF without normals.
+                    // glTF ignores tangents without normals.
                     None if is_mapped && is_flat => {
                         let faceted = faceted(mesh, &corners);
                         let corners: Vec<u32> = (0..corners.len() as u32).collect();
@@ -170,7 +169,7 @@ impl Writer<'_> {
     }
 }
 
-/// Triangles with these corners, each with vertices of its own and its own normal.
+/// Triangles with vertices of their own and flat normals.
 fn faceted(mesh: &Mesh, corners: &[u32]) -> Mesh {
     fn at<T: Copy>(values: &[T], corners: &[u32]) -> Vec<T> {
         corners.iter().filter_map(|&corner| values.get(corner as usize).copied()).collect()
@@ -178,7 +177,7 @@ fn faceted(mesh: &Mesh, corners: &[u32]) -> Mesh {
     let positions = at(&mesh.positions, corners);
     let normal = |[a, b, c]: &[Vec3; 3]| {
         let [a, b, c] = [a, b, c].map(|position| position.as_dvec3());
-        // One without area is never seen.
+        // A degenerate triangle is never seen.
         (b - a).cross(c - a).try_normalize().unwrap_or(DVec3::Y).as_vec3()
     };
     Mesh {

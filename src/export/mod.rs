@@ -1,6 +1,6 @@
-//! A [`Scene`] in, a glTF 2.0 file out (`.glb`): meshes shared, nodes as they are, motion as keys. What glTF
-//! cannot say goes into the custom properties that `scene/from_gltf` reads. Invariant: reading the file back
-//! gives the same pictures, or [`Exported::remarks`] says what differs.
+//! Export to glTF 2.0. In goes a [`Scene`], out comes a `.glb` file: meshes shared, the same nodes, motion as
+//! keys. Properties that glTF lacks become custom properties, which `scene/from_gltf` reads. Invariant: read
+//! back, the file gives the same pictures, or [`Exported::remarks`] lists the differences.
 
 mod beside;
 mod binary;
@@ -23,7 +23,7 @@ use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// The parts of a `.glb` file, to be written one after another.
+/// Parts of a `.glb` file, to be written in this order.
 #[derive(Debug)]
 pub struct Exported {
     /// Header and JSON.
@@ -32,16 +32,16 @@ pub struct Exported {
     pub binary: Vec<u8>,
     /// Number of keyed values.
     pub channels: usize,
-    /// Files that it names instead of holding them.
+    /// External files that it refers to.
     pub files: BTreeSet<String>,
     /// Losses: what the file cannot carry.
     pub remarks: Diagnostics,
 }
 
-/// A file under construction.
+/// Writer of a file under construction.
 struct Writer<'a> {
     scene: &'a Scene,
-    /// Folder that the file is to lie in.
+    /// Folder of the file.
     folder: &'a Path,
     /// Moments at which motion without keys of its own is sampled, seconds, increasing, none negative.
     moments: keys::Moments,
@@ -61,15 +61,15 @@ struct Writer<'a> {
     remarks: Diagnostics,
 }
 
-/// The name by which the file says who wrote it.
+/// The file's `generator`.
 const GENERATOR: &str = concat!("sunfleck ", env!("CARGO_PKG_VERSION"));
-/// glTF counts bytes of the binary part in 32 bits.
+/// Maximum size of the binary part, as glTF has 32-bit lengths.
 const MOST_BYTES: usize = u32::MAX as usize;
 
 /// Writes a scene as glTF for a folder, motion over the settings' frames.
 ///
 /// # Errors
-/// If the file would be larger than glTF can count.
+/// If the file would be too large for glTF.
 pub fn glb(scene: &Scene, settings: &RenderSettings, folder: &Path) -> Result<Exported, Diagnostic> {
     let mut writer = Writer {
         scene,
@@ -175,7 +175,7 @@ impl Writer<'_> {
     }
 }
 
-/// The container up to the binary part's bytes (specification, 4.4).
+/// Container up to the bytes of the binary part (specification, 4.4).
 fn head(mut json: Vec<u8>, binary_bytes: usize) -> Result<Vec<u8>, Diagnostic> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let with_binary = if binary_bytes > 0 { 8 + binary_bytes } else { 0 };

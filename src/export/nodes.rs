@@ -1,5 +1,5 @@
-//! The hierarchy, with what stands at each node. Invariant: every node's place in the world is the
-//! scene's; one that shears becomes two nodes, for glTF's and Blender's nodes cannot shear.
+//! Nodes and what they carry. In goes the hierarchy, out come glTF's nodes. Invariant: every node has the
+//! scene's placement in the world. A shear needs two nodes, as glTF's and Blender's nodes cannot shear.
 
 use super::Writer;
 use super::meshes::Placed;
@@ -7,11 +7,11 @@ use crate::scene::{Clip, Lens, Motion, RayVisibility, RenderSettings, Rotation};
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use serde_json::{Map, Value, json};
 
-/// Maximum deviation of a matrix's parts from it, relative to its largest element.
+/// Maximum deviation of a matrix from its decomposition, relative to its largest element.
 const PARTS_TOLERANCE: f64 = 1e-9;
 
-/// glTF's perspective cameras have a nearer clipping plane before the eye, its orthographic ones a farther
-/// plane: those of cameras here that have none, metres.
+/// Clipping distances for cameras without clipping, metres. glTF's perspective cameras need a near plane, its
+/// orthographic ones a far plane.
 const NEAREST_M: f64 = 1e-4;
 const FARTHEST_M: f64 = 1e6;
 
@@ -33,7 +33,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A new node; all its children are added later.
+    /// Adds a node; all its children are added later.
     pub(super) fn add_node(&mut self, name: &str, parent: Option<usize>) -> usize {
         let number = self.nodes.len();
         let mut node = Map::new();
@@ -94,7 +94,7 @@ impl Writer<'_> {
         node
     }
 
-    /// Sets the transform of a node; parts that say nothing are left out.
+    /// Sets a node's transform; identity parts are left out.
     fn set_parts(&mut self, node: usize, translation: DVec3, rotation: DQuat, scale: DVec3) {
         let mut set = |name: &str, value: Value| self.nodes[node].insert(name.to_owned(), value);
         if translation != DVec3::ZERO {
@@ -108,7 +108,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Puts a value below `key` of a node's own object `group`.
+    /// Sets a value under `key` of a node's object `group`.
     fn extend(&mut self, node: usize, group: &str, key: &str, value: Value) {
         let group = self.nodes[node].entry(group).or_insert_with(|| json!({}));
         group[key] = value;
@@ -122,7 +122,7 @@ impl Writer<'_> {
         self.extend(node, "extras", name, value);
     }
 
-    /// The node itself, or one in its place if it holds a thing of this kind already.
+    /// The node itself, or a new child if it already carries something of this kind.
     pub(super) fn free_node(&mut self, node: usize, is_taken: impl Fn(&Map<String, Value>) -> bool) -> usize {
         if !is_taken(&self.nodes[node]) {
             return node;
@@ -199,7 +199,7 @@ impl Writer<'_> {
     }
 }
 
-/// Unusual fields of a ray visibility.
+/// Fields of a ray visibility that differ from the default.
 fn said(rays: RayVisibility) -> Value {
     let RayVisibility { visible_to_camera, casts_shadow, holdout } = rays;
     let fields = [
@@ -211,11 +211,12 @@ fn said(rays: RayVisibility) -> Value {
     unusual.map(|(name, value, _)| (name.to_owned(), json!(value))).collect::<Map<_, _>>().into()
 }
 
-/// A matrix as turn, scale along the axes, turn: `matrix = first * scale * last`, by rotating pairs of
-/// columns until all are at right angles (Hestenes 1958; Golub and Van Loan, Matrix Computations, 8.6.3).
+/// Singular value decomposition: rotation, scale along the axes, rotation, `matrix = first * scale * last`.
+/// Pairs of columns are rotated until all are orthogonal (Hestenes 1958; Golub and Van Loan, Matrix
+/// Computations, 8.6.3).
 fn turn_scale_turn(matrix: DMat3) -> (DQuat, DVec3, DQuat) {
     let (mut columns, mut turned) = (matrix, DMat3::IDENTITY);
-    // Each sweep squares what is left of the angles.
+    // Each pass squares the remaining error of the angles.
     for _ in 0..16 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let (a, b) = (columns.col(p), columns.col(q));
@@ -233,7 +234,7 @@ fn turn_scale_turn(matrix: DMat3) -> (DQuat, DVec3, DQuat) {
         }
     }
     let mut scale = DVec3::new(columns.x_axis.length(), columns.y_axis.length(), columns.z_axis.length());
-    // A column without length may point anywhere; two without leave nothing that could be seen.
+    // A column of length 0 may have any direction; with two of them nothing is visible.
     let x = columns.x_axis.try_normalize();
     let y = columns.y_axis.try_normalize();
     let z = columns.z_axis.try_normalize();

@@ -1,5 +1,5 @@
-//! Extras of the scene: fog, background, and how the scene is to be rendered, which glTF has no word for.
-//! Invariant: the names are those that `scene/from_gltf/extras.rs` reads.
+//! Fog, background, sky and render settings, which glTF lacks. In goes a scene, out come its extras.
+//! Invariant: their names are those that `scene/from_gltf/extras.rs` reads.
 
 use super::{Writer, beside};
 use crate::color::{Look, Rgb};
@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 use std::io::Cursor;
 
 impl Writer<'_> {
-    /// Adds every bank of fog, at its node.
+    /// Adds all fog volumes at their nodes.
     pub(super) fn add_fogs(&mut self) {
         for fog in &self.scene.fogs {
             if let FogShape::Mist(_) = fog.shape {
@@ -48,7 +48,7 @@ impl Writer<'_> {
         match &fog.shape {
             FogShape::EvenBox | FogShape::ThinningBox(_) => written["shape"] = json!("box"),
             FogShape::Layer(_) => written["shape"] = json!("layer"),
-            // Left out, and said.
+            // Left out, and reported as a loss.
             FogShape::Mist(_) => {}
             FogShape::Voxels(grids) => {
                 let uri = beside::uri(&grids.path, self.folder);
@@ -78,7 +78,7 @@ impl Writer<'_> {
         written
     }
 
-    /// The sky as it is at the start, if the file can carry it.
+    /// Sky at the first frame, if the file can hold it.
     fn sky(&mut self, sky: Option<&Sky>) -> Result<Option<Value>, Diagnostic> {
         let Some(sky) = sky else { return Ok(None) };
         let (strength, rotation) =
@@ -163,7 +163,7 @@ impl Writer<'_> {
     }
 }
 
-/// An image of radiances as a data URI: OpenEXR keeps single precision.
+/// Data URI of an image of radiances; OpenEXR keeps single precision.
 fn exr_uri(image: &Texture) -> Result<String, Diagnostic> {
     let texels: Vec<[f32; 4]> = image.texels.iter().collect();
     let channels = SpecificChannels::rgb(|Vec2(x, y)| {
@@ -181,7 +181,7 @@ fn exr_uri(image: &Texture) -> Result<String, Diagnostic> {
     Ok(format!("data:image/x-exr;base64,{}", STANDARD.encode(bytes.into_inner())))
 }
 
-/// One number for all channels, or three.
+/// One number if all channels are equal, else three.
 fn channels(color: Rgb) -> Value {
     match color.to_array() {
         [red, green, blue] if red == green && green == blue => json!(red),
