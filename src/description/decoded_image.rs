@@ -1,4 +1,5 @@
-//! An image, decoded. Invariant: it has width times height texels, in one colour space whatever the file's.
+//! Decoded image. In go texels, out comes an image in linear Rec. 709. Invariant: it has width times height
+//! texels, in one colour space whatever the file's.
 
 use crate::color::Texels;
 use crate::diagnostic::Loss;
@@ -12,12 +13,12 @@ pub struct DecodedImage {
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
     pub texels: Texels,
-    /// Loss of its colours, and why.
+    /// Loss of its colours, and the reason.
     pub doubt: Option<(Loss, String)>,
 }
 
 impl DecodedImage {
-    /// An image whose colours are beyond doubt.
+    /// Creates an image with certain colours.
     pub fn new(width: usize, height: usize, texels: Texels) -> Self {
         Self { width, height, texels, doubt: None }
     }

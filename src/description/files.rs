@@ -1,5 +1,5 @@
-//! Paths in, bytes out, every byte hashed. Invariant: the content hash depends on the files'
-//! bytes and the order of reading, never on where they lie.
+//! Reader of input files. In go paths, out come bytes, all of them hashed. Invariant: the content hash
+//! depends on the files' bytes and the order of reading, and not on their paths.
 
 use super::LoadError;
 use sha2::{Digest, Sha256};
@@ -8,31 +8,31 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-/// Reads files and remembers what was in them.
+/// Reads files and hashes their contents.
 #[derive(Default)]
 pub struct Files {
     hash: Sha256,
     read: Vec<PathBuf>,
 }
 
-/// A regular file, to be read as far as it is long now. A pipe or a device may never begin or never end, so
-/// it is not even opened.
+/// Opens a regular file, limited to its present length. Pipes and devices are not opened, as they may block
+/// or never end.
 ///
 /// # Errors
-/// If there is no such file, or it is no regular one.
+/// If there is no such file, or it is not regular.
 pub fn open_regular(path: &Path) -> io::Result<io::Take<File>> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() && !metadata.is_dir() {
         return Err(io::Error::new(ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));
     }
-    // What is added while it is read is not of this file.
+    // Bytes appended while it is read do not count.
     Ok(File::open(path)?.take(metadata.len()))
 }
 
-/// The bytes of a regular file.
+/// Reads a regular file.
 ///
 /// # Errors
-/// If there is no such file, it is no regular one, or its bytes do not fit into memory.
+/// If there is no such file, it is not regular, or its bytes do not fit into memory.
 pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = open_regular(path)?;
     let mut bytes = Vec::new();
@@ -43,8 +43,8 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The file of that name in a folder: with slashes for backslashes, as Windows writes them, where there is
-/// none as it stands.
+/// Path of a named file in a folder. If it does not exist, backslashes become slashes, as Windows programs
+/// write them.
 pub(super) fn beside(folder: &Path, name: &Path) -> PathBuf {
     let as_it_stands = folder.join(name);
     match name.to_str() {
@@ -54,7 +54,7 @@ pub(super) fn beside(folder: &Path, name: &Path) -> PathBuf {
 }
 
 impl Files {
-    /// The bytes of a file; `referrer` says who asked for it ("scene.ron: meshes.leaf").
+    /// Reads a file; `referrer` is the place that refers to it ("scene.ron: meshes.leaf").
     ///
     /// # Errors
     /// [`LoadError::Io`] if it cannot be read.
@@ -64,7 +64,7 @@ impl Files {
         Ok(bytes)
     }
 
-    /// Reads a file of which only the meaning is hashed.
+    /// Reads a text file; the hash ignores comments and blanks.
     ///
     /// # Errors
     /// [`LoadError::Io`] if it cannot be read.
@@ -88,22 +88,22 @@ impl Files {
         Ok(bytes)
     }
 
-    /// Hashes bytes that are in no file.
+    /// Hashes bytes that are not from a file.
     pub(super) fn count(&mut self, bytes: &[u8]) {
         self.hash.update((bytes.len() as u64).to_le_bytes());
         self.hash.update(bytes);
     }
 
-    /// The files that were read, each once, in the order of reading.
+    /// Paths that were read, each once, in the order of reading.
     pub fn into_paths(mut self) -> Vec<PathBuf> {
         let mut seen = HashSet::new();
         self.read.retain(|path| seen.insert(path.clone()));
         self.read
     }
 
-    /// The bytes of a file that the picture can do without; `None` if there is none, or it cannot be read.
+    /// Bytes of an optional file; `None` if it does not exist or cannot be read.
     pub(super) fn read_if_there(&mut self, path: &Path) -> Option<Vec<u8>> {
-        // Anything but a plain file, such as a device, may never end.
+        // Other kinds, such as devices, may never end.
         if path.is_file() { self.read(path, None).ok() } else { None }
     }
 

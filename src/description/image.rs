@@ -1,5 +1,5 @@
-//! Image files in, linear light out. Invariant: `width * height` texels, none larger than the
-//! limits allow, whatever the file's header claims.
+//! Image files. In go bytes, out comes linear light. Invariant: an image has `width * height` texels, within
+//! the limits whatever the file's header declares.
 
 pub use super::decoded_image::DecodedImage;
 use super::exr::{self, Fault};
@@ -9,30 +9,30 @@ use crate::diagnostic::{Diagnostic, Place};
 use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 
-/// Longest side that is accepted, in texels.
+/// Maximum side in texels.
 const MAX_SIDE: u32 = 16_384;
-/// Maximum number of texels; 1 GiB once decoded, if they are radiances. A file of a few hundred kilobytes
-/// can claim them.
+/// Maximum number of texels; 1 GiB decoded as radiances. A file of a few hundred kilobytes can declare them.
 const MAX_TEXELS: u64 = 1 << 26;
-/// Maximum memory that the decoder may take beside the result, in bytes.
+/// Maximum bytes that the decoder may take beside the result.
 const MAX_DECODER_BYTES: u64 = 1 << 30;
 
-/// Encoding of an image's numbers; alpha is always itself.
+/// Encoding of an image's numbers; alpha is always linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Encoding {
     /// Colours in sRGB.
     Srgb,
-    /// Numbers as they are.
+    /// Linear numbers.
     Linear,
-    /// Light, of any brightness: Radiance HDR and OpenEXR.
+    /// Radiance, of any brightness: Radiance HDR and OpenEXR.
     Radiance,
 }
 
-/// Decodes a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image, or one of radiances,
-/// recognised by its content.
+/// Decodes a PNG, JPEG, WebP, PPM or KTX2 (Basis Universal) image, or one of radiances. Its content decides,
+/// not its name.
 ///
 /// # Errors
-/// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` says where.
+/// If it is none of these, is damaged, or exceeds 16384 texels a side or 2^26 in all; `place` is its place in
+/// errors.
 pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedImage, Diagnostic> {
     let (expected, remedy) = wanted(encoding);
     let reject = |found: String| Diagnostic::error(place.clone(), found).expected(expected).remedy(remedy);
@@ -93,7 +93,7 @@ pub fn decode(bytes: &[u8], encoding: Encoding, place: Place) -> Result<DecodedI
     }
 }
 
-/// Expected kind of image, and the remedy for another.
+/// Expected format of an image, and the remedy for another.
 fn wanted(encoding: Encoding) -> (&'static str, &'static str) {
     match encoding {
         Encoding::Srgb | Encoding::Linear => (
@@ -115,7 +115,7 @@ fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
         .map_err(|error| format!("the image cannot be decoded: {}", error.to_string().trim_end()))
 }
 
-/// Codes of 8 bits stay codes of 8 bits.
+/// 8-bit codes stay 8-bit codes.
 fn linear(decoded: DynamicImage, encoding: Encoding) -> DecodedImage {
     let curve = if encoding == Encoding::Srgb { CodeCurve::Srgb } else { CodeCurve::Linear };
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);

@@ -1,24 +1,24 @@
-//! KTX2 images compressed with Basis Universal in (KHR_texture_basisu), their codes out. Invariant: nothing
-//! is unpacked that is larger than the limits, whatever the file claims.
+//! KTX2 images with Basis Universal (KHR_texture_basisu). In go compressed bytes, out come codes. Invariant:
+//! nothing beyond the limits is decompressed, whatever the file declares.
 
 use ::image::{DynamicImage, RgbaImage};
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 
 /// Identifier at the start of a KTX2 file (KTX 2.0 specification, 3.1).
 const IDENTIFIER: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
-/// Byte of the width, and after it of the height, the depth, and the numbers of layers, faces and levels, of
-/// four bytes each (3.4 to 3.9).
+/// Offset of the width. The height, the depth, and the numbers of layers, faces and levels follow, four bytes
+/// each (3.4 to 3.9).
 const SIZES: usize = 20;
-/// Byte of where the largest level begins; its length, packed and unpacked, follow, of
-/// eight bytes each (3.12).
+/// Offset of the largest level's offset. Its compressed and uncompressed lengths follow, eight bytes each
+/// (3.12).
 const LEVEL: usize = 80;
 
-/// Whether bytes are a KTX2 file.
+/// Whether `bytes` are a KTX2 file.
 pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(IDENTIFIER)
 }
 
-/// The largest level of such a file, of at most `most_side` texels a side and `most_texels` in all.
+/// Decodes the largest level, of at most `most_side` texels a side and `most_texels` in all.
 pub(super) fn decode(bytes: &[u8], most_side: u32, most_texels: u64) -> Result<DynamicImage, String> {
     let size = |number: usize| {
         let bytes = bytes.get(SIZES + 4 * number..)?.first_chunk()?;
@@ -44,8 +44,8 @@ pub(super) fn decode(bytes: &[u8], most_side: u32, most_texels: u64) -> Result<D
     image.map(DynamicImage::from).ok_or_else(|| String::from("the KTX2 image has other texels than it says"))
 }
 
-/// Holds that the largest level lies in the file, and unpacks to no more than 16 bytes for 4 x 4 texels,
-/// which is the most that any of the codecs takes: the decoder believes what it reads.
+/// Checks that the largest level lies in the file, and expands to at most 16 bytes for 4 x 4 texels, the
+/// maximum of all codecs. The decoder itself does not check this.
 fn check_level(bytes: &[u8], width: u32, height: u32) -> Option<()> {
     let number = |number: usize| {
         let bytes = bytes.get(LEVEL + 8 * number..)?.first_chunk()?;

@@ -1,5 +1,5 @@
-//! The author's input: files in, typed descriptions out. Invariant: the only input files ever opened are
-//! opened here, through [`Files`], so the content hash covers all of them.
+//! Input of the author. In go files, out come typed descriptions. Invariant: input files are opened only
+//! here, through [`Files`], so the content hash covers all of them.
 
 mod decoded_image;
 pub mod exr;
@@ -24,10 +24,10 @@ pub use numbered::signs;
 #[cfg(feature = "program")]
 pub use peers::{PeerRow, load_peers};
 
-/// Larger magnitudes are refused in every format, so that squares stay finite in the `f32` of the kernels.
+/// Largest magnitude in every format, so that squares stay finite in the `f32` of the kernels.
 pub const LARGEST_NUMBER: f64 = 1e15;
 
-/// One input as read: a scene, and perhaps the sequence that wraps it.
+/// Input as read: a scene, and the sequence that refers to it, if there is one.
 #[derive(Debug)]
 pub struct Description {
     /// The file named on the command line.
@@ -42,10 +42,10 @@ pub struct Description {
     pub files: Vec<PathBuf>,
 }
 
-/// A scene in one of the formats we read.
+/// Scene in one of the supported formats.
 #[derive(Debug)]
 pub enum SceneSource {
-    /// Our own format, with its meshes and textures.
+    /// Sunfleck's own format, with its meshes and textures.
     Ron(ron::LoadedScene),
     /// A glTF file, with its buffers and images.
     Gltf(gltf::GltfScene),
@@ -60,8 +60,8 @@ impl SceneSource {
         }
     }
 
-    /// Whether files of its format mostly hold shapes alone, so that a scene of such a file is lit
-    /// where it has no light.
+    /// Whether files of its format usually hold only shapes, so that a scene without light gets a default
+    /// one.
     pub fn is_bare(&self) -> bool {
         match self {
             Self::Ron(scene) => scene.is_mesh_alone,
@@ -69,17 +69,17 @@ impl SceneSource {
         }
     }
 
-    /// Whether such a file says what is around: a black sky is dark on purpose.
+    /// Whether the file describes surroundings, as a black sky is dark on purpose.
     pub fn says_surroundings(&self) -> bool {
         matches!(self, Self::Gltf(scene) if scene.extras.get("sunfleck_env").is_some())
     }
 }
 
 impl Description {
-    /// A scene that a program wrote. Its hash is one of all that it holds.
+    /// Description of a scene from code. Its hash covers all of its contents.
     ///
     /// # Errors
-    /// [`LoadError`] with everything that is wrong.
+    /// [`LoadError`] with all problems.
     pub fn built(built: ron::BuiltScene) -> Result<Self, LoadError> {
         let mut files = Files::default();
         files.count(format!("{built:?}").as_bytes());
@@ -89,10 +89,10 @@ impl Description {
         Ok(Self { path, scene, sequence: None, content_hash, files: files.into_paths() })
     }
 
-    /// Whether an animation can be played.
+    /// Checks that an animation exists.
     ///
     /// # Errors
-    /// With the names of those that there are.
+    /// With the names of the existing ones.
     pub fn check_animation(&self, wanted: Option<&str>) -> Result<(), String> {
         let Some(wanted) = wanted else { return Ok(()) };
         match &self.scene {
@@ -104,7 +104,7 @@ impl Description {
     }
 }
 
-/// Why an input could not be loaded.
+/// Error of loading an input.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
@@ -113,7 +113,7 @@ pub enum LoadError {
     Io {
         /// The file.
         path: PathBuf,
-        /// File and field that asked for it.
+        /// File and field that refer to it.
         referrer: Option<String>,
         /// Error of the system.
         source: std::io::Error,
@@ -123,7 +123,7 @@ pub enum LoadError {
     Invalid(Diagnostics),
 }
 
-/// The first of some findings, and how many more there are.
+/// First diagnostic, and the number of further ones.
 fn first_of(Diagnostics(found): &Diagnostics) -> String {
     let first = found.first().map(Diagnostic::line).unwrap_or_default();
     match found.len() {
@@ -146,13 +146,13 @@ impl LoadError {
         }
     }
 
-    /// Remedy of the first of them.
+    /// Remedy of the first fault.
     pub fn remedy(&self) -> String {
         let Diagnostics(found) = self.diagnostics();
         found.into_iter().find_map(|found| found.remedy).map(String::from).unwrap_or_default()
     }
 
-    /// Says who asked for a file that cannot be read, unless that is known already.
+    /// Sets the referrer of a file that cannot be read, unless it is known already.
     fn asked_for_by(mut self, asker: &str) -> Self {
         if let Self::Io { referrer, .. } = &mut self {
             referrer.get_or_insert_with(|| asker.to_owned());
@@ -176,7 +176,7 @@ impl From<Diagnostic> for LoadError {
 /// Loads a scene or sequence by its extension: `.ron`, `.glb`, `.gltf`, `.obj`.
 ///
 /// # Errors
-/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with everything wrong that was found.
+/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with all problems.
 pub fn load(path: &Path) -> Result<Description, LoadError> {
     let mut files = Files::default();
     let (scene, sequence) = match extension(path).as_str() {

@@ -1,5 +1,5 @@
-//! Files that are numbered, one a frame. In goes a path with signs in the number's place, `leaf.####.obj` or
-//! `leaf.%04d.obj`, out come the files that it stands for. Invariant: their numbers have no gap.
+//! Numbered files, one a frame. In goes a path with a placeholder, `leaf.####.obj` or `leaf.%04d.obj`, out
+//! come its files. Invariant: their numbers have no gap.
 
 use super::LoadError;
 use crate::diagnostic::{Diagnostic, Place};
@@ -8,14 +8,14 @@ use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// Frames that a sequence may have lie so far from 0 at most.
+/// Maximum magnitude of a frame's number.
 const FARTHEST: u64 = 1_000_000_000;
-/// Maximum number of signs: more are no number's.
+/// Maximum number of signs in a placeholder.
 const MOST_DIGITS: usize = 20;
-/// Minimum number of digits of frames: with fewer they are as often kinds of one thing, `oak1.obj`.
+/// Minimum number of digits of frames: shorter numbers often name variants, such as `oak1.obj`.
 const FEWEST_DIGITS: usize = 3;
 
-/// A name with signs in a number's place.
+/// File name with a placeholder.
 #[derive(Debug, PartialEq)]
 pub(super) struct Numbered<'a> {
     path: &'a Path,
@@ -26,19 +26,19 @@ pub(super) struct Numbered<'a> {
 }
 
 impl<'a> Numbered<'a> {
-    /// `None` of a path without such signs, and of one that is a file itself.
+    /// Pattern of a path; `None` without a placeholder, or if the path is an existing file.
     pub(super) fn of(path: &'a Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
         let (before, digits, after) = signs(name)?;
         (!path.is_file()).then_some(Self { path, before, digits, after })
     }
 
-    /// Common name of all of them, without number and ending.
+    /// Common name of all files, without number and ending.
     pub(super) fn name(&self) -> &'a str {
         self.before.trim_end_matches(['.', '_', '-', ' '])
     }
 
-    /// The sequence that a file is one of, by the last digits of its name, if it is not alone.
+    /// Sequence that contains a file, by the last digits of its name; `None` if the file is alone.
     pub(super) fn around(path: &Path) -> Option<PathBuf> {
         let name = path.file_name()?.to_str()?;
         let (upto, after) = name.split_at(name.rfind(|letter: char| letter.is_ascii_digit())? + 1);
@@ -50,7 +50,7 @@ impl<'a> Numbered<'a> {
         is_sequence.then_some(path)
     }
 
-    /// The numbers of the files that are there; `referrer` asks for them.
+    /// Range of the existing files' numbers; `referrer` is the place that refers to them.
     ///
     /// # Errors
     /// If there are none, or one between the first and the last is missing.
@@ -90,7 +90,7 @@ impl<'a> Numbered<'a> {
         Ok(numbers)
     }
 
-    /// The file of a number.
+    /// Path of the file with a number.
     pub(super) fn file(&self, number: i64) -> PathBuf {
         self.path.with_file_name(self.file_name(number))
     }
@@ -102,13 +102,13 @@ impl<'a> Numbered<'a> {
     fn number(&self, name: &str) -> Option<i64> {
         let digits = name.strip_prefix(self.before)?.strip_suffix(self.after)?;
         let number: i64 = digits.parse().ok()?;
-        // Other ways to write it are names of other sequences.
+        // Other spellings of a number belong to other sequences.
         (number.unsigned_abs() <= FARTHEST && self.file_name(number) == name).then_some(number)
     }
 }
 
-/// What stands before the signs of a name, such as `####` or `%04d`, the minimum number of digits, and what
-/// stands behind.
+/// Splits a name at a placeholder such as `####` or `%04d`: the text before, the minimum number of digits,
+/// the text after.
 pub fn signs(name: &str) -> Option<(&str, usize, &str)> {
     hashes(name).or_else(|| percent(name))
 }
@@ -121,7 +121,7 @@ fn hashes(name: &str) -> Option<(&str, usize, &str)> {
     (digits <= MOST_DIGITS).then_some((before, digits, after))
 }
 
-/// `%d` or `%04d`, as `printf` has it.
+/// Placeholder `%d` or `%04d`, as in `printf`.
 fn percent(name: &str) -> Option<(&str, usize, &str)> {
     let (before, rest) = name.rsplit_once('%')?;
     let (digits, after) = rest.split_once('d')?;

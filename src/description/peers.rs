@@ -1,34 +1,34 @@
-//! Points that other renderers reached, as `bench --peers` draws them. In goes a CSV file, out come
-//! its rows. Invariant: every number is positive and finite.
+//! Measurements of other renderers for `bench --peers`. In goes a CSV file, out come its rows. Invariant:
+//! every number is positive and finite.
 
 use super::{Files, LoadError};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
 use std::path::Path;
 
-/// Columns that must be there, and those that may be.
+/// Required columns, and optional ones.
 const NEEDED: [&str; 4] = ["renderer", "spp", "cpu_s", "rmse"];
 const WELCOME: [&str; 3] = ["version", "date", "machine"];
 
-/// Faults that are told: all lines of another table are wrong alike.
+/// Maximum number of reported faults, as all lines of an unrelated table are wrong alike.
 const MOST_TOLD: usize = 20;
 
-/// One picture of another renderer.
+/// Measurement of one picture of another renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeerRow {
     /// Name of the renderer, with its version.
     pub renderer: String,
     /// Samples a pixel.
     pub samples: u32,
-    /// Processor time without loading, seconds.
+    /// CPU time without loading, seconds.
     pub cpu_s: f64,
     /// Root mean square error against the converged picture, in its units.
     pub rmse: f64,
 }
 
-/// Reads a table: a heading, then a row a point; lines that begin with `#` are remarks.
+/// Reads a table: a heading, then a row a measurement; lines with `#` at the start are comments.
 ///
 /// # Errors
-/// If the file cannot be read, or with everything that is wrong in it.
+/// If the file cannot be read, or with all problems of its contents.
 pub fn load_peers(path: &Path) -> Result<Vec<PeerRow>, LoadError> {
     let bytes = Files::default().read(path, Some("--peers"))?;
     let mut lines = csv::ReaderBuilder::new()
@@ -58,7 +58,7 @@ pub fn load_peers(path: &Path) -> Result<Vec<PeerRow>, LoadError> {
     if table.problems.is_empty() { Ok(rows) } else { Err(LoadError::Invalid(Diagnostics(table.problems))) }
 }
 
-/// A table while it is read.
+/// Table during reading.
 struct Table<'a> {
     path: &'a Path,
     headings: csv::StringRecord,
@@ -105,7 +105,7 @@ impl Table<'_> {
         })
     }
 
-    /// Value below a heading; empty if there is none.
+    /// Value in the column of a heading; empty if there is none.
     fn value<'r>(&self, record: &'r csv::StringRecord, heading: &str) -> &'r str {
         let column = self.headings.iter().position(|name| name == heading);
         column.and_then(|column| record.get(column)).unwrap_or("")

@@ -1,5 +1,5 @@
-//! Images of radiances, OpenEXR and Radiance HDR, to linear Rec. 709. In go bytes, out come texels.
-//! Invariant: each of them is a radiance that there can be.
+//! Images of radiances, OpenEXR and Radiance HDR, in linear Rec. 709. In go bytes, out come texels.
+//! Invariant: every channel is a number of at most 1e15 in magnitude.
 
 use super::LARGEST_NUMBER;
 use super::decoded_image::DecodedImage;
@@ -7,19 +7,18 @@ use super::exr::{self, Fault};
 use crate::diagnostic::Loss;
 use ::image::DynamicImage;
 
-/// Radiances of an OpenEXR image.
+/// Decodes an OpenEXR image.
 ///
 /// # Errors
-/// With the reason if it is damaged, of a kind that is not read, or too large, or with the first texel whose
-/// radiance is none.
+/// With the reason if it is damaged, not supported or too large, or with its first invalid texel.
 pub(super) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fault> {
     Ok(checked(exr::of_exr(&exr::of_the_kind_of_its_flags(bytes), most_texels)?)?)
 }
 
-/// Radiances of an HDR image in Radiance's format.
+/// Converts an image in Radiance's HDR format.
 ///
 /// # Errors
-/// With the first texel whose radiance is none.
+/// With its first invalid texel.
 pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
     let rgb = decoded.into_rgb32f();
     let (width, height) = (rgb.width() as usize, rgb.height() as usize);
@@ -27,8 +26,8 @@ pub(super) fn of_hdr(decoded: DynamicImage) -> Result<DecodedImage, String> {
     checked(DecodedImage::new(width, height, rgb.pixels().map(texel).collect()))
 }
 
-/// Loss of what an image's numbers were multiplied by when it was made, if they were: other programs pass
-/// over it too. Source: "Radiance File Formats", Ward Larson (several lines of `EXPOSURE` multiply).
+/// Loss for an `EXPOSURE` in the header, a factor on the image's numbers which other programs ignore too.
+/// Source: "Radiance File Formats", Ward Larson (several lines of `EXPOSURE` multiply).
 pub(super) fn exposure(bytes: &[u8]) -> Option<(Loss, String)> {
     let lines = bytes.split(|byte| *byte == b'\n').take_while(|line| !line.is_empty());
     let exposures = lines.filter_map(|line| std::str::from_utf8(line.strip_prefix(b"EXPOSURE=")?).ok());
@@ -42,7 +41,7 @@ pub(super) fn exposure(bytes: &[u8]) -> Option<(Loss, String)> {
     })
 }
 
-/// Image, or the first texel at fault.
+/// Image, or its first invalid texel.
 fn checked(image: DecodedImage) -> Result<DecodedImage, String> {
     let is_bad = |texel: &[f32; 4]| {
         texel[..3].iter().any(|value| value.is_nan() || value.abs() > LARGEST_NUMBER as f32)

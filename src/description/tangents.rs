@@ -1,35 +1,35 @@
-//! Tangents for normal maps, as MikkTSpace makes them where a file has none. In go triangles, out come
-//! tangents. Invariant: all corners that share a vertex share its tangent; vertices whose corners do not, as
-//! at the seams of mirrored texture coordinates, are there once for each.
+//! Tangents for normal maps, by MikkTSpace, where a file has none. In go triangles, out come tangents.
+//! Invariant: all corners at a vertex share its tangent; vertices are duplicated where tangents differ, as at
+//! the seams of mirrored texture coordinates.
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
-/// Triangles around one place that the generator, which descends from one to the next, is given at most.
+/// Maximum number of triangles around one point, as the generator recurses from one to the next.
 const MOST_AROUND_A_PLACE: usize = 2000;
 
 /// Vertices of triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vertices<'a> {
     pub(crate) positions: &'a [Vec3],
-    /// One a position, or none of flat triangles.
+    /// Normals, one a position; none for flat triangles.
     pub(crate) normals: &'a [Vec3],
-    /// Texture coordinates that the map is looked up with, one a position.
+    /// Texture coordinates of the normal map, one a position.
     pub(crate) uvs: &'a [Vec2],
 }
 
-/// Tangents, and the vertices that they need.
+/// Tangents, and the duplicated vertices that they need.
 #[derive(Clone, Debug)]
 pub(crate) struct Tangents {
-    /// One a vertex, of the old ones and then of the copies.
+    /// Tangents, one a vertex: of the original ones, then of the duplicates.
     pub(crate) tangents: Vec<Vec4>,
-    /// Vertices that have copies after the others.
+    /// Originals of the duplicated vertices.
     pub(crate) originals: Vec<u32>,
 }
 
 impl Tangents {
-    /// The values of vertices and then those of their copies, unless there are none at all.
+    /// Appends the values of duplicated vertices, unless there are none at all.
     pub(crate) fn copy<T: Copy>(&self, values: &mut Vec<T>) {
         if !values.is_empty() {
             let copies: Vec<T> = self.originals.iter().map(|&vertex| values[vertex as usize]).collect();
@@ -38,15 +38,15 @@ impl Tangents {
     }
 }
 
-/// The tangents of triangles, some of whose corners may then be copies of vertices; `None` if too many
-/// triangles meet in one place.
+/// Computes tangents, and moves some corners of triangles to duplicated vertices; `None` if too many
+/// triangles meet at one point.
 pub(crate) fn generate(vertices: Vertices<'_>, triangles: &mut [[u32; 3]]) -> Option<Tangents> {
     if most_around_a_place(vertices.positions, triangles) > MOST_AROUND_A_PLACE {
         return None;
     }
     let tangents = vec![Vec4::ZERO; 3 * triangles.len()];
     let mut corners = Corners { vertices, triangles, tangents };
-    // It has no way to fail today.
+    // The generator has no failure so far.
     generate_tangents(&mut corners).ok()?;
     let tangents = corners.tangents;
     Some(share(vertices.positions.len(), triangles, &tangents))
@@ -55,18 +55,18 @@ pub(crate) fn generate(vertices: Vertices<'_>, triangles: &mut [[u32; 3]]) -> Op
 fn most_around_a_place(positions: &[Vec3], triangles: &[[u32; 3]]) -> usize {
     let mut counts: HashMap<[u32; 3], usize> = HashMap::new();
     for vertex in triangles.iter().flatten() {
-        // Adding nothing makes both zeros the same.
+        // Adding 0 turns -0 into 0.
         let place = (positions[*vertex as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
         *counts.entry(place).or_default() += 1;
     }
     counts.into_values().max().unwrap_or_default()
 }
 
-/// The corners of triangles, as the generator asks for them.
+/// Corners of triangles, in the generator's interface.
 struct Corners<'a> {
     vertices: Vertices<'a>,
     triangles: &'a [[u32; 3]],
-    /// Three a triangle.
+    /// Tangents, three a triangle.
     tangents: Vec<Vec4>,
 }
 
@@ -75,7 +75,7 @@ impl Corners<'_> {
         self.triangles[face][corner] as usize
     }
 
-    /// The vertex's, or the triangle's if those are flat.
+    /// Normal of the vertex, or of a flat triangle.
     fn normal_of(&self, face: usize, corner: usize) -> Vec3 {
         if let Some(normal) = self.vertices.normals.get(self.vertex(face, corner)) {
             return *normal;
@@ -111,7 +111,7 @@ impl Geometry for Corners<'_> {
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
         let [x, y, z, side] = space.unwrap_or_default().tangent_encoded();
         let tangent = Vec3::new(x, y, z).try_normalize().filter(|_| space.is_some());
-        // Where texture coordinates do not vary there is no direction; any will do.
+        // Constant texture coordinates have no direction; any tangent is valid.
         let tangent = tangent.unwrap_or_else(|| match self.normal_of(face, corner) {
             Vec3::ZERO => Vec3::X,
             normal => normal.any_orthonormal_vector(),
@@ -120,7 +120,7 @@ impl Geometry for Corners<'_> {
     }
 }
 
-/// Puts the tangents of corners at their vertices, of which there are more where these differ.
+/// Merges the tangents of corners at vertices, and duplicates vertices where they differ.
 fn share(vertices: usize, triangles: &mut [[u32; 3]], corners: &[Vec4]) -> Tangents {
     let mut tangents: Vec<Option<Vec4>> = vec![None; vertices];
     let mut copies: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
@@ -136,7 +136,7 @@ fn share(vertices: usize, triangles: &mut [[u32; 3]], corners: &[Vec4]) -> Tange
             });
         }
     }
-    // Vertices of no triangle have none.
+    // Vertices without triangles have no tangent.
     let tangents = tangents.into_iter().map(|tangent| tangent.unwrap_or(Vec4::X + Vec4::W)).collect();
     Tangents { tangents, originals }
 }

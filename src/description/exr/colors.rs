@@ -1,5 +1,5 @@
-//! The colour space of an EXR file, by `colorInteropID` and `chromaticities`. In go attributes, out come a
-//! space and what of them is in doubt. Invariant: the id counts first, as it does for OpenImageIO.
+//! Colour space of an EXR file, by `colorInteropID` and `chromaticities`. In go attributes, out comes a
+//! space, with a loss if it is uncertain. Invariant: the id takes precedence, as in OpenImageIO.
 
 use super::raw::RawPart;
 use crate::color::{ColorSpace, NamedSpace, Primaries};
@@ -9,24 +9,24 @@ use glam::DVec2;
 /// Colour space of a file's colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageColors {
-    /// Space from which they become linear Rec. 709.
+    /// Space of the file's colours.
     pub space: ColorSpace,
     /// Name in the file.
     pub name: String,
-    /// Part of it that is not honoured, and why.
+    /// Loss for the attribute that is not honoured, and the reason.
     pub doubt: Option<(Loss, String)>,
 }
 
 impl ImageColors {
-    /// Colours of files that say nothing (OpenEXR, "Standard attributes").
+    /// Default colours of files without such attributes (OpenEXR, "Standard attributes").
     pub(super) fn unsaid() -> Self {
         Self { space: ColorSpace::OURS, name: String::from("linear Rec. 709"), doubt: None }
     }
 
-    /// Colours of a part.
+    /// Colour space of a part.
     ///
     /// # Errors
-    /// If its chromaticities span no colours, and nothing else says which.
+    /// If its chromaticities span no colours, and no other attribute has a colour space.
     pub(super) fn of(part: &RawPart) -> Result<Self, String> {
         let by_primaries = match part.chromaticities() {
             None => None,

@@ -1,6 +1,6 @@
-//! Deep EXR files, whose pixels have any number of samples. In goes such a file, out comes a flat one: each
-//! sample over those behind it, as OpenEXR's `CompositeDeepScanLine` does. Invariant: nothing is allocated
-//! but what chunks that are there hold, and pixels that the file's size allows.
+//! Deep EXR files, whose pixels have any number of samples. In goes such a file, out comes a flat one:
+//! samples composited as by OpenEXR's `CompositeDeepScanLine`. Invariant: memory is bounded by the contents
+//! of existing chunks, and by pixels that the file's size allows.
 //! Layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html#deep-data-file-layout>
 
 use super::Unread;
@@ -8,10 +8,10 @@ use super::raw::{self, RawPart};
 use half::f16;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 
-/// Bytes that a byte of a file may hold, and bytes of pixels at all: as flat files have it.
+/// Maximum bytes that a byte of a file expands to, and maximum bytes of pixels, as for flat files.
 const LARGEST_COMPRESSION: u64 = 4096;
 const LARGEST_PICTURE: u64 = 4 << 30;
-/// Attributes of a header that are written anew, or mean nothing of a flat part.
+/// Attributes of a header that are rewritten, or have no meaning in a flat part.
 const OF_DEEP: [&[u8]; 8] = [
     b"channels",
     b"chunkCount",
@@ -25,11 +25,11 @@ const OF_DEEP: [&[u8]; 8] = [
 /// Bits of a file's flags: tiles, deep data.
 const NOT_FLAT: u32 = 0x200 | 0x800;
 
-/// Why a deep file is not flattened.
+/// Reason for a deep file that cannot be flattened.
 pub(crate) enum Fault {
-    /// It is damaged.
+    /// The file is damaged.
     Damaged(String),
-    /// It is whole, and cannot be.
+    /// The file is valid, but not supported.
     Unread(Unread),
 }
 
@@ -39,7 +39,7 @@ impl From<&str> for Fault {
     }
 }
 
-/// The file with a value a pixel and channel, uncompressed.
+/// Flat file with a value a pixel and channel, uncompressed.
 pub(crate) fn flattened(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     let (parts, mut table) = raw::parts(bytes).ok_or("the header is damaged")?;
     if !parts.iter().all(RawPart::is_deep) {
@@ -57,7 +57,7 @@ pub(crate) fn flattened(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
         let chunks = part.chunks(bytes, &mut table)?;
         let mut picture = vec![[0; 4]; part.width * part.height * part.channels.len()];
         for chunk in chunks {
-            // Each byte counts once, though a damaged table may name one chunk many times.
+            // Chunks must not overlap, as a damaged table may name one of them many times.
             packed = packed.saturating_add(chunk.of_counts).saturating_add(chunk.of_samples);
             if packed > bytes.len() {
                 return Err("its chunks lie in one another".into());
@@ -105,7 +105,7 @@ fn size_at(bytes: &[u8], at: usize) -> Result<usize, Fault> {
     usize::try_from(u64::from_le_bytes(array(bytes, at)?)).map_err(|_| "a chunk is too large".into())
 }
 
-/// A channel of a part, by the number that OpenEXR has for its type.
+/// Channel of a part, with OpenEXR's number for its type.
 struct Channel<'a> {
     name: &'a [u8],
     kind: u32,
@@ -122,7 +122,7 @@ impl Channel<'_> {
 
 struct DeepPart<'a> {
     raw: &'a RawPart<'a>,
-    /// Where there are several.
+    /// Number of the part in a multi-part file.
     number: Option<usize>,
     channels: Vec<Channel<'a>>,
     top: i32,
@@ -130,13 +130,14 @@ struct DeepPart<'a> {
     height: usize,
     compression: u8,
     tile: Option<[usize; 2]>,
-    /// Numbers of Z and of where a sample ends: without them samples lie in the file's order.
+    /// Channels with the depths of a sample's front and back (Z, ZBack); without them samples keep the file's
+    /// order.
     depth: Option<[usize; 2]>,
-    /// Number of A: without it a sample hides those behind it.
+    /// Channel A; without it a sample is opaque.
     alpha: Option<usize>,
 }
 
-/// Pixels that a chunk has samples of, from the data window's corner, and where it is in the file.
+/// Pixels of a chunk, relative to the data window's corner, and its place in the file.
 struct Chunk {
     left: usize,
     top: usize,
@@ -186,7 +187,7 @@ impl<'a> DeepPart<'a> {
         4 * self.width * self.channels.len()
     }
 
-    /// Header of the flat part.
+    /// Writes the header of the flat part.
     fn write_header(&self, flat: &mut Vec<u8>) {
         let mut write = |name: &[u8], kind: &[u8], value: &[u8]| {
             flat.extend([name, &[0], kind, &[0], &(value.len() as u32).to_le_bytes(), value].concat());
@@ -198,7 +199,7 @@ impl<'a> DeepPart<'a> {
         }
         let mut list = Vec::new();
         for channel in &self.channels {
-            // All but whole numbers are floats.
+            // All other types become floats.
             let kind = if channel.kind == Channel::WHOLE { 0_u32 } else { 2 };
             list.extend([channel.name, &[0]].concat());
             list.extend([kind, 0, 1, 1].map(u32::to_le_bytes).concat());
@@ -214,7 +215,7 @@ impl<'a> DeepPart<'a> {
         flat.push(0);
     }
 
-    /// Its chunks of the finest level, of which a table says where they are.
+    /// Chunks of the finest level, from the offset table.
     fn chunks(&self, bytes: &[u8], table: &mut usize) -> Result<Vec<Chunk>, Fault> {
         let count = match (self.raw.value("chunkCount"), self.tile) {
             (Some(count), _) => u32_at(count, 0)? as usize,
@@ -239,7 +240,7 @@ impl<'a> DeepPart<'a> {
                     let top = i64::from(u32_at(bytes, at)? as i32) - i64::from(self.top);
                     ([Some(0), usize::try_from(top).ok()], [self.width, 1], at + 4)
                 }
-                // Of a coarser level.
+                // A coarser level.
                 Some(_) if place(2)? != 0 || place(3)? != 0 => continue,
                 Some([width, height]) => {
                     let corner = [place(0)?.checked_mul(width), place(1)?.checked_mul(height)];
@@ -261,7 +262,7 @@ impl<'a> DeepPart<'a> {
         Ok(chunks)
     }
 
-    /// Puts a chunk's pixels into the picture: row by row, then by channel.
+    /// Composites a chunk's pixels into the picture: row by row, then by channel.
     fn flatten(&self, bytes: &[u8], chunk: Chunk, picture: &mut [[u8; 4]]) -> Result<(), Fault> {
         let unpacked = size_at(bytes, chunk.at - 8)?;
         let rest = bytes.get(chunk.at..).ok_or("it ends too early")?;
@@ -311,7 +312,7 @@ impl<'a> DeepPart<'a> {
         Ok(())
     }
 
-    /// Samples of a pixel, each over those behind it; of whole numbers the nearest.
+    /// Values of a pixel: its samples composited front to back; for integers the nearest sample's.
     fn composited(
         &self,
         samples: std::ops::Range<usize>,
@@ -346,7 +347,7 @@ impl<'a> DeepPart<'a> {
     }
 }
 
-/// So many bytes of a chunk. What compression would not make shorter is written as it is.
+/// Decompresses a chunk to `size` bytes. A chunk of that size is not compressed.
 fn unpack(compression: u8, packed: &[u8], size: usize) -> Result<Vec<u8>, Fault> {
     const NONE: u8 = 0;
     const RLE: u8 = 1;
@@ -360,7 +361,7 @@ fn unpack(compression: u8, packed: &[u8], size: usize) -> Result<Vec<u8>, Fault>
         _ => return Err("deep data is compressed by none, RLE or ZIPS alone".into()),
     };
     let mut halves = halves.filter(|halves| halves.len() == size).ok_or("a chunk cannot be unpacked")?;
-    // Each byte is a difference from the one before, and bytes at even places stand before the others.
+    // Each byte is a difference from its predecessor, and bytes at even places come before the others.
     for at in 1..size {
         halves[at] = halves[at - 1].wrapping_add(halves[at]).wrapping_sub(128);
     }
@@ -368,7 +369,8 @@ fn unpack(compression: u8, packed: &[u8], size: usize) -> Result<Vec<u8>, Fault>
     Ok((0..size).map(|at| halves[if at % 2 == 0 { at / 2 } else { odd + at / 2 }]).collect())
 }
 
-/// Counts below 0 stand before as many bytes as they are, others before one that is there once more often.
+/// Run-length decoding: a negative count precedes as many literal bytes, any other count one byte, repeated
+/// once more than the count.
 fn run_lengths(mut packed: &[u8], size: usize) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     while let Some((&count, rest)) = packed.split_first() {

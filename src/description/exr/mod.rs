@@ -1,6 +1,5 @@
-//! EXR files, ours or anybody's: what of them is the picture, in which colours, and why they are not read.
-//! In go bytes, out come samples with a value a pixel. Invariant: what is refused is refused in words that
-//! are true of the file.
+//! EXR files of any program. In go bytes, out come flat samples, the choice of the picture among them, its
+//! colours, and reasons for refusal. Invariant: a refusal states a property that the file really has.
 
 mod colors;
 mod deep;
@@ -21,13 +20,13 @@ pub(crate) use unread::is_deep;
 
 use ::exr::meta::header::Header;
 
-/// Colours of a part; our own if the header says nothing, or nothing usable.
+/// Colours of a part; linear Rec. 709 if the header has no usable attribute.
 pub(crate) fn colors_of(bytes: &[u8], part: usize) -> ImageColors {
     let said = raw::parts(bytes).and_then(|(parts, _)| ImageColors::of(raw_part(&parts, part)?).ok());
     said.unwrap_or_else(ImageColors::unsaid)
 }
 
-/// The part, or the first where that alone says which colours it has.
+/// The part if it has attributes of colours, else the first one.
 fn raw_part<'a, 'b>(parts: &'a [raw::RawPart<'b>], part: usize) -> Option<&'a raw::RawPart<'b>> {
     parts.get(part).filter(|part| part.says_colors()).or(parts.first())
 }
@@ -42,8 +41,8 @@ pub(crate) fn names_of(headers: &[Header]) -> Vec<(String, Vec<String>)> {
     headers.iter().map(part).collect()
 }
 
-/// Red, green and blue of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR, Technical
-/// Introduction, Luminance/Chroma Images), where colours add so much to luminance.
+/// Red, green and blue from luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR, Technical
+/// Introduction, Luminance/Chroma Images), with `weights` of luminance.
 pub(crate) fn from_chroma([y, ry, by]: [f32; 3], weights: crate::color::Rgb) -> [f32; 3] {
     let (red, blue) = ((1.0 + ry) * y, (1.0 + by) * y);
     let green = (y - weights.x as f32 * red - weights.z as f32 * blue) / weights.y as f32;

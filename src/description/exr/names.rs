@@ -1,24 +1,24 @@
-//! Choice of the picture among a file's parts and channels, by their names. In go names, out come places.
-//! Invariant: the order of parts and channels decides only between equals.
+//! Choice of the picture among a file's parts and channels, by their names. In go names, out come indices.
+//! Invariant: the order of parts and channels only decides between equal names.
 
-/// The channels of a picture, by their places in the list of names.
+/// Channels of a picture, by their indices in the list of names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Picture {
     /// Red, green and blue.
     Colors([usize; 3]),
     /// Luminance alone.
     Luminance(usize),
-    /// Luminance, and how far red and blue are from it: `Y`, `RY` and `BY`.
+    /// Luminance and chroma: `Y`, `RY` and `BY`.
     Chroma([usize; 3]),
 }
 
 const COLORS: [[&str; 3]; 3] = [["R", "G", "B"], ["r", "g", "b"], ["red", "green", "blue"]];
 
-/// Layers and parts that hold the picture itself, the likeliest first.
+/// Names of layers and parts that hold the picture itself, the likeliest first.
 const PICTURES: [&str; 11] =
     ["", "rgba", "rgb", "beauty", "combined", "composite", "color", "colour", "ci", "c", "main"];
 
-/// Names, and endings of names, of channels that are no light.
+/// Names, and endings of names, of channels without light.
 const NO_LIGHT: [&str; 24] = [
     "n",
     "nn",
@@ -47,7 +47,7 @@ const NO_LIGHT: [&str; 24] = [
 ];
 
 impl Picture {
-    /// The picture of a part, or of a whole file whose channels have these names.
+    /// Picture of a part, or of a whole file, with channels of these names.
     pub fn among<S: AsRef<str>>(names: &[S]) -> Option<Self> {
         let place = |wanted: &str| names.iter().position(|name| name.as_ref() == wanted);
         let mut found: Vec<(usize, [usize; 3])> = Vec::new();
@@ -63,11 +63,11 @@ impl Picture {
                 }
             }
         }
-        // The first of equals.
+        // The first one among equal ranks.
         if let Some((_, colors)) = found.into_iter().min_by_key(|(rank, _)| *rank) {
             return Some(Self::Colors(colors));
         }
-        // A file of one colour alone is grey.
+        // A single colour channel is shown as grey.
         let own: Vec<usize> = COLORS[0].iter().filter_map(|color| place(color)).collect();
         let lone = || if let [only] = own[..] { Some(only) } else { None };
         let luminance = place("Y").or_else(lone)?;
@@ -78,13 +78,13 @@ impl Picture {
     }
 }
 
-/// Channels that eyes are shown as red, green and blue of a file without a picture: those of these names,
-/// of the layer that has most, else a single one as grey, coverage last.
+/// Channels shown as red, green and blue for a file without a picture: those of these names, in the layer
+/// with most of them; else a single channel as grey, alpha last.
 pub fn stand_in<S: AsRef<str>>(names: &[S]) -> [Option<usize>; 3] {
     let place = |wanted: &str| names.iter().position(|name| name.as_ref() == wanted);
     let layers = names.iter().map(|name| name.as_ref().rfind('.').map_or("", |dot| &name.as_ref()[..=dot]));
     let colors = layers.map(|layer| COLORS[0].map(|color| place(&format!("{layer}{color}"))));
-    // The first of equals.
+    // The first one among equal layers.
     match colors.min_by_key(|colors| colors.iter().filter(|color| color.is_none()).count()) {
         Some(colors) if colors.iter().flatten().count() > 1 => colors,
         _ => {
@@ -95,18 +95,18 @@ pub fn stand_in<S: AsRef<str>>(names: &[S]) -> [Option<usize>; 3] {
     }
 }
 
-/// Rank of a layer or part by its name; the picture has the least.
+/// Rank of a layer or part by its name; the picture has the smallest.
 fn rank(name: &str) -> usize {
     let own = own(name);
     PICTURES.iter().position(|picture| *picture == own).unwrap_or(PICTURES.len())
 }
 
-/// The last word of `view.diffuse`, in small letters.
+/// Last word of a name such as `view.diffuse`, in lower case.
 fn own(name: &str) -> String {
     name.rsplit('.').next().unwrap_or(name).to_lowercase()
 }
 
-/// False of normals, places, motion, depths and ids.
+/// Whether a channel holds light; false for normals, positions, motion, depths and ids.
 fn is_light(name: &str) -> bool {
     let own = own(name).replace([' ', '-'], "_");
     let is_id = own == "id" || own.ends_with("_id") || own.starts_with("crypto");
@@ -116,7 +116,7 @@ fn is_light(name: &str) -> bool {
     !is_id && !is_other
 }
 
-/// Index of the part that holds the picture. In go names of parts, and of their channels.
+/// Index of the part with the picture, from the names of parts and of their channels.
 pub fn part_of_picture(parts: &[(String, Vec<String>)]) -> usize {
     let holds =
         |(name, channels): &&(String, Vec<String>)| is_light(name) && Picture::among(channels).is_some();
@@ -124,13 +124,13 @@ pub fn part_of_picture(parts: &[(String, Vec<String>)]) -> usize {
     places.min_by_key(|(_, (name, _))| rank(name)).map_or(0, |(place, _)| place)
 }
 
-/// Unique names for the channels of all parts: those of the picture's part as they are, those of other
-/// parts after the part's name.
+/// Unique names for the channels of all parts: plain in the picture's part, with the part's name as a prefix
+/// in others.
 pub fn full_names(parts: &[(String, Vec<String>)]) -> Vec<Vec<String>> {
     let plain = part_of_picture(parts);
     let mut taken = std::collections::HashSet::new();
     let mut named = vec![Vec::new(); parts.len()];
-    // The picture's first, so that it keeps its names.
+    // The picture's part first, so that its names stay plain.
     let order = std::iter::once(plain).chain((0..parts.len()).filter(|&part| part != plain));
     for part in order {
         let (name, channels) = &parts[part];

@@ -1,5 +1,5 @@
-//! The attributes of an EXR file's parts, by own reading. In go bytes, out come names and values: also those
-//! of files that the decoder refuses. Invariant: nothing is copied but files whose flags and type disagree.
+//! Attributes of an EXR file's parts, parsed without the decoder. In go bytes, out come names and values,
+//! also of files that the decoder refuses. Invariant: only files whose flags and type disagree are copied.
 //! Layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>
 
 use std::borrow::Cow;
@@ -20,7 +20,7 @@ pub(super) struct RawPart<'a> {
     has_deep_flag: bool,
 }
 
-/// The parts of a file, and where the tables of their chunks begin; `None` if it is damaged or no EXR file.
+/// Parts of a file, and the position of their offset tables; `None` if the file is damaged or not EXR.
 pub(super) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
     let flags = *bytes.get(5)?;
     let is_multipart = flags & MULTIPART != 0;
@@ -37,7 +37,7 @@ pub(super) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
             rest = behind;
         }
         rest = &rest[1..];
-        // An empty header is behind the last.
+        // An empty header ends the list.
         let is_end = attributes.is_empty() && !parts.is_empty();
         if !is_end {
             parts.push(RawPart { attributes, is_multipart, has_deep_flag: flags & DEEP != 0 });
@@ -48,8 +48,8 @@ pub(super) fn parts(bytes: &[u8]) -> Option<(Vec<RawPart<'_>>, usize)> {
     }
 }
 
-/// The file without a `type` that its flags contradict, which is given another name: the flags of a file of
-/// one part say what it is, and OpenEXR heeds nothing else.
+/// Renames a `type` attribute that contradicts the flags. In a file of one part the flags have precedence,
+/// and OpenEXR ignores the attribute.
 pub(crate) fn of_the_kind_of_its_flags(bytes: &[u8]) -> Cow<'_, [u8]> {
     let as_it_is = Cow::Borrowed(bytes);
     let Some((parts, end)) = parts(bytes) else { return as_it_is };
@@ -64,7 +64,7 @@ pub(crate) fn of_the_kind_of_its_flags(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(renamed)
 }
 
-/// A text that ends with a zero, and what is behind it.
+/// Null-terminated text, and the bytes after it.
 pub(super) fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let end = bytes.iter().take(256).position(|&byte| byte == 0)?;
     Some((&bytes[..end], &bytes[end + 1..]))
@@ -76,13 +76,13 @@ impl RawPart<'_> {
         &self.attributes
     }
 
-    /// The value of an attribute, whatever its type.
+    /// Value of an attribute of any type.
     pub(super) fn value(&self, name: &str) -> Option<&[u8]> {
         let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
         found.map(|(.., value)| *value)
     }
 
-    /// The value of an attribute that is a text.
+    /// Value of a text attribute.
     pub(super) fn text(&self, name: &str) -> Option<String> {
         let is_text = |kind: &[u8]| kind == b"string";
         let found = self.attributes.iter().find(|(its_name, ..)| *its_name == name.as_bytes());
@@ -91,12 +91,12 @@ impl RawPart<'_> {
             .map(|(.., value)| String::from_utf8_lossy(value).into_owned())
     }
 
-    /// The number of its compression.
+    /// Compression method, as OpenEXR's number.
     pub(super) fn compression(&self) -> Option<u8> {
         self.value("compression")?.first().copied()
     }
 
-    /// Whether a pixel has any number of values.
+    /// Whether the part is deep.
     pub(super) fn is_deep(&self) -> bool {
         match self.text("type") {
             Some(kind) if self.is_multipart => kind.starts_with("deep"),
@@ -104,12 +104,12 @@ impl RawPart<'_> {
         }
     }
 
-    /// Whether it says which colours it has.
+    /// Whether it has an attribute of its colour space.
     pub(super) fn says_colors(&self) -> bool {
         self.value("colorInteropID").or(self.value("chromaticities")).is_some()
     }
 
-    /// Whether it holds the six sides of a cube.
+    /// Whether it is a cube map.
     pub(super) fn is_cube(&self) -> bool {
         self.value("envmap").and_then(|value| value.first()) == Some(&1)
     }

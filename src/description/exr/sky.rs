@@ -1,6 +1,6 @@
-//! An OpenEXR image as the picture of a sky, in linear Rec. 709. In go bytes, out come texels. Invariant:
-//! beside its result the decoder takes no more memory than three quarters of that, and 1 GiB for what a file
-//! claims of parts, channels and tiles.
+//! OpenEXR image for a sky, in linear Rec. 709. In go bytes, out come texels. Invariant: beside its result
+//! the decoder takes at most three quarters of that, and 1 GiB for the parts, channels and tiles that a file
+//! declares.
 
 use super::{ImageColors, Picture, Unread, names, raw, subsampled};
 use crate::color::Rgb;
@@ -19,7 +19,7 @@ use std::io::Cursor;
 /// Maximum bytes of a part's samples, or of a tile's.
 const MOST_PART_BYTES: u64 = 1 << 30;
 
-/// Why an image is refused, and what helps if the reason is not in the image's format alone.
+/// Reason for refusing an image, and a remedy unless it is the common one.
 pub(in crate::inside::description) struct Fault {
     pub(in crate::inside::description) found: String,
     pub(in crate::inside::description) remedy: Option<String>,
@@ -40,7 +40,7 @@ impl From<Unread> for Fault {
 /// Width and height of an image, as its header claims.
 ///
 /// # Errors
-/// With the reason if the header is damaged, or of a kind that is not read.
+/// With the reason if the header is damaged or not supported.
 pub(in crate::inside::description) fn size_of_exr(bytes: &[u8]) -> Result<(u32, u32), Fault> {
     if let Some(unread) = Unread::of(bytes) {
         return Err(unread.into());
@@ -72,10 +72,10 @@ fn said(error: ::exr::error::Error) -> String {
     format!("the image cannot be decoded: {error}")
 }
 
-/// The picture of an OpenEXR image, black where its pixels do not reach.
+/// Picture of an OpenEXR image, black outside its data window.
 ///
 /// # Errors
-/// With the reason if it is damaged, of a kind that is not read, or too large.
+/// With the reason if it is damaged, not supported, or too large.
 pub(in crate::inside::description) fn of_exr(bytes: &[u8], most_texels: u64) -> Result<DecodedImage, Fault> {
     let meta = meta_of(bytes)?;
     check(&meta.headers, most_texels)?;
@@ -119,8 +119,8 @@ fn no_picture(parts: &[(String, Vec<String>)]) -> Fault {
     }
 }
 
-/// Refuses what the decoder cannot do, and what would make it take more memory than the limits, which it does
-/// not keep to: parts and tiles of any size.
+/// Refuses files that the decoder cannot handle, and parts or tiles so large that it would exceed its memory
+/// limit.
 fn check(headers: &[Header], most_texels: u64) -> Result<(), String> {
     let area = |Vec2(width, height): Vec2<usize>| (width as u64).saturating_mul(height as u64);
     let fits = |header: &Header| {
@@ -136,7 +136,7 @@ fn check(headers: &[Header], most_texels: u64) -> Result<(), String> {
     if headers.is_empty() || !headers.iter().all(fits) {
         return Err(String::from("the image has a part of more than 1 GiB"));
     }
-    // Pixels that lie elsewhere than the picture are held beside it.
+    // Pixels outside the picture take memory too.
     let held = |header: &Header| {
         let seen = header.shared_attributes.display_window;
         let is_same = header.layer_size == seen.size && header.own_attributes.layer_position == seen.position;
@@ -150,7 +150,7 @@ fn check(headers: &[Header], most_texels: u64) -> Result<(), String> {
     }
 }
 
-/// Puts the channels of these places, block by block, into red, green, blue and alpha.
+/// Copies the channels of these indices, block by block, into red, green, blue and alpha.
 fn fill(
     texels: &mut [[f32; 4]],
     bytes: &[u8],
@@ -183,7 +183,7 @@ fn fill(
     Ok(())
 }
 
-/// Samples in the machine's order.
+/// Samples in native byte order.
 fn floats(bytes: &[u8], kind: SampleType) -> impl Iterator<Item = f32> + '_ {
     let size = kind.bytes_per_sample();
     bytes.chunks_exact(size).map(move |sample| match (kind, sample) {
@@ -194,7 +194,7 @@ fn floats(bytes: &[u8], kind: SampleType) -> impl Iterator<Item = f32> + '_ {
     })
 }
 
-/// Fills texels from channels that are there as a whole.
+/// Fills texels from whole channels.
 fn fill_whole(texels: &mut [[f32; 4]], channels: AnyChannels<FlatSamples>, places: [Option<usize>; 4]) {
     for (component, place) in places.into_iter().enumerate() {
         let Some(channel) = place.and_then(|place| channels.list.get(place)) else { continue };
@@ -204,7 +204,7 @@ fn fill_whole(texels: &mut [[f32; 4]], channels: AnyChannels<FlatSamples>, place
     }
 }
 
-/// Luminance and chroma to red, green and blue, and those to linear Rec. 709.
+/// Converts luminance and chroma to red, green and blue, and those to linear Rec. 709.
 fn convert(texels: &mut [[f32; 4]], picture: Picture, colors: &ImageColors) {
     let (weights, is_ours) =
         (colors.space.luminances(), colors.space.is_same(&crate::color::ColorSpace::OURS));
@@ -221,7 +221,7 @@ fn convert(texels: &mut [[f32; 4]], picture: Picture, colors: &ImageColors) {
     }
 }
 
-/// Texels of a part that begins somewhere else than the picture, in the picture's place.
+/// Texels of a part whose data window differs from the picture, moved to the picture.
 fn placed(
     texels: &[[f32; 4]],
     Vec2(columns, _): Vec2<usize>,

@@ -1,6 +1,6 @@
-//! EXR files with channels that have fewer samples than the picture, as luminance and chroma have, which the
-//! decoder does not read. In goes a file, out come its parts with a value a pixel: samples are repeated.
-//! Invariant: nothing is allocated but what the chunks that are there hold, and the pixels that were checked.
+//! EXR files with subsampled channels, such as chroma, which the decoder does not support. In goes a file,
+//! out come its parts with a value a pixel, by repeating samples. Invariant: memory is bounded by existing
+//! chunks and by the checked number of pixels.
 
 use super::raw;
 use ::exr::compression::Compression;
@@ -11,12 +11,12 @@ use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use half::f16;
 
-/// Whether a file has such a channel.
+/// Whether a file has a subsampled channel.
 pub(crate) fn is_subsampled(headers: &[Header]) -> bool {
     headers.iter().any(|header| header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)))
 }
 
-/// The channels of every part.
+/// Decodes the channels of every part.
 ///
 /// # Errors
 /// With the reason if the file is damaged, or has tiles as well.
@@ -52,7 +52,7 @@ pub(crate) fn read(bytes: &[u8], meta: &MetaData) -> Result<Vec<AnyChannels<Flat
     Ok(read)
 }
 
-/// The samples of a channel, as they are stored.
+/// Samples of a channel, as stored.
 struct Plane {
     columns: usize,
     bytes: Vec<u8>,
@@ -65,7 +65,7 @@ impl Plane {
         Self { columns, bytes: vec![0; columns * rows * channel.sample_type.bytes_per_sample()] }
     }
 
-    /// Channel with a value a pixel.
+    /// Channel at full resolution.
     fn whole(self, channel: &ChannelDescription, header: &Header) -> AnyChannel<FlatSamples> {
         let samples = match channel.sample_type {
             SampleType::F16 => FlatSamples::F16(self.repeated(channel, header, f16::from_ne_bytes)),
@@ -115,7 +115,7 @@ impl<'a> Chunk<'a> {
         Some(Self { y, data: rest.get(..usize::try_from(size).ok()?)? })
     }
 
-    /// Puts the chunk's samples into the planes.
+    /// Decodes the chunk into the planes.
     fn decode(&self, header: &Header, planes: &mut [Plane]) -> Result<(), String> {
         let Vec2(width, height) = header.layer_size;
         let top = i64::from(self.y) - i64::from(header.own_attributes.layer_position.1);
@@ -124,7 +124,7 @@ impl<'a> Chunk<'a> {
         if matches!(header.compression, Compression::B44 | Compression::B44A) {
             return self.decode_b44(header, (top, rows), planes);
         }
-        // Rows of a channel that the chunk has samples of: of those of the file, every so many-th.
+        // Whether the chunk has samples of a channel in a row: the file has every n-th row.
         let has = |channel: &ChannelDescription, row: usize| (top + row).is_multiple_of(channel.sampling.1);
         let list = &header.channels.list;
         let row_bytes = |channel: &ChannelDescription| {
@@ -149,8 +149,8 @@ impl<'a> Chunk<'a> {
         Ok(())
     }
 
-    /// Channels one after the other, each in blocks of 4x4 samples: 3 bytes of a block of one value, else
-    /// 14. The decoder takes each by itself, as one that has a sample a pixel.
+    /// Decodes channels one after the other, each in blocks of 4x4 samples: 3 bytes for a constant block,
+    /// else 14. The decoder gets each as a channel at full resolution.
     fn decode_b44(
         &self,
         header: &Header,
@@ -177,7 +177,8 @@ impl<'a> Chunk<'a> {
             if size == 0 {
                 continue;
             }
-            // As many bytes as there are samples' would be taken for these; what is behind is passed over.
+            // The decoder would take a piece of this size for uncompressed samples; bytes after it are
+            // ignored.
             if channel.sample_type == SampleType::F16 && piece.len() == size {
                 piece.push(0);
             }
@@ -194,8 +195,7 @@ impl<'a> Chunk<'a> {
         Ok(())
     }
 
-    /// Decompressed samples of so many bytes, in the machine's order. The decoder is told of a part whose
-    /// size it reckons right.
+    /// Decompresses to `size` bytes in native order, by a part of that size for the decoder.
     fn decompressed(
         &self,
         header: &Header,
@@ -211,7 +211,7 @@ impl<'a> Chunk<'a> {
         let mut header = header.clone();
         let section = match header.compression {
             Compression::Uncompressed | Compression::RLE | Compression::ZIP1 | Compression::ZIP16 => {
-                // Of bytes alone: any channel of as many does.
+                // A channel of bytes, of the right number.
                 header.channels.list.truncate(1);
                 header.channels.list[0].sample_type = SampleType::F16;
                 header.channels.list[0].sampling = Vec2(1, 1);

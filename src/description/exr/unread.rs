@@ -1,25 +1,25 @@
-//! EXR files that are whole and not read. In goes a file, out comes why, and what helps. Invariant: the
-//! reason is true of the file: no such file is called damaged.
+//! Valid EXR files that are not supported. In goes a file, out come the reason and a remedy. Invariant: the
+//! reason is true, and no valid file is called damaged.
 
 use super::raw;
 
-/// Why a file is not read.
+/// Reason for a valid file that is not supported.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unread {
-    /// Feature that is not read, as the subject of a sentence.
+    /// Unsupported feature, as the subject of a sentence.
     pub what: String,
-    /// Way to make a file of it that is read.
+    /// Way to convert the file to a supported one.
     pub remedy: String,
 }
 
-/// Compressions by number that the decoder does not know.
+/// Compression methods that the decoder does not know, by number.
 const COMPRESSIONS: [(u8, &str); 4] = [
     (10, "HTJ2K (htj2k256)"),
     (11, "HTJ2K (htj2k32)"),
     (12, "lossy JPEG 2000 (lj2k)"),
     (13, "Zstandard (zstd)"),
 ];
-/// The last that it knows.
+/// The last method that it knows.
 const LAST_KNOWN: u8 = 9;
 
 /// Whether some part of a file is deep.
@@ -28,17 +28,17 @@ pub(crate) fn is_deep(bytes: &[u8]) -> bool {
 }
 
 impl Unread {
-    /// Feature of a file that is not read; `None` if nothing stands in the way, or it is damaged.
+    /// Unsupported feature of a file; `None` if there is none, or the file is damaged.
     pub fn of(bytes: &[u8]) -> Option<Self> {
         if is_deep(bytes) { Some(Self::of_deep("deep data")) } else { Self::of_codec(bytes) }
     }
 
-    /// Refusal of deep data.
+    /// Reason for unsupported deep data.
     pub(super) fn of_deep(what: &str) -> Self {
         Self { what: what.to_owned(), remedy: remedy("flatten it", "--flatten --compression zip") }
     }
 
-    /// Compression of a file, if it is not read.
+    /// Reason for an unsupported compression.
     pub fn of_codec(bytes: &[u8]) -> Option<Self> {
         let (parts, _) = raw::parts(bytes)?;
         let codec = parts.iter().filter_map(raw::RawPart::compression).find(|codec| *codec > LAST_KNOWN)?;

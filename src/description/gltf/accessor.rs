@@ -1,5 +1,5 @@
-//! Accessor numbers in, numbers out. Invariants: nothing is allocated for what the file claims to hold before
-//! it is known to hold it. In all no more is allocated than a fixed multiple of the file's size.
+//! Accessors. In go indices, out come numbers. Invariants: memory is allocated only after the file is known
+//! to hold the data. In all it is at most a fixed multiple of the file's size.
 
 use super::buffers::Buffers;
 use super::draco::Unpacked;
@@ -8,27 +8,27 @@ use crate::diagnostic::Diagnostic;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-/// Maximum number of times that the same bytes may be read: meshes share accessors, within reason.
+/// Maximum number of times that the same bytes may be read, as meshes share accessors.
 const READS_OF_EACH_BYTE: usize = 64;
-/// Size that a file may take in any case, bytes.
+/// Bytes that any file may take, however small.
 const SMALL_BYTES: usize = 64 << 20;
 
 pub(super) struct Accessors<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
-    /// Replacements of accessors that compressed meshes fill.
+    /// Decompressed replacements of accessors.
     unpacked: BTreeMap<usize, Unpacked>,
     bytes_left: Cell<usize>,
 }
 
-/// Requirements on an accessor that serves a purpose.
+/// Requirements on an accessor for one purpose.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted {
-    /// Purpose, as it reads in a message.
+    /// Purpose, as in a message.
     pub(super) purpose: &'static str,
     /// Numbers an element.
     pub(super) width: usize,
-    /// Component types that will do.
+    /// Component types that are allowed.
     pub(super) components: &'static [Component],
 }
 
@@ -63,7 +63,7 @@ impl Component {
         }
     }
 
-    /// The number that starts at the first of `bytes`, which are enough.
+    /// Decodes the number at the start of `bytes`.
     fn read(self, bytes: &[u8]) -> f64 {
         match self {
             Self::I8 => f64::from(bytes[0] as i8),
@@ -75,7 +75,7 @@ impl Component {
         }
     }
 
-    /// The largest value, by which normalised integers are divided (specification, 3.11).
+    /// Divisor of normalized integers: the largest value (specification, 3.11).
     fn one(self) -> f64 {
         match self {
             Self::I8 => 127.0,
@@ -99,12 +99,12 @@ impl<'a> Accessors<'a> {
         Self { document, buffers, unpacked, bytes_left: Cell::new(limit) }
     }
 
-    /// An error at a place in this file.
+    /// Error at a place in this file.
     pub(super) fn invalid(&self, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
         self.buffers.invalid(path, found)
     }
 
-    /// Number of elements that accessor `index` claims to hold; 0 if there is no such accessor.
+    /// Declared number of elements of accessor `index`; 0 if it does not exist.
     pub(super) fn count(&self, index: usize) -> usize {
         match self.unpacked.get(&index) {
             Some(unpacked) => unpacked.count,
@@ -112,8 +112,8 @@ impl<'a> Accessors<'a> {
         }
     }
 
-    /// Every number of accessor `index`, `wanted.width` an element, all finite. `user` is the path of
-    /// what refers to it.
+    /// Reads all numbers of accessor `index`, `wanted.width` an element, all finite. `user` is the path that
+    /// refers to it.
     pub(super) fn read(&self, index: usize, wanted: Wanted, user: &str) -> Result<Vec<f64>, Diagnostic> {
         let Some(accessor) = self.document.accessors.get(index) else {
             return Err(self.invalid(user, format!("accessor {index} does not exist")));

@@ -1,5 +1,5 @@
-//! All channels of all animations, to be played together. Invariant: a channel's key times strictly
-//! increase and it has a value for each of them, or three.
+//! Channels of all animations. In goes JSON, out come keys. Invariant: a channel's key times strictly
+//! increase, and each has one value, or three for cubic splines.
 
 use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Animation, Document, Node};
@@ -16,7 +16,7 @@ pub(super) fn names(document: &Document) -> Vec<String> {
     document.animations.iter().enumerate().map(name).collect()
 }
 
-/// Every channel that something is made of, of all animations.
+/// Reads the channels of all animations whose properties are supported.
 pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut Report) -> Vec<Channel> {
     let mut channels = Vec::new();
     for (index, animation) in document.animations.iter().enumerate() {
@@ -25,7 +25,7 @@ pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut 
             let place = format!("animations[{index}].channels[{number}]");
             let channel = reader.read_channel(source, place, report);
             let channel = if is_misnumbered(document, source) {
-                // The other numbers are wrong as well: something would move that should not.
+                // Drops all of them: other node indices are then shifted as well, and wrong nodes would move.
                 report.keep(channel)
             } else {
                 report.spare(Loss::AnimationDamaged, channel)
@@ -36,8 +36,8 @@ pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut 
     channels
 }
 
-/// Whether a channel shows that all of them target wrong nodes, as Blender's exporter makes them
-/// beside GPU instances.
+/// Whether a channel's node does not exist beside GPU instances. Blender's exporter then shifts all node
+/// indices.
 fn is_misnumbered(document: &Document, channel: &json::Channel) -> bool {
     let has_instances = document.nodes.iter().any(|node| node.extensions.instancing.is_some());
     has_instances && channel.target.node.is_some_and(|node| node >= document.nodes.len())
@@ -50,7 +50,7 @@ struct ChannelReader<'a> {
 }
 
 impl ChannelReader<'_> {
-    /// The channel; `None` if nothing here makes use of it.
+    /// Reads a channel; `None` if its property is not supported.
     fn read_channel(
         &self,
         channel: &json::Channel,
@@ -60,7 +60,7 @@ impl ChannelReader<'_> {
         let Self { document, accessors, .. } = *self;
         let target = &channel.target;
         let Some(pointer) = &target.extensions.pointer else {
-            // The specification says to pass over channels without a node.
+            // The specification says to ignore channels without a node.
             let Some(node) = target.node else {
                 report.not_honoured(Loss::AnimationWithoutTarget, &place);
                 return Ok(None);
@@ -89,7 +89,7 @@ impl ChannelReader<'_> {
         }
     }
 
-    /// The property that a path of a node names.
+    /// Property of a node that a path names.
     fn property_of(&self, node: usize, path: &str, place: &str) -> Result<Property, Diagnostic> {
         let count = self.document.nodes.len();
         if node >= count {
@@ -147,7 +147,7 @@ impl ChannelReader<'_> {
         }
     }
 
-    /// Sampler number `sampler`, with `a_time` elements at a time.
+    /// Reads sampler number `sampler`, with `a_time` elements at a time.
     fn sampled(
         &self,
         sampler: usize,
@@ -207,7 +207,7 @@ fn targets_of(document: &Document, node: &Node) -> usize {
     mesh.and_then(|mesh| mesh.primitives.first()).map_or(0, |primitive| primitive.targets.len())
 }
 
-/// Brings quaternions to unit length, but for derivatives; or tells the number of one that has no length.
+/// Normalizes quaternions, except derivatives; fails with the index of one of length 0.
 fn normalize(values: &mut [f64], interpolation: Interpolation) -> Result<(), usize> {
     for (index, value) in values.chunks_exact_mut(4).enumerate() {
         if interpolation == Interpolation::Cubic && index % 3 != 1 {

@@ -1,6 +1,6 @@
-//! Vertex attributes of a primitive beside positions. In go accessors, out come numbers, one set a vertex.
-//! Invariant: an attribute that cannot be read, or is not as many as the positions, is left out and told,
-//! never half read.
+//! Vertex attributes of a primitive, except positions. In go accessors, out come numbers, one set a vertex.
+//! Invariant: an attribute that is unreadable or of the wrong length is dropped and reported, never partly
+//! read.
 
 use super::accessor::{Accessors, Component, Wanted};
 use super::json::{self, Document};
@@ -9,7 +9,7 @@ use super::texture_maps::Layer;
 use crate::diagnostic::{Diagnostic, Loss};
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
-// Integers where KHR_mesh_quantization allows them; floats are what the core specification has.
+// Integers are allowed by KHR_mesh_quantization; the core specification has floats.
 pub(super) const SIGNED_OR_NOT: &[Component] =
     &[Component::F32, Component::I8, Component::U8, Component::I16, Component::U16];
 pub(super) const UNSIGNED: &[Component] = &[Component::F32, Component::U8, Component::U16];
@@ -19,7 +19,7 @@ const TANGENTS: Wanted = Wanted { purpose: "tangents", width: 4, ..NORMALS };
 const UVS: Wanted = Wanted { purpose: "texture coordinates", width: 2, components: SIGNED_OR_NOT };
 const COLORS: Wanted = Wanted { purpose: "vertex colours", width: 3, components: UNSIGNED };
 
-/// Place of a primitive in its file, and the mesh that people know it by.
+/// Place of a primitive in its file, and its mesh's name for messages.
 #[derive(Clone, Copy)]
 pub(super) struct At<'a> {
     pub(super) path: &'a str,
@@ -29,7 +29,7 @@ pub(super) struct At<'a> {
 pub(super) struct Attributes<'a> {
     pub(super) document: &'a Document,
     pub(super) primitive: &'a json::Primitive,
-    /// Number that there has to be of each.
+    /// Number of vertices.
     pub(super) vertices: usize,
     pub(super) path: &'a str,
     pub(super) mesh: &'a str,
@@ -47,7 +47,7 @@ impl Attributes<'_> {
         })
     }
 
-    /// Texture coordinates as a texture has them transformed; zeros if there are none.
+    /// Texture coordinates after the texture's transform; zeros if there are none.
     pub(super) fn uvs(&mut self, (set, transform): Layer) -> Vec<Vec2> {
         let name = format!("TEXCOORD_{set}");
         if !self.primitive.attributes.contains_key(&name) {
@@ -68,13 +68,14 @@ impl Attributes<'_> {
         vec![Vec2::ZERO; self.vertices]
     }
 
-    /// Texture coordinates as they stand in the file.
+    /// Texture coordinates before any transform.
     pub(super) fn plain_uvs(&mut self, set: usize) -> Option<Vec<Vec2>> {
         let numbers = self.numbers(&format!("TEXCOORD_{set}"), UVS)?;
         Some(numbers.chunks_exact(2).map(|uv| DVec2::from_slice(uv).as_vec2()).collect())
     }
 
-    /// Linear colours, and alphas; none if all are 1, which Blender writes where nothing uses them.
+    /// Linear colours, and alphas. Either is empty if all are 1, as Blender writes them where they are
+    /// unused.
     pub(super) fn colors(&mut self) -> (Vec<Vec3>, Vec<f32>) {
         if self.primitive.attributes.contains_key("COLOR_1") {
             self.report.not_honoured(Loss::VertexColorSets, self.mesh);
@@ -101,7 +102,7 @@ impl Attributes<'_> {
         (colors, alphas)
     }
 
-    /// The file's own tangents, if they are usable.
+    /// Tangents of the file, if they are usable.
     pub(super) fn tangents(&mut self) -> Option<Vec<Vec4>> {
         let numbers = self.numbers("TANGENT", TANGENTS)?;
         let tangent = |numbers: &[f64]| {
@@ -116,7 +117,7 @@ impl Attributes<'_> {
         given
     }
 
-    /// The numbers of an attribute; `None` if the primitive has none that can be read.
+    /// Numbers of an attribute; `None` if it is missing or unreadable.
     fn numbers(&mut self, name: &str, wanted: Wanted) -> Option<Vec<f64>> {
         let index = *self.primitive.attributes.get(name)?;
         let read = self.read(index, name, wanted);
@@ -143,7 +144,7 @@ pub(super) fn vectors(numbers: &[f64]) -> Vec<Vec3> {
     numbers.chunks_exact(3).map(|v| Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)).collect()
 }
 
-/// The vectors at unit length; `None` if one has no length.
+/// Normalizes vectors; `None` if one has length 0.
 fn unit_vectors(numbers: &[f64]) -> Option<Vec<Vec3>> {
     vectors(numbers).into_iter().map(|vector| vector.try_normalize()).collect()
 }

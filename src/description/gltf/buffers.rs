@@ -1,6 +1,6 @@
-//! Buffers and the views into them, from the binary chunk, from data URIs and from files. What is compressed
-//! there is unpacked. Invariant: a view that is handed out lies inside its buffer. What lies in a buffer that
-//! cannot be had is left out by whoever asks for it.
+//! Buffers and views: from the binary chunk, data URIs and files, decompressed where needed. In go indices,
+//! out come bytes. Invariant: a returned view lies inside its buffer. A missing buffer is an error for each
+//! of its users.
 
 use super::json::{self, Document};
 use super::meshopt;
@@ -17,15 +17,15 @@ use std::path::{Path, PathBuf};
 pub(super) struct Buffers<'a> {
     file: &'a Path,
     document: &'a Document,
-    /// `None` where the buffer could not be had; that is reported already.
+    /// `None` if the buffer is missing, which is reported already.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
-    /// Contents of compressed views by index, or their damage.
+    /// Decompressed views by index, or their errors.
     unpacked: BTreeMap<usize, Result<Vec<u8>, Diagnostic>>,
-    /// Why the first file could not be read, if there is one.
+    /// Error of the first file that could not be read.
     missing: Option<LoadError>,
 }
 
-/// Reads every buffer that a view refers to.
+/// Loads every buffer that a view refers to.
 pub(super) fn load<'a>(
     document: &'a Document,
     binary: Option<&'a [u8]>,
@@ -35,7 +35,7 @@ pub(super) fn load<'a>(
 ) -> Buffers<'a> {
     let mut needed = vec![false; document.buffers.len()];
     for view in &document.buffer_views {
-        // What a compressed view stands in for need not be there.
+        // The fallback of a compressed view may be missing.
         let buffer = view.extensions.meshopt.as_ref().map_or(view.buffer, |packed| packed.buffer);
         if let Some(needed) = needed.get_mut(buffer) {
             *needed = true;
@@ -86,7 +86,7 @@ pub(super) fn load<'a>(
     buffers
 }
 
-/// Diagnostic of a file that cannot be read, at the path that asks for it.
+/// Diagnostic of a file that cannot be read, at the path that refers to it.
 pub(super) fn unreadable(error: &LoadError, file: &Path, path: &str) -> Diagnostic {
     let found = match error {
         LoadError::Io { path, source, .. } => {
@@ -97,7 +97,7 @@ pub(super) fn unreadable(error: &LoadError, file: &Path, path: &str) -> Diagnost
     invalid(file, path, found).remedy("put the file where this one names it, or pack it in (as .glb)")
 }
 
-/// The bytes behind a URI: a data URI's, or those of a file beside the glTF file.
+/// Bytes of a URI: a data URI's, or those of a file beside the glTF file.
 pub(super) fn fetch<'a>(
     uri: &str,
     file: &Path,
@@ -113,7 +113,7 @@ pub(super) fn fetch<'a>(
     }
 }
 
-/// The file that a URI means in another. A text that is none is a name.
+/// Path of the file that a URI refers to. Text that is not a URI counts as a file name.
 pub(super) fn file_beside(uri: &str, file: &Path) -> Result<PathBuf, String> {
     let name = percent_decoded(uri).unwrap_or_else(|| uri.to_owned());
     let has_root = name.starts_with(['/', '\\']);
@@ -123,7 +123,7 @@ pub(super) fn file_beside(uri: &str, file: &Path) -> Result<PathBuf, String> {
     Ok(files::beside(file.parent().unwrap_or(Path::new("")), Path::new(&name)))
 }
 
-/// Bytes after `data:`, decoded (RFC 2397, base64 only, as the glTF specification asks for).
+/// Decodes the part of a data URI after `data:` (RFC 2397, base64 only, as glTF demands).
 fn data_uri(data: &str) -> Result<Vec<u8>, String> {
     let Some((_, encoded)) = data.split_once(";base64,") else {
         return Err(String::from("the data URI is not base64"));
@@ -131,7 +131,7 @@ fn data_uri(data: &str) -> Result<Vec<u8>, String> {
     STANDARD.decode(encoded).map_err(|error| format!("the data URI is damaged: {error}"))
 }
 
-/// A URI with `%20` and the like resolved (RFC 3986, section 2.1).
+/// Decodes `%20` and the like in a URI (RFC 3986, section 2.1).
 fn percent_decoded(uri: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
@@ -155,7 +155,7 @@ impl Buffers<'_> {
         read.chain(unpacked).sum()
     }
 
-    /// The bytes of a view and its stride; `user` is the path of what refers to it.
+    /// Bytes and stride of a view; `user` is the path that refers to it.
     pub(super) fn view(&self, index: usize, user: &str) -> Result<(&[u8], Option<usize>), Diagnostic> {
         let Some(view) = self.document.buffer_views.get(index) else {
             return Err(self.invalid(user, format!("buffer view {index} does not exist")));
@@ -169,7 +169,7 @@ impl Buffers<'_> {
         Ok((bytes, view.byte_stride))
     }
 
-    /// Why the first file that a buffer lies in could not be read, if there is one.
+    /// Error of the first file with a buffer that could not be read.
     pub(super) fn missing(self) -> Option<LoadError> {
         self.missing
     }
@@ -202,7 +202,7 @@ impl Buffers<'_> {
         }
     }
 
-    /// An error at a place in this file.
+    /// Error at a place in this file.
     pub(super) fn invalid(&self, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
         invalid(self.file, path, found)
     }

@@ -1,5 +1,5 @@
-//! The bytes of a `.glb` or `.gltf` file in, its JSON and binary chunk out. Invariant: an error
-//! says which byte range, line or field is at fault.
+//! Container of a `.glb` or `.gltf` file. In go bytes, out come JSON and the binary chunk. Invariant: an
+//! error names the byte range, line or field at fault.
 
 use super::json::Document;
 use super::report::Report;
@@ -12,15 +12,15 @@ use std::path::Path;
 const GLB_HEADER_BYTES: usize = 12;
 /// Length and type before the data of a chunk.
 const CHUNK_HEADER_BYTES: usize = 8;
-/// Types of the two chunks that glTF knows.
+/// Types of the two chunks that glTF defines.
 const JSON_CHUNK: &[u8] = b"JSON";
 const BINARY_CHUNK: &[u8] = b"BIN\0";
-/// Mark that some editors put before UTF-8; readers may pass over it (RFC 8259, section 8.1).
+/// UTF-8 byte order mark, which readers may ignore (RFC 8259, section 8.1).
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Integers up to here are exact in double precision.
 const MOST_EXACT: f64 = (1_u64 << 53) as f64;
 
-/// Takes the container apart and parses the JSON. The second part is the GLB's binary chunk.
+/// Parses the JSON of a file, and returns the binary chunk of a GLB.
 pub(super) fn open<'a>(
     bytes: &'a [u8],
     path: &Path,
@@ -48,7 +48,7 @@ fn is_json(path: &Path) -> bool {
 struct Chunks<'a> {
     json: &'a [u8],
     binary: Option<&'a [u8]>,
-    /// Bytes of all else.
+    /// Bytes of other chunks.
     unknown: usize,
 }
 
@@ -65,7 +65,7 @@ fn chunks<'a>(
         let found = format!("this is version {version} of the GLB container");
         return Err(whole_file(path, found).expected("version 2").remedy(OF_VERSION_1));
     }
-    // The crate subtracts the header from the length it finds without looking.
+    // The crate subtracts the header's length from the declared one without a check.
     if bytes.len() < GLB_HEADER_BYTES || length < GLB_HEADER_BYTES || length > bytes.len() {
         return Err(whole_file(
             path,
@@ -88,7 +88,7 @@ fn chunks<'a>(
     Ok((unpadded(json), binary))
 }
 
-/// The crate lends what it was lent.
+/// Borrowed bytes; the crate copies none of those that it borrows.
 fn borrowed(bytes: std::borrow::Cow<'_, [u8]>) -> &[u8] {
     match bytes {
         std::borrow::Cow::Borrowed(bytes) => bytes,
@@ -96,14 +96,14 @@ fn borrowed(bytes: std::borrow::Cow<'_, [u8]>) -> &[u8] {
     }
 }
 
-/// JSON and binary data among chunks of any order, and how many bytes the others have: the crate refuses
-/// chunks that it does not know before those that it does.
+/// Finds JSON and binary data among chunks in any order, and counts the bytes of others. The crate refuses
+/// unknown chunks before these two.
 fn among_unknown<'a>(mut rest: &'a [u8], path: &Path) -> Result<Chunks<'a>, Diagnostic> {
     let (mut json, mut binary, mut unknown) = (None, None, 0);
     while !rest.is_empty() {
         let (kind, data, after) = match next_chunk(rest) {
             Some(chunk) => chunk,
-            // Nothing that is needed is missing. Up to three bytes fill the last chunk.
+            // All required chunks are found; up to three bytes are padding of the last one.
             None if binary.is_some() => {
                 unknown += if rest.len() < 4 { 0 } else { rest.len() };
                 break;
@@ -124,7 +124,7 @@ fn among_unknown<'a>(mut rest: &'a [u8], path: &Path) -> Result<Chunks<'a>, Diag
     Ok(Chunks { json, binary, unknown })
 }
 
-/// Type and data of a chunk, and what follows it; nothing if it is cut short.
+/// Type and data of the next chunk, and the rest; `None` if it is truncated.
 fn next_chunk(bytes: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
     let (head, rest) = bytes.split_at_checked(CHUNK_HEADER_BYTES)?;
     let (length, kind) = head.split_at_checked(4)?;
@@ -133,7 +133,8 @@ fn next_chunk(bytes: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
     Some((kind, data, rest))
 }
 
-/// Some exporters fill the chunk with zeros where the specification has spaces, or put a byte order mark.
+/// Removes padding by zeros, in place of the specification's spaces, and a byte order mark, as some exporters
+/// write them.
 fn unpadded(json: &[u8]) -> &[u8] {
     let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
     let zeros = json.iter().rev().take_while(|byte| **byte == 0).count();
@@ -168,12 +169,13 @@ fn parse(json: &[u8], path: &Path, is_text_file: bool) -> Result<Document, Diagn
     })
 }
 
-/// JSON knows one kind of number: `3.0` and `1e2` are integers too (RFC 8259, section 6; glTF 2.0, 2.7).
+/// Makes integers of whole numbers: `3.0` and `1e2` are integers in JSON too (RFC 8259, section 6; glTF 2.0,
+/// 2.7).
 fn with_integers(value: &mut Value) {
     match value {
         Value::Number(number) if number.is_f64() => {
             let whole = number.as_f64().filter(|number| number.fract() == 0.0 && number.abs() <= MOST_EXACT);
-            // The sign of -0 is not lost.
+            // -0 keeps its sign.
             if let Some(whole) = whole.filter(|whole| *whole != 0.0 || whole.is_sign_positive()) {
                 *value = Value::from(whole as i64);
             }
@@ -184,7 +186,7 @@ fn with_integers(value: &mut Value) {
     }
 }
 
-/// A member that is null is one that is not there. What authors attach is theirs.
+/// Removes members that are null, except in extras.
 fn without_nulls(value: &mut Value) {
     match value {
         Value::Array(values) => values.iter_mut().for_each(without_nulls),
@@ -203,7 +205,7 @@ fn whole_file(path: &Path, found: String) -> Diagnostic {
         .remedy("export or copy the file again")
 }
 
-/// Refuses documents of other versions than 2.x.
+/// Refuses versions other than 2.x.
 pub(super) fn check_version(document: &Document, path: &Path) -> Result<(), Diagnostic> {
     let asset = &document.asset;
     let readable = |version: &str| version == "2.0" || version.starts_with("2.") && version.len() > 2;
@@ -217,11 +219,11 @@ pub(super) fn check_version(document: &Document, path: &Path) -> Result<(), Diag
     }
 }
 
-/// The version of a document of glTF 1, whose JSON is another: there lists are objects with names for keys.
+/// Version of a glTF 1 document, where objects with names as keys stand in place of arrays.
 fn first_version(document: &Value) -> Option<String> {
     match &document["asset"]["version"] {
         Value::String(version) if version.starts_with("1.") => Some(version.clone()),
-        // Version 1.0 need not say so.
+        // The version is optional in 1.0.
         Value::String(_) => None,
         _ => document["nodes"].is_object().then(|| String::from("1.0")),
     }

@@ -1,6 +1,6 @@
-//! Primitives compressed with Draco in, plain accessors out (KHR_draco_mesh_compression). Invariants: every
-//! accessor that is handed out has as many bytes as its count and type ask for. No more memory is taken than
-//! a fixed multiple of what the file holds.
+//! Draco compression (KHR_draco_mesh_compression). In go compressed primitives, out come plain accessors.
+//! Invariants: every accessor has as many bytes as its count and type require. Memory is at most a fixed
+//! multiple of the file's size.
 
 use super::buffers::Buffers;
 use super::invalid;
@@ -11,29 +11,28 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 const EXTENSION: &str = "KHR_draco_mesh_compression";
-/// Maximum number of bytes that one compressed byte can stand for: regular meshes take about a bit a
-/// triangle.
+/// Maximum bytes that one compressed byte expands to; regular meshes take about a bit a triangle.
 const MOST_EXPANSION: u64 = 4096;
-/// Size that even the smallest stream may unpack to, bytes.
+/// Bytes that even the smallest stream may expand to.
 const SMALL_BYTES: u64 = 1 << 20;
-/// Mode of triangle lists, the one that Draco's streams hold.
+/// Mode of triangle lists, the only one in Draco's streams.
 const TRIANGLES: u32 = 4;
 
-/// Replacement of an accessor that has no buffer view.
+/// Decompressed accessor without a buffer view.
 pub(super) struct Unpacked {
-    /// Elements; may be more than the accessor says, where Draco split vertices at seams.
+    /// Number of elements; more than the accessor's where Draco split vertices at seams.
     pub(super) count: usize,
     pub(super) width: usize,
-    /// glTF's code of the component type.
+    /// glTF's code for the component type.
     pub(super) component_type: u32,
     /// Element by element, little-endian.
     pub(super) bytes: Vec<u8>,
 }
 
-/// Primitives that cannot be unpacked, by their mesh and their number in it, and why.
+/// Errors of primitives that cannot be decompressed, by mesh and primitive.
 pub(super) type Damaged = BTreeMap<(usize, usize), Diagnostic>;
 
-/// All accessors that compressed primitives fill, by their index, and what is damaged.
+/// Decompresses all primitives: accessors by their indices, and errors.
 pub(super) fn unpack(
     document: &Document,
     buffers: &Buffers<'_>,
@@ -102,8 +101,8 @@ fn of_primitive(
     Ok(unpacked)
 }
 
-/// Contract that the decoded mesh must keep: as its accessors say, and not much larger than it is
-/// compressed. Else the reason why there is none.
+/// Limits on the decoded mesh: its accessors' counts, and a multiple of the compressed size. Fails if an
+/// accessor is missing.
 fn contract(
     primitive: &Primitive,
     document: &Document,
@@ -129,7 +128,7 @@ fn contract(
     Ok(contract)
 }
 
-/// Message of the decoder, without the prefix of ours.
+/// Message of the decoder, without its prefix.
 fn plain(error: &impl std::fmt::Display) -> String {
     error.to_string().replace("error:", "error,")
 }

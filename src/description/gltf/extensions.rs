@@ -1,22 +1,23 @@
-//! Support of glTF extensions. Invariant: a required extension that would change what the file's data mean
-//! is refused by name, with what to change in the exporter.
+//! Support of glTF extensions. In goes a document, out come warnings and errors. Invariant: a required
+//! extension that would change the meaning of the file's data is refused by name, with the exporter's setting
+//! as the remedy.
 
 use super::json::Document;
 use super::report::Report;
 use crate::diagnostic::{Diagnostic, Loss};
 
 enum Support {
-    /// Done as it says.
+    /// Fully supported.
     Honoured,
-    /// The rest of the file means the same without it; each use is reported where it is read.
+    /// Ignored, as the rest of the file keeps its meaning; each use is reported where it is read.
     Reported,
-    /// Adds nothing that a picture could show.
+    /// Ignored, as it has no effect on pictures.
     Aside,
-    /// Nothing can be read without it; how to export without it.
+    /// Refused, as the data are unreadable without it; the text is how to export without it.
     Refused(&'static str),
 }
 
-/// Extensions that files may use.
+/// Supported extensions.
 const HONOURED: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -39,8 +40,8 @@ const HONOURED: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Textures in formats that are not read, each told as one that cannot be read, and materials of other
-/// models, whose plain values are drawn.
+/// Unsupported formats of textures, which are reported one by one, and other models of materials, whose core
+/// values are used.
 const REPORTED: &[&str] = &[
     "EXT_texture_astc",
     "EXT_texture_avif",
@@ -59,7 +60,7 @@ const REPORTED: &[&str] = &[
     "MSFT_texture_dds",
 ];
 
-/// Facts about things, sounds, what may be clicked, and physics that nobody has simulated.
+/// Metadata, sound, interaction and physics without a simulation.
 const ASIDE: &[&str] = &[
     "AGI_articulations",
     "AGI_stk_metadata",
@@ -88,7 +89,7 @@ const ASIDE: &[&str] = &[
 ];
 
 /// Support of the registry's extensions (KhronosGroup/glTF, extensions/README.md, July 2026), ratified, in
-/// progress and archived, and of others that are widely written. `None` is one that is not known.
+/// progress and archived, and of other common ones. `None` for unknown ones.
 fn support(extension: &str) -> Option<Support> {
     Some(if HONOURED.contains(&extension) {
         Support::Honoured
@@ -101,7 +102,7 @@ fn support(extension: &str) -> Option<Support> {
     })
 }
 
-/// Way to export without an extension that changes what the file's data mean.
+/// How to export without an extension that changes the meaning of the data.
 fn remedy(extension: &str) -> Option<&'static str> {
     Some(match extension {
         "KHR_texture_video" | "MPEG_media" | "MPEG_texture_video" => {
@@ -148,7 +149,7 @@ fn remedy(extension: &str) -> Option<&'static str> {
     })
 }
 
-/// Refuses required extensions that are not understood, and says which others are passed over.
+/// Refuses required extensions that are not supported, and reports others that are ignored.
 pub(super) fn check(document: &Document, report: &mut Report) {
     for (index, name) in document.extensions_required.iter().enumerate() {
         let remedy = match support(name) {
@@ -178,7 +179,7 @@ pub(super) fn check(document: &Document, report: &mut Report) {
     }
 }
 
-/// Loss where a material's extension is not honoured, which says what is done instead.
+/// Loss for a material's extension that is not supported, which names its replacement.
 pub(super) fn material_extension(extension: &str) -> Option<Loss> {
     Some(match extension {
         "KHR_materials_clearcoat"

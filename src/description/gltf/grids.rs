@@ -1,5 +1,5 @@
-//! The OpenVDB files that extras of fog name. In go their names, out come the grids. Invariant: only files
-//! that the shown scene uses are opened.
+//! OpenVDB files in the extras of fog. In go their names, out come grids. Invariant: only files that the
+//! shown scene uses are opened.
 
 use super::buffers::file_beside;
 use super::report::Report;
@@ -7,7 +7,7 @@ use super::{GltfScene, LoadError, invalid, pictures};
 use crate::description::{Files, vdb};
 use std::collections::BTreeMap;
 
-/// Reads them all; what else is malformed is reported with the other extras.
+/// Reads all grids; other faults of extras are reported elsewhere.
 pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report) -> Result<(), LoadError> {
     let mut grids = BTreeMap::new();
     for index in pictures::shown_nodes(scene) {

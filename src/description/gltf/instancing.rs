@@ -1,5 +1,5 @@
-//! EXT_mesh_gpu_instancing: the places of a node's copies. Invariant: as many places as the longest
-//! attribute, all of which are of one length.
+//! Instances of nodes (EXT_mesh_gpu_instancing). In go attributes, out come transforms. Invariant: all
+//! attributes have the same length, which is the number of instances.
 
 use super::accessor::{Accessors, Component, Wanted};
 use super::attributes::UNSIGNED;
@@ -17,11 +17,11 @@ const ROTATIONS: Wanted = Wanted {
     components: &[Component::F32, Component::I8, Component::I16],
 };
 
-/// Name as three.js and Babylon.js write it.
+/// Attribute of colours, as three.js and Babylon.js name it.
 const COLOR: &str = "_COLOR_0";
 const COLORS: Wanted = Wanted { purpose: "colours of instances", width: 3, components: UNSIGNED };
 
-/// Gives every node the places of its instances, from the node's space.
+/// Sets the transforms of every node's instances, in the node's space.
 pub(super) fn read(document: &Document, nodes: &mut [Node], accessors: &Accessors<'_>, report: &mut Report) {
     for (index, (node, source)) in nodes.iter_mut().zip(&document.nodes).enumerate() {
         let Some(instancing) = &source.extensions.instancing else { continue };

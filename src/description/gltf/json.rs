@@ -1,5 +1,5 @@
-//! The JSON of a glTF file, word for word: names, defaults and nesting are those of the glTF 2.0
-//! specification. Invariant: nothing here has been checked; indices may point anywhere.
+//! JSON of a glTF file. In goes text, out come structs with the names, defaults and nesting of the glTF 2.0
+//! specification. Invariant: nothing is validated here; indices may point anywhere.
 
 pub(super) use super::json_buffers::{Accessor, Buffer, BufferView, MeshoptView};
 pub(super) use super::json_materials::{

@@ -1,5 +1,5 @@
-//! JSON of a glTF file's accessors, buffers and their views, word for word. Invariant: nothing here has
-//! been checked.
+//! JSON of a glTF file's accessors, buffers and buffer views, as in the specification. Invariant: nothing is
+//! validated here.
 
 use serde::Deserialize;
 

@@ -1,5 +1,5 @@
-//! JSON of a glTF file's materials, textures and images, word for word. Invariant: nothing here has been
-//! checked.
+//! JSON of a glTF file's materials, textures and images, as in the specification. Invariant: nothing is
+//! validated here.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -20,12 +20,12 @@ pub(super) struct Material {
     pub(super) double_sided: bool,
     pub(super) extensions: BTreeMap<String, Value>,
     pub(super) extras: Value,
-    /// Rest of KHR_materials_pbrSpecularGlossiness once that is converted; not of the file.
+    /// Glossiness left by the conversion of KHR_materials_pbrSpecularGlossiness; never in a file.
     #[serde(skip)]
     pub(super) glossiness: Option<Glossiness>,
 }
 
-/// Glossiness that differs from place to place.
+/// Glossiness with a texture.
 #[derive(Debug)]
 pub(super) struct Glossiness {
     /// `0..=1`; multiplies the texture's alpha.
@@ -125,7 +125,7 @@ pub(super) struct TextureExtensions {
     pub(super) webp: Option<ImageReference>,
     #[serde(rename = "KHR_texture_basisu")]
     pub(super) basisu: Option<ImageReference>,
-    /// Extensions for formats that are not read, by name.
+    /// Extensions for unsupported formats, by name.
     #[serde(flatten)]
     pub(super) others: BTreeMap<String, IgnoredAny>,
 }

@@ -1,5 +1,5 @@
-//! Materials and the textures they need. Invariant: only images that a mesh shows are opened; every number of
-//! a material is in its range.
+//! Materials and their textures. In goes JSON, out come materials. Invariant: only images of visible meshes
+//! are opened, and every number of a material is in its range.
 
 use super::extensions::material_extension;
 use super::json::{self, Document};
@@ -12,11 +12,11 @@ use glam::DVec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Minimum roughness of a sheen: of smoother ones the extension's fitted shadowing gives more than there
-/// is (`scattering/sheen.rs`).
+/// Minimum roughness of sheen: below it the extension's fitted shadowing is inaccurate
+/// (`scattering/sheen.rs`).
 const LEAST_HONOURED_SHEEN: f64 = 0.3;
 
-/// All materials, and the textures of those that a mesh uses which is shown.
+/// Reads all materials, and the textures of those that a visible mesh uses.
 pub(super) fn read(
     document: &Document,
     shown: &BTreeSet<usize>,
@@ -64,7 +64,7 @@ fn put(material: &mut Material, slot: &Slot, map: Option<TextureMap>) {
         Purpose::MetallicRoughness => material.metallic_roughness_texture = map,
         Purpose::Glossiness => {
             material.metallic_roughness_texture = map;
-            // The texture holds the whole of it.
+            // The texture then holds the whole roughness.
             material.roughness = if map.is_some() { 1.0 } else { material.roughness };
         }
         Purpose::SpecularColor => material.f0_texture = map,
@@ -129,7 +129,7 @@ fn alpha_mode(material: &json::Material, path: &str, report: &mut Report) -> Alp
             if cutoff < 0.0 {
                 report.put_right(Loss::ValueOutOfRange, &format!("{path}.alphaCutoff"), cutoff);
             }
-            // Above 1 it hides all (specification, 5.19.9).
+            // A cutoff above 1 hides everything (specification, 5.19.9).
             AlphaMode::Mask(cutoff.max(0.0))
         }
         Some(other) => {
@@ -140,7 +140,7 @@ fn alpha_mode(material: &json::Material, path: &str, report: &mut Report) -> Alp
     }
 }
 
-/// Numbers from 0 to 1: what lies outside is put to the end that is nearer, and told.
+/// Clamps numbers to `0..=1`, and reports those outside.
 fn in_unit_range<const N: usize>(values: [f64; N], path: &str, at: &str, report: &mut Report) -> [f64; N] {
     let within = values.map(|value| value.clamp(0.0, 1.0));
     if within != values {
@@ -160,7 +160,7 @@ struct Extensions<'a> {
 }
 
 impl Extensions<'_> {
-    /// Layers over the surface.
+    /// Clear coat and sheen.
     fn layers(&mut self) -> (Clearcoat, Sheen) {
         let (clearcoat, sheen) = ("KHR_materials_clearcoat", "KHR_materials_sheen");
         let clearcoat = Clearcoat {
@@ -176,12 +176,12 @@ impl Extensions<'_> {
         (clearcoat, sheen)
     }
 
-    /// A number from 0 to `most`, put into that range; `default` if there is none.
+    /// Number clamped to `0..=most`; `default` if it is missing.
     fn number(&mut self, extension: &str, field: &str, default: f64, most: f64) -> f64 {
         self.numbers(extension, field, [default], most, |value| Some([value.as_f64()?]))[0]
     }
 
-    /// Three such numbers.
+    /// Color of three such numbers.
     fn color(&mut self, extension: &str, field: &str, default: f64, most: f64) -> DVec3 {
         let three = |value: &Value| serde_json::from_value(value.clone()).ok();
         DVec3::from(self.numbers(extension, field, [default; 3], most, three))

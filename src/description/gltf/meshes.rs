@@ -1,6 +1,6 @@
-//! Meshes, checked and turned into triangles. Invariant: every triangle's indices are in range, and
-//! normals and texture coordinates are as many as positions, or none. What cannot be read is left out:
-//! an attribute alone where the rest makes sense without it, else the primitive.
+//! Meshes as triangles. In goes JSON, out come primitives. Invariant: every triangle's indices are in range,
+//! and normals and texture coordinates are as many as positions, or none. Unreadable parts are dropped: the
+//! attribute alone where possible, else the primitive.
 
 use super::accessor::{Accessors, Component, Wanted};
 use super::attributes::{At, Attributes, SIGNED_OR_NOT, vectors};
@@ -17,7 +17,7 @@ const POSITIONS: Wanted = Wanted { purpose: "positions", width: 3, components: S
 const INDICES: Wanted =
     Wanted { purpose: "indices", width: 1, components: &[Component::U8, Component::U16, Component::U32] };
 
-/// All meshes; `damaged` are the primitives that could not be unpacked.
+/// Reads all meshes; `damaged` are the primitives that could not be decompressed.
 pub(super) fn read(
     document: &Document,
     accessors: &Accessors<'_>,
@@ -34,7 +34,7 @@ pub(super) fn read(
                 report.not_honoured(Loss::PointsAndLines, &name);
                 continue;
             }
-            // The format allows it: what such a primitive shows is up to other programs.
+            // Such primitives are valid, but their contents are not specified.
             if !primitive.attributes.contains_key("POSITION") && primitive.extensions.is_empty() {
                 report.not_honoured(Loss::PrimitiveWithoutPositions, &name);
                 continue;
@@ -54,7 +54,7 @@ pub(super) fn read(
 }
 
 fn is_made_of_triangles(mode: u32) -> bool {
-    // 0 to 3 are points and lines; what is no mode at all is left out further on.
+    // 0 to 3 are points and lines; invalid modes are dropped later.
     mode > 3
 }
 
@@ -106,17 +106,17 @@ fn read_primitive(
     };
     let normal_map = slots.iter().find(|slot| slot.purpose.is_bending());
     if let Some(Slot { info, .. }) = normal_map {
-        // Those of the coordinates themselves, as Blender has them, whatever is done to these for the image.
+        // Tangents belong to the coordinates before the image's transform, as in Blender.
         let (set, _) = layer(info);
         add_tangents(&mut whole, set, &mut attributes);
     }
     Ok(whole)
 }
 
-/// The tangents of the file, or those that it leaves to be computed from texture coordinates
+/// Adds the file's tangents, or computes them from texture coordinates where the file has none
 /// (specification, 3.7.2.1).
 fn add_tangents(whole: &mut Primitive, set: usize, attributes: &mut Attributes<'_>) {
-    // Without normals they mean nothing.
+    // Tangents have no meaning without normals.
     if let Some(given) = attributes.tangents().filter(|_| !whole.normals.is_empty()) {
         whole.tangents = given;
         return;
@@ -127,8 +127,8 @@ fn add_tangents(whole: &mut Primitive, set: usize, attributes: &mut Attributes<'
     }
 }
 
-/// Gives a primitive tangents, and the copies of vertices that these need; `false` if too many
-/// triangles meet in one place.
+/// Computes tangents of a primitive, and copies vertices where they need it; `false` if too many triangles
+/// meet at one point.
 fn make_tangents(whole: &mut Primitive, uvs: &[Vec2]) -> bool {
     let vertices = Vertices { positions: &whole.positions, normals: &whole.normals, uvs };
     let Some(made) = tangents::generate(vertices, &mut whole.triangles) else { return false };
@@ -155,7 +155,7 @@ fn make_tangents(whole: &mut Primitive, uvs: &[Vec2]) -> bool {
     true
 }
 
-/// The triangles of a primitive with so many vertices.
+/// Reads the triangles of a primitive.
 fn read_triangles(
     primitive: &json::Primitive,
     vertices: usize,
@@ -193,7 +193,7 @@ fn indices(
     }
 }
 
-/// Whole triangles of a list, a strip or a fan (specification, 3.7.2.1); `None` if there are none.
+/// Triangles of a list, a strip or a fan (specification, 3.7.2.1); `None` if there are none.
 fn triangles(indices: &[u32], mode: u32) -> Option<Vec<[u32; 3]>> {
     if indices.len() < 3 {
         return None;

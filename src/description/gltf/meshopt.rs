@@ -1,16 +1,16 @@
-//! A compressed buffer view in (EXT_meshopt_compression), its bytes out. Invariant: no more memory
-//! is taken than a fixed multiple of what the file holds.
+//! Compressed buffer views (EXT_meshopt_compression). In go compressed bytes, out come those of the view.
+//! Invariant: memory is at most a fixed multiple of the file's size.
 
 use super::json::MeshoptView;
 use draco_gltf::meshopt::{MeshoptFilter, MeshoptMode, decode_buffer_view};
 
-/// Maximum number of bytes that one compressed byte can stand for: 256 equal vertices of 256 bytes take
-/// two bits for each byte of a vertex (meshoptimizer's vertex codec).
+/// Maximum bytes that one compressed byte expands to: 256 equal vertices of 256 bytes take two bits for each
+/// byte of a vertex (meshoptimizer's vertex codec).
 const MOST_EXPANSION: usize = 1024;
-/// Size that even the smallest stream may unpack to, bytes.
+/// Bytes that even the smallest stream may expand to.
 const SMALL_BYTES: usize = 1 << 16;
 
-/// Unpacks `source`, the compressed bytes, or says what is wrong with it.
+/// Decompresses `source`, or fails with the reason.
 pub(super) fn unpack(view: &MeshoptView, source: &[u8]) -> Result<Vec<u8>, String> {
     let most = source.len().saturating_mul(MOST_EXPANSION).saturating_add(SMALL_BYTES);
     let length = view.count.checked_mul(view.byte_stride).filter(|length| *length <= most);

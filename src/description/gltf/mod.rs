@@ -1,10 +1,10 @@
-//! A glTF 2.0 file in (`.glb`, or `.gltf` with its buffers and images), plain typed data out. Invariant: in a
-//! [`GltfScene`] every index points somewhere, nodes form trees and every number is finite. What the file
-//! asks for that is not here stands in [`GltfScene::remarks`].
+//! Reader of glTF 2.0. In goes a `.glb`, or a `.gltf` with its buffers and images, out come plain typed data.
+//! Invariant: in a [`GltfScene`] every index is valid, nodes form trees and every number is finite.
+//! [`GltfScene::remarks`] lists what the file requests in vain.
 //!
-//! The container is taken apart by the `gltf` crate, or here where that refuses chunks that readers have to
-//! pass over. Its JSON types and accessors are not used: they refuse files that Blender writes (animation
-//! pointers) and panic on damaged ones. So everything is checked here, before any value is read.
+//! The `gltf` crate splits the container, or `container.rs` where the crate refuses chunks that readers have
+//! to ignore. The crate's JSON types and accessors are not used: they refuse Blender's animation pointers and
+//! panic on damaged files. So everything is validated here, before any value is read.
 
 mod accessor;
 mod animations;
@@ -46,12 +46,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 pub use surfaces::{AlphaMode, Clearcoat, Material, Sheen, Texture, TextureMap, Wrap};
 
-/// A glTF file, checked, in its own units and terms.
+/// glTF file, validated, in its own units and terms.
 #[derive(Clone, Debug, Default)]
 pub struct GltfScene {
     /// The file.
     pub path: PathBuf,
-    /// The program that wrote it, as it names itself.
+    /// Program that wrote the file, as it names itself.
     pub generator: String,
     /// Index of the scene that is shown.
     pub scene: usize,
@@ -67,63 +67,64 @@ pub struct GltfScene {
     pub materials: Vec<Material>,
     /// Textures that the meshes need.
     pub textures: Vec<Texture>,
-    /// All skeletons.
+    /// All skins.
     pub skins: Vec<Skin>,
     /// All cameras.
     pub cameras: Vec<Camera>,
     /// All lights (KHR_lights_punctual).
     pub lights: Vec<Light>,
-    /// Image of the sky in the scene's extras, if it has one.
+    /// Image of the sky in the scene's extras.
     pub sky_image: Option<DecodedImage>,
-    /// Image of what the camera sees in place of the sky.
+    /// Image that the camera sees in place of the sky.
     pub backdrop_image: Option<DecodedImage>,
-    /// Images that the extras of suns name, by those names.
+    /// Images in the extras of suns, by their names there.
     pub sun_images: BTreeMap<String, DecodedImage>,
-    /// OpenVDB files that the extras of fog name, by those names.
+    /// OpenVDB files in the extras of fog, by their names there.
     pub grids: BTreeMap<String, vdb::GridFiles>,
     /// Names of all animations: the author's, else `animation N`.
     pub animations: Vec<String>,
-    /// All channels of all animations, in the file's order.
+    /// Channels of all animations, in the file's order.
     pub channels: Vec<Channel>,
-    /// Requests of the file that are not met, or only nearly.
+    /// Requests of the file that are not honoured, or only approximated.
     pub remarks: Diagnostics,
 }
 
-/// A place in the hierarchy and what stands there.
+/// Node of the hierarchy with its contents.
 #[derive(Clone, Debug)]
 pub struct Node {
     /// The author's name, else `node N`.
     pub name: String,
     /// Nodes below it.
     pub children: Vec<usize>,
-    /// Parent from node, where no animation says otherwise.
+    /// Transform to the parent's space, unless an animation replaces it.
     pub transform: Transform,
     /// Index into [`GltfScene::meshes`].
     pub mesh: Option<usize>,
-    /// Index into [`GltfScene::skins`]: what its mesh follows instead of the node.
+    /// Index into [`GltfScene::skins`]; the skin's joints then move the mesh in place of the node.
     pub skin: Option<usize>,
-    /// Weights of its mesh's morph targets, instead of the mesh's own.
+    /// Weights of its mesh's morph targets, in place of the mesh's own.
     pub weights: Option<Vec<f64>>,
-    /// Transforms in the node's space at which its mesh is drawn instead (EXT_mesh_gpu_instancing).
+    /// Transforms in the node's space of the instances of its mesh, which replace the mesh itself
+    /// (EXT_mesh_gpu_instancing).
     pub instances: Option<Vec<DAffine3>>,
-    /// Linear colours of these, which multiply those of their materials; none, or one for each.
+    /// Linear colours of the instances, which multiply those of their materials; one each, or none.
     pub instance_colors: Vec<DVec3>,
-    /// Whether it and what is below it is shown (KHR_node_visibility).
+    /// Whether the node and its descendants are visible (KHR_node_visibility).
     pub visible: bool,
     /// Index into [`GltfScene::cameras`].
     pub camera: Option<usize>,
     /// Index into [`GltfScene::lights`].
     pub light: Option<usize>,
-    /// Whatever the author attached.
+    /// Custom properties.
     pub extras: Value,
 }
 
-/// A node's own transform.
+/// Transform of a node in its parent's space.
 #[derive(Clone, Copy, Debug)]
 pub enum Transform {
     /// Given as a matrix; never animated.
     Matrix(DAffine3),
-    /// Given in parts; what is not given is the identity.
+    /// Given as parts, with the identity for missing ones.
     Parts {
         /// Metres.
         translation: DVec3,
@@ -139,13 +140,13 @@ pub enum Transform {
 pub struct Mesh {
     /// The author's name, else `mesh N`.
     pub name: String,
-    /// Parts; none if nothing in the mesh is a triangle.
+    /// Primitives; none if the mesh has no triangles.
     pub primitives: Vec<Primitive>,
     /// Weights of the morph targets, one each.
     pub weights: Vec<f64>,
 }
 
-/// A skeleton.
+/// Skin.
 #[derive(Clone, Debug)]
 pub struct Skin {
     /// The author's name, else `skin N`.
@@ -156,7 +157,7 @@ pub struct Skin {
     pub inverse_bind: Vec<DAffine3>,
 }
 
-/// Differences that a weight mixes into a primitive.
+/// Displacements that a weight adds to a primitive.
 #[derive(Clone, Debug, Default)]
 pub struct MorphTarget {
     /// One a position, or none at all.
@@ -167,14 +168,14 @@ pub struct MorphTarget {
     pub tangents: Vec<Vec3>,
 }
 
-/// The joints that move each vertex.
+/// Joints of each vertex, with weights.
 #[derive(Clone, Debug, Default)]
 pub struct Influences {
     /// Joints a vertex.
     pub per_vertex: usize,
     /// Indices into [`Skin::joints`], `per_vertex` for each position.
     pub joints: Vec<u16>,
-    /// Their shares, at least 0; those of a vertex add up to 1.
+    /// Weights, at least 0; those of a vertex add up to 1.
     pub weights: Vec<f32>,
 }
 
@@ -185,10 +186,10 @@ pub struct Primitive {
     pub positions: Vec<Vec3>,
     /// Unit length, one a position, or none at all.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates of the base colour texture or else of the first there is, its
-    /// KHR_texture_transform applied; one a position, or none at all.
+    /// Texture coordinates of the base colour texture, or else of the first texture, after
+    /// KHR_texture_transform; one a position, or none at all.
     pub uvs: Vec<Vec2>,
-    /// Texture coordinates of textures with others: layers 1, 2 and so on.
+    /// Other texture coordinates: layers 1, 2 and so on.
     pub more_uvs: Vec<Vec<Vec2>>,
     /// Linear, in `0..=1`, one a position, or none at all; they multiply the base colour.
     pub colors: Vec<Vec3>,
@@ -201,13 +202,13 @@ pub struct Primitive {
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`GltfScene::materials`].
     pub material: Option<usize>,
-    /// Shapes that may be mixed in.
+    /// Morph targets.
     pub targets: Vec<MorphTarget>,
-    /// Skin and morph targets that move its vertices, if any do.
+    /// Joints of its vertices, if the mesh has a skin.
     pub influences: Option<Influences>,
 }
 
-/// An animated value: of a node, or of whatever a pointer names (KHR_animation_pointer).
+/// Animated property of a node, or of an object that a pointer names (KHR_animation_pointer).
 #[derive(Clone, Debug)]
 pub struct Channel {
     /// Place in the file: `animations[0].channels[3]`.
@@ -216,24 +217,24 @@ pub struct Channel {
     pub animation: usize,
     /// Property that it animates.
     pub property: Property,
-    /// Whose: an index into nodes, lights, cameras or materials.
+    /// Index of its owner among nodes, lights, cameras or materials.
     pub index: usize,
     /// Strictly increasing, at least one, seconds.
     pub times_s: Vec<f32>,
     /// Interpolation from key to key.
     pub interpolation: Interpolation,
-    /// Numbers of a value a time, or of three (derivative before, value, derivative after) if cubic.
+    /// Values, one a time, or for cubic splines three: derivative before, value, derivative after.
     pub values: Vec<f64>,
 }
 
 /// Interpolation from key to key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Stays until the next key.
+    /// Constant until the next key.
     Step,
-    /// Straight, or along the shortest arc.
+    /// Linear, or along the shortest arc.
     Linear,
-    /// Hermite spline.
+    /// Cubic Hermite spline.
     Cubic,
 }
 
@@ -242,7 +243,7 @@ impl GltfScene {
         pictures::shown_nodes(self).into_iter().filter_map(|node| self.nodes[node].mesh).collect()
     }
 
-    /// The numbers of the animations with a name, else of the one with that number, counted from 0.
+    /// Indices of the animations with a name, else of the one with that number, counted from 0.
     pub fn animations_called(&self, wanted: &str) -> Vec<usize> {
         let named =
             |name: &str| (0..self.animations.len()).filter(|&index| self.animations[index] == name).collect();
@@ -264,13 +265,13 @@ impl GltfScene {
 /// Loads a `.glb` or `.gltf` file with everything it refers to.
 ///
 /// # Errors
-/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with everything wrong that was found.
+/// [`LoadError::Io`] if a file cannot be read, [`LoadError::Invalid`] with all problems.
 pub fn load(path: &Path, files: &mut Files) -> Result<GltfScene, LoadError> {
     let bytes = files.read(path, None)?;
     parse(&bytes, path, files)
 }
 
-/// Parses a file whose bytes are at hand; other files that it refers to are read through `files`.
+/// Parses the bytes of a file; other files that it refers to are read through `files`.
 ///
 /// # Errors
 /// As [`load`].
@@ -280,7 +281,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
     container::check_version(&document, path)?;
     extensions::check(&document, &mut report);
     if report.has_errors() {
-        // What an unknown extension changes cannot be told from damage.
+        // With an unknown extension, a valid file may look damaged.
         return Err(LoadError::Invalid(report.into_diagnostics()));
     }
     specular_glossiness::convert(&mut document, &mut report);
@@ -314,7 +315,7 @@ pub fn parse(bytes: &[u8], path: &Path, files: &mut Files) -> Result<GltfScene, 
         && !shown.is_empty()
         && let Some(damage) = report.first_damage(Loss::PrimitiveDamaged).cloned()
     {
-        // Without its only meshes a file would be a picture of nothing.
+        // A file whose only meshes are missing would give an empty picture.
         if let Some(missing) = buffers.missing() {
             return Err(missing);
         }
@@ -331,15 +332,14 @@ fn field(file: &Path, path: impl Into<String>) -> Place {
     Place::Field { file: file.to_owned(), path: path.into() }
 }
 
-/// Error at a place in a file. Expectation and remedy are those for damage; the caller may put better
-/// ones.
+/// Error at a place in a file, with the expectation and remedy for damage; callers may replace them.
 fn invalid(file: &Path, path: impl Into<String>, found: impl Into<String>) -> Diagnostic {
     Diagnostic::error(field(file, path), found)
         .expected("what the glTF 2.0 specification describes")
         .remedy("export the file again; the Khronos glTF validator says more")
 }
 
-/// The author's name, else what it is and which.
+/// The author's name, else the kind and the index.
 fn named(name: &Option<String>, what: &str, index: usize) -> String {
     name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("{what} {index}"))
 }

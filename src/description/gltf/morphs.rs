@@ -1,5 +1,6 @@
-//! Morph targets, checked. Invariants: a target has a difference for every vertex, or none at all. All
-//! primitives of a mesh have as many targets as it has weights, if need be none.
+//! Morph targets. In go accessors, out come displacements and weights. Invariants: a target has a
+//! displacement for every vertex, or none at all. All primitives of a mesh have as many targets as it has
+//! weights, which may be none.
 
 use super::accessor::{Accessors, Wanted};
 use super::attributes::{At, SIGNED_OR_NOT, vectors};
@@ -12,7 +13,7 @@ use glam::Vec3;
 const DIFFERENCES: Wanted =
     Wanted { purpose: "differences of morph targets", width: 3, components: SIGNED_OR_NOT };
 
-/// The targets of a primitive of so many vertices, which stands at `path`.
+/// Reads the targets of a primitive at `path`, with a displacement for each vertex.
 pub(super) fn targets(
     primitive: &json::Primitive,
     vertices: usize,
@@ -47,8 +48,8 @@ pub(super) fn targets(
     Ok(targets)
 }
 
-/// The weights of a mesh with these primitives, 0 where the file has none. Primitives that do not have the
-/// same number of targets lose them.
+/// Weights of a mesh with these primitives, 0 by default. Primitives with different numbers of targets lose
+/// them.
 pub(super) fn weights(
     mesh: &json::Mesh,
     index: usize,
@@ -68,7 +69,7 @@ pub(super) fn weights(
     checked(&mesh.weights, count, &format!("{path}.weights"), report).unwrap_or(vec![0.0; count])
 }
 
-/// Checks the weights of nodes against the targets of their meshes.
+/// Validates the weights of nodes against the targets of their meshes.
 pub(super) fn check_nodes(document: &Document, nodes: &mut [Node], counts: &[usize], report: &mut Report) {
     for (index, (node, source)) in nodes.iter_mut().zip(&document.nodes).enumerate() {
         let Some(&count) = node.mesh.and_then(|mesh| counts.get(mesh)) else { continue };
@@ -92,5 +93,5 @@ fn checked(weights: &[f64], count: usize, path: &str, report: &mut Report) -> Op
     Some(weights.to_vec())
 }
 
-/// Weights beyond this are passed over: products with them shall stay in single precision.
+/// Larger weights are ignored, so that products stay in single precision.
 const LARGEST_WEIGHT: f64 = 1e6;

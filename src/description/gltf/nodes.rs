@@ -1,5 +1,5 @@
-//! Nodes, cameras and lights, checked. Invariant: every node has at most one parent and none is
-//! its own ancestor.
+//! Nodes, cameras and lights. In goes JSON, out come validated ones. Invariant: every node has at most one
+//! parent and none is its own ancestor.
 
 use super::json::{self, Document};
 use super::report::Report;
@@ -11,19 +11,20 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::RangeInclusive;
 
-/// Tolerance of a rotation's length; Blender's are good to 1e-7.
+/// Tolerance of a quaternion's length; Blender's are accurate to 1e-7.
 const UNIT_TOLERANCE: f64 = 1e-2;
-/// Shorter rotations have no direction.
+/// Shorter quaternions have no direction.
 const LEAST_LENGTH: f64 = 1e-6;
 
-/// Exporters round angles, radians, to single precision: half of 180 degrees comes out a little above pi/2.
+/// Tolerance of angles, radians: exporters round to single precision, and half of 180 degrees is a little
+/// above pi/2.
 const ROUNDING: f64 = 1e-6;
 
-/// Radians that are from 0.0001 to 179.9 degrees: what lenses can be.
+/// Allowed fields of view in radians: 0.0001 to 179.9 degrees.
 const FIELDS_OF_VIEW: RangeInclusive<f64> =
     FIELDS_OF_VIEW_DEG.start().to_radians()..=FIELDS_OF_VIEW_DEG.end().to_radians();
 
-/// All nodes; each stands below the first node that names it.
+/// Reads all nodes; the first node that lists a child is its parent.
 pub(super) fn nodes(document: &Document, report: &mut Report) -> Vec<Node> {
     let convert = |(index, node): (usize, &json::Node)| convert(document, index, node, report);
     let mut nodes: Vec<Node> = document.nodes.iter().enumerate().map(convert).collect();
@@ -61,7 +62,7 @@ fn convert(document: &Document, index: usize, node: &json::Node, report: &mut Re
     }
 }
 
-/// Transform of a node in its parent.
+/// Transform of a node to its parent's space.
 fn transform(node: &json::Node, path: &str, report: &mut Report) -> Transform {
     if let Some(matrix) = node.matrix {
         if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
@@ -86,7 +87,7 @@ fn transform(node: &json::Node, path: &str, report: &mut Report) -> Transform {
     }
 }
 
-/// The children of each node: those that it names, if no node before it does and they are not above it.
+/// Children of each node: those that it lists, unless they have a parent already or are its ancestors.
 fn children(document: &Document, report: &mut Report) -> Vec<Vec<usize>> {
     let count = document.nodes.len();
     let roots = roots(document);
@@ -116,7 +117,7 @@ fn children(document: &Document, report: &mut Report) -> Vec<Vec<usize>> {
     children
 }
 
-/// The topmost node over a node; the way there is halved for the next time (Tarjan and van Leeuwen 1984).
+/// Root of a node, with path halving (Tarjan and van Leeuwen 1984).
 fn top(above: &mut [usize], mut node: usize) -> usize {
     while above[node] != node {
         above[node] = above[above[node]];
@@ -125,13 +126,13 @@ fn top(above: &mut [usize], mut node: usize) -> usize {
     node
 }
 
-/// The roots that the shown scene names, if there is one.
+/// Roots of the shown scene, if there is one.
 fn roots(document: &Document) -> BTreeSet<usize> {
     let shown = document.scenes.get(shown_scene(document));
     shown.map(|scene| scene.nodes.iter().copied().collect()).unwrap_or_default()
 }
 
-/// The scene that the file names, else the first.
+/// Default scene of the file, else the first.
 fn shown_scene(document: &Document) -> usize {
     document.scene.filter(|&scene| scene < document.scenes.len()).unwrap_or(0)
 }
@@ -142,7 +143,7 @@ pub(super) fn choose_scene(document: &Document, scene: &mut GltfScene, report: &
     }
     scene.scene = shown_scene(document);
     let Some(shown) = document.scenes.get(scene.scene) else {
-        // A file without scenes shows all that it holds.
+        // A file without scenes shows all its nodes.
         let children: BTreeSet<usize> =
             scene.nodes.iter().flat_map(|node| node.children.iter().copied()).collect();
         scene.roots = (0..scene.nodes.len()).filter(|node| !children.contains(node)).collect();
@@ -166,7 +167,7 @@ pub(super) fn choose_scene(document: &Document, scene: &mut GltfScene, report: &
     }
 }
 
-/// All cameras; those without a usable lens are taken from the nodes.
+/// Reads all cameras; nodes lose those without a usable lens.
 pub(super) fn cameras(document: &Document, nodes: &mut [Node], report: &mut Report) -> Vec<Camera> {
     let mut convert = |(index, camera): (usize, &json::Camera)| {
         let name = named(&camera.name, "camera", index);
@@ -180,7 +181,7 @@ pub(super) fn cameras(document: &Document, nodes: &mut [Node], report: &mut Repo
     document.cameras.iter().enumerate().map(&mut convert).collect()
 }
 
-/// Lens of a camera; `None` if it has no usable one.
+/// Lens of a camera; `None` if it is not usable.
 fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Option<Lens> {
     let mut unusable = |path: &str, found: String| report.put_right(Loss::CameraUnusable, path, found);
     match (&camera.perspective, &camera.orthographic) {
@@ -200,7 +201,7 @@ fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Option<Lens> 
             Some(Lens::Perspective { fov_y: *yfov, aspect })
         }
         (None, Some(json::Orthographic { xmag, ymag, .. })) => {
-            // Smaller or larger ones would not survive single precision.
+            // Sizes outside this range do not survive single precision.
             for (name, size) in [("xmag", *xmag), ("ymag", *ymag)] {
                 if !(1e-15..1e15).contains(&size) {
                     let found = format!("half the picture's extent is {size}, not above 0");
@@ -217,7 +218,7 @@ fn lens(camera: &json::Camera, path: &str, report: &mut Report) -> Option<Lens> 
     }
 }
 
-/// The clipping planes of a camera: all that lies before it shows where they are missing or out of order.
+/// Clipping distances of a camera; unlimited where they are missing or out of order.
 fn clip_m(camera: &json::Camera, name: &str, report: &mut Report) -> (f64, f64) {
     let (znear, zfar) = match (&camera.perspective, &camera.orthographic) {
         (Some(lens), _) => (lens.znear, lens.zfar),
@@ -232,7 +233,7 @@ fn clip_m(camera: &json::Camera, name: &str, report: &mut Report) -> (f64, f64) 
     (0.0, f64::INFINITY)
 }
 
-/// All lights; those that cannot shine are taken from the nodes.
+/// Reads all lights; nodes lose those that cannot shine.
 pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Report) -> Vec<Light> {
     let mut convert = |(index, light): (usize, &json::Light)| {
         let path = format!("extensions.KHR_lights_punctual.lights[{index}]");
@@ -257,8 +258,8 @@ pub(super) fn lights(document: &Document, nodes: &mut [Node], report: &mut Repor
     document.extensions.lights_punctual.lights.iter().enumerate().map(&mut convert).collect()
 }
 
-/// Kind of a light, or the field for which it cannot shine, and what is wrong with it. Both angles of a
-/// spot's cone may be the same, which Blender's hard edges are, though glTF wants the inner one to be less.
+/// Kind of a light, or the invalid field and its finding. A spot's angles may be equal, as for Blender's hard
+/// edges, although glTF wants the inner one to be less.
 fn light_kind(
     light: &json::Light,
     name: &str,

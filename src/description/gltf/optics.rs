@@ -1,5 +1,5 @@
-//! Cameras and lights of a glTF file in its own terms. Invariant: every number is in the
-//! range that glTF gives it.
+//! Cameras and lights in glTF's terms. In go validated numbers, out come typed values. Invariant: every
+//! number is in glTF's range.
 
 use glam::DVec3;
 use serde_json::Value;
@@ -11,10 +11,10 @@ pub struct Camera {
     pub name: String,
     /// Projection.
     pub lens: Lens,
-    /// Distances along the view axis, metres, between which surfaces show: the nearer 0 or more, the farther
-    /// beyond it or infinite.
+    /// Clipping distances along the view axis, metres: the nearer 0 or more, the farther beyond it or
+    /// infinite.
     pub clip_m: (f64, f64),
-    /// Whatever the author attached.
+    /// Custom properties.
     pub extras: Value,
 }
 
@@ -56,7 +56,7 @@ pub struct Light {
     pub color: DVec3,
     /// Intensity in the file's units, >= 0.
     pub intensity: f64,
-    /// Distance beyond which the author wants no light, metres.
+    /// Distance beyond which it has no light, metres.
     pub range_m: Option<f64>,
     /// Kind, and its shape.
     pub kind: LightKind,
@@ -71,9 +71,9 @@ pub enum LightKind {
     Point,
     /// A point that shines within a cone; `0 <= inner <= outer <= pi/2`, `outer` more than 0.
     Spot {
-        /// Half angle of full light, radians.
+        /// Half angle of full intensity, radians.
         inner_angle: f64,
-        /// Half angle of the dark, radians.
+        /// Half angle beyond which there is no light, radians.
         outer_angle: f64,
     },
 }

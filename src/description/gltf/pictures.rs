@@ -1,5 +1,5 @@
-//! The images that extras name: the sky's, and those on suns. In go their names, out come the images.
-//! Invariant: only images that the shown scene uses are opened.
+//! Images in extras: the sky's and those on suns. In go their names, out come images. Invariant: only images
+//! that the shown scene uses are opened.
 
 use super::buffers::fetch;
 use super::report::Report;
@@ -10,7 +10,7 @@ use crate::diagnostic::Diagnostic;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Reads them all; what else is malformed is reported with the other extras.
+/// Reads all images; other faults of extras are reported elsewhere.
 pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report) -> Result<(), LoadError> {
     scene.sky_image = of_sky(scene, "image", files, report)?;
     scene.backdrop_image = of_sky(scene, "backdrop/image", files, report)?;
@@ -34,7 +34,7 @@ pub(super) fn read(scene: &mut GltfScene, files: &mut Files, report: &mut Report
     Ok(())
 }
 
-/// The image that a field of `sunfleck_env` names.
+/// Image in a field of `sunfleck_env`.
 fn of_sky(
     scene: &GltfScene,
     field: &str,
@@ -58,7 +58,7 @@ pub(super) fn shown_nodes(scene: &GltfScene) -> Vec<usize> {
     let mut was_there = vec![false; scene.nodes.len()];
     let mut waiting = scene.roots.clone();
     let mut shown = Vec::new();
-    // The hierarchy may be damaged, which has been reported.
+    // The hierarchy may be damaged, which is reported already.
     while let Some(index) = waiting.pop() {
         let Some(node) = scene.nodes.get(index) else { continue };
         if !std::mem::replace(&mut was_there[index], true) {
@@ -70,7 +70,7 @@ pub(super) fn shown_nodes(scene: &GltfScene) -> Vec<usize> {
     shown
 }
 
-/// The file of an image, or why there is none.
+/// Bytes of an image, or the reason why there are none.
 fn bytes_of<'a>(
     scene: &GltfScene,
     uri: &str,

@@ -1,5 +1,6 @@
-//! Properties that a channel animates, by paths and pointers (KHR_animation_pointer), and ranges of values.
-//! Invariant: a [`Channel`] names a thing that exists, and its values stay in range at and between its keys.
+//! Animated properties, by paths and pointers (KHR_animation_pointer), with their ranges. In go names, out
+//! come properties. Invariant: a [`Channel`] refers to an existing object, and its values stay in range at
+//! and between its keys.
 
 use super::accessor::{Component, Wanted};
 use super::attributes::SIGNED_OR_NOT;
@@ -7,7 +8,7 @@ use super::json::Document;
 use super::{Channel, Interpolation};
 use std::ops::RangeInclusive;
 
-/// A value that may be animated.
+/// Property that may be animated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Property {
     /// Node: metres.
@@ -22,15 +23,15 @@ pub enum Property {
     LightColor,
     /// Light: intensity, in the file's units.
     LightIntensity,
-    /// Spot: half angle of full light, radians.
+    /// Spot: half angle of full intensity, radians.
     SpotInnerAngle,
-    /// Spot: half angle of the dark, radians.
+    /// Spot: half angle beyond which there is no light, radians.
     SpotOuterAngle,
     /// Perspective camera: vertical field of view, radians.
     CameraFovY,
     /// Orthographic camera: half the picture's height, metres.
     CameraHalfHeight,
-    /// Node: visibility, of what is below it too.
+    /// Node: visibility, its descendants included.
     NodeVisible,
     /// Material: colour, with its alpha.
     BaseColor,
@@ -42,7 +43,7 @@ pub enum Property {
     Emission,
     /// Material: factor of its emission.
     EmissionStrength,
-    /// Material: how much its normal map bends.
+    /// Material: scale of its normal map.
     NormalScale,
 }
 
@@ -68,23 +69,23 @@ impl Property {
         })
     }
 
-    /// Whether it moves a node or bends its mesh.
+    /// Whether it moves a node or deforms its mesh.
     pub fn is_of_transform(self) -> bool {
         matches!(self, Self::Translation | Self::Rotation | Self::Scale | Self::Weights)
     }
 }
 
 pub(super) enum Target {
-    /// A property of thing number so much.
+    /// Property of the object with an index.
     Property(Property, usize),
-    /// Something that is there and that we make no use of.
+    /// An existing property that is not supported.
     Unused,
-    /// Nothing that the file has.
+    /// An object that does not exist.
     Missing,
 }
 
 pub(super) fn resolve(document: &Document, pointer: &str) -> Target {
-    // Blender 5.0 writes a dot where the angles of spots begin.
+    // Blender 5.0 writes a dot before the angles of spots.
     let pointer = pointer.replace("/spot.", "/spot/");
     let steps: Vec<&str> = pointer.split('/').skip(1).collect();
     let lights = &document.extensions.lights_punctual.lights;
@@ -136,7 +137,7 @@ impl Property {
         Wanted { purpose, width, components }
     }
 
-    /// Range that its values have to lie in.
+    /// Allowed range of its values.
     pub(super) fn range(self) -> RangeInclusive<f64> {
         const LEAST: f64 = 1e-15;
         match self {
@@ -157,13 +158,13 @@ impl Property {
 }
 
 impl Channel {
-    /// Numbers that make up a value, of weights one.
+    /// Numbers a value; for weights 1.
     pub fn width(&self) -> usize {
         self.property.wanted().width
     }
 
-    /// The first value that leaves its range, at a key or as an inner control point of the curve between two:
-    /// the curve stays between its control points.
+    /// First value out of range, at a key or as an inner Bezier control point. The curve lies in the hull of
+    /// its control points.
     pub(super) fn out_of_range(&self) -> Option<f64> {
         let range = self.property.range();
         let width = self.property.wanted().width;

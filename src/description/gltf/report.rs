@@ -1,13 +1,13 @@
-//! Collects what is wrong with one file. Invariant: things of the same kind end up in one message that lists
-//! their names, however many there are. What is left out or put right is a warning. It is an error only where
-//! nothing would be left.
+//! Report of a file's problems. In go findings, out come diagnostics. Invariant: objects of one kind share
+//! one message that lists their names. A dropped or corrected part is a warning; it is an error only if
+//! nothing is left.
 
 use super::field;
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place, readable, shown};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Number of names that one message lists.
+/// Maximum number of names in one message.
 const NAMES_LISTED: usize = 6;
 
 pub(crate) struct Report {
@@ -16,12 +16,12 @@ pub(crate) struct Report {
     kinds: Vec<Kind>,
 }
 
-/// One kind of thing that is not honoured, and who asks for it.
+/// Kind of loss, and the objects that it concerns.
 struct Kind {
     loss: Loss,
     first_names: Vec<String>,
     more: usize,
-    /// Diagnostic of the first, where there is more to say than its name.
+    /// Diagnostic of the first one, if it has more than a name.
     first: Option<Diagnostic>,
 }
 
@@ -34,12 +34,12 @@ impl Report {
         self.diagnostics.push(diagnostic);
     }
 
-    /// The value, or nothing and its error told as this kind of loss.
+    /// Value, or `None` with its error reported as this loss.
     pub(super) fn spare<T>(&mut self, loss: Loss, result: Result<T, Diagnostic>) -> Option<T> {
         result.map_err(|damage| self.leave_out(loss, damage)).ok()
     }
 
-    /// Tells an error as this kind of loss: what it is about is left out.
+    /// Reports an error as this loss; the part concerned is dropped.
     pub(crate) fn leave_out(&mut self, loss: Loss, damage: Diagnostic) {
         let place = match &damage.place {
             Place::Field { path, .. } => format!("{path}: "),
@@ -49,17 +49,17 @@ impl Report {
         self.add(loss, format!("{place}{}", damage.found), Some(damage));
     }
 
-    /// Tells of a value that was put right.
+    /// Reports a corrected value.
     pub(crate) fn put_right(&mut self, loss: Loss, path: &str, found: impl fmt::Display) {
         self.add(loss, format!("{path}: {found}"), None);
     }
 
-    /// Diagnostic of the first thing of a kind, if there is any.
+    /// Diagnostic of the first loss of a kind.
     pub(super) fn first_damage(&self, loss: Loss) -> Option<&Diagnostic> {
         self.kinds.iter().find(|kind| kind.loss == loss)?.first.as_ref()
     }
 
-    /// The value, or its error put on the list.
+    /// Value, or `None` with its error reported as an error.
     pub(crate) fn keep<T>(&mut self, result: Result<T, Diagnostic>) -> Option<T> {
         result.map_err(|diagnostic| self.push(diagnostic)).ok()
     }
@@ -68,12 +68,12 @@ impl Report {
         Place::File(self.file.clone())
     }
 
-    /// A place in this file.
+    /// Place in this file.
     pub(crate) fn at(&self, path: impl Into<String>) -> Place {
         field(&self.file, path)
     }
 
-    /// An error at a place in this file.
+    /// Reports an error at a place in this file.
     pub(crate) fn error(&mut self, path: impl Into<String>, found: impl Into<String>, expected: &str) {
         let error = Diagnostic::error(self.at(path), found)
             .expected(expected)
@@ -81,7 +81,7 @@ impl Report {
         self.push(error);
     }
 
-    /// Adds `name` to the things that a loss concerns.
+    /// Adds `name` to the objects that a loss concerns.
     pub(crate) fn not_honoured(&mut self, loss: Loss, name: &str) {
         self.add(loss, format!("`{name}`"), None);
     }
@@ -94,7 +94,7 @@ impl Report {
         }
     }
 
-    /// True, or a loss, unless `index` is one of `count` things called `what`.
+    /// Whether `index` is less than `count`; otherwise reports a loss. `what` is the kind of object.
     pub(super) fn index_exists(&mut self, path: &str, index: usize, count: usize, what: &str) -> bool {
         if index >= count {
             let found = format!("there is no {what} {index}, only {count} of them");

@@ -1,5 +1,5 @@
-//! Skins and the influences of joints on vertices, checked. Invariants: joints exist; the weights of a
-//! vertex add up to 1; a node has a skin only if all vertices of its mesh hang on that skin's joints.
+//! Skins and the joints of vertices. In go accessors, out come validated ones. Invariants: joints exist; the
+//! weights of a vertex add up to 1; a node has a skin only if it covers all joints of its mesh's vertices.
 
 use super::accessor::{Accessors, Component, Wanted};
 use super::attributes::{At, UNSIGNED};
@@ -15,10 +15,10 @@ const MATRICES: Wanted =
 const JOINTS: Wanted = Wanted { purpose: "joints", width: 4, components: &[Component::U8, Component::U16] };
 const WEIGHTS: Wanted = Wanted { purpose: "weights of joints", width: 4, components: UNSIGNED };
 
-/// Tolerance of the sum of a vertex's weights before it is said; 8 bits round four of them to 8e-3.
+/// Tolerance of the sum of a vertex's weights before a warning; 8-bit rounding of four weights gives 8e-3.
 const SUM_TOLERANCE: f64 = 1e-2;
 
-/// All skins; one that cannot be read has no joints.
+/// Reads all skins; an unreadable one has no joints.
 pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut Report) -> Vec<Skin> {
     let convert = |(index, skin): (usize, &json::Skin)| {
         let checked = checked(document, skin, &format!("skins[{index}]"), accessors);
@@ -28,7 +28,7 @@ pub(super) fn read(document: &Document, accessors: &Accessors<'_>, report: &mut 
     document.skins.iter().enumerate().map(convert).collect()
 }
 
-/// The joints of a skin, and the way to each of them.
+/// Joints of a skin, and the transforms to their spaces.
 fn checked(
     document: &Document,
     skin: &json::Skin,
@@ -72,7 +72,7 @@ fn inverse_bind_matrices(
     numbers.chunks_exact(16).take(joints).enumerate().map(affine).collect()
 }
 
-/// Influences on the vertices of a primitive; `None` if there are none.
+/// Joints and weights of a primitive's vertices; `None` if there are none.
 pub(super) fn influences(
     attributes: &BTreeMap<String, usize>,
     vertices: usize,
@@ -82,7 +82,7 @@ pub(super) fn influences(
 ) -> Result<Option<Influences>, Diagnostic> {
     let mut sets = Vec::new();
     let mut is_uneven = false;
-    // Four joints a vertex in each set, as many sets as there are.
+    // Four joints a vertex in each set.
     while let Some(&joints) = attributes.get(&format!("JOINTS_{}", sets.len())) {
         let set = sets.len();
         let user = |name: &str| format!("{path}.attributes.{name}_{set}");
@@ -111,7 +111,7 @@ pub(super) fn influences(
         is_uneven |= (sum - 1.0).abs() > SUM_TOLERANCE;
         for (set, (joints, weights)) in sets.iter().enumerate() {
             for (place, at) in own.clone().enumerate() {
-                // A vertex that hangs on nothing hangs on its first joint.
+                // A vertex without weights follows its first joint.
                 let first = f64::from(u8::from(set == 0 && place == 0));
                 let weight = if sum > 0.0 { weights[at] / sum } else { first };
                 influences.joints.push(if weight > 0.0 { joints[at] as u16 } else { 0 });
@@ -125,12 +125,12 @@ pub(super) fn influences(
     Ok(Some(influences))
 }
 
-/// Checks each node's skin against its mesh.
+/// Validates each node's skin against its mesh.
 pub(super) fn check_nodes(scene: &mut GltfScene, report: &mut Report) {
     for (index, node) in scene.nodes.iter_mut().enumerate() {
         let (skin, mesh) =
             (node.skin.map(|skin| &scene.skins[skin]), node.mesh.map(|mesh| &scene.meshes[mesh]));
-        // A skin without joints is reported.
+        // A skin without joints is reported already.
         let pair = skin.zip(mesh).filter(|(skin, _)| !skin.joints.is_empty());
         let fits = pair.is_some_and(|(skin, mesh)| {
             let influences = || mesh.primitives.iter().map(|primitive| primitive.influences.as_ref());

@@ -1,10 +1,10 @@
-//! KHR_materials_pbrSpecularGlossiness in, the same surface in metallic-roughness and KHR_materials_specular
-//! out. Invariant: what reflects along the normal is the same, texel by texel.
+//! Conversion of materials. In goes KHR_materials_pbrSpecularGlossiness, out come metallic-roughness and
+//! KHR_materials_specular. Invariant: the reflectance along the normal is the same, texel by texel.
 //!
 //! KHR_materials_specular describes a diffuse colour under a specular one with an index of refraction of 0.
-//! That stands for an infinite one (KHR_materials_ior), so its colour is the reflectance along the normal
-//! itself. Nothing has to be guessed, as it would for a metalness: Khronos' three.pbrUtilities solves a
-//! quadratic for that. What is black beneath the specular colour is a metal.
+//! That means an infinite index (KHR_materials_ior), so the specular colour is the reflectance along the
+//! normal itself. No metalness has to be guessed, as by the quadratic in Khronos' three.pbrUtilities. A metal
+//! has a black diffuse colour under the specular one.
 
 use super::json::{Document, Glossiness, Material, SpecularGlossiness, TextureInfo};
 use super::named;
@@ -14,7 +14,7 @@ use serde_json::json;
 
 const EXTENSION: &str = "KHR_materials_pbrSpecularGlossiness";
 
-/// Converts every material that has the extension, and says so.
+/// Converts every material that has the extension, and reports it.
 pub(super) fn convert(document: &mut Document, report: &mut Report) {
     let mut converted = 0;
     for (index, material) in document.materials.iter_mut().enumerate() {
@@ -41,9 +41,9 @@ pub(super) fn convert(document: &mut Document, report: &mut Report) {
     }
 }
 
-/// Puts the converted numbers and textures in place of the material's own.
+/// Replaces the material's numbers and textures by the converted ones.
 fn rewrite(material: &mut Material, source: SpecularGlossiness) {
-    // A base colour that is unlit stays what it is.
+    // An unlit base colour stays as it is.
     if material.extensions.contains_key("KHR_materials_unlit") {
         return;
     }

@@ -1,10 +1,11 @@
-//! Materials of a glTF file in its own terms. Invariant: every number is in the range that glTF gives it.
+//! Materials in glTF's terms. In go validated numbers, out come typed values. Invariant: every number is in
+//! glTF's range.
 
 use crate::description::image::DecodedImage;
 use glam::DVec3;
 use serde_json::Value;
 
-/// The part of a material that we can make use of.
+/// Supported part of a material.
 #[derive(Clone, Debug, Default)]
 pub struct Material {
     /// The author's name, else `material N`.
@@ -19,17 +20,17 @@ pub struct Material {
     pub roughness: f64,
     /// Texture whose blue multiplies `metallic`, and whose green `roughness`.
     pub metallic_roughness_texture: Option<TextureMap>,
-    /// Reflectance along the normal where it is no metal (KHR_materials_ior, KHR_materials_specular).
+    /// Reflectance along the normal of its non-metallic part (KHR_materials_ior, KHR_materials_specular).
     pub f0: DVec3,
     /// Multiplies it (KHR_materials_specular).
     pub f0_texture: Option<TextureMap>,
-    /// Strength of that reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
+    /// Weight of that reflection (KHR_materials_specular), `0..=1`; 0 leaves pure Lambert.
     pub specular: f64,
     /// Clear coat over all (KHR_materials_clearcoat).
     pub clearcoat: Clearcoat,
     /// Sheen of cloth (KHR_materials_sheen).
     pub sheen: Sheen,
-    /// Directions that bend the normal, and how much of their bending counts.
+    /// Normal map and its scale.
     pub normal_map: Option<(TextureMap, f64)>,
     /// Linear.
     pub emission: DVec3,
@@ -37,20 +38,20 @@ pub struct Material {
     pub emission_strength: f64,
     /// Multiplies it.
     pub emission_texture: Option<TextureMap>,
-    /// Shines in its base colour instead of being lit (KHR_materials_unlit).
+    /// Emits its base colour and is not lit (KHR_materials_unlit).
     pub unlit: bool,
-    /// Share of the matte light that comes out on the other side, and in which colour
+    /// Share of diffuse light that is transmitted diffusely, and its colour
     /// (KHR_materials_diffuse_transmission).
     pub diffuse_transmission: (f64, DVec3),
     /// Multiplies that colour.
     pub diffuse_transmission_texture: Option<TextureMap>,
-    /// Share of the matte light that goes straight through (KHR_materials_transmission).
+    /// Share of diffuse light that passes straight through (KHR_materials_transmission).
     pub transmission: f64,
     /// Meaning of alpha.
     pub alpha_mode: AlphaMode,
-    /// Whether it shows from behind.
+    /// Whether its back faces are visible.
     pub double_sided: bool,
-    /// Whatever the author attached.
+    /// Custom properties.
     pub extras: Value,
 }
 
@@ -65,7 +66,7 @@ pub struct Clearcoat {
     pub roughness: f64,
     /// Texture whose green multiplies `roughness`.
     pub roughness_texture: Option<TextureMap>,
-    /// Directions that bend its normal, which the material's own normal map does not.
+    /// Normal map of the coat, which the material's own does not affect, and its scale.
     pub normal_map: Option<(TextureMap, f64)>,
 }
 
@@ -82,7 +83,7 @@ pub struct Sheen {
     pub roughness_texture: Option<TextureMap>,
 }
 
-/// A texture and the layer of texture coordinates that it is looked up with.
+/// Texture and its layer of texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextureMap {
     /// Index into [`super::GltfScene::textures`].
@@ -94,7 +95,7 @@ pub struct TextureMap {
 /// Meaning of alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
-    /// Nothing.
+    /// Ignored.
     #[default]
     Opaque,
     /// Hidden where alpha is below this, `0..=1`.
@@ -103,7 +104,7 @@ pub enum AlphaMode {
     Blend,
 }
 
-/// A decoded image and how it goes on beyond its edges.
+/// Decoded image and its wrap modes.
 #[derive(Clone, Debug)]
 pub struct Texture {
     /// The image's name, else `image N`.
@@ -114,14 +115,14 @@ pub struct Texture {
     pub wrap: [Wrap; 2],
 }
 
-/// Continuation of a texture beyond its edges.
+/// Wrap mode of a texture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The image again.
+    /// Repeats the image.
     #[default]
     Repeat,
-    /// The edge texel.
+    /// Repeats the edge texel.
     Clamp,
-    /// The image mirrored.
+    /// Repeats the image, mirrored.
     Mirror,
 }

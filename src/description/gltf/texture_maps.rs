@@ -1,6 +1,5 @@
-//! Textures of a material that are honoured, and the texture coordinates that they are looked up with.
-//! Invariant: the base colour's coordinates come first; coordinates that textures have in common are there
-//! once.
+//! Supported textures of a material, and their texture coordinates. In goes a material, out come slots and
+//! layers. Invariant: the base colour's coordinates come first, and textures share equal coordinates.
 
 use super::json::{Material, TextureInfo, TextureTransform};
 use super::textures::Look;
@@ -54,15 +53,15 @@ impl Purpose {
     }
 }
 
-/// A set of texture coordinates, and what is done to them.
+/// Set of texture coordinates, and its transform.
 pub(super) type Layer = (usize, DAffine2);
 
-/// The textures of a material that are honoured.
+/// Supported textures of a material.
 pub(super) fn slots(material: &Material) -> Vec<Slot> {
     let pbr = &material.pbr_metallic_roughness;
     let of_extension = |(purpose, path): (Purpose, &'static str)| {
         let (extension, field) = path.strip_prefix("extensions.")?.split_once('.')?;
-        // One that is malformed is reported with its extension.
+        // A malformed texture is reported with its extension.
         let info = material.extensions.get(extension)?.get(field)?;
         Some(plain(purpose, serde_json::from_value(info.clone()).ok()?, path))
     };
@@ -91,7 +90,7 @@ pub(super) fn slots(material: &Material) -> Vec<Slot> {
         .collect()
 }
 
-/// A texture whose numbers are looked at as they are.
+/// Texture whose texels are used as they are.
 fn plain(purpose: Purpose, info: TextureInfo, path: &'static str) -> Slot {
     Slot { purpose, look: Look::Plain(purpose.encoding()), info, path }
 }
@@ -109,7 +108,7 @@ const OF_EXTENSIONS: [(Purpose, &str); 7] = [
     (Purpose::SpecularColor, "extensions.KHR_materials_specular.specularColorTexture"),
 ];
 
-/// The texture coordinates that a material looks up.
+/// Layers of texture coordinates that a material uses.
 pub(super) fn layers(slots: &[Slot]) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
     for layer in slots.iter().map(|slot| layer(&slot.info)) {
@@ -128,8 +127,8 @@ pub(super) fn layer(info: &TextureInfo) -> Layer {
     }
 }
 
-/// Scale first, then rotation, then offset. The rotation is counter-clockwise as one sees it, and v
-/// points down (KHR_texture_transform, "Overview").
+/// Matrix that scales, then rotates, then translates. The rotation is counter-clockwise on the screen, with v
+/// down (KHR_texture_transform, "Overview").
 fn uv_transform(transform: &TextureTransform) -> DAffine2 {
     let linear = DMat2::from_angle(-transform.rotation) * DMat2::from_diagonal(DVec2::from(transform.scale));
     DAffine2::from_mat2_translation(linear, DVec2::from(transform.offset))

@@ -1,6 +1,5 @@
-//! Textures and their images. In go numbers of the file's textures, out come texels. Invariant: an image
-//! is decoded once for each way of looking at it; one that cannot be had is told once and left out
-//! wherever it is asked for.
+//! Textures and their images. In go indices of the file's textures, out come texels. Invariant: an image is
+//! decoded once for each use of its numbers; a missing one is reported once and dropped everywhere.
 
 use super::buffers::{Buffers, fetch, unreadable};
 use super::json::{self, Document};
@@ -12,33 +11,33 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Maximum number of texels that the textures of one file may have together; 1 GiB of 8-bit codes.
+/// Maximum number of texels in the textures of one file; 1 GiB of 8-bit codes.
 pub(super) const MAX_TEXELS: usize = 1 << 28;
 
-/// Values that are read from an image.
+/// Use of an image's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Look {
     /// Numbers of the image.
     Plain(Encoding),
-    /// Roughness in its green, of surfaces whose glossiness is its alpha times this.
+    /// Roughness in green, from a glossiness in alpha times this factor.
     Roughness {
         /// `0..=1`.
         glossiness: f64,
     },
 }
 
-/// The textures that were asked for so far.
+/// Textures that were requested so far.
 pub(super) struct Textures<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
     file: &'a Path,
     files: &'a mut Files,
-    /// Number of each texture of the file, and how it is looked at; nothing where it could not be read.
+    /// Index by the file's texture and its use; `None` if it could not be read.
     numbers: BTreeMap<(usize, Key), Option<usize>>,
     pub(super) read: Vec<Texture>,
 }
 
-/// [`Look`], in an order.
+/// [`Look`] with an order.
 type Key = (Encoding, Option<u64>);
 
 impl<'a> Textures<'a> {
@@ -51,7 +50,7 @@ impl<'a> Textures<'a> {
         Self { document, buffers, file, files, numbers: BTreeMap::new(), read: Vec::new() }
     }
 
-    /// Our number of a texture, which `user` asks for.
+    /// Index of a texture for `user`.
     pub(super) fn number(
         &mut self,
         index: usize,
@@ -116,7 +115,7 @@ impl<'a> Textures<'a> {
 
     fn source(&self, index: usize, texture: &json::Texture) -> Result<usize, Diagnostic> {
         let path = format!("textures[{index}].source");
-        // The plain image is the same picture, and every reader's first choice.
+        // The plain image has the same contents, and other readers prefer it.
         let others = [&texture.extensions.webp, &texture.extensions.basisu];
         let others = others.into_iter().flatten().filter_map(|image| image.source);
         let Some(source) = texture.source.into_iter().chain(others).next() else {
@@ -134,7 +133,7 @@ impl<'a> Textures<'a> {
         Ok(source)
     }
 
-    /// The bytes of an image at `place`.
+    /// Bytes of an image at `place`.
     fn bytes(&mut self, image: &json::Image, place: &str) -> Result<Cow<'a, [u8]>, Diagnostic> {
         match (&image.buffer_view, &image.uri) {
             (Some(view), _) => {
@@ -154,7 +153,7 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// Roughness is 1 less glossiness (KHR_materials_pbrSpecularGlossiness, "Conversion"); nothing is a metal.
+/// Roughness as 1 minus glossiness (KHR_materials_pbrSpecularGlossiness, "Conversion"), without metal.
 fn roughness(image: DecodedImage, glossiness: f64) -> DecodedImage {
     let rough = |texel: [f32; 4]| [0.0, 1.0 - glossiness as f32 * texel[3], 0.0, 1.0];
     DecodedImage { texels: image.texels.into_iter().map(rough).collect(), ..image }

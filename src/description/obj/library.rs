@@ -1,5 +1,5 @@
-//! The names after `mtllib` in, the materials of those files out. Invariant: a file is read once, and one
-//! that cannot be read is said.
+//! Material libraries. In go the names after `mtllib`, out come the materials of those files. Invariant: a
+//! file is read once, and an unreadable one is reported.
 
 use super::material::{self, ObjMaterial};
 use super::tally::Tally;
@@ -19,7 +19,7 @@ pub(super) struct Library {
 }
 
 impl Library {
-    /// Reads what the `mtllib` statements of an OBJ file name, wherever in it they stand.
+    /// Reads the files that `mtllib` statements of an OBJ file name, anywhere in it.
     pub(super) fn of(obj_text: &str, path: &Path, files: &mut Files, tally: &mut Tally) -> Self {
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut library = Self::default();
@@ -49,19 +49,19 @@ impl Library {
         }
     }
 
-    /// The material of that name; where there is none, the one that is called so but for a comment.
+    /// Index of the material with that name, or else with that name before a comment.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         let like_it = || self.by_name_without_comment.get(without_comment(name));
         self.by_name.get(name).or_else(like_it).copied()
     }
 }
 
-/// Names may have a sign in them (`Material #25`), so that a comment is only the second thing to try.
+/// Name without a comment. Names may contain the sign (`Material #25`), so this is the second choice.
 fn without_comment(name: &str) -> &str {
     name.split(" #").next().unwrap_or_default().trim_end()
 }
 
-/// One file whose name has spaces in it if there is one, otherwise one a word.
+/// One path with spaces if that file exists, otherwise one path a word.
 fn paths(folder: &Path, names: &str) -> Vec<PathBuf> {
     let whole = beside(folder, names);
     let words = || names.split_whitespace().take_while(|word| !word.starts_with('#'));

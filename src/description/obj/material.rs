@@ -1,8 +1,7 @@
-//! The text of an MTL file in, its materials out. Invariant: every number is in its range; what a material
-//! asks for beyond is said.
+//! Materials of MTL files. In goes text, out come materials. Invariant: every number is in its range;
+//! statements that are not honoured are reported.
 //!
-//! How `illum`, `Ka`, `Ks` and `Ns` become a coat is as in Blender's importer
-//! (io/wavefront_obj, obj_import_mtl.cc).
+//! `illum`, `Ka`, `Ks` and `Ns` become a coat as in Blender's importer (io/wavefront_obj, obj_import_mtl.cc).
 
 use super::tally::Tally;
 use super::text::{number, statements};
@@ -13,7 +12,7 @@ use crate::diagnostic::Loss;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Refractive index of plastics, leaves and most of what is no metal; Blender's default.
+/// Refractive index of plastics, leaves and most non-metals; Blender's default.
 const DIELECTRIC_IOR: f64 = 1.5;
 
 /// A material of an MTL file.
@@ -21,13 +20,13 @@ const DIELECTRIC_IOR: f64 = 1.5;
 pub struct ObjMaterial {
     /// Name.
     pub name: String,
-    /// `Kd`, linear, `0..=1`; 0.8 if there is none, white if a texture would be black by it.
+    /// `Kd`, linear, `0..=1`; 0.8 by default, and white if it would make a texture black.
     pub diffuse: Rgb,
     /// `map_Kd`.
     pub diffuse_texture: Option<ObjTexture>,
     /// `Ke`, finite and not negative.
     pub emission: Rgb,
-    /// `map_Ke`, which is as bright as it stands if `Ke` is black.
+    /// `map_Ke`, unscaled if `Ke` is black.
     pub emission_texture: Option<ObjTexture>,
     /// `d`, or 1 less `Tr`, `0..=1`.
     pub opacity: f64,
@@ -35,26 +34,26 @@ pub struct ObjMaterial {
     pub opacity_texture: Option<ObjTexture>,
     /// Glossy coat.
     pub coat: Option<ObjCoat>,
-    /// `Pc` and `Pcr`: how much of it a clear coat covers and how rough that is, `0..=1`.
+    /// `Pc` and `Pcr`: coverage and roughness of a clear coat, `0..=1`.
     pub clearcoat: Option<(f64, f64)>,
     /// `norm`, or `map_Bump`.
     pub normal_map: Option<ObjTexture>,
-    /// Whether it is one for certain (`norm`), or may be a map of heights.
+    /// Whether it is certainly a normal map (`norm`), or may be a height map.
     pub normal_map_is_sure: bool,
 }
 
 /// Coat by `illum`, `Ks` and `Ns`, or `Pr` and `Pm`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjCoat {
-    /// `0..=1`.
+    /// Share of metal, `0..=1`.
     pub metallic: f64,
-    /// `0..=1`, glTF's and Blender's.
+    /// Roughness, `0..=1`, as in glTF and Blender.
     pub roughness: f64,
-    /// Reflectance along the normal of what is no metal, `0..=1`.
+    /// Reflectance along the normal of the non-metallic part, `0..=1`.
     pub f0: f64,
-    /// `map_Pm`, in the place of `metallic`.
+    /// `map_Pm`, in place of `metallic`.
     pub metallic_texture: Option<ObjTexture>,
-    /// `map_Pr`, in the place of `roughness`.
+    /// `map_Pr`, in place of `roughness`.
     pub roughness_texture: Option<ObjTexture>,
 }
 
@@ -68,7 +67,7 @@ impl ObjMaterial {
             .flatten()
     }
 
-    /// Placement of its images: all as the first.
+    /// Placement of its images: the first one's for all.
     pub(super) fn placement(&self) -> Placement {
         self.textures().next().map(|texture| texture.placement).unwrap_or_default()
     }
@@ -112,7 +111,7 @@ struct Value {
     words: Vec<String>,
 }
 
-/// Statements of one material. Each is taken out as it is read: the rest is unknown.
+/// Statements of one material. Each is removed as it is read; those that remain are unknown.
 struct Reader<'a> {
     path: &'a Path,
     values: BTreeMap<String, Value>,
@@ -150,7 +149,7 @@ impl Reader<'_> {
         self.tally.add_at(loss, &value.keyword, (self.path, value.line));
     }
 
-    /// Red, green and blue from 0 to `most`; one number is a grey.
+    /// Colour with channels from 0 to `most`; one number is a grey.
     fn color(&mut self, key: &str, most: f64) -> Option<Rgb> {
         let value = self.values.remove(key)?;
         let numbers: Option<Vec<f64>> =
@@ -170,7 +169,7 @@ impl Reader<'_> {
         Some(clamped)
     }
 
-    /// One number from 0 to `most`.
+    /// Number from 0 to `most`.
     fn number(&mut self, key: &str, most: f64) -> Option<f64> {
         let value = self.values.remove(key)?;
         let Some(found) = value.words.first().and_then(|word| number(word)).map(f64::from) else {
@@ -184,7 +183,7 @@ impl Reader<'_> {
         Some(clamped)
     }
 
-    /// The image of the first keyword that has one; the same under the others is passed over.
+    /// Image of the first keyword that has one; the same image under other keywords is ignored.
     fn texture(&mut self, keys: &[&str]) -> Option<ObjTexture> {
         let mut first = None;
         for key in keys {
@@ -247,7 +246,7 @@ impl Reader<'_> {
             None if is_physical => 0.5,
             None => f64::from(u8::from(!has_highlights)),
         };
-        // Files that say nothing of refraction often write an index of 1.
+        // Files without refraction often have an index of 1.
         let ior = ior.filter(|ior| *ior > 1.0).unwrap_or(DIELECTRIC_IOR);
         let f0 = (2.0 * specular * ((ior - 1.0) / (ior + 1.0)).powi(2)).min(1.0);
         let is_metal = metallic > 0.0 || metallic_texture.is_some();
@@ -258,7 +257,7 @@ impl Reader<'_> {
         Some(ObjCoat { metallic, roughness, f0, metallic_texture, roughness_texture })
     }
 
-    /// Glass, by `illum`, bends light and colours it: here it does neither.
+    /// Reports refraction by glass, as of `illum`, which is not supported.
     fn say_refraction(&mut self, illum: Option<f64>, ior: Option<f64>) {
         if !matches!(illum, Some(4.0 | 6.0 | 7.0 | 9.0)) {
             self.values.remove("tf");
@@ -279,7 +278,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reports unknown statements, unless they change nothing: ambient light, and shares of nothing.
+    /// Reports unknown statements, unless they have no effect: ambient light, and shares of 0.
     fn say_the_rest(&mut self, material: &ObjMaterial) {
         for (key, value) in std::mem::take(&mut self.values) {
             let numbers: Vec<Option<f32>> = value.words.iter().map(|word| number(word)).collect();

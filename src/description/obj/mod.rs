@@ -1,7 +1,7 @@
-//! Wavefront OBJ and MTL files in, indexed triangles out. Invariant: every index is in range, every number
-//! finite, and no triangle without area.
+//! Reader of Wavefront OBJ and MTL. In go files, out come indexed triangles. Invariant: every index is in
+//! range, every number is finite, and every triangle has an area.
 //!
-//! Faults of an exporter are left out and said, so that the rest is seen. tobj gets the text without them.
+//! Faulty statements are dropped and reported, so that the rest is rendered; tobj gets the text without them.
 
 mod library;
 mod material;
@@ -33,7 +33,7 @@ pub use sequence::{Shape, Shapes};
 pub use texture::{ObjTexture, Placement};
 pub use triangles::Triangles;
 
-/// An OBJ file as one mesh.
+/// OBJ file as one mesh.
 #[derive(Clone, Debug, Default)]
 pub struct ObjModel {
     /// Vertex positions.
@@ -48,9 +48,9 @@ pub struct ObjModel {
     pub triangles: Vec<ObjTriangle>,
     /// Materials of the MTL files.
     pub materials: Vec<ObjMaterial>,
-    /// Shapes after this one, of a sequence of files.
+    /// Shapes of later frames, in a sequence of files.
     pub shapes: Shapes,
-    /// Models that take turns with this one, in order, of a sequence whose faces change.
+    /// Models that replace this one at later frames, in a sequence whose faces change.
     pub later: Vec<ObjModel>,
     /// Requests of the files that are not honoured.
     pub remarks: Diagnostics,
@@ -61,12 +61,12 @@ pub struct ObjModel {
 pub struct ObjTriangle {
     /// Indices into the model's vertices.
     pub vertices: [u32; 3],
-    /// Index into the model's materials; `None` if the file names none that exists.
+    /// Index into the model's materials; `None` if the file names no existing one.
     pub material: Option<usize>,
 }
 
-/// Reads an OBJ file and the MTL files that it names; all files of a sequence, if the path has signs for a
-/// number and is no file itself.
+/// Reads an OBJ file and the MTL files that it names; all files of a sequence, if the path has a placeholder
+/// and is not a file.
 ///
 /// # Errors
 /// [`LoadError`] if the file cannot be read, or holds no triangle; of a sequence also if a number is missing.
@@ -78,7 +78,7 @@ pub fn load(path: &Path, referrer: &str, files: &mut Files) -> Result<ObjModel, 
     if model.triangles.is_empty() { Err(nothing_left(path, &model.remarks).into()) } else { Ok(model) }
 }
 
-/// Loads a file that is an input by itself. It may hold no triangle: points and lines are a file too.
+/// Loads a file that is the whole input. It may have no triangle, only points and lines.
 ///
 /// # Errors
 /// [`LoadError`] if the file cannot be read.
@@ -99,7 +99,7 @@ pub fn load_alone(path: &Path, files: &mut Files) -> Result<ObjModel, LoadError>
     }
 }
 
-/// Name of a mesh of this path: its file's, or that of all files of its sequence.
+/// Name of the mesh of a path: the file's, or the common one of its sequence.
 pub fn name(path: &Path) -> String {
     match Numbered::of(path) {
         Some(numbered) if !numbered.name().is_empty() => numbered.name().to_owned(),
@@ -115,7 +115,7 @@ fn read(path: &Path, referrer: Option<&str>, files: &mut Files) -> Result<ObjMod
     Ok(model)
 }
 
-/// A file whose faces are cut, and not yet joined to one mesh.
+/// File with triangulated faces, not yet joined to one mesh.
 struct Opened {
     model: ObjModel,
     common: Common,
@@ -158,7 +158,7 @@ fn open(
     Ok(Opened { model, common: Common { library, groups }, parts })
 }
 
-/// A mesh a group, in the groups' order.
+/// Indexes one mesh a group, in the groups' order.
 fn indexed(path: &Path, vertices: Vertices, groups: &Groups) -> Result<Vec<tobj::Model>, Diagnostic> {
     let mut text = vertices.text;
     for faces in groups.values() {
@@ -178,7 +178,7 @@ fn indexed(path: &Path, vertices: Vertices, groups: &Groups) -> Result<Vec<tobj:
 const EXPECTED: &str = "Wavefront OBJ: `v x y z`, `vt u v`, `vn x y z`, and at least one face (`f v/vt/vn ..`) with three corners and an area";
 const REMEDY: &str = "correct the file, or export the mesh again with its faces";
 
-/// Says what was left out first, as that may be why there is nothing.
+/// Error of a file without triangles. It lists dropped statements first, as they may be the cause.
 fn nothing_left(path: &Path, remarks: &Diagnostics) -> Diagnostic {
     let is_of_geometry = |loss: Loss| {
         matches!(

@@ -1,5 +1,6 @@
-//! An OBJ file's text in, text that tobj takes as it stands out. Invariant: in what comes out every number is
-//! finite, every index in range and positive, and the corners of a group have all of the same parts.
+//! Normalization of OBJ text. In goes a file's text, out comes text that tobj reads without changes.
+//! Invariant: every number is finite, every index is in range and positive, and the corners of a group have
+//! the same parts.
 
 use super::tally::Tally;
 use super::text::{Statement, number, statements};
@@ -8,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// A polygon with more corners is left out: cutting it up would take too long.
+/// Maximum number of corners of a polygon: triangulation of larger ones would take too long.
 const MAX_CORNERS: usize = 2048;
 
 /// Vertices, texture coordinates and normals of a file, in its order.
@@ -16,7 +17,7 @@ const MAX_CORNERS: usize = 2048;
 pub(super) struct Vertices {
     /// Their statements.
     pub(super) text: String,
-    /// Whether each of `v`, `vt` and `vn` is to be used: its numbers are numbers, and a normal has a length.
+    /// Whether each of `v`, `vt` and `vn` is usable: its numbers are finite, and a normal has a length.
     is_good: [Vec<bool>; 3],
 }
 
@@ -34,7 +35,7 @@ impl Vertices {
         for statement in statements(text) {
             let Some(kind) = kind_of(&statement) else { continue };
             let (keyword, least) = KINDS[kind];
-            // `w` is the weight of a curve's point, and no polygon's.
+            // `w` is a weight for curves, and has no effect on polygons.
             let numbers: Vec<&str> = statement.numbers().take(if kind == 0 { 6 } else { 3 }).collect();
             let are_numbers = numbers.len() >= least && numbers.iter().all(|word| number(word).is_some());
             let is_good = are_numbers && (kind != 2 || numbers.iter().any(|word| number(word) != Some(0.0)));
@@ -42,7 +43,7 @@ impl Vertices {
                 tally.add_at(Loss::ObjNumbers, keyword, (path, statement.line));
             }
             let word = |index: usize| numbers.get(index).copied().filter(|_| is_good).unwrap_or("0");
-            // Writing to a string has no way to fail.
+            // Writing to a string cannot fail.
             let _ = write!(vertices.text, "{keyword} {} {}", word(0), word(1));
             if kind != 1 {
                 let _ = write!(vertices.text, " {}", word(2));
@@ -64,18 +65,19 @@ impl Vertices {
 /// Key of a group: the properties that its faces share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Group {
-    /// Index into the materials; `usize::MAX` is none of them.
+    /// Index into the materials; `usize::MAX` for no material.
     pub(super) material: usize,
     pub(super) has_uvs: bool,
     pub(super) has_normals: bool,
-    /// Faces of one number other than 0 are smooth where they meet, unless they have normals.
+    /// Smoothing group: faces with the same number other than 0 are smooth where they meet, unless they have
+    /// normals.
     pub(super) smoothing: u32,
 }
 
-/// The faces of each group, as statements with indices from 1.
+/// Faces of each group, as statements with indices from 1.
 pub(super) type Groups = BTreeMap<Group, String>;
 
-/// Sorts the faces; `find` says which material a name after `usemtl` is.
+/// Sorts the faces into groups; `find` maps a name after `usemtl` to its material.
 pub(super) fn faces(
     text: &str,
     path: &Path,
@@ -121,7 +123,7 @@ pub(super) fn faces(
     groups
 }
 
-/// 0 is none; "on" is what some write for 1.
+/// Number of a smoothing group; 0 is none, and "on" is 1.
 fn smoothing_group(word: &str) -> u32 {
     match word {
         "off" => 0,
@@ -129,7 +131,7 @@ fn smoothing_group(word: &str) -> u32 {
     }
 }
 
-/// The corners of a face, each with the indices of its vertex, texture coordinate and normal, from 1.
+/// Corners of a face, each with the indices of its vertex, texture coordinate and normal, from 1.
 struct Face {
     corners: Vec<[usize; 3]>,
     has: [bool; 3],
@@ -177,7 +179,7 @@ impl Face {
     fn write(&self, text: &mut String) {
         text.push('f');
         for [vertex, uv, normal] in &self.corners {
-            // Writing to a string has no way to fail.
+            // Writing to a string cannot fail.
             let _ = match self.has {
                 [_, false, false] => write!(text, " {vertex}"),
                 [_, true, false] => write!(text, " {vertex}/{uv}"),
@@ -189,7 +191,7 @@ impl Face {
     }
 }
 
-/// The index from 1 that is meant; negative ones count back from where they stand.
+/// Resolved index from 1; negative ones count back from the statement.
 fn resolved(index: i64, so_far: usize) -> Option<usize> {
     let from_one = if index < 0 { (so_far as i64).checked_add(index)?.checked_add(1)? } else { index };
     usize::try_from(from_one).ok().filter(|&index| index > 0)

@@ -1,5 +1,5 @@
-//! One group of a file as tobj indexes it in, triangles out. Invariant: every vertex has all of what the
-//! group has, and no triangle is without area.
+//! Part of an OBJ model. In goes one group as tobj indexes it, out come triangles. Invariant: every vertex
+//! has all attributes of the group, and every triangle has an area.
 
 use super::normalize::Group;
 use super::tally::Tally;
@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Vertices of a group's own, one material.
+/// Vertices of one group, with one material.
 pub(super) struct Part {
     group: Group,
     positions: Vec<Vec3>,
@@ -21,14 +21,15 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// The material says where its images lie on the texture coordinates; without any, they show a corner.
+    /// Creates the part of a group. The material places its images on the texture coordinates, which default
+    /// to 0.
     pub(super) fn new(mesh: &tobj::Mesh, group: Group, material: Option<&ObjMaterial>) -> Self {
         let placement = material.map(ObjMaterial::placement).unwrap_or_default();
         let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
-        // Their `v` points up, ours down.
+        // OBJ's `v` points up, ours down.
         let down = |uv: Vec2| Vec2::new(uv.x, 1.0 - uv.y);
         let uvs = mesh.texcoords.chunks_exact(2).map(|uv| down(placement.apply(Vec2::from_slice(uv))));
-        // Colours of vertices are in sRGB, as to Blender.
+        // Vertex colours are in sRGB, as in Blender.
         let linear = |value: f32| linear_from_srgb(f64::from(value.clamp(0.0, 1.0))) as f32;
         let mut part = Self {
             group,
@@ -47,7 +48,7 @@ impl Part {
         part
     }
 
-    /// Cuts the group's faces into triangles, and counts those without area, which are left out.
+    /// Triangulates the group's faces, and counts degenerate ones, which are dropped.
     pub(super) fn cut(&mut self, mesh: &tobj::Mesh, path: &Path, tally: &mut Tally) -> usize {
         let mut without_area = 0;
         let all_triangles = vec![3; if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 }];
@@ -75,16 +76,15 @@ impl Part {
         self.positions[index as usize].as_dvec3()
     }
 
-    /// Twice the triangle's area along its normal.
+    /// Twice the area of a triangle, times its normal.
     fn area_normal(&self, triangle: [u32; 3]) -> DVec3 {
         triangulate::newell_normal(&triangle.map(|index| self.position(index)))
     }
 
-    /// Gives vertices the mean normal of the triangles around their place, each by its angle there, so
-    /// that it does not matter how faces were cut (Thuermer and Wuethrich 1998, Computing Vertex Normals
-    /// from Polygonal Facets).
+    /// Sets smooth normals: the mean over adjacent triangles, weighted by their angles, so that triangulation
+    /// has no effect (Thuermer and Wuethrich 1998, Computing Vertex Normals from Polygonal Facets).
     fn shade_smooth(&mut self) {
-        // Adding nothing makes both zeros the same.
+        // Adding 0 turns -0 into 0.
         let place = |position: Vec3| (position + Vec3::ZERO).to_array().map(f32::to_bits);
         let mut sums: HashMap<[u32; 3], DVec3> = HashMap::new();
         for &triangle in &self.triangles {
@@ -103,7 +103,7 @@ impl Part {
         self.normals = self.positions.iter().map(normal).collect();
     }
 
-    /// Gives every triangle corners of its own that carry the triangle's normal.
+    /// Gives every triangle its own vertices, with the triangle's normal.
     fn shade_flat(&mut self) {
         let corners: Vec<u32> = self.triangles.iter().flatten().copied().collect();
         self.normals = (self.triangles.iter())
@@ -117,14 +117,14 @@ impl Part {
     }
 }
 
-/// One value a corner in place of one a vertex, unless there are none.
+/// Copies one value a vertex to one a corner, unless there are none.
 fn spread<T: Copy>(values: &mut Vec<T>, corners: &[u32]) {
     if !values.is_empty() {
         *values = corners.iter().map(|&corner| values[corner as usize]).collect();
     }
 }
 
-/// Joins the groups; if any has normals or texture coordinates, all get them.
+/// Joins the groups; if one has normals or texture coordinates, all get them.
 pub(super) fn merge(mut parts: Vec<Part>, model: &mut ObjModel) {
     parts.retain(|part| !part.triangles.is_empty());
     for part in parts.iter_mut().filter(|part| part.normals.is_empty() && part.group.smoothing != 0) {

@@ -1,5 +1,5 @@
-//! The images that MTL files name in, those that materials look up out. Invariant: a picture is made once,
-//! and an image that is missing or damaged is said and stood in for.
+//! Images of MTL files. In go paths, out come the images that materials use. Invariant: an image is made
+//! once, and a missing or damaged one is reported and replaced by a colour.
 
 use super::ObjModel;
 use super::material::ObjMaterial;
@@ -12,30 +12,30 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Colour in place of a texture that is not there: the default material's.
+/// Replacement of a missing texture: the default material's colour.
 const STAND_IN: f32 = 0.8;
 
-/// A picture, by what it is made of.
+/// Key of an image: its sources.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ObjPicture {
     texels: Texels,
-    /// Whether its edges go on beyond it, or it repeats.
+    /// Whether it is clamped at its edges, or repeats.
     pub is_clamped: bool,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Texels {
-    /// Colours, and the alpha of another image.
+    /// Colours, and alpha from another image.
     Color(Option<PathBuf>, Option<PathBuf>),
-    /// Colours of light.
+    /// Emitted colours.
     Emission(PathBuf),
-    /// glTF's: blue is how metallic, green how rough.
+    /// Metallic-roughness texture of glTF: blue is metallic, green is roughness.
     MetallicRoughness(Option<PathBuf>, Option<PathBuf>),
-    /// A normal map; whether it may turn out to be one of heights.
+    /// Normal map; whether it may be a height map.
     Normals(PathBuf, bool),
 }
 
-/// Pictures made so far; `None` if one cannot be made.
+/// Images made so far; `None` if one cannot be made.
 pub type ObjPictures = BTreeMap<ObjPicture, Option<DecodedImage>>;
 
 impl ObjPicture {
@@ -46,7 +46,7 @@ impl ObjPicture {
         }
     }
 
-    /// Name: the first file's.
+    /// Name of the first file.
     pub fn name(&self) -> String {
         let path = match &self.texels {
             Texels::Color(first, second) | Texels::MetallicRoughness(first, second) => {
@@ -63,7 +63,7 @@ fn path(texture: &Option<ObjTexture>) -> Option<PathBuf> {
 }
 
 impl ObjMaterial {
-    /// Diffuse colours, with opacity as alpha.
+    /// Diffuse colours with opacity as alpha.
     pub fn color_picture(&self) -> Option<ObjPicture> {
         let textures = [&self.diffuse_texture, &self.opacity_texture];
         let [color, alpha] = textures.map(path);
@@ -77,7 +77,7 @@ impl ObjMaterial {
         Some(ObjPicture::new(Texels::Emission(image), [&self.emission_texture, &None]))
     }
 
-    /// Picture of metallic factor and roughness, in glTF's channels.
+    /// Metallic factor and roughness in glTF's channels.
     pub fn coat_picture(&self) -> Option<ObjPicture> {
         let coat = self.coat.as_ref()?;
         let textures = [&coat.metallic_texture, &coat.roughness_texture];
@@ -86,14 +86,14 @@ impl ObjMaterial {
         is_there.then(|| ObjPicture::new(Texels::MetallicRoughness(metallic, roughness), textures))
     }
 
-    /// Directions that bend its normal.
+    /// Normal map.
     pub fn normal_picture(&self) -> Option<ObjPicture> {
         let image = path(&self.normal_map)?;
         Some(ObjPicture::new(Texels::Normals(image, self.normal_map_is_sure), [&self.normal_map, &None]))
     }
 }
 
-/// Makes the pictures of the materials that the model's triangles have, but for those that others replace.
+/// Makes the images of materials that triangles use, unless the scene replaces the material.
 pub(in crate::inside::description) fn load(
     model: &mut ObjModel,
     is_replaced: &dyn Fn(&str) -> bool,
@@ -140,7 +140,7 @@ impl Maker<'_> {
                 let alpha = alpha.as_ref().and_then(|path| self.image(path, Encoding::Linear));
                 with_alpha(color, alpha)
             }
-            // Where light is missing there is none, rather than grey.
+            // Missing emission is black, and not grey.
             Texels::Emission(path) => self.image(path, Encoding::Srgb),
             Texels::MetallicRoughness(metallic, roughness) => {
                 let [metallic, roughness] =
@@ -174,10 +174,10 @@ fn plain(texel: [f32; 4]) -> DecodedImage {
     DecodedImage::new(1, 1, vec![texel].into())
 }
 
-/// Colours with the alpha channel of another image, or its brightness if that is opaque all over.
+/// Colours with the alpha channel of another image, or its luminance if it is opaque.
 fn with_alpha(color: Option<DecodedImage>, alpha: Option<DecodedImage>) -> Option<DecodedImage> {
     let Some(alpha) = alpha else {
-        // Alpha of a colour texture counts only where `map_d` says so.
+        // The alpha of a colour texture counts only with `map_d`.
         return color.map(|color| DecodedImage {
             texels: color.texels.into_iter().map(|[r, g, b, _]| [r, g, b, 1.0]).collect(),
             ..color
@@ -189,7 +189,7 @@ fn with_alpha(color: Option<DecodedImage>, alpha: Option<DecodedImage>) -> Optio
     Some(joined(&color, &alpha, |[r, g, b, _], alpha| [r, g, b, opacity(alpha)]))
 }
 
-/// Numbers of grey images as glTF packs them; where one is missing, 1.
+/// Packs grey images as in glTF, with 1 for a missing one.
 fn packed(metallic: Option<DecodedImage>, roughness: Option<DecodedImage>) -> Option<DecodedImage> {
     if metallic.is_none() && roughness.is_none() {
         return None;
@@ -198,7 +198,7 @@ fn packed(metallic: Option<DecodedImage>, roughness: Option<DecodedImage>) -> Op
     Some(joined(&metallic, &roughness, |metallic, roughness| [1.0, roughness[0], metallic[0], 1.0]))
 }
 
-/// Image of two, of the larger one's size.
+/// Joins two images, at the larger one's size.
 fn joined(
     first: &DecodedImage,
     second: &DecodedImage,
@@ -216,7 +216,7 @@ fn joined(
     DecodedImage::new(width, height, texels.collect())
 }
 
-/// Maps of heights are grey, maps of normals blue.
+/// Whether an image is grey, as height maps are; normal maps are blue.
 fn is_grey(image: &DecodedImage) -> bool {
     let colorful = image.texels.iter().filter(|[r, g, b, _]| (r - g).abs().max((g - b).abs()) > 0.1);
     colorful.count() * 20 < image.texels.len()

@@ -1,5 +1,5 @@
 //! OBJ files of a sequence, one a frame. In go files, out comes the first one's model with the shapes of
-//! those that have its faces, and a model more wherever others come. Invariant: every shape has a position,
+//! later files with equal faces, and another model where faces change. Invariant: every shape has a position,
 //! and a normal if there are any, for every vertex of its model.
 
 use super::library::Library;
@@ -12,12 +12,12 @@ use glam::Vec3;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-/// The shapes of a mesh from frame to frame.
+/// Shapes of a mesh, frame by frame.
 #[derive(Clone, Debug, Default)]
 pub struct Shapes {
-    /// The frame of the model itself.
+    /// Frame of the model itself.
     pub first_frame: i64,
-    /// Shapes of the frames that follow, one each.
+    /// Shapes of the following frames.
     pub after: Vec<Shape>,
 }
 
@@ -31,7 +31,7 @@ pub struct Shape {
 }
 
 impl ObjModel {
-    /// The frames that there are; none of a mesh that keeps its shape.
+    /// Range of frames; `None` for a mesh with one shape.
     pub fn frames(&self) -> Option<RangeInclusive<i64>> {
         let Shapes { first_frame, after } = &self.later.last().unwrap_or(self).shapes;
         let last = first_frame.checked_add(after.len() as i64)?;
@@ -71,11 +71,11 @@ pub(super) fn read(
     Ok(model)
 }
 
-/// Files in a row that have the same faces.
+/// Consecutive files with equal faces.
 struct Run {
     model: ObjModel,
     common: Common,
-    /// Triangles that the faces of each group were cut into.
+    /// Triangulation of each group's faces.
     triangles: Vec<Vec<[u32; 3]>>,
 }
 
@@ -95,12 +95,12 @@ impl Reader<'_> {
         Ok(Run { model, common, triangles })
     }
 
-    /// The shape of the next file, of faces that are cut as the first one's; `None` if the file differs in
-    /// more than shape.
+    /// Shape of the next file, triangulated like the first one; `None` if more than positions and normals
+    /// differ.
     fn shape(&mut self, run: &Run, path: &Path) -> Result<Option<Shape>, LoadError> {
         let Run { model: first, common, triangles } = run;
         let text = text::decoded(self.files.read(path, Some(self.referrer))?);
-        // What is lost of a file is told when it begins a run, or was of the one that did.
+        // Not reported: these losses are those of the run's first file, or the file begins a run of its own.
         let mut unsaid = Tally::default();
         let vertices = Vertices::of(&text, path, &mut unsaid);
         let materials = Library::of(&text, path, self.files, &mut unsaid).materials;

@@ -1,11 +1,11 @@
-//! Tally of the losses of OBJ and MTL files, kind by kind. Invariant: a kind is said once, with its first
-//! line and how often it is.
+//! Tally of the losses of OBJ and MTL files. In go losses one by one, out comes a warning a kind. Invariant:
+//! a kind is reported once, with its first line and its count.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Number of names that one message lists, and their length.
+/// Maximum number of names in a message, and their maximum length.
 const NAMES_LISTED: usize = 6;
 const LONGEST_NAME: usize = 60;
 
@@ -23,7 +23,7 @@ struct Kind {
 }
 
 impl Tally {
-    /// Counts one more; `name` is what is lost, or nothing.
+    /// Counts one loss; `name` is the object that is lost, or empty.
     pub(super) fn add(&mut self, loss: Loss, name: &str, place: Place) {
         let kind = self.kinds.entry(loss).or_insert_with(|| Kind {
             first: place,

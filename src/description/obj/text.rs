@@ -1,10 +1,10 @@
-//! Bytes of OBJ and MTL files in, statements out. Invariant: every statement knows the line that it starts
-//! on, whatever the file's encoding, line ends and continuations are.
+//! Statements of OBJ and MTL files. In go bytes, out come statements. Invariant: every statement has its
+//! first line's number, for any encoding, line ends and continuations.
 
 use std::borrow::Cow;
 
-/// The text of a file: UTF-8, UTF-16, or Latin-1 in the lines that are no UTF-8. UTF-16 is told by its byte
-/// order mark, or by the zero beside its first letter. Lines end with a line feed, also those of old Macs.
+/// Text of a file: UTF-8, UTF-16, or Latin-1 in lines that are not UTF-8. UTF-16 is recognized by its byte
+/// order mark, or by a zero beside the first letter. All line ends become line feeds.
 pub(super) fn decoded(bytes: Vec<u8>) -> String {
     let text = match bytes.as_slice() {
         [0xff, 0xfe, rest @ ..] => from_utf16(rest, u16::from_le_bytes),
@@ -34,7 +34,7 @@ fn from_utf8_or_latin1(bytes: Vec<u8>) -> String {
     })
 }
 
-/// One line, or several that `\` at their ends makes one.
+/// Statement of one line, or of several joined by `\`.
 pub(super) struct Statement<'a> {
     /// The first line, from 1.
     pub(super) line: usize,
@@ -42,28 +42,28 @@ pub(super) struct Statement<'a> {
 }
 
 impl Statement<'_> {
-    /// The first word, as it is written.
+    /// First word, in its original case.
     pub(super) fn keyword(&self) -> &str {
         self.text.split_whitespace().next().unwrap_or_default()
     }
 
-    /// All that follows the keyword: names have spaces and signs in them.
+    /// Text after the keyword, with spaces and signs, as in names.
     pub(super) fn rest(&self) -> &str {
         self.text.trim_start()[self.keyword().len()..].trim()
     }
 
-    /// The words that follow the keyword, up to a comment.
+    /// Words after the keyword, up to a comment.
     pub(super) fn words(&self) -> impl Iterator<Item = &str> {
         self.rest().split_whitespace().take_while(|word| !word.starts_with('#'))
     }
 
-    /// The words of a statement of numbers, in which a comment needs no space before it.
+    /// Words of a statement of numbers, where a comment needs no space before it.
     pub(super) fn numbers(&self) -> impl Iterator<Item = &str> {
         self.rest().split('#').next().unwrap_or_default().split_whitespace()
     }
 }
 
-/// The statements of a text in their order, comments and empty lines left out.
+/// Statements of a text, without comments and empty lines.
 pub(super) fn statements(text: &str) -> impl Iterator<Item = Statement<'_>> {
     let mut lines = text.lines().enumerate();
     std::iter::from_fn(move || {
@@ -83,7 +83,7 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = Statement<'_>> {
     })
 }
 
-/// A number that is one: finite as `f32`.
+/// Parses a number that is finite as `f32`.
 pub(super) fn number(word: &str) -> Option<f32> {
     word.parse().ok().filter(|number: &f32| number.is_finite())
 }

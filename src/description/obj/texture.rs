@@ -1,5 +1,5 @@
-//! Texture statements, `map_Kd` and its like: the text after the keyword in, a path and how the image lies
-//! out. Invariant: an option is read or named as one that is not.
+//! Texture statements, `map_Kd` and its like. In goes the text after the keyword, out come a path and a
+//! placement. Invariant: every option is honoured or listed as not honoured.
 
 use glam::Vec2;
 use std::path::{Path, PathBuf};
@@ -11,9 +11,9 @@ pub struct ObjTexture {
     pub path: PathBuf,
     /// Placement on the texture coordinates.
     pub placement: Placement,
-    /// Whether its edges go on (`-clamp on`), or it repeats.
+    /// Whether it is clamped at its edges (`-clamp on`), or repeats.
     pub is_clamped: bool,
-    /// Factor on its bending of normals (`-bm`).
+    /// Scale of its normal map (`-bm`).
     pub bump: f32,
     /// Options that are not honoured.
     pub(super) other_options: Vec<String>,
@@ -35,14 +35,14 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// Coordinates at which it is looked up; unplaced where they would not be finite.
+    /// Coordinates of the lookup; without the placement where they would not be finite.
     pub(super) fn apply(self, uv: Vec2) -> Vec2 {
         let placed = self.scale * uv + self.offset;
         if placed.is_finite() { placed } else { uv }
     }
 }
 
-/// Options and how many words follow them at most, and at least.
+/// Options with the maximum and minimum number of words after them.
 const OPTIONS: [(&str, usize, usize); 14] = [
     ("-s", 3, 1),
     ("-o", 3, 1),
@@ -61,7 +61,7 @@ const OPTIONS: [(&str, usize, usize); 14] = [
 ];
 
 impl ObjTexture {
-    /// Reads options and a name, which may have spaces in it; `None` if no name follows.
+    /// Parses options and a name, which may have spaces; `None` without a name.
     pub(super) fn read(text: &str, folder: &Path) -> Option<Self> {
         let mut texture = Self {
             path: PathBuf::new(),
@@ -82,7 +82,7 @@ impl ObjTexture {
             while values.len() < *most
                 && let Some((word, after)) = split_word(rest)
                 && (values.len() < *least || word.parse::<f32>().is_ok())
-                // What is left must still hold a name.
+                // A name must remain.
                 && !after.is_empty()
             {
                 values.push(word);
@@ -107,7 +107,7 @@ impl ObjTexture {
             "-o" => self.placement.offset = pair(0.0).unwrap_or(self.placement.offset),
             "-clamp" => self.is_clamped = is_on,
             "-bm" => self.bump = numbers.first().copied().unwrap_or(self.bump),
-            // These say what is done anyway.
+            // These options are the default behaviour.
             "-blendu" | "-blendv" if is_on => {}
             "-colorspace" | "-texres" => {}
             "-cc" if !is_on => {}
@@ -123,8 +123,8 @@ fn split_word(text: &str) -> Option<(&str, &str)> {
     (end > 0).then(|| (&text[..end], text[end..].trim_start()))
 }
 
-/// The file that `name` is for, relative to `folder`: as it stands, without quotes, with slashes for
-/// backslashes, or without a comment; the plainest of these if there is no such file. `None` without a name.
+/// Path of the file `name` in `folder`: as written, without quotes, with slashes for backslashes, or without
+/// a comment; the first of these if none exists. `None` without a name.
 pub(super) fn beside(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.trim();
     let name = name.strip_prefix('"').and_then(|name| name.strip_suffix('"')).unwrap_or(name);

@@ -1,26 +1,25 @@
-//! Triangles that a program made, as a model. In go positions and indices, out comes what an OBJ file
-//! would give. Invariant: the same as of a file's model, every index in range, every number finite, no
-//! triangle without area.
+//! Mesh from code. In go positions and indices, out comes a model as from an OBJ file. Invariant: every index
+//! is in range, every number is finite, and every triangle has an area.
 
 use super::{ObjModel, ObjTriangle};
 use glam::{Vec2, Vec3};
 
-/// A mesh as a program has it.
+/// Mesh from code.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Triangles {
     /// Positions of the vertices, metres.
     pub positions: Vec<[f32; 3]>,
-    /// One normal a vertex, of any length but 0; empty for flat triangles.
+    /// Normals, one a vertex, of any length but 0; empty for flat shading.
     pub normals: Vec<[f32; 3]>,
-    /// One texture coordinate a vertex, `v` downwards; empty if no texture is shown.
+    /// Texture coordinates, one a vertex, `v` downwards; empty without textures.
     pub uvs: Vec<[f32; 2]>,
     /// Indices of three vertices each, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Triangles {
-    /// Flat triangles.
+    /// Creates a mesh with flat shading.
     pub fn new(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         Self { positions, triangles, ..Self::default() }
     }

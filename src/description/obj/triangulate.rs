@@ -1,15 +1,15 @@
-//! Planar polygons in, triangles out. Invariant: the triangles use all of the polygon's corners,
-//! do not overlap, and keep its orientation, so neighbouring polygons still share whole edges.
+//! Triangulation of planar polygons. In go corners, out come triangles. Invariant: they use all corners, do
+//! not overlap, and keep the orientation, so neighbouring polygons still share whole edges.
 //!
-//! Ear clipping (Meisters 1975) on the polygon's projection along its Newell normal. Corners on a
-//! straight stretch are kept: dropping them would open cracks towards the neighbours.
+//! The method is ear clipping (Meisters 1975) of the polygon's projection along its Newell normal. Collinear
+//! corners are kept: dropping them would open cracks towards the neighbours.
 
 use glam::{DVec2, DVec3};
 
-/// A polygon as triangles of indices into its corners.
+/// Triangles as indices into a polygon's corners.
 pub(super) struct Triangulated {
     pub(super) triangles: Vec<[usize; 3]>,
-    /// False if the outline crosses itself, so that no triangles can be right.
+    /// False if the outline crosses itself, so that no triangulation is right.
     pub(super) simple: bool,
 }
 
@@ -30,7 +30,7 @@ pub(super) fn newell_normal(corners: &[DVec3]) -> DVec3 {
     corners.windows(2).map(|edge| (edge[0] - first).cross(edge[1] - first)).sum()
 }
 
-/// Projects along the axis nearest to `normal`, counter-clockwise staying counter-clockwise.
+/// Projects along the axis nearest to `normal`, and keeps the orientation.
 fn drop_longest_axis(point: DVec3, normal: DVec3) -> DVec2 {
     let size = normal.abs();
     if size.x >= size.y && size.x >= size.z {
@@ -55,19 +55,19 @@ fn clip_ears(points: &[DVec2]) -> Triangulated {
     while left.len() > 3 {
         let ear =
             (0..left.len()).map(|step| (start + step) % left.len()).find(|&at| is_ear(points, &left, at));
-        // Without an ear the outline crosses itself: any corner will do, and the author is told.
+        // Without an ear the outline crosses itself: any corner is cut, and the author gets a warning.
         simple &= ear.is_some();
         let at = ear.unwrap_or(0);
         triangles.push(around(&left, at));
         left.remove(at);
-        // Going on past the ear gives rounder triangles than a fan from one corner.
+        // Continuing after the ear gives rounder triangles than a fan from one corner.
         start = (at + 1) % left.len();
     }
     triangles.push([left[0], left[1], left[2]]);
     Triangulated { triangles, simple }
 }
 
-/// The corner at `at` between its two neighbours.
+/// Corner at `at` between its neighbours.
 fn around(left: &[usize], at: usize) -> [usize; 3] {
     let count = left.len();
     [left[(at + count - 1) % count], left[at], left[(at + 1) % count]]

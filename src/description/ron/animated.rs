@@ -1,5 +1,5 @@
-//! Values that may be keyed: `45.0`, or `Keyed(keys: [(at_s: 0.0, value: 45.0), ..])`. Invariant:
-//! both forms are read without buffering, so errors keep their line and column.
+//! Values that may be keyed: `45.0`, or `Keyed(keys: [(at_s: 0.0, value: 45.0), ..])`. In goes RON, out come
+//! constants or keys. Invariant: both forms are read without buffering, so errors keep their line and column.
 
 use super::number::{Direction, Finite, Number, Point, Quaternion, QuaternionRate, Range, Three};
 use glam::{DQuat, DVec3};
@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// A value that stays, or one that changes over time.
+/// A constant value, or one that changes over time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[serde(untagged, bound = "")]
 #[non_exhaustive]
@@ -22,12 +22,13 @@ pub enum Animated<T: Keyable> {
 }
 
 impl<T: Keyable> Animated<T> {
-    /// Straight between pairs of seconds and values; holds the first and the last.
+    /// Linear interpolation between pairs of seconds and values; constant before the first and after the
+    /// last.
     pub fn keys<V: Into<T>>(keys: impl IntoIterator<Item = (f64, V)>) -> Self {
         Self::Keyed(Keys::of(keys, Extend::Hold))
     }
 
-    /// Straight between pairs of seconds and values, over and over.
+    /// Linear interpolation between pairs of seconds and values, repeated cyclically.
     pub fn cycle<V: Into<T>>(keys: impl IntoIterator<Item = (f64, V)>) -> Self {
         Self::Keyed(Keys::of(keys, Extend::Cycle))
     }
@@ -39,13 +40,13 @@ impl<T: Keyable + Default> Default for Animated<T> {
     }
 }
 
-/// A keyed value as the author wrote it.
+/// Keys of a value, as written in a file.
 #[derive(Clone, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
 pub struct Keys<T: Keyable> {
-    /// The keys, times strictly increasing.
+    /// Keys with strictly increasing times.
     pub keys: Vec<Key<T>>,
-    /// Value outside the keys.
+    /// Extrapolation outside the keys.
     #[serde(default)]
     pub extend: Extend,
 }
@@ -69,26 +70,26 @@ pub struct Key<T: Keyable> {
     pub at_s: Number<Finite>,
     /// The value there.
     pub value: T,
-    /// The way to the next key.
+    /// Interpolation to the next key.
     #[serde(default)]
     pub to_next: ToNext<T>,
 }
 
-/// The way from one key to the next.
+/// Interpolation from one key to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
 #[non_exhaustive]
 pub enum ToNext<T: Keyable> {
-    /// The value stays, then jumps.
+    /// Constant until the next key.
     Step,
-    /// Straight.
+    /// Linear.
     #[default]
     Linear,
-    /// A cubic with given slopes at both ends, per second (glTF's CUBICSPLINE).
+    /// A cubic with the given slopes at both ends, per second (glTF's CUBICSPLINE).
     Hermite {
-        /// Slope on leaving this key.
+        /// Slope after this key.
         leave_per_s: T::Rate,
-        /// Slope on arriving at the next one.
+        /// Slope before the next one.
         arrive_per_s: T::Rate,
     },
     /// A cubic with two handles, each a time and a value (Blender's Bezier curve).
@@ -104,21 +105,21 @@ pub enum ToNext<T: Keyable> {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(deny_unknown_fields, bound = "")]
 pub struct Handle<T: Keyable> {
-    /// Seconds; between the two keys.
+    /// Seconds, between the two keys.
     pub at_s: Number<Finite>,
     /// The value there.
     pub value: T,
 }
 
-/// Extension of a keyed value outside its keys.
+/// Extrapolation of a keyed value outside its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub enum Extend {
     /// Keeps the first or last value.
     #[default]
     Hold,
-    /// Starts over, before the first key too. The last key only closes the period: the value there
-    /// is the first key's again.
+    /// Repeats the keys, also before the first. The last key only ends the period; the value there is the
+    /// first key's.
     Cycle,
 }
 
@@ -128,20 +129,20 @@ pub trait Keyable: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize 
     type Rate: Copy + fmt::Debug + PartialEq + DeserializeOwned + Serialize;
     /// Value in SI units.
     type Si: Copy;
-    /// Message when a curve leaves the range.
+    /// Expectation in the error for a curve that leaves the range.
     const EXPECTED: &'static str;
 
     /// The value in SI units.
     fn si(self) -> Self::Si;
     /// A rate in SI units per second.
     fn rate_si(rate: Self::Rate) -> Self::Si;
-    /// Whether a curve may pass through `value`.
+    /// Whether a curve may contain `value`.
     fn admits(_: Self::Si) -> bool {
         true
     }
 }
 
-/// Slack for the rounding of a conversion to SI units and back.
+/// Tolerance for rounding in a conversion to SI units and back.
 const ROUNDING: f64 = 1.0 - 1e-12;
 
 fn admits<R: Range>(value: f64) -> bool {
@@ -219,7 +220,7 @@ impl Keyable for bool {
     }
 }
 
-/// The slope of something that can only jump: cannot be written.
+/// Slope of a value that can only step: it cannot be written in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoRate(());
 
@@ -241,7 +242,7 @@ impl<'de, T: Keyable> Deserialize<'de> for Animated<T> {
     }
 }
 
-/// Numbers, booleans and tuples are plain values; a struct with named fields holds keys.
+/// Numbers, booleans and tuples are constants; a struct with named fields holds keys.
 struct AnimatedVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Keyable> Visitor<'de> for AnimatedVisitor<T> {

@@ -1,6 +1,5 @@
-//! A scene that a program made in place of a file. In go the parts that files have, out comes a scene as if
-//! it had been read. Invariant: nothing can be built that a file could not hold: a number out of its range
-//! and a name that occurs twice are refused.
+//! Scenes from code. In go the parts of scene files, out comes a scene as if it had been read. Invariant: a
+//! scene that a file cannot hold is refused, such as with a number out of range or a duplicate name.
 
 use super::{LoadedScene, Named, SceneFile, Shape, references, walk};
 use crate::description::obj::{ObjModel, Triangles};
@@ -10,22 +9,22 @@ use serde::Serialize;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// Everything that a program wants of a scene.
+/// Contents of a scene from code.
 #[derive(Clone, Debug, Default)]
 pub struct BuiltScene {
-    /// File that would say the same.
+    /// Scene file with the same contents.
     pub file: SceneFile,
-    /// Shapes by their triangles.
+    /// Meshes given by their triangles.
     pub triangles: Vec<(String, Triangles)>,
 }
 
-/// Name in errors in place of a file's; images lie relative to the folder that the program runs in.
+/// Name in errors in place of a file's. Paths of images are relative to the working directory.
 pub const BUILT: &str = "SceneBuilder";
 
-/// Checks it, and reads what it refers to.
+/// Validates the scene, and reads the files that it refers to.
 ///
 /// # Errors
-/// [`LoadError`] with everything that is wrong, by the path of its field; if an image cannot be read.
+/// [`LoadError`] with all problems, each with the path of its field; also if an image cannot be read.
 pub fn load_built(built: BuiltScene, files: &mut Files) -> Result<LoadedScene, LoadError> {
     let BuiltScene { mut file, triangles } = built;
     let (mut check, mut models) = (Check::default(), BTreeMap::new());
@@ -50,7 +49,7 @@ pub fn load_built(built: BuiltScene, files: &mut Files) -> Result<LoadedScene, L
     references::load(Path::new(BUILT), file, models, files)
 }
 
-/// Goes on after invalid parts, so that all of them are reported.
+/// Continues after invalid parts, so that all of them are reported.
 #[derive(Default)]
 struct Check {
     problems: Diagnostics,

@@ -1,4 +1,5 @@
-//! Cameras of a scene. Invariant: docs/scene-format.md describes every field.
+//! Cameras of a scene file. In goes RON, out come cameras. Invariant: docs/scene-format.md describes every
+//! field.
 
 use super::animated::Animated;
 use super::number::{
@@ -16,21 +17,21 @@ pub struct Camera {
     pub parent: Option<String>,
     /// Position in its parent's space.
     pub position_m: Animated<Point>,
-    /// Target that it looks at, in its parent's space.
+    /// Point that it looks at, in its parent's space.
     pub look_at_m: Option<Animated<Point>>,
-    /// Up direction in the picture when it looks at something.
+    /// Up direction of the picture, with `look_at_m`.
     pub up: Animated<Direction>,
-    /// Turned about x, then y, then z, from looking along -z; not beside `look_at_m`.
+    /// Rotation about x, then y, then z, from a view along -z; excludes `look_at_m`.
     pub rotation_deg: Option<Animated<Vector<Degrees>>>,
-    /// Rotation as a quaternion `(x, y, z, w)`; one of the two.
+    /// Rotation as a quaternion `(x, y, z, w)`; excludes `rotation_deg`.
     pub rotation_quaternion: Option<Animated<Quaternion>>,
-    /// Full vertical field of view; 45 degrees without.
+    /// Full vertical field of view; 45 degrees by default.
     pub fov_deg: Option<Animated<Number<FieldOfView>>>,
-    /// Height of the picture of an orthographic camera; not beside `fov_deg`.
+    /// Height of an orthographic camera's picture; excludes `fov_deg`.
     pub orthographic_height_m: Option<Animated<Number<Positive>>>,
-    /// The lens that blurs what is out of focus; a pinhole without.
+    /// Lens for depth of field; a pinhole by default.
     pub aperture: Option<Aperture>,
-    /// Between which distances along the view surfaces are seen: all before the camera without.
+    /// Clipping distances along the view; unlimited by default.
     pub clip_m: Option<(Number<NonNegative>, Number<Positive>)>,
 }
 
@@ -52,19 +53,19 @@ impl Default for Camera {
     }
 }
 
-/// The opening of a lens.
+/// Opening of a lens.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Aperture {
     /// Focal length over the opening's diameter.
     pub f_stop: Animated<Number<FStop>>,
-    /// Distance of the plane in focus, along the view.
+    /// Distance along the view to the plane in focus.
     pub focus_distance_m: Animated<Number<FocusDistance>>,
-    /// Width of the sensor, which with the angle of view gives the focal length.
+    /// Width of the sensor, which with the angle of view determines the focal length.
     #[serde(default = "full_frame")]
     pub sensor_width_mm: Number<Positive>,
-    /// Straight blades of the opening; a round one without.
+    /// Number of straight blades; a round opening by default.
     pub blades: Option<Whole<3, 32>>,
 }
 

@@ -1,5 +1,5 @@
-//! Defaults of fields that a file leaves out, where they are not their type's own. Invariant: the value
-//! lies in the field's range.
+//! Defaults of fields other than their type's own. In goes nothing, out come values. Invariant: each lies in
+//! its field's range.
 
 /// 1 throughout.
 pub(super) fn one<T: From<f64>>() -> T {

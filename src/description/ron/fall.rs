@@ -1,5 +1,5 @@
-//! A block of leaves that fall: who they are, where they hang, and what the air does. Invariant: its
-//! lengths, masses and speeds are those of leaves, so that a fall can be followed in steps.
+//! Falling leaves: species, emitter and air. In goes RON, out come blocks of leaves. Invariant: lengths,
+//! masses and speeds are those of leaves, so that the simulation is stable.
 
 use super::animated::Animated;
 use super::defaults::{one, yes};
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Maximum number of leaves in all blocks of a scene: each has keys of its own, some 12 kilobytes.
 pub const MOST_FALLING: u32 = 50_000;
 
-/// Leaves that fall as leaves fall.
+/// Falling leaves.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -22,70 +22,70 @@ pub struct Fall {
     /// Seed of the leaves.
     #[serde(default)]
     pub seed: u32,
-    /// Who falls.
+    /// Kinds of leaves.
     pub species: Vec<Species>,
-    /// Region that they hang in before.
+    /// Region from which they fall.
     pub emitter: Emitter,
     /// Wind.
     #[serde(default)]
     pub wind: Wind,
-    /// Ways in which they fall; without, as their own size and mass have it.
+    /// Weights of their modes of motion; by default each leaf's size and mass decide.
     pub motion: Option<FallMotion>,
-    /// Ground that they come to rest on.
+    /// Ground on which they come to rest.
     #[serde(default)]
     pub ground: FallGround,
-    /// Names of objects that stop them.
+    /// Names of objects that they hit.
     #[serde(default)]
     pub obstacles: Vec<String>,
-    /// Times at which they are let go.
+    /// Range of times of their release.
     #[serde(default)]
     pub release_s: Span<Finite>,
-    /// Whether they hang there before they are let go; else they are not there yet.
+    /// Whether they hang in place before their release; else they are absent.
     #[serde(default = "yes")]
     pub attached: bool,
-    /// Factor on the speed of falling and turning.
+    /// Factor on the speed of translation and rotation.
     #[serde(default = "one")]
     pub speed: Animated<Number<SpeedGain>>,
-    /// Whether the camera sees them; mirrors do in any case.
+    /// Whether the camera sees them; mirrors always do.
     #[serde(default = "yes")]
     pub visible_to_camera: bool,
-    /// Whether they keep light from what lies behind them.
+    /// Whether they cast shadows.
     #[serde(default = "yes")]
     pub casts_shadow: bool,
-    /// Whether they are holes in the picture: black, with alpha 0.
+    /// Whether they are holdouts: black, with alpha 0.
     #[serde(default)]
     pub holdout: bool,
 }
 
-/// One kind of leaf.
+/// Kind of leaves.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Species {
-    /// Names of meshes; each leaf is one of them.
+    /// Names of meshes, one of which each leaf has.
     pub meshes: Vec<String>,
-    /// Names of materials; each leaf is made of one of them. If empty, of the mesh's own.
+    /// Names of materials, one of which each leaf has; if empty, the mesh's own.
     #[serde(default)]
     pub materials: Vec<String>,
-    /// Colours of which each leaf has one in between, as a factor on its material; needs `materials`.
+    /// Colours between which each leaf's factor on its material lies; needs `materials`.
     #[serde(default)]
     pub tint: Vec<Triple<UnitInterval>>,
-    /// Share of the leaves that are of this kind, in proportion to the others.
+    /// Weight of this kind among the leaves.
     #[serde(default = "one")]
     pub share: Number<Positive>,
-    /// Length from stalk to tip: the mesh is scaled to it.
+    /// Length from stalk to tip, to which the mesh is scaled.
     pub length_m: Span<LeafLength>,
-    /// Across, as the air feels it; without, as the mesh has it.
+    /// Width for aerodynamics; the mesh's by default.
     pub width_m: Option<Span<LeafLength>>,
-    /// Mass over area.
+    /// Mass per area.
     #[serde(default = "of_a_leaf")]
     pub areal_mass_kg_per_m2: Span<ArealMass>,
-    /// Arch across the leaf, as the air feels it.
+    /// Arch across the leaf, for aerodynamics.
     #[serde(default)]
     pub curl_deg: Span<Degrees>,
 }
 
-/// Region that leaves hang in.
+/// Region from which leaves fall.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -101,7 +101,7 @@ pub enum Emitter {
     Ellipsoid {
         /// Middle.
         center_m: Point,
-        /// Half its size.
+        /// Half extents.
         radii_m: Vector<Positive>,
     },
     /// Surface of an object's mesh.
@@ -116,52 +116,52 @@ pub enum Emitter {
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
 pub struct Wind {
-    /// Along the ground.
+    /// Mean velocity, along the ground.
     pub mean_m_per_s: Animated<Vector<AirVelocity>>,
     /// Velocity that the strongest gust adds.
     pub gust_m_per_s: Animated<Vector<AirVelocity>>,
-    /// Time from gust to gust.
+    /// Time scale of gusts.
     pub gust_s: Number<GustScale>,
-    /// Speed of the air in eddies.
+    /// Speed of eddies.
     pub eddy_m_per_s: Animated<Number<AirSpeed>>,
-    /// Their size.
+    /// Size of eddies.
     pub eddy_m: Number<GustScale>,
     /// Seed of gusts and eddies.
     pub seed: u32,
 }
 
-/// Shares of the ways in which leaves fall.
+/// Weights of the modes in which leaves fall.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
 pub struct FallMotion {
-    /// Level, rocking a little.
+    /// Level descent with little rocking.
     pub steady: Number<NonNegative>,
     /// Swinging from side to side.
     pub flutter: Number<NonNegative>,
     /// Tumbling over and over.
     pub tumble: Number<NonNegative>,
-    /// Now the one, now the other.
+    /// Fluttering and tumbling in turn.
     pub chaotic: Number<NonNegative>,
-    /// Tumbling down a helix.
+    /// Tumbling along a helix.
     pub helical: Number<NonNegative>,
-    /// Circling ever wider.
+    /// Circling in a widening spiral.
     pub spiral: Number<NonNegative>,
 }
 
-/// Ground that leaves come to rest on.
+/// Ground on which leaves come to rest.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
 pub struct FallGround {
     /// Height of level ground.
     pub height_m: Number<Finite>,
-    /// Name of an object whose upper side is the ground wherever it is.
+    /// Name of an object whose upper side is the ground where it exists.
     pub object: Option<String>,
 }
 
 impl Fall {
-    /// Leaves of one kind, let go at once in calm air.
+    /// Creates leaves of one kind, all released at once in calm air.
     pub fn new(count: u32, species: Species, emitter: Emitter) -> Self {
         Self {
             count: Whole(count),
@@ -183,7 +183,7 @@ impl Fall {
 }
 
 impl Species {
-    /// Half-dry leaves of a broadleaved tree, flat, of one mesh and its own material.
+    /// Creates a kind of half-dry, flat leaves of a broadleaved tree, with one mesh and its own material.
     pub fn new(mesh: &str, length_m: impl Into<Span<LeafLength>>) -> Self {
         Self {
             meshes: vec![mesh.to_owned()],
@@ -199,7 +199,7 @@ impl Species {
 }
 
 impl Default for Wind {
-    /// Calm.
+    /// Calm air.
     fn default() -> Self {
         Self {
             mean_m_per_s: Animated::default(),
@@ -212,7 +212,7 @@ impl Default for Wind {
     }
 }
 
-/// Autumn leaves of broadleaved trees, half dry.
+/// Areal mass of half-dry autumn leaves of broadleaved trees.
 fn of_a_leaf() -> Span<ArealMass> {
     Span::new(0.08, 0.14)
 }

@@ -1,4 +1,5 @@
-//! Fog of a scene. Invariant: docs/scene-format.md describes every field.
+//! Fog of a scene file. In goes RON, out come fog volumes. Invariant: docs/scene-format.md describes every
+//! field.
 
 use super::animated::Animated;
 use super::defaults::one;
@@ -7,7 +8,7 @@ use super::number::{Anisotropy, Finite, NonNegative, Number, Point, Positive, Tr
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// A bank of fog: in a box, thinner with height, or both; or as dense as voxels are.
+/// Fog volume: in a box, thinner with height, or both; or with the density of voxels.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -18,36 +19,37 @@ pub struct Fog {
     pub min_m: Option<Point>,
     /// The corner with the largest coordinates.
     pub max_m: Option<Point>,
-    /// The height over which its density falls to 1/e.
+    /// Height over which its density falls to 1/e.
     pub scale_height_m: Option<Animated<Number<Positive>>>,
     /// Base of the falloff: a y coordinate of its parent's space.
     pub base_m: Option<Number<Finite>>,
-    /// An OpenVDB file that says how dense it is, in its parent's space.
+    /// OpenVDB file with its density, in its parent's space.
     pub vdb: Option<PathBuf>,
-    /// The file's grid that does [default: `density`].
+    /// Name of the file's density grid [default: `density`].
     pub grid: Option<String>,
-    /// The file's grid of colours that its albedo is multiplied by.
+    /// Name of the file's grid of colours that multiply its albedo.
     pub albedo_grid: Option<String>,
-    /// The file's grid that shines.
+    /// Name of the file's grid of emission.
     pub emission_grid: Option<String>,
     /// Emission where that grid is 1.
     pub emission_w_per_m3_sr: Option<Animated<Triple<NonNegative>>>,
-    /// So many kelvin it has there: it shines as a black body, in proportion to one of these.
+    /// Temperature where that grid is 1, in kelvin, for the colour of blackbody emission.
     pub emission_kelvin: Option<Number<Positive>>,
-    /// Billows that it is made of, in its box.
+    /// Drifting mist in its box.
     pub mist: Option<Mist>,
-    /// Extinction coefficient sigma_t where the fog is densest; of voxels that of 1 in them.
+    /// Extinction coefficient sigma_t where the fog is densest; for voxels, where they are 1.
     pub density_per_m: Animated<Triple<NonNegative>>,
-    /// Share of the extinction that is scattering.
+    /// Single-scattering albedo.
     #[serde(default = "one")]
     pub albedo: Animated<Triple<UnitInterval>>,
-    /// Henyey-Greenstein g; forward if positive.
+    /// Henyey-Greenstein g; positive is forward.
     #[serde(default)]
     pub anisotropy: Animated<Number<Anisotropy>>,
 }
 
 impl Fog {
-    /// Grey fog in a box, of an extinction a metre; it scatters all that it takes, to all sides alike.
+    /// Creates grey fog in a box from its extinction per metre. It absorbs nothing and scatters
+    /// isotropically.
     pub fn in_box(min_m: impl Into<Point>, max_m: impl Into<Point>, density_per_m: f64) -> Self {
         Self {
             parent: None,

@@ -1,5 +1,5 @@
-//! Numbers that a program gives in place of a file. In go plain numbers, out come those of fields. Invariant:
-//! a number out of its range cannot be written, as it cannot be read; that is how parts are checked.
+//! Numbers from code. In go plain numbers, out come those of fields. Invariant: a number out of range fails
+//! to serialize, just as it fails to parse; this is how parts are validated.
 
 use super::animated::{Animated, Keyable};
 use super::number::{
@@ -11,21 +11,21 @@ use serde::ser::{Error, Serialize, Serializer};
 use std::fmt::Display;
 
 impl<R> Default for Number<R> {
-    /// 0, be it in the range or not.
+    /// 0, whether or not it is in range.
     fn default() -> Self {
         Self::new(0.0)
     }
 }
 
 impl<R, const ONE_WILL_DO: bool> Default for Three<R, ONE_WILL_DO> {
-    /// 0, be it in the range or not.
+    /// 0, whether or not it is in range.
     fn default() -> Self {
         Self::new(DVec3::ZERO)
     }
 }
 
 impl<R> Default for Span<R> {
-    /// 0, be it in the range or not.
+    /// 0, whether or not it is in range.
     fn default() -> Self {
         Self::new(0.0, 0.0)
     }
@@ -161,7 +161,7 @@ impl Serialize for QuaternionRate {
     }
 }
 
-/// Error of what was found and expected, as readers of files say it.
+/// Error with a finding and an expectation, as in readers of files.
 fn refuse<T, E: Error>(found: impl Display, expected: impl Display) -> Result<T, E> {
     Err(E::custom(format_args!("{found} does not belong here, expected {expected}")))
 }

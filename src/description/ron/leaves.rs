@@ -1,14 +1,14 @@
-//! A block of leaves: one line for hundreds. Invariant: leaf number `i` depends on the block's
-//! seed and on `i`, not on how many there are.
+//! Blocks of scattered leaves. In goes RON, out come counts, choices and ranges. Invariant: leaf `i` depends
+//! on the block's seed and on `i`, and not on the number of leaves.
 
 use super::defaults::{one, yes};
 use super::number::{Degrees, Point, Positive, Span, Triple, UnitInterval, Whole};
 use serde::{Deserialize, Serialize};
 
-/// Maximum number of leaves in one scene: each takes a kilobyte, and a file of one line may ask for them.
+/// Maximum number of leaves in one scene: each takes a kilobyte, and one line of a file may request them.
 pub const MAX_LEAVES: u32 = 1_000_000;
 
-/// Seeded copies of meshes, scattered over a box or a surface.
+/// Randomly placed copies of meshes, in a box or on a surface.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -18,42 +18,42 @@ pub struct Leaves {
     /// Seed of the leaves.
     #[serde(default)]
     pub seed: u32,
-    /// Names of meshes; each leaf is one of them.
+    /// Names of meshes, one of which each leaf has.
     pub meshes: Vec<String>,
-    /// Names of materials; each leaf is made of one of them. If empty, of the mesh's own.
+    /// Names of materials, one of which each leaf has; if empty, the mesh's own.
     #[serde(default)]
     pub materials: Vec<String>,
-    /// Colours of which each leaf has one in between, as a factor on its material; needs `materials`.
+    /// Colours between which each leaf's factor on its material lies; needs `materials`.
     #[serde(default)]
     pub tint: Vec<Triple<UnitInterval>>,
     /// Name of the object that the leaves follow.
     pub parent: Option<String>,
-    /// Smallest coordinates of the box in which the leaves are.
+    /// Smallest coordinates of the box with the leaves.
     pub min_m: Option<Point>,
     /// Largest coordinates of that box.
     pub max_m: Option<Point>,
-    /// Name of the object on whose surface the leaves sit instead.
+    /// Name of the object that carries the leaves on its surface, in place of a box.
     pub on: Option<String>,
-    /// Angle at which tips hang below level; any attitude is as likely without.
+    /// Range of angles at which tips hang below level; random rotations by default.
     pub droop_deg: Option<Span<Degrees>>,
-    /// Turn about the leaf's length, beside `droop_deg`.
+    /// Range of rotations about the leaf's length, with `droop_deg`.
     pub roll_deg: Option<Span<Degrees>>,
     /// Factor on the mesh's size.
     #[serde(default = "one")]
     pub scale: Span<Positive>,
-    /// Whether the camera sees them; mirrors do in any case.
+    /// Whether the camera sees them; mirrors always do.
     #[serde(default = "yes")]
     pub visible_to_camera: bool,
-    /// Whether they keep light from what lies behind them.
+    /// Whether they cast shadows.
     #[serde(default = "yes")]
     pub casts_shadow: bool,
-    /// Whether they are holes in the picture: black, with alpha 0.
+    /// Whether they are holdouts: black, with alpha 0.
     #[serde(default)]
     pub holdout: bool,
 }
 
 impl Default for Leaves {
-    /// One leaf that nobody has named a mesh for.
+    /// One leaf, without a mesh.
     fn default() -> Self {
         Self {
             count: Whole(1),

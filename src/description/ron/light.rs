@@ -1,4 +1,5 @@
-//! Lights of a scene. Invariant: docs/scene-format.md describes every field.
+//! Lights of a scene file. In goes RON, out come lights. Invariant: docs/scene-format.md describes every
+//! field.
 
 use super::animated::Animated;
 use super::defaults::one;
@@ -22,9 +23,9 @@ pub enum Light {
         parent: Option<String>,
         /// Position in its parent's space.
         position_m: Animated<Point>,
-        /// Intensity in every direction, seen from afar.
+        /// Intensity in every direction, from afar.
         intensity_w_per_sr: Animated<Triple<NonNegative>>,
-        /// Radius of the sphere that shines; 0 is a point.
+        /// Radius of the emitting sphere; 0 is a point.
         #[serde(default)]
         radius_m: Animated<Number<NonNegative>>,
     },
@@ -36,46 +37,46 @@ pub enum Light {
         position_m: Animated<Point>,
         /// Target that it points at.
         target_m: Animated<Point>,
-        /// Between the axis and the edge of the cone.
+        /// Angle between the axis and the edge of the cone.
         outer_deg: Animated<Number<HalfAngle>>,
         /// Softness of the edge, as in Blender.
         #[serde(default = "soft_edge")]
         blend: Animated<Number<UnitInterval>>,
-        /// Intensity on the axis, seen from afar.
+        /// Intensity on the axis, from afar.
         intensity_w_per_sr: Animated<Triple<NonNegative>>,
-        /// Radius of the sphere that shines; 0 is a point.
+        /// Radius of the emitting sphere; 0 is a point.
         #[serde(default)]
         radius_m: Animated<Number<NonNegative>>,
     },
-    /// A flat rectangle that shines from one side.
+    /// A flat rectangle that emits from one side.
     Rectangle {
         /// Name of the object that the light follows.
         parent: Option<String>,
-        /// Position of its middle in its parent's space.
+        /// Position of its centre in its parent's space.
         position_m: Animated<Point>,
         /// Target that it faces.
         target_m: Animated<Point>,
-        /// The way its height goes.
+        /// Direction of its height.
         #[serde(default = "up")]
         up: Direction,
-        /// Across.
+        /// Width.
         width_m: Animated<Number<Positive>>,
-        /// Along `up`.
+        /// Height, along `up`.
         height_m: Animated<Number<Positive>>,
-        /// All light that it emits.
+        /// Radiant power.
         power_w: Animated<Triple<NonNegative>>,
     },
-    /// A flat disc that shines from one side.
+    /// A flat disc that emits from one side.
     Disc {
         /// Name of the object that the light follows.
         parent: Option<String>,
-        /// Position of its middle in its parent's space.
+        /// Position of its centre in its parent's space.
         position_m: Animated<Point>,
         /// Target that it faces.
         target_m: Animated<Point>,
         /// Diameter of the disc.
         diameter_m: Animated<Number<Positive>>,
-        /// All light that it emits.
+        /// Radiant power.
         power_w: Animated<Triple<NonNegative>>,
     },
 }
@@ -87,13 +88,13 @@ pub enum Light {
 pub struct Sun {
     /// Name of the object whose rotation the light follows.
     pub parent: Option<String>,
-    /// Direction that the light goes to; not beside `to_sun`.
+    /// Direction in which the light travels; excludes `to_sun`.
     pub direction: Option<Animated<Direction>>,
-    /// Direction that the light comes from.
+    /// Direction to the sun.
     pub to_sun: Option<Animated<Direction>>,
     /// Irradiance on a plane perpendicular to the light.
     pub irradiance_w_per_m2: Animated<Triple<NonNegative>>,
-    /// The whole angle under which its disc is seen; 0 is parallel light.
+    /// Full angle of its disc; 0 is parallel light.
     #[serde(default)]
     pub angular_diameter_deg: Animated<Number<DiscAngle>>,
     /// Darkening of the disc towards its edge.
@@ -138,13 +139,13 @@ pub struct Julia {
     pub real: Animated<Number<JuliaPart>>,
     /// Imaginary part of `c`.
     pub imaginary: Animated<Number<JuliaPart>>,
-    /// Maximum number of iterations: a point that has not escaped then never does.
+    /// Maximum number of iterations: points that have not escaped by then count as inside.
     #[serde(default = "hundred")]
     pub iterations: Whole<1, 1000>,
 }
 
 impl Julia {
-    /// Set of a `c`; points that do not escape in 100 iterations are inside.
+    /// Creates a set with 100 iterations.
     pub fn new(
         real: impl Into<Animated<Number<JuliaPart>>>,
         imaginary: impl Into<Animated<Number<JuliaPart>>>,

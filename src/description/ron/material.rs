@@ -1,4 +1,5 @@
-//! Materials of a scene file. Invariant: docs/scene-format.md describes every field.
+//! Materials of a scene file. In goes RON, out come materials. Invariant: docs/scene-format.md describes
+//! every field.
 
 use super::defaults::one;
 use super::number::{Finite, NonNegative, Number, Triple, UnitInterval};
@@ -10,23 +11,23 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
 pub struct Material {
-    /// Lambert reflectance, linear Rec. 709, multiplied by the texture; without it 0.8, or 1 with a texture.
+    /// Lambert reflectance, linear Rec. 709, multiplied by the texture; 0.8 by default, or 1 with a texture.
     pub base_color: Option<Triple<UnitInterval>>,
     /// A PNG, JPEG, WebP or PPM image in sRGB, relative to the scene file.
     pub texture: Option<PathBuf>,
-    /// Alpha; multiplied by that of the texture.
+    /// Alpha, multiplied by the texture's.
     pub opacity: Option<Number<UnitInterval>>,
-    /// The surface is cut away where alpha is less than this.
+    /// Alpha below which the surface is cut away.
     pub alpha_cutoff: Option<Number<UnitInterval>>,
     /// Share of light that goes straight through where alpha is 1.
     pub filter_color: Option<Triple<UnitInterval>>,
-    /// Lambert transmittance to the far side; multiplied by its texture, or else by `texture`.
+    /// Lambert transmittance to the far side, multiplied by its texture, or else by `texture`.
     pub transmission: Triple<UnitInterval>,
-    /// An image of the colours in which light comes through, as `texture` is of those it shows.
+    /// Image of the transmitted colours, in place of `texture`.
     pub transmission_texture: Option<PathBuf>,
-    /// An image of directions that bend its normals.
+    /// Normal map.
     pub normal_map: Option<NormalMap>,
-    /// Roughness of its shine; matte without.
+    /// Roughness of the coat; without it the surface is matte.
     pub roughness: Option<Number<UnitInterval>>,
     /// Share of metal.
     pub metallic: Option<Number<UnitInterval>>,
@@ -43,7 +44,7 @@ impl Material {
     }
 }
 
-/// An image of directions, as glTF's normal maps are.
+/// Normal map, as in glTF.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -56,7 +57,7 @@ pub struct NormalMap {
 }
 
 impl NormalMap {
-    /// Normal map as the image has it.
+    /// Creates a normal map with scale 1.
     pub fn new(texture: impl Into<PathBuf>) -> Self {
         Self { texture: texture.into(), scale: one() }
     }

@@ -1,7 +1,8 @@
-//! Meaning of RON text. In go a file's bytes, out come those without comments, and without blanks outside
-//! of texts. Invariant: files that read alike are alike then, and others are not.
+//! Meaning of RON text. In go a file's bytes, out come those without comments, and without blanks outside of
+//! strings. Invariant: files have equal results if and only if they parse alike.
 
-/// Meaning of a file's bytes, by which frames know their scene: a comment more makes none of them stale.
+/// Bytes of a file without comments and blanks, whose hash identifies the scene of a frame. So a new comment
+/// makes no frame stale.
 pub(super) fn meant(text: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(text.len());
     let mut end = 0;
@@ -15,7 +16,7 @@ pub(super) fn meant(text: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Texts in quotes and all other bytes that mean something, with their offsets.
+/// Strings and other significant bytes, with their offsets.
 pub(super) fn tokens(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     let mut end = 0;
     std::iter::from_fn(move || {
@@ -31,7 +32,7 @@ pub(super) fn tokens(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     })
 }
 
-/// Length of a blank or a comment at the start; 0 if neither is there.
+/// Length of a blank or comment at the start; 0 without one.
 fn blank(text: &[u8]) -> usize {
     match text {
         [first, ..] if first.is_ascii_whitespace() => 1,
@@ -53,7 +54,7 @@ fn blank(text: &[u8]) -> usize {
     }
 }
 
-/// Length of a text at the start, in quotes of any kind; else a byte.
+/// Length of a string at the start, of any kind; else 1.
 fn token(text: &[u8]) -> usize {
     let hashes = |from: usize| text[from..].iter().take_while(|&&byte| byte == b'#').count();
     match text {

@@ -1,13 +1,12 @@
-//! Values in a form that their field does not take, or no longer. In go an error of the parser and the text,
-//! out comes what stands there in an author's words. Invariant: who writes keys where there are none, or in
-//! another form, is told how they are written.
+//! Values in a form that their field does not take. In go a parser's error and the text, out comes a
+//! diagnostic in the format's terms. Invariant: keys in a wrong form give an error that shows the right one.
 
 use super::meant::{is_word, tokens};
 use crate::diagnostic::{Diagnostic, Place};
 use ::ron::error::{Error, SpannedError};
 use std::ops::Range;
 
-/// `None` of other errors.
+/// Diagnostic of an error about a value's form; `None` for others.
 pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnostic> {
     Some(match &error.code {
         Error::NoSuchStructField { found, outer: Some(outer), .. }
@@ -48,7 +47,7 @@ pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Opt
     })
 }
 
-/// Where keys have another name than `Keyed`: RON takes any where a plain value may stand as well.
+/// Range of keys with another name than `Keyed`. RON accepts any name where a plain value may occur as well.
 pub(super) fn misnamed_keys(text: &str) -> Option<Range<usize>> {
     let bytes = text.as_bytes();
     let mut last: [Range<usize>; 4] = Default::default();
@@ -71,7 +70,7 @@ pub(super) fn misnamed_keys(text: &str) -> Option<Range<usize>> {
     None
 }
 
-/// Says that a number has its unit behind it; `None` of any other comma that is missing.
+/// Diagnostic of a unit after a number; `None` for other missing commas.
 fn told_unit(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnostic> {
     let rest = at(text, error);
     let before = text[..text.len() - rest.len()].trim_end();
@@ -88,7 +87,7 @@ fn told_unit(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnost
     })
 }
 
-/// The text from an error on.
+/// Text from an error on.
 fn at<'a>(text: &'a str, error: &SpannedError) -> &'a str {
     let start = error.span.start;
     let before: usize = text.split_inclusive('\n').take(start.line.saturating_sub(1)).map(str::len).sum();
@@ -97,7 +96,7 @@ fn at<'a>(text: &'a str, error: &SpannedError) -> &'a str {
     column.map_or("", |(column, _)| line[column..].trim_start())
 }
 
-/// Says what stands in a value's place.
+/// Diagnostic of the text in a value's place.
 fn told(place: &Place, text: &str, expected: &str) -> Diagnostic {
     let is_of_keys = |text: &str| ["Keyed", "Keys", "keys"].iter().any(|word| text.starts_with(word));
     let within = text.trim_start_matches(['(', '[']).trim_start();

@@ -1,44 +1,45 @@
-//! Mist that drifts, as a scene file says it. Invariant: what cannot be is refused where it is read.
+//! Drifting mist of a scene file. In goes RON, out comes its description. Invariant: values out of range are
+//! refused on reading.
 
 use super::animated::Animated;
 use super::number::{AirVelocity, Finite, NonNegative, Number, Positive, UnitInterval, Vector, Whole};
 use serde::{Deserialize, Serialize};
 
-/// Billows of mist that drift.
+/// Drifting mist of noise.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Mist {
-    /// Width of the largest.
+    /// Width of the largest billows.
     pub size_m: Number<Positive>,
-    /// Sizes of billows: each half of the one before.
+    /// Number of octaves, each with billows half as wide.
     #[serde(default = "four")]
     pub octaves: Whole<1, 8>,
-    /// The share of the box that they fill.
+    /// Fraction of the box that billows fill.
     #[serde(default = "half")]
     pub cover: Animated<Number<UnitInterval>>,
-    /// Wind that carries them.
+    /// Velocity of the wind that carries them.
     #[serde(default)]
     pub wind_m_per_s: Animated<Vector<AirVelocity>>,
-    /// Turns that they have made.
+    /// Turns of their evolution.
     #[serde(default)]
     pub evolution_turns: Animated<Number<Finite>>,
-    /// Their form as a whole.
+    /// Shape of the mist as a whole.
     #[serde(default)]
     pub shape: MistShape,
-    /// Distance over which that fades; half of `size_m` without.
+    /// Distance over which the shape fades; half of `size_m` by default.
     pub edge_m: Option<Number<NonNegative>>,
-    /// Name of an object that heights count from.
+    /// Name of an object from which heights count.
     pub ground: Option<String>,
     /// Seed of the billows.
     #[serde(default)]
     pub seed: u32,
-    /// Distance between places at which density is computed.
+    /// Size of voxels.
     pub voxel_m: Option<Number<Positive>>,
 }
 
 impl Mist {
-    /// Four sizes of billows in still air, which fill half of a box.
+    /// Creates four octaves of billows in still air, which fill half of a box.
     pub fn new(size_m: f64) -> Self {
         Self {
             size_m: size_m.into(),
@@ -55,14 +56,14 @@ impl Mist {
     }
 }
 
-/// The form of mist in its box.
+/// Shape of mist in its box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub enum MistShape {
-    /// All of it, faded at the sides and at the top.
+    /// The whole box, fading at the sides and at the top.
     #[default]
     Box,
-    /// An ellipsoid that touches all of its sides, faded all around.
+    /// The inscribed ellipsoid, fading all around.
     Ellipsoid,
 }
 

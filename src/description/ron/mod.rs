@@ -1,7 +1,7 @@
-//! Our own format: RON files in, typed descriptions with their meshes and textures out.
-//! Invariant: a file is read only if something in the picture refers to it, and then once.
+//! Sunfleck's scene format. In go RON files, out come typed descriptions with their meshes and textures.
+//! Invariant: a file is read only if the picture uses it, and then once.
 //!
-//! docs/scene-format.md is the author's view of these types; a field is added here, there and in
+//! docs/scene-format.md describes these types for authors. A new field goes here, there and into
 //! `scene::from_ron`.
 
 mod animated;
@@ -63,7 +63,7 @@ pub use shape::Shape;
 pub use sky::{Sky, SkyLight};
 pub use version::Version;
 
-/// A sequence file as read.
+/// Sequence file.
 #[derive(Debug)]
 pub struct SequenceFile {
     /// The file itself.
@@ -74,28 +74,28 @@ pub struct SequenceFile {
     pub fields: SequenceFields,
 }
 
-/// A scene file with the meshes and textures that its picture needs.
+/// Scene file with the meshes and textures that its picture needs.
 #[derive(Debug)]
 pub struct LoadedScene {
     /// The file itself.
     pub path: PathBuf,
     /// Contents of the file.
     pub file: SceneFile,
-    /// OBJ files by their path as the scene writes it.
+    /// OBJ files, by their paths in the scene.
     pub models: BTreeMap<PathBuf, ObjModel>,
-    /// Images that the scene's materials show, by their path as the scene writes it.
+    /// Images of the scene's materials, by their paths in the scene.
     pub images: BTreeMap<PathBuf, DecodedImage>,
-    /// Pictures that the materials of MTL files show.
+    /// Images of MTL materials.
     pub obj_pictures: ObjPictures,
-    /// Images that suns show, by their path as the scene writes it.
+    /// Images of suns, by their paths in the scene.
     pub sun_images: BTreeMap<PathBuf, DecodedImage>,
-    /// Images of directions by their path as the scene writes it.
+    /// Normal maps, by their paths in the scene.
     pub normal_maps: BTreeMap<PathBuf, DecodedImage>,
-    /// Grids that fog takes its density from, by their file's path as the scene writes it.
+    /// Grids of fog, by their files' paths in the scene.
     pub grids: BTreeMap<PathBuf, vdb::GridFiles>,
-    /// The image that the sky shows.
+    /// Image of the sky.
     pub sky_image: Option<DecodedImage>,
-    /// Whether nobody wrote it: a mesh was to be rendered by itself. Then it has neither camera nor light.
+    /// Whether the input is a mesh without a scene file. It then has no camera and no light.
     pub is_mesh_alone: bool,
 }
 
@@ -111,7 +111,7 @@ pub enum RonFile {
 /// Reads a RON file of either kind; a scene with everything that it refers to.
 ///
 /// # Errors
-/// [`LoadError`] if a file cannot be read, or does not hold what it should.
+/// [`LoadError`] if a file cannot be read, or is invalid.
 pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
     match parse::parse(path, &files.read_text(path, meant::meant)?)? {
         Document::Scene(file) => {
@@ -125,10 +125,10 @@ pub fn load(path: &Path, files: &mut Files) -> Result<RonFile, LoadError> {
     }
 }
 
-/// Reads a RON scene with everything that it refers to.
+/// Reads a RON scene with all files that it refers to.
 ///
 /// # Errors
-/// [`LoadError`] if a file cannot be read, or does not hold what it should.
+/// [`LoadError`] if a file cannot be read, or is invalid.
 pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
     match parse::parse(path, &files.read_text(path, meant::meant)?)? {
         Document::Scene(file) => references::load(path, file, BTreeMap::new(), files),
@@ -141,10 +141,10 @@ pub fn load_scene(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadErr
     }
 }
 
-/// A scene of nothing but an OBJ file, which is at the origin as it is.
+/// Creates a scene of a single OBJ file, untransformed.
 ///
 /// # Errors
-/// [`LoadError`] if a file cannot be read, or does not hold what it should.
+/// [`LoadError`] if a file cannot be read, or is invalid.
 pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, LoadError> {
     let name = obj::name(path);
     let mesh_path = PathBuf::from(path.file_name().unwrap_or_default());
@@ -157,7 +157,7 @@ pub fn load_mesh_alone(path: &Path, files: &mut Files) -> Result<LoadedScene, Lo
     Ok(LoadedScene { is_mesh_alone: true, ..scene })
 }
 
-/// `path`, which `file` writes relative to its own folder.
+/// Path in `file`, relative to its folder.
 fn beside(file: &Path, path: &Path) -> PathBuf {
     files::beside(file.parent().unwrap_or(Path::new("")), path)
 }

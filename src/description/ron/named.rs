@@ -1,5 +1,5 @@
-//! Things with names: `{ "oak": .., "birch": .. }`. Invariant: every name occurs once, and the
-//! author's order is kept.
+//! Objects with names: `{ "oak": .., "birch": .. }`. In goes a RON map, out comes a list. Invariant: every
+//! name occurs once, and the author's order is kept.
 
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Serialize, Serializer};
@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Things of one kind, by name, in the author's order.
+/// Objects of one kind, by name, in the author's order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named<T>(Vec<(String, T)>);
 
@@ -18,17 +18,17 @@ impl<T> Default for Named<T> {
 }
 
 impl<T> Named<T> {
-    /// A single thing.
+    /// A single object.
     pub(super) fn one(name: &str, thing: T) -> Self {
         Self(vec![(name.to_owned(), thing)])
     }
 
-    /// Adds a thing, whatever its name; [`super::load_built`] refuses names that occur twice.
+    /// Adds an object; [`super::load_built`] refuses duplicate names.
     pub(crate) fn push(&mut self, name: &str, thing: T) {
         self.0.push((name.to_owned(), thing));
     }
 
-    /// Names and things, in the author's order.
+    /// Names and objects, in the author's order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (&str, &T)> {
         self.0.iter().map(|(name, thing)| (name.as_str(), thing))
     }
@@ -38,7 +38,7 @@ impl<T> Named<T> {
         self.0.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The thing of that name.
+    /// Object of that name.
     pub fn get(&self, name: &str) -> Option<&T> {
         self.0.iter().find(|(other, _)| other == name).map(|(_, thing)| thing)
     }

@@ -1,5 +1,5 @@
-//! Numbers that know their range. In goes RON, out come finite values. Invariant: a number that was read lies
-//! in its range. One that does not is an error at its own line and column.
+//! Numbers with a range. In goes RON, out come finite values. Invariant: a number from a file lies in its
+//! range; any other is an error at its own line and column.
 
 pub use super::range::*;
 use crate::description::LARGEST_NUMBER;
@@ -8,7 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Unexpec
 use std::fmt;
 use std::marker::PhantomData;
 
-/// One number in a range.
+/// Number in a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Number<R> {
     value: f64,
@@ -16,19 +16,19 @@ pub struct Number<R> {
 }
 
 impl<R> Number<R> {
-    /// One that is checked when its part is.
+    /// Creates a number that is validated with its part.
     pub(super) const fn new(value: f64) -> Self {
         Self { value, range: PhantomData }
     }
 
-    /// The number in the author's unit.
+    /// Value in the author's unit.
     pub(super) fn value(self) -> f64 {
         self.value
     }
 }
 
 impl<R: Range> Number<R> {
-    /// The number in SI units: radians for angles, else as the author wrote it.
+    /// Value in SI units: radians for angles, else the author's unit.
     pub fn si(self) -> f64 {
         self.value * R::UNIT
     }
@@ -47,7 +47,7 @@ fn check<R: Range, E: Error>(value: f64) -> Result<f64, E> {
     }
 }
 
-/// Message for someone who left the range; `None` if `value` lies in it.
+/// Expectation in the error for a value out of range; `None` if it lies within.
 pub(super) fn unmet<R: Range>(value: f64) -> Option<&'static str> {
     if !value.is_finite() || !R::contains(value) {
         Some(R::EXPECTED)
@@ -56,7 +56,7 @@ pub(super) fn unmet<R: Range>(value: f64) -> Option<&'static str> {
     }
 }
 
-/// Three numbers `(x, y, z)`; if `ONE_WILL_DO`, maybe one that stands for all three.
+/// Three numbers `(x, y, z)`; with `ONE_WILL_DO` one number may stand for all three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Three<R, const ONE_WILL_DO: bool> {
     value: DVec3,
@@ -69,23 +69,23 @@ pub type Vector<R> = Three<R, false>;
 /// A position or displacement.
 pub type Point = Vector<Finite>;
 
-/// Three numbers, or one.
+/// Three numbers, or one for all three.
 pub type Triple<R> = Three<R, true>;
 
 impl<R, const ONE_WILL_DO: bool> Three<R, ONE_WILL_DO> {
-    /// Numbers that are checked when their part is.
+    /// Creates numbers that are validated with their part.
     pub(super) const fn new(value: DVec3) -> Self {
         Self { value, range: PhantomData }
     }
 
-    /// The numbers in the author's unit.
+    /// Values in the author's unit.
     pub(super) fn value(self) -> DVec3 {
         self.value
     }
 }
 
 impl<R: Range, const ONE_WILL_DO: bool> Three<R, ONE_WILL_DO> {
-    /// The numbers in SI units.
+    /// Values in SI units.
     pub fn si(self) -> DVec3 {
         self.value * R::UNIT
     }
@@ -100,7 +100,7 @@ impl<'de, R: Range, const ONE_WILL_DO: bool> Deserialize<'de> for Three<R, ONE_W
     }
 }
 
-/// A vector that is not zero; its length means nothing.
+/// Vector other than zero, of any length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Direction(pub(crate) DVec3);
 
@@ -115,7 +115,7 @@ impl<'de> Deserialize<'de> for Direction {
     }
 }
 
-/// A rotation `(x, y, z, w)`; brought to unit length when it is read.
+/// Rotation `(x, y, z, w)`, normalized on reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quaternion(pub(crate) DQuat);
 
@@ -131,7 +131,7 @@ impl<'de> Deserialize<'de> for Quaternion {
     }
 }
 
-/// Rate of change of a quaternion's four numbers, per second.
+/// Rate of change of a quaternion's components, per second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuaternionRate(pub(crate) DQuat);
 
@@ -142,7 +142,7 @@ impl<'de> Deserialize<'de> for QuaternionRate {
     }
 }
 
-/// Range from `low` to `high`; written `(low, high)`, or as one number that is both.
+/// Range from `low` to `high`; written as `(low, high)`, or as one number for both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span<R> {
     low: f64,
@@ -151,7 +151,7 @@ pub struct Span<R> {
 }
 
 impl<R> Span<R> {
-    /// One that is checked when its part is.
+    /// Creates a range that is validated with its part.
     pub(super) const fn new(low: f64, high: f64) -> Self {
         Self { low, high, range: PhantomData }
     }
@@ -163,7 +163,7 @@ impl<R> Span<R> {
 }
 
 impl<R: Range> Span<R> {
-    /// The value at `fraction`, from 0 for `low` to 1 for `high`, in SI units.
+    /// Value at `fraction`, from 0 at `low` to 1 at `high`, in SI units.
     pub fn at(self, fraction: f64) -> f64 {
         (self.low + (self.high - self.low) * fraction) * R::UNIT
     }
@@ -182,7 +182,7 @@ impl<'de, R: Range> Deserialize<'de> for Span<R> {
     }
 }
 
-/// A whole number from `LOW` to `HIGH`.
+/// Integer from `LOW` to `HIGH`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Whole<const LOW: u32, const HIGH: u32>(pub(crate) u32);
 
@@ -206,7 +206,7 @@ impl<'de, const LOW: u32, const HIGH: u32> Deserialize<'de> for Whole<LOW, HIGH>
     }
 }
 
-/// Reads a tuple of `N` numbers or, where `one_will_do`, a single one for all.
+/// Reads a tuple of `N` numbers or, with `one_will_do`, a single one for all.
 struct OneOrTuple<R, const N: usize> {
     expected: &'static str,
     one_will_do: bool,

@@ -1,5 +1,5 @@
-//! RON text in, typed document or a diagnostic out. Invariant: every error has the line and column
-//! of the value that caused it, says what was expected, and has a remedy.
+//! Parser of RON files. In goes text, out comes a typed document or a diagnostic. Invariant: every error has
+//! the line and column of the value at fault, an expectation and a remedy.
 
 use super::{SceneFile, SequenceFields};
 use super::{misplaced, suggest};
@@ -11,7 +11,7 @@ use serde::Deserialize;
 use std::ops::Range;
 use std::path::Path;
 
-/// The two kinds of file.
+/// Kind of a file.
 #[derive(Debug, Deserialize)]
 pub(super) enum Document {
     Scene(SceneFile),
@@ -21,7 +21,7 @@ pub(super) enum Document {
 /// Parses the bytes of the file at `path`.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Document, Diagnostic> {
     let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(path, bytes, error.valid_up_to()))?;
-    // An editor's byte order mark is no part of the text.
+    // Editors may write a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
         let place = place_of(path, bytes, 0);
@@ -63,7 +63,7 @@ fn place_of(path: &Path, bytes: &[u8], offset: usize) -> Place {
 fn diagnostic(path: &Path, text: &str, error: &SpannedError) -> Diagnostic {
     let start = error.span.start;
     let place = Place::Text { file: path.to_owned(), line: start.line, column: start.col };
-    // `Document` is a name of ours that no file contains; keys have the name of what they are the value of.
+    // `Document` is an internal name that no file contains; the type of keys is named after their value.
     let inside = |outer: &Option<String>| match outer.as_deref() {
         _ if is_of_keys(&error.code) => String::from(" in `Keyed`"),
         None | Some("Document") => String::new(),
@@ -128,14 +128,14 @@ fn is_of_keys(error: &Error) -> bool {
     }
 }
 
-/// An author knows numbers, not the types that hold them.
+/// Names the kind of number in place of its Rust type.
 fn plain(found: &str) -> String {
     let kinds = ["the unsigned integer ", "the integer ", "the floating point number "];
     let number = kinds.iter().find_map(|kind| found.strip_prefix(kind));
     number.map_or_else(|| found.to_owned(), |number| format!("the number {number}"))
 }
 
-/// Types of this program by what they are called elsewhere.
+/// Names in the format of types of this program.
 fn spoken(expected: &str) -> String {
     match expected {
         "f64" | "f32" => String::from("a number"),

@@ -1,11 +1,11 @@
-//! Ranges of fields' numbers. In goes a number in the author's unit, out comes whether its range has it.
-//! Invariant: numbers are finite before they are asked about.
+//! Ranges of fields. In goes a number in the author's unit, out comes whether it is in range. Invariant:
+//! callers pass finite numbers only.
 
 use std::ops::RangeInclusive;
 
-/// A set of admissible numbers.
+/// Set of valid numbers.
 pub trait Range: Copy {
-    /// Message for someone who left it.
+    /// Expectation in the error for a number out of range.
     const EXPECTED: &'static str;
     /// Factor to SI units.
     const UNIT: f64 = 1.0;
@@ -13,8 +13,7 @@ pub trait Range: Copy {
     fn contains(value: f64) -> bool;
 }
 
-/// A row for each: what to say to someone who left it, which numbers it has, and its unit
-/// where that is none of SI.
+/// Defines ranges, one a row: the expectation in errors, the test, and the unit if it is not SI's.
 macro_rules! ranges {
     ($($(#[$doc:meta])* $name:ident: $expected:literal, $contains:expr $(, $unit:expr)?;)*) => {$(
         $(#[$doc])*
@@ -35,11 +34,11 @@ macro_rules! ranges {
 /// Radians.
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// Whole fields of view that numerics.md vouches for, degrees.
+/// Full fields of view that numerics.md guarantees, degrees.
 pub const FIELDS_OF_VIEW_DEG: RangeInclusive<f64> = 1e-4..=179.9;
-/// Openings beyond this are wider than what they see.
+/// Minimum f-stop: beyond it the opening is wider than its view.
 pub const SMALLEST_F_STOP: f64 = 1e-3;
-/// Nearer planes lie within the rounding of positions.
+/// Minimum distance of focus: nearer planes lie within the rounding of positions.
 pub const NEAREST_FOCUS_M: f64 = 1e-6;
 
 ranges! {
@@ -53,34 +52,34 @@ ranges! {
     UnitInterval: "a number from 0 to 1", |value| (0.0..=1.0).contains(&value);
     /// More than 0, at most 1.
     RelativeError: "a relative error greater than 0 and at most 1, such as 0.02 for 2 %", |value| 0.0 < value && value <= 1.0;
-    /// Powers of two by which light is multiplied: within 100 of 0.
+    /// Stops, powers of two that multiply light: -100 to 100.
     Stops: "powers of two from -100 to 100, such as 1 for twice as bright", |value| value.abs() <= 100.0;
     /// At most 0.9999 in magnitude.
     Anisotropy: "a number from -0.9999 to 0.9999", |value| value.abs() <= 0.9999;
     /// Any angle, in degrees.
     Degrees: "a finite angle in degrees", |_| true, DEGREE;
-    /// A whole field of view in degrees.
+    /// Full field of view in degrees.
     FieldOfView: "an angle from 0.0001 to 179.9 degrees", |value| FIELDS_OF_VIEW_DEG.contains(&value), DEGREE;
     /// Focal length over the diameter of a lens' opening.
     FStop: "an f-stop of at least 0.001, such as 2.8", |value| value >= SMALLEST_F_STOP;
-    /// Distance at which a lens is in focus, metres.
+    /// Distance of the plane in focus, metres.
     FocusDistance: "a distance of at least 0.000001 m", |value| value >= NEAREST_FOCUS_M;
-    /// The whole angle under which a disc is seen, in degrees: 0 or more, less than 180.
+    /// Full angle of a disc in degrees: 0 or more, less than 180.
     DiscAngle: "an angle of at least 0 and less than 180 degrees", |value| (0.0..180.0).contains(&value), DEGREE;
-    /// A part of the constant of a Julia set; beyond it every point escapes.
+    /// Real or imaginary part of the constant of a Julia set; beyond it every point escapes.
     JuliaPart: "a number from -2 to 2", |value| (-2.0..=2.0).contains(&value);
-    /// Half the opening of a cone in degrees: more than 0, at most 90.
+    /// Half angle of a cone in degrees: more than 0, at most 90.
     HalfAngle: "an angle greater than 0 and at most 90 degrees", |value| 0.0 < value && value <= 90.0, DEGREE;
-    /// Length or width of something light enough to be borne by the air, in metres.
+    /// Length or width of a leaf, in metres.
     LeafLength: "a length from 0.005 to 1 m", |value| (0.005..=1.0).contains(&value);
-    /// Mass over area of such a thing, in kilograms per square metre.
+    /// Mass per area of a leaf, in kilograms per square metre.
     ArealMass: "from 0.01 to 2 kg/m2; paper and leaves have about 0.08", |value| (0.01..=2.0).contains(&value);
-    /// Speed of the air along an axis, m/s: no storm is faster.
+    /// Velocity of air along an axis, m/s, beyond that of any storm.
     AirVelocity: "from -200 to 200 m/s along each axis; a hurricane has 70", |value| value.abs() <= 200.0;
-    /// Speed of air in any direction.
+    /// Speed of air in any direction, m/s.
     AirSpeed: "from 0 to 200 m/s; a hurricane has 70", |value| (0.0..=200.0).contains(&value);
-    /// Scale from gust to gust in seconds, or across an eddy in metres.
+    /// Time scale of gusts in seconds, or size of eddies in metres.
     GustScale: "a number of at least 0.01", |value| value >= 0.01;
-    /// A factor on speeds.
+    /// Factor on speeds.
     SpeedGain: "a factor from 0.1 to 10", |value| (0.1..=10.0).contains(&value);
 }

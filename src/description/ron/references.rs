@@ -1,5 +1,5 @@
-//! A parsed scene in, the same with its meshes and textures read out. Invariant: a mesh, material
-//! or texture that nothing in the picture uses is not read.
+//! Files that a scene refers to. In goes a parsed scene, out comes the same with its meshes and textures.
+//! Invariant: meshes, materials and textures that the picture does not use are not read.
 
 use super::{Animated, Light, LoadedScene, Material, NormalMap, Replacement, SceneFile, Sky, Sun, beside};
 use crate::description::image::{self, Encoding};
@@ -8,7 +8,7 @@ use crate::diagnostic::{Diagnostics, Place};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Reads the files that `file`, which lies at `path`, refers to; `models` are there already.
+/// Reads the files that `file` at `path` refers to; `models` are read already.
 pub(super) fn load(
     path: &Path,
     file: SceneFile,
@@ -62,11 +62,11 @@ pub(super) fn load(
     })
 }
 
-/// Names of what takes part in the picture.
+/// Names that the picture uses.
 #[derive(Default)]
 struct Used<'a> {
     meshes: BTreeSet<&'a str>,
-    /// Meshes that are seen with the materials of their own files.
+    /// Meshes that are visible with the materials of their own files.
     own_materials: BTreeSet<&'a str>,
     materials: BTreeSet<&'a str>,
 }
@@ -92,7 +92,7 @@ impl<'a> Used<'a> {
         used
     }
 
-    /// Replacements of OBJ files' materials: the mesh, the material's name there, and its replacement.
+    /// Replacements of OBJ files' materials: mesh, name in the file, and replacement.
     fn replacements(&self, file: &'a SceneFile) -> impl Iterator<Item = (&'a str, &'a str, &'a Replacement)> {
         let dressed = file.meshes.iter().filter(|(name, _)| self.own_materials.contains(name));
         dressed.filter_map(|(mesh, shape)| Some((mesh, shape.obj()?.1?))).flat_map(|(mesh, replacements)| {
@@ -110,7 +110,7 @@ impl<'a> Used<'a> {
     }
 }
 
-/// Reads files and goes on after invalid ones, so that all of them are reported.
+/// Reads files and continues after invalid ones, so that all of them are reported.
 struct Loader<'a> {
     path: &'a Path,
     files: &'a mut Files,
@@ -124,7 +124,7 @@ impl Loader<'_> {
         self.valid(model)
     }
 
-    /// What was read; nothing of what is invalid, whose problems are kept.
+    /// Result of reading; `None` for an invalid file, whose problems are kept.
     fn valid<T>(&mut self, read: Result<T, LoadError>) -> Result<Option<T>, LoadError> {
         match read {
             Ok(read) => Ok(Some(read)),

@@ -1,5 +1,6 @@
-//! Replacement of an OBJ file's material: `"bark"`, or `(transmission: (0.1, 0.3, 0.05))`. Invariant: both
-//! forms are read without buffering, so errors keep their line and column.
+//! Replacements of an OBJ file's materials: `"bark"`, or `(transmission: (0.1, 0.3, 0.05))`. In goes RON, out
+//! come names or materials. Invariant: both forms are read without buffering, so errors keep their line and
+//! column.
 
 use super::material::Material;
 use serde::Serialize;
@@ -7,19 +8,19 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use std::fmt;
 
-/// A material of the scene, or one that only this mesh has.
+/// A material of the scene, or one for this mesh alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum Replacement {
-    /// The name of a material of the scene.
+    /// Name of a material of the scene.
     Named(String),
-    /// A material that stands right here. What it leaves out is as the file has it.
+    /// Material for this mesh; the OBJ file's values are its defaults.
     Inline(Box<Material>),
 }
 
 impl Replacement {
-    /// The name of a material of the scene.
+    /// Name of a material of the scene, if it is one.
     pub fn name(&self) -> Option<&str> {
         match self {
             Self::Named(name) => Some(name),
@@ -27,7 +28,7 @@ impl Replacement {
         }
     }
 
-    /// A material that stands right here.
+    /// Material for this mesh, if it is one.
     pub fn inline(&self) -> Option<&Material> {
         match self {
             Self::Named(_) => None,
@@ -42,7 +43,8 @@ impl<'de> Deserialize<'de> for Replacement {
     }
 }
 
-/// A text is a name; a struct with named fields is a material, and empty brackets are one without any.
+/// A string is a name; a struct with named fields is a material, and empty parentheses are one without
+/// fields.
 struct ReplacementVisitor;
 
 impl<'de> Visitor<'de> for ReplacementVisitor {

@@ -1,5 +1,5 @@
-//! Fields of a scene file. Invariant: every field's unit is in its name, and docs/scene-format.md
-//! describes every field.
+//! Fields of a scene file. In goes RON, out come typed sections. Invariant: every field's unit is in its
+//! name, and docs/scene-format.md describes every field.
 
 use super::animated::Animated;
 use super::camera::Camera;
@@ -16,7 +16,7 @@ use super::sky::Sky;
 use super::version::Version;
 use serde::{Deserialize, Serialize};
 
-/// `Scene(..)`: everything there is to see.
+/// `Scene(..)`: contents of a scene.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
@@ -28,13 +28,13 @@ pub struct SceneFile {
     /// Materials of surfaces.
     #[serde(default)]
     pub materials: Named<Material>,
-    /// Meshes and groups, placed one by one.
+    /// Placed meshes and groups.
     #[serde(default)]
     pub objects: Named<Object>,
-    /// Leaves, stamped by the hundred.
+    /// Blocks of scattered leaves.
     #[serde(default)]
     pub leaves: Named<Leaves>,
-    /// Leaves that fall as leaves fall.
+    /// Blocks of falling leaves.
     #[serde(default)]
     pub fall: Named<Fall>,
     /// Cameras.
@@ -43,25 +43,25 @@ pub struct SceneFile {
     /// Lights.
     #[serde(default)]
     pub lights: Named<Light>,
-    /// Banks of fog.
+    /// Fog volumes.
     #[serde(default)]
     pub fog: Named<Fog>,
-    /// Sky behind the scene, which lights it.
+    /// Sky, seen behind the scene, which it lights.
     pub sky: Option<Sky>,
-    /// Radiance of whatever lies beyond the scene.
+    /// Radiance of rays that leave the scene; it lights nothing.
     #[serde(default)]
     pub background_w_per_m2_sr: Triple<NonNegative>,
 }
 
 impl SceneFile {
-    /// A scene of nothing but a mesh.
+    /// Creates a scene of a single mesh.
     pub(super) fn of_mesh(name: &str, mesh: Shape) -> Self {
         let object = Object { mesh: Some(name.to_owned()), ..Object::default() };
         Self { meshes: Named::one(name, mesh), objects: Named::one(name, object), ..Self::default() }
     }
 }
 
-/// A mesh in its place, or a group of such.
+/// Placed mesh, or a group.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[non_exhaustive]
@@ -74,24 +74,24 @@ pub struct Object {
     pub parent: Option<String>,
     /// Position in its parent's space.
     pub translation_m: Animated<Point>,
-    /// Turned about x, then y, then z.
+    /// Rotation about x, then y, then z.
     pub rotation_deg: Option<Animated<Vector<Degrees>>>,
-    /// Turned, as a quaternion `(x, y, z, w)`; not beside `rotation_deg`.
+    /// Rotation as a quaternion `(x, y, z, w)`; excludes `rotation_deg`.
     pub rotation_quaternion: Option<Animated<Quaternion>>,
-    /// Scaled before it is turned.
+    /// Scale, applied before the rotation.
     pub scale: Animated<Triple<Finite>>,
-    /// Whether it and everything that follows it takes part in the picture. Keys jump.
+    /// Whether it and its descendants are visible. Keys are steps.
     pub visible: Animated<bool>,
-    /// Whether the camera sees its mesh; mirrors do in any case.
+    /// Whether the camera sees its mesh; mirrors always do.
     pub visible_to_camera: bool,
-    /// Whether its mesh keeps light from what lies behind it.
+    /// Whether its mesh casts shadows.
     pub casts_shadow: bool,
-    /// Whether its mesh is a hole in the picture: black, with alpha 0.
+    /// Whether its mesh is a holdout: black, with alpha 0.
     pub holdout: bool,
 }
 
 impl Object {
-    /// A mesh of a material, by their names, at the origin.
+    /// Creates an object at the origin from the names of a mesh and a material.
     pub fn of(mesh: &str, material: &str) -> Self {
         Self { mesh: Some(mesh.to_owned()), material: Some(material.to_owned()), ..Self::default() }
     }

@@ -1,5 +1,5 @@
-//! Fields of a sequence file: how to render a scene, never what is in it. Invariant: every field but the
-//! version and the scene may be left out; what is left out is the scene's business.
+//! Fields of a sequence file: render settings, never contents. In goes RON, out come settings. Invariant:
+//! only the version and the scene are required; the scene has defaults for other fields.
 
 use super::number::{Finite, NonNegative, Number, Positive, RelativeError, Stops, Whole};
 use super::version::Version;
@@ -9,7 +9,7 @@ use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor
 use std::fmt;
 use std::path::PathBuf;
 
-/// `Sequence(..)`: which frames of a scene, and how.
+/// `Sequence(..)`: frames of a scene, and their settings.
 #[derive(Clone, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SequenceFields {
@@ -23,13 +23,13 @@ pub struct SequenceFields {
     pub frame_rate: Option<FrameRate>,
     /// Columns and rows.
     pub size: Option<(Whole<1, 65536>, Whole<1, 65536>)>,
-    /// Animations of a glTF scene that play: a name, a number from 0, or `all`.
+    /// Animations of a glTF scene to play: a name, a number from 0, or `all`.
     pub animation: Option<String>,
     /// Name of the camera.
     pub camera: Option<String>,
-    /// Samples a pixel; with a tolerance, at most.
+    /// Samples a pixel; with a tolerance, the maximum.
     pub samples: Option<Whole<1, 65536>>,
-    /// The relative error of a block of pixels that is good enough.
+    /// Relative error of a block of pixels that suffices.
     pub tolerance: Option<Number<RelativeError>>,
     /// Reconstruction filter.
     pub filter: Option<PixelFilter>,
@@ -37,13 +37,14 @@ pub struct SequenceFields {
     pub passes: Option<Vec<Pass>>,
     /// Seed of the sample points.
     pub seed: Option<u32>,
-    /// Time that the shutter is open.
+    /// Time for which the shutter is open, in frames.
     pub shutter_frames: Option<Number<NonNegative>>,
-    /// Place of the frame in that time: centred at 0, opened at 0.5, closed at -0.5.
+    /// Offset from the frame to the middle of that time, in parts of it: -0.5 closes at the frame, 0.5 opens
+    /// at it.
     pub shutter_position: Option<Number<Finite>>,
-    /// Brightens pictures for eyes by so many powers of two.
+    /// Exposure of pictures for viewing, in stops.
     pub exposure: Option<Number<Stops>>,
-    /// Contrast of pictures for eyes.
+    /// Look of pictures for viewing.
     pub look: Option<Look>,
     /// Maximum number of reflections by mirrors.
     pub mirror_depth: Option<Whole<0, 64>>,
@@ -53,11 +54,11 @@ pub struct SequenceFields {
     pub march: Option<March>,
 }
 
-/// Steps of the image plane of the stepped method.
+/// Movement of the image plane in the stepped method.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct March {
-    /// Depth that the plane is moved to.
+    /// Depth to which the plane is moved.
     pub depth_m: Number<Positive>,
     /// Step of the plane.
     pub step_m: Number<Positive>,
@@ -67,9 +68,9 @@ pub struct March {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Bounces {
-    /// A number of times, `bounces: 3`.
+    /// At most this many, `bounces: 3`.
     UpTo(u32),
-    /// All until nothing is left, `bounces: "all"`.
+    /// All orders, `bounces: "all"`.
     All,
 }
 
@@ -97,7 +98,7 @@ impl<'de> Deserialize<'de> for Bounces {
     }
 }
 
-/// By what weights a pixel is the mean of the picture around it.
+/// Reconstruction filter of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 #[non_exhaustive]
@@ -109,8 +110,7 @@ pub enum PixelFilter {
     BlackmanHarris,
 }
 
-/// Frame numbers beyond this, either way, are refused: they leave no sub-frame digits in the single precision
-/// that files keep times in.
+/// Maximum magnitude of frame numbers: beyond it, times in single precision cannot resolve parts of frames.
 pub const MAX_FRAME: i64 = 10_000_000;
 
 /// First and last frame, `(1, 48)`; the last is not before the first.
@@ -132,9 +132,9 @@ impl<'de> Deserialize<'de> for Frames {
 /// Frames a second as a fraction, such as 24/1 or 24000/1001.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRate {
-    /// Frames ...
+    /// Number of frames.
     pub numerator: u32,
-    /// ... in this many seconds. At least 1.
+    /// Number of seconds that they take, at least 1.
     pub denominator: u32,
 }
 
@@ -144,7 +144,7 @@ impl<'de> Deserialize<'de> for FrameRate {
     }
 }
 
-/// Largest numerator and denominator of a frame rate.
+/// Maximum numerator and denominator of a frame rate.
 const MAX_RATE: u32 = 1_000_000;
 
 struct FrameRateVisitor;

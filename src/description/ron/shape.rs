@@ -1,4 +1,5 @@
-//! Shapes of a scene file.
+//! Shapes of a scene file. In goes RON, out come shapes. Invariant: docs/scene-format.md describes every
+//! field.
 
 use super::named::Named;
 use super::number::{Degrees, Number, Positive};
@@ -13,7 +14,7 @@ use std::path::PathBuf;
 pub enum Shape {
     /// A Wavefront OBJ file, relative to the scene file.
     Obj(PathBuf),
-    /// OBJ file with other materials in place of some of its own.
+    /// An OBJ file, some of whose materials are replaced.
     ObjWith {
         /// Relative to the scene file.
         file: PathBuf,
@@ -25,11 +26,11 @@ pub enum Shape {
         /// Length of an edge.
         size_m: Number<Positive>,
     },
-    /// A rectangle in the x-z plane, centred, facing +y: a leaf that is a picture, its top towards -z.
+    /// A rectangle in the x-z plane, centred, facing +y, for pictures of leaves, with its top towards -z.
     Card {
-        /// Along z, from bottom to top.
+        /// Length along z, from bottom to top.
         length_m: Number<Positive>,
-        /// Along x.
+        /// Width along x.
         width_m: Number<Positive>,
     },
     /// A cube, centred.
@@ -46,19 +47,19 @@ pub enum Shape {
     Leaf {
         /// Length from stalk to tip.
         length_m: Number<Positive>,
-        /// Across, where it is widest.
+        /// Width at the widest place.
         width_m: Number<Positive>,
-        /// Angle by which it bends down along its length, in all.
+        /// Total angle by which it bends down along its length.
         #[serde(default)]
         curl_deg: Number<Degrees>,
-        /// Angle by which each half is lifted about the middle vein.
+        /// Angle by which each half is folded up about the midrib.
         #[serde(default)]
         fold_deg: Number<Degrees>,
     },
 }
 
 impl Shape {
-    /// The OBJ file that it shows, and what takes the place of which of the file's materials.
+    /// OBJ file of the shape, and its replacements of materials.
     pub fn obj(&self) -> Option<(&PathBuf, Option<&Named<Replacement>>)> {
         match self {
             Self::Obj(file) => Some((file, None)),

@@ -1,4 +1,4 @@
-//! Sky of a scene file. Invariant: every field's unit is in its name.
+//! Sky of a scene file. In goes RON, out comes a sky. Invariant: every field's unit is in its name.
 
 use super::animated::Animated;
 use super::defaults::one;
@@ -6,7 +6,7 @@ use super::number::{Degrees, NonNegative, Number, Triple};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Sky behind the scene, which lights it.
+/// Sky, seen behind the scene, which it lights.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -15,23 +15,23 @@ pub enum Sky {
     Constant {
         /// Radiance.
         radiance_w_per_m2_sr: Animated<Triple<NonNegative>>,
-        /// Things that it lights.
+        /// Contents of the scene that it lights.
         #[serde(default)]
         lights: SkyLight,
     },
     /// Gradient from the horizon up, and one colour below.
     Gradient {
-        /// Straight up.
+        /// Radiance at the zenith.
         zenith_w_per_m2_sr: Triple<NonNegative>,
-        /// Just above the horizon.
+        /// Radiance just above the horizon.
         horizon_w_per_m2_sr: Triple<NonNegative>,
-        /// Below the horizon.
+        /// Radiance below the horizon.
         #[serde(default)]
         ground_w_per_m2_sr: Triple<NonNegative>,
-        /// Multiplies all of it.
+        /// Factor on the whole sky.
         #[serde(default = "one")]
         strength: Animated<Triple<NonNegative>>,
-        /// Things that it lights.
+        /// Contents of the scene that it lights.
         #[serde(default)]
         lights: SkyLight,
     },
@@ -39,24 +39,24 @@ pub enum Sky {
     Image {
         /// Radiance HDR or OpenEXR, longitude across and latitude down, relative to the scene file.
         image: PathBuf,
-        /// Radiance of what is 1 in the image.
+        /// Radiance where the image is 1.
         #[serde(default = "one")]
         strength_w_per_m2_sr: Animated<Triple<NonNegative>>,
-        /// Turned about +y, anticlockwise as seen from above.
+        /// Rotation about +y, anticlockwise from above.
         #[serde(default)]
         rotation_deg: Animated<Number<Degrees>>,
-        /// Things that it lights.
+        /// Contents of the scene that it lights.
         #[serde(default)]
         lights: SkyLight,
     },
 }
 
-/// Things that a sky lights.
+/// Contents of a scene that a sky lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum SkyLight {
-    /// It is seen, and lights nothing.
+    /// Nothing; the sky is only seen.
     Nothing,
-    /// Surfaces.
+    /// Surfaces alone.
     Surfaces,
     /// Surfaces and fog.
     #[default]

@@ -1,13 +1,14 @@
-//! "Did you mean": the known name nearest to an unknown one.
+//! Suggestions for unknown names: "did you mean". In go an unknown name and the known ones, out comes a
+//! remedy. Invariant: a name that differs too much is not suggested.
 
-/// Remedy for an unknown name, given those that there are.
+/// Remedy for an unknown name, from the known ones.
 pub(crate) fn remedy<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    // A name without its unit is a slip however long that is.
+    // A missing unit is a likely slip, whatever its length.
     let lacks_unit = |name: &str| name.strip_prefix(unknown).is_some_and(|unit| unit.starts_with('_'));
     let distance = |name: &str| if lacks_unit(name) { 1 } else { strsim::damerau_levenshtein(unknown, name) };
     let nearest = known.into_iter().map(|name| (distance(name), name)).min_by_key(|(distance, _)| *distance);
     match nearest {
-        // A third of the letters may be wrong; beyond that a guess misleads.
+        // At most a third of the letters may differ; beyond that a guess misleads.
         Some((distance, name)) if distance * 3 <= name.chars().count().max(3) => {
             format!("did you mean `{name}`?")
         }
@@ -15,7 +16,7 @@ pub(crate) fn remedy<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>
     }
 }
 
-/// `a`, `b`, `c`, for a message.
+/// List for a message: `a`, `b`, `c`.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }

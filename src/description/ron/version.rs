@@ -1,8 +1,9 @@
-//! The version of the format. Invariant: a file of another version is refused, never half understood.
+//! Version of the format. In goes a number, out comes version 1. Invariant: a file of another version is
+//! refused.
 
 use serde::de::{Deserialize, Deserializer, Error, Unexpected};
 
-/// Version 1, the only one there is.
+/// Version 1, the only one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Version;
 

@@ -1,11 +1,11 @@
-//! A walk through a part of a scene: in go its fields, out comes the first that no file could hold.
-//! Invariant: nothing is written; what refuses to be is told by its path, as `Sun.fractal.real`.
+//! Validation of scene parts from code. In goes a part, out comes its first invalid field. Invariant: fields
+//! are serialized without output; one that fails is reported by its path, such as `Sun.fractal.real`.
 
 use serde::Serialize;
 use serde_json::ser::{CharEscape, CompactFormatter, Formatter, Serializer};
 use std::io::{Result, Write, sink};
 
-/// The path of the first field that refuses to be written, and what it says.
+/// Path of the first field that fails to serialize, and its error.
 pub(super) fn fault(part: &impl Serialize) -> Option<(String, String)> {
     let mut steps = Vec::new();
     let walk = Walk { steps: &mut steps, is_in_name: false };
@@ -18,13 +18,13 @@ pub(super) fn fault(part: &impl Serialize) -> Option<(String, String)> {
     Some((path.trim_start_matches('.').to_owned(), said.to_string()))
 }
 
-/// A step into a field or variant by its name, or into a list.
+/// Step into a field or variant by name, or into a list.
 enum Step {
     Field(String),
     Place(usize),
 }
 
-/// The way to where writing is.
+/// Path to the field that is serialized.
 struct Walk<'a> {
     steps: &'a mut Vec<Step>,
     is_in_name: bool,

@@ -1,6 +1,5 @@
-//! Blosc 1 with LZ4, as OpenVDB writes it. In goes a chunk, out come its bytes. Invariant: never more of
-//! them than were asked for.
-//! Layout: <https://github.com/Blosc/c-blosc/blob/main/README_CHUNK_FORMAT.rst>
+//! Blosc 1 with LZ4, as OpenVDB writes it. In goes a chunk, out come its bytes. Invariant: at most the
+//! expected size is allocated. Layout: <https://github.com/Blosc/c-blosc/blob/main/README_CHUNK_FORMAT.rst>
 
 use super::bytes::{Bytes, Read};
 
@@ -17,12 +16,12 @@ const LEAST_VALUES_OF_A_SPLIT: usize = 128;
 
 struct Header {
     flags: u8,
-    /// Bytes of a value.
+    /// Bytes a value.
     stride: usize,
     block: usize,
 }
 
-/// The `size` bytes that a chunk holds.
+/// Decompresses a chunk to `size` bytes.
 pub(super) fn decompress(chunk: &[u8], size: usize) -> Read<Vec<u8>> {
     let mut bytes = Bytes::new(chunk);
     let (_version, _codec_version) = (bytes.u8()?, bytes.u8()?);
@@ -74,7 +73,7 @@ impl Header {
     }
 }
 
-/// First bytes of all values, second bytes of all values …: put together value by value.
+/// Inverse of the shuffle, which stores the first bytes of all values, then the second ones, and so on.
 fn unshuffled(block: &[u8], stride: usize) -> Vec<u8> {
     let count = block.len() / stride;
     let values = (0..count * stride).map(|at| block[at % stride * count + at / stride]);

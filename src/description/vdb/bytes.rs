@@ -1,15 +1,15 @@
-//! A file's bytes from front to back. Invariant: what is read lies inside the file, so that nothing is
-//! reserved for more than the file can hold.
+//! Reader of a file's bytes. In goes a file, out come values in order. Invariant: every read lies inside the
+//! file, so no allocation exceeds the file's size.
 
 use half::f16;
 
 /// Why a grid cannot be had: where in the file, and what is wrong there.
 #[derive(Debug)]
 pub(super) struct Fault {
-    /// Bytes from the file's start.
+    /// Offset from the file's start in bytes.
     pub(super) at: usize,
     pub(super) what: String,
-    /// What helps, if writing it again does not.
+    /// Remedy, if writing the file again does not help.
     pub(super) remedy: Option<&'static str>,
 }
 
@@ -53,11 +53,11 @@ const MOST_NUMBERS: usize = 3;
 
 /// Value of a voxel.
 pub trait Value: Copy {
-    /// How many numbers it is.
+    /// Number of its components.
     const NUMBERS: usize;
-    /// Value of as many numbers.
+    /// Value from its components.
     fn of(numbers: &[f32]) -> Self;
-    /// Less than 0 by as much.
+    /// Negated value.
     fn negated(self) -> Self;
     /// Whether every number is finite.
     fn is_finite(self) -> bool;
@@ -97,7 +97,7 @@ impl Value for [f32; 3] {
 
 pub(super) type Read<T> = Result<T, Fault>;
 
-/// The place that is read next.
+/// Position of the next read.
 #[derive(Clone)]
 pub(super) struct Bytes<'a> {
     all: &'a [u8],
@@ -109,13 +109,13 @@ impl<'a> Bytes<'a> {
         Self { all, at: 0 }
     }
 
-    /// Reader of the same bytes from another place; a place beyond the end is a fault of the next read.
+    /// Reader of the same bytes from an offset; an offset beyond the end fails at the next read.
     pub(super) fn from(&self, at: i64) -> Read<Self> {
         let at = usize::try_from(at).map_err(|_| self.fault("a place before the file's start is named"))?;
         Ok(Self { all: self.all, at })
     }
 
-    /// Bytes from the file's start.
+    /// Offset from the file's start in bytes.
     pub(super) fn place(&self) -> i64 {
         self.at as i64
     }
@@ -161,24 +161,24 @@ impl<'a> Bytes<'a> {
         Ok(V::of(&numbers))
     }
 
-    /// Whole coordinates of a voxel.
+    /// Reads integer coordinates of a voxel.
     pub(super) fn voxel(&mut self) -> Read<[i32; 3]> {
         Ok([self.u32()? as i32, self.u32()? as i32, self.u32()? as i32])
     }
 
-    /// A text behind its length.
+    /// Reads a text after its length.
     pub(super) fn text(&mut self) -> Read<String> {
         let length = self.u32()? as usize;
         Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
     }
 
-    /// Bits of a node, the first of them lowest.
+    /// Reads the bit mask of a node, lowest bit first.
     pub(super) fn mask(&mut self, count: usize) -> Read<Mask<'a>> {
         self.take(count / 8).map(Mask)
     }
 }
 
-/// One bit for each place of a node.
+/// Bit mask of a node's places.
 #[derive(Clone, Copy)]
 pub(super) struct Mask<'a>(&'a [u8]);
 
@@ -191,7 +191,7 @@ impl Mask<'_> {
         self.0.iter().map(|byte| byte.count_ones() as usize).sum()
     }
 
-    /// The places that are on, in order.
+    /// Places whose bits are set, in order.
     pub(super) fn places(self) -> impl Iterator<Item = usize> {
         (0..8 * self.0.len()).filter(move |&place| self.is_on(place))
     }

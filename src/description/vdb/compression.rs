@@ -1,5 +1,5 @@
-//! Values of a node, as its grid compresses them. In go bytes, out comes a value for each place.
-//! Source: `openvdb/io/Compression.h`, `readCompressedValues`.
+//! Compressed values of nodes. In go bytes, out comes a value for each place. Invariant: exactly the expected
+//! number of bytes is decompressed. Source: `openvdb/io/Compression.h`, `readCompressedValues`.
 
 use super::blosc;
 use super::bytes::{Bytes, Mask, Number, Read, Value};
@@ -30,7 +30,7 @@ pub(super) struct Encoding<V> {
 }
 
 impl<V: Value> Encoding<V> {
-    /// The values of a node's places, of which `active` says which are active.
+    /// Reads the values of a node's places; `active` is the mask of active ones.
     pub(super) fn values(&self, bytes: &mut Bytes, active: Mask, count: usize) -> Read<Vec<V>> {
         let kind = bytes.u8()?;
         if kind > inactive::ALL_WRITTEN {
@@ -61,7 +61,7 @@ impl<V: Value> Encoding<V> {
         Ok((0..count).map(value).collect())
     }
 
-    /// `count` values that are written one after the other.
+    /// Reads `count` consecutive values.
     fn written(&self, bytes: &mut Bytes, count: usize) -> Read<Vec<V>> {
         let numbers = self.numbers(bytes, count * V::NUMBERS)?;
         Ok(numbers.chunks_exact(V::NUMBERS).map(V::of).collect())
@@ -80,7 +80,7 @@ impl<V: Value> Encoding<V> {
         if self.flags & (ZIP | BLOSC) == 0 {
             return bytes.take(size).map(<[u8]>::to_vec);
         }
-        // What compression would not make shorter is written as it is, and its length negative.
+        // A negative length is that of uncompressed values.
         let length = bytes.i64()?;
         if length <= 0 {
             if length.unsigned_abs() != size as u64 {

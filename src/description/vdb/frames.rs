@@ -1,5 +1,5 @@
-//! The OpenVDB files that a path stands for: one, or one a frame where signs stand for a number. In go paths,
-//! out come files by frame. Invariant: a sequence has no gap, and its bytes are those that were read first.
+//! OpenVDB files of a path: one, or a numbered sequence. In go paths, out come files by frame. Invariant: a
+//! sequence has no gap, and its bytes are kept, so later changes on the disk have no effect.
 
 use super::{Grid, parse};
 use crate::description::numbered::Numbered;
@@ -7,38 +7,38 @@ use crate::description::{Files, LoadError};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Grid files that a path stands for.
+/// OpenVDB files of a path.
 #[derive(Clone, Debug)]
 pub struct GridFiles {
-    /// The path, with its signs.
+    /// Path, with its placeholder.
     pub path: PathBuf,
-    /// The number of the first file.
+    /// Number of the first file.
     pub first_frame: i64,
-    /// Each file: at least one.
+    /// Files, at least one.
     pub frames: Vec<Arc<GridFile>>,
 }
 
-/// A file that is whole. One of a sequence stays packed: the grids of all of them are larger than memory.
+/// Valid file. Those of sequences stay compressed, as all their grids together may exceed memory.
 #[derive(Debug)]
 pub enum GridFile {
-    /// Its grids.
+    /// Decoded grids.
     Read(Arc<[Grid]>),
-    /// Its bytes.
+    /// Bytes of the file.
     Packed(Vec<u8>),
 }
 
 impl GridFile {
-    /// Its grids.
+    /// Decoded grids.
     pub fn grids(&self) -> Arc<[Grid]> {
         match self {
             Self::Read(grids) => Arc::clone(grids),
-            // It was whole when it was read.
+            // The file was validated when it was read.
             Self::Packed(bytes) => parse(bytes, Path::new("")).unwrap_or_default().into(),
         }
     }
 }
 
-/// Reads them; `referrer` says who asks for them.
+/// Reads the files; `referrer` is the place that refers to them.
 ///
 /// # Errors
 /// If a file cannot be read, is damaged, or is missing in a sequence.

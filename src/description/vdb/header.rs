@@ -1,28 +1,29 @@
-//! Header of a file, before the trees: its version, and each grid's name, type and place. Source:
-//! `openvdb/io/Archive.cc` and `GridDescriptor.cc`.
+//! Header of a file: its version, and each grid's name, type and offset. In go bytes, out come entries.
+//! Invariant: every entry ends after it begins, so reading ends. Source: `openvdb/io/Archive.cc` and
+//! `GridDescriptor.cc`.
 
 use super::bytes::{Bytes, Read};
 
 const MAGIC: &[u8] = b" BDV\0\0\0\0";
-/// Versions from the first with compression for each grid (OpenVDB 3) to that of Blender 5.3.
+/// Supported versions, from the first with compression for each grid (OpenVDB 3) to that of Blender 5.3.
 const VERSIONS: std::ops::RangeInclusive<u32> = 222..=225;
 const HALF: &str = "_HalfFloat";
-/// Stands between a grid's name and a number, where several have one name.
+/// Separator between a grid's name and its number, where several have one name.
 const NUMBERED: char = '\x1e';
 
-/// A grid, as the file's directory has it.
+/// Directory entry of a grid.
 pub(super) struct Entry {
     pub(super) name: String,
-    /// Such as `Tree_float_5_4_3`.
+    /// Type, such as `Tree_float_5_4_3`.
     pub(super) kind: String,
     pub(super) is_half: bool,
-    /// Name of the grid whose tree it has too; empty if it has its own.
+    /// Name of the grid that shares its tree; empty if it has its own.
     pub(super) parent: String,
-    /// Bytes from the file's start.
+    /// Offset from the file's start in bytes.
     pub(super) start: i64,
 }
 
-/// The grids of a file, in its order.
+/// Reads the entries of a file's grids, in order.
 pub(super) fn read(bytes: &mut Bytes) -> Read<Vec<Entry>> {
     if bytes.take(MAGIC.len())? != MAGIC {
         return Err(bytes.fault("the first bytes are not those of an OpenVDB file"));
@@ -46,7 +47,7 @@ pub(super) fn read(bytes: &mut Bytes) -> Read<Vec<Entry>> {
 fn entry(bytes: &mut Bytes) -> Read<Entry> {
     let (name, kind, parent) = (bytes.text()?, bytes.text()?, bytes.text()?);
     let (start, _values, end) = (bytes.i64()?, bytes.i64()?, bytes.i64()?);
-    // The next entry stands behind the grid: further on, so that entries end with the file.
+    // The next entry has to lie behind this one, so that the loop ends.
     if end < bytes.place() {
         return Err(bytes.fault("a grid ends before it begins"));
     }
@@ -56,8 +57,8 @@ fn entry(bytes: &mut Bytes) -> Read<Entry> {
     Ok(Entry { name, kind: kind.trim_end_matches(HALF).to_owned(), is_half, parent, start })
 }
 
-/// Passes names, types and values of metadata. Out comes whether they say that vectors are staggered: each
-/// number is of its voxel's face.
+/// Skips names, types and values of metadata. Returns whether vectors are staggered: each component then
+/// belongs to a face of its voxel.
 pub(super) fn is_staggered(bytes: &mut Bytes) -> Read<bool> {
     let mut is_staggered = false;
     for _ in 0..bytes.u32()? {

@@ -29,33 +29,33 @@ const READ: [(&str, bool, Number); 6] = [
     ("Tree_vec3d_5_4_3", true, Number::Double),
 ];
 
-/// A grid of a file.
+/// Grid of a file.
 #[derive(Debug)]
 pub struct Grid {
-    /// Name that its maker gave it: `density`.
+    /// Name, such as `density`.
     pub name: String,
-    /// OpenVDB's name of the tree's type, such as `Tree_float_5_4_3`.
+    /// OpenVDB's type of its tree, such as `Tree_float_5_4_3`.
     pub kind: String,
-    /// Numbers; `None` if it holds something else.
+    /// Scalar values, if it has them.
     pub floats: Option<Floats>,
-    /// Its vectors, if it holds such.
+    /// Vector values, if it has them.
     pub vectors: Option<Vectors>,
-    /// Whether each number of a vector is of the face before its voxel.
+    /// Whether each component of a vector belongs to the lower face of its voxel.
     pub is_staggered: bool,
 }
 
-/// A grid of values.
+/// Values of a grid.
 #[derive(Debug)]
 pub struct Values<V> {
-    /// From coordinates of voxels, whole at their middles, to the grid's own space.
+    /// Transform from voxel coordinates, which are integers at centres, to the grid's own space.
     pub transform: DAffine3,
     /// The values.
     pub tree: Tree<V>,
 }
 
-/// A grid of numbers.
+/// Scalar grid.
 pub type Floats = Values<f32>;
-/// A grid of velocities or colours.
+/// Grid of velocities or colours.
 pub type Vectors = Values<[f32; 3]>;
 
 /// Extent of a grid's active values.
@@ -63,25 +63,25 @@ pub type Vectors = Values<[f32; 3]>;
 pub struct Extent {
     /// Number of voxels.
     pub voxels: u64,
-    /// Corners of the box about their outer faces, in the grid's own space.
+    /// Corners of the box around their outer faces, in the grid's own space.
     pub bounds: [DVec3; 2],
-    /// The smallest number.
+    /// Smallest value.
     pub least: f32,
-    /// The largest number.
+    /// Largest value.
     pub most: f32,
-    /// Their mean.
+    /// Mean value.
     pub mean: f64,
 }
 
-/// All grids of a file, in its order.
+/// Loads all grids of a file, in its order.
 ///
 /// # Errors
-/// If the file cannot be read, or is damaged: with how many bytes from its start.
+/// If the file cannot be read, or is damaged, with the offset of the damage.
 pub fn load(path: &Path) -> Result<Vec<Grid>, LoadError> {
     parse(&Files::default().read(path, None)?, path)
 }
 
-/// The grids that a file's bytes hold.
+/// Parses the grids of a file's bytes.
 ///
 /// # Errors
 /// See [`load`].
@@ -100,7 +100,7 @@ fn grids(bytes: &[u8]) -> Read<Vec<Grid>> {
     let bytes = Bytes::new(bytes);
     let entries = header::read(&mut bytes.clone())?;
     let mut grids = Vec::new();
-    // Each byte counts once, though a damaged file may name one tree many times.
+    // Trees must not overlap, as a damaged file may name one many times.
     let mut behind = 0;
     for entry in entries {
         let (mut floats, mut vectors, mut is_staggered) = (None, None, false);
@@ -143,7 +143,7 @@ impl<'a, V: Value> Leaf<'a, V> {
 }
 
 impl Floats {
-    /// Extent of its active values; `None` if there are none.
+    /// Extent of the active values; `None` if there are none.
     pub fn extent(&self) -> Option<Extent> {
         let tiles = self.tree.tiles.iter().map(|tile| (tile.origin, tile.edge, tile.value));
         let leaves = self.tree.leaves().flat_map(Leaf::voxels);
@@ -167,7 +167,7 @@ impl Floats {
         (voxels > 0).then(|| Extent { voxels, bounds, least, most, mean: sum / voxels as f64 })
     }
 
-    /// The smallest active number; `None` if there are none.
+    /// Smallest active value; `None` if there are none.
     pub fn least(&self) -> Option<f32> {
         let values = self.tree.leaves().flat_map(|leaf| leaf.values);
         values.chain(self.tree.tiles.iter().map(|tile| &tile.value)).copied().reduce(f32::min)

@@ -1,9 +1,10 @@
-//! Transforms of voxels. Source: `read` of the maps in `openvdb/math/Maps.h`.
+//! Transforms of voxels. In go bytes, out comes an affine map. Invariant: every number is finite. Source:
+//! `read` of the maps in `openvdb/math/Maps.h`.
 
 use super::bytes::{Bytes, Fault, Read};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Transform from a voxel's coordinates, whole at its middle, to the grid's own space.
+/// Reads the transform from voxel coordinates, which are integers at centres, to the grid's own space.
 pub(super) fn read(bytes: &mut Bytes) -> Read<DAffine3> {
     let kind = bytes.text()?;
     let transform = match kind.as_str() {
@@ -33,14 +34,14 @@ fn vector(bytes: &mut Bytes) -> Read<DVec3> {
     Ok(DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?))
 }
 
-/// The scale, and four vectors that follow from it.
+/// Reads the scale, and skips four vectors derived from it.
 fn scale(bytes: &mut Bytes) -> Read<DVec3> {
     let scale = vector(bytes)?;
     bytes.take(4 * 24)?;
     Ok(scale)
 }
 
-/// Rows of 4 x 4 numbers, of which vectors are multiplied from the left: each is one of our columns.
+/// Reads a 4 x 4 matrix in rows. OpenVDB multiplies row vectors from the left, so each row is a column here.
 fn affine(bytes: &mut Bytes) -> Read<DAffine3> {
     let mut rows = [DVec3::ZERO; 4];
     for row in &mut rows {

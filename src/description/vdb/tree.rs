@@ -1,15 +1,16 @@
-//! The tree of a grid: a root, two levels of nodes, leaves of 8 x 8 x 8 voxels. In go bytes, out come
-//! leaves and tiles. Source: `readTopology` and `readBuffers` in `openvdb/tree/`.
+//! Tree of a grid: a root, two levels of nodes, leaves of 8 x 8 x 8 voxels. In go bytes, out come leaves and
+//! tiles. Invariant: both have active values alone. Source: `readTopology` and `readBuffers` in
+//! `openvdb/tree/`.
 
 use super::bytes::{Bytes, Fault, Mask, Number, Read, Value};
 use super::compression::Encoding;
 use std::ops::Range;
 
-/// Places along an edge of each level's nodes, as powers of 2.
+/// Places along an edge of each level's nodes, as base-2 logarithms.
 const UPPER: u32 = 5;
 const LOWER: u32 = 4;
 const LEAF: u32 = 3;
-/// Voxels along an edge of what a place holds.
+/// Voxels along an edge of a place.
 const OF_UPPER_PLACE: i32 = 1 << (LOWER + LEAF);
 const OF_LOWER_PLACE: i32 = 1 << LEAF;
 const OF_ROOT_PLACE: i32 = OF_UPPER_PLACE << UPPER;
@@ -33,7 +34,7 @@ struct Block {
     values: Range<usize>,
 }
 
-/// Voxels of one value.
+/// Cube of voxels with one value.
 #[derive(Debug)]
 pub struct Tile<V = f32> {
     /// First voxel.
@@ -47,7 +48,7 @@ pub struct Tile<V = f32> {
 /// Active values of a tree.
 #[derive(Debug)]
 pub struct Tree<V = f32> {
-    /// Value of all else.
+    /// Value outside the tree.
     pub background: V,
     blocks: Vec<Block>,
     /// Of one block after the other: all memory goes back at once.
@@ -93,7 +94,7 @@ pub(super) fn read<V: Value>(bytes: &mut Bytes, flags: u32, [one, many]: [Number
     Ok(tree)
 }
 
-/// A node between root and leaves.
+/// Node between root and leaves.
 struct Node {
     origin: [i32; 3],
     log_edge: u32,
@@ -138,7 +139,7 @@ impl<V> Tree<V> {
 }
 
 impl<V: Value> Tree<V> {
-    /// Keeps a node's tiles; the first voxels of its children, in order.
+    /// Stores a node's tiles; returns the first voxels of its children, in order.
     fn topology(&mut self, bytes: &mut Bytes, encoding: &Encoding<V>, node: Node) -> Read<Vec<[i32; 3]>> {
         let places = 1 << (3 * node.log_edge);
         let (children, active): (Mask, Mask) = (bytes.mask(places)?, bytes.mask(places)?);
