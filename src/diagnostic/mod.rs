@@ -1,6 +1,6 @@
-//! Diagnostics: the fault or loss, its place, and its remedy. Invariant: a diagnostic always says what was
-//! found. A warning is a [`Loss`], with an id that stays. Errors also say what was expected and how to get
-//! there.
+//! Diagnostics: a finding, its place and its remedy. In go problems, out come messages. Invariant: every
+//! diagnostic has a finding. A warning is a [`Loss`], with a permanent id. An error also has an expectation
+//! and a remedy.
 
 mod loss;
 mod printable;
@@ -15,11 +15,11 @@ use std::path::{Component, Path, PathBuf};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Severity {
-    /// Something worth knowing that changes nothing; `inspect` says it.
+    /// Information without consequence; only `inspect` shows it.
     Note,
-    /// Choice of the program where the input says nothing; rendering says it too.
+    /// Assumption of the program where the input is silent; rendering shows it too.
     Choice,
-    /// The file asks for something that is not honoured, or only nearly.
+    /// A request of the file that is not honoured, or only approximated.
     Warning,
     /// The input cannot be used.
     Error,
@@ -42,7 +42,7 @@ pub enum Place {
         /// Column, from 1.
         column: usize,
     },
-    /// A path to a value in a structured file, such as `leaves[3].mesh` or `nodes[4].camera`.
+    /// Path to a value in a structured file, such as `leaves[3].mesh` or `nodes[4].camera`.
     Field {
         /// The file.
         file: PathBuf,
@@ -51,15 +51,15 @@ pub enum Place {
     },
 }
 
-/// One thing to tell the user.
+/// Message for the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Diagnostic {
     /// Severity.
     pub severity: Severity,
-    /// Kind of loss that a warning is of.
+    /// Loss that a warning reports.
     pub loss: Option<Loss>,
-    /// Number of things of the input that it is about, at least 1.
+    /// Number of objects of the input that it concerns, at least 1.
     pub count: usize,
     /// Place.
     pub place: Place,
@@ -72,22 +72,22 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// An error: the input cannot be used.
+    /// Creates an error: the input cannot be used.
     pub fn error(place: Place, found: impl Into<String>) -> Self {
         Self::new(Severity::Error, place, found)
     }
 
-    /// A warning: something asked for is not honoured.
+    /// Creates a warning: a request that is not honoured.
     pub fn warning(loss: Loss, place: Place, found: impl Into<String>) -> Self {
         Self { loss: Some(loss), ..Self::new(Severity::Warning, place, found) }
     }
 
-    /// Diagnostic of a choice where the input says nothing.
+    /// Creates a diagnostic of an assumption where the input is silent.
     pub fn choice(place: Place, found: impl Into<String>) -> Self {
         Self::new(Severity::Choice, place, found)
     }
 
-    /// A note: worth knowing, changes nothing.
+    /// Creates a note without consequence.
     pub fn note(place: Place, found: impl Into<String>) -> Self {
         Self::new(Severity::Note, place, found)
     }
@@ -96,21 +96,21 @@ impl Diagnostic {
         Self { severity, loss: None, count: 1, place, found: found.into(), expected: None, remedy: None }
     }
 
-    /// Says how many things it is about.
+    /// Sets the number of objects that it concerns.
     #[must_use]
     pub fn counting(mut self, count: usize) -> Self {
         self.count = count;
         self
     }
 
-    /// Adds what was expected.
+    /// Adds the expectation.
     #[must_use]
     pub fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = Some(expected.into().into_boxed_str());
         self
     }
 
-    /// Adds what the author can do.
+    /// Adds the remedy for the author.
     #[must_use]
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
         self.remedy = Some(remedy.into().into_boxed_str());
@@ -122,7 +122,7 @@ impl Diagnostic {
     /// Place and finding, in one line.
     pub fn line(&self) -> String {
         let mut line = self.place.to_string();
-        // Text takes all that is written to it.
+        // Writing to a string cannot fail.
         let _ = Printable(&mut line).write_str(&self.found.replace('\n', " "));
         line
     }
@@ -164,8 +164,8 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// The path as a person would write it: `sequences/../scenes/x` is `scenes/x`. For reading only, as
-/// a symbolic link may make the two differ.
+/// Shortened path for messages: `sequences/../scenes/x` becomes `scenes/x`. With symbolic links the two may
+/// differ.
 pub fn readable(path: &Path) -> PathBuf {
     let mut readable = PathBuf::new();
     for component in path.components() {
@@ -182,12 +182,12 @@ pub fn readable(path: &Path) -> PathBuf {
     if readable.as_os_str().is_empty() { path.to_owned() } else { readable }
 }
 
-/// Every problem found in one input, in the order found.
+/// All problems of one input, in the order found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Diagnostics(pub Vec<Diagnostic>);
 
 impl Diagnostics {
-    /// Adds one.
+    /// Adds a diagnostic.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.0.push(diagnostic);
     }
@@ -199,17 +199,17 @@ impl Diagnostics {
 }
 
 impl Diagnostics {
-    /// Diagnostics for whoever renders, worst last: choices and losses.
+    /// Diagnostics that rendering shows, worst last: assumptions and losses.
     pub fn told(&self) -> impl Iterator<Item = &Diagnostic> {
         self.0.iter().filter(|diagnostic| matches!(diagnostic.severity, Severity::Choice | Severity::Warning))
     }
 
-    /// Losses, each a diagnostic with its kind.
+    /// Losses with their diagnostics.
     pub fn losses(&self) -> impl Iterator<Item = (Loss, &Diagnostic)> {
         self.0.iter().filter_map(|diagnostic| Some((diagnostic.loss?, diagnostic)))
     }
 
-    /// Everything that is lost as errors, for those who want all or nothing; `None` if nothing is.
+    /// All losses as errors, for `--strict`; `None` without losses.
     pub fn refusing_losses(&self) -> Option<Self> {
         let refused = self.losses().map(|(_, loss)| {
             let mut error = Diagnostic { severity: Severity::Error, ..loss.clone() };
@@ -220,7 +220,7 @@ impl Diagnostics {
         (!refused.is_empty()).then_some(Self(refused))
     }
 
-    /// The errors alone, if there are any: who has to put something right need not read the rest.
+    /// The errors alone, if there are any, as nothing else matters then.
     #[must_use]
     pub fn worst(mut self) -> Self {
         if self.has_errors() {

@@ -1,10 +1,10 @@
-//! Names to text for a terminal, which obeys what it is sent. Invariant: what comes out holds no control
-//! character but the ends of lines that the program itself puts there.
+//! Text for terminals, which execute control characters. In go names, out comes printable text. Invariant:
+//! the only control characters are line ends of the program itself.
 
 use std::fmt::{self, Write};
 use std::path::Path;
 
-/// Writes text on, control characters escaped: names come from files.
+/// Writer that escapes control characters, as names come from files.
 pub(super) struct Printable<'a, W>(pub(super) &'a mut W);
 
 impl<W: Write> Write for Printable<'_, W> {
@@ -20,13 +20,14 @@ impl<W: Write> Write for Printable<'_, W> {
     }
 }
 
-/// Control characters but for the ends of lines, and those that turn the direction of writing.
+/// Whether a terminal executes a character: control characters except line ends, and changes of the writing
+/// direction.
 fn is_obeyed(character: char) -> bool {
     let turns = matches!(character, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     turns || character.is_control() && character != '\n'
 }
 
-/// A path for messages: bytes that are no UTF-8 as `\xff`, control characters escaped.
+/// Path for messages: bytes that are not UTF-8 become `\xff`, control characters are escaped.
 pub fn shown(path: &Path) -> impl fmt::Display {
     ShownPath(path)
 }

@@ -1,5 +1,5 @@
-//! The animations of a glTF file, by name. Invariant: one that is played moves what no other one that is
-//! played does, unless whoever renders asked for all of them.
+//! Animations of a glTF file. In go names and targets, out come those that play. Invariant: two animations
+//! that play have different targets, unless all are requested.
 
 use super::FrameRate;
 
@@ -8,18 +8,18 @@ use super::FrameRate;
 pub struct Animation {
     /// The author's name, else `animation N`.
     pub name: String,
-    /// Times of its first and its last key, seconds; `None` if it has no keys.
+    /// Times of the first and last key, seconds; `None` without keys.
     pub keys_s: Option<(f64, f64)>,
-    /// Names of the nodes, lights, cameras and materials that it moves, each once.
+    /// Names of its targets, each once: nodes, lights, cameras and materials.
     pub moves: Vec<String>,
-    /// Whether it takes part in the picture.
+    /// Whether it plays.
     pub is_played: bool,
 }
 
 impl Animation {
-    /// The frames of its first and its last key, which may lie between whole frames.
+    /// Frames of the first and last key, which need not be integers.
     pub fn frames(&self, rate: FrameRate) -> Option<(f64, f64)> {
-        // Keys are in single precision.
+        // Keys are stored in single precision.
         let rounded = |frame: f64| if (frame - frame.round()).abs() <= 1e-4 { frame.round() } else { frame };
         self.keys_s.map(|(first_s, last_s)| (rounded(rate.frame(first_s)), rounded(rate.frame(last_s))))
     }

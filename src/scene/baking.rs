@@ -1,25 +1,25 @@
-//! Baking of a scene's falls: who hears of progress, and where bakes are kept. Invariant: neither changes a
-//! bake, and a kept one is checked before it is used.
+//! Callbacks for baking a scene's falls: progress, and a cache. In go leaves, out come reports and stored
+//! bytes. Invariant: neither changes a bake, and a stored one is validated before use.
 
 use std::fmt;
 use std::io::Read;
 
-/// Hears how many leaves of a fall are done, of how many. From any thread.
+/// Callback for the number of finished leaves of a fall, and of all. Any thread may call it.
 type Ear<'a> = &'a (dyn Fn(u32, u32) + Sync);
 
-/// Who hears of bakes, and where they are kept.
+/// Callbacks for progress and the cache of bakes.
 #[derive(Clone, Copy)]
 pub struct Baking<'a> {
-    /// Hears of progress.
+    /// Reports progress.
     pub tell: Ear<'a>,
-    /// Bytes kept under a name, if they are still there.
+    /// Reads the bytes stored under a name, if they exist.
     pub recall: &'a dyn Fn(&str) -> Option<Box<dyn Read>>,
-    /// Keeps bytes, in parts, under a name, or does not.
+    /// Stores bytes, in parts, under a name, if it can.
     pub keep: &'a dyn Fn(&str, &[&[u8]]),
 }
 
 impl Baking<'_> {
-    /// Tells nobody and keeps nothing.
+    /// No reports and no cache.
     pub const ALONE: Self = Self { tell: &|_, _| {}, recall: &|_| None, keep: &|_, _| {} };
 }
 

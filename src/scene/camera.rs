@@ -1,5 +1,5 @@
-//! Cameras: a node and a lens. Invariant: the camera looks along its node's -Z with +Y up
-//! (glTF and Blender); its node's scale does not reach the picture.
+//! Cameras: a node and a lens. In go lens parameters, out come projections. Invariant: the camera looks along
+//! its node's -Z with +Y up (glTF and Blender); its node's scale has no effect.
 
 use super::{NodeIndex, Track};
 use glam::{DMat4, DVec2, DVec4};
@@ -13,17 +13,17 @@ pub struct Camera {
     pub node: NodeIndex,
     /// Projection.
     pub lens: Lens,
-    /// Offset of the picture's middle from the view axis, to the right and up, in lengths of the picture's
+    /// Offset of the picture's centre from the view axis, to the right and up, relative to the picture's
     /// longer side: Blender's shift.
     pub shift: DVec2,
-    /// The opening that blurs what is out of focus; `None` is a pinhole.
+    /// Opening for depth of field; `None` is a pinhole.
     pub aperture: Option<Aperture>,
-    /// Between which planes surfaces show.
+    /// Clipping planes.
     pub clip: Clip,
 }
 
-/// Blender's clip start and end: only surfaces between two planes at right angles to the view axis are seen.
-/// Mirrors, light and fog know nothing of them.
+/// Blender's clip start and end: the camera sees only surfaces between two planes perpendicular to the view
+/// axis. Mirrors, light and fog ignore them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clip {
     /// Distance of the nearer plane along the view axis, metres, at least 0.
@@ -33,7 +33,7 @@ pub struct Clip {
 }
 
 impl Clip {
-    /// All that lies before the camera shows.
+    /// No clipping.
     pub const NONE: Self = Self { start_m: 0.0, end_m: f64::INFINITY };
 }
 
@@ -43,12 +43,12 @@ impl Default for Clip {
     }
 }
 
-/// The opening of a thin lens.
+/// Opening of a thin lens.
 #[derive(Clone, Debug)]
 pub struct Aperture {
     /// Focal length over the opening's diameter, above 0.
     pub f_stop: Track<f64>,
-    /// Width of the sensor, metres: with the horizontal angle of view it gives the focal length.
+    /// Width of the sensor, metres, which with the horizontal angle of view determines the focal length.
     pub sensor_width_m: f64,
     /// Distance of the plane in focus along the view axis, metres, above 0.
     pub focus_distance_m: Track<f64>,
@@ -64,7 +64,7 @@ pub enum Lens {
         /// Full vertical angle, radians.
         fov_y: Track<f64>,
     },
-    /// Parallel rays along the view axis, from the plane of the camera on.
+    /// Parallel rays along the view axis, from the camera's plane.
     Orthographic {
         /// Height of the whole picture, metres, above 0.
         height_m: Track<f64>,
@@ -72,7 +72,7 @@ pub enum Lens {
 }
 
 impl Lens {
-    /// Number of it that may be keyed: the angle of view, or the height.
+    /// Parameter that may be keyed: the angle of view, or the height.
     pub fn number(&self) -> &Track<f64> {
         match self {
             Self::Perspective { fov_y } => fov_y,
@@ -80,7 +80,7 @@ impl Lens {
         }
     }
 
-    /// Half the picture's height, at distance 1 or of parallel rays.
+    /// Half the picture's height, at distance 1 for a pinhole.
     pub fn half_height(&self, time_s: f64) -> f64 {
         match self {
             Self::Perspective { fov_y } => (0.5 * fov_y.at(time_s)).tan(),
@@ -90,15 +90,15 @@ impl Lens {
 }
 
 impl Camera {
-    /// Half the picture's width and height, and its middle, to the right and up, in the plane at
-    /// distance 1 (of an orthographic camera in any plane, metres); `aspect` is width / height.
+    /// Half the picture's width and height, and its centre, to the right and up, in the plane at distance 1
+    /// (for an orthographic camera in any plane, metres). `aspect` is width / height.
     pub fn picture(&self, aspect: f64, time_s: f64) -> (DVec2, DVec2) {
         let half_height = self.lens.half_height(time_s);
         let half = DVec2::new(half_height * aspect, half_height);
         (half, self.shift * 2.0 * half.max_element())
     }
 
-    /// OpenGL's projection of camera space, but for depth: as clipping planes may lie infinitely far away,
+    /// OpenGL's projection of camera space, except for depth: clipping planes may be infinitely far away, so
     /// the third row gives the distance along the view axis.
     pub fn projection(&self, aspect: f64, time_s: f64) -> DMat4 {
         let (half, middle) = self.picture(aspect, time_s);

@@ -1,6 +1,5 @@
-//! Why next to nothing is seen of a scene. In go the scene, its camera, a time and how much of the
-//! picture things cover; out comes the likeliest cause, with a remedy. Invariant: a cause is one that the
-//! scene's own numbers show.
+//! Causes of dark pictures. In go the scene, its camera, a time and the coverage of the picture; out comes
+//! the likeliest cause, with a remedy. Invariant: a cause follows from the scene's own numbers.
 
 use super::{Instance, Light, LightKind, LightUnits, Scene};
 use crate::color::{LUMENS_PER_WATT, Rgb};
@@ -8,37 +7,36 @@ use crate::diagnostic::{Diagnostic, Place};
 use glam::{DVec3, Vec3};
 use std::fmt;
 
-/// Lights below these are dim where they are measured in lux or candela: a sun of a deep dusk, W/m^2, and
-/// lamps, W/sr (68 lux, 102 cd). Numbers of watts, as Blender's unitless mode writes them, come to less when
-/// they are taken for lux and candela.
+/// Limits of dim lights in lux and candela: a sun at deep dusk, W/m^2, and lamps, W/sr (68 lux, 102 cd).
+/// Watts, as in Blender's unitless mode, become this dim if they are read as lux and candela.
 const DIM_SUN: f64 = 0.1;
 const DIM_LAMP: f64 = 0.15;
 
-/// Coverage of a picture below which nothing is seen, and above which one thing fills it.
+/// Coverage of a picture below which it is empty, and above which one object fills it.
 const HARDLY_COVERED: f64 = 1e-3;
 const NEARLY_ALL: f64 = 0.999;
 
-/// Why a picture is dark.
+/// Cause of a dark picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DarkCause {
-    /// There is nothing that shines.
+    /// No light and no emission.
     NoLight,
-    /// Light that fog scatters is asked for, and there is no fog.
+    /// Shafts alone are requested, without fog.
     NoFog,
-    /// There is nothing to see at that time.
+    /// No object is visible at that time.
     NothingVisible,
-    /// Whatever there is lies outside the picture.
+    /// All objects are outside the picture.
     OutsidePicture,
     /// All lights are off or hidden at that time.
     LightsOff,
-    /// The brightest light of a file in lux and candela has so little of them.
+    /// The brightest light of a file in lux and candela is dim.
     DimLights {
         /// Power of the brightest light.
         lux_or_candela: f64,
     },
-    /// The camera is within the bounds of an object that fills the picture.
+    /// The camera is inside the bounds of an object that fills the picture.
     InsideObject(String),
-    /// Light does not reach what is seen, or too little of it.
+    /// Visible surfaces receive too little light.
     TooLittleLight,
 }
 
@@ -77,22 +75,21 @@ pub fn dark_cause(scene: &Scene, camera: usize, time_s: f64, covered: f64) -> Da
     }
 }
 
-/// Warning for whoever looks into a file whose frames turn out dark.
+/// Warning for `inspect` about a file whose frames will be dark.
 pub(super) fn remark(scene: &Scene, time_s: f64, place: Place) -> Option<Diagnostic> {
     let lux_or_candela = dim_lights(scene, time_s)?;
     let cause = DarkCause::DimLights { lux_or_candela };
     Some(Diagnostic::note(place, cause.to_string()).remedy(cause.remedy()))
 }
 
-/// The brightest light's lux or candela, if that is what the file's lights were read in and
-/// all of them are dim.
+/// Lux or candela of the brightest light, if the file was read in these units and all lights are dim.
 fn dim_lights(scene: &Scene, time_s: f64) -> Option<f64> {
     let is_dim = |light: &Light| match light.kind {
         LightKind::Sun | LightKind::SunDisc(_) => brightest(light, time_s) < DIM_SUN,
         LightKind::Point | LightKind::Sphere { .. } | LightKind::Spot { .. } => {
             brightest(light, time_s) < DIM_LAMP
         }
-        // In watts in any case.
+        // Always in watts.
         LightKind::Area { .. } => false,
     };
     let most = scene.lights.iter().map(|light| brightest(light, time_s)).fold(0.0, f64::max);

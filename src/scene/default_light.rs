@@ -1,7 +1,6 @@
-//! Light for inputs that have none: a soft key sun and an even sky, as in a viewer of models. In goes a
-//! scene with a camera, out comes one that is lit. Invariant: the lights stand still in the frame of the
-//! camera at the first frame. So a frame rendered alone is the frame of the sequence, and a moving camera
-//! does not make the light flicker.
+//! Default light: a soft key sun and a uniform sky, as in viewers of models. In goes a scene with a camera,
+//! out comes one with light. Invariant: the lights are fixed relative to the camera of the first frame. So a
+//! frame rendered alone equals that of the sequence, and a moving camera does not change the light.
 
 use super::{Light, LightKind, Motion, RenderSettings, Scene, Sky, SkyLight, SkyPicture, SunDisc, Track};
 use crate::color::Rgb;
@@ -13,24 +12,24 @@ const NAME: &str = "default key";
 /// Direction to the sun in camera space: to the left, above and behind.
 const TO_KEY: DVec3 = DVec3::new(-0.5, 0.7, 0.75);
 
-/// The whole angle of the sun's disc, radians: shadows have soft edges.
+/// Full angle of the sun's disc, radians, for soft shadows.
 const KEY_DIAMETER: f64 = 10.0 * PI / 180.0;
 
-/// W/m^2. A white surface that faces the camera sends back about 1 W m^-2 sr^-1 with the sky's light, and
-/// middle grey (0.18) about 0.18, which display transforms show in the middle of their range.
+/// W/m^2. With the sky, a white surface that faces the camera reflects about 1 W m^-2 sr^-1, and middle grey
+/// (0.18) about 0.18, the middle of display transforms.
 const KEY_IRRADIANCE: f64 = 1.1 * PI;
 
-/// W m^-2 sr^-1, from everywhere.
+/// W m^-2 sr^-1, uniform.
 const SKY_RADIANCE: f64 = 0.25;
 
-/// Whether nothing lights the scene and nothing lies behind it. Surfaces that glow are seen better with a
-/// light beside them, and fire without.
+/// Whether the scene has no light, sky, background or emissive fog. Emissive surfaces alone still get a
+/// default light, to be seen better.
 pub(super) fn is_wanted(scene: &Scene) -> bool {
     let has_fire = scene.fogs.iter().any(|fog| fog.shape.shines());
     scene.lights.is_empty() && scene.sky.is_none() && scene.background == Rgb::ZERO && !has_fire
 }
 
-/// Adds the lights. The sky lights surfaces alone: fog would turn white in it.
+/// Adds the lights. The sky lights surfaces alone, as it would turn fog white.
 pub(super) fn add(scene: &mut Scene, settings: &RenderSettings) {
     let to_key = (camera_axes(scene, settings) * TO_KEY).normalize();
     let (x, y) = to_key.any_orthonormal_pair();
@@ -43,7 +42,7 @@ pub(super) fn add(scene: &mut Scene, settings: &RenderSettings) {
     scene.sky = sky.map(|sky| sky.with(Rgb::ONE.into(), 0.0.into(), SkyLight::Surfaces));
 }
 
-/// Right, up and backward of the camera that renders, at the first frame.
+/// Right, up and backward axes of the rendering camera, at the first frame.
 fn camera_axes(scene: &Scene, settings: &RenderSettings) -> DMat3 {
     let named = |name: &String| scene.cameras.iter().find(|camera| camera.name == *name);
     let Some(camera) = settings.camera.as_ref().and_then(named).or(scene.cameras.first()) else {

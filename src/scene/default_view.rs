@@ -1,7 +1,6 @@
-//! A camera for inputs that have none: at three quarters, so near that everything is seen in all frames and
-//! little else. In go a scene, its frames and the picture's shape, out comes where the camera stands.
-//! Invariant: it stands still, and depends on the whole range of frames. So a frame rendered alone is the
-//! frame of the sequence.
+//! Default camera: a three-quarter view that tightly frames everything in all frames. In go a scene, its
+//! frames and the picture's aspect, out comes the camera's place. Invariant: it is fixed, and depends on the
+//! whole range of frames. So a frame rendered alone equals that of the sequence.
 
 use super::{Camera, Clip, Instance, Lens, Motion, Placement, RenderSettings, Scene, Track};
 use glam::{DVec2, DVec3};
@@ -17,21 +16,21 @@ const FOV_Y: f64 = 0.7;
 const AZIMUTH_DEG: f64 = 38.0;
 const ELEVATION_DEG: f64 = 22.0;
 
-/// Width and height of the picture, over those of what it has to show.
+/// Margin: size of the picture over that of its contents.
 const MARGIN: f64 = 1.12;
 
-/// Everything is at least so far away, by the extent of all of it.
+/// Minimum distance of everything, relative to the extent of all.
 const NEAREST: f64 = 0.1;
 
-/// No more moments of the range are looked at, and no more corners of triangles over all of them, as long as
-/// the first and the last moment are.
+/// Maximum number of moments to sample, and of triangles' corners over all of them. The first and last moment
+/// are always sampled.
 const MOST_MOMENTS: usize = 25;
 const MOST_CORNERS: usize = 40_000_000;
 
-/// Shaping a mesh that bends costs as much as so many looks at its corners.
+/// Cost of deforming a mesh, in visits of its corners.
 const BENDING: usize = 8;
 
-/// Adds a camera that has no place yet if the scene has none; whether it did.
+/// Adds a camera without a place if the scene has none; returns whether it did.
 pub(super) fn add(scene: &mut Scene) -> bool {
     let is_missing = scene.cameras.is_empty();
     if is_missing {
@@ -43,7 +42,7 @@ pub(super) fn add(scene: &mut Scene) -> bool {
     is_missing
 }
 
-/// Puts the camera of [`add`] where it sees everything at all of the settings' frames.
+/// Places the camera of [`add`] where it sees everything in the settings' frames.
 pub(super) fn aim(scene: &mut Scene, settings: &RenderSettings) {
     let frustum = Frustum::three_quarters(settings.size.width as f64 / settings.size.height as f64);
     let moments = moments(scene, &settings.frames).map(|frame| settings.frame_rate.seconds(frame));
@@ -53,7 +52,7 @@ pub(super) fn aim(scene: &mut Scene, settings: &RenderSettings) {
     scene.nodes[scene.cameras[0].node].motion = motion;
 }
 
-/// Frames and what lies between, evenly spread, the first and the last among them.
+/// Evenly spaced moments of the range, the first and last frame included.
 fn moments(scene: &Scene, frames: &RangeInclusive<i64>) -> impl Iterator<Item = f64> + use<> {
     let corners = |instance: &Instance| {
         let corners = 3 * scene.meshes[instance.mesh].triangles.len();
@@ -67,7 +66,7 @@ fn moments(scene: &Scene, frames: &RangeInclusive<i64>) -> impl Iterator<Item = 
     (0..=steps).map(move |step| first as f64 + part(step) * (last - first) as f64)
 }
 
-/// Frustum of a camera, less the margin: its axes in world space, and the tangents of half its angles.
+/// Frustum of a camera without the margin: its axes in world space, and the tangents of half its angles.
 struct Frustum {
     right: DVec3,
     up: DVec3,
@@ -76,7 +75,7 @@ struct Frustum {
 }
 
 impl Frustum {
-    /// Frustum of a picture whose width is `aspect` times its height.
+    /// Three-quarter frustum of a picture; `aspect` is width / height.
     fn three_quarters(aspect: f64) -> Self {
         let (sin_azimuth, cos_azimuth) = AZIMUTH_DEG.to_radians().sin_cos();
         let (sin_elevation, cos_elevation) = ELEVATION_DEG.to_radians().sin_cos();
@@ -86,18 +85,18 @@ impl Frustum {
         Self { right, up: backward.cross(right), backward, tangents }
     }
 
-    /// A point of the world in the camera's axes.
+    /// Point of the world in the camera's axes.
     fn in_axes(&self, world: DVec3) -> DVec3 {
         DVec3::new(world.dot(self.right), world.dot(self.up), world.dot(self.backward))
     }
 }
 
-/// Everything that is to be seen, as far as a camera has to know that looks along fixed axes.
+/// Bounds of the contents for a camera with fixed axes.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// Reach outwards across the sides of a frustum through the origin: right, left, top, bottom.
+    /// Support across the sides of a frustum at the origin: right, left, top, bottom.
     sides: [f64; 4],
-    /// The least and the largest coordinates along the camera's axes.
+    /// Smallest and largest coordinates along the camera's axes.
     low: DVec3,
     high: DVec3,
 }
@@ -119,21 +118,21 @@ impl Seen {
         Self { sides, low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// Place of the camera, and its target.
+    /// Position of the camera, and its target.
     fn fitted(self, frustum: &Frustum) -> (DVec3, DVec3) {
         let tangents = frustum.tangents;
         let seen = if self.low.x <= self.high.x { self } else { Self::unit_cube(tangents) };
         let [right, left, top, bottom] = seen.sides;
         let extent = (seen.high - seen.low).length().max(1e-3);
         let far = (0.5 * (right + left) / tangents.x).max(0.5 * (top + bottom) / tangents.y);
-        // Of a mere point, or one line towards the camera, any distance would show all.
+        // A single point, or a line towards the camera, fits at any distance.
         let far = far.max(seen.high.z + NEAREST * extent);
         let world = |x: f64, y: f64, z: f64| x * frustum.right + y * frustum.up + z * frustum.backward;
         let (x, y) = (0.5 * (right - left), 0.5 * (top - bottom));
         (world(x, y, far), world(x, y, 0.5 * (seen.low.z + seen.high.z)))
     }
 
-    /// Around the origin, for scenes without anything in them.
+    /// Bounds of a cube around the origin, for empty scenes.
     fn unit_cube(tangents: DVec2) -> Self {
         let corner = |sign: f64| Self::point(DVec3::splat(0.5 * sign), tangents);
         corner(1.0).and(corner(-1.0))
@@ -149,7 +148,7 @@ fn seen_at(scene: &Scene, time_s: f64, frustum: &Frustum) -> Seen {
             return Seen::NOTHING;
         }
         let (positions, world_from_mesh) = scene.vertices(instance, &placements, time_s);
-        // Vertices that no triangle has do not count.
+        // Vertices without triangles do not count.
         let corners = scene.meshes[instance.mesh].triangles.iter().flat_map(|triangle| triangle.vertices);
         let places = corners.map(|vertex| {
             frustum.in_axes(world_from_mesh.transform_point3(positions[vertex as usize].as_dvec3()))

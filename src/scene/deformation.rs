@@ -10,28 +10,28 @@ use std::sync::Arc;
 /// Deformation of one instance's mesh.
 #[derive(Clone, Debug)]
 pub struct Deformation {
-    /// The shapes that are mixed in; shared by all instances of the mesh.
+    /// Morph targets, shared by all instances of the mesh.
     pub targets: Arc<[MorphTarget]>,
-    /// Weight of each; any number, also below 0.
+    /// Weight of each target; any number, also below 0.
     pub weights: Vec<Track<f64>>,
-    /// The skeleton that it follows.
+    /// Skin that it follows.
     pub skin: Option<Skin>,
-    /// Vertices that lie on triangles of the mesh before it was cut, and stay there.
+    /// Vertices that lie on triangles of the mesh before cutting, and stay there.
     pub inner: Arc<[InnerVertex]>,
 }
 
-/// A vertex on a triangle of three others.
+/// Vertex on a triangle of three others.
 #[derive(Clone, Copy, Debug)]
 pub struct InnerVertex {
     /// Vertex of the mesh.
     pub vertex: u32,
-    /// The triangle's, none of which is an inner vertex.
+    /// Corners of the triangle, none of which is an inner vertex.
     pub corners: [u32; 3],
-    /// Weights of the three; 1 in sum.
+    /// Weights of the corners; 1 in sum.
     pub weights: [f64; 3],
 }
 
-/// A skeleton and how the vertices hang on it.
+/// Joints and their influences on vertices.
 #[derive(Clone, Debug)]
 pub struct Skin {
     /// Joints, at least one.
@@ -40,7 +40,7 @@ pub struct Skin {
     pub influences: Arc<Influences>,
 }
 
-/// A node that moves vertices.
+/// Node that moves vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
     /// Node of the joint.
@@ -49,34 +49,34 @@ pub struct Joint {
     pub joint_from_rest: DAffine3,
 }
 
-/// Everything that the shape of a mesh depends on at one time, and where that shape stands.
+/// Parameters of a mesh's shape at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     /// Weights of the morph targets.
     pub weights: Vec<f64>,
-    /// Transforms of the joints, to the space of the shape.
+    /// Transforms of the joints to the space of the shape.
     pub shape_from_rest: Vec<DAffine3>,
 }
 
-/// A mesh's vertices at one time.
+/// Vertices of a mesh at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
-    /// One a vertex.
+    /// Positions, one a vertex.
     pub positions: Vec<Vec3>,
-    /// One a vertex, or none at all; unit length.
+    /// Normals, one a vertex, or none at all; unit length.
     pub normals: Vec<Vec3>,
-    /// Tangents as the mesh has them, turned along.
+    /// Tangents of the mesh, transformed.
     pub tangents: Vec<Vec4>,
 }
 
 impl Deformation {
-    /// True if its weights are the same at all times; joints move on their own.
+    /// Whether its weights are constant; joints may still move.
     pub fn is_constant(&self) -> bool {
         self.weights.iter().all(Track::is_constant)
     }
 
-    /// The pose at a time, and where its shape stands: with its node, or if it follows a skeleton with
-    /// that one's first joint, unturned, so that single precision need not hold the scene's extent.
+    /// Pose at a time, and the space of its shape: that of the node, or, with a skin, that of its first joint
+    /// without rotation. So single precision need not span the scene.
     pub fn pose(&self, placements: &[Placement], node: NodeIndex, time_s: f64) -> (Pose, DAffine3) {
         let weights = self.weights.iter().map(|weight| weight.at(time_s)).collect();
         let Some(skin) = &self.skin else {
@@ -94,7 +94,7 @@ impl Deformation {
         (Pose { weights, shape_from_rest }, DAffine3::from_translation(anchor))
     }
 
-    /// The shape of `mesh`, which has to be the one that this was made for, in a pose.
+    /// Shape of `mesh` in a pose; the deformation has to belong to this mesh.
     pub fn shape(&self, mesh: &Mesh, pose: &Pose) -> Shape {
         let mut positions: Vec<DVec3> = mesh.positions.iter().map(|position| position.as_dvec3()).collect();
         let mut normals: Vec<DVec3> = mesh.normals.iter().map(|normal| normal.as_dvec3()).collect();
@@ -111,7 +111,7 @@ impl Deformation {
             for (vertex, position) in positions.iter_mut().enumerate() {
                 let shape_from_rest = skin.influences.blend(vertex, &pose.shape_from_rest);
                 *position = shape_from_rest.transform_point3(*position);
-                // What is mirrored has its front on the same side, and its bitangents turned over.
+                // Mirroring keeps the front side, and flips bitangents.
                 let mirrored = if shape_from_rest.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
                 if let Some(normal) = normals.get_mut(vertex) {
                     *normal = mirrored * (cofactor(shape_from_rest.matrix3) * *normal);
@@ -136,7 +136,7 @@ impl Deformation {
                 tangents[*vertex as usize] = between(&tangents);
             }
         }
-        // Where a normal vanishes, that of the mesh at rest will do.
+        // Where a normal vanishes, that of the mesh at rest is used.
         let unit =
             |(normal, rest): (&DVec3, &Vec3)| normal.try_normalize().map_or(*rest, |normal| normal.as_vec3());
         let tangent = |vertex: usize| {
@@ -155,7 +155,7 @@ impl Deformation {
 }
 
 impl Influences {
-    /// Linear blend skinning (glTF specification, 3.7.3.3): the mean of the joints' matrices.
+    /// Linear blend skinning (glTF specification, 3.7.3.3): the weighted mean of the joints' matrices.
     fn blend(&self, vertex: usize, matrices: &[DAffine3]) -> DAffine3 {
         let own = vertex * self.per_vertex..(vertex + 1) * self.per_vertex;
         let mut sum = DAffine3::from_mat3_translation(DMat3::ZERO, DVec3::ZERO);
@@ -174,7 +174,8 @@ fn add(values: &mut [DVec3], differences: &[Vec3], weight: f64) {
     }
 }
 
-/// The inverse transpose times the determinant, which turns normals and exists for every matrix.
+/// Cofactor matrix, the inverse transpose times the determinant. It transforms normals and exists for every
+/// matrix.
 fn cofactor(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }

@@ -1,18 +1,16 @@
-//! A picture on a sun's disc. In go colours over the unit disc, out come points as dense as the
-//! picture is bright. Invariant: every channel is 1 on average, so a picture moves light about and adds
-//! none.
+//! Picture on a sun's disc. In go colours over the unit disc, out come points with a density proportional to
+//! brightness. Invariant: every channel has the mean 1, so a picture redistributes light and adds none.
 
 use crate::color::{Rgb, luminance};
 use crate::math::{SquareDistribution, disc_from_square, square_from_disc};
 use glam::DVec2;
 
-/// Cells along an edge of the square that the disc is the image of: all of one area, about as wide
-/// as high. Larger pictures are averaged.
+/// Cells along an edge of the square that maps to the disc. They have equal areas, and are about as wide as
+/// high. Larger pictures are averaged.
 pub const DISC_CELLS: usize = 512;
 
-/// Colours over the unit disc, and points of it in proportion to the mean of their channels. Of
-/// luminance red is only a fifth: points drawn by that would be few where the picture is red alone,
-/// and each five times as bright.
+/// Colours over the unit disc, and points with a density proportional to the mean of their channels. With
+/// luminance in its place, purely red parts would have a fifth of the points, each five times as bright.
 #[derive(Clone, Debug)]
 pub struct DiscPicture {
     colors: Vec<[f32; 3]>,
@@ -20,8 +18,8 @@ pub struct DiscPicture {
 }
 
 impl DiscPicture {
-    /// Picture by the colour at points of the unit disc, x to the right and y up, asked at `per_cell`
-    /// times as many points along either side as there are cells; `None` if it is black all over.
+    /// Picture from colours at points of the unit disc, x to the right and y up, sampled at `per_cell` points
+    /// along either side of a cell; `None` if it is black.
     pub fn new(per_cell: usize, color_at: impl Fn(DVec2) -> Rgb) -> Option<Self> {
         let points = (DISC_CELLS * per_cell) as f64;
         let color_of = |cell: usize| {
@@ -42,7 +40,7 @@ impl DiscPicture {
             return None;
         }
         for color in &mut colors {
-            // A channel that is black all over has its light where the others have theirs.
+            // A channel without light is distributed like the others.
             let shade = luminance(*color) / grey;
             let channel = |i: usize| if mean[i] > 0.0 { color[i] / mean[i] } else { shade };
             *color = Rgb::new(channel(0), channel(1), channel(2));
@@ -52,21 +50,20 @@ impl DiscPicture {
         Some(Self { colors: colors.iter().map(|color| color.as_vec3().to_array()).collect(), by_brightness })
     }
 
-    /// A point of the disc, and the colour of all light if it came from there: its channels are 1 on
-    /// average, and at most 3.
+    /// Point of the disc, and the colour of the whole light if it came from there: its channels have the mean
+    /// 1 and are at most 3.
     pub fn point(&self, u: DVec2) -> (DVec2, Rgb) {
         let (cell, place) = self.by_brightness.pick(u);
         let color = self.color(cell);
         (disc_from_square(place), color / brightness(color))
     }
 
-    /// Whether all of it has one colour, brighter here and darker there, so that points differ in
-    /// nothing but their place.
+    /// Whether the picture has a single hue, so that points differ only in density.
     pub fn is_grey(&self) -> bool {
         self.colors.iter().all(|[red, green, blue]| red == green && green == blue)
     }
 
-    /// The colour at a point of the disc; the mean over the disc is 1.
+    /// Colour at a point of the disc; its mean over the disc is 1.
     pub fn color_at(&self, disc: DVec2) -> Rgb {
         self.color(self.by_brightness.cell(square_from_disc(disc)))
     }
@@ -81,8 +78,8 @@ fn brightness(color: Rgb) -> f64 {
     color.element_sum() / 3.0
 }
 
-/// Brightness of a star's disc at a distance from its middle, 1 at the edge, over that in the middle: the
-/// linear law `1 - u (1 - mu)` with `mu` the cosine of the angle at which the light leaves it.
+/// Limb darkening: brightness at a distance from the centre (1 at the edge), relative to the centre. The
+/// linear law is `1 - u (1 - mu)`, with `mu` the cosine of the angle at which the light leaves the star.
 pub fn limb_darkening(u: f64, distance: f64) -> f64 {
     1.0 - u * (1.0 - (1.0 - distance * distance).max(0.0).sqrt())
 }

@@ -1,20 +1,20 @@
-//! The way of the mean wind over time. In goes its velocity in keys, out comes how far it has blown.
-//! Invariant: the way has no jumps, its rate is the velocity, and every machine finds the same.
+//! Displacement by the mean wind over time. In goes its keyed velocity, out comes a displacement. Invariant:
+//! it is continuous, its derivative is the velocity, and every machine computes the same.
 
 use crate::scene::{Extend, Track};
 use glam::DVec3;
 
-/// Offset of the two points of Gauss' rule from the middle, over half an interval: 1 / sqrt(3). The rule
-/// is exact for cubics, which is what curves between keys are, Bezier curves excepted.
+/// Offset of the two points of Gauss' rule from the middle, relative to half an interval: 1 / sqrt(3). The
+/// rule is exact for cubics, and so for all curves between keys except Bezier curves.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
-/// Parts of each curve that the rule is applied to, for the sake of Bezier curves.
+/// Parts of each curve for the rule, because of Bezier curves.
 const PARTS: usize = 64;
 
-/// A velocity, m/s, and its integral.
+/// Velocity, m/s, and its integral.
 #[derive(Clone, Debug)]
 pub(crate) struct Drift {
     velocity: Track<DVec3>,
-    /// Ways from the first key to where each part begins, and to the last key.
+    /// Displacements from the first key to the start of each part, and to the last key.
     ways: Vec<DVec3>,
 }
 
@@ -32,12 +32,12 @@ impl Drift {
         drift
     }
 
-    /// Whether no wind blows, ever.
+    /// Whether there is never any wind.
     pub(super) fn is_still(&self) -> bool {
         self.velocity.is_constant() && self.velocity.at(0.0) == DVec3::ZERO
     }
 
-    /// Track of the velocity.
+    /// Velocity.
     pub(super) fn track(&self) -> &Track<DVec3> {
         &self.velocity
     }
@@ -46,7 +46,7 @@ impl Drift {
         self.velocity.at(time_s)
     }
 
-    /// Way that it has blown: of a velocity that stays, since time 0; of others, since the first key.
+    /// Displacement: for a constant velocity, since time 0; for others, since the first key.
     pub(super) fn way(&self, time_s: f64) -> DVec3 {
         let times_s = self.velocity.times_s();
         let (Some(&first_s), Some(&last_s), Some(&all)) = (times_s.first(), times_s.last(), self.ways.last())
@@ -75,13 +75,13 @@ impl Drift {
         way + all * rounds
     }
 
-    /// Time at which a part of the curve to a key begins.
+    /// Start time of a part of the curve that leads to a key.
     fn begins_s(&self, key: usize, part: usize) -> f64 {
         let [from_s, to_s] = [key - 1, key].map(|key| self.velocity.times_s()[key]);
         from_s + (to_s - from_s) * (part as f64 / PARTS as f64)
     }
 
-    /// The way between two times of a part.
+    /// Displacement between two times within a part.
     fn within_part(&self, from_s: f64, to_s: f64) -> DVec3 {
         let (middle_s, half_s) = (0.5 * (from_s + to_s), 0.5 * (to_s - from_s));
         let [before, behind] = [-GAUSS, GAUSS].map(|at| self.velocity(middle_s + at * half_s));

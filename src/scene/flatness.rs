@@ -5,10 +5,10 @@ use super::{Motion, Node, Scene};
 use crate::diagnostic::{Diagnostic, Place};
 use glam::{DAffine3, DMat3, Vec3};
 
-/// Share of an object's largest area that counts as none: what rounding leaves of a zero.
+/// Relative area that counts as 0, the rounding of a zero.
 const NOTHING: f64 = 1e-12;
 
-/// Says how many objects are lines or points, with the first's name.
+/// Warning about objects scaled to lines or points, with their number and the first one's name.
 pub(super) fn remark(scene: &Scene, time_s: f64, place: Place) -> Option<Diagnostic> {
     let placements = scene.placements(time_s);
     let is_flat = |node: usize, mesh: usize| {
@@ -30,19 +30,19 @@ pub(super) fn remark(scene: &Scene, time_s: f64, place: Place) -> Option<Diagnos
     Some(Diagnostic::choice(place, found).remedy("give it a scale other than 0, or take it out"))
 }
 
-/// True if the scale of a node, or of one above it, changes.
+/// Whether the scale of a node or of an ancestor changes.
 fn grows(scene: &Scene, node: usize) -> bool {
     let changes = |node: &Node| matches!(&node.motion, Motion::Keyed { scale, .. } if !scale.is_constant());
     std::iter::successors(Some(node), |&node| scene.nodes[node].parent)
         .any(|node| changes(&scene.nodes[node]))
 }
 
-/// True if the box around vertices has no area in the world, but has some by itself.
+/// Whether the bounding box of vertices has no area in the world, but some in its own space.
 fn is_line(world_from_mesh: DAffine3, positions: &[Vec3]) -> bool {
     let linear = world_from_mesh.matrix3;
     let axes = [linear.x_axis, linear.y_axis, linear.z_axis].map(|axis| axis.length());
     let longest = axes.into_iter().fold(0.0, f64::max);
-    // Few are: the box is asked for these alone.
+    // Rarely true, so that few boxes are computed.
     if linear.determinant().abs() > NOTHING * longest.powi(3) {
         return false;
     }
@@ -53,7 +53,7 @@ fn is_line(world_from_mesh: DAffine3, positions: &[Vec3]) -> bool {
     own > 0.0 && largest_area(linear * sides) <= NOTHING * own * longest.powi(2)
 }
 
-/// The largest face of a box, by its edges.
+/// Largest face of a box, from its edges.
 fn largest_area(edges: DMat3) -> f64 {
     let [x, y, z] = [edges.x_axis, edges.y_axis, edges.z_axis];
     [x.cross(y), y.cross(z), z.cross(x)].map(|normal| normal.length()).into_iter().fold(0.0, f64::max)

@@ -1,24 +1,26 @@
-//! Banks of fog. Invariant: `density_per_m >= 0`, albedo in `0..=1`, `|anisotropy| <= 0.9999`, scale heights
-//! above 0; fog without bounds thins out with height, or no sunlight would come through it.
+//! Fog volumes. In go validated parameters, out come shapes and coefficients. Invariant: `density_per_m >=
+//! 0`, albedo in `0..=1`, `|anisotropy| <= 0.9999`, scale heights above 0. Unbounded fog falls off with
+//! height, as sunlight could not reach into it otherwise.
 
 use super::grids::Between;
 use super::{GridFrames, Mist, NodeIndex, Scene, Track};
 use crate::color::Rgb;
 use crate::diagnostic::{Diagnostic, Loss, Place};
 
-/// Maximum number of banks of fog: sets of them are bit masks in the inner loops.
+/// Maximum number of fog volumes: sets of them are bit masks in the inner loops.
 pub const MOST_FOGS: usize = 64;
 
-/// Fog of some shape.
+/// Fog volume.
 #[derive(Clone, Debug)]
 pub struct Fog {
     /// The author's name.
     pub name: String,
-    /// World from the shape's own space; may be rotated, scaled and sheared, and may move.
+    /// Node, whose transform leads from the shape's space to the world. It may be rotated, scaled and
+    /// sheared, and may move.
     pub node: NodeIndex,
     /// Shape of the fog.
     pub shape: FogShape,
-    /// Extinction sigma_t per channel where the fog is densest, 1/m: scattering plus absorption. Of voxels,
+    /// Extinction sigma_t per channel where the fog is densest, 1/m: scattering plus absorption. For voxels,
     /// where they are 1.
     pub density_per_m: Track<Rgb>,
     /// Single-scattering albedo sigma_s / sigma_t per channel, `0..=1`.
@@ -28,37 +30,37 @@ pub struct Fog {
 }
 
 /// Shape of fog. A new one is read in `scene/from_ron` and `scene/from_gltf`, frozen in `snapshot`, and
-/// answered for in `fog/bank.rs`.
+/// evaluated in `fog/bank.rs`.
 #[derive(Clone, Debug)]
 pub enum FogShape {
     /// The cube `[-1, 1]^3`, uniform.
     EvenBox,
-    /// The cube `[-1, 1]^3`, thinner with height.
+    /// The cube `[-1, 1]^3`, falling off with height.
     ThinningBox(HeightFalloff),
-    /// Everywhere, thinner with height.
+    /// Unbounded, falling off with height.
     Layer(HeightFalloff),
-    /// Grids of files, whose own space is the shape's.
+    /// Grids of OpenVDB files, in the shape's space.
     Voxels(Box<GridFrames>),
-    /// Billows that drift, within a box of the shape's own space.
+    /// Drifting mist, in a box of the shape's space.
     Mist(Box<Mist>),
 }
 
 impl FogShape {
-    /// As how many banks it counts.
+    /// Number of volumes as which it counts in the limit.
     pub fn most_banks(&self) -> usize {
         match self {
-            // What scatters and what absorbs of each channel.
+            // A scattering and an absorbing volume for each channel.
             Self::Voxels(grids) if grids.names.albedo.is_some() => 6,
             _ => 1,
         }
     }
 
-    /// Whether grids of it shine.
+    /// Whether it has emission.
     pub fn shines(&self) -> bool {
         matches!(self, Self::Voxels(grids) if grids.names.emission.is_some())
     }
 
-    /// Falloff with height, if there is one.
+    /// Falloff with height, if it has one.
     pub fn falloff(&self) -> Option<&HeightFalloff> {
         match self {
             Self::EvenBox | Self::Voxels(_) | Self::Mist(_) => None,
@@ -68,7 +70,7 @@ impl FogShape {
 }
 
 impl Scene {
-    /// Warning where several grids of a file have the name of one that counts.
+    /// Warning about several grids with the name of one that is used.
     pub fn shared_grid_name(&self) -> Option<Diagnostic> {
         let shared = |fog: &Fog| {
             let FogShape::Voxels(grids) = &fog.shape else { return None };
@@ -80,7 +82,7 @@ impl Scene {
         Some(Diagnostic::warning(Loss::SharedGridName, Place::Nowhere, found).remedy(remedy))
     }
 
-    /// Warning where a shutter that opens shows fog of files without velocities.
+    /// Warning about an open shutter with fog from files without velocities.
     pub fn held_fog(&self, shutter_frames: f64) -> Option<Diagnostic> {
         let held = |fog: &Fog| {
             let FogShape::Voxels(grids) = &fog.shape else { return None };
@@ -103,12 +105,11 @@ impl Scene {
     }
 }
 
-/// Density in proportion to `exp(-h / scale_height)` at a height h above a plane, and as
-/// on the plane below it.
+/// Density proportional to `exp(-h / scale_height)` at a height h above a plane, and constant below it.
 #[derive(Clone, Debug)]
 pub struct HeightFalloff {
-    /// The plane `y = base` of the shape's own space. Heights are metres at right angles to it.
+    /// The plane `y = base` of the shape's space. Heights are metres perpendicular to it.
     pub base: f64,
-    /// The height over which density falls to 1/e.
+    /// Height over which density falls to 1/e.
     pub scale_height_m: Track<f64>,
 }

@@ -1,5 +1,5 @@
-//! A fractal for a sun's disc: a Julia set, coloured by how long its points take to escape.
-//! Invariant: nowhere black, so there is always a picture.
+//! Julia set on a sun's disc, coloured by escape time. In goes a point, out comes a colour. Invariant: it is
+//! nowhere black, so there is always a picture.
 
 use super::Track;
 use crate::color::Rgb;
@@ -12,18 +12,18 @@ pub struct Julia {
     pub real: Track<f64>,
     /// Imaginary part of `c`.
     pub imaginary: Track<f64>,
-    /// Maximum number of iterations: a point that has not escaped then never does.
+    /// Maximum number of iterations; points that have not escaped by then count as inside.
     pub iterations: u32,
 }
 
 impl Julia {
-    /// Whether it is the same at all times.
+    /// Whether it is constant.
     pub fn is_still(&self) -> bool {
         self.real.is_constant() && self.imaginary.is_constant()
     }
 
-    /// Colour at points of the unit disc, the edge of which is a circle about the origin that every point
-    /// outside escapes from.
+    /// Colour at points of the unit disc, whose edge is a circle around the origin outside of which every
+    /// point escapes.
     pub fn color_at(&self, time_s: f64) -> impl Fn(DVec2) -> Rgb + use<> {
         let c = DVec2::new(self.real.at(time_s), self.imaginary.at(time_s));
         // |z| > R with R^2 - |c| = R makes |z^2 + c| > |z|.
@@ -33,9 +33,9 @@ impl Julia {
     }
 }
 
-/// Iterations until `z` is far away, as a share of the most; smooth between whole ones.
+/// Iterations until `z` is far away, relative to the maximum; continuous.
 fn escape_time(mut z: DVec2, c: DVec2, iterations: u32) -> f64 {
-    // Far beyond any escape radius, for the logarithm below to be exact.
+    // Well beyond any escape radius, for an accurate logarithm.
     const FAR: f64 = 1e4;
     for iteration in 0..iterations {
         if z.length_squared() > FAR * FAR {
@@ -47,7 +47,7 @@ fn escape_time(mut z: DVec2, c: DVec2, iterations: u32) -> f64 {
     1.0
 }
 
-/// Colour scale from a dark red over yellow to white.
+/// Colour ramp from dark red over yellow to white.
 fn warm(x: f64) -> Rgb {
     let step = |from: f64| (3.0 * x - from).clamp(0.0, 1.0);
     Rgb::new(step(0.0).max(0.01), step(1.0), step(2.0))

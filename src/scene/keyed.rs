@@ -1,16 +1,15 @@
-//! Keyed values of a scene. In goes a scene, out come its tracks, whatever their values are. Invariant: a
-//! value that can be keyed is in this list, so whether a scene is still and how long it moves are told
-//! alike.
+//! Keyed values of a scene. In goes a scene, out come its tracks of any type. Invariant: every value that can
+//! be keyed is in this list, which decides whether a scene is still and how long it moves.
 
 use super::{Animate, Extend, FogShape, GridFrames, Mist, Motion, Node, Rotation, Scene, Track};
 
-/// A track of some value.
+/// Track of any type.
 pub trait Keyed {
-    /// True if the value is the same at all times.
+    /// Whether the value is constant.
     fn is_constant(&self) -> bool;
-    /// First and last key, seconds; none without keys.
+    /// First and last key, seconds; `None` without keys.
     fn span_s(&self) -> Option<(f64, f64)>;
-    /// Whether it begins anew after its last key.
+    /// Whether it repeats after its last key.
     fn is_endless(&self) -> bool;
 }
 
@@ -59,7 +58,7 @@ impl Keyed for Mist {
 }
 
 impl Motion {
-    /// Tracks of the scene.
+    /// Tracks of the motion.
     pub fn tracks(&self) -> Vec<&dyn Keyed> {
         match self {
             Self::Still(_) => vec![],
@@ -73,19 +72,19 @@ impl Motion {
         }
     }
 
-    /// True if it is in the same place at all times.
+    /// Whether it never moves.
     pub fn is_still(&self) -> bool {
         self.tracks().iter().all(|track| track.is_constant())
     }
 }
 
 impl Scene {
-    /// True if every frame shows the same picture.
+    /// Whether all frames are the same.
     pub fn is_still(&self) -> bool {
         self.tracks().all(|track| track.is_constant())
     }
 
-    /// Every track, those of nodes among them.
+    /// Every track of the scene.
     pub fn tracks(&self) -> impl Iterator<Item = &dyn Keyed> {
         let nodes = self.nodes.iter().flat_map(node_tracks);
         nodes.chain(self.camera_tracks()).chain(self.light_tracks()).chain(self.matter_tracks())

@@ -1,8 +1,8 @@
-//! Lights: a node, a colour and a kind. Invariants: a light shines along its node's -Z (glTF and Blender).
-//! Powers are radiometric, per channel, never photometric.
+//! Lights: a node, a colour and a kind. In go validated parameters, out come lights. Invariants: a light
+//! emits along its node's -Z (glTF and Blender). Powers are radiometric, per channel, never photometric.
 //!
-//! To add a light: a variant here, its reading in `from_ron` and `from_gltf`, and its frozen form in
-//! `snapshot`. That form is a distribution over the two kinds of light without extent that `transport` knows.
+//! A new light needs a variant here, readers in `from_ron` and `from_gltf`, and its frozen form in
+//! `snapshot`: a distribution over the two kinds of light without extent that `transport` supports.
 
 use super::{NodeIndex, SunPicture, SunShows, Track};
 use crate::color::Rgb;
@@ -13,16 +13,16 @@ use std::f64::consts::PI;
 pub struct Light {
     /// The author's name.
     pub name: String,
-    /// Node that it stands at and by which it points.
+    /// Node of its position and direction.
     pub node: NodeIndex,
-    /// Suns: irradiance on a perpendicular plane, W/m^2. Point, sphere and spot: intensity, W/sr, seen
-    /// from afar. Area: radiant power, W.
+    /// Power. For a sun: irradiance on a perpendicular plane, W/m^2. For points, spheres and spots:
+    /// intensity, W/sr, from afar. For an area light: radiant power, W.
     pub power: Track<Rgb>,
     /// Kind, and its shape.
     pub kind: LightKind,
 }
 
-/// The closed set of lights.
+/// Kind of a light.
 #[derive(Clone, Debug)]
 pub enum LightKind {
     /// Parallel light from infinitely far away.
@@ -31,21 +31,21 @@ pub enum LightKind {
     SunDisc(SunDisc),
     /// A point with the same intensity in all directions.
     Point,
-    /// A sphere, as bright in all places and directions.
+    /// A sphere of uniform radiance.
     Sphere {
         /// Metres, whatever the node's scale.
         radius: Track<f64>,
     },
-    /// A point or sphere with a soft-edged cone.
+    /// A point or sphere with a cone of soft edges.
     Spot {
         /// Half angle beyond which there is no light, radians, in `(0, pi/2]`.
         outer_angle: Track<f64>,
         /// Blender's edge softness, `0..=1`: 1 - inner/outer angle.
         blend: Track<f64>,
-        /// Radius of the sphere, metres; 0 is a point.
+        /// Radius of the sphere, metres, whatever the node's scale; 0 is a point.
         radius: Track<f64>,
     },
-    /// A flat light, as bright in all places and, without a grid, directions, from one side.
+    /// A flat light of uniform radiance, from one side; with a spread, from a limited range of directions.
     Area {
         /// Outline.
         shape: AreaShape,
@@ -53,13 +53,13 @@ pub enum LightKind {
         width: Track<f64>,
         /// Along the node's y axis, metres before the node's scale.
         height: Track<f64>,
-        /// Blender's *Spread*: the whole angle that a grid before it lets light through, radians in
-        /// `(0, pi]`. With pi there is no grid. The power is the same.
+        /// Blender's *Spread*: the full angle of a grid before the light, radians in `(0, pi]`. With pi there
+        /// is no grid. The power stays the same.
         spread: Track<f64>,
     },
 }
 
-/// The outline of a flat light.
+/// Outline of a flat light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AreaShape {
     /// A rectangle as wide and as high as the light.
@@ -68,12 +68,12 @@ pub enum AreaShape {
     Ellipse,
 }
 
-/// A sun that is seen as a disc.
+/// Sun with a visible disc.
 #[derive(Clone, Debug)]
 pub struct SunDisc {
-    /// The whole angle under which it is seen, radians, in `[0, pi)`.
+    /// Full angle of the disc, radians, in `[0, pi)`.
     pub angular_diameter: Track<f64>,
-    /// Picture on it; without one its radiance is uniform.
+    /// Picture on the disc; without one its radiance is uniform.
     pub picture: Option<SunPicture>,
     /// Rotation of the picture, anticlockwise, radians.
     pub picture_rotation: Track<f64>,
@@ -82,14 +82,14 @@ pub struct SunDisc {
 }
 
 impl SunDisc {
-    /// A disc of the same radiance everywhere that only lights.
+    /// Creates a disc of uniform radiance that only lights.
     pub fn even(angular_diameter: Track<f64>) -> Self {
         Self { angular_diameter, picture: None, picture_rotation: Track::from(0.0), visible_to_camera: false }
     }
 }
 
 impl LightKind {
-    /// Every number of it that may be keyed, by its name in `sunfleck_light`.
+    /// All parameters that may be keyed, with their names in `sunfleck_light`.
     pub fn numbers(&self) -> Vec<(&'static str, &Track<f64>)> {
         match self {
             Self::Sun | Self::Point => vec![],
@@ -114,7 +114,7 @@ impl LightKind {
         }
     }
 
-    /// Its power's name in `sunfleck_light`, in Blender's units, and how many of them are one of ours.
+    /// Name of its power in `sunfleck_light`, in Blender's units, and Blender's value over this one.
     pub(crate) fn blenders_power(&self) -> (&'static str, f64) {
         match self {
             Self::Sun | Self::SunDisc(_) => ("strength_w_m2", 1.0),

@@ -1,6 +1,5 @@
-//! Limits of a scene's size, and of the lens that it is seen with. In goes a resolved scene, out come
-//! errors with places. Invariant: in a scene that passes, squares of lengths stay finite in single
-//! precision wherever a tree or a triangle forms them.
+//! Limits of a scene's size, and of its lenses. In goes a resolved scene, out come errors with places.
+//! Invariant: in a valid scene, squares of lengths stay finite in single precision in trees and triangles.
 
 use super::{Camera, Lens, Light, Motion, Scene, Track};
 use crate::description::ron::{FIELDS_OF_VIEW_DEG, NEAREST_FOCUS_M, SMALLEST_F_STOP};
@@ -14,10 +13,10 @@ use std::path::Path;
 const FARTHEST_VERTEX_M: f32 = 1e15;
 /// Maximum distance of anything from the world's origin, metres: room for sums and scales of such lengths.
 const FARTHEST_M: f64 = 1e18;
-/// Maximum power of lights, in any of their units: no light that is measured comes near.
+/// Maximum power of lights in any of their units, beyond all measured lights.
 const MOST_POWER: f64 = 1e20;
 
-/// Refuses what reaches too far, shines too brightly or is seen with no possible lens.
+/// Refuses scenes that are too large, lights that are too bright, and impossible lenses.
 pub(super) fn check(scene: &Scene, file: &Path) -> Result<(), Diagnostics> {
     let meshes = scene.meshes.iter().filter_map(|mesh| far_vertex(&mesh.name, &mesh.positions));
     let nodes = far_nodes(scene).into_iter();
@@ -53,7 +52,7 @@ fn far_vertex(mesh: &str, positions: &[Vec3]) -> Option<Excess> {
     })
 }
 
-/// The first of each branch of the hierarchy that reaches too far, with the mesh there.
+/// Nodes that reach too far, with their meshes: the topmost of each branch of the hierarchy.
 fn far_nodes(scene: &Scene) -> Vec<Excess> {
     let extent = |positions: &[Vec3]| {
         positions.iter().fold(0.0, |extent: f64, position| extent.max(position.as_dvec3().length()))
@@ -86,7 +85,7 @@ fn far_nodes(scene: &Scene) -> Vec<Excess> {
     found
 }
 
-/// Bounds on where a node is at any time, whatever its rotation.
+/// Bound on a node's distance at any time, for any rotation.
 #[derive(Clone, Copy)]
 struct Reach {
     offset_m: f64,
@@ -112,8 +111,7 @@ impl Reach {
     }
 }
 
-/// A bound on how many times longer a matrix makes a vector, which is exact where its columns
-/// are at right angles.
+/// Bound on the factor by which a matrix stretches vectors, exact if its columns are orthogonal.
 fn largest_stretch(matrix: DMat3) -> f64 {
     // The square of the stretch is an eigenvalue of the transpose times the matrix (Gershgorin's discs).
     let squared = matrix.transpose() * matrix;

@@ -1,122 +1,121 @@
-//! Materials of surfaces. Invariant: `base_color + transmission + mirror + filter_color <= 1` per channel,
-//! so no surface gives more than it receives.
+//! Materials of surfaces. In go validated parameters, out come materials over time. Invariant: `base_color +
+//! transmission + mirror + filter_color <= 1` per channel, so no surface reflects more than it receives.
 
 use super::{TextureIndex, Track};
 use crate::color::Rgb;
 pub use crate::description::gltf::{Clearcoat, Sheen, TextureMap};
 
-/// A two-sided surface: Lambert to the near and to the far side, mirror and emission added up, perhaps
-/// under a coat.
+/// Two-sided surface: diffuse reflection and transmission, mirror and emission added up, with an optional
+/// coat.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// The author's name.
     pub name: String,
-    /// Lambert reflectance, `0..=1`; multiplied by the texture if there is one.
+    /// Lambert reflectance, `0..=1`; multiplied by the texture, if there is one.
     pub base_color: Rgb,
-    /// Image whose colour multiplies what is `painted`; looked up with the first texture coordinates.
+    /// Image that multiplies the `painted` property, with the first texture coordinates.
     pub base_color_texture: Option<TextureIndex>,
-    /// Property that that image and the colours of vertices multiply.
+    /// Property that this image and vertex colours multiply.
     pub painted: Painted,
-    /// Lambert transmittance, `0..=1`: what comes out, diffuse, on the side that the light does not
-    /// fall on.
+    /// Lambert transmittance, `0..=1`: diffuse light on the far side.
     pub transmission: Rgb,
     /// Image whose colour multiplies `transmission`.
     pub transmission_texture: Option<TextureMap>,
     /// Perfect mirror reflectance, `0..=1`.
     pub mirror: Rgb,
-    /// Radiance emitted to either side, W m^-2 sr^-1.
+    /// Radiance emitted from both sides, W m^-2 sr^-1.
     pub emission: Rgb,
     /// Image whose colour multiplies `emission`.
     pub emission_texture: Option<TextureMap>,
-    /// Glossy coat, or metal; without one it is matte.
+    /// Glossy coat, or metal; without one the surface is matte.
     pub coat: Option<Coat>,
-    /// Whether its coat is that of Blender's Principled BSDF, as Cycles has it.
+    /// Whether its coat is that of Blender's Principled BSDF in Cycles.
     pub is_principled: bool,
-    /// How many times what that coat takes from beneath it is taken from the base colour and from
-    /// transmission: a share of a surface may lie beside its coat.
+    /// Factors on the light that the coat removes from the base colour and from transmission, as part of a
+    /// surface may lie beside its coat.
     pub coat_takes: [Rgb; 2],
-    /// Reflectance of metal along the normal, if it is not `base_color`: nothing goes through metal.
+    /// Reflectance of metal along the normal, if it is not `base_color`; metal transmits nothing.
     pub metal_color: Option<Rgb>,
-    /// Whether no texture multiplies that.
+    /// Whether no texture multiplies the metal's colour.
     pub has_plain_metal: bool,
-    /// Whether metal reflects as much at grazing angles as along the normal.
+    /// Whether metal reflects equally at all angles.
     pub has_even_metal: bool,
-    /// A dielectric of the coat's roughness, whose inside has the metal's colour.
+    /// Dielectric with the coat's roughness and the metal's colour inside.
     pub dielectric: Option<Dielectric>,
-    /// A clear coat over all.
+    /// Clear coat on top.
     pub clearcoat: Option<Clearcoat>,
-    /// Sheen of cloth, beneath the clear coat.
+    /// Sheen, beneath the clear coat.
     pub sheen: Option<Sheen>,
-    /// Image of directions that bend the normal, and how much of their bending counts.
+    /// Normal map and its scale.
     pub normal_map: Option<(TextureMap, f64)>,
-    /// Whether bumps of that map shade themselves, as in Cycles.
+    /// Whether bumps of the map shadow themselves, as in Cycles.
     pub has_bump_shadows: bool,
-    /// Effect of alpha, which is `opacity` times that of the texture.
+    /// Use of alpha, which is `opacity` times the texture's.
     pub alpha_mode: AlphaMode,
-    /// Alpha, `0..=1`; multiplied by the texture's if there is one.
+    /// Alpha, `0..=1`; multiplied by the texture's, if there is one.
     pub opacity: f64,
-    /// Share of light that goes straight through where alpha is 1, `0..=1`.
+    /// Share of light that passes straight through where alpha is 1, `0..=1`.
     pub filter_color: Rgb,
-    /// Track of its numbers, if they change.
+    /// Track of its parameters, if they change.
     pub changes: Option<Track<MaterialNumbers>>,
 }
 
-/// The numbers of a [`Material`] that may change, in the order of [`Material::numbers`].
+/// Parameters of a [`Material`] that may change, in the order of [`Material::numbers`].
 pub type MaterialNumbers = [f64; NUMBERS];
 const NUMBERS: usize = 26;
 
-/// Property that a picture on a surface multiplies.
+/// Property that a surface's colours multiply.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Painted {
     /// [`Material::base_color`].
     #[default]
     BaseColor,
-    /// [`Material::mirror`]: coloured metal.
+    /// [`Material::mirror`], for coloured metal.
     Mirror,
-    /// [`Material::emission`]: what shines in its own colours.
+    /// [`Material::emission`], for surfaces that emit their own colours.
     Emission,
 }
 
 /// glTF's metallic-roughness model (`scattering::Gloss`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coat {
-    /// Share of metal, `0..=1`: metals reflect `base_color` in the coat and nothing beneath it.
+    /// Share of metal, `0..=1`: it reflects `base_color` in the coat and nothing beneath it.
     pub metallic: f64,
-    /// `0..=1`; glTF's roughness, the square root of its alpha.
+    /// Roughness, `0..=1`, as in glTF: the square root of alpha.
     pub roughness: f64,
     /// Image whose blue multiplies `metallic` and whose green `roughness`.
     pub texture: Option<TextureMap>,
-    /// Reflectance along the normal of what is no metal, `0..=1`.
+    /// Reflectance along the normal of the non-metallic part, `0..=1`.
     pub f0: Rgb,
     /// Image whose colour multiplies `f0`.
     pub f0_texture: Option<TextureMap>,
-    /// Reflectance at grazing angles of what is no metal.
+    /// Reflectance at grazing angles of the non-metallic part.
     pub f90: f64,
 }
 
-/// A rough dielectric (`scattering::Dielectric`).
+/// Rough dielectric (`scattering::Dielectric`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
-    /// Share of what is no metal that it is, coat and all, `0..=1`.
+    /// Its share of the non-metallic part, coat included, `0..=1`.
     pub share: f64,
     /// Refractive index, 1 or more.
     pub ior: f64,
-    /// Whether it is one face of a body, and no thin sheet.
+    /// Whether it is one face of a solid, and not a thin sheet.
     pub has_one_face: bool,
 }
 
-/// glTF's alpha modes; what a mask hides is cut out of the mesh instead (`scene/outline`).
+/// Alpha modes of glTF; parts hidden by a mask are cut out of the mesh instead (`scene/outline`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlphaMode {
     /// Alpha is ignored.
     Opaque,
-    /// The share `1 - alpha + alpha * filter_color` of what lies behind shows, and the share
-    /// alpha of the surface.
+    /// Shows the share alpha of the surface, and the share `1 - alpha + alpha * filter_color` of what lies
+    /// behind it.
     Blend,
 }
 
 impl Material {
-    /// Material in a tint, which multiplies the painted property and transmitted light.
+    /// Material with a tint on the painted property and on transmitted light.
     pub fn tinted(&self, color: Rgb) -> Self {
         let mut tinted = self.clone();
         tinted.base_color *= color;
@@ -132,8 +131,8 @@ impl Material {
         tinted
     }
 
-    /// Numbers of its colours, then its single numbers, then its metal's colour; zeros for a coat, a normal
-    /// map or a metal that it lacks.
+    /// Its colours, then its other parameters, then its metal's colour; zeros for a missing coat, normal map
+    /// or metal.
     pub fn numbers(&self) -> MaterialNumbers {
         let (f0, metallic, roughness, f90) = self
             .coat
@@ -164,7 +163,7 @@ impl Material {
         now
     }
 
-    /// Whether an image bends a normal of it.
+    /// Whether it has a normal map.
     pub fn has_normal_map(&self) -> bool {
         self.normal_map.is_some() || self.clearcoat.is_some_and(|coat| coat.normal_map.is_some())
     }
@@ -174,7 +173,7 @@ impl Material {
         self.dielectric.is_some_and(|dielectric| dielectric.has_one_face)
     }
 
-    /// True if it is the same at all times.
+    /// Whether it is constant.
     pub fn is_constant(&self) -> bool {
         self.changes.as_ref().is_none_or(Track::is_constant)
     }

@@ -1,14 +1,13 @@
-//! Names as numbers, as Cryptomatte has them. In goes a name, out come 32 bits that are a finite
-//! single-precision number too. Invariant: equal names have equal numbers, in any scene and any program.
+//! Ids of Cryptomatte. In goes a name, out come 32 bits that are also a finite single-precision number.
+//! Invariant: equal names have equal ids, in any scene and any program.
 
-/// A name's number: its MurmurHash3 with one bit flipped where that would be no normal number
-/// (Friedman and Jones 2015, "Fully automatic ID mattes with support for motion blur and
-/// transparency"; Cryptomatte specification 1.2.0, "ID generation" and "uint32_to_float32"). Read as
-/// an `f32` it is what a channel holds.
+/// Id of a name: its MurmurHash3, with one bit flipped where it would not be a normal number (Friedman and
+/// Jones 2015, "Fully automatic ID mattes with support for motion blur and transparency"; Cryptomatte
+/// specification 1.2.0, "ID generation" and "uint32_to_float32"). A channel stores it as an `f32`.
 pub fn matte_id(name: &str) -> u32 {
     const EXPONENT: u32 = 0xff << 23;
     let hash = murmur3(name.as_bytes());
-    // All bits clear are zeros and denormals, all bits set infinities and NaN.
+    // An exponent of zeros marks zeros and denormals, one of ones infinities and NaN.
     if hash & EXPONENT == 0 || hash & EXPONENT == EXPONENT { hash ^ (1 << 23) } else { hash }
 }
 

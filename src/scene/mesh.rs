@@ -1,5 +1,5 @@
-//! Triangle meshes in their own space. Invariant: at least one triangle, every index in range,
-//! every position finite.
+//! Triangle meshes in their own space. In go validated lists, out come meshes. Invariant: at least one
+//! triangle, every index in range, every position finite.
 
 use super::MaterialIndex;
 use glam::{Vec2, Vec3, Vec4};
@@ -21,8 +21,8 @@ pub struct Mesh {
     pub colors: Vec<Vec3>,
     /// One alpha a vertex, `0..=1`, which multiplies that of a blended material; empty means 1.
     pub alphas: Vec<f32>,
-    /// One tangent a vertex for normal maps: unit length, and in `w` on which side of it the bitangent
-    /// `w * normal x tangent` lies; empty means that no map bends the normals.
+    /// One tangent a vertex for normal maps: unit length, with the sign of the bitangent `w * normal x
+    /// tangent` in `w`. Empty without a normal map.
     pub tangents: Vec<Vec4>,
     /// The triangles.
     pub triangles: Vec<Triangle>,

@@ -1,6 +1,6 @@
-//! The scene that the author's description means: resolved, in SI units, keyframed. In goes a
-//! [`crate::description`], out comes a [`Scene`]. Invariant: a `Scene` that exists is valid; every index
-//! points somewhere, every number is finite and in range, parents come before children.
+//! Scene: resolved, in SI units, keyframed. In goes a [`crate::description`], out comes a [`Scene`].
+//! Invariant: a `Scene` that exists is valid; every index is in range, every number is finite and in range,
+//! parents come before children.
 
 mod animation;
 mod baking;
@@ -74,7 +74,7 @@ pub use texture::{Texture, Wrap};
 use track::SmoothKey;
 pub use track::{Animate, Extend, Handle, Key, Segment, Track};
 
-/// Everything there is, at every time. Immutable once built.
+/// Contents of a scene at all times. Immutable once built.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// The transform hierarchy, parents before children.
@@ -87,7 +87,7 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Meshes placed at nodes.
     pub instances: Vec<Instance>,
-    /// Ray visibility of nodes whose meshes not all rays meet.
+    /// Ray visibility of nodes whose meshes some rays ignore.
     pub ray_visibility: BTreeMap<NodeIndex, RayVisibility>,
     /// Cameras; [`RenderSettings::camera`] picks one by name, else the first.
     pub cameras: Vec<Camera>,
@@ -95,10 +95,9 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Traits of lamps, by their nodes.
     pub lamp_traits: BTreeMap<NodeIndex, LampTraits>,
-    /// Units that the lights of a glTF file were taken to be measured in, as neither it nor anyone else
-    /// says.
+    /// Units assumed for the lights of a glTF file, if neither it nor the options name any.
     pub guessed_light_units: Option<LightUnits>,
-    /// Banks of fog.
+    /// Fog volumes.
     pub fogs: Vec<Fog>,
     /// Radiance of rays that leave the scene, W m^-2 sr^-1; it lights nothing.
     pub background: Rgb,
@@ -106,11 +105,11 @@ pub struct Scene {
     pub sky: Option<Sky>,
     /// What the camera sees in the sky's place; mirrors see the sky.
     pub backdrop: Option<Sky>,
-    /// The animations of a glTF file, played or not.
+    /// Animations of a glTF file, whether or not they play.
     pub animations: Vec<Animation>,
-    /// Custom properties of a glTF file meant for us, as they stand there.
+    /// Custom properties of a glTF file for this program, unparsed.
     pub properties: Vec<Property>,
-    /// Everything that the description asks for and that is not honoured, or only nearly.
+    /// Requests of the description that are not honoured, or only approximated.
     pub remarks: Diagnostics,
 }
 
@@ -123,23 +122,23 @@ pub type MaterialIndex = usize;
 /// Index into [`Scene::textures`].
 pub type TextureIndex = usize;
 
-/// A named place that may move, below a parent that may move too.
+/// Named, possibly moving place below a parent.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// The author's name; unique names are the author's business.
+    /// The author's name, which need not be unique.
     pub name: String,
-    /// The node that this one follows. Always a smaller index.
+    /// Parent, always with a smaller index.
     pub parent: Option<NodeIndex>,
     /// Motion in its parent's space.
     pub motion: Motion,
-    /// Whether this node *and everything below it* takes part in the picture.
+    /// Whether the node and all its descendants are visible.
     pub visible: Track<bool>,
 }
 
-/// A custom property of a glTF file that is meant for us.
+/// Custom property of a glTF file for this program.
 #[derive(Clone, Debug)]
 pub struct Property {
-    /// Whose it is, for reading.
+    /// Owner, for messages.
     pub owner: String,
     /// Name, `sunfleck...`.
     pub name: String,
@@ -147,14 +146,14 @@ pub struct Property {
     pub value: serde_json::Value,
 }
 
-/// A mesh placed at a node.
+/// Mesh at a node.
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// Node.
     pub node: NodeIndex,
     /// Mesh.
     pub mesh: MeshIndex,
-    /// Replaces the materials of all the mesh's triangles.
+    /// Material that replaces all of the mesh's own.
     pub material: Option<MaterialIndex>,
     /// Id in the `leaf_id` pass; 0 is the background, so ids start at 1.
     pub leaf_id: u32,
@@ -172,13 +171,13 @@ pub struct Placement {
 }
 
 impl Scene {
-    /// Adds a node that is seen; its number.
+    /// Adds a visible node; returns its index.
     pub(crate) fn add_node(&mut self, name: String, parent: Option<NodeIndex>, motion: Motion) -> NodeIndex {
         self.nodes.push(Node { name, parent, motion, visible: Track::from(true) });
         self.nodes.len() - 1
     }
 
-    /// Places every node at `time_s`, in the order of [`Scene::nodes`].
+    /// Placements of all nodes at `time_s`, in the order of [`Scene::nodes`].
     pub fn placements(&self, time_s: f64) -> Vec<Placement> {
         let mut placements: Vec<Placement> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
@@ -195,13 +194,13 @@ impl Scene {
         placements
     }
 
-    /// Whether a node and all its parents are visible at a time: [`Placement::visible`] of one alone.
+    /// Whether a node and all its ancestors are visible at a time: [`Placement::visible`] of a single node.
     pub fn is_visible(&self, node: NodeIndex, time_s: f64) -> bool {
         let mut parents = std::iter::successors(Some(node), |&node| self.nodes[node].parent);
         parents.all(|node| self.nodes[node].visible.at(time_s))
     }
 
-    /// An instance's vertices at a time for which `placements` are, and where their space is.
+    /// Vertices of an instance at the time of `placements`, and the transform of their space.
     pub fn vertices(
         &self,
         instance: &Instance,
@@ -218,7 +217,7 @@ impl Scene {
         }
     }
 
-    /// The name by which a matte of an instance is found: its node's.
+    /// Name of an instance's matte: its node's.
     pub fn matte_name(&self, instance: usize) -> &str {
         &self.nodes[self.instances[instance].node].name
     }

@@ -1,34 +1,35 @@
-//! Motion of a node in its parent's space. Invariant: a motion is a pure function of time.
+//! Motion of a node in its parent's space. In goes a time, out comes a transform. Invariant: a motion is a
+//! pure function of time.
 
 use super::Track;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// A node's transform at any time.
+/// Transform of a node at any time.
 #[derive(Clone, Debug)]
 pub enum Motion {
-    /// Never moves. Any affine map, shear and mirroring included.
+    /// Constant. Any affine map, shear and mirroring included.
     Still(DAffine3),
-    /// Translation, rotation and scale, each keyed on its own.
+    /// Translation, rotation and scale, with keys of their own.
     Keyed {
         /// Metres.
         translation: Track<DVec3>,
-        /// Applied after the scale.
+        /// Rotation, applied after the scale.
         rotation: Rotation,
-        /// Factors; may be negative or zero.
+        /// Scale factors; may be negative or zero.
         scale: Track<DVec3>,
     },
-    /// Stands at `position` with -Z towards `target` and +Y as near to `up` as that allows.
+    /// Aimed: at `position`, with -Z towards `target` and +Y as near to `up` as possible.
     Aimed {
         /// Metres.
         position: Track<DVec3>,
-        /// The point looked at, in the same space as `position`.
+        /// Point that it looks at, in the space of `position`.
         target: Track<DVec3>,
-        /// Up vector of any length; if it is 0, or along the view, any sideways direction will do.
+        /// Up vector of any length; if it is 0 or along the view, the side direction is arbitrary.
         up: Track<DVec3>,
     },
 }
 
-/// A keyed rotation.
+/// Keyed rotation.
 #[derive(Clone, Debug)]
 pub enum Rotation {
     /// Interpolated along the shortest arc.
@@ -39,10 +40,10 @@ pub enum Rotation {
 }
 
 impl Motion {
-    /// The identity, for nodes that only group.
+    /// Identity, for nodes that only group.
     pub const STILL: Self = Self::Still(DAffine3::IDENTITY);
 
-    /// Parent from node at `time_s`.
+    /// Transform to the parent's space at `time_s`.
     pub fn parent_from_node(&self, time_s: f64) -> DAffine3 {
         match self {
             Self::Still(parent_from_node) => *parent_from_node,
@@ -59,7 +60,7 @@ impl Motion {
 }
 
 impl Rotation {
-    /// The rotation at `time_s`.
+    /// Rotation at `time_s`.
     pub fn at(&self, time_s: f64) -> DQuat {
         match self {
             Self::Quaternion(track) => track.at(time_s),
@@ -73,10 +74,10 @@ impl Rotation {
     }
 }
 
-/// The frame at `position` whose -Z points to `target`.
+/// Transform to `position` whose -Z points to `target`.
 fn aimed(position: DVec3, target: DVec3, up: DVec3) -> DAffine3 {
     let backward = (position - target).try_normalize().unwrap_or(DVec3::Z);
-    // Looking straight along `up`, any sideways direction will do.
+    // In a view along `up` the side direction is arbitrary.
     let right = up.cross(backward).try_normalize().unwrap_or_else(|| backward.any_orthonormal_vector());
     let matrix = DMat3::from_cols(right, backward.cross(right), backward);
     DAffine3::from_mat3_translation(matrix, position)

@@ -1,9 +1,9 @@
-//! Options of whoever loads a scene. In go choices, out come the settings that a made-up camera and light
-//! depend on. Invariant: a choice that is not made leaves what the input says.
+//! Options for loading a scene. In go choices, out come settings for the default camera and light. Invariant:
+//! options that are not set leave the input's own values.
 
 use super::{FrameRate, RenderSettings, Size};
 
-/// Which photometric units a glTF file's lights are in; the file does not say.
+/// Photometric units of a glTF file's lights, which the file does not name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "program", derive(clap::ValueEnum))]
 #[non_exhaustive]
@@ -16,18 +16,18 @@ pub enum LightUnits {
     Raw,
 }
 
-/// Options of whoever renders, beside what the input says itself.
+/// Options for resolving an input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ResolveOptions {
-    /// Units of the lights of a glTF file, whatever it says.
+    /// Units of a glTF file's lights, in place of those in its extras.
     pub light_units: Option<LightUnits>,
-    /// Animations of a glTF file that play, whatever its sequence says: a name, a number from 0, or `all`.
+    /// Animations of a glTF file to play, in place of the sequence's: a name, a number from 0, or `all`.
     pub animation: Option<String>,
-    /// Leaves inputs dark that have no light.
+    /// Adds no default light.
     pub no_default_light: bool,
-    /// Leaves suns in the picture of the sky that shows them.
+    /// Keeps suns in the picture of a sky, and makes no lights of them.
     pub keep_sky_suns: bool,
-    /// Size of the picture in place of the input's; a camera and light that are made up depend on it.
+    /// Size of the picture in place of the input's, for the default camera and light.
     pub size: Option<Size>,
     /// See `size`.
     pub frame_rate: Option<FrameRate>,
@@ -36,7 +36,7 @@ pub struct ResolveOptions {
 }
 
 impl ResolveOptions {
-    /// The input's settings as far as a made-up camera and light depend on them, as they are rendered.
+    /// The input's settings with these options, for the default camera and light.
     pub(crate) fn overrule(&self, settings: &RenderSettings) -> RenderSettings {
         RenderSettings {
             size: self.size.unwrap_or(settings.size),

@@ -1,5 +1,6 @@
-//! A [`Description`] in, a [`Scene`] and its [`RenderSettings`] out. Invariant: what cannot be
-//! honoured is in [`Scene::remarks`], what cannot be rendered is an error; nothing is dropped in silence.
+//! Resolution of an input. In goes a [`Description`], out come a [`Scene`] and its [`RenderSettings`].
+//! Invariant: a request that is not honoured is in [`Scene::remarks`], and invalid input is an error; nothing
+//! is dropped in silence.
 
 use super::{
     Baking, LightUnits, MOST_FOGS, RenderSettings, ResolveOptions, Scene, darkness, default_light,
@@ -8,10 +9,10 @@ use super::{
 use crate::description::{Description, SceneSource};
 use crate::diagnostic::{Diagnostic, Diagnostics, Loss, Place};
 
-/// Resolves everything once. `light_units` overrides what a glTF file says of its lights.
+/// Resolves a description, without reports or a cache of bakes. `light_units` overrides the file's.
 ///
 /// # Errors
-/// Every problem that was found, if any of them is an error.
+/// Returns all problems, if any of them is an error.
 pub fn resolve(
     description: Description,
     light_units: Option<LightUnits>,
@@ -20,11 +21,10 @@ pub fn resolve(
     resolve_telling(description, &options, &Baking::ALONE)
 }
 
-/// Resolves a description on the threads that it is called on; falls that take their time are told of and
-/// kept.
+/// Resolves a description on the current rayon pool; `baking` reports and caches falls.
 ///
 /// # Errors
-/// Every problem that was found, if any of them is an error.
+/// Returns all problems, if any of them is an error.
 pub fn resolve_telling(
     description: Description,
     options: &ResolveOptions,
@@ -47,12 +47,12 @@ pub fn resolve_telling(
             from_gltf::resolve(scene, &ResolveOptions { animation, ..options.clone() })?
         }
     };
-    // A sequence may name it, and says what it has to show.
+    // A sequence may name this camera, and its settings decide what it has to show.
     let has_made_up_camera = default_view::add(&mut scene);
     if let Some(sequence) = description.sequence {
         settings = from_ron::apply_sequence(sequence, &scene, settings)?;
     }
-    // Files that are hidden are no frames to other programs.
+    // Other programs ignore hidden files, so frames must not begin with a dot.
     let visible = settings.name.trim_start_matches('.');
     settings.name = String::from(if visible.is_empty() { "scene" } else { visible });
     let rendered = options.overrule(&settings);
@@ -78,13 +78,13 @@ pub fn resolve_telling(
         return Err(Diagnostics(vec![error]));
     }
     limits::check(&scene, &scene_path)?;
-    // They grew one by one, and there is no more to come.
+    // Nodes were pushed one by one, and none will follow.
     scene.nodes.shrink_to_fit();
     scene.instances.shrink_to_fit();
     Ok((scene, settings))
 }
 
-/// Makes lights of suns in the picture of a sky.
+/// Makes lights of the suns in a sky's picture.
 fn set_suns_apart(scene: &mut Scene, file: &Place) {
     let Some(sky) = scene.sky.take() else { return };
     let sky = scene.sky.insert(sky.with_suns_apart());
@@ -108,7 +108,7 @@ fn camera_made_up(file: &Place, holds_cameras: bool) -> Diagnostic {
     }
 }
 
-/// Lights an input of a format in which most files have no light.
+/// Adds default light to an input in a format whose files mostly have none.
 fn light_up(scene: &mut Scene, settings: &RenderSettings, has_default: bool, file: &Place) {
     if default_light::is_wanted(scene) {
         if has_default {

@@ -1,5 +1,5 @@
-//! Render settings of a scene: frames, rate, size, passes, samples. Invariant: frame times are computed
-//! from integers, never accumulated.
+//! Render settings of a scene: frames, rate, size, passes, samples. In go values of files and options, out
+//! come settings. Invariant: frame times are computed from integers, never accumulated.
 
 use crate::color::Look;
 pub use crate::description::ron::{Bounces, FrameRate, PixelFilter};
@@ -14,12 +14,12 @@ impl Default for FrameRate {
 }
 
 impl FrameRate {
-    /// The time of a frame, in seconds: `frame * denominator / numerator`.
+    /// Time of a frame, in seconds: `frame * denominator / numerator`.
     pub fn seconds(self, frame: f64) -> f64 {
         frame * f64::from(self.denominator) / f64::from(self.numerator)
     }
 
-    /// Frame at a time in seconds, perhaps between two.
+    /// Frame at a time in seconds; need not be an integer.
     pub fn frame(self, time_s: f64) -> f64 {
         time_s * f64::from(self.numerator) / f64::from(self.denominator)
     }
@@ -48,7 +48,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// All of a picture.
+    /// Window of a whole picture.
     pub fn whole(full: Size) -> Self {
         Self { x: 0, y: 0, width: full.width, height: full.height }
     }
@@ -56,16 +56,16 @@ impl Window {
     /// Index of pixel (`x`, `y`) of the full picture in a channel; `None` outside the window.
     pub fn index(self, x: usize, y: usize) -> Option<usize> {
         let (column, row) = (x.checked_sub(self.x)?, y.checked_sub(self.y)?);
-        // Far outside the index would overflow.
+        // The index could overflow far outside.
         (column < self.width && row < self.height).then(|| row * self.width + column)
     }
 
-    /// The pixel of the full picture that stands at `index` in a channel.
+    /// Pixel of the full picture at `index` in a channel.
     pub fn pixel(self, index: usize) -> (usize, usize) {
         (self.x + index % self.width, self.y + index / self.width)
     }
 
-    /// A pixel and the up to eight around it.
+    /// Pixel and its neighbours, up to eight.
     pub fn around(self, x: usize, y: usize) -> impl Iterator<Item = (usize, usize)> {
         let near =
             |at: usize, from: usize, count: usize| at.saturating_sub(1).max(from)..(at + 2).min(from + count);
@@ -73,7 +73,7 @@ impl Window {
         near(y, self.y, self.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
     }
 
-    /// Window with the pixels next to it, as far as the picture reaches.
+    /// Window with its neighbouring pixels, inside the picture.
     pub fn with_rim(self, full: Size) -> Self {
         let near = |from: usize, count: usize, all: usize| {
             let first = from.saturating_sub(1);
@@ -84,7 +84,7 @@ impl Window {
         Self { x, y, width, height }
     }
 
-    /// Window with all pixels that far away, as far as the picture reaches.
+    /// Window grown by `px` pixels, inside the picture.
     pub fn grown(self, px: usize, full: Size) -> Self {
         (0..px).fold(self, |window, _| window.with_rim(full))
     }
@@ -95,28 +95,27 @@ impl Window {
     }
 }
 
-/// Number of samples of a pixel.
+/// Number of samples a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sampling {
-    /// Exactly so many, at least 1.
+    /// Exactly this many, at least 1.
     Exactly(u32),
-    /// As many as it takes until the estimated relative error of its block of pixels is at most
-    /// `tolerance`.
+    /// Until the estimated relative error of the pixel's block is at most `tolerance`.
     Until {
         /// Relative error, more than 0, at most 1.
         tolerance: f64,
-        /// Samples a pixel at which to stop all the same, at least 1.
+        /// Maximum number of samples a pixel, at least 1.
         most: u32,
     },
 }
 
 impl Sampling {
-    /// Maximum number of samples for a tolerance that comes without one. Edges in a picture err as about
-    /// the power -3/4 of the number: so many take an error of 4 %, at eight samples, below 0.1 %.
+    /// Default maximum number of samples with a tolerance. The error of edges falls about with the power -3/4
+    /// of the number, so that an error of 4 % at eight samples falls below 0.1 %.
     pub const MOST: u32 = 1024;
 
-    /// Sampling by a number of samples, a tolerance, both or neither. Whoever names one of the two has
-    /// said all: a number that was meant to be exact is no limit of a tolerance.
+    /// Sampling from a number of samples, a tolerance, both or neither. Each level of settings replaces both:
+    /// an exact number of a lower level is not a limit for a tolerance.
     pub fn said(samples: Option<u32>, tolerance: Option<f64>) -> Option<Self> {
         match (samples, tolerance) {
             (None, None) => None,
@@ -138,10 +137,10 @@ impl fmt::Display for Sampling {
 }
 
 impl PixelFilter {
-    /// Every filter there is.
+    /// All filters.
     pub const ALL: [Self; 2] = [Self::Box, Self::BlackmanHarris];
 
-    /// Name that a person gives it by.
+    /// Name on the command line and in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Box => "box",
@@ -154,7 +153,7 @@ impl Bounces {
     /// Direct light and single scattering alone.
     pub const NONE: Self = Self::UpTo(0);
 
-    /// Orders of scattering; `None` is all of them.
+    /// Orders of scattering; `None` means all.
     pub fn orders(self) -> Option<u32> {
         match self {
             Self::UpTo(count) => Some(count),
@@ -172,17 +171,17 @@ impl fmt::Display for Bounces {
     }
 }
 
-/// Settings that the input asks for; the command line overrides them.
+/// Settings of the input; the command line overrides them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
-    /// Name of the sequence: the file's stem unless it says otherwise. Names the output too.
+    /// Name of the sequence, and of the output: by default the file's stem.
     pub name: String,
     /// Frames a second.
     pub frame_rate: FrameRate,
     /// First and last frame.
     pub frames: RangeInclusive<i64>,
-    /// Whether the input has no others. A scene by itself has any frame: the range is what is rendered of
-    /// it where nobody asks.
+    /// Whether other frames do not exist. A scene without a sequence has any frame; the range is then a
+    /// default.
     pub only_these_frames: bool,
     /// Picture size.
     pub size: Size,
@@ -194,7 +193,7 @@ pub struct RenderSettings {
     pub filter: PixelFilter,
     /// Passes beside the beauty.
     pub passes: Vec<Pass>,
-    /// Whether the shafts alone take the beauty's place.
+    /// Whether shafts alone replace the beauty.
     pub shafts_alone: bool,
     /// Seed of the sample points.
     pub seed: u32,
@@ -203,23 +202,23 @@ pub struct RenderSettings {
     /// Offset from the frame to the middle of that time, in parts of it: 0 is centred on the frame, 0.5
     /// opens at it.
     pub shutter_position: f64,
-    /// Exposure of pictures for eyes in powers of two, -100 to 100; `None` leaves it to what they show.
-    /// Frames know nothing of it.
+    /// Exposure of pictures for viewing in stops, -100 to 100; `None` is automatic. Frames do not depend on
+    /// it.
     pub exposure_stops: Option<f64>,
-    /// Contrast of pictures for eyes.
+    /// Look of pictures for viewing.
     pub look: Look,
-    /// Maximum number of reflections by mirrors, `0..`.
+    /// Maximum number of mirror reflections.
     pub mirror_depth: u32,
     /// Number of scatterings beyond the first.
     pub bounces: Bounces,
-    /// The stepped method's two knobs, metres: how deep the image plane is moved, and by how much a step.
+    /// Depth to which the stepped method moves the image plane, and its step, metres.
     pub march_depth_m: f64,
     /// See `march_depth_m`.
     pub march_step_m: f64,
 }
 
 impl RenderSettings {
-    /// Times at which the shutter opens and closes for a frame, counted in frames.
+    /// Times at which the shutter opens and closes for a frame, in frames.
     pub fn shutter_around(&self, frame: f64) -> [f64; 2] {
         [-0.5, 0.5].map(|end| frame + self.shutter * (self.shutter_position + end))
     }

@@ -1,5 +1,5 @@
-//! Picture on a sun's disc: an image, a fractal, a limb darker than the middle. Invariant: a picture is
-//! bright somewhere; one that stays the same is made once.
+//! Picture on a sun's disc: an image, a fractal, limb darkening. In go contents and a time, out comes a disc
+//! picture. Invariant: a picture is not black; a constant one is made once.
 
 use super::{DISC_CELLS, DiscPicture, Julia, Texture, Wrap, limb_darkening};
 use crate::color::Rgb;
@@ -7,10 +7,10 @@ use crate::description::image::DecodedImage;
 use glam::{DVec2, Vec2};
 use std::sync::Arc;
 
-/// Suns that may have a picture, each of which takes megabytes.
+/// Maximum number of suns with a picture, each of which takes megabytes.
 pub const MOST_SUN_PICTURES: usize = 16;
 
-/// Texels beyond this many a cell, either way, are passed between.
+/// Maximum number of texels to sample along either side of a cell.
 const MOST_PER_CELL: usize = 8;
 
 /// Picture on a sun's disc.
@@ -18,23 +18,23 @@ const MOST_PER_CELL: usize = 8;
 pub struct SunPicture {
     shows: SunShows,
     limb_darkening: f64,
-    /// Picture at all times, if it does not change.
+    /// Picture at all times, if it is constant.
     still: Option<Arc<DiscPicture>>,
 }
 
-/// Content of a sun's disc before its limb is darkened.
+/// Content of a sun's disc, before limb darkening.
 #[derive(Clone, Debug)]
 pub enum SunShows {
     /// Uniform.
     Even,
-    /// The largest circle in the middle of an image.
+    /// Largest centred circle of an image.
     Image(Arc<Texture>),
     /// A fractal.
     Julia(Julia),
 }
 
 impl SunPicture {
-    /// Picture with a coefficient of [`limb_darkening`]; `None` if it is black all over.
+    /// Picture with a coefficient of [`limb_darkening`]; `None` if it is black.
     pub fn new(shows: SunShows, limb_darkening: f64) -> Option<Self> {
         let limb = |p: DVec2| limb(limb_darkening, p);
         let still = match &shows {
@@ -53,7 +53,7 @@ impl SunPicture {
         Some(Self { shows, limb_darkening, still: still.map(Arc::new) })
     }
 
-    /// Content, the limb as bright as the middle.
+    /// Content without limb darkening.
     pub fn shows(&self) -> &SunShows {
         &self.shows
     }
@@ -75,7 +75,7 @@ impl SunPicture {
     }
 }
 
-/// An image for suns, whose edges go on beyond themselves.
+/// Image for suns, clamped at its edges.
 pub(super) fn image_for_suns(name: &str, image: DecodedImage) -> Arc<Texture> {
     let DecodedImage { width, height, texels, .. } = image;
     Arc::new(Texture { name: name.to_owned(), width, height, texels, wrap: [Wrap::Clamp; 2] })
@@ -85,7 +85,7 @@ fn limb(u: f64, p: DVec2) -> f64 {
     limb_darkening(u, p.length())
 }
 
-/// The image's colour where the disc is the largest circle in its middle.
+/// Colour of the image at a point of the disc, which is its largest centred circle.
 fn inscribed(image: &Texture, p: DVec2) -> Rgb {
     let size = DVec2::new(image.width as f64, image.height as f64);
     let radius = 0.5 * size.min_element() / size;

@@ -1,4 +1,5 @@
-//! Images that materials look up. Invariant: `width * height` texels, all finite, linear light.
+//! Images of materials. In go texture coordinates, out come colours and alphas. Invariant: `width * height`
+//! texels, all finite, in linear light.
 
 use crate::color::{Rgb, Texels};
 pub use crate::description::gltf::Wrap;
@@ -15,7 +16,7 @@ pub struct Texture {
     pub height: usize,
     /// Linear colour, alpha last, row by row from the top.
     pub texels: Texels,
-    /// Wrap beyond the edges, across and down.
+    /// Wrap mode across and down.
     pub wrap: [Wrap; 2],
 }
 
@@ -30,18 +31,18 @@ impl Texture {
         self.look_up(uv).w
     }
 
-    /// Alpha of a texel, which may lie beyond the edges.
+    /// Alpha of a texel, after wrapping.
     pub(super) fn texel_alpha(&self, column: i64, row: i64) -> f64 {
         let (column, row) = (self.wrap[0].index(column, self.width), self.wrap[1].index(row, self.height));
         f64::from(self.texels.get(row * self.width + column)[3])
     }
 
-    /// Whether anything of it is not opaque.
+    /// Whether any texel is not opaque.
     pub fn has_alpha(&self) -> bool {
         self.texels.iter().any(|texel| texel[3] < 1.0)
     }
 
-    /// The numbers of the four texels around `uv`, row by row, and how far it is from the first to the last.
+    /// Indices of the four texels around `uv`, row by row, and the fractions between them.
     pub(super) fn between(&self, uv: Vec2) -> ([usize; 4], DVec2) {
         let x = uv.x * self.width as f32 - 0.5;
         let y = uv.y * self.height as f32 - 0.5;
@@ -69,7 +70,7 @@ impl Texture {
 }
 
 impl Wrap {
-    /// Maps any texel number to one that exists.
+    /// Wraps any texel number into the image.
     fn index(self, number: i64, count: usize) -> usize {
         let count = count as i64;
         if (0..count).contains(&number) {

@@ -33,7 +33,8 @@ pub struct Fog {
     pub emission_grid: Option<String>,
     /// Emission where that grid is 1.
     pub emission_w_per_m3_sr: Option<Animated<Triple<NonNegative>>>,
-    /// Temperature where that grid is 1, in kelvin, for the colour of blackbody emission.
+    /// Temperature where that grid is 1, in kelvin: emission is that of a black body, relative to its
+    /// luminance there.
     pub emission_kelvin: Option<Number<Positive>>,
     /// Drifting mist in its box.
     pub mist: Option<Mist>,

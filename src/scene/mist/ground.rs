@@ -1,19 +1,20 @@
-//! Heights of a ground. In go triangles, out come heights. Invariant: over a place the highest counts.
+//! Height map of a ground. In go triangles, out come heights. Invariant: the highest triangle over a place
+//! counts.
 
 use glam::{DVec2, DVec3};
 
-/// Heights every so many metres; `None` where no ground is.
+/// Heights on a regular grid; `None` where there is no ground.
 #[derive(Debug)]
 pub struct GroundHeights {
     low: DVec2,
     spacing_m: f64,
-    /// Along x, and along z.
+    /// Number of points along x and along z.
     size: [usize; 2],
     heights_m: Vec<Option<f64>>,
 }
 
 impl GroundHeights {
-    /// Heights of triangles in a box.
+    /// Heights of the triangles within a box.
     pub(crate) fn new([low, high]: [DVec3; 2], spacing_m: f64, triangles: &[[DVec3; 3]]) -> Self {
         let flat = |point: DVec3| DVec2::new(point.x, point.z);
         let (low, size) = (flat(low), (flat(high) - flat(low)) / spacing_m);
@@ -25,7 +26,7 @@ impl GroundHeights {
         ground
     }
 
-    /// Corners in steps from the first place, and their heights.
+    /// Adds a triangle: its corners in grid steps from the first point, and their heights.
     fn add(&mut self, [(a, height_a), (b, height_b), (c, height_c)]: [(DVec2, f64); 3]) {
         let area = (b - a).perp_dot(c - a);
         if area == 0.0 || !area.is_finite() {
@@ -51,7 +52,7 @@ impl GroundHeights {
         }
     }
 
-    /// Height over or under a place, at the nearest that is known.
+    /// Height at a place, or at the nearest known point.
     pub fn at(&self, place: DVec3) -> Option<f64> {
         let at = ((DVec2::new(place.x, place.z) - self.low) / self.spacing_m).round();
         let at = at.clamp(DVec2::ZERO, DVec2::from_array(self.size.map(|count| (count - 1) as f64)));

@@ -1,6 +1,6 @@
-//! Mist that drifts: octaves of noise, times a shape. In go a description and a time, out come voxels.
-//! Invariant: they are a function of the description and the time alone; their places are tied to the shape's
-//! space, through which wind carries the noise.
+//! Drifting mist: octaves of noise, times a shape. In go a description and a time, out come voxels.
+//! Invariant: they depend on these two alone. The voxels are fixed in the shape's space, and wind moves the
+//! noise through it.
 
 mod ground;
 
@@ -16,52 +16,52 @@ use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The smallest billows are this many voxels wide, unless one says otherwise.
+/// Default width in voxels of the smallest billows.
 const VOXELS_A_BILLOW: f64 = 4.0;
-/// Voxels at most, unless one says otherwise.
+/// Default maximum number of voxels.
 const USUAL_VOXELS: f64 = (1 << 22) as f64;
-/// Voxels at most in any case: 64 MB.
+/// Maximum number of voxels in any case: 64 MB.
 pub const MOST_MIST_VOXELS: f64 = (1 << 24) as f64;
-/// Range of noise from where it makes mist to where mist is densest, in deviations of the noise.
+/// Range of the noise from no mist to the densest mist, in standard deviations.
 const FROM_NONE_TO_ALL: f64 = 2.0;
-/// Times that are kept: frames side by side ask for one each.
+/// Number of cached times: neighbouring frames need one each.
 const KEPT: usize = 2;
 
-/// A bank of mist. Lengths are of the shape's own space.
+/// Volume of mist. Lengths are in the shape's space.
 #[derive(Clone, Debug)]
 pub struct Mist {
     /// Corners of its box.
     pub bounds: [DVec3; 2],
-    /// Form of the mist.
+    /// Shape of the mist.
     pub shape: MistShape,
     /// Distance over which it fades, metres.
     pub edge_m: f64,
     /// Width of the largest billows.
     pub size_m: f64,
-    /// Each has billows half as wide and half as strong as the one before.
+    /// Number of octaves, each with billows half as wide and half as strong.
     pub octaves: u32,
-    /// The share of the shape that it fills, `0..=1`.
+    /// Fraction of the shape that it fills, `0..=1`.
     pub cover: Track<f64>,
     pub(crate) wind: Drift,
-    /// Turns that the billows have made.
+    /// Turns of the billows' evolution.
     pub evolution_turns: Track<f64>,
-    /// Height `base_m` from which on it thins out, to 1/e every so many metres.
+    /// Height `base_m` above which density falls off, by 1/e over `scale_height_m`.
     pub base_m: f64,
     /// See `base_m`.
     pub scale_height_m: Option<Track<f64>>,
-    /// Heights count from it where it is.
+    /// Ground from which heights count, where it exists.
     pub ground: Option<Arc<GroundHeights>>,
     /// Seed of the billows.
     pub seed: u32,
-    /// Between voxels.
+    /// Size of voxels.
     pub voxel_m: f64,
     pub(super) kept: Recent<State, MistVoxels>,
 }
 
-/// Nothing where there is no mist at all.
+/// `None` without any mist.
 type MistVoxels = Option<Arc<LitVoxels>>;
 
-/// All that changes in time.
+/// Time-dependent parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct State {
     way: DVec3,
@@ -70,9 +70,9 @@ pub(super) struct State {
     scale_height_m: Option<f64>,
 }
 
-/// The usual distance between voxels for billows in a box.
+/// Default size of voxels for billows in a box.
 pub(super) fn usual_voxel_m(bounds: [DVec3; 2], size_m: f64, octaves: u32) -> f64 {
-    // A row of more voxels is too many in any case: so it ends for billows next to nothing, too.
+    // A limit, for very small billows: a row of more voxels than this is refused anyway.
     let least_m = (bounds[1] - bounds[0]).max_element() / USUAL_VOXELS;
     let mut voxel_m = (size_m * 0.5_f64.powi(octaves as i32 - 1) / VOXELS_A_BILLOW).max(least_m);
     while voxel_count(bounds, voxel_m) > USUAL_VOXELS {
@@ -81,21 +81,21 @@ pub(super) fn usual_voxel_m(bounds: [DVec3; 2], size_m: f64, octaves: u32) -> f6
     voxel_m
 }
 
-/// Voxels in a box; a thin one has a layer all the same.
+/// Number of voxels in a box; a thin one has at least one layer.
 pub(super) fn voxel_count([low, high]: [DVec3; 2], voxel_m: f64) -> f64 {
     (((high - low) / voxel_m).ceil() + 1.0).element_product()
 }
 
-/// Billows narrower than so many voxels are left out: none of their shape would be left.
+/// Octaves with billows narrower than this many voxels are left out, as voxels cannot resolve them.
 pub(super) const FEWEST_VOXELS_A_BILLOW: f64 = 2.0;
 
 impl Mist {
-    /// Tracks that change it, wind aside.
+    /// Tracks that change it, except the wind.
     pub(super) fn tracks(&self) -> impl Iterator<Item = &Track<f64>> {
         [&self.cover, &self.evolution_turns].into_iter().chain(&self.scale_height_m)
     }
 
-    /// Voxels at a time, one every `voxel_m` of the shape's space; the densest is at most 1.
+    /// Voxels at a time, one every `voxel_m` of the shape's space; densities are at most 1.
     pub fn voxels(&self, time_s: f64) -> MistVoxels {
         let state = State {
             way: self.wind.way(time_s),
@@ -108,12 +108,12 @@ impl Mist {
 
     fn made(&self, state: &State) -> Option<Voxels> {
         const EDGE: i32 = 8;
-        /// Bricks that are made at a time, 8 MB: beside them all are held once.
+        /// Bricks that are computed in parallel, 8 MB beside the result.
         const AT_ONCE: usize = 1 << 12;
         let [low, high] = self.bounds.map(|corner| corner / self.voxel_m);
         let first = low.ceil().as_ivec3().div_euclid(IVec3::splat(EDGE));
         let count = high.floor().as_ivec3().div_euclid(IVec3::splat(EDGE)) - first + 1;
-        /// Bricks that room is kept for, 128 MB.
+        /// Bricks for which memory is reserved at once, 128 MB.
         const MOST_RESERVED: usize = 1 << 16;
         let places = count.element_product().max(0);
         let brick = |place: i32| {
@@ -131,7 +131,7 @@ impl Mist {
         builder.built().ok()
     }
 
-    /// `None` where the shape has nothing.
+    /// Voxels of a brick; `None` outside the shape.
     fn brick(&self, first: IVec3, state: &State) -> Option<[f32; BRICK]> {
         let place = |index: usize| {
             let along = IVec3::new(index as i32 / 64, index as i32 / 8 % 8, index as i32 % 8);
@@ -147,7 +147,7 @@ impl Mist {
         })
     }
 
-    /// Density at a place, without its billows, `0..=1`.
+    /// Density at a place without noise, `0..=1`.
     fn shape_at(&self, place: DVec3, state: &State) -> f64 {
         let [low, high] = self.bounds;
         let fade = |distance_m: f64| {
@@ -168,7 +168,7 @@ impl Mist {
         };
         let ground = self.ground.as_ref().and_then(|ground| ground.at(place));
         let height_m = place.y - ground.unwrap_or(self.base_m);
-        // What lies in the ground is not seen, but for what is between voxels.
+        // Mist in the ground is invisible, except near its surface, where voxels are interpolated.
         if inside == 0.0 || ground.is_some() && height_m < -2.0 * self.voxel_m {
             return 0.0;
         }
@@ -176,7 +176,7 @@ impl Mist {
     }
 }
 
-/// All octaves in a box, and how much of them is mist.
+/// All octaves in a box, and the threshold of mist.
 struct Billows {
     octaves: Vec<NoiseWithin>,
     way: DVec3,
@@ -194,7 +194,7 @@ impl Billows {
         let octaves = (0..count).map(|octave| {
             let factor = f64::from(1 << octave);
             let [low, high] = [low, high].map(|corner| factor * per_size * (corner - state.way));
-            // What is half as wide turns over twice as fast, as eddies do.
+            // Billows half as wide evolve twice as fast, as eddies do.
             let noise = FlowNoise { seed: mist.seed.wrapping_add(octave), turns: factor * state.turns };
             noise.within(low, high)
         });
@@ -219,7 +219,7 @@ impl Billows {
     }
 }
 
-/// Quantile of the normal distribution, within 0.01 from 0.02 to 0.98: Tukey's lambda distribution of
+/// Quantile of the normal distribution, accurate to 0.01 from 0.02 to 0.98: Tukey's lambda distribution of
 /// shape 0.14.
 fn normal_quantile(share: f64) -> f64 {
     4.91 * (share.powf(0.14) - (1.0 - share).powf(0.14))
