@@ -1,6 +1,6 @@
-//! Falls that share a ground, until all their leaves lie. In go falls, out come their leaves, from where
-//! bakes are kept if they are there. Invariant: what is kept of falls together holds while none of them
-//! changes. Where there are several, flights of each are kept as well, and outlive changes of the others.
+//! Falls that share a ground, until all their leaves rest. In go falls, out come their leaves, computed or
+//! from the cache. Invariant: the cached result of several falls is valid while none of them changes. Their
+//! flights are cached one by one, so a change of one fall keeps the flights of the others.
 
 use super::kept::{Kept, name_of, recalled, take};
 use super::pile::{AtRest, come_to_rest};
@@ -8,7 +8,7 @@ use super::{Fall, Fallen, Look};
 use crate::scene::Track;
 use crate::scene::baking::Baking;
 
-/// All leaves of each fall, in their order. `falls` lie on one ground.
+/// Leaves of each fall, in their order. `falls` share one ground.
 pub(in crate::inside::scene) fn at_rest(falls: &[&Fall], baking: &Baking) -> Vec<Vec<Fallen>> {
     let names: Vec<String> = falls.iter().map(name_of).collect();
     let count = falls.iter().map(|fall| fall.count as usize).sum();
@@ -35,7 +35,7 @@ impl Fall {
     }
 }
 
-/// `None`: a leaf that was never anywhere.
+/// `None` is a leaf without a pose.
 impl Kept for Option<AtRest> {
     const MAGIC: &[u8; 16] = b"sunfleck rest 4\n";
 

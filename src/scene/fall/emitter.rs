@@ -1,24 +1,25 @@
-//! Places where leaves hang before they fall. Invariant: places are on a grid so fine that nobody sees it.
-//! It is so coarse that the last bits of a scene's transforms, which machines may round differently, are
-//! gone.
+//! Places of leaves before they fall. In go random numbers, out come points. Invariant: points lie on a grid.
+//! It is finer than one can see, and coarse enough to absorb the last bits of a scene's transforms, which
+//! machines may round differently.
 
 use crate::math::Chance;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Places in a metre, a power of two: a chaotic fall would make last bits visible in seconds.
+/// Grid points per metre, a power of two. Without the grid a chaotic fall would amplify last bits within
+/// seconds.
 pub(super) const GRID_PER_M: f64 = 1_048_576.0;
 
-/// The crown of a tree.
+/// Region of a tree's crown.
 #[derive(Clone, Debug)]
 pub(crate) enum Emitter {
-    /// A box with its smallest and largest coordinates.
+    /// A box by its smallest and largest coordinates.
     Box(DVec3, DVec3),
     Ellipsoid(DVec3, DVec3),
     Surface(Surface),
 }
 
-/// Triangles and, up to each of them, their area.
+/// Triangles with their cumulative areas.
 #[derive(Clone, Debug)]
 pub(crate) struct Surface {
     triangles: Vec<[DVec3; 3]>,
@@ -26,7 +27,7 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    /// `None` if there is no area.
+    /// Surface of triangles; `None` without area.
     pub(crate) fn new(triangles: Vec<[DVec3; 3]>) -> Option<Self> {
         let mut sum = 0.0;
         let area = |[a, b, c]: &[DVec3; 3]| 0.5 * (*b - *a).cross(*c - *a).length();
@@ -40,7 +41,7 @@ impl Surface {
         (sum > 0.0).then_some(Self { triangles, areas })
     }
 
-    /// Point that three numbers in `[0, 1)` stand for, uniform in the area.
+    /// Point of the surface for three numbers in `[0, 1)`, uniform by area.
     pub(crate) fn place(&self, [u1, u2, u3]: [f64; 3]) -> DVec3 {
         let last = self.areas.len() - 1;
         let at = u1 * self.areas[last];
@@ -52,7 +53,7 @@ impl Surface {
 }
 
 impl Emitter {
-    /// No leaf hangs higher.
+    /// Height that no leaf exceeds.
     pub(crate) fn highest_m(&self) -> f64 {
         match self {
             Self::Box(_, high) => high.y,
@@ -63,7 +64,7 @@ impl Emitter {
         }
     }
 
-    /// The place of one leaf, all alike, from three draws.
+    /// Place of a leaf, uniform, from three draws.
     pub(crate) fn place(&self, chance: Chance, draw: u64) -> DVec3 {
         let numbers = [chance.at(draw), chance.at(draw + 1), chance.at(draw + 2)];
         let place = match self {

@@ -1,11 +1,11 @@
-//! One leaf from its twig to the ground. In goes a leaf, out come its poses, evenly spaced but for the one
-//! that touches it. Invariants: a flight is a pure function of the leaf and what is around it; no frame rate
-//! and no frame reaches it. Before it lands, no point of it is below the ground or in an obstacle.
+//! Flight of one leaf to the ground. In goes a leaf, out come poses, evenly spaced except for the one at the
+//! ground. Invariants: a flight is a pure function of the leaf and its surroundings, independent of frames
+//! and their rate. Until it lands, no point of it is below the ground or in an obstacle.
 //!
-//! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In even wind that
-//! is exact in the frame of the air; changing wind acts as a weight. What three dimensions need beyond that
-//! is dressing, chosen for looks. The plane turns ([`Manner`](super::leaf::Manner)), the leaf banks and is
-//! twisted about its normal, and the air carries it along across the plane.
+//! The plate of [`super::plate`] falls in a vertical plane; the leaf's width is its chord. In uniform wind
+//! this is exact in the frame of the air; changing wind acts as a weight. The rest of three dimensions is not
+//! physical, and is chosen for looks. The plane turns ([`Manner`](super::leaf::Manner)), the leaf banks and
+//! twists about its normal, and the air carries it sideways.
 
 use super::landing;
 use super::leaf::{Flight, Leaf, Pose, Surroundings};
@@ -15,20 +15,20 @@ use super::wind::Wind;
 use glam::{DQuat, DVec3};
 use std::mem;
 
-/// Longest step of the integration in units of the leaf's own time: with it, a flutter of 20 units ends
-/// a ten-thousandth of a chord from where it should.
+/// Maximum step of the integration in the leaf's unit of time: with it, the error of a flutter of 20 units is
+/// a ten-thousandth of a chord.
 const LONGEST_STEP: f64 = 0.1;
-/// A leaf that the wind keeps up for longer is given up, seconds.
+/// Maximum length of a flight, seconds; longer ones, which wind keeps up, end in the air.
 pub(crate) const LONGEST_FLIGHT_S: f64 = 120.0;
-/// Time in which the air carries a leaf along across its plane, in units of the leaf's own time.
+/// Time constant of sideways motion with the air, in the leaf's unit of time.
 const CARRIED_ALONG: f64 = 4.0;
-/// Time after its release in which a leaf takes up its manner, seconds.
+/// Time after the release until the manner has full strength, seconds.
 const TAKING_UP_S: f64 = 0.5;
 
-/// Speed at which a leaf backs off that hangs nearer to an obstacle than it reaches.
+/// Speed at which a leaf retreats from an obstacle within its reach at the release.
 const BACKING_OFF_M_PER_S: f64 = 0.3;
 
-/// Steps of a plate: so many of `time` each under one weight.
+/// Steps of a plate with a constant weight: `steps` of `time` each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg {
     pub(super) plate: Plate,
@@ -38,7 +38,7 @@ pub(super) struct Leg {
     pub(super) steps: usize,
 }
 
-/// A leaf on its way from pose to pose: it departs, somebody else takes its plate's steps, it arrives.
+/// A leaf between two poses: it departs, its plate's steps are taken elsewhere, it arrives.
 pub(super) struct Journey {
     leaf: Leaf,
     interval_s: f64,
@@ -47,7 +47,8 @@ pub(super) struct Journey {
 }
 
 impl Journey {
-    /// A leaf that is let go, with poses so far apart; or the flight of one that is on the ground already.
+    /// Releases a leaf, with the interval of its poses. A leaf on the ground already has finished its flight,
+    /// which is returned as the error.
     pub(super) fn released(
         mut leaf: Leaf,
         interval_s: f64,
@@ -68,14 +69,14 @@ impl Journey {
         let (leaf, interval_s) = (&mut self.leaf, self.interval_s);
         leaf.speed_gain = around.speed_gain.at(leaf.release_s + self.flier.time_s + 0.5 * interval_s);
         let weight = self.flier.depart(leaf, around.wind, interval_s);
-        // Well within the 2.8 that the method bears.
+        // Stable: the method's limit is 2.8.
         let longest_step = LONGEST_STEP.min(1.5 * leaf.plate.damping_time());
         let steps = (interval_s / (longest_step * leaf.own_time_s())).ceil() as usize;
         let time = interval_s / leaf.own_time_s() / steps as f64;
         Leg { plate: leaf.plate, state: self.flier.state, weight, time, steps }
     }
 
-    /// Takes what the steps have come to; all of the flight, if it has ended.
+    /// Takes the state after the steps; returns the flight when it ends.
     pub(super) fn arrive(&mut self, state: State, around: Surroundings<'_>) -> Option<Flight> {
         self.flier.arrive(&self.leaf, state, self.interval_s, around.obstacles);
         let number = self.poses.len();
@@ -99,15 +100,15 @@ struct Flier {
     middle: DVec3,
     heading: [f64; 2],
     sway_phase: [f64; 2],
-    /// Speed through the air across the plane.
+    /// Speed relative to the air, across the plane.
     sideways: f64,
-    /// The air's velocity around it, and the way that it went in the last interval.
+    /// Velocity of the air around it, and displacement in the last interval.
     air: DVec3,
     moved: DVec3,
-    /// Air at the end of the current interval, and how fast the plane turns.
+    /// Velocity of the air at the end of the current interval, and turning rate of the plane.
     next_air: DVec3,
     yaw_rad_per_s: f64,
-    /// Radius of the ball about its middle that is kept free of obstacles.
+    /// Radius of the ball around its centre that is kept free of obstacles.
     free_m: f64,
 }
 
@@ -136,9 +137,9 @@ impl Flier {
         }
     }
 
-    /// The weight under which the plate goes through the next interval.
+    /// Weight on the plate in the next interval.
     fn depart(&mut self, leaf: &Leaf, wind: &Wind, interval_s: f64) -> [f64; 2] {
-        // Where it will be about at the interval's end, as it was before.
+        // Extrapolated to the end of the interval by the last displacement.
         self.next_air = wind.at(self.middle + self.moved, leaf.release_s + self.time_s + interval_s);
         let acceleration = (self.next_air - self.air) / interval_s;
         self.yaw_rad_per_s =
@@ -150,7 +151,7 @@ impl Flier {
         [-acceleration.dot(along) / gravity, -1.0 - acceleration.y / gravity]
     }
 
-    /// Ends the interval with the plate in this state.
+    /// Ends the interval, with the plate's state.
     fn arrive(&mut self, leaf: &Leaf, state: State, interval_s: f64, obstacles: &Obstacles) {
         let acceleration = (self.next_air - self.air) / interval_s;
         let [along, across] = axes(self.heading);
@@ -172,7 +173,7 @@ impl Flier {
         self.time_s += interval_s;
     }
 
-    /// Takes away what of its velocity leads against a wall with this normal.
+    /// Removes the component of its velocity towards a wall with this normal.
     fn stop_towards(&mut self, leaf: &Leaf, normal: DVec3) {
         let State { u, v, cos, sin, .. } = self.state;
         let [along, across] = axes(self.heading);
@@ -184,7 +185,7 @@ impl Flier {
         self.sideways += away.dot(across);
     }
 
-    /// Share of its manner that it has taken up, from 0 at the release to 1.
+    /// Strength of its manner, from 0 at the release to 1.
     fn taken_up(&self) -> f64 {
         let square = self.time_s * self.time_s;
         square / (square + TAKING_UP_S * TAKING_UP_S)
@@ -195,7 +196,7 @@ impl Flier {
         let lean = self.taken_up() * (leaf.manner.bank + leaf.manner.sway * self.sway_phase[1]);
         let tilt = along * (0.5 * lean);
         let bank = DQuat::from_xyzw(tilt.x, tilt.y, tilt.z, 1.0).normalize();
-        // Turning x towards z is turning backwards about y.
+        // A turn from x towards z is a negative one about y.
         let [cos, sin] = half_angle(self.heading);
         let yaw = DQuat::from_xyzw(0.0, -sin, 0.0, cos);
         let [cos, sin] = half_angle([self.state.cos, self.state.sin]);
@@ -205,13 +206,13 @@ impl Flier {
     }
 }
 
-/// The horizontal direction in the plane of fall, and the one across it.
+/// Horizontal direction in the plane of fall, and the direction across it.
 fn axes([cos, sin]: [f64; 2]) -> [DVec3; 2] {
     [DVec3::new(cos, 0.0, sin), DVec3::new(-sin, 0.0, cos)]
 }
 
-/// Turned by twice the angle whose tangent is half of `angle`: small angles nearly, and for ever of unit
-/// length. No sine, for machines disagree about sines.
+/// Rotates by twice the angle whose tangent is `angle / 2`: nearly `angle` if it is small, and always of unit
+/// length. It avoids sines, which machines round differently.
 fn turned([cos, sin]: [f64; 2], angle: f64) -> [f64; 2] {
     let tangent = 0.5 * angle;
     let over = (1.0 + tangent * tangent).recip();
@@ -219,7 +220,7 @@ fn turned([cos, sin]: [f64; 2], angle: f64) -> [f64; 2] {
     [cos * by_cos - sin * by_sin, sin * by_cos + cos * by_sin]
 }
 
-/// Cosine and sine of half the angle that has these.
+/// Cosine and sine of half the angle with this cosine and sine.
 fn half_angle([cos, sin]: [f64; 2]) -> [f64; 2] {
     let sum = 1.0 + cos;
     let length = (sum * sum + sin * sin).sqrt();

@@ -1,32 +1,32 @@
-//! A leaf's flight before any other leaf matters: its keys, and its poses before it touches the ground, or
-//! leaves that lie there. Invariant: a pure function of the leaf and what is around it.
+//! Flight of a leaf before it meets other leaves. In go poses, out come keys, and the last poses before the
+//! ground, where leaves may lie. Invariant: it is a pure function of the leaf and its surroundings.
 
 use super::keys::{self, Tolerance};
 use super::leaf::{Flight, Pose};
 use crate::scene::Track;
 use glam::{DQuat, DVec3};
 
-/// Time before it touches the ground in which a leaf may meet others that lie there, seconds.
+/// Time before it touches the ground in which a leaf may meet others on the ground, seconds.
 const TAIL_S: f64 = 0.4;
-/// Poses of the tail that come before it: slopes of curves are found with them.
+/// Poses of the tail before its start, for differences.
 const CONTEXT: usize = 2;
 
-/// Place and turn of a node.
+/// Translation and rotation of a node.
 pub(super) type Tracks = (Track<DVec3>, Track<DQuat>);
 
-/// Flight of a leaf until it touches the ground, if it does. By default it was never anywhere.
+/// Flight of a leaf until it touches the ground, if it does. The default has no pose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::inside::scene) struct Flown {
-    /// Tracks up to the tail; `None` where all is tail.
+    /// Tracks up to the tail; `None` if the tail is all.
     pub(super) head: Option<Tracks>,
-    /// Poses to where it touches the ground. Of a leaf that never does, empty.
+    /// Poses until it touches the ground; empty if it never does.
     pub(super) tail: Vec<Pose>,
     /// Velocity at the ground.
     pub(super) velocity: DVec3,
 }
 
 impl Flown {
-    /// A flight's, of a node whose own point `middle` is the leaf's; `None` of a way without a pose.
+    /// Flight of a node in whose space the leaf's centre is `middle`; `None` without a pose.
     pub(super) fn new(flight: Flight, middle: DVec3, tolerance: Tolerance) -> Option<Self> {
         let Flight { mut poses, touches_with } = flight;
         let start_s = poses.first()?.time_s;
@@ -45,7 +45,7 @@ impl Flown {
         Some(Self { head, tail: poses.split_off(from - CONTEXT), velocity })
     }
 
-    /// Flight that holds together, whoever made it; `None` if this one does not.
+    /// Returns the flight if its parts are consistent, as those of a file need not be.
     pub(super) fn checked(self) -> Option<Self> {
         let whole = self.head.is_some() && self.tail.is_empty() || self.tail.len() > self.first();
         whole.then_some(self)
@@ -56,7 +56,7 @@ impl Flown {
         if self.head.is_some() { CONTEXT } else { 0 }
     }
 
-    /// All of its way: up to that pose of the tail, from there through a touch to its rest.
+    /// Tracks of the whole path: up to pose `until` of the tail, then through a touch to rest.
     pub(super) fn into_rest(
         self,
         until: usize,

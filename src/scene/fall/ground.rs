@@ -1,13 +1,13 @@
-//! Ground where leaves come to rest: a level, and the upper side of a mesh. Invariant: every place has one
-//! height.
+//! Ground where leaves come to rest: a level, and the upper side of meshes. In goes a place, out come height
+//! and normal. Invariant: every place has one height.
 
 use glam::{DVec2, DVec3};
 
-/// Triangles that one cell of the grid should hold, about.
+/// Mean number of triangles in a cell of the grid.
 const TRIANGLES_PER_CELL: usize = 2;
-/// Cells along one side of the grid, at most.
+/// Maximum cells along a side of the grid.
 const MOST_CELLS: usize = 1024;
-/// Cells along one side of a block, whose highest point is known.
+/// Cells along a side of a block with a known maximum height.
 const BLOCK: usize = 8;
 
 /// Heights over the x-z plane.
@@ -16,11 +16,11 @@ pub(crate) struct Ground {
     level_m: f64,
     highest_m: f64,
     own: Meshes,
-    /// Meshes of others, where there is none of its own.
+    /// Meshes of other grounds, used outside its own.
     others: Meshes,
 }
 
-/// The upper side of triangles.
+/// Upper side of triangles.
 #[derive(Clone, Debug)]
 struct Meshes {
     triangles: Vec<[DVec3; 3]>,
@@ -30,36 +30,36 @@ struct Meshes {
     side: usize,
     /// Triangles over each cell, row by row along x.
     cells: Vec<Vec<u32>>,
-    /// Height that none of them exceeds, by block.
+    /// Maximum height of each block.
     highest_m: Vec<f64>,
 }
 
 impl Ground {
-    /// Ground of its own triangles, of others where it has none, and level where there is none either.
+    /// Ground of its own triangles, outside them of others, and level elsewhere.
     pub(crate) fn new(level_m: f64, own: Vec<[DVec3; 3]>, others: Vec<[DVec3; 3]>) -> Self {
         let points = own.iter().chain(&others).flatten();
         let highest_m = points.map(|point| point.y).fold(level_m, f64::max);
         Self { level_m, highest_m, own: Meshes::new(own), others: Meshes::new(others) }
     }
 
-    /// No place is higher.
+    /// Maximum height.
     pub(crate) fn highest_m(&self) -> f64 {
         self.highest_m
     }
 
-    /// No place of a box of the x-z plane is higher.
+    /// Maximum height in a box of the x-z plane.
     pub(crate) fn highest_within(&self, low: DVec2, high: DVec2) -> f64 {
         let of = |meshes: &Meshes| meshes.highest_within(low, high);
         self.level_m.max(of(&self.own)).max(of(&self.others))
     }
 
-    /// Height of the meshes where there is one, on their upper side; else of the level.
+    /// Height of the upper side of meshes, or else of the level.
     pub(crate) fn height_m(&self, x: f64, z: f64) -> f64 {
         let place = DVec2::new(x, z);
         self.own.height_m(place).or_else(|| self.others.height_m(place)).unwrap_or(self.level_m)
     }
 
-    /// Unit vector that stands on the ground, seen over a distance.
+    /// Unit normal, averaged over a distance.
     pub(crate) fn normal(&self, x: f64, z: f64, over_m: f64) -> DVec3 {
         let half = 0.5 * over_m;
         let along_x = self.height_m(x + half, z) - self.height_m(x - half, z);
@@ -103,7 +103,7 @@ impl Meshes {
         meshes
     }
 
-    /// `None` where no triangle is.
+    /// Height at a place; `None` outside all triangles.
     fn height_m(&self, place: DVec2) -> Option<f64> {
         let beyond = self.corner + self.cell * self.side as f64;
         if self.cells.is_empty() || place.cmplt(self.corner).any() || place.cmpgt(beyond).any() {
@@ -131,7 +131,7 @@ impl Meshes {
     }
 }
 
-/// Height of the triangle's plane over a place that it covers, its edges included.
+/// Height of a triangle's plane at a place inside it, edges included.
 pub(super) fn height_in([a, b, c]: [DVec3; 3], place: DVec2) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);
     let (x, z) = (place.x - a.x, place.y - a.z);
@@ -140,7 +140,7 @@ pub(super) fn height_in([a, b, c]: [DVec3; 3], place: DVec2) -> Option<f64> {
         return None;
     }
     let (towards_b, towards_c) = ((x * ac.z - z * ac.x) / area, (z * ab.x - x * ab.z) / area);
-    // Rounding must not open a gap between neighbours.
+    // Tolerance, so that rounding opens no gap between neighbours.
     const SLACK: f64 = -1e-9;
     let inside = towards_b >= SLACK && towards_c >= SLACK && towards_b + towards_c <= 1.0 - SLACK;
     inside.then_some(a.y + towards_b * ab.y + towards_c * ac.y)

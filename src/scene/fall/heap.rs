@@ -1,6 +1,5 @@
-//! Height field of leaves that lie on the ground already, over squares of a fine grid. In go leaves at
-//! rest, out come heights. Invariant: no leaf that lies here is higher than its squares say, but for the
-//! bend of its mesh within one of them.
+//! Height field of the leaves on the ground, on a fine grid. In go leaves at rest, out come heights.
+//! Invariant: a square's height is that of its highest leaf, up to the bend of the mesh within the square.
 
 use super::ground::Ground;
 use super::outline::Outline;
@@ -11,16 +10,16 @@ use std::hash::{BuildHasherDefault, Hasher};
 /// Squares along a leaf of the mean length, and at most along the longest.
 const SQUARES_ALONG: f64 = 20.0;
 const MOST_SQUARES_ALONG: f64 = 64.0;
-/// Squares along one side of a tile: with more, leaves that lie alone would take most of the memory.
+/// Squares along a side of a tile: larger tiles would waste memory around single leaves.
 const TILE: i32 = 8;
-/// Height where nothing lies.
+/// Height without leaves.
 const BARE: f32 = f32::NEG_INFINITY;
 
-/// Heights by squares; tiles exist where something lies.
+/// Heights by squares, in tiles that exist where leaves lie.
 pub(super) struct Heap {
     square_m: f64,
     tiles: Vec<Tile>,
-    /// Places of tiles among them, by [`key`].
+    /// Indices of tiles, by [`key`].
     numbers: HashMap<u64, usize, BuildHasherDefault<OfKeys>>,
 }
 
@@ -30,12 +29,12 @@ struct Tile {
     tops_m: Vec<f32>,
 }
 
-/// Points all over a leaf, as dense as a heap's squares, relative to its middle.
+/// Points of a leaf, one a square, relative to its centre.
 pub(super) struct Sheet {
     points: Vec<DVec3>,
 }
 
-/// Pose of a sheet: its middle, and its turn.
+/// Pose of a sheet: centre and rotation.
 #[derive(Clone, Copy)]
 pub(super) struct Lie {
     pub(super) middle: DVec3,
@@ -43,7 +42,7 @@ pub(super) struct Lie {
 }
 
 impl Heap {
-    /// Heap of leaves with these ranges of lengths.
+    /// Creates a heap for leaves with these ranges of lengths.
     pub(super) fn new(lengths_m: impl Iterator<Item = (f64, f64)>) -> Self {
         let (mut sum, mut count, mut longest) = (0.0, 0.0, 0.0_f64);
         for (low, high) in lengths_m {
@@ -53,12 +52,12 @@ impl Heap {
         Self { square_m, tiles: Vec::new(), numbers: HashMap::default() }
     }
 
-    /// Sheet of a mesh that is scaled by `scale` at most.
+    /// Sheet of a mesh with a scale of at most `scale`.
     pub(super) fn sheet(&self, outline: &Outline, scale: f64) -> Sheet {
         Sheet { points: outline.sampled(self.square_m / scale) }
     }
 
-    /// Whether something so high may lie within this distance of a place.
+    /// Whether a leaf of at least this height may lie within a distance of a place.
     pub(super) fn may_reach(&self, place: DVec3, within_m: f64, height_m: f64) -> bool {
         let [low_x, low_z] =
             self.square(place.x - within_m, place.z - within_m).map(|at| at.div_euclid(TILE));
@@ -72,9 +71,9 @@ impl Heap {
         self.numbers.get(&key(place)).map(|&number| &self.tiles[number])
     }
 
-    /// Height under each of the sheet's points, in their order; `None` where the ground is bare.
+    /// Heights under a sheet's points, in their order; `None` over bare ground.
     fn under<'a>(&'a self, points: &'a [DVec3]) -> impl Iterator<Item = Option<f64>> + 'a {
-        // Neighbours are mostly on the same tile.
+        // Neighbours are mostly in the same tile.
         let mut last: Option<([i32; 2], Option<&Tile>)> = None;
         points.iter().map(move |point| {
             let square = self.square(point.x, point.z);
@@ -88,8 +87,8 @@ impl Heap {
         })
     }
 
-    /// Height of the sheet's middle at which no point of it is below what lies here; infinitely low over
-    /// bare ground.
+    /// Lowest height of a sheet's centre at which no point is below the heap; minus infinity over bare
+    /// ground.
     pub(super) fn lowest_height_m(&self, sheet: &Sheet, lie: Lie) -> f64 {
         let points = sheet.at(lie);
         let heights = self.under(&points).zip(&points);
@@ -97,8 +96,7 @@ impl Heap {
         over.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Heights by which each of the sheet's points would have to rise to be on what lies there, or on the
-    /// ground.
+    /// Distances by which each point of a sheet has to rise to the heap or the ground.
     pub(super) fn rises(&self, sheet: &Sheet, lie: Lie, ground: &Ground) -> Vec<DVec3> {
         let points = sheet.at(lie);
         let floors = self.under(&points).zip(&points).map(|(top, point)| {
@@ -109,7 +107,7 @@ impl Heap {
         floors.collect()
     }
 
-    /// Puts a leaf down.
+    /// Adds a leaf.
     pub(super) fn lay(&mut self, sheet: &Sheet, lie: Lie) {
         let half = 0.5 * self.square_m;
         let mut last: Option<([i32; 2], usize)> = None;
@@ -141,12 +139,12 @@ impl Heap {
 }
 
 impl Sheet {
-    /// Sheet of a leaf whose mesh is scaled.
+    /// Sheet of a scaled mesh.
     pub(super) fn scaled(&self, scale: f64) -> Self {
         Self { points: self.points.iter().map(|&point| point * scale).collect() }
     }
 
-    /// The mean of its points, about where its weight is.
+    /// Mean of its points, an estimate of its centre of mass.
     pub(super) fn mean(&self) -> DVec3 {
         self.points.iter().sum::<DVec3>() / self.points.len() as f64
     }
@@ -161,7 +159,7 @@ fn key([x, z]: [i32; 2]) -> u64 {
     (u64::from(x as u32) << 32) | u64::from(z as u32)
 }
 
-/// Hash of keys that nobody chooses to make trouble: a multiplication (Knuth, volume 3, 6.4).
+/// Multiplicative hash (Knuth, volume 3, 6.4), for keys that are not adversarial.
 #[derive(Default)]
 struct OfKeys(u64);
 

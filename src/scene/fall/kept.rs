@@ -1,9 +1,9 @@
-//! Bakes as bytes, and back. In go leaves, out they come from where bakes are kept, if they are there.
-//! Invariant: what comes from there is what baking gives, to the last bit, or it is not taken. Its name says
-//! what was baked and by which edition of this code. Its checksum says that nothing is damaged.
+//! Cache of bakes. In go names and functions that bake, out come leaves, from the cache where it has them.
+//! Invariant: a cached bake equals a new one to the last bit. Its name identifies its inputs and the edition
+//! of this code, and a checksum detects damage.
 //!
-//! Little-endian: what it holds, number of leaves, of each leaf its number of bytes and those; CRC-32 of all
-//! that. Nothing is in memory twice: leaves are read one after another.
+//! A file is little-endian: a magic number, the number of leaves, for each leaf its length and bytes, and a
+//! CRC-32 of all. Leaves are read one by one, so none is in memory twice.
 
 use super::flown::Flown;
 use super::leaf::Pose;
@@ -15,25 +15,24 @@ use sha2::{Digest, Sha256};
 use std::fmt::{self, Debug, Write};
 use std::io::Read;
 
-/// Edition, to be raised with every change of what falls give: old bakes have old names then.
+/// Edition, which every change of the results has to raise: old bakes then have other names.
 pub(super) const EDITION: u32 = 4;
-/// Fewer leaves are baked before a file is found.
+/// Minimum number of leaves to cache; fewer are baked faster than a file is found.
 const FEWEST: usize = 20;
 
-/// A leaf that is kept.
+/// Leaf that can be cached.
 pub(super) trait Kept: Sized + Sync {
-    /// First bytes of a file of such leaves.
+    /// Magic number of a file of such leaves.
     const MAGIC: &[u8; 16];
 
-    /// Appends its bytes; `None` of a leaf that is not kept, whose keys are beyond what tracks keep in few
-    /// bytes.
+    /// Appends its bytes; `None` for a leaf whose keys have no compact form.
     fn write(&self, bytes: &mut Vec<u8>) -> Option<()>;
 
-    /// Leaf of all these bytes; `None` of any that `write` did not give.
+    /// Decodes a leaf from all these bytes; `None` for bytes that `write` cannot give.
     fn read(bytes: &[u8]) -> Option<Self>;
 }
 
-/// So many leaves, out of the store if they are in it under this name, else baked and put there.
+/// Reads leaves from the cache under a name, or bakes and stores them.
 pub(super) fn recalled<L: Kept>(
     name: &str,
     count: usize,
@@ -54,10 +53,10 @@ pub(super) fn recalled<L: Kept>(
     leaves
 }
 
-/// Name of a bake by all that it depends on.
+/// Name of a bake, a hash of its inputs.
 pub(super) fn name_of(what: &impl Debug) -> String {
     let mut hash = Hashed(Sha256::new());
-    // Shortest decimals give numbers back to the last bit, so that they tell all numbers apart.
+    // Shortest decimals round-trip, so different numbers have different names.
     let written = write!(hash, "{EDITION} {what:?}");
     debug_assert!(written.is_ok());
     hash.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
@@ -104,7 +103,7 @@ impl Write for Hashed {
     }
 }
 
-/// Parts of a file; `None` if a leaf is not kept.
+/// Parts of a file; `None` if a leaf cannot be cached.
 pub(super) fn encode<L: Kept>(leaves: &[L]) -> Option<Vec<Vec<u8>>> {
     let head = [L::MAGIC.as_slice(), &(leaves.len() as u64).to_le_bytes()].concat();
     let mut parts = vec![head];
@@ -112,14 +111,14 @@ pub(super) fn encode<L: Kept>(leaves: &[L]) -> Option<Vec<Vec<u8>>> {
     if parts.iter().any(Vec::is_empty) {
         return None;
     }
-    // Against damage, not against forgers, who may write their own leaves.
+    // The checksum detects damage, not forgery.
     let mut hash = crc32fast::Hasher::new();
     parts.iter().for_each(|part| hash.update(part));
     parts.push(hash.finalize().to_le_bytes().to_vec());
     Some(parts)
 }
 
-/// `None` of anything that `encode` did not write.
+/// Decodes a file; `None` unless `encode` can give it.
 pub(super) fn decode<L: Kept>(file: impl Read) -> Option<Vec<L>> {
     let mut file = Hashing { file, hash: crc32fast::Hasher::new() };
     if &file.take::<16>()? != L::MAGIC {
@@ -136,7 +135,7 @@ pub(super) fn decode<L: Kept>(file: impl Read) -> Option<Vec<L>> {
     whole.then_some(leaves)
 }
 
-/// A file, and the CRC-32 of what has been read of it.
+/// Reader that computes the CRC-32 of its bytes.
 struct Hashing<R> {
     file: R,
     hash: crc32fast::Hasher,
@@ -149,7 +148,7 @@ impl<R: Read> Hashing<R> {
         Some(bytes)
     }
 
-    /// Replaces `bytes` by the next so many: no more room is made than there are.
+    /// Replaces `bytes` by the next `length` bytes; it allocates no more than exist.
     fn read(&mut self, length: u64, bytes: &mut Vec<u8>) -> Option<()> {
         bytes.clear();
         let read = self.file.by_ref().take(length).read_to_end(bytes).ok()?;
@@ -158,7 +157,7 @@ impl<R: Read> Hashing<R> {
     }
 }
 
-/// Its number of bytes and those; `None` of a leaf that is not kept.
+/// Length and bytes of a leaf; `None` if it cannot be cached.
 fn leaf_bytes(leaf: &impl Kept) -> Option<Vec<u8>> {
     let mut bytes = vec![0; size_of::<u64>()];
     leaf.write(&mut bytes)?;

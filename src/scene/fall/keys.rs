@@ -1,35 +1,35 @@
-//! Poses in, as few keys as show them out. Invariant: between keys the curves pass every pose within
-//! the tolerance.
+//! Reduction of poses to keys. In go poses, out come few keys. Invariant: between keys, the curves pass every
+//! pose within the tolerance.
 
 use super::leaf::Pose;
 use crate::scene::{Animate, SmoothKey, Track};
 use glam::{DQuat, DVec3};
 
-/// Maximum number of poses between two keys that are tried.
+/// Maximum number of poses between two keys.
 const MOST_BETWEEN: usize = 64;
 
-/// Tolerance of curves: the distance at which they may pass from a pose.
+/// Maximum distances of curves from poses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tolerance {
     pub(crate) place_m: f64,
     pub(crate) turn_rad: f64,
 }
 
-/// A pose with the slopes of the curves through it.
+/// Pose with the slopes of the curves through it.
 pub(crate) struct Knot {
     time_s: f64,
     place: DVec3,
     turn: DQuat,
     velocity: DVec3,
     turning: DQuat,
-    /// Factor on the tolerance: curves that part from each other would dip into the ground.
+    /// Factor on the tolerance; smaller on the ground, where curves of height and rotation must agree.
     care: f64,
 }
 
-/// Care once a leaf has touched the ground.
+/// Factor after a leaf has touched the ground.
 const CARE_ON_GROUND: f64 = 1.0 / 3.0;
 
-/// Place and turn of a node whose tracks start at a time; `None` without a knot.
+/// Translation and rotation of a node whose tracks start at a time; `None` without a knot.
 pub(crate) fn keyed(
     knots: &[Knot],
     start_s: f64,
@@ -37,14 +37,13 @@ pub(crate) fn keyed(
 ) -> Option<(Track<DVec3>, Track<DQuat>)> {
     let near = |knot: &Knot, place: DVec3| place.distance(knot.place) <= knot.care * tolerance.place_m;
     let places = smooth(knots, start_s, |knot| (knot.place, knot.velocity), near);
-    // The chord between two rotations is half the angle.
+    // The difference of two unit quaternions is half the angle between them.
     let near = |knot: &Knot, turn: DQuat| (turn - knot.turn).length() <= knot.care * 0.5 * tolerance.turn_rad;
     let turns = smooth(knots, start_s, |knot| (knot.turn, knot.turning), near);
     Some((places?, turns?))
 }
 
-/// A track of one slope a key, through as few knots as `near` allows, in the short numbers that tracks keep
-/// in a fraction of the memory.
+/// Track with one slope a key, through as few knots as `near` allows, in the compact form of tracks.
 fn smooth<T: Animate>(
     knots: &[Knot],
     start_s: f64,
@@ -64,7 +63,7 @@ fn smooth<T: Animate>(
     Track::smooth(start_s, &kept)
 }
 
-/// Picks of the two quaternions of each rotation the one on the side of the one before.
+/// Chooses the sign of each quaternion that is nearer to its predecessor's.
 pub(crate) fn to_one_side(poses: &mut [Pose], mut previous: DQuat) {
     for pose in poses {
         pose.turn = if pose.turn.dot(previous) < 0.0 { -pose.turn } else { pose.turn };
@@ -72,8 +71,8 @@ pub(crate) fn to_one_side(poses: &mut [Pose], mut previous: DQuat) {
     }
 }
 
-/// Poses, all on one side, of a node whose own point `middle` is the leaf's. Slopes by differences; where a
-/// leaf first touches what it comes to rest on, of what comes after: its fall ends there.
+/// Knots of a node in whose space the leaf's centre is `middle`. Slopes are central differences, except where
+/// a leaf first touches another object: there its fall ends, and the slope is that of the following motion.
 pub(crate) fn knots(poses: &[Pose], landed_at: Option<usize>, middle: DVec3) -> Vec<Knot> {
     let poses: Vec<Pose> =
         poses.iter().map(|&pose| Pose { middle: pose.middle - pose.turn * middle, ..pose }).collect();
@@ -89,11 +88,10 @@ pub(crate) fn knots(poses: &[Pose], landed_at: Option<usize>, middle: DVec3) -> 
             let Pose { time_s, middle: place, turn } = poses[at];
             let (mut velocity, mut turning) =
                 ((to.middle - from.middle) * over, (to.turn - from.turn) * over);
-            // Where poses are evenly spaced to both sides.
+            // Only between evenly spaced poses on both sides.
             let end = landed_at.map_or(last, |landed_at| landed_at.saturating_sub(1));
             if at >= 2 && at + 2 <= end {
-                // Differences of fourth order: with those of second, a curve's slopes would
-                // be its largest error.
+                // Fourth-order differences: with second order, slopes would dominate a curve's error.
                 let (far_from, far_to) = (&poses[at - 2], &poses[at + 2]);
                 velocity = (velocity * 8.0 - (far_to.middle - far_from.middle) * over) / 6.0;
                 turning = (turning * 8.0 - (far_to.turn - far_from.turn) * over) / 6.0;
@@ -107,8 +105,8 @@ pub(crate) fn knots(poses: &[Pose], landed_at: Option<usize>, middle: DVec3) -> 
         .collect()
 }
 
-/// Slope of the height with which a curve stays between the heights of its keys (Fritsch & Carlson 1980):
-/// where one corner after the other touches the ground, the height has kinks.
+/// Slope of the height for a monotone curve (Fritsch & Carlson 1980): the height has kinks where corners
+/// touch the ground one by one.
 fn monotone(before: &Pose, here: &Pose, after: &Pose) -> f64 {
     let slope = |from: &Pose, to: &Pose| (to.middle.y - from.middle.y) / (to.time_s - from.time_s);
     if after.time_s == here.time_s {
@@ -118,10 +116,10 @@ fn monotone(before: &Pose, here: &Pose, after: &Pose) -> f64 {
     if rise * next_rise <= 0.0 { 0.0 } else { rise.signum() * rise.abs().min(next_rise.abs()) }
 }
 
-/// The knot farthest from `from`, of `count`, that can be the next key.
+/// The farthest of `count` knots after `from` that can be the next key.
 fn farthest(count: usize, from: usize, fits: impl Fn(usize, usize) -> bool) -> usize {
     let most = (from + MOST_BETWEEN).min(count - 1);
-    // Twice as far while that goes well, then by halves between what does and what does not.
+    // Exponential search, then bisection.
     let (mut near, mut far, mut reach) = (from + 1, most + 1, 2);
     while near < far && from + reach <= most {
         if !fits(from, from + reach) {
@@ -141,7 +139,7 @@ fn farthest(count: usize, from: usize, fits: impl Fn(usize, usize) -> bool) -> u
 fn fits<T: Animate>(knots: &[Knot], keys: &[SmoothKey<T>], near: impl Fn(&Knot, T) -> bool) -> bool {
     let (a, b) = (&keys[0], &keys[keys.len() - 1]);
     let duration_s = b.time_s - a.time_s;
-    // From the end, where curves part first where they do.
+    // From the end, where curves diverge first.
     knots[1..knots.len() - 1].iter().rev().all(|knot| {
         let weights = hermite((knot.time_s - a.time_s) / duration_s, duration_s);
         near(knot, T::blend([a.value, a.slope, b.value, b.slope], weights))

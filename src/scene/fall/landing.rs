@@ -1,21 +1,20 @@
-//! A leaf that touches the ground, or what lies on it, and comes to rest. Invariant: no point of
-//! its outline goes below the ground, and it slides to a halt. How it settles is dressing: the
-//! air below it is not modelled.
+//! Landing of a leaf on the ground or on other leaves. In go poses before the touch, out come poses until it
+//! rests. Invariant: no point of its outline goes below the ground, and it slides to a halt. Settling is
+//! chosen for looks: the air under the leaf is not modelled.
 
 use super::ground::Ground;
 use super::leaf::{Leaf, Pose, Surroundings};
 use glam::{DQuat, DVec2, DVec3};
 
-/// Time to settle in units of the leaf's own time: for one that lies flat already, and what is added
-/// for one that stands on its edge.
+/// Time to settle in the leaf's unit of time: for a flat leaf, and the addition for one on its edge.
 const SETTLING: (f64, f64) = (2.0, 4.0);
-/// Keys closer than this could fall together in the single precision of files, seconds.
+/// Minimum interval of keys, as closer ones could coincide in the single precision of files, seconds.
 pub(super) const LEAST_INTERVAL_S: f64 = 1e-3;
 
-/// Number of looks from one pose to the next: corners swing.
+/// Samples between two poses, as corners swing.
 const LOOKS: u32 = 4;
 
-/// Whether no ground is so high that the leaf could touch it on its way from one pose to another.
+/// Whether the leaf is above all ground that it could touch between two poses.
 fn is_high(leaf: &Leaf, ground: &Ground, [from, to]: [&Pose; 2]) -> bool {
     let lowest_m = from.middle.y.min(to.middle.y) - leaf.reach_m - leaf.clearance_m;
     let within = || {
@@ -26,7 +25,7 @@ fn is_high(leaf: &Leaf, ground: &Ground, [from, to]: [&Pose; 2]) -> bool {
     lowest_m > ground.highest_m() || lowest_m > within()
 }
 
-/// Height of the middle at which no point of the outline is below the ground.
+/// Height of the centre at which no point of the outline is below the ground.
 pub(super) fn lowest_height_m(leaf: &Leaf, ground: &Ground, pose: &Pose) -> f64 {
     let heights = leaf.outline.iter().map(|&point| {
         let point = pose.turn * point;
@@ -40,7 +39,7 @@ pub(super) fn is_below(leaf: &Leaf, ground: &Ground, pose: &Pose) -> bool {
     !is_high(leaf, ground, [pose, pose]) && pose.middle.y < lowest_height_m(leaf, ground, pose)
 }
 
-/// The pose between two at which the leaf first touches the ground, if it does.
+/// Interpolated pose at which the leaf first touches the ground, if it does.
 pub(super) fn first_touch(leaf: &Leaf, ground: &Ground, before: Pose, after: Pose) -> Option<Pose> {
     if is_high(leaf, ground, [&before, &after]) {
         return None;
@@ -48,7 +47,7 @@ pub(super) fn first_touch(leaf: &Leaf, ground: &Ground, before: Pose, after: Pos
     first_below(before, after, |pose| is_below(leaf, ground, pose))
 }
 
-/// The last pose between two before one that is too low.
+/// Last interpolated pose before one that is below.
 pub(super) fn first_below(before: Pose, after: Pose, is_below: impl Fn(&Pose) -> bool) -> Option<Pose> {
     let is_below = |fraction: f64| is_below(&between(before, after, fraction));
     let mut looks = (1..=LOOKS).map(|look| f64::from(look) / f64::from(LOOKS));
@@ -69,13 +68,13 @@ fn between(from: Pose, to: Pose, fraction: f64) -> Pose {
     }
 }
 
-/// Along the chord of the arc: for small turns, and all machines agree.
+/// Interpolation along the chord of the arc, for small rotations; all machines agree.
 fn blend(from: DQuat, to: DQuat, fraction: f64) -> DQuat {
     let to = if from.dot(to) < 0.0 { -to } else { to };
     (from * (1.0 - fraction) + to * fraction).normalize()
 }
 
-/// Adds a pose; one that comes right after the last takes its place.
+/// Appends a pose, or replaces the last one if it is too close in time.
 pub(super) fn push_apart(poses: &mut Vec<Pose>, pose: Pose) {
     if poses.len() > 1 && pose.time_s - poses[poses.len() - 1].time_s < LEAST_INTERVAL_S {
         poses.pop();
@@ -83,17 +82,17 @@ pub(super) fn push_apart(poses: &mut Vec<Pose>, pose: Pose) {
     poses.push(pose);
 }
 
-/// A leaf from its first touch to its rest.
+/// Motion of a leaf from its first touch to rest.
 #[derive(Clone, Debug)]
 pub(super) struct Settling {
     touch: Pose,
-    /// Places that its middle slides to, at even times; heights are not looked at.
+    /// Evenly timed places of its centre, without heights.
     places: Vec<DVec3>,
     pub(super) rest: Pose,
 }
 
 impl Settling {
-    /// Slide on bare ground, on three of the leaf's points, on the side that is nearer; poses are about
+    /// Slide on bare ground, to rest on the nearer side on three of the leaf's points; poses are about
     /// `interval_s` apart.
     pub(super) fn new(
         leaf: &Leaf,
@@ -115,7 +114,7 @@ impl Settling {
             .map(|number| {
                 let fraction = number as f64 / count;
                 let square = fraction * fraction;
-                // Ever slower.
+                // Decelerating.
                 let slid_s = duration_s * (fraction - square + square * fraction / 3.0);
                 let to = touch.middle + along * slid_s;
                 let stopped = around.obstacles.slide(slid_to, to, leaf.reach_m);
@@ -128,16 +127,16 @@ impl Settling {
         Self { touch, places, rest }
     }
 
-    /// The poses after the touch, until it lies.
+    /// Poses after the touch, until it rests.
     pub(super) fn poses(&self, leaf: &Leaf, ground: &Ground) -> Vec<Pose> {
         let Self { touch, places, rest } = self;
-        // What keeps it above bare ground: leaves that lie there.
+        // Height above bare ground, due to leaves below.
         let lift = |pose: &Pose| (pose.middle.y - lowest_height_m(leaf, ground, pose)).max(0.0);
         let (first_lift, last_lift) = (lift(touch), lift(rest));
         let count = places.len() as f64;
         let moments = places.iter().enumerate().map(|(at, place)| {
             let fraction = (at + 1) as f64 / count;
-            // Tips over, faster and faster, and is caught.
+            // Smooth start and end of the tilt.
             let eased = fraction * fraction * (3.0 - 2.0 * fraction);
             let time_s = touch.time_s + (rest.time_s - touch.time_s) * fraction;
             let mut pose = Pose { time_s, middle: *place, turn: blend(touch.turn, rest.turn, eased) };

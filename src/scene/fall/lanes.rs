@@ -1,15 +1,15 @@
-//! Numbers of several leaves side by side. Invariant: what becomes of one does not depend on its neighbours,
-//! and is what it becomes alone, to the last bit. All operations are those of `f64`, lane by lane. Their
-//! loops are so plain that the compiler has neighbours share instructions.
+//! SIMD lanes, one leaf each. In go numbers of several leaves, out come results lane by lane. Invariant: each
+//! lane has the same bits as a leaf alone. All operations are those of `f64`, in loops so simple that the
+//! compiler vectorizes them.
 
 use std::array;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Number of lanes: a step waits for its own numbers, and so many wait at once. Eight are hardly faster,
-/// and leave more idle where leaves run out.
+/// Number of lanes, which hides the latency of operations. Eight are hardly faster, and leave more idle at
+/// the end.
 pub(super) const LANES: usize = 4;
 
-/// Number that the equations of a plate are written in.
+/// Number type of a plate's equations.
 pub(super) trait Number:
     Copy
     + Add<Output = Self>
@@ -27,7 +27,7 @@ impl Number for f64 {
     }
 }
 
-/// One number of each of several leaves.
+/// One number a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Lanes(pub(super) [f64; LANES]);
 
@@ -43,7 +43,7 @@ impl Number for Lanes {
     }
 }
 
-/// An operator of two numbers, lane by lane.
+/// Implements a binary operator, lane by lane.
 macro_rules! operator {
     ($trait:ident, $method:ident, $operation:expr) => {
         impl $trait for Lanes {

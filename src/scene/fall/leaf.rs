@@ -1,5 +1,5 @@
-//! A leaf that falls, what is around it, and where it was. In go numbers, nothing comes out. Invariant: all
-//! of a leaf's fall follows from these.
+//! Falling leaf, its surroundings and its flight. In go numbers, out come units of time and length.
+//! Invariant: a leaf's whole fall follows from these.
 
 use super::ground::Ground;
 use super::obstacles::Obstacles;
@@ -8,7 +8,7 @@ use super::wind::Wind;
 use crate::scene::Track;
 use glam::{DQuat, DVec3};
 
-/// Longest time between two poses, seconds, and in units of the leaf's own time: four steps.
+/// Maximum interval of poses: in seconds, and in the leaf's unit of time, four steps.
 const LONGEST_INTERVAL_S: f64 = 1.0 / 40.0;
 const LONGEST_INTERVAL: f64 = 0.4;
 
@@ -25,34 +25,34 @@ pub(super) struct Surroundings<'a> {
 pub(crate) struct Leaf {
     pub(crate) plate: Plate,
     pub(crate) scales: Scales,
-    /// Factor on all speeds: the largest before the fall, in it that of the moment.
+    /// Factor on all speeds: before the fall the largest, then the current one.
     pub(crate) speed_gain: f64,
     pub(crate) manner: Manner,
-    /// Middle of the leaf before the release.
+    /// Centre of the leaf before the release.
     pub(crate) middle: DVec3,
     pub(crate) release_s: f64,
-    /// Cosine and sine: of the plane's turn about the vertical, and of the chord's slope in it.
+    /// Cosine and sine: of the plane's rotation about the vertical, and of the chord's slope in it.
     pub(crate) heading: [f64; 2],
     pub(crate) slope: [f64; 2],
-    /// Turn of the leaf about its normal.
+    /// Rotation of the leaf about its normal.
     pub(crate) twist: DQuat,
-    /// Points of its outline relative to its middle, metres.
+    /// Points of its outline relative to its centre, metres.
     pub(crate) outline: Vec<DVec3>,
-    /// Upward directions when it lies on the one side and on the other.
+    /// Up directions at rest on either side.
     pub(crate) rests: [DVec3; 2],
     pub(crate) reach_m: f64,
-    /// Free height below it once it lies.
+    /// Gap below it at rest.
     pub(crate) clearance_m: f64,
 }
 
-/// Motion that turns a fall in a plane into one in space. Dressing.
+/// Motion that extends a fall in a plane to three dimensions; chosen for looks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Manner {
     /// Turning rate of the plane.
     pub(crate) yaw_rad_per_s: f64,
     /// Decay of that rate, 1/s: the circles widen.
     pub(crate) widening_per_s: f64,
-    /// Lean to one side, and how far it sways from there, radians.
+    /// Lean to one side, and amplitude of its sway, radians.
     pub(crate) bank: f64,
     pub(crate) sway: f64,
     pub(crate) sway_rad_per_s: f64,
@@ -69,7 +69,7 @@ pub(crate) struct Pose {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Flight {
-    /// Poses from the release on; the last touches the ground, unless the leaf never does.
+    /// Poses from the release on; the last one touches the ground, if any does.
     pub(crate) poses: Vec<Pose>,
     /// Velocity at the ground.
     pub(crate) touches_with: Option<DVec3>,

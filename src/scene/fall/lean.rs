@@ -1,24 +1,24 @@
-//! Lean of a stiff leaf. In go heights that its points must not be below, out comes the plane that rests
-//! on them: three contacts with its weight between them. Invariant: sums, products and quotients alone.
+//! Lean of a stiff leaf. In go lower bounds of its points' heights, out comes the plane that rests on them:
+//! on three contacts around its centre of mass. Invariant: it uses only sums, products and quotients.
 
 use glam::{DVec2, DVec3};
 
 /// Maximum number of exchanges of a contact for a higher one.
 const MOST_EXCHANGES: usize = 100;
-/// Three contacts to begin with, so far off and so deep that they are soon exchanged; over the reach.
+/// Initial contacts, so far away and so deep that they are soon exchanged; relative to the reach.
 const FAR: f64 = 100.0;
 const STEEPEST: f64 = 3.0;
 
-/// Slopes along x and along z of the plane over all points (x, height, z) that is lowest over the origin.
+/// Slopes along x and z of the plane above all points (x, height, z) that is lowest at the origin.
 ///
-/// That is a side of the points' convex hull, above the origin. From any three contacts around the
-/// origin, the point that stands out farthest takes the place of one of them: the plane over the origin
-/// rises with each exchange.
+/// It contains a face of the points' convex hull, above the origin. Starting from any three contacts around
+/// the origin, the point farthest above the plane replaces one of them. Each exchange raises the plane at the
+/// origin.
 pub(super) fn slopes(points: &[DVec3]) -> DVec2 {
     let flat = |point: DVec3| DVec2::new(point.x, point.z);
     let reach = points.iter().map(|&point| flat(point).length()).fold(f64::MIN_POSITIVE, f64::max);
     let far = |x: f64, z: f64| DVec3::new(FAR * reach * x, -FAR * reach * STEEPEST, FAR * reach * z);
-    // Round the origin, from x towards z.
+    // In order around the origin, from x towards z.
     let mut contacts = [far(1.0, 0.0), far(-0.5, 0.75), far(-0.5, -0.75)];
     let mut slopes = DVec2::ZERO;
     for _ in 0..MOST_EXCHANGES {
@@ -33,7 +33,7 @@ pub(super) fn slopes(points: &[DVec3]) -> DVec2 {
         let farthest = points.iter().copied().max_by(|&p, &q| above(p).total_cmp(&above(q)));
         let Some(farthest) = farthest.filter(|&point| above(point) > 1e-9 * reach) else { break };
         let to = flat(farthest);
-        // The edge beyond which the origin lies, seen from the new contact.
+        // Edge beyond which the origin lies, seen from the new contact.
         let sides = [(a, b, c), (b, c, a), (c, a, b)];
         let kept = sides
             .into_iter()

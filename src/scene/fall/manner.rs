@@ -1,5 +1,6 @@
-//! The ways in which leaves fall, and in what proportion. Invariant: a way fixes the plate's inertia, and
-//! with it what the equations do. Only turns and lean of the plane of fall are added to that.
+//! Modes in which leaves fall, and their weights. In go weights and draws, out come a plate's inertia and
+//! manner. Invariant: a mode sets the plate's inertia, which decides the motion. Only rotation and lean of
+//! the plane of fall are added.
 //!
 //! The six are those of Xie & Miyata, "Stochastic modeling of immersed rigid-body dynamics" (SIGGRAPH Asia
 //! 2013 briefs). The first four of them are the regimes of Field, Klaus, Moore & Nori, Nature 388 (1997).
@@ -10,8 +11,8 @@ use crate::description::ron::FallMotion;
 use crate::math::Chance;
 use std::f64::consts::TAU;
 
-/// Damping with which swings stay small, in the place of mu_1 = 0.2: dressing, for the plate of the paper
-/// never sinks steadily.
+/// Damping of steady descent, in place of mu_1 = 0.2; chosen for looks, as the paper's plate never sinks
+/// steadily.
 const STEADY_DAMPING: f64 = 8.0;
 
 #[derive(Clone, Copy)]
@@ -39,7 +40,7 @@ pub(crate) fn sum(motion: &FallMotion) -> f64 {
     shares(motion).iter().map(|(_, share)| share).sum()
 }
 
-/// Inertia, manner and damping of one leaf, from the draws from `first` on; not all shares are zero.
+/// Inertia, manner and damping of one leaf, with draws from `first` on; not all weights are zero.
 pub(crate) fn choose(motion: &FallMotion, chance: Chance, first: u64) -> (f64, Manner, f64) {
     let mut left = chance.at(first) * sum(motion);
     let chosen = shares(motion).into_iter().find(|(_, share)| {
@@ -47,7 +48,7 @@ pub(crate) fn choose(motion: &FallMotion, chance: Chance, first: u64) -> (f64, M
         left < 0.0
     });
     let way = chosen.map_or(Way::Flutter, |(way, _)| way);
-    // Within the regimes that the equations have, figure 3 of the paper and around it.
+    // Within the regimes of the equations, in and around the paper's figure 3.
     let (low, high) = match way {
         Way::Steady => (0.2, 0.5),
         Way::Flutter => (0.6, 1.15),
@@ -58,7 +59,7 @@ pub(crate) fn choose(motion: &FallMotion, chance: Chance, first: u64) -> (f64, M
     (low + (high - low) * chance.at(first + 1), manner(way, chance, first + 2), damping)
 }
 
-/// A leaf that falls as it is: inertia, manner and damping.
+/// Inertia, manner and damping of a leaf whose own inertia decides.
 pub(crate) fn natural(inertia: f64, chance: Chance, first: u64) -> (f64, Manner, f64) {
     (inertia, manner(Way::Chaotic, chance, first + 2), PAPER_DAMPING)
 }

@@ -1,9 +1,8 @@
-//! Leaves that fall, each on its own way. In goes what the author wants of a fall, resolved and in SI units;
-//! out come keys. Invariant: until it lands, leaf `i` is a pure function of `i` and of the fall's values
-//! other than its count. No frame, no frame rate, no other leaf and no machine changes it. How it lies then
-//! depends on the leaves that landed before it, and on nothing else.
+//! Falling leaves. In goes a fall, resolved and in SI units; out come keys. Invariant: until it lands, leaf
+//! `i` is a pure function of `i` and of the fall's values other than its count. It does not depend on frames,
+//! other leaves or the machine. Its pose at rest also depends on the leaves that landed before it.
 //!
-//! docs/decisions/falling.md says what is modelled, what is dressing, and what was compared with whom.
+//! docs/decisions/falling.md lists what is modelled, what is chosen for looks, and the comparisons.
 
 mod at_rest;
 mod emitter;
@@ -49,50 +48,51 @@ pub(super) use obstacles::Obstacles;
 pub(super) use outline::Outline;
 pub(super) use wind::{Eddies, Gusts, Wind};
 
-/// Curves may pass this far from a leaf's poses, over its length; and radians.
+/// Maximum distance of curves from a leaf's poses, relative to its length, and in radians.
 const TOLERANCE: f64 = 0.01;
-/// Free height below a leaf that lies, over its length: no curve dips below the ground. Leaves lie up
-/// to twice as high, so that those that lie on each other do not lie in one plane.
+/// Gap below a leaf at rest, relative to its length, so that curves stay above the ground. Leaves get up to
+/// twice this, so that stacked ones are not coplanar.
 const CLEARANCE: f64 = 0.02;
-/// Forces of the air on a leaf, over those on as much of an endless strip as wide as it: air flows round its
-/// ends. A disc has drag 1.17 (Hoerner, Fluid-Dynamic Drag, 1965) in the place of the plate's 2.4, and an
-/// added mass of `8/3` radius^3 air (Lamb, Hydrodynamics, section 102) in the place of `pi^2 / 2`: 0.49 and
-/// 0.54. With all forces alike, a leaf falls as a strip does that is so much heavier.
+/// Aerodynamic forces on a leaf, relative to those on the same area of an endless strip of its width, as air
+/// also flows around its ends. A disc has drag 1.17 (Hoerner, Fluid-Dynamic Drag, 1965) in place of the
+/// plate's 2.4, and an added mass of `8/3` radius^3 air (Lamb, Hydrodynamics, section 102) in place of `pi^2
+/// / 2`: ratios of 0.49 and 0.54. With one ratio for all forces, a leaf falls like a strip whose mass is
+/// divided by it.
 const OF_A_STRIP: f64 = 0.5;
-/// Leaves that one thread takes at a time: so many that few lanes stay empty as the last ones fall.
+/// Leaves that one thread takes at a time: enough to keep lanes busy until the last ones.
 const LEAVES_AT_A_TIME: u32 = 64;
-/// Maximum twist of leaves in the plane of their blade, radians: none falls along its vein.
+/// Maximum twist of leaves in the plane of their blade, radians; leaves do not fall along their vein.
 const MOST_TWIST: f64 = 0.7;
 
-/// Leaves to be let go.
+/// Block of falling leaves.
 #[derive(Clone, Debug)]
 pub(super) struct Fall {
     pub(super) count: u32,
     pub(super) seed: u32,
     /// Species, at least one.
     pub(super) species: Vec<Species>,
-    /// `None`: each leaf falls as its own inertia has it.
+    /// Weights of modes; `None` if each leaf's own inertia decides.
     pub(super) motion: Option<FallMotion>,
     pub(super) emitter: Emitter,
     pub(super) wind: Wind,
     pub(super) ground: Ground,
     pub(super) obstacles: Obstacles,
-    /// First and last release.
+    /// Times of the first and last release.
     pub(super) release_s: (f64, f64),
-    /// Factor on all speeds but the wind's.
+    /// Factor on all speeds except the wind's.
     pub(super) speed_gain: Track<f64>,
 }
 
 /// Leaves of one kind.
 #[derive(Clone, Debug)]
 pub(super) struct Species {
-    /// Share of the leaves that are of this kind, in proportion to the others.
+    /// Weight of this kind among the leaves.
     pub(super) share: f64,
     /// Outlines, at least one.
     pub(super) outlines: Vec<Outline>,
     /// Ranges, from the smallest to the largest.
     pub(super) length_m: (f64, f64),
-    /// Width, if it is not that of the mesh.
+    /// Range of widths, if not the mesh's.
     pub(super) width_m: Option<(f64, f64)>,
     pub(super) areal_mass_kg_per_m2: (f64, f64),
     pub(super) curl: (f64, f64),
@@ -104,17 +104,17 @@ pub(super) struct Fallen {
     pub(super) species: usize,
     /// Index of the species' outline.
     pub(super) outline: usize,
-    /// A number in `[0, 1)` that chooses its material.
+    /// Number in `[0, 1)` that selects its material.
     pub(super) material: f64,
     pub(super) scale: f64,
     pub(super) translation: Track<DVec3>,
     pub(super) rotation: Track<DQuat>,
     pub(super) release_s: f64,
-    /// False if the wind kept it up for longer than leaves are followed.
+    /// False if the wind kept it up until the time limit.
     pub(super) landed: bool,
 }
 
-/// Random draws of a leaf. A new entry goes to the end, so that it does not change old scenes.
+/// Random draws of a leaf. New ones go to the end, so that old scenes do not change.
 #[derive(Clone, Copy)]
 enum Draw {
     Place,
@@ -130,12 +130,12 @@ enum Draw {
     Slope,
     Twist,
     Clearance,
-    /// The last: a manner takes several.
+    /// The last entry, as a manner takes several draws.
     Manner,
 }
 
 impl Fall {
-    /// Flights of all leaves, in order. `tell` hears now and then how many are done.
+    /// Flights of all leaves, in order; calls `tell` with the number that are done.
     fn fly(&self, tell: &(dyn Fn(u32) + Sync)) -> Vec<Flown> {
         let done = AtomicU32::new(0);
         (0..self.count.div_ceil(LEAVES_AT_A_TIME))
@@ -155,13 +155,12 @@ impl Fall {
             .collect()
     }
 
-    /// Flights of all leaves, told to those who wait.
+    /// Flights of all leaves, with progress.
     fn fly_and_tell(&self, baking: &Baking) -> Vec<Flown> {
         self.fly(&|done| (baking.tell)(done, self.count))
     }
 
-    /// Point of its mesh that is the leaf's middle, scaled, and the distance at which its curves may pass
-    /// from its poses.
+    /// Point of a leaf's mesh that is its centre, scaled, and the tolerance of its keys.
     fn keyed_as(&self, number: u32) -> (DVec3, Tolerance) {
         let Look { shape, length_m, scale, .. } = self.look(number);
         (shape.middle * scale, Tolerance { place_m: TOLERANCE * length_m, turn_rad: TOLERANCE })
@@ -172,7 +171,7 @@ impl Fall {
         Surroundings { wind, ground, obstacles, speed_gain }
     }
 
-    /// Looks of a leaf, drawn at random.
+    /// Random properties of a leaf.
     fn look(&self, number: u32) -> Look<'_> {
         let chance = Chance::of(self.seed, number);
         let draw = |draw: Draw| chance.at(draw as u64);
@@ -224,7 +223,7 @@ impl Fall {
     }
 }
 
-/// Looks of a leaf, and the source of its random draws.
+/// Random properties of a leaf, and the source of further draws.
 struct Look<'a> {
     chance: Chance,
     species: usize,
@@ -242,7 +241,7 @@ fn within((low, high): (f64, f64), fraction: f64) -> f64 {
     low + (high - low) * fraction
 }
 
-/// Cosine and sine of a whole turn's `fraction`.
+/// Cosine and sine of `fraction` of a full turn.
 fn direction(fraction: f64) -> [f64; 2] {
     let (sin, cos) = libm::sincos(TAU * fraction);
     [cos, sin]

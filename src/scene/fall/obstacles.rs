@@ -1,19 +1,19 @@
-//! Obstacles that falling leaves slide off: trunks, and whatever else the author names. In goes the way
-//! that a ball would go, out comes the one that it can go. Invariant: a ball that was free stays free of
-//! every triangle, or nearly so in a crevice narrower than itself; no way leads through a surface.
+//! Obstacles of falling leaves, such as trunks. In goes the path of a ball, out comes the path around
+//! obstacles. Invariant: a free ball stays free of all triangles, except in crevices narrower than itself; no
+//! path leads through a surface.
 
 use super::emitter::GRID_PER_M;
 use glam::DVec3;
 use std::fmt;
 
-/// Triangles that a leaf of the tree holds at most.
+/// Maximum triangles in a leaf node of the tree.
 const TRIANGLES_PER_LEAF: usize = 4;
 /// Number of times that a ball is pushed away from the nearest triangle before it counts as stuck.
 const PUSHES: usize = 4;
 
 type Triangle = [DVec3; 3];
 
-/// Surfaces in a tree of boxes.
+/// Bounding volume hierarchy of triangles.
 #[derive(Clone, Default)]
 pub(in crate::inside::scene) struct Obstacles {
     triangles: Vec<Triangle>,
@@ -25,21 +25,21 @@ pub(in crate::inside::scene) struct Obstacles {
 struct Node {
     low: DVec3,
     high: DVec3,
-    /// First triangle, and their number, of a leaf of the tree; 0 of others.
+    /// First triangle of a leaf node, and their number; 0 in inner nodes.
     first: usize,
     count: usize,
-    /// The node that comes after all that is within this one.
+    /// Node after this one's subtree.
     next: usize,
 }
 
-/// Place that a ball came to, and the direction away from what it touched last.
+/// Position of a ball, and the normal at its last contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contact {
     pub(super) place: DVec3,
     pub(super) normal: DVec3,
 }
 
-/// Triangles that they are made from: bakes are named after these.
+/// The triangles alone: names of bakes depend on them.
 impl fmt::Debug for Obstacles {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Obstacles").field(&self.triangles).finish()
@@ -57,11 +57,11 @@ impl Obstacles {
         Self { triangles, nodes }
     }
 
-    /// The way of a ball from a place to another; `None` if nothing is in it.
+    /// Path of a ball between two places; `None` if it is free.
     pub(super) fn slide(&self, from: DVec3, to: DVec3, radius_m: f64) -> Option<Contact> {
         let way = to - from;
         self.nearest(from, way.length() + radius_m)?;
-        // Half a radius at a time: its middle never gets to the other side.
+        // In steps of half a radius, so that its centre never crosses a surface.
         let steps = (2.0 * way.length() / radius_m).ceil().max(1.0);
         let mut place = from;
         let mut touched = None;
@@ -77,7 +77,7 @@ impl Obstacles {
         touched.map(|normal| Contact { place, normal })
     }
 
-    /// The place on a surface that is nearest, and nearer than `within_m`.
+    /// Nearest point of the surfaces, within a distance.
     pub(super) fn nearest(&self, place: DVec3, within_m: f64) -> Option<DVec3> {
         let (mut least_squared, mut nearest) = (within_m * within_m, None);
         let mut at = 0;
@@ -99,7 +99,7 @@ impl Obstacles {
     }
 }
 
-/// Appends the nodes of triangles that stand from `first` on among all, and brings these in order.
+/// Appends the nodes of the triangles from `first` on, and sorts these.
 fn grow(nodes: &mut Vec<Node>, triangles: &mut [Triangle], first: usize) {
     let corners = || triangles.iter().flatten().copied();
     let low = corners().fold(DVec3::INFINITY, DVec3::min);
@@ -121,8 +121,7 @@ fn grow(nodes: &mut Vec<Node>, triangles: &mut [Triangle], first: usize) {
     nodes[place].next = nodes.len();
 }
 
-/// The point of a triangle that is nearest to a place (Ericson, Real-Time Collision Detection,
-/// 2005, section 5.1.5).
+/// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 fn nearest_in(&[a, b, c]: &Triangle, place: DVec3) -> DVec3 {
     let (ab, ac) = (b - a, c - a);
     let from_a = place - a;

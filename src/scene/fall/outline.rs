@@ -1,29 +1,28 @@
-//! Outline of a leaf's mesh for falling. In go vertices and triangles, out come points that may touch the
-//! ground, the two ways in which they lie on it, and the blade. Invariant: relative to the middle of their
-//! box.
+//! Outline of a leaf's mesh for falling. In go vertices and triangles, out come points for contacts, the two
+//! poses at rest, and the blade. Invariant: all are relative to the centre of their box.
 
 use super::ground::height_in;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeSet;
 
-/// A mesh with more vertices than this is taken for its box.
+/// Maximum number of vertices; larger meshes are replaced by their box.
 const MOST_POINTS: usize = 400;
-/// No leaf lies steeper on its own points than this slope.
+/// Maximum slope of a leaf that rests on its own points.
 const STEEPEST: f64 = 3.0;
 
-/// Outline of a mesh that lies flat, its length along z.
+/// Outline of a flat mesh, with its length along z.
 #[derive(Clone, Debug)]
 pub(in crate::inside::scene) struct Outline {
     pub(super) points: Vec<DVec3>,
     pub(super) triangles: Vec<[DVec3; 3]>,
     pub(super) middle: DVec3,
     pub(super) size: DVec3,
-    /// Upward directions when it lies with its upper side up, and with it down.
+    /// Up directions at rest, with its upper side up, and down.
     pub(super) rests: [DVec3; 2],
 }
 
 impl Outline {
-    /// `None` of a mesh without length or width.
+    /// Outline of a mesh; `None` without length or width.
     pub(in crate::inside::scene) fn new(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Option<Self> {
         let low = vertices.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = vertices.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -46,8 +45,8 @@ impl Outline {
         self.size.x.max(self.size.y) / self.size.z
     }
 
-    /// Points all over the blade, so far apart along x and along z, and of its corners one in
-    /// every cube so large.
+    /// Points all over the blade, `spacing` apart along x and z, and one of its vertices in every cube of
+    /// that size.
     pub(super) fn sampled(&self, spacing: f64) -> Vec<DVec3> {
         let cube = |point: DVec3| (point / spacing).to_array().map(|along| along.floor() as i64);
         let mut taken = BTreeSet::new();
@@ -66,8 +65,8 @@ impl Outline {
     }
 }
 
-/// Normal of the plane under the points (`side` 1) or over them (-1) that is nearest to their mean: what a
-/// body comes to rest on, three of its points with its weight between them.
+/// Normal of the plane below the points (`side` 1) or above them (-1) that is nearest to their mean. This is
+/// the rest of a rigid body: three contacts around its centre of mass.
 fn support(points: &[DVec3], side: f64) -> DVec3 {
     let mean = points.iter().sum::<DVec3>() / points.len() as f64;
     let depth = |slope: DVec2| {
@@ -77,7 +76,7 @@ fn support(points: &[DVec3], side: f64) -> DVec3 {
         });
         below.fold(f64::NEG_INFINITY, f64::max)
     };
-    // Convex in both slopes, so that thirds may be thrown away one after another.
+    // Convex in both slopes, so ternary search applies.
     let best_y = |x: f64| least(|y| depth(DVec2::new(x, y)));
     let x = least(|x| depth(DVec2::new(x, best_y(x))));
     DVec3::new(-side * x, 1.0, -side * best_y(x)).normalize()

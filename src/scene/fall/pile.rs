@@ -1,9 +1,8 @@
-//! Leaves that come to rest on each other. In go falls that share a ground, and how their leaves have flown;
-//! out come the leaves. Invariant: a leaf lies on the ground and on those that landed before it, whoever flew
-//! on which thread; later ones do not move it.
+//! Leaves that come to rest on each other. In go falls that share a ground, with the flights of their leaves;
+//! out come the leaves. Invariant: a leaf rests on the ground and on leaves that landed before it,
+//! independent of threads; later ones do not move it.
 //!
-//! Leaves are stiff, and lie on heights over a grid ([`Heap`]): docs/decisions/falling.md says
-//! what that leaves undone.
+//! Leaves are stiff, and rest on a height field ([`Heap`]); docs/decisions/falling.md lists the limitations.
 
 use super::flown::Flown;
 use super::ground::Ground;
@@ -16,31 +15,31 @@ use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
 use std::mem;
 
-/// Number of times that a leaf's lean is found anew with the heights under it as it leans.
+/// Number of iterations of a leaf's lean, each with the heights under its current pose.
 const LEANS: usize = 3;
-/// No leaf leans more than with this slope against how it would lie on bare ground.
+/// Maximum slope of a leaf relative to its pose on bare ground.
 const MOST_LEAN: f64 = 0.8;
 
-/// Leaves that land before their tracks are put together: few, so that hardly anything is in memory twice.
+/// Leaves that land before their tracks are built, to limit memory.
 const LANDINGS_AT_A_TIME: usize = 256;
 
-/// Keys of a leaf, to its rest if it lands.
+/// Keys of a leaf, until it rests if it lands.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AtRest {
     pub(super) translation: Track<DVec3>,
     pub(super) rotation: Track<DQuat>,
-    /// False if the wind kept it up for longer than leaves are followed.
+    /// False if the wind kept it up until the time limit.
     pub(super) landed: bool,
 }
 
-/// Landing of a leaf: the poses of its tail that are left, where it touches, what then.
+/// Landing of a leaf: the number of poses of its tail before the touch, the touch, and the settling.
 struct Landing {
     until: usize,
     touch: Pose,
     settling: Settling,
 }
 
-/// All leaves of each fall, in their order; `None` of one that was never anywhere. `falls` lie on one ground.
+/// Leaves of each fall, in their order; `None` without a pose. `falls` share one ground.
 pub(super) fn come_to_rest(mut falls: Vec<(&Fall, Vec<Flown>)>) -> Vec<Vec<Option<AtRest>>> {
     let mut heap =
         Heap::new(falls.iter().flat_map(|(fall, _)| fall.species.iter().map(|kind| kind.length_m)));
@@ -84,7 +83,7 @@ pub(super) fn come_to_rest(mut falls: Vec<(&Fall, Vec<Flown>)>) -> Vec<Vec<Optio
     at_rest
 }
 
-/// The leaf that went this way and is still in the air; `None` if it is not, or of a way without a pose.
+/// Leaf that is still in the air at the end; `None` if it landed or has no pose.
 fn never_landed(flown: &mut Flown) -> Option<AtRest> {
     if !flown.tail.is_empty() {
         return None;
@@ -94,7 +93,7 @@ fn never_landed(flown: &mut Flown) -> Option<AtRest> {
 }
 
 impl Fall {
-    /// The leaf that went this way and landed; `None` of a way without a pose.
+    /// Leaf that landed; `None` without a pose.
     fn landed(&self, number: u32, flown: Flown, landing: Landing) -> Option<AtRest> {
         let Landing { until, touch, settling } = landing;
         let settling = settling.poses(&self.leaf(number), &self.ground);
@@ -104,7 +103,7 @@ impl Fall {
     }
 }
 
-/// Landing of a leaf among those that lie there.
+/// Landing of a leaf on the heap.
 fn land(fall: &Fall, leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> Landing {
     let last = flown.tail.len() - 1;
     let (until, touch, velocity) = first_meeting(leaf, sheet, flown, heap).map_or_else(
@@ -112,7 +111,7 @@ fn land(fall: &Fall, leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> 
         |(at, touch)| {
             let (before, after) = (flown.tail[at], flown.tail[at + 1]);
             let velocity = (after.middle - before.middle) / (after.time_s - before.time_s);
-            // Keys keep their distance.
+            // Keys keep their minimum interval.
             let apart = touch.time_s - before.time_s >= LEAST_INTERVAL_S;
             if apart { (at + 1, touch, velocity) } else { (at, before, velocity) }
         },
@@ -122,8 +121,7 @@ fn land(fall: &Fall, leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> 
     Landing { until, touch, settling }
 }
 
-/// First place at which a leaf on its way to the ground touches another that lies, after a pose of its
-/// tail.
+/// First touch of a leaf with the heap, and the pose of its tail before it.
 fn first_meeting(leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> Option<(usize, Pose)> {
     let is_below = |pose: &Pose| {
         let lowest_m = pose.middle.y - leaf.reach_m - leaf.clearance_m;
@@ -139,7 +137,7 @@ fn first_meeting(leaf: &Leaf, sheet: &Sheet, flown: &Flown, heap: &Heap) -> Opti
     ways.find_map(|(at, way)| Some((first + at, landing::first_below(way[0], way[1], is_below)?)))
 }
 
-/// Pose in which a leaf comes to rest that would lie so on bare ground.
+/// Pose at rest on the heap, from the pose on bare ground.
 fn rest(leaf: &Leaf, sheet: &Sheet, bare: Pose, heap: &Heap, ground: &Ground) -> Pose {
     if heap.lowest_height_m(sheet, lie(&bare)) == f64::NEG_INFINITY {
         return bare;

@@ -1,6 +1,6 @@
-//! A thin plate that falls through still air in two dimensions. State and time step in, the state
-//! after it out. Invariant: only sums, products, quotients and square roots, which every machine
-//! rounds alike, so that chaotic motion is the same motion everywhere.
+//! Thin plate that falls through still air in two dimensions. In go a state and a time step, out comes the
+//! next state. Invariant: it uses only sums, products, quotients and square roots, which every machine rounds
+//! alike, so chaotic motion is the same everywhere.
 //!
 //! Andersen, Pesavento & Wang, "Analysis of transitions between fluttering, tumbling and steady descent
 //! of falling cards", J. Fluid Mech. 541 (2005), 91-104, equations (4.7)-(4.9) and (5.1)-(5.3): an
@@ -14,10 +14,10 @@ use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, PI};
 const C_T: f64 = 1.2;
 /// Rotational circulation.
 const C_R: f64 = PI;
-/// Drag: the mean over all angles of attack, and half the difference of broadside and edgewise.
+/// Drag: the mean over all angles of attack, and half the difference between broadside and edgewise.
 const A: f64 = 1.4;
 const B: f64 = 1.0;
-/// Torque of the air on a turning plate, for the linear part see [`Plate::damping`].
+/// Aerodynamic torque on a turning plate; [`Plate::damping`] is its linear part.
 const MU_2: f64 = 0.2;
 
 /// Air at 15 degrees Celsius and sea level, kg/m^3.
@@ -25,12 +25,12 @@ pub(super) const AIR_DENSITY: f64 = 1.225;
 /// Standard gravity, m/s^2.
 pub(super) const GRAVITY: f64 = 9.806_65;
 
-/// Dimensionless numbers of a plate, or of several side by side.
+/// Dimensionless parameters of a plate, or of one a lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Plate<N = f64> {
-    /// I*, mass over that of the air that the plate pushes along: decides between flutter and tumble.
+    /// I*, its mass over that of the displaced air: decides between flutter and tumbling.
     pub(super) inertia: N,
-    /// mu_1 of the paper: how much slow turns are damped.
+    /// mu_1 of the paper: damping of slow rotation.
     pub(super) damping: N,
     /// Arch of the chord, from edge to edge, radians; convex towards +normal.
     pub(super) curl: N,
@@ -39,7 +39,7 @@ pub(super) struct Plate<N = f64> {
 /// mu_1 of the paper's section 6.
 pub(super) const PAPER_DAMPING: f64 = 0.2;
 
-/// Units of length and velocity.
+/// Units of length and speed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
     /// Half the chord, metres.
@@ -55,20 +55,20 @@ impl Scales {
         Self { length_m: 0.5 * chord_m, speed_m_per_s: speed_squared.sqrt() }
     }
 
-    /// Seconds in which one length is passed at that speed.
+    /// Time to move by one length at that speed, seconds.
     pub(super) fn time_s(self) -> f64 {
         self.length_m / self.speed_m_per_s
     }
 }
 
-/// I* of a plate of even thickness: its mass over that of a cylinder of air as wide as the chord.
+/// I* of a uniform plate: its mass over that of a cylinder of air as wide as the chord.
 pub(super) fn inertia(chord_m: f64, areal_mass_kg_per_m2: f64) -> f64 {
     4.0 * areal_mass_kg_per_m2 / (PI * AIR_DENSITY * chord_m)
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct State<N = f64> {
-    /// Velocity through the air along the chord and along the normal.
+    /// Velocity relative to the air, along the chord and along the normal.
     pub(super) u: N,
     pub(super) v: N,
     /// Angular velocity.
@@ -82,12 +82,12 @@ pub(super) struct State<N = f64> {
 }
 
 impl State {
-    /// State at rest in the air, its chord at an angle whose cosine and sine these are.
+    /// State at rest in the air; the chord's angle has this cosine and sine.
     pub(super) fn at_rest([cos, sin]: [f64; 2]) -> Self {
         Self { u: 0.0, v: 0.0, w: 0.0, cos, sin, x: 0.0, y: 0.0 }
     }
 
-    /// State with another velocity, given along the horizontal and upwards.
+    /// State with another velocity, given as horizontal and upward components.
     pub(super) fn with_velocity(self, horizontal: f64, upward: f64) -> Self {
         let u = horizontal * self.cos + upward * self.sin;
         Self { u, v: upward * self.cos - horizontal * self.sin, ..self }
@@ -110,15 +110,15 @@ impl<N: Number> State<N> {
 }
 
 impl Plate {
-    /// Time in which damping alone stops all but a third of a slow turn.
+    /// Time in which damping alone reduces a slow rotation to a third.
     pub(super) fn damping_time(&self) -> f64 {
         0.25 * (self.inertia + 0.5) / self.damping
     }
 }
 
 impl<N: Number> Plate<N> {
-    /// The state after `time`, under a weight `(horizontal, upward)` that is `(0, -1)` unless the air
-    /// itself is accelerated. Classical Runge-Kutta, fourth order.
+    /// State after `time`, with a weight `(horizontal, upward)` of `(0, -1)` unless the air accelerates.
+    /// Classical fourth-order Runge-Kutta.
     #[inline(always)] // Lanes stay in registers.
     pub(super) fn step(&self, state: State<N>, weight: [N; 2], time: N) -> State<N> {
         let (half, third, sixth) = (time * 0.5, time.map(|time| time / 3.0), time.map(|time| time / 6.0));
@@ -127,7 +127,7 @@ impl<N: Number> Plate<N> {
         let k3 = self.rate(state.plus(k2, half), weight);
         let k4 = self.rate(state.plus(k3, time), weight);
         let mut next = state.plus(k1, sixth).plus(k2, third).plus(k3, third).plus(k4, sixth);
-        // To unit length by a step of Newton's: what is left of a step's error is its square.
+        // Normalization by a step of Newton's method, which squares the error.
         let scale = (next.cos * next.cos + next.sin * next.sin).map(|square| 1.5 - 0.5 * square);
         next.cos = next.cos * scale;
         next.sin = next.sin * scale;
@@ -140,11 +140,11 @@ impl<N: Number> Plate<N> {
         let State { u, v, w, cos, sin, .. } = state;
         let i = self.inertia;
         let speed = (u * u + v * v).map(f64::sqrt);
-        // At rest a factor that is not infinite; any will do.
+        // Any finite factor is right at rest.
         let over_speed =
             speed.map(|speed| if speed > f64::MIN_POSITIVE { speed } else { f64::MIN_POSITIVE }.recip());
-        // (4.7). The last term is not the paper's: a chord arched by `curl` lifts as if it were turned
-        // by a quarter of it, and has no moment about its middle (thin aerofoils, Glauert 1926, ch. 7).
+        // (4.7). The last term is not the paper's: a chord with the arch `curl` has the lift of one that is
+        // turned by a quarter of it, and no moment about its centre (thin aerofoils, Glauert 1926, ch. 7).
         let lifting = -u * v * over_speed + self.curl * 0.25 * u;
         let circulation = (lifting * C_T + w * C_R) * FRAC_2_PI;
         // (4.8): drag over velocity.
@@ -153,7 +153,7 @@ impl<N: Number> Plate<N> {
         let torque = (self.damping + w.map(f64::abs) * MU_2) * w;
         let weight_u = weight[0] * cos + weight[1] * sin;
         let weight_v = weight[1] * cos - weight[0] * sin;
-        // The same for all steps: divisions that wait for nothing.
+        // Divisions independent of the state, computed first.
         let over_i = i.map(f64::recip);
         let over_added = i.map(|i| (i + 1.0).recip());
         let over_turned = i.map(|i| (0.25 * (i + 0.5)).recip());

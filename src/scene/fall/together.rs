@@ -1,13 +1,13 @@
 //! Many flights at once. In go leaves, out come their flights, in the order in which they end. Invariant: a
-//! flight is the one of its leaf alone, to the last bit. Plates take steps side by side. Where one comes to
-//! the end of a leg, it is turned into a leaf alone. Where a flight ends, the next leaf takes its lane.
+//! flight has the same bits as that of the leaf alone. Plates step in lanes. At the end of a leg, its leaf
+//! alone computes the next one; at the end of a flight, the next leaf takes its lane.
 
 use super::flight::{Journey, Leg};
 use super::lanes::{LANES, Lanes};
 use super::leaf::{Flight, Leaf, Surroundings};
 use super::plate::{Plate, State};
 
-/// Plates side by side, each on a leg of its own.
+/// Plates in lanes, each on its own leg.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Abreast {
     plate: Plate<Lanes>,
@@ -17,7 +17,7 @@ pub(super) struct Abreast {
 }
 
 impl Abreast {
-    /// All by so many steps.
+    /// Advances all plates by a number of steps.
     pub(super) fn advance(&mut self, steps: usize) {
         let Self { plate, mut state, weight, time } = *self;
         for _ in 0..steps {
@@ -56,7 +56,7 @@ struct Seat {
     steps_left: usize,
 }
 
-/// Flies all leaves; `ended` hears of each by its number among them.
+/// Flies all leaves; calls `ended` with each leaf's index and flight.
 pub(super) fn fly(
     leaves: impl Iterator<Item = Leaf>,
     around: Surroundings<'_>,

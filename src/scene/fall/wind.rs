@@ -1,5 +1,5 @@
-//! The air's velocity at any place and time. Invariant: eddies have no divergence, so that leaves
-//! neither gather nor thin out because of them, and every machine finds the same wind to the last bit.
+//! Velocity of the air. In go a place and a time, out comes a velocity. Invariant: eddies are free of
+//! divergence, so they neither gather nor scatter leaves, and every machine computes the same bits.
 
 use crate::math::Chance;
 use crate::scene::Track;
@@ -7,9 +7,9 @@ use crate::scene::drift::Drift;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Waves that eddies are made of.
+/// Number of waves in the eddies.
 const WAVES: u32 = 10;
-/// Wave lengths, over the eddies' size: from the largest to the smallest.
+/// Longest and shortest wavelength, relative to the eddies' size.
 const LENGTHS: (f64, f64) = (1.6, 0.3);
 /// Energy over wave number falls as in turbulence, so velocity goes as the cube root of length
 /// (Kolmogorov 1941).
@@ -19,43 +19,42 @@ const VELOCITY_EXPONENT: f64 = 1.0 / 3.0;
 #[derive(Clone, Debug)]
 pub(crate) struct Wind {
     mean: Drift,
-    /// The velocity with which gusts come, and the square of its length.
+    /// Velocity that carries gusts, and its squared length.
     carrier: (DVec3, f64),
     gust: Track<DVec3>,
     gust_s: f64,
     seed: u32,
-    /// Waves of the eddies when they are strongest.
+    /// Waves of the eddies at their greatest strength.
     waves: Vec<Wave>,
-    /// Their strength over that.
+    /// Strength of the eddies relative to that.
     eddy: Track<f64>,
 }
 
-/// Air that moves to and fro across a direction.
+/// Transverse wave of the air.
 #[derive(Clone, Copy, Debug)]
 struct Wave {
-    /// Phase per metre, and per second beside what the mean wind carries past.
+    /// Phase per metre, and per second in the frame of the mean wind.
     per_m: DVec3,
     per_s: f64,
     phase: f64,
-    /// Velocity at right angles to `per_m`: hence no divergence.
+    /// Velocity, perpendicular to `per_m` and so without divergence.
     velocity: DVec3,
 }
 
-/// Gusts on top of the mean wind: the strongest one's speed, and the seconds between two, about.
+/// Gusts on top of the mean wind: the strongest one's velocity, and the mean interval, seconds.
 pub(crate) struct Gusts<T> {
     pub(crate) speed_m_per_s: T,
     pub(crate) every_s: f64,
 }
 
-/// Eddies: the root of the mean square of their velocity, and their size.
+/// Eddies: the root mean square of their velocity, and their size.
 pub(crate) struct Eddies<T> {
     pub(crate) speed_m_per_s: T,
     pub(crate) size_m: f64,
 }
 
 impl Wind {
-    /// Gusts come with the mean wind where it is strongest: one that changed its speed would bring them all
-    /// at once.
+    /// Gusts travel with the mean wind at its strongest; a changing speed would move all of them at once.
     pub(crate) fn new(
         mean: impl Into<Track<DVec3>>,
         Gusts { speed_m_per_s: gust, every_s: gust_s }: Gusts<impl Into<Track<DVec3>>>,
@@ -79,12 +78,12 @@ impl Wind {
         Self { mean, carrier, gust: gust.into(), gust_s, seed, waves, eddy }
     }
 
-    /// The air's velocity, m/s.
+    /// Velocity of the air, m/s.
     pub(crate) fn at(&self, place: DVec3, time_s: f64) -> DVec3 {
         let mut velocity = self.mean.velocity(time_s);
         let gust = self.gust.at(time_s);
         if gust != DVec3::ZERO {
-            // Gusts come with the mean wind (Taylor's frozen turbulence).
+            // Gusts travel with the mean wind (Taylor's frozen turbulence).
             let (carrier, speed_squared) = self.carrier;
             let late_s = if speed_squared > 0.0 { place.dot(carrier) / speed_squared } else { 0.0 };
             velocity += gust * self.gustiness(time_s - late_s);
@@ -114,7 +113,7 @@ fn wave(chance: Chance, number: u32, eddy_m_per_s: f64, eddy_m: f64) -> Wave {
     let fraction = f64::from(number) / f64::from(WAVES - 1);
     let length = LENGTHS.0 * libm::pow(LENGTHS.1 / LENGTHS.0, fraction);
     let per_m = direction(chance, 0) * (TAU / (length * eddy_m));
-    // Any direction that is not the wave's own leaves a part across it.
+    // Any direction other than the wave's own has a transverse component.
     let across = per_m.cross(direction(chance, 2)).normalize_or(per_m.any_orthonormal_vector());
     let velocity = across * libm::pow(length, VELOCITY_EXPONENT);
     // An eddy turns over in the time that its air takes to cross it.
@@ -122,7 +121,7 @@ fn wave(chance: Chance, number: u32, eddy_m_per_s: f64, eddy_m: f64) -> Wave {
     Wave { per_m, per_s, phase: TAU * chance.at(5), velocity }
 }
 
-/// A unit vector, all directions alike, from two draws.
+/// Uniform unit vector, from two draws.
 fn direction(chance: Chance, draw: u64) -> DVec3 {
     let y = 1.0 - 2.0 * chance.at(draw);
     let (sin, cos) = libm::sincos(TAU * chance.at(draw + 1));

@@ -1,12 +1,12 @@
-//! The curves on which a grid of alphas equals a threshold. In go alphas at texel centres, out come closed
-//! rings of points in texels. Invariant: rings neither cross themselves nor each other before they are
-//! simplified, and every one of them is closed, at the window's border if need be.
+//! Contours of a grid of alphas at a threshold. In go alphas at texel centres, out come closed rings of
+//! points in texels. Invariant: before simplification, rings cross neither themselves nor each other, and all
+//! are closed, at the window's border if necessary.
 
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// The texels that are looked at, by their numbers; beyond them there is nothing.
+/// Range of texels to examine; outside it alpha is 0.
 #[derive(Clone, Debug)]
 pub(super) struct Window {
     pub(super) columns: RangeInclusive<i64>,
@@ -19,20 +19,20 @@ impl Window {
     }
 }
 
-/// Curves may pass between so many texels. Pictures of foliage have a tenth of that; each
-/// takes some 100 bytes.
+/// Maximum number of crossings between texels. Pictures of foliage have a tenth of that; each takes some 100
+/// bytes.
 const MOST_CROSSINGS: usize = 1 << 20;
 
-/// A place where a curve passes between two neighbouring texels: that of the smaller numbers, and
-/// whether the other one lies below it or to its right.
+/// Crossing of a contour between two neighbouring texels: the one with smaller indices, and whether the other
+/// one is below it or to its right.
 type Crossing = (i64, i64, bool);
 
-/// The curves where alpha, bilinear between texel centres, is `threshold`. The centre of texel
-/// (0, 0) is at (0.5, 0.5).
+/// Contours where alpha, bilinear between texel centres, is `threshold`. The centre of texel (0, 0) is at
+/// (0.5, 0.5).
 ///
-/// Marching squares; where two opposite corners of a cell are inside, the bilinear function's value at its
-/// saddle tells whether they are connected (Nielson and Hamann 1991, "The asymptotic decider"). `None` if
-/// there is hardly anything but curves: noise, say.
+/// The method is marching squares. Where two opposite corners of a cell are inside, the value at the saddle
+/// decides whether they are connected (Nielson and Hamann 1991, "The asymptotic decider"). `None` if there
+/// are too many crossings, as in noise.
 pub(super) fn rings(
     alpha: impl Fn(i64, i64) -> f64,
     threshold: f64,
@@ -61,10 +61,10 @@ pub(super) fn rings(
     Some(rings)
 }
 
-/// Next crossing of the curve after each, and the middle of the way there.
+/// Next crossing after each, and the midpoint between them.
 type Links = BTreeMap<Crossing, (Crossing, DVec2)>;
 
-/// All steps of the curve, cell by cell; `None` if there are too many.
+/// Segments of the contours, cell by cell; `None` if there are too many.
 fn links(inside_by: &impl Fn(i64, i64) -> f64, window: &Window) -> Option<Links> {
     let mut next = Links::new();
     for row in *window.rows.start() - 1..=*window.rows.end() {
@@ -79,7 +79,7 @@ fn links(inside_by: &impl Fn(i64, i64) -> f64, window: &Window) -> Option<Links>
     Some(next)
 }
 
-/// The steps within one cell: none, one, or two where it is a saddle.
+/// Adds the segments of one cell: none, one, or two at a saddle.
 fn link_cell(column: i64, row: i64, corners: [f64; 4], next: &mut Links) {
     let is_inside = corners.map(|corner| corner >= 0.0);
     if is_inside == [true; 4] || is_inside == [false; 4] {
@@ -91,12 +91,12 @@ fn link_cell(column: i64, row: i64, corners: [f64; 4], next: &mut Links) {
     let [a, b, c, d] = corners;
     let joined = (a * c - b * d) / (a + c - b - d) >= 0.0;
     for corner in 0..4 {
-        // Between this corner and the next the curve leaves the inside ...
+        // The contour leaves the inside between this corner and the next ...
         let (before, after) = ((corner + 3) % 4, (corner + 1) % 4);
         if !is_inside[corner] || is_inside[after] {
             continue;
         }
-        // ... and it comes back where the first outer corner follows an inner one.
+        // ... and returns where the first outer corner follows an inner one.
         let is_saddle = is_inside[(corner + 2) % 4] && !is_inside[before];
         let back = match (is_saddle, joined) {
             (true, true) => after,
@@ -111,29 +111,29 @@ fn link_cell(column: i64, row: i64, corners: [f64; 4], next: &mut Links) {
     }
 }
 
-/// Place between two values, one of them negative, at which a straight line is 0.
+/// Fraction at which linear interpolation between two values, one of them negative, is 0.
 fn fraction(a: f64, b: f64) -> f64 {
     let fraction = a / (a - b);
-    // Beyond the window, where there is nothing at all.
+    // Outside the window one value is infinite.
     if fraction.is_nan() || a.is_infinite() || b.is_infinite() { 0.5 } else { fraction }
 }
 
-/// A square between four texel centres.
+/// Square between four texel centres.
 struct Cell {
     place: DVec2,
-    /// Values from the top left on, clockwise as the image is seen.
+    /// Values from the top left on, clockwise in the image.
     corners: [f64; 4],
 }
 
 impl Cell {
-    /// Crossing of the curve between a corner and the next.
+    /// Crossing between a corner and the next.
     fn crossing(&self, edge: usize) -> DVec2 {
         const CORNERS: [DVec2; 4] = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
         let (from, to) = (CORNERS[edge], CORNERS[(edge + 1) % 4]);
         self.place + from.lerp(to, fraction(self.corners[edge], self.corners[(edge + 1) % 4]))
     }
 
-    /// A point near the curve, moved onto it as far as the cell goes.
+    /// Moves a point onto the contour, within the cell.
     fn on_curve(&self, near: DVec2) -> DVec2 {
         let [a, b, c, d] = self.corners;
         if !(a + b + c + d).is_finite() {
@@ -155,17 +155,16 @@ impl Cell {
     }
 }
 
-/// Every so many points one is kept: a ring whose every point matters would take time in the
-/// square of its length.
+/// Maximum number of points between kept ones, as a ring that keeps every point would take quadratic time.
 const LONGEST_STRETCH: usize = 512;
 
-/// A ring with fewer points, none of which the old one passes farther away than `tolerance` (Ramer 1972,
-/// Douglas and Peucker 1973); fewer than three points if there is nothing more to it.
+/// Ring with fewer points, within `tolerance` of all points of the old one (Ramer 1972, Douglas and Peucker
+/// 1973); fewer than three points if it vanishes.
 pub(super) fn simplified(ring: &[DVec2], tolerance: f64) -> Vec<DVec2> {
     let distance = |a: usize, b: usize| ring[a].distance_squared(ring[b]);
     let farthest =
         |from: usize| (0..ring.len()).max_by(|&a, &b| distance(from, a).total_cmp(&distance(from, b)));
-    // Cut where it is longest, so that neither half begins and ends in one place.
+    // Split at the longest distance, so that neither half has equal ends.
     let Some(start) = farthest(0) else { return Vec::new() };
     let opposite = farthest(start).map_or(0, |end| (end + ring.len() - start) % ring.len());
     let point = |index: usize| ring[(start + index) % ring.len()];

@@ -1,6 +1,6 @@
-//! Triangles cut along rings, in texels. In go rings and triangles, out come smaller triangles of old and
-//! added vertices. Invariant: all is counted in whole steps of one grid, so what two triangles share they
-//! share to the last bit.
+//! Cutting of triangles along rings, in texels. In go rings and triangles, out come smaller triangles of old
+//! and new vertices. Invariant: all coordinates are integers of one grid, so shared points agree to the last
+//! bit.
 
 use super::{Between, Outlined};
 use glam::DVec2;
@@ -12,12 +12,12 @@ use i_triangle::int::triangulatable::IntTriangulatable;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Resolution of the grid on which everything is cut. Within `FARTHEST_TEXEL` coordinates keep to 28 bits.
+/// Resolution of the grid. Within `FARTHEST_TEXEL` coordinates have at most 28 bits.
 const STEPS_PER_TEXEL: f64 = 1024.0;
 
 type Point = IntPoint<i32>;
 
-/// Rest of a triangle after the cut, in the order of its corners' grid points.
+/// Rest of a triangle after cutting, in the order of its corners' grid points.
 #[derive(Debug)]
 enum Rest {
     All,
@@ -26,15 +26,15 @@ enum Rest {
 
 pub(super) struct Cutter {
     rings: Vec<Ring>,
-    /// Triangles that lie in the same place of the texture are cut once.
+    /// Cache, as triangles at the same place of the texture have the same rest.
     known: HashMap<[Point; 3], Rc<Rest>>,
-    /// Points on edges, by the edge's vertices.
+    /// New vertices on edges, by the edge's vertices.
     on_edges: HashMap<(u32, u32, Point), u32>,
     added: Vec<Between>,
     triangles: Vec<Corners>,
 }
 
-/// A corner: a vertex that there was, or the number of an added one.
+/// Corner: an old vertex, or the index of a new one.
 type Corners = [Result<u32, u32>; 3];
 
 struct Ring {
@@ -65,8 +65,8 @@ impl Cutter {
         }
     }
 
-    /// Adds what is left of a triangle whose vertices lie at `texels`; if it has no area there, all or
-    /// nothing, as `is_shown` says of its middle.
+    /// Adds the rest of a triangle whose vertices lie at `texels`. A triangle without area there stays or
+    /// goes as a whole, by `is_shown` at its centre.
     pub(super) fn cut(&mut self, vertices: [u32; 3], texels: [DVec2; 3], is_shown: impl Fn(DVec2) -> bool) {
         let corners = texels.map(on_grid);
         if twice_area(corners) == 0 {
@@ -97,11 +97,11 @@ impl Cutter {
             return Ok(vertices[corner]);
         }
         for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-            // The same edge of the neighbour runs the other way.
+            // The neighbour has the same edge in the other direction.
             let (from, to) = if vertices[from] < vertices[to] { (from, to) } else { (to, from) };
             let (a, b) = (difference(corners[from], corners[to]), difference(corners[from], point));
             let length_squared = dot(a, a);
-            // Within rounding to the grid.
+            // Within the rounding of the grid.
             if (cross(a, b) as f64).powi(2) <= 2.0 * length_squared as f64 {
                 let key = (vertices[from], vertices[to], point);
                 let added = &mut self.added;
@@ -123,7 +123,7 @@ impl Cutter {
         Err(self.added.len() as u32 - 1)
     }
 
-    /// Rests of all triangles, of a mesh that had `vertices` vertices.
+    /// Rests of all triangles of a mesh with `vertices` vertices.
     pub(super) fn finish(self, vertices: usize) -> Outlined {
         let number = |corner: Result<u32, u32>| corner.unwrap_or_else(|added| vertices as u32 + added);
         let triangles = self.triangles.iter().map(|corners| corners.map(number)).collect();
@@ -154,23 +154,23 @@ fn rest(rings: &[Ring], corners: [Point; 3]) -> Rest {
     let turn = |triangle: &[u32]| {
         let [a, b, c] = [triangle[0], triangle[1], triangle[2]];
         let same = twice_area([a, b, c].map(|point| mesh.points[point as usize])) > 0;
-        // Seen from the same side as before.
+        // Keeps the orientation.
         if same == (twice_area(corners) > 0) { [a, b, c] } else { [a, c, b] }
     };
     let triangles = mesh.indices.chunks_exact(3).map(turn).collect();
     Rest::Parts { points: mesh.points, triangles }
 }
 
-/// A ring without its detours on the far side of one edge of a box: within the box it encloses what it did,
-/// by the parity of its turns. So many triangles under one long ring cost what each of them meets of it.
+/// Ring without its detours beyond one edge of a box. Within the box it encloses the same points, by parity.
+/// So many triangles under one long ring cost only the part that each of them meets.
 fn shortened(ring: &[Point], low: Point, high: Point) -> Vec<Point> {
-    // The sides of the box on whose far side a point lies (Cohen and Sutherland's codes).
+    // Outcode: the sides of the box beyond which a point lies (Cohen and Sutherland).
     let beyond = |point: Point| {
         let sides = [point.x < low.x, point.x > high.x, point.y < low.y, point.y > high.y];
         sides.into_iter().fold(0_u8, |code, is_beyond| code << 1 | u8::from(is_beyond))
     };
     let mut kept: Vec<Point> = Vec::new();
-    // Sides that all points since the last that was kept lie beyond, that one too.
+    // Outcode bits common to all points since the last kept one, inclusive.
     let mut common = 0;
     let mut passed = None;
     for &point in ring {

@@ -1,6 +1,6 @@
-//! Triangles whose vertices have an alpha in, those parts out where it is at least a threshold.
-//! Invariant: alpha is linear on a triangle, so the cut is straight and exact; neighbours share the
-//! vertices on their common edge.
+//! Cutting of triangles by vertex alphas. In go triangles, out come their parts with at least a threshold.
+//! Invariant: alpha is linear on a triangle, so the cut is straight and exact; neighbours share the vertices
+//! on their common edge.
 
 use super::{Between, Outlined};
 use std::collections::BTreeMap;
@@ -20,13 +20,13 @@ pub(super) fn outlined(alphas: &[f32], threshold: f64, triangles: &[[u32; 3]]) -
 struct Edges<'a> {
     alphas: &'a [f32],
     threshold: f64,
-    /// Numbers by the ends of the edge, the smaller first.
+    /// Indices by the ends of the edge, the smaller first.
     numbers: BTreeMap<[u32; 2], u32>,
     added: Vec<Between>,
 }
 
 impl Edges<'_> {
-    /// The corners of what is left of a triangle, in its order (Sutherland and Hodgman 1974).
+    /// Corners of a triangle's rest, in its order (Sutherland and Hodgman 1974).
     fn clipped(&mut self, triangle: [u32; 3]) -> Vec<u32> {
         let mut polygon = Vec::with_capacity(4);
         for (from, to) in [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (triangle[a], triangle[b])) {
@@ -44,7 +44,7 @@ impl Edges<'_> {
         f64::from(self.alphas[vertex as usize]) >= self.threshold
     }
 
-    /// The vertex where the edge crosses the threshold.
+    /// Vertex where an edge crosses the threshold.
     fn on_edge(&mut self, from: u32, to: u32) -> u32 {
         let ends = [from.min(to), from.max(to)];
         let next = (self.alphas.len() + self.added.len()) as u32;

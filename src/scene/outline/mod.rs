@@ -1,6 +1,6 @@
-//! Masked triangles in, opaque ones out. What the alpha of a texture or of vertices hides is cut away along
-//! the curve where alpha equals the cutoff. Invariants: neighbouring triangles are cut at the very same
-//! points of their common edge. A triangle without anything to cut away stays as it is.
+//! Alpha masks as geometry. In go masked triangles, out come opaque ones, cut along the contour where alpha
+//! equals the cutoff. Invariants: neighbours are cut at identical points of their common edge. A triangle
+//! that is wholly visible stays as it is.
 
 mod contour;
 mod cut;
@@ -15,53 +15,53 @@ use contour::Window;
 use cut::Cutter;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-/// Maximum distance between an outline and the curve of the cutoff, in texels.
+/// Maximum distance between an outline and the contour, in texels.
 pub const OUTLINE_TOLERANCE_TEXELS: f64 = 0.25;
 
-/// Texture coordinates may spread over so many texels, repetitions counted.
+/// Maximum number of texels under a mesh, repetitions included.
 const MOST_TEXELS: i64 = 1 << 27;
-/// And so far from 0, in texels.
+/// Maximum distance of its texture coordinates from 0, in texels.
 const FARTHEST_TEXEL: f64 = (1 << 18) as f64;
 
-/// Mask that hides parts of a surface.
+/// Alpha mask of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mask<'a> {
-    /// Texture whose alpha counts.
+    /// Texture with the alpha.
     texture: &'a Texture,
-    /// The surface shows where the texture's alpha is at least this.
+    /// Alpha of the texture at and above which the surface is visible.
     threshold: f64,
 }
 
 impl<'a> Mask<'a> {
-    /// The surface shows where the texture's alpha times `opacity` is at least `cutoff`.
+    /// Creates a mask that shows the surface where the texture's alpha times `opacity` is at least `cutoff`.
     pub(super) fn new(texture: &'a Texture, cutoff: f64, opacity: f64) -> Self {
-        // Nothing is less than 0, not even where the surface has no opacity at all.
+        // A cutoff of 0 hides nothing, even with an opacity of 0.
         Self { texture, threshold: if cutoff > 0.0 { cutoff / opacity } else { 0.0 } }
     }
 }
 
-/// A vertex on an edge of a triangle or within it.
+/// Vertex on an edge of a triangle or within it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Between {
     /// Vertices of the triangle.
     pub(super) corners: [u32; 3],
-    /// Weights of the three; 1 in sum.
+    /// Weights of the corners; 1 in sum.
     pub(super) weights: [f64; 3],
 }
 
-/// Meshes that were cut out, to be said once.
+/// Meshes that were cut, for one remark.
 #[derive(Debug, Default)]
 pub(super) struct Tally(Vec<(String, usize, usize)>);
 
 impl Tally {
-    /// Notes that a mesh had so many triangles before and after.
+    /// Adds a mesh with its number of triangles before and after.
     pub(super) fn add(&mut self, mesh: &str, before: usize, after: usize) {
         if before != after {
             self.0.push((mesh.to_owned(), before, after));
         }
     }
 
-    /// A remark about all of them; none if there are none.
+    /// Remark about all of them, if there are any.
     pub(super) fn remark(&self, place: Place) -> Option<Diagnostic> {
         const NAMED: usize = 6;
         let named: Vec<String> = (self.0.iter().take(NAMED))
@@ -82,21 +82,20 @@ impl Tally {
 /// Rest of a mesh after the cut.
 #[derive(Debug, Default)]
 struct Outlined {
-    /// Vertices that follow those that there were.
+    /// New vertices, which follow the old ones.
     added: Vec<Between>,
-    /// Triangles of old and added vertices.
+    /// Triangles of old and new vertices.
     triangles: Vec<[u32; 3]>,
 }
 
-/// Mesh without the parts that a mask hides, and the vertices that follow its own. All its triangles have
-/// one material; there are none if the mask hides all.
+/// Mesh without the parts that a mask hides, and its new vertices. All its triangles have one material; there
+/// are none if the mask hides all.
 pub(super) fn traced_cut_out(mesh: &Mesh, mask: Mask) -> Result<(Mesh, Vec<Between>), Loss> {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
     Ok(rebuilt(mesh, outlined(mask, &mesh.uvs, &triangles)?))
 }
 
-/// Mesh without the parts where the alpha of its vertices is below `threshold`, and the vertices that
-/// follow its own.
+/// Mesh without the parts where vertex alpha is below `threshold`, and its new vertices.
 pub(super) fn faded_cut_out(mesh: &Mesh, threshold: f64) -> (Mesh, Vec<Between>) {
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
     let (mut cut, added) = rebuilt(mesh, fading::outlined(&mesh.alphas, threshold, &triangles));
@@ -104,7 +103,7 @@ pub(super) fn faded_cut_out(mesh: &Mesh, threshold: f64) -> (Mesh, Vec<Between>)
     (cut, added)
 }
 
-/// A mesh with other triangles, whose added vertices have everything that its own have.
+/// Mesh with other triangles, whose new vertices have all attributes interpolated.
 fn rebuilt(mesh: &Mesh, Outlined { added, triangles }: Outlined) -> (Mesh, Vec<Between>) {
     let blended = |values: &[Vec3]| -> Vec<Vec3> {
         let blend = |Between { corners, weights }: &Between| {
@@ -119,7 +118,7 @@ fn rebuilt(mesh: &Mesh, Outlined { added, triangles }: Outlined) -> (Mesh, Vec<B
         blended(&uvs).into_iter().map(Vec3::truncate).collect()
     };
     let alphas: Vec<Vec3> = mesh.alphas.iter().map(|alpha| Vec3::splat(*alpha)).collect();
-    // Their side is the same all over a triangle.
+    // The sign is constant on a triangle.
     let sides: Vec<Vec3> = mesh.tangents.iter().map(|tangent| Vec3::splat(tangent.w)).collect();
     let tangents: Vec<Vec3> = mesh.tangents.iter().map(|tangent| tangent.truncate()).collect();
     let tangents = blended(&tangents).into_iter().zip(blended(&sides));
@@ -127,7 +126,7 @@ fn rebuilt(mesh: &Mesh, Outlined { added, triangles }: Outlined) -> (Mesh, Vec<B
     let cut = Mesh {
         name: mesh.name.clone(),
         positions: blended(&mesh.positions),
-        // Two that cancel each other leave none: any direction will do.
+        // Opposite normals may cancel; any direction is then valid.
         normals: blended(&mesh.normals).into_iter().map(|normal| normal.normalize_or(Vec3::Y)).collect(),
         uvs: blended_uvs(&mesh.uvs),
         more_uvs: mesh.more_uvs.iter().map(blended_uvs).collect(),
@@ -139,7 +138,7 @@ fn rebuilt(mesh: &Mesh, Outlined { added, triangles }: Outlined) -> (Mesh, Vec<B
     (cut, added)
 }
 
-/// Cuts out what the mask shows; the reason if that cannot be done.
+/// Visible part of triangles, or the reason why they cannot be cut.
 fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined, Loss> {
     let texels_of_texture = DVec2::new(mask.texture.width as f64, mask.texture.height as f64);
     let texels: Vec<DVec2> = uvs.iter().map(|uv| uv.as_dvec2() * texels_of_texture).collect();
@@ -154,7 +153,7 @@ fn outlined(mask: Mask, uvs: &[Vec2], triangles: &[[u32; 3]]) -> Result<Outlined
     if !is_near {
         return Err(Loss::MaskTooWide);
     }
-    // A texel more on every side: what is made up at the window's border is cut away again.
+    // A margin of a texel, so that contours along the window's border are cut away.
     let (low, high) = ((low - 2.5).floor().as_i64vec2(), (high + 1.5).ceil().as_i64vec2());
     if (high.x - low.x) * (high.y - low.y) > MOST_TEXELS {
         return Err(Loss::MaskTooWide);

@@ -1,22 +1,22 @@
-//! Footprints of the texels of an equirectangular image. In go numbers of texels, out come integrals over
-//! the sphere of each one's part in a bilinear look-up. Invariant: solid angles add up to 4 pi, and values
-//! of a texel are exact to the rule of quadrature.
+//! Footprints of the texels of an equirectangular image. In go indices of texels, out come integrals over the
+//! sphere of their weights in bilinear interpolation. Invariant: solid angles add up to 4 pi; a texel's
+//! integrals are exact up to the quadrature rule.
 
 use crate::math::gauss_legendre;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Footprints of all texels of an image that goes on across its seam and ends at its poles.
+/// Footprints of all texels of an image that wraps across its seam and ends at its poles.
 pub(super) struct Footprints {
     width: usize,
     rows: Vec<Row>,
 }
 
-/// Integrals of a row of texels, over longitudes as well.
+/// Integrals for a row of texels, over longitudes as well.
 struct Row {
-    /// Steradians of one texel.
+    /// Solid angle of one texel, sr.
     solid_angle: f64,
-    /// Components of directions integrated over a texel's footprint: away from the axis and along it.
+    /// Components of the integrated direction: away from the axis and along it.
     across: f64,
     up: f64,
 }
@@ -24,7 +24,7 @@ struct Row {
 impl Footprints {
     pub(super) fn new(width: usize, height: usize) -> Self {
         let step = TAU / width as f64;
-        // Of a hat about 0 that reaches as far as the next texels, times a cosine: step sinc^2(step / 2).
+        // Integral of a hat function as wide as two texels, times a cosine: step sinc^2(step / 2).
         let half = 0.5 * step;
         let of_cosine = step * (half.sin() / half).powi(2);
         let row = |row: usize| {
@@ -34,12 +34,12 @@ impl Footprints {
         Self { width, rows: (0..height).map(row).collect() }
     }
 
-    /// Steradians of a texel's footprint, each direction counting by how much of it is the texel's.
+    /// Solid angle of a texel's footprint, weighted by interpolation, sr.
     pub(super) fn solid_angle(&self, texel: usize) -> f64 {
         self.rows[texel / self.width].solid_angle
     }
 
-    /// Directions integrated over a texel's footprint: the vector irradiance of a radiance of 1 there.
+    /// Integrated direction of a texel's footprint: the vector irradiance of a radiance of 1 there.
     pub(super) fn directions(&self, texel: usize) -> DVec3 {
         let Row { across, up, .. } = self.rows[texel / self.width];
         let (sin, cos) = (TAU * (((texel % self.width) as f64 + 0.5) / self.width as f64 - 0.5)).sin_cos();
@@ -47,12 +47,12 @@ impl Footprints {
     }
 }
 
-/// Integrals over the polar angle of a row's hat times `sin`, `sin^2` and `cos sin`.
+/// Integrals over the polar angle of a row's hat function times `sin`, `sin^2` and `cos sin`.
 fn down_a_hat(row: usize, height: usize) -> [f64; 3] {
     const ORDER: usize = 8;
     let step = PI / height as f64;
     let middle = (row as f64 + 0.5) * step;
-    // From the middles of the rows before and after; the first and last row go on as far as the poles.
+    // The hat reaches to the centres of adjacent rows; the first and last row extend to the poles.
     let halves = [(row == 0, -1.0), (row + 1 == height, 1.0)];
     let mut sums = [0.0; 3];
     for (is_last, side) in halves {

@@ -19,25 +19,25 @@ use std::sync::OnceLock;
 
 pub use self::suns::SkySun;
 
-/// The sky, at every time.
+/// Sky at all times.
 #[derive(Clone, Debug)]
 pub struct Sky {
     picture: SkyPicture,
-    /// Suns of the picture that are lights of their own.
+    /// Suns of the picture that became lights.
     suns: SkySuns,
-    /// Distribution of the rest; `None` if it is uniform.
+    /// Distribution of the remaining light; `None` if it is uniform.
     table: Option<SquareDistribution>,
-    /// Mean radiances, once they are asked for.
+    /// Mean radiances, computed on first use.
     means: OnceLock<Vec<Rgb>>,
-    /// Whether there is a sun in it, once that is asked for.
+    /// Whether it contains a sun, computed on first use.
     has_sun: OnceLock<bool>,
-    /// Multiplies the picture.
+    /// Factor on the picture.
     pub strength: Track<Rgb>,
-    /// Rotation about +Y, anticlockwise as seen from above, radians.
+    /// Rotation about +Y, anticlockwise from above, radians.
     pub rotation: Track<f64>,
-    /// Things that it lights.
+    /// Contents of the scene that it lights.
     pub lights: SkyLight,
-    /// Whether camera rays see it; mirrors do in any case.
+    /// Whether camera rays see it; mirrors always do.
     pub visible_to_camera: bool,
 }
 
@@ -48,25 +48,25 @@ pub enum SkyPicture {
     Even(Rgb),
     /// Gradient from `horizon` to `zenith` in proportion to the sine of the elevation, and `ground` below.
     Gradient {
-        /// Straight up.
+        /// Radiance at the zenith.
         zenith: Rgb,
-        /// Just above the horizon.
+        /// Radiance just above the horizon.
         horizon: Rgb,
-        /// Everywhere below it.
+        /// Radiance everywhere below it.
         ground: Rgb,
     },
-    /// Longitude across and latitude down, seen from within; -Z in the middle, +X to the right of it.
+    /// Equirectangular image, from inside, with -Z in the centre and +X to its right.
     Image(Texture),
 }
 
-/// Cells for means: of even height, and of even longitude, so that all are of one size.
+/// Cells for means, uniform in height and in longitude, so that all have the same solid angle.
 const MEAN_ROWS: usize = 64;
 const MEAN_COLUMNS: usize = 32;
-/// How far below 0 lossy codecs (B44, DWA, JPEG 2000) take what is next to black, as a share of pictures that
-/// are nowhere brighter than 1.
+/// Magnitude of negative values to which lossy codecs (B44, DWA, JPEG 2000) may round black, for pictures
+/// with values up to 1.
 const ROUNDING: f32 = 1.0 / 4096.0;
 
-/// The direction of a place within a cell, `[0, 1]^2`.
+/// Direction of a point in a cell, `[0, 1]^2`.
 fn direction_in(cell: usize, within: DVec2) -> DVec3 {
     let y = 1.0 - 2.0 * ((cell / MEAN_COLUMNS) as f64 + within.y) / MEAN_ROWS as f64;
     let (sin, cos) = (TAU * ((cell % MEAN_COLUMNS) as f64 + within.x) / MEAN_COLUMNS as f64).sin_cos();
@@ -75,7 +75,7 @@ fn direction_in(cell: usize, within: DVec2) -> DVec3 {
 }
 
 impl Sky {
-    /// A sky that lights all; `None` if it is black, or not finite.
+    /// Sky that lights everything; `None` if it is black or not finite.
     pub fn new(picture: SkyPicture) -> Option<Self> {
         let suns = SkySuns::default();
         let table = table(&picture, &suns);
@@ -91,8 +91,8 @@ impl Sky {
         Some(Self { picture, suns, table, means, has_sun, strength, rotation, lights, visible_to_camera })
     }
 
-    /// Sky with the suns of its picture as lights of their own: their light has sharp shadows and no
-    /// noise. It is seen as before. A sky that leaves fog dark keeps them, for suns do not.
+    /// Sky whose suns become lights, with sharp shadows and no noise; its appearance stays. A sky that does
+    /// not light fog keeps them, as suns would light it.
     #[must_use]
     pub fn with_suns_apart(self) -> Self {
         let suns = match &self.picture {
@@ -106,7 +106,7 @@ impl Sky {
         Self { suns, table, means: OnceLock::new(), has_sun: OnceLock::new(), ..self }
     }
 
-    /// Sky with other strength, rotation and light.
+    /// Sky with another strength, rotation and light.
     pub fn with(self, strength: Track<Rgb>, rotation: Track<f64>, lights: SkyLight) -> Self {
         Self { strength, rotation, lights, ..self }
     }
@@ -116,12 +116,12 @@ impl Sky {
         &self.picture
     }
 
-    /// Number of suns of its picture that are lights of their own.
+    /// Number of its suns that became lights.
     pub fn suns_apart(&self) -> usize {
         self.suns.suns.len()
     }
 
-    /// Suns at a time that are lights of their own, turned and as strong as the picture.
+    /// Suns that became lights, at a time, with the picture's rotation and strength.
     pub fn suns_at(&self, time_s: f64) -> impl Iterator<Item = SkySun> {
         let (strength, turn) = (self.strength.at(time_s), DQuat::from_rotation_y(self.rotation.at(time_s)));
         self.suns.suns.iter().map(move |sun| SkySun {
@@ -131,12 +131,12 @@ impl Sky {
         })
     }
 
-    /// Radiance seen in the direction of a unit vector, before the picture is turned.
+    /// Radiance in the direction of a unit vector, in the unrotated picture.
     pub fn along(&self, direction: DVec3) -> Rgb {
         self.picture.along(direction)
     }
 
-    /// Radiance in a direction without the suns of [`Sky::suns_at`], before the picture is turned.
+    /// Radiance in a direction without the suns of [`Sky::suns_at`], in the unrotated picture.
     pub fn along_beside_suns(&self, direction: DVec3) -> Rgb {
         match &self.picture {
             SkyPicture::Image(image) => self.suns.beside(image, direction, place_of(direction)),
@@ -144,20 +144,19 @@ impl Sky {
         }
     }
 
-    /// Whether it is the same at all times.
+    /// Whether it is constant.
     pub fn is_constant(&self) -> bool {
         self.strength.is_constant() && self.rotation.is_constant()
     }
 
-    /// Whether some of it is brighter than the rest, so that [`Sky::pick`] picks directions.
+    /// Whether its radiance varies, so that [`Sky::pick`] picks directions.
     pub fn is_uneven(&self) -> bool {
         self.table.is_some()
     }
 
-    /// Whether much of its light comes from a small part of it, so that things cast
-    /// shadows with borders in it.
+    /// Whether a small part of it has much of its light, so that objects cast distinct shadows.
     pub fn has_sun(&self) -> bool {
-        /// Brightness of a sun over the mean.
+        /// Radiance of a sun relative to the mean.
         const BRIGHT: f64 = 16.0;
         const MUCH: f64 = 0.05;
         *self.has_sun.get_or_init(|| {
@@ -167,8 +166,8 @@ impl Sky {
         })
     }
 
-    /// Mean radiances of cells that share out the sphere evenly, with the directions of their middles, before
-    /// the picture is turned.
+    /// Mean radiances of cells of equal solid angle, with the directions of their centres, in the unrotated
+    /// picture.
     pub fn means(&self) -> impl Iterator<Item = (DVec3, Rgb)> {
         let means = self.means.get_or_init(|| {
             let cells = 0..MEAN_ROWS * MEAN_COLUMNS;
@@ -177,23 +176,23 @@ impl Sky {
         means.iter().enumerate().map(|(cell, mean)| (direction_in(cell, DVec2::splat(0.5)), *mean))
     }
 
-    /// A direction that two uniform numbers pick, about as densely as the picture is bright; `None` if
-    /// that is the same everywhere. Directions are those of the picture before it is turned.
+    /// Direction sampled by two uniform numbers, with a density about proportional to radiance; `None` for a
+    /// uniform picture. Directions are those of the unrotated picture.
     pub fn pick(&self, u: DVec2) -> Option<DVec3> {
         let (_, place) = self.table.as_ref()?.pick(u);
         Some(sphere_from_square(place))
     }
 
-    /// Probability density of [`Sky::pick`] for a direction, 1/sr; 0 if it picks none.
+    /// Probability density of [`Sky::pick`] in a direction, 1/sr; 0 if it picks none.
     pub fn picked(&self, direction: DVec3) -> f64 {
         self.table
             .as_ref()
             .map_or(0.0, |table| 0.25 * FRAC_1_PI * table.density(table.cell(square_from_sphere(direction))))
     }
 
-    /// Mean radiance of one of the cells for means; values that are not finite do not count.
+    /// Mean radiance of a cell; values that are not finite are ignored.
     fn mean(&self, cell: usize) -> Rgb {
-        // Of images about every texel.
+        // For images about one sample a texel.
         let side = match &self.picture {
             SkyPicture::Even(radiance) => return *radiance,
             SkyPicture::Gradient { .. } => 8,
@@ -212,8 +211,8 @@ impl Sky {
 }
 
 impl SkyPicture {
-    /// An image of longitudes and latitudes, and in how many of its texels a radiance was below 0 by more
-    /// than lossy codecs leave. Filters do so; all count as 0.
+    /// Sky from an equirectangular image, and the number of texels with radiances below 0 by more than lossy
+    /// codecs cause. Filters cause them; all become 0.
     pub fn of_image(name: String, [width, height]: [usize; 2], texels: Texels) -> (Self, usize) {
         let mut texels = texels.into_floats();
         let brightest = texels.iter().flat_map(|texel| &texel[..3]).copied().fold(0.0, f32::max);
@@ -225,7 +224,7 @@ impl SkyPicture {
         (Self::Image(Texture { name, width, height, texels: texels.into(), wrap }), negative)
     }
 
-    /// Radiance seen in the direction of a unit vector.
+    /// Radiance in the direction of a unit vector.
     pub fn along(&self, direction: DVec3) -> Rgb {
         match self {
             Self::Even(radiance) => *radiance,
@@ -236,7 +235,7 @@ impl SkyPicture {
     }
 }
 
-/// Distribution of a picture's light beside suns, unless it is uniform or black.
+/// Distribution of a picture's light without suns; `None` if it is uniform or black.
 fn table(picture: &SkyPicture, suns: &SkySuns) -> Option<SquareDistribution> {
     match picture {
         SkyPicture::Even(_) => None,
@@ -251,8 +250,7 @@ fn table(picture: &SkyPicture, suns: &SkySuns) -> Option<SquareDistribution> {
     }
 }
 
-/// The place of an image of longitudes and latitudes that shows a direction, `[0, 1]^2` from its top left
-/// corner.
+/// Point of an equirectangular image in a direction, `[0, 1]^2` from its top left corner.
 fn place_of(direction: DVec3) -> Vec2 {
     let across = 0.5 + direction.x.atan2(-direction.z) / TAU;
     let down = direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI;

@@ -1,9 +1,9 @@
-//! Suns in an image of the sky. In goes the image, out come suns and what they had of its texels. Invariant:
-//! what is left of the image and the suns together give the vector irradiance that the image gave.
+//! Suns in an image of the sky. In goes the image, out come suns and their excess in its texels. Invariant:
+//! the rest of the image and the suns together have the vector irradiance of the image.
 //!
-//! A sun is a spot that is small, much brighter than the rest of the sky, about as wide as high, and gives
-//! much of its light. Its disc has the solid angle `(integral L)^2 / integral L^2`, which is that of any disc
-//! of one radiance. What is left in its place is as bright as the texels around it.
+//! A sun is a spot that is small, much brighter than the rest of the sky, about as wide as high, and a large
+//! part of all light. Its disc has the solid angle `(integral L)^2 / integral L^2`, which is exact for a
+//! uniform disc. The rest in its place is as bright as the surrounding texels.
 
 use super::footprint::Footprints;
 use super::table::direction_of;
@@ -14,44 +14,44 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::{PI, TAU};
 
-/// A sun that an image of the sky shows.
+/// Sun in an image of the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkySun {
-    /// Unit vector towards its middle.
+    /// Unit vector towards its centre.
     pub to_sun: DVec3,
     /// Irradiance on a perpendicular plane, W/m^2.
     pub irradiance: Rgb,
-    /// The whole angle of its disc, radians.
+    /// Full angle of its disc, radians.
     pub angular_diameter: f64,
 }
 
-/// All suns of an image before it is turned, at a strength of 1, and what of the image is theirs.
+/// All suns of an unrotated image, at a strength of 1, and their part of it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SkySuns {
     pub(super) suns: Vec<SkySun>,
-    /// The cosine of the angle beyond which nothing is of a sun.
+    /// Cosine of the angular radius beyond which no texel belongs to a sun.
     cos_reaches: Vec<f64>,
-    /// Radiance of the texels in which suns are, above what is around them.
+    /// Radiance of the suns' texels above their surroundings.
     excess: HashMap<usize, Rgb>,
 }
 
-/// Each is a picture of its own from slices.
+/// Maximum number of suns, as each is rendered with slices of its own.
 const MOST_SUNS: usize = 4;
-/// Spots that are looked at, the brightest first: some are single texels that give next to nothing.
+/// Maximum number of spots to examine, the brightest first: some are single texels with little light.
 const MOST_SPOTS: usize = 16;
-/// The angle from a sun's middle to its edge: lamps in rooms and windows are wider.
+/// Maximum angular radius of a sun; lamps in rooms and windows are wider.
 const MOST_RADIUS: f64 = 2.5 * PI / 180.0;
-/// A sun is so many times as bright as the mean of the rest of the sky.
+/// Minimum brightness of a sun relative to the mean of the remaining sky.
 const BRIGHT: f64 = 16.0;
-/// Below the last, a millionth of the peak, a glow gives nothing; on a black sky there is no other end.
+/// Number of levels: the last is a millionth of the peak, which ends a spot on a black sky.
 const LEVELS: usize = 20;
-/// Minimum light of a sun, over the light of the rest.
+/// Minimum light of a sun, relative to the light of the rest.
 const MUCH: f64 = 0.02;
-/// Maximum ratio of its standard deviations along and across: a half disc has 1.9.
+/// Maximum ratio of the standard deviations along and across; a half disc has 1.9.
 const LONGEST: f64 = 2.5;
 
 impl SkySuns {
-    /// Suns that an image shows, the brightest first.
+    /// Suns of an image, the brightest first.
     pub(super) fn of(image: &Texture) -> Self {
         let footprints = Footprints::new(image.width, image.height);
         let mut finder =
@@ -67,7 +67,7 @@ impl SkySuns {
         finder.found
     }
 
-    /// Radiance in a direction, which a place of the image shows, less what is of suns.
+    /// Radiance in a direction, at its point of the image, without suns.
     pub(super) fn beside(&self, image: &Texture, direction: DVec3, uv: Vec2) -> Rgb {
         let seen = image.color(uv);
         let is_near = |(sun, cos): (&SkySun, &f64)| sun.to_sun.dot(direction) > *cos;
@@ -76,31 +76,31 @@ impl SkySuns {
         }
         let (texels, DVec2 { x, y }) = image.between(uv);
         let [a, b, c, d] = texels.map(|texel| self.excess.get(&texel).copied().unwrap_or(Rgb::ZERO));
-        // Both are linear in the texels, but for rounding.
+        // Both are linear in the texels, up to rounding.
         (seen - a.lerp(b, x).lerp(c.lerp(d, x), y)).max(Rgb::ZERO)
     }
 }
 
-/// Looks through an image.
+/// Search for suns in an image.
 struct Finder<'a> {
     image: &'a Texture,
     footprints: Footprints,
     found: SkySuns,
-    /// Texels that are no sun's.
+    /// Texels of rejected spots.
     passed: HashSet<usize>,
-    /// Luminance of all that is not a sun, integrated over the sphere.
+    /// Luminance outside suns, integrated over the sphere.
     all: f64,
 }
 
-/// Texels about one that is brighter than all around, in the order in which they were found.
+/// Texels around a local maximum, in the order in which they were found.
 #[derive(Default)]
 struct Spot {
     texels: Vec<usize>,
-    /// Texels of the spot, and those next to them.
+    /// Texels of the spot, and their neighbours.
     known: HashSet<usize>,
-    /// Known texels that are too dark so far.
+    /// Known texels below the current level.
     waiting: Vec<usize>,
-    /// Luminance integrated over the sphere.
+    /// Luminance, integrated over the sphere.
     light: f64,
     /// Vector irradiance.
     directions: DVec3,
@@ -134,7 +134,7 @@ impl Finder<'_> {
         rows.iter().sum()
     }
 
-    /// The first of the brightest texels that were not looked at.
+    /// First of the brightest texels that are not yet examined.
     fn brightest(&self) -> Option<usize> {
         let Texture { width, height, .. } = *self.image;
         let of_row = |row: usize| {
@@ -153,14 +153,14 @@ impl Finder<'_> {
         (bright > 0.0).then_some(texel)
     }
 
-    /// The texels of the largest spot about one that is small and bright enough. Level by level, each half of
-    /// the one before: the glow about a sun is a part of it as long as it is bright. `None` if there is none.
+    /// Texels of the largest spot around a peak that is small and bright enough; `None` if there is none.
+    /// Levels are halved one by one, so the glow around a sun belongs to it while it is bright.
     fn spot(&self, peak: usize) -> Option<Vec<usize>> {
         let mut spot = Spot { known: HashSet::from([peak]), waiting: vec![peak], ..Spot::default() };
         let (mut count, mut level) = (0, luminance(self.color(peak)));
         for _ in 0..LEVELS {
             level *= 0.5;
-            // On the mean over the sphere.
+            // Mean over the sphere.
             let is_small = self.grow(&mut spot, level);
             if !is_small || level < BRIGHT * (self.all - spot.light) / (4.0 * PI) {
                 break;
@@ -171,7 +171,7 @@ impl Finder<'_> {
         (count > 0).then_some(spot.texels)
     }
 
-    /// Adds what hangs together with a spot and is brighter than a level; whether it is small enough then.
+    /// Adds connected texels above a level to a spot; returns whether it is still small enough.
     fn grow(&self, spot: &mut Spot, level: f64) -> bool {
         let is_bright = |texel: &usize| luminance(self.color(*texel)) > level;
         let mut rim;
@@ -197,7 +197,7 @@ impl Finder<'_> {
         spot.texels.iter().all(|texel| away(texel) < MOST_RADIUS + texel_radius)
     }
 
-    /// The texels next to one, across the seam and the poles too.
+    /// Neighbours of a texel, also across the seam and the poles.
     fn around(&self, texel: usize) -> impl Iterator<Item = usize> {
         let Texture { width, height, .. } = *self.image;
         let (column, row) = (texel % width, texel / width);
@@ -210,7 +210,7 @@ impl Finder<'_> {
         })
     }
 
-    /// Makes a sun of a spot, or passes it over.
+    /// Makes a sun of a spot, or rejects it.
     fn take(&mut self, spot: Vec<usize>) {
         let mut known: HashSet<usize> = spot.iter().copied().collect();
         let around: Vec<usize> = spot.iter().flat_map(|texel| self.around(*texel)).collect();
@@ -242,10 +242,10 @@ impl Finder<'_> {
         texels.iter().map(|(texel, color)| luminance(*color) * self.footprints.solid_angle(*texel)).sum()
     }
 
-    /// The sun that gives the light of texels, if they look like one.
+    /// Sun with the light of these texels, if they look like one.
     fn sun(&self, texels: &[(usize, Rgb)]) -> Option<SkySun> {
         let light = self.light_of(texels);
-        // Of each channel the vector irradiance, a column each.
+        // Vector irradiance of each channel, a column each.
         let irradiance = |(texel, color): &(usize, Rgb)| {
             let directions = self.footprints.directions(*texel);
             DMat3::from_cols(color.x * directions, color.y * directions, color.z * directions)
@@ -266,10 +266,10 @@ impl Finder<'_> {
         })
     }
 
-    /// Ratio of the spreads of their light along and across.
+    /// Ratio of the standard deviations of their light along and across.
     fn elongation(&self, texels: &[(usize, Rgb)], to_sun: DVec3) -> f64 {
         let (x_axis, y_axis) = to_sun.any_orthonormal_pair();
-        // Of a single texel's own footprint, a hat.
+        // Variance of a single texel's footprint, a hat function.
         let own = (PI / self.image.height as f64).powi(2) / 6.0;
         let (mut xx, mut xy, mut yy, mut all) = (0.0, 0.0, 0.0, 0.0);
         for (texel, color) in texels {
@@ -282,7 +282,7 @@ impl Finder<'_> {
             yy += weight * y * y;
         }
         let (xx, xy, yy) = (xx / all + own, xy / all, yy / all + own);
-        // The eigenvalues of the matrix of second moments.
+        // Eigenvalues of the matrix of second moments.
         let (mean, half_difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
         ((mean + half_difference) / (mean - half_difference)).sqrt()
     }

@@ -1,36 +1,35 @@
-//! Directions picked by how bright an image of the sky is there. In goes the image's radiance, out comes a
-//! table of densities. Invariant: whatever a bilinear look-up finds bright can be picked.
+//! Importance sampling of a sky's image. In goes the image's radiance, out comes a table of densities.
+//! Invariant: every direction with light in bilinear interpolation can be picked.
 
 use crate::math::{SquareDistribution, square_from_sphere};
 use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Cells along an edge of the table, which is the square that `sphere_from_square` takes.
+/// Cells along an edge of the table, which covers the square of `sphere_from_square`.
 pub(super) const CELLS: usize = 256;
-/// Number of places across at which an image is looked up, or each of its texels if those are more.
+/// Number of samples across an image, unless it has more texels.
 const LOOKED_UP: usize = 1024;
-/// Number of places across where it is bright: a cell is 18 of these steps wide, so that a texel's
-/// footprint is seen in a cell next to the texel's own.
+/// Number of samples across in bright parts: a cell is 18 of these steps wide, so that a texel's footprint
+/// also counts in adjacent cells.
 const LOOKED_UP_CLOSELY: usize = 8192;
-/// Brightness over the mean, above which an image is looked up closely: at most an eighth of it.
+/// Brightness relative to the mean above which an image is sampled densely: at most an eighth of it.
 const BRIGHT: f64 = 8.0;
-/// The share of directions that are picked anywhere, so that no density is 0.
+/// Share of directions that are uniform, so that no density is 0.
 const ANYWHERE: f64 = 1e-3;
-/// Parts of an image that threads look through.
+/// Parts of an image for parallel work.
 const STRIPS: usize = 16;
 
-/// The direction that a place of an image of longitudes and latitudes shows, `[0, 1]^2` from
-/// its top left corner.
+/// Direction of a point of an equirectangular image, `[0, 1]^2` from its top left corner.
 pub(super) fn direction_of(place: DVec2) -> DVec3 {
     let ((sin_across, cos_across), (sin_down, cos_down)) =
         ((TAU * (place.x - 0.5)).sin_cos(), (PI * place.y).sin_cos());
     DVec3::new(sin_down * sin_across, cos_down, -sin_down * cos_across)
 }
 
-/// Light from each cell, of an image of so many texels: `bright` in directions, which its places show.
-/// Texels are spread over cells rather than cells looked up among texels, so that none is missed, however
-/// small a sun it is. `None` if all is dark.
+/// Light from each cell, of an image with a number of texels; `bright` is the brightness at a point, in a
+/// direction. Texels are distributed to cells, and not cells sampled from texels, so that no sun is missed,
+/// however small. `None` if all is dark.
 pub(super) fn table_of(
     size: [usize; 2],
     bright: impl Fn(DVec3, Vec2) -> f64 + Sync,
@@ -51,7 +50,7 @@ pub(super) fn table_of(
     let of_row = |row: usize| solid_angle(row) * texels[row].iter().copied().map(f64::from).sum::<f64>();
     let all = width as f64 * (0..height).map(solid_angle).sum::<f64>();
     let bright_from = (BRIGHT * (0..height).map(of_row).sum::<f64>() / all) as f32;
-    // Its footprint reaches as far as the middles of those around.
+    // Its footprint reaches to the centres of its neighbours.
     let is_near_bright = |column: usize, row: usize| {
         let columns = [column + width - 1, column, column + 1].map(|column| column % width);
         let rows = &texels[row.saturating_sub(1)..(row + 2).min(height)];
@@ -81,7 +80,7 @@ pub(super) fn table_of(
     SquareDistribution::new(CELLS, cells.into_iter().map(|cell| cell + anywhere))
 }
 
-/// Adds the light of a texel's rectangle to cells, looked up at so many steps along either side.
+/// Adds the light of a texel's rectangle to cells, with a number of samples along either side.
 fn add_texel(
     cells: &mut [f64],
     [width, height]: [usize; 2],
