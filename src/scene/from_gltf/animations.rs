@@ -1,9 +1,8 @@
-//! Choice of the animations of a file that are played. In go all of its channels and what whoever renders
-//! asked for; those of other animations are taken out. Invariant: unless all are asked for, no two that
-//! are played move the same thing.
+//! Choice of a file's animations to play. In go all channels and the requested animation, out come the
+//! channels that play. Invariant: unless all are requested, no two that play have a common target.
 //!
-//! Blender exports an action an object, which belong together; a game's model has a walk and a run, which
-//! do not. They are told apart by whether they move the same things.
+//! Blender exports one action an object, which belong together; a game's model has a walk and a run, which do
+//! not. Common targets tell the two cases apart.
 
 use super::clock::Clock;
 use crate::description::gltf::report::Report;
@@ -12,12 +11,12 @@ use crate::diagnostic::{Diagnostic, Loss};
 use crate::scene::Animation;
 use std::collections::BTreeSet;
 
-/// Target of a channel, which two animations cannot both move: a property of something, with its number.
+/// Target of a channel, which two animations cannot both move: a property of an object, with the object's
+/// index.
 type Target = (Property, usize);
 
-/// Chooses animations and lists all. Channels of those that do not play are taken out of the file.
-/// `wanted` is a name, a number or `all`; without it each plays that moves nothing that an earlier one
-/// moves.
+/// Chooses animations, removes the channels of others, and lists all. `wanted` is a name, a number or `all`;
+/// without it, each animation plays that has no target of an earlier one.
 pub(super) fn choose(source: &mut GltfScene, wanted: Option<&str>, report: &mut Report) -> Vec<Animation> {
     let targets = targets(source);
     let is_played: Vec<bool> = match wanted {
@@ -43,14 +42,14 @@ pub(super) fn choose(source: &mut GltfScene, wanted: Option<&str>, report: &mut 
     animations
 }
 
-/// Puts the keys of animations to their true times.
+/// Corrects the key times of animations.
 pub(super) fn set_right(animations: &mut [Animation], clock: &Clock) {
     for keys_s in animations.iter_mut().filter_map(|animation| animation.keys_s.as_mut()) {
         *keys_s = (clock.seconds(keys_s.0 as f32), clock.seconds(keys_s.1 as f32));
     }
 }
 
-/// Animations, in the file's order, that do not move what an earlier one moves.
+/// Animations, in the file's order, without a target of an earlier one.
 fn side_by_side(source: &GltfScene, targets: &[BTreeSet<Target>], report: &mut Report) -> Vec<bool> {
     let mut moved = BTreeSet::new();
     let mut is_free = |(targets, name): (&BTreeSet<Target>, &String)| {
@@ -91,7 +90,7 @@ fn moves(source: &GltfScene, targets: &BTreeSet<Target>) -> Vec<String> {
     names.into_iter().collect()
 }
 
-/// The first and the last key of an animation, in the file's seconds.
+/// First and last key of an animation, in the file's seconds.
 fn keys_s(source: &GltfScene, animation: usize) -> Option<(f64, f64)> {
     let played = source.channels.iter().filter(|channel| channel.animation == animation);
     let times_s = played.map(|channel| &channel.times_s);

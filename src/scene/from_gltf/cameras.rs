@@ -1,4 +1,5 @@
-//! Cameras. Invariant: one for every node of the scene that holds one, in the order of the nodes.
+//! Cameras. In go nodes and extras, out come cameras. Invariant: one for every node of the scene with a
+//! camera, in the order of the nodes.
 
 use super::Builder;
 use super::extras::{self, Sunfleck, Unknown};
@@ -8,14 +9,14 @@ use crate::scene::{Aperture, Camera, Clip, Lens, RenderSettings, Track};
 use glam::DVec2;
 use serde::Deserialize;
 
-/// Shifts of lenses beyond this are refused.
+/// Maximum shift of a lens.
 const MOST_SHIFT: f64 = 100.0;
 
-/// `sunfleck_camera`: what glTF does not say of a lens.
+/// `sunfleck_camera`: properties of a lens that glTF lacks.
 #[derive(Debug, Deserialize)]
 struct ThinLens {
     fstop: Option<f64>,
-    /// Metres.
+    /// Focus distance, metres.
     focus_distance: Option<f64>,
     shift: Option<[f64; 2]>,
     #[serde(default = "full_frame_mm")]
@@ -31,8 +32,8 @@ fn full_frame_mm() -> f64 {
 }
 
 impl Builder<'_> {
-    /// Adds a camera for every node of the scene that holds one, and lets the chosen one set the
-    /// picture's shape if the file does not.
+    /// Adds a camera for every node of the scene with one. The chosen camera sets the picture's aspect,
+    /// unless the file does.
     pub(super) fn add_cameras(&mut self, sunfleck: &Sunfleck, settings: &mut RenderSettings) {
         let mut seen_by = Vec::new();
         for (index, node) in self.source.nodes.iter().enumerate() {
@@ -66,7 +67,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Thin lens by a camera's `sunfleck_camera`.
+    /// Thin lens in a camera's `sunfleck_camera`.
     fn camera_extras(&mut self, camera: &gltf::Camera) -> Option<ThinLens> {
         let path = format!("camera `{}`", camera.name);
         let lens: ThinLens = extras::read(&camera.extras, "sunfleck_camera", &path, &mut self.report)?;
@@ -115,7 +116,7 @@ impl Builder<'_> {
         })
     }
 
-    /// The camera that the settings name, by its node or by itself, else the first.
+    /// Camera that the settings name, by its node or by itself, else the first.
     fn chosen_camera(&mut self, seen_by: &[&gltf::Camera], settings: &mut RenderSettings) -> usize {
         let Some(name) = &settings.camera else { return 0 };
         let by_node = self.scene.cameras.iter().position(|camera| camera.name == *name);

@@ -1,5 +1,5 @@
-//! Frame rates, and the true times of keys. Invariant: a key that Blender set on a whole
-//! frame gets exactly that frame's time.
+//! Frame rates, and true times of keys. In go key times of a file, out come seconds. Invariant: a key that
+//! Blender set on a whole frame has exactly that frame's time.
 
 use super::extras::Sunfleck;
 use crate::description::gltf::GltfScene;
@@ -8,22 +8,22 @@ use crate::description::ron::MAX_FRAME;
 use crate::diagnostic::Diagnostic;
 use crate::scene::FrameRate;
 
-/// Frames a second of a file that does not say.
+/// Default frame rate.
 const DEFAULT_FPS: u32 = 24;
-/// Frame rates as near to a fraction as this are that fraction: Blender stores them in single precision.
+/// Tolerance of frame rates for simple fractions: Blender stores them in single precision.
 const RATE_TOLERANCE: f64 = 1e-6;
 
-/// Turns key times of the file into true seconds.
+/// Conversion of the file's key times to true seconds.
 pub(super) struct Clock {
     pub(super) frame_rate: FrameRate,
-    /// Frames a second by which the exporter divided, if that was the wrong number.
+    /// Frame rate by which the exporter divided, if it differs from the true one.
     exporter_fps: Option<f64>,
-    /// The frame at second 0 of the file, whose keys have no times before it.
+    /// Frame at second 0 of the file, whose keys have no negative times.
     frame_at_zero: f64,
 }
 
 impl Clock {
-    /// Clock by the rate that the scene's extras say, or else `default`.
+    /// Clock of the frame rate in the scene's extras, or else of `default`.
     pub(super) fn new(
         source: &GltfScene,
         sunfleck: &Sunfleck,
@@ -64,7 +64,7 @@ impl Clock {
         Self { frame_rate, exporter_fps: is_wrong.then_some(fps * fps_base), frame_at_zero }
     }
 
-    /// First and last frame that a key is on; frame 1 if nothing moves.
+    /// First and last frame with a key; frame 1 without animation.
     pub(super) fn animated_frames(&self, source: &GltfScene) -> (f64, f64) {
         let rate = f64::from(self.frame_rate.numerator) / f64::from(self.frame_rate.denominator);
         let mut frames = source
@@ -78,7 +78,7 @@ impl Clock {
         frames.fold((any, any), |(first, last), frame| (first.min(frame), last.max(frame)))
     }
 
-    /// The true time of a key, seconds.
+    /// True time of a key, seconds.
     pub(super) fn seconds(&self, key_time_s: f32) -> f64 {
         let time_s = f64::from(key_time_s);
         let rate = f64::from(self.frame_rate.numerator) / f64::from(self.frame_rate.denominator);
@@ -95,15 +95,14 @@ impl Clock {
     }
 }
 
-/// The rate of two whole numbers.
+/// Frame rate of two whole numbers.
 fn as_given(fps: f64, fps_base: f64) -> Option<FrameRate> {
     let is_whole = |number: f64| number.fract() == 0.0 && (1.0..=1e6).contains(&number);
     (is_whole(fps) && is_whole(fps_base))
         .then_some(FrameRate { numerator: fps as u32, denominator: fps_base as u32 })
 }
 
-/// The fraction that is meant by a number of frames a second: whole, a broadcast rate (a multiple of
-/// 1000/1001), or the simplest.
+/// Fraction of a frame rate: whole, a broadcast rate (a multiple of 1000/1001), or the simplest.
 fn frame_rate(fps: f64) -> Option<FrameRate> {
     if !(fps.is_finite() && fps > 1e-3 && fps < 1e6) {
         return None;

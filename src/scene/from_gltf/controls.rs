@@ -1,6 +1,6 @@
-//! Values that change though glTF has no animation for them: nodes with the property `sunfleck_ctl`
-//! carry them in their translation or scale. In go those nodes and the scene as it is otherwise, out
-//! come its tracks. Invariant: every key, and every curve between keys, is within its field's range.
+//! Animated values that glTF cannot animate: nodes with the property `sunfleck_ctl` carry them in their
+//! translation or scale. In go these nodes and the scene, out come tracks. Invariant: every key, and every
+//! curve between keys, is within its field's range.
 
 use super::Builder;
 use super::extras::{self, Channels, Unknown};
@@ -30,13 +30,13 @@ struct Control {
     unknown: Unknown,
 }
 
-/// Track that a node carries.
+/// Track in a node.
 enum Carried {
     Number(Track<f64>),
     Color(Track<Rgb>),
 }
 
-/// Range of a field's numbers.
+/// Range of a field.
 struct Range {
     admits: fn(f64) -> bool,
     expected: &'static str,
@@ -66,7 +66,7 @@ const FRACTAL: Range = Range { admits: ron::JuliaPart::contains, expected: "numb
 const ANY: Range = Range { admits: f64::is_finite, expected: "numbers" };
 
 impl Builder<'_> {
-    /// Gives every value that a node carries to what it belongs to.
+    /// Sets every value that a node carries on its target.
     pub(super) fn apply_controls(&mut self) {
         let mut targets = BTreeSet::new();
         for (index, node) in self.source.nodes.iter().enumerate() {
@@ -93,7 +93,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether a pointer animates what is carried to `target`.
+    /// Whether a pointer animates the value of `target`.
     fn has_pointer(&self, target: &str) -> bool {
         let Some((owner, field)) = target.rsplit_once('.') else { return false };
         let Some((owner, _)) = owner.rsplit_once('.') else { return false };
@@ -132,12 +132,12 @@ impl Builder<'_> {
         })
     }
 
-    /// `None` if the target is none that there is.
+    /// Sets a track on its target; `None` if the target does not exist.
     fn control(&mut self, target: &str, carried: &Carried, path: &str) -> Option<()> {
         let (owner, field) = target.rsplit_once('.')?;
         let (owner, property) = owner.rsplit_once('.')?;
         match property {
-            // The scene's own fog is the last that was added.
+            // The scene's fog was added last.
             "sunfleck_fog" if owner == "scene" && self.source.extras.get("sunfleck_fog").is_some() => {
                 let fog = self.scene.fogs.len().checked_sub(1)?;
                 self.control_fog(fog, field, carried, path)
@@ -237,7 +237,7 @@ impl Builder<'_> {
         Some(())
     }
 
-    /// Colour that a light's one number is multiplied with.
+    /// Colour of a light, which a scalar power multiplies.
     fn light_color(&self, light: usize) -> Rgb {
         let node = self.node_numbers.iter().position(|number| *number == Some(self.scene.lights[light].node));
         let Some(node) = node.map(|node| &self.source.nodes[node]) else { return Rgb::ONE };
@@ -315,7 +315,7 @@ fn range_of_light(field: &str) -> &'static Range {
     }
 }
 
-/// A picture whose fractal's constant changes; `None` if it has none.
+/// Picture whose fractal's constant changes; `None` if it has no fractal.
 fn changed_fractal(picture: &SunPicture, field: &str, number: Track<f64>) -> Option<SunPicture> {
     let SunShows::Julia(julia) = picture.shows() else { return None };
     let mut julia = julia.clone();
@@ -327,7 +327,7 @@ fn changed_fractal(picture: &SunPicture, field: &str, number: Track<f64>) -> Opt
     SunPicture::new(SunShows::Julia(julia), picture.limb_darkening())
 }
 
-/// Shown where the number is at least a half, from key to key.
+/// Visibility where the number is at least a half, in steps from key to key.
 fn switching(number: &Track<f64>) -> Track<bool> {
     let key = |key: &Key<f64>| Key { time_s: key.time_s, value: key.value >= 0.5, to_next: Segment::Step };
     let mut keys: Vec<Key<bool>> = number.keys().iter().map(key).collect();

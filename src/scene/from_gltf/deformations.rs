@@ -1,5 +1,5 @@
-//! Morph targets and skins. In go a mesh's primitives and the node that shows it, out comes how its
-//! instance is bent. Invariant: an instance whose shape never changes is a mesh like any other.
+//! Morph targets and skins. In go a mesh's primitives and a node, out comes the deformation of its instance.
+//! Invariant: an instance whose shape never changes is an undeformed mesh.
 
 use super::Builder;
 use super::nodes::track;
@@ -11,7 +11,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Mesh of ours with what may bend it.
+/// Mesh of the scene with its possible deformation.
 #[derive(Clone)]
 pub(super) struct Converted {
     pub(super) mesh: MeshIndex,
@@ -20,16 +20,16 @@ pub(super) struct Converted {
     inner: Arc<[InnerVertex]>,
 }
 
-/// A primitive in a mesh that may hold others.
+/// Primitive within a merged mesh.
 pub(super) struct Part<'a> {
     pub(super) primitive: &'a Primitive,
     /// Index of its first vertex.
     pub(super) first: usize,
-    /// The vertices that follow its own, in its own numbers.
+    /// New vertices from cutting, by its own indices.
     pub(super) cuts: Vec<Between>,
 }
 
-/// Meshes whose weights never change, by the mesh and the bits of its weights.
+/// Meshes with constant weights, by the mesh and the bits of its weights.
 pub(super) type Baked = BTreeMap<(MeshIndex, Vec<u64>), MeshIndex>;
 
 impl Converted {
@@ -43,7 +43,7 @@ impl Converted {
     }
 }
 
-/// The targets of all parts, which have the same number of them.
+/// Targets of all parts, which have the same number of them.
 fn targets(parts: &[Part<'_>], vertices: usize) -> Arc<[MorphTarget]> {
     let count = parts.first().map_or(0, |part| part.primitive.targets.len());
     let target = |index: usize| {
@@ -63,7 +63,8 @@ fn targets(parts: &[Part<'_>], vertices: usize) -> Arc<[MorphTarget]> {
     (0..count).map(target).collect()
 }
 
-/// Puts differences at their place among those of all vertices, zeros elsewhere; nothing if there are none.
+/// Copies displacements to their place among those of all vertices, with zeros elsewhere; nothing if there
+/// are none.
 fn put(all: &mut Vec<Vec3>, differences: &[Vec3], first: usize, vertices: usize) {
     if !differences.is_empty() {
         all.resize(vertices, Vec3::ZERO);
@@ -71,7 +72,7 @@ fn put(all: &mut Vec<Vec3>, differences: &[Vec3], first: usize, vertices: usize)
     }
 }
 
-/// The influences on all parts; `None` unless all have them.
+/// Joints and weights of all parts; `None` unless all have them.
 fn influences(parts: &[Part<'_>], vertices: usize) -> Option<Influences> {
     let own: Vec<_> = parts.iter().map(|part| part.primitive.influences.as_ref()).collect::<Option<_>>()?;
     let per_vertex = own.iter().map(|own| own.per_vertex).max()?;
@@ -88,7 +89,7 @@ fn influences(parts: &[Part<'_>], vertices: usize) -> Option<Influences> {
     Some(all)
 }
 
-/// The vertices of a part that only exist because it was cut.
+/// Vertices of a part that cutting created.
 fn inner<'a>(part: &'a Part<'_>) -> impl Iterator<Item = InnerVertex> + 'a {
     let (first, own) = (part.first as u32, part.primitive.positions.len() as u32);
     part.cuts.iter().zip(first + own..).map(move |(cut, vertex)| InnerVertex {
@@ -99,7 +100,7 @@ fn inner<'a>(part: &'a Part<'_>) -> impl Iterator<Item = InnerVertex> + 'a {
 }
 
 impl Builder<'_> {
-    /// The mesh that a node shows and how it is bent; `node` is the file's number.
+    /// Mesh of a node and its deformation; `node` is the file's index.
     pub(super) fn bend(
         &mut self,
         part: &Converted,
@@ -128,7 +129,7 @@ impl Builder<'_> {
         (mesh, None)
     }
 
-    /// The weights of a node's mesh: animated, else the node's, else the mesh's.
+    /// Weights of a node's mesh: animated, else the node's, else the mesh's.
     fn weights(&self, node: usize) -> Vec<Track<f64>> {
         let source = &self.source.nodes[node];
         let of_mesh = || source.mesh.map(|mesh| self.source.meshes[mesh].weights.clone()).unwrap_or_default();

@@ -1,5 +1,5 @@
-//! `sunfleck_env` of a scene in, its background or its sky out. Invariant: what lights nothing and is the
-//! same everywhere is a background.
+//! Environment of a scene. In goes `sunfleck_env`, out comes a background or a sky. Invariant: a uniform sky
+//! that lights nothing is a background.
 
 use super::extras::{Channels, read};
 use crate::color::Rgb;
@@ -18,18 +18,18 @@ struct Environment {
     horizon: Option<[f64; 3]>,
     #[serde(default)]
     ground: [f64; 3],
-    /// Radiance HDR or OpenEXR: a file beside this one, or a data URI.
+    /// Radiance HDR or OpenEXR: a file beside the glTF file, or a data URI.
     image: Option<String>,
     #[serde(default = "one")]
     strength: Channels,
-    /// Rotation of an image about +y, anticlockwise as seen from above, radians.
+    /// Rotation of an image about +y, anticlockwise from above, radians.
     #[serde(default)]
     rotation: f64,
     #[serde(default = "nothing", with = "Lights")]
     lights: SkyLight,
     #[serde(default = "seen")]
     visible_to_camera: bool,
-    /// What the camera sees in its place: neither its light nor what is seen of it counts.
+    /// What the camera sees in place of the sky; its `lights` and its visibility are ignored.
     backdrop: Option<Box<Environment>>,
 }
 
@@ -53,9 +53,9 @@ fn one() -> Channels {
     Channels::Same(1.0)
 }
 
-/// Background, sky and backdrop, from the scene's extras.
+/// Background, sky and backdrop in the scene's extras.
 ///
-/// Images have been read already; if that failed, that has been reported.
+/// Images were read already, and errors reported.
 pub(super) fn surroundings(
     source: &GltfScene,
     [image, of_backdrop]: [Option<DecodedImage>; 2],
@@ -74,7 +74,7 @@ pub(super) fn surroundings(
     (background, sky, backdrop.flatten())
 }
 
-/// Background or sky of one.
+/// Background or sky of an environment.
 fn sky_of(
     found: &Environment,
     image: Option<DecodedImage>,
@@ -98,7 +98,7 @@ fn sky_of(
     match picture {
         _ if lights == SkyLight::Nothing && !found.visible_to_camera => nothing,
         SkyPicture::Even(background) if lights == SkyLight::Nothing => (background, None),
-        // A black one is none.
+        // A black picture is no sky.
         picture => {
             let is_image = matches!(picture, SkyPicture::Image(_));
             let strength = if is_image { strength } else { Rgb::ONE };
@@ -110,7 +110,7 @@ fn sky_of(
     }
 }
 
-/// Picture of the sky, its strength counted unless it is an image.
+/// Picture of the sky, times its strength unless it is an image.
 fn picture(
     found: &Environment,
     image: Option<DecodedImage>,

@@ -1,5 +1,6 @@
-//! The custom properties through which a Blender scene says what glTF cannot. Invariant: a property
-//! named `sunfleck...` is honoured, reported or refused, never passed over in silence.
+//! Custom properties of a Blender scene for features that glTF lacks. In goes JSON, out come typed
+//! properties. Invariant: a property named `sunfleck...` is honoured, reported or refused, never ignored in
+//! silence.
 
 use super::Builder;
 use crate::color::Rgb;
@@ -12,10 +13,10 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Fields of a property that are none of its own.
+/// Unknown fields of a property.
 pub(super) type Unknown = BTreeMap<String, Value>;
 
-/// `sunfleck`: how the scene is to be rendered.
+/// `sunfleck`: render settings.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Sunfleck {
@@ -30,17 +31,17 @@ pub(super) struct Sunfleck {
     pub(super) light_units: Option<String>,
     pub(super) samples: Option<f64>,
     pub(super) tolerance: Option<f64>,
-    /// Filter, as the command line names it.
+    /// Filter, with its name on the command line.
     pub(super) filter: Option<String>,
-    /// Exposure in powers of two, of pictures for eyes.
+    /// Exposure of pictures for viewing, in stops.
     pub(super) exposure: Option<f64>,
-    /// Look, as the command line names it.
+    /// Look, with its name on the command line.
     pub(super) look: Option<String>,
     pub(super) seed: Option<f64>,
     pub(super) mirror_depth: Option<f64>,
-    /// A number, or `all`.
+    /// Number, or `all`.
     pub(super) bounces: Option<Value>,
-    /// Passes, as the command line names them.
+    /// Passes, with their names on the command line.
     pub(super) passes: Option<Vec<String>>,
     pub(super) shutter: Option<f64>,
     /// Offset from the frame to the opening of the shutter, in frames.
@@ -64,30 +65,31 @@ pub(super) struct Fog {
     /// Metres; its reciprocal.
     pub(super) scale_height: Option<f64>,
     pub(super) base_height: Option<f64>,
-    /// Opposite corners of a box in glTF's space, of the scene's fog alone.
+    /// Opposite corners of a box in glTF's space, for the scene's fog alone.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
-    /// An OpenVDB file beside this one, in place of the five above.
+    /// OpenVDB file beside the glTF file, in place of the five fields above.
     pub(super) vdb: Option<String>,
-    /// Name of one of its grids.
+    /// Name of its density grid.
     pub(super) grid: Option<String>,
-    /// One of colours, by which `albedo` is multiplied.
+    /// Name of its grid of colours that multiply `albedo`.
     pub(super) albedo_grid: Option<String>,
-    /// One that shines.
+    /// Name of its emission grid.
     pub(super) emission_grid: Option<String>,
-    /// How, W m^-3 sr^-1 where it is 1.
+    /// Emission where that grid is 1, W m^-3 sr^-1.
     pub(super) emission: Option<Channels>,
-    /// Kelvin that it has there, if it shines as a black body.
+    /// Temperature where that grid is 1, kelvin, for blackbody emission.
     pub(super) emission_kelvin: Option<f64>,
-    /// Whether such a body is that of Blender's Principled Volume.
+    /// Whether blackbody emission is that of Blender's Principled Volume.
     #[serde(default)]
     pub(super) emission_principled: bool,
-    /// Billows that drift in the box of a node.
+    /// Drifting mist in the box of a node.
     pub(super) mist: Option<Mist>,
     #[serde(flatten)]
     pub(super) unknown: Unknown,
 }
 
-/// `mist` of a node's fog, with names and defaults of a scene file; metres along the box's axes.
+/// `mist` of a node's fog, with the names and defaults of a scene file; lengths are metres along the box's
+/// axes.
 #[derive(Debug, Deserialize)]
 pub(super) struct Mist {
     pub(super) size: f64,
@@ -102,18 +104,18 @@ pub(super) struct Mist {
     pub(super) unknown: Unknown,
 }
 
-/// `sunfleck_leaf` of a material: a share of the light comes out on the other side, diffuse.
+/// `sunfleck_leaf` of a material: diffuse transmission.
 #[derive(Debug, Deserialize)]
 pub(super) struct Leaf {
-    /// Share that is transmitted: the rest is reflected.
+    /// Share that is transmitted; the rest is reflected.
     pub(super) translucency: f64,
-    /// Colour of transmitted light; without one that of the surface.
+    /// Colour of transmitted light; by default the surface's.
     pub(super) transmit_color: Option<Channels>,
     #[serde(flatten)]
     pub(super) unknown: Unknown,
 }
 
-/// `sunfleck_object` of a node: which rays meet its mesh.
+/// `sunfleck_object` of a node: ray visibility of its mesh.
 #[derive(Debug, Deserialize)]
 #[serde(default)]
 pub(super) struct ObjectRays {
@@ -131,7 +133,7 @@ impl Default for ObjectRays {
     }
 }
 
-/// One number for all colour channels, or one for each.
+/// One number for all colour channels, or three.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(untagged, expecting = "neither a number nor three, for red, green and blue")]
 pub(super) enum Channels {
@@ -152,7 +154,7 @@ fn white() -> Channels {
     Channels::Same(1.0)
 }
 
-/// The property `key` among `extras`, which stand at `path`; what is malformed is reported.
+/// Property `key` of the `extras` at `path`; a malformed one is reported.
 pub(super) fn read<T: DeserializeOwned>(
     extras: &Value,
     key: &str,
@@ -167,7 +169,7 @@ pub(super) fn read<T: DeserializeOwned>(
             part => format!("{path}.{part}"),
         };
         let found = error.into_inner().to_string();
-        // What a struct of ours is called means nothing to whoever wrote the file.
+        // Names of Rust structs mean nothing to authors.
         let (found, expected) = match found.split_once(", expected struct") {
             Some((found, _)) => (found, "fields in curly brackets, `{\"field\": value, ..}`"),
             None => (found.as_str(), "a custom property as sunfleck defines it"),
@@ -179,12 +181,12 @@ pub(super) fn read<T: DeserializeOwned>(
     report.keep(read)
 }
 
-/// Says which fields of a property are none, by the name that each goes by.
+/// Reports unknown fields of a property; `name` is the field's full name.
 pub(super) fn tell_unknown(unknown: &Unknown, report: &mut Report, name: impl Fn(&str) -> String) {
     unknown.keys().for_each(|field| report.not_honoured(Loss::UnknownField, &name(field)));
 }
 
-/// Everything that the scene's own extras say.
+/// Properties in the scene's extras.
 pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> (Sunfleck, Option<Fog>) {
     let path = format!("scenes[{}]", source.scene);
     let sunfleck: Sunfleck = read(&source.extras, "sunfleck", &path, report).unwrap_or_default();
@@ -200,7 +202,7 @@ pub(super) fn scene_extras(source: &GltfScene, report: &mut Report) -> (Sunfleck
     (sunfleck, fog)
 }
 
-/// Says which properties whose name starts as ours do are none that we know.
+/// Reports unknown properties with this program's prefix.
 fn report_unknown(extras: &Value, known: &[&str], owner: &str, report: &mut Report) {
     let names = extras.as_object().into_iter().flat_map(|map| map.keys());
     for name in names.filter(|name| name.starts_with("sunfleck") && !known.contains(&name.as_str())) {
@@ -209,7 +211,7 @@ fn report_unknown(extras: &Value, known: &[&str], owner: &str, report: &mut Repo
 }
 
 impl Builder<'_> {
-    /// Ray visibility of the mesh of one of the file's nodes.
+    /// Ray visibility of the mesh of a node, by the file's index.
     pub(super) fn ray_visibility(&mut self, node: usize) -> RayVisibility {
         let extras = &self.source.nodes[node].extras;
         let read: Option<ObjectRays> =
@@ -219,7 +221,7 @@ impl Builder<'_> {
         RayVisibility { visible_to_camera, casts_shadow, holdout }
     }
 
-    /// Says which properties of nodes, cameras and materials are known and not yet honoured.
+    /// Reports properties of nodes, cameras and materials that are known but not yet honoured.
     pub(super) fn report_other_extras(&mut self) {
         let known = [
             "sunfleck_fog_volume",
@@ -235,7 +237,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Keeps the properties that were found, for those who ask.
+    /// Keeps the properties for `inspect`.
     pub(super) fn keep_properties(&mut self) {
         let owners = self.owners().into_iter();
         let owners = owners.map(|(kind, name, extras)| (format!("{kind} `{name}`"), extras));
@@ -252,7 +254,7 @@ impl Builder<'_> {
 }
 
 impl<'a> Builder<'a> {
-    /// Kinds, names and extras of nodes in the scene, cameras and materials.
+    /// Kinds, names and extras of cameras, materials and the scene's nodes.
     fn owners(&self) -> Vec<(&'static str, &'a str, &'a Value)> {
         let source = self.source;
         let nodes = source.nodes.iter().zip(&self.node_numbers).filter(|(_, number)| number.is_some());
@@ -264,7 +266,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// A value without the bytes of images.
+/// Value without the bytes of images.
 fn shortened(value: &Value) -> Value {
     match value {
         Value::String(text) => match text.split_once(";base64,") {

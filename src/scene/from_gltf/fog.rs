@@ -1,5 +1,5 @@
-//! Fog from `sunfleck_fog_volume` of nodes and `sunfleck_fog` of the scene. Invariant: fog has
-//! bounds or thins out with height; else it would swallow a sun's light before it arrives.
+//! Fog of `sunfleck_fog_volume` of nodes and `sunfleck_fog` of the scene. In go extras, out come fog volumes.
+//! Invariant: fog is bounded or falls off with height, as sunlight could not reach into it otherwise.
 
 use super::Builder;
 use super::extras;
@@ -9,7 +9,7 @@ use crate::scene::{Fog, FogShape, HeightFalloff, Motion, NodeIndex, Track};
 use glam::{DAffine3, DQuat, DVec3};
 
 impl Builder<'_> {
-    /// Adds the fog of the scene and of every node that bounds some.
+    /// Adds the fog of the scene and of nodes.
     pub(super) fn add_fogs(&mut self, of_scene: Option<extras::Fog>) {
         for (index, node) in self.source.nodes.iter().enumerate() {
             let Some(number) = self.node_numbers[index] else { continue };
@@ -32,7 +32,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The shape of a node's fog; `None` where it is refused.
+    /// Shape of a node's fog; `None` if it is refused.
     fn fog_shape_of_node(&mut self, fog: &extras::Fog, name: &str, path: &str) -> Option<FogShape> {
         if let Some(uri) = &fog.vdb {
             return self.fog_of_grids(uri, fog, path);
@@ -46,7 +46,7 @@ impl Builder<'_> {
         if fog.bounds.is_some() {
             self.report.not_honoured(Loss::FogBounds, name);
         }
-        // The cube's own bottom, unless the file says otherwise in the cube's own space.
+        // By default the bottom of the cube, in its own space.
         let base = fog.base_height.unwrap_or(if is_layer { 0.0 } else { -1.0 });
         Some(self.fog_shape(fog, !is_layer, base, path))
     }
@@ -75,7 +75,7 @@ impl Builder<'_> {
         self.add_fog("fog", node, fog, shape, &path);
     }
 
-    /// The shape of fog whose density falls off above `base`, if at all.
+    /// Shape of fog whose density may fall off above `base`.
     fn fog_shape(&mut self, fog: &extras::Fog, has_bounds: bool, base: f64, path: &str) -> FogShape {
         let falloff_per_m = fog.height_falloff.unwrap_or(0.0);
         if falloff_per_m < 0.0 {

@@ -1,5 +1,5 @@
-//! Fog as dense as the grids of files. In go extras, out comes its shape. Invariant: what the file says
-//! stands nowhere else.
+//! Fog from OpenVDB grids. In go extras, out comes its shape. Invariant: fields that the file replaces are
+//! refused.
 
 use super::{Builder, extras};
 use crate::color::Rgb;
@@ -8,7 +8,7 @@ use crate::scene::grids::{GridNames, Refused, USUAL_GRID, grid_frames};
 use crate::scene::{FogShape, Track};
 
 impl Builder<'_> {
-    /// The shape of a node's fog that names a file, `path` in its own; `None` where that is refused.
+    /// Shape of a node's fog that names a file; `path` is that of the property; `None` if it is refused.
     pub(super) fn fog_of_grids(&mut self, uri: &str, fog: &extras::Fog, path: &str) -> Option<FogShape> {
         let others = [
             ("shape", fog.shape.is_some()),
@@ -49,7 +49,7 @@ impl Builder<'_> {
         grids.map_err(told).ok().map(|grids| FogShape::Voxels(Box::new(grids)))
     }
 
-    /// Whether fog that names no file names a grid, which is an error then.
+    /// Refuses names of grids without a file.
     pub(super) fn check_no_grid(&mut self, fog: &extras::Fog, path: &str) {
         let names = [
             ("grid", fog.grid.is_some()),

@@ -1,12 +1,13 @@
-//! Several tracks in, the track of what they make together out. Invariant: where one of them jumps, so does
-//! it; between two keys it is straight, which what is made of one straight and of still ones is exactly.
+//! Functions of several tracks. In go tracks, out comes the track of the function's value. Invariant: it
+//! jumps where any of them jumps. Between keys it is linear, which is exact if one track is linear and the
+//! others constant.
 
 use crate::scene::{Animate, Extend, Key, Segment, Track};
 
-/// Into how many straight parts a curve is cut.
+/// Linear pieces of a curve.
 const PARTS_OF_CURVES: usize = 32;
 
-/// Keys of a track, with the way from each to the next.
+/// Keys of a track, with the interpolation to the next.
 pub(super) struct Course(Vec<(f64, Way)>);
 
 #[derive(Clone, Copy, PartialEq)]
@@ -26,12 +27,12 @@ impl Course {
         Self(track.keys().iter().map(|key| (key.time_s, way(key.to_next))).collect())
     }
 
-    /// Number of its keys that are not after a time, in single precision as tracks count them.
+    /// Number of its keys up to a time, in single precision as in tracks.
     fn passed(&self, time_s: f64) -> usize {
         self.0.partition_point(|(key_s, _)| *key_s as f32 <= time_s as f32)
     }
 
-    /// Way from a time to the next key of any track.
+    /// Interpolation from a time to the next key of any track.
     fn way_from(&self, time_s: f64) -> Way {
         match self.passed(time_s) {
             0 => Way::Stays,
@@ -47,7 +48,7 @@ impl Course {
     }
 }
 
-/// Track of `value` over the tracks that take these courses; `None` if there are none.
+/// Track of `value` over these tracks; `None` without tracks.
 pub(super) fn joined<T: Animate>(courses: &[Course], value: impl Fn(f64) -> T) -> Option<Track<T>> {
     let mut times_s: Vec<f64> =
         courses.iter().flat_map(|course| course.0.iter().map(|(time_s, _)| *time_s)).collect();
@@ -65,13 +66,13 @@ pub(super) fn joined<T: Animate>(courses: &[Course], value: impl Fn(f64) -> T) -
                 Key { time_s, value: value(time_s), to_next }
             }));
         }
-        // The last moment before a jump: tracks tell times apart in single precision.
+        // Last moment before a jump, as tracks compare times in single precision.
         let before_s = f64::from((next_s as f32).next_down());
         if to_next == Segment::Linear && courses.iter().any(|course| course.jumps_at(next_s)) {
             keys.push(Key { time_s: before_s, value: value(before_s), to_next: Segment::Step });
         }
     }
-    // Keys that are next to each other already.
+    // Keys that are adjacent already.
     keys.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     keys.dedup_by_key(|key| key.time_s as f32);
     Track::new(keys, Extend::Hold)

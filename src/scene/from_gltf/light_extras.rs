@@ -1,6 +1,6 @@
-//! Properties of a light in `sunfleck_light`: its size, and all of an area light, neither of which glTF
-//! knows. In go the custom property and the light that glTF has, out comes the light it really is.
-//! Invariant: sizes are finite and in range; any other is an error at its own JSON path.
+//! Properties of lights in `sunfleck_light` that glTF lacks: sizes, and area lights. In go the custom
+//! property and glTF's light, out comes the complete light. Invariant: sizes are finite and in range; any
+//! other is an error at its own JSON path.
 
 use super::Builder;
 use super::extras::{self, Channels, Unknown};
@@ -13,11 +13,11 @@ use serde::Deserialize;
 use std::f64::consts::PI;
 use std::ops::RangeBounds;
 
-/// Whole angles of an area light's beam that are honoured, radians: pi may come in single precision.
+/// Minimum spread of an area light, radians; the maximum is pi, in single precision.
 pub(super) const NARROWEST_SPREAD: f64 = 0.01;
 pub(super) const WIDEST_SPREAD: f64 = PI + 1e-6;
 
-/// A Julia set: the constant and the most iterations.
+/// Julia set: its constant and the maximum number of iterations.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Fractal {
@@ -31,37 +31,36 @@ fn iterations() -> f64 {
     100.0
 }
 
-/// `sunfleck_light` of a node. Angles in radians, as Blender's Python has them.
+/// `sunfleck_light` of a node. Angles are in radians, as in Blender's Python.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct LightExtras {
-    /// Whole angle of a sun's disc.
+    /// Full angle of a sun's disc.
     angle: Option<f64>,
     /// Radius of a point or spot, metres.
     radius: Option<f64>,
-    /// `area` makes a light of a node that has none.
+    /// `area` for an area light, at a node without a light.
     #[serde(rename = "type")]
     kind: Option<String>,
     shape: Option<String>,
     /// Size of an area light, metres before the node's scale.
     size: Option<Size>,
-    /// Radiant power of an area light, W, which are Blender's watts; those of other lights stand in the
-    /// light itself.
+    /// Radiant power of an area light in W, as in Blender; others have their power in glTF's light.
     power_w: Option<f64>,
     color: Option<Channels>,
-    /// Whole angle that a grid before an area light lets light through.
+    /// Full angle of the beam of an area light.
     spread: Option<f64>,
     casts_shafts: Option<bool>,
-    /// Whether the camera sees it, of a sun mirrors too.
+    /// Whether the camera sees it; for a sun, mirrors too.
     visible_to_camera: bool,
-    /// Whether smooth surfaces show it.
+    /// Whether smooth surfaces reflect it visibly.
     visible_in_mirrors: bool,
     /// Soft falloff of a point or spot.
     soft_falloff: bool,
-    /// Whether a sphere's surface shines inward too.
+    /// Whether a sphere also emits inward.
     shines_inward: bool,
-    /// Picture on that disc: a file beside this one or a data URI, or a Julia set, and how much darker its
-    /// edge is.
+    /// Picture on a sun's disc: a file beside the glTF file or a data URI, or a Julia set, and its limb
+    /// darkening.
     pub(super) image: Option<String>,
     pub(super) fractal: Option<Fractal>,
     pub(super) limb_darkening: Option<f64>,
@@ -84,7 +83,7 @@ impl Builder<'_> {
     pub(super) fn light_extras(&mut self, index: usize, node: &gltf::Node) -> Option<LightExtras> {
         let path = format!("nodes[{index}]");
         let mut extras: LightExtras = extras::read(&node.extras, "sunfleck_light", &path, &mut self.report)?;
-        // A sun's strength stands in the light itself; Blender's own number beside it is for people.
+        // A sun's power is in glTF's light; Blender's own number is informative.
         extras.unknown.remove("strength_w_m2");
         let name = |field: &str| format!("{path}.extras.sunfleck_light.{field}");
         extras::tell_unknown(&extras.unknown, &mut self.report, name);
@@ -94,14 +93,14 @@ impl Builder<'_> {
         Some(extras)
     }
 
-    /// Gives a lamp the traits that its node's property says.
+    /// Sets the traits of a node's lamp.
     pub(super) fn set_traits(&mut self, node: NodeIndex, extras: &LightExtras) {
         let &LightExtras { soft_falloff, shines_inward, visible_to_camera, visible_in_mirrors, .. } = extras;
         let traits = LampTraits { soft_falloff, shines_inward, visible_to_camera, visible_in_mirrors };
         self.scene.set_lamp_traits(node, traits);
     }
 
-    /// Gives a light of glTF the size that its node's property says.
+    /// Adds the properties to glTF's light.
     pub(super) fn extend(&mut self, kind: LightKind, extras: &LightExtras, path: &str) -> LightKind {
         if extras.kind.as_deref() == Some("area") {
             let found = "the node is an area light and has another light as well";
@@ -121,7 +120,7 @@ impl Builder<'_> {
         let picture_rotation = Track::from(extras.picture_rotation.unwrap_or(0.0));
         let visible_to_camera = extras.visible_to_camera;
         match (kind, angle.unwrap_or(0.0), radius) {
-            // One without a size may yet be given one that changes.
+            // The size may be 0 at first and animated later.
             (LightKind::Sun, angle, _) if angle > 0.0 || picture.is_some() || visible_to_camera => {
                 let angular_diameter = Track::from(angle);
                 LightKind::SunDisc(SunDisc { angular_diameter, picture, picture_rotation, visible_to_camera })
@@ -136,7 +135,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds the area light that a node without a light of glTF describes.
+    /// Adds the area light of a node without a glTF light.
     pub(super) fn add_area_light(&mut self, name: &str, node: NodeIndex, extras: &LightExtras, path: &str) {
         if extras.kind.as_deref() != Some("area") {
             self.report.not_honoured(Loss::LightOfNoFile, name);

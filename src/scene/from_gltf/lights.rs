@@ -1,5 +1,5 @@
-//! Lights, in radiometric units whatever the file has. Invariant: one W/m^2 or W/sr stands for 683
-//! lux or candela, the convention of Blender's exporter.
+//! Lights in radiometric units. In go lights of a file in any unit, out come lights. Invariant: one W/m^2 or
+//! W/sr is 683 lux or candela, the convention of Blender's exporter.
 
 use super::Builder;
 use super::light_extras::LightExtras;
@@ -10,7 +10,7 @@ use crate::scene::{Light, LightKind, LightUnits, NodeIndex, Track};
 use std::f64::consts::PI;
 
 impl Builder<'_> {
-    /// Adds a light for every node of the scene that holds one.
+    /// Adds a light for every node of the scene with one.
     pub(super) fn add_lights(&mut self, asked: Option<LightUnits>, in_extras: Option<&str>) {
         let units = asked.or_else(|| self.light_units(in_extras)).unwrap_or(LightUnits::Spec);
         let mut any = false;

@@ -1,4 +1,5 @@
-//! Masked primitives become outlines. Invariant: what is left is opaque, or the report says why not.
+//! Masked primitives. In go a mesh and its material, out comes the visible part. Invariant: it is opaque, or
+//! the reason is reported.
 
 use super::Builder;
 use crate::description::gltf::AlphaMode;
@@ -7,7 +8,7 @@ use crate::scene::Mesh;
 use crate::scene::outline::{self, Between, Mask};
 
 impl Builder<'_> {
-    /// A primitive without what its material's mask hides, and the vertices that follow its own.
+    /// Visible part of a primitive under its material's mask, and its new vertices.
     pub(super) fn cut_out(&mut self, mut mesh: Mesh, material: Option<usize>) -> (Mesh, Vec<Between>) {
         let mut added = Vec::new();
         let Some(material) = material.map(|material| &self.source.materials[material]) else {

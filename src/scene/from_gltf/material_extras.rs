@@ -1,5 +1,5 @@
-//! `sunfleck_material`: what of surfaces glTF has no word for. In go the custom property and the
-//! material that glTF has, out comes the material it really is. Invariant: shares add up to 1 at most.
+//! Properties of surfaces in `sunfleck_material` that glTF lacks. In go the custom property and glTF's
+//! material, out comes the complete material. Invariant: its shares add up to at most 1.
 
 use super::Builder;
 use super::extras::{self, Channels, Unknown};
@@ -9,8 +9,8 @@ use crate::diagnostic::Loss;
 use crate::scene::{Coat, Dielectric, Material, Painted, TextureMap};
 use serde::Deserialize;
 
-/// Excess over 1 of shares that should add up to 1: Blender and others hold colours in single precision,
-/// and properties in double, so that 0.6 and 0.4 make 1.000000024.
+/// Tolerance of sums of shares above 1: Blender and others store colours in single precision and properties
+/// in double, so that 0.6 and 0.4 give 1.000000024.
 const SINGLE_PRECISION: f64 = 1e-6;
 
 /// `sunfleck_material` of a material.
@@ -23,21 +23,21 @@ pub(super) struct MaterialExtras {
     /// Whether the base colour's texture does not multiply `metal`.
     #[serde(default)]
     plain_metal: bool,
-    /// Whether metal reflects alike at all angles.
+    /// Whether metal reflects equally at all angles.
     #[serde(default)]
     even_metal: bool,
     /// Whether the base colour's texture multiplies `transmission` too.
     #[serde(default)]
     transmission_textured: bool,
-    /// Whether Blender's Principled BSDF is meant.
+    /// Whether it is Blender's Principled BSDF.
     #[serde(default)]
     principled: bool,
-    /// How many times what its coat takes is taken from base colour and transmission.
+    /// Factors on the light that its coat removes from the base colour and from transmission.
     coat_takes: Option<[Channels; 2]>,
-    /// Whether Blender's *Bump Map Correction* is meant.
+    /// Whether Blender's *Bump Map Correction* is on.
     #[serde(default)]
     bump_map_correction: bool,
-    /// Whether pictures of 8 bits are smoothed as they are stored.
+    /// Whether 8-bit pictures are interpolated by their codes.
     #[serde(default)]
     pub(super) encoded_filtering: bool,
     thin_dielectric: Option<Thin>,
@@ -45,14 +45,14 @@ pub(super) struct MaterialExtras {
     unknown: Unknown,
 }
 
-/// `thin_dielectric` of it.
+/// `thin_dielectric` of a material.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Thin {
     share: f64,
     #[serde(default = "glass")]
     ior: f64,
-    /// Whether it is no sheet, but one face of a body.
+    /// Whether it is one face of a solid, and not a thin sheet.
     #[serde(default)]
     one_face: bool,
 }
@@ -62,7 +62,7 @@ fn glass() -> f64 {
 }
 
 impl MaterialExtras {
-    /// Puts it on top of what `sunfleck_leaf` made of a material.
+    /// Applies the property to a material, after `sunfleck_leaf`.
     pub(super) fn apply(&self, material: &mut Material, source: &gltf::Material) {
         if let Some(mirror) = self.mirror {
             (material.mirror, material.painted) = (mirror.into(), Painted::BaseColor);
@@ -76,7 +76,7 @@ impl MaterialExtras {
         material.filter_color = self.filter_color.map_or(material.filter_color, Rgb::from);
         if let Some(Thin { share, ior, one_face }) = self.thin_dielectric {
             material.dielectric = Some(Dielectric { share, ior, has_one_face: one_face });
-            // One that reflects nothing has the roughness alone.
+            // A material without a coat only has a roughness.
             let (roughness, texture) = (source.roughness, source.metallic_roughness_texture);
             let plain = Coat { metallic: 0.0, roughness, texture, f0: Rgb::ZERO, f0_texture: None, f90: 0.0 };
             material.coat.get_or_insert(plain);
@@ -122,7 +122,7 @@ impl Builder<'_> {
         Some(extras)
     }
 
-    /// Refuses a material whose shares, at any of these times, are none.
+    /// Refuses a material whose shares exceed 1 at any of these times.
     pub(super) fn check_shares(&mut self, index: usize, moments: impl Iterator<Item = Material>) {
         for material in moments {
             let shares = [material.base_color, material.transmission, material.mirror, material.filter_color];

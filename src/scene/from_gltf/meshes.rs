@@ -1,5 +1,5 @@
-//! Meshes and their instances. Invariant: a mesh is converted once, however many nodes show it, and
-//! every instance has its own leaf id unless the author gave two the same.
+//! Meshes and their instances. In go nodes and primitives, out come both. Invariant: a mesh is converted
+//! once, however many nodes show it. Every instance has its own leaf id, unless the author gave two the same.
 
 use super::Builder;
 use super::deformations::{Baked, Converted, Part};
@@ -10,7 +10,7 @@ use crate::scene::{Instance, MaterialIndex, Mesh, Motion, Triangle};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 impl Builder<'_> {
-    /// Adds an instance for every node of the scene that shows a mesh, and those meshes.
+    /// Adds an instance for every node of the scene with a mesh, and the meshes.
     pub(super) fn add_meshes_and_instances(&mut self) {
         let mut converted: Vec<Option<Vec<Converted>>> = vec![None; self.source.meshes.len()];
         let mut baked = Baked::new();
@@ -18,7 +18,7 @@ impl Builder<'_> {
         let mut shown = Vec::new();
         for (index, node) in self.source.nodes.iter().enumerate() {
             let (Some(number), Some(mesh)) = (self.node_numbers[index], node.mesh) else { continue };
-            // The mesh of a fog volume only shows its author where the fog is.
+            // The mesh of a fog volume only shows its place to the author.
             if node.extras.get("sunfleck_fog_volume").is_some() {
                 continue;
             }
@@ -54,8 +54,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The material of a mesh in an instance's colour. A mesh of several materials keeps its own, and so does
-    /// one whose material changes, as is said.
+    /// Material of a mesh with an instance's colour. A mesh of several materials, or with an animated one,
+    /// keeps its own, and the loss is reported.
     fn in_color(&mut self, node: usize, mesh: usize, color: DVec3) -> Option<MaterialIndex> {
         let triangles = &self.scene.meshes[mesh].triangles;
         let material = triangles.first()?.material;
@@ -76,7 +76,7 @@ impl Builder<'_> {
         Some(self.scene.materials.len() - 1)
     }
 
-    /// Adds a mesh: one of ours for the primitives that have normals, one for those that have none.
+    /// Adds a mesh of the file as one or two: primitives with normals, and those without.
     fn add_mesh(&mut self, source: &gltf::Mesh) -> Vec<Converted> {
         let (smooth, flat): (Vec<_>, Vec<_>) =
             source.primitives.iter().partition(|primitive| !primitive.normals.is_empty());
@@ -95,7 +95,7 @@ impl Builder<'_> {
         added
     }
 
-    /// Primitives as one mesh, and where in it they are.
+    /// Primitives as one mesh, and their places in it.
     fn merged<'p>(&mut self, name: &str, primitives: &[&'p Primitive]) -> (Mesh, Vec<Part<'p>>) {
         let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
         let mut parts = Vec::new();
@@ -118,7 +118,7 @@ impl Builder<'_> {
                 mesh.colors.extend(part.colors);
                 mesh.colors.resize(mesh.positions.len(), Vec3::ONE);
             }
-            // What a mask has cut is opaque.
+            // A mesh cut by a mask is opaque.
             if !part.alphas.is_empty() || !mesh.alphas.is_empty() {
                 mesh.alphas.resize(first as usize, 1.0);
                 mesh.alphas.extend(part.alphas);
@@ -142,7 +142,7 @@ impl Builder<'_> {
         (mesh, parts)
     }
 
-    /// A primitive as a mesh of its own, without what its material hides, and where it was cut.
+    /// Visible part of a primitive as a mesh, and its new vertices.
     fn part(&mut self, name: &str, primitive: &Primitive) -> (Mesh, Vec<Between>) {
         let material = self.material_of(primitive.material);
         let triangle = |&vertices: &[u32; 3]| Triangle { vertices, material };
@@ -160,10 +160,10 @@ impl Builder<'_> {
         self.cut_out(whole, primitive.material)
     }
 
-    /// The author's leaf ids, and for the other nodes numbers that follow, from 1.
+    /// Leaf ids: the authors', and consecutive numbers from 1 for other nodes.
     fn leaf_ids(&mut self, nodes: &[usize]) -> Vec<u32> {
         let given: Vec<Option<u32>> = nodes.iter().map(|&node| self.given_leaf_id(node)).collect();
-        // 0 is the background's. Authors who count from 0 are moved up together.
+        // 0 is the background. Ids that begin at 0 are raised by 1.
         let shift = u32::from(given.contains(&Some(0)));
         if shift == 1 {
             self.report.push(Diagnostic::note(
@@ -183,7 +183,7 @@ impl Builder<'_> {
 
     fn given_leaf_id(&mut self, node: usize) -> Option<u32> {
         let value = self.source.nodes[node].extras.get("leaf_id")?;
-        // Half of all numbers, so that raising them and counting on never overflows.
+        // At most half of all numbers, so that raising and counting never overflow.
         let id = value.as_u64().and_then(|id| u32::try_from(id).ok()).filter(|&id| id <= u32::MAX / 2);
         if id.is_none() {
             let path = format!("nodes[{node}].extras.leaf_id");

@@ -1,6 +1,6 @@
-//! `mist` of `sunfleck_fog_volume`: billows that drift in a node's box. In go the property and the box,
-//! out comes the mist at a node of its own. Invariant: that node has the box's place and no scale, so lengths
-//! of the mist are metres.
+//! Drifting mist in a node's box: `mist` of `sunfleck_fog_volume`. In go the property and the box, out comes
+//! the mist with a node of its own. Invariant: that node has the box's place and no scale, so lengths of the
+//! mist are metres.
 
 use super::Builder;
 use super::extras;
@@ -10,11 +10,11 @@ use crate::scene::mist::{FEWEST_VOXELS_A_BILLOW, usual_voxel_m};
 use crate::scene::{FogShape, Mist, MistShape, Motion, NodeIndex, Track};
 use glam::{DAffine3, DVec3};
 
-/// Fastest wind that carries billows, m/s.
+/// Maximum speed of the wind, m/s.
 const FASTEST_M_PER_S: f64 = 1000.0;
 
 impl Builder<'_> {
-    /// The mist in the box of a node, and its own node; `None` where it is refused.
+    /// Mist in the box of a node, and its own node; `None` if it is refused.
     pub(super) fn mist(
         &mut self,
         fog: &extras::Fog,
@@ -67,7 +67,7 @@ impl Builder<'_> {
         Some((FogShape::Mist(Box::new(made)), own))
     }
 
-    /// Its shape, if its numbers are such as a scene file may have.
+    /// Shape of the mist, with its numbers checked against a scene file's ranges.
     fn checked_mist(&mut self, mist: &extras::Mist, path: &str) -> Option<MistShape> {
         let wind = DVec3::from(mist.wind.unwrap_or_default());
         let faults = [
@@ -94,7 +94,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Half the size of a node's cube from -1 to 1, at the start: metres along its axes.
+    /// Half extents of a node's cube from -1 to 1 at the first frame: metres along its axes.
     fn half_size(&self, mut node: NodeIndex) -> DVec3 {
         let mut world_from_cube = self.scene.nodes[node].motion.parent_from_node(0.0);
         while let Some(parent) = self.scene.nodes[node].parent {

@@ -1,5 +1,5 @@
-//! A glTF description in, a [`Scene`] and its [`RenderSettings`] out. Invariant: glTF's space is our
-//! world (metres, Y up); animations that are played are played all at once.
+//! Resolution of glTF. In goes a glTF description, out come a [`Scene`] and its [`RenderSettings`].
+//! Invariant: glTF's space is the world (metres, Y up); all animations that play do so at once.
 
 mod animations;
 mod cameras;
@@ -32,29 +32,29 @@ use clock::Clock;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A scene under construction.
+/// Scene under construction.
 struct Builder<'a> {
     source: &'a GltfScene,
     clock: Clock,
     scene: Scene,
     report: Report,
-    /// Our number of each of the file's nodes; `None` for those outside the scene.
+    /// Index in the scene of each of the file's nodes; `None` for nodes outside.
     node_numbers: Vec<Option<usize>>,
     /// Channels of animated properties.
     channels: BTreeMap<(Property, usize), &'a Channel>,
-    /// Images on suns, by the names that the file has for them.
+    /// Images on suns, by their names in the file.
     sun_images: BTreeMap<String, Arc<Texture>>,
     pictures_on_suns: usize,
-    /// Meshes that a mask has cut.
+    /// Meshes that masks have cut.
     outlines: Tally,
-    /// Materials in an instance's colour, by their own number and that.
+    /// Materials with an instance's colour, by the material and the colour.
     colored: BTreeMap<(MaterialIndex, [u64; 3]), MaterialIndex>,
 }
 
-/// Resolves a glTF file as whoever renders wants it.
+/// Resolves a glTF file with these options.
 ///
 /// # Errors
-/// Every problem that was found, if any of them is an error.
+/// Returns all problems, if any of them is an error.
 pub(super) fn resolve(
     mut source: GltfScene,
     options: &ResolveOptions,

@@ -1,5 +1,5 @@
-//! Nodes, parents before children, each with its motion. Invariant: a node moves if a channel says
-//! so, else it stands where the file puts it.
+//! Nodes, parents before children, with their motion. In go nodes and channels, out comes the hierarchy.
+//! Invariant: a node without a channel stays where the file places it.
 
 use super::Builder;
 use super::clock::Clock;
@@ -48,7 +48,7 @@ impl Builder<'_> {
     }
 }
 
-/// A channel as a track; `None` only if its times do not increase, which reading the file excludes.
+/// Track of a channel; `None` only if its times do not increase, which the reader excludes.
 pub(super) fn track<T: Animate>(
     times_s: &[f32],
     interpolation: Interpolation,

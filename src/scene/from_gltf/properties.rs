@@ -1,5 +1,5 @@
-//! Animated values. In go channels, out come tracks.
-//! Invariant: what Blender's exporter is known to write in the wrong unit has the right one.
+//! Animated values. In go channels, out come tracks. Invariant: known wrong units of Blender's exporter are
+//! corrected.
 
 use super::Builder;
 use super::joined::{Course, joined};
@@ -10,16 +10,15 @@ use crate::diagnostic::Loss;
 use crate::scene::{Animate, LightUnits, MaterialNumbers, Track};
 use std::f64::consts::PI;
 
-/// Blender's exposures are settings with two digits after the point; what comes out as near to one is one.
+/// Tolerance of an exposure that is rounded to two digits, as Blender's settings have them.
 const EXPOSURE_TOLERANCE: f64 = 1e-5;
-/// The range of Blender's exposures.
+/// Maximum magnitude of Blender's exposures.
 const LARGEST_EXPOSURE: f64 = 10.0;
-/// A spot's edge of less than this share of its angle is what rounding to single precision
-/// leaves of a hard one.
+/// Softness of a spot's edge below which it is hard, up to rounding to single precision.
 const SOFTEST_HARD_EDGE: f64 = 1e-6;
 
 impl<'a> Builder<'a> {
-    /// Finds the channel of every animated property; of several the last one is played.
+    /// Collects the channel of every animated property; the last one counts.
     pub(super) fn collect_channels(&mut self) {
         for channel in &self.source.channels {
             let Channel { property, index, place, .. } = channel;
@@ -37,15 +36,14 @@ impl<'a> Builder<'a> {
         self.channels.get(&(property, index)).copied()
     }
 
-    /// The track of a channel, each value or derivative taken through a linear map.
+    /// Track of a channel under a linear map of each value or derivative.
     fn mapped<T: Animate>(&self, channel: &Channel, map: impl Fn(&[f64]) -> T) -> Option<Track<T>> {
         let width = channel.width();
         let values: Vec<T> = channel.values.chunks_exact(width).map(map).collect();
         track(&channel.times_s, channel.interpolation, &values, &self.clock)
     }
 
-    /// The track of a property, each value or derivative taken through a linear map; `still` if nothing
-    /// animates it.
+    /// Track of a property under a linear map of each value or derivative; `still` without animation.
     pub(super) fn keyed<T: Animate>(
         &self,
         property: Property,
@@ -57,12 +55,12 @@ impl<'a> Builder<'a> {
         channel.and_then(|channel| self.mapped(channel, map)).unwrap_or(Track::from(still))
     }
 
-    /// The same of a number.
+    /// The same for a number.
     pub(super) fn keyed_number(&self, property: Property, index: usize, still: f64) -> Track<f64> {
         self.keyed(property, index, still, |value| value[0])
     }
 
-    /// Whether a node is shown.
+    /// Visibility of a node.
     pub(super) fn visible(&self, index: usize) -> Track<bool> {
         let still = Track::from(self.source.nodes[index].visible);
         let Some(channel) = self.property(Property::NodeVisible, index) else { return still };
@@ -70,7 +68,7 @@ impl<'a> Builder<'a> {
         track(&channel.times_s, Interpolation::Step, &values, &self.clock).unwrap_or(still)
     }
 
-    /// A light's colour times its intensity, in watts per unit of `watts`.
+    /// Colour times intensity of a light, in watts by the factor `watts`.
     pub(super) fn light_power(&mut self, index: usize, units: LightUnits, watts: f64) -> Track<Rgb> {
         let light = &self.source.lights[index];
         let (color, intensity) = (light.color, light.intensity);
@@ -96,11 +94,12 @@ impl<'a> Builder<'a> {
         power.unwrap_or(Track::from(color * (intensity * watts)))
     }
 
-    /// Factor from animated intensities to the unit of the still one.
+    /// Factor from animated intensities to the unit of the constant one.
     ///
-    /// Blender 5.0's exporter converts animated intensities otherwise than still ones (io_scene_gltf2,
-    /// `keyframes.py` and `lights.py`): of lamps it forgets to divide by 4 pi, of suns to multiply by 683,
-    /// of all of them the exposure. The last is found from the still intensity, which is that of frame 0.
+    /// Blender 5.0's exporter converts animated intensities differently from constant ones (io_scene_gltf2,
+    /// `keyframes.py` and `lights.py`). It forgets the division by 4 pi for lamps, the factor of 683 for
+    /// suns, and the exposure for all. The exposure follows from the constant intensity, which is that of
+    /// frame 0.
     fn intensity_factor(&mut self, light: &gltf::Light, channel: &Channel, units: LightUnits) -> f64 {
         if !self.source.generator.contains("Blender") {
             return 1.0;
@@ -128,7 +127,7 @@ impl<'a> Builder<'a> {
         factor
     }
 
-    /// The numbers that `converted` makes of a material while it changes; `None` if it does not.
+    /// Track of the parameters that `converted` returns for a material; `None` if it is constant.
     pub(super) fn material_changes(
         &self,
         index: usize,
@@ -158,12 +157,12 @@ impl<'a> Builder<'a> {
         joined(&courses, at)
     }
 
-    /// True if any of these values changes.
+    /// Whether any of these properties is animated.
     pub(super) fn is_animated(&self, properties: &[Property], index: usize) -> bool {
         properties.iter().any(|property| self.property(*property, index).is_some())
     }
 
-    /// A spot's half angle and the softness of its edge.
+    /// Half angle of a spot, and the softness of its edge.
     pub(super) fn spot_angles(&self, index: usize, inner: f64, outer: f64) -> (Track<f64>, Track<f64>) {
         let blend = |inner: f64, outer: f64| match (1.0 - inner / outer).clamp(0.0, 1.0) {
             blend if blend < SOFTEST_HARD_EDGE => 0.0,
@@ -171,7 +170,7 @@ impl<'a> Builder<'a> {
         };
         let outer_track = self.keyed_number(Property::SpotOuterAngle, index, outer);
         let inner_track = self.keyed_number(Property::SpotInnerAngle, index, inner);
-        // In Blender the inner angle is a share of the outer one, and goes with it.
+        // In Blender the inner angle is a fraction of the outer one, and changes with it.
         let goes_along = self.source.generator.contains("Blender") && inner_track.is_constant();
         let blend_track = match outer_track.is_constant() && inner_track.is_constant() || goes_along {
             true => Track::from(blend(inner, outer)),
@@ -185,7 +184,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Up to four numbers.
+/// Up to four numbers of a value.
 fn channel_value(value: &[f64]) -> [f64; 4] {
     std::array::from_fn(|index| value.get(index).copied().unwrap_or_default())
 }

@@ -1,5 +1,5 @@
-//! Render settings of a file. In go the scene's extras, out come settings. Invariant: a number that cannot
-//! be used is an error at its own JSON path, and all of them are found.
+//! Render settings of a file. In go the scene's extras, out come settings. Invariant: an invalid number is an
+//! error at its own JSON path, and all of them are reported.
 
 use super::clock::Clock;
 use super::extras::Sunfleck;
@@ -31,7 +31,7 @@ pub(super) fn settings(
     (settings, clock)
 }
 
-/// The extras, and who hears of what is wrong with them.
+/// Extras, and the report of their faults.
 struct Reading<'a> {
     scene: usize,
     sunfleck: &'a Sunfleck,
@@ -48,7 +48,7 @@ impl Reading<'_> {
         self.report.error(at, found, expected);
     }
 
-    /// A whole number; the least there may be if it is none.
+    /// Integer in a range; `min` after a report if it is not one.
     fn whole(&mut self, name: &str, value: f64, min: f64, max: f64) -> f64 {
         if value.fract() == 0.0 && value >= min && value <= max {
             return value;
@@ -57,7 +57,7 @@ impl Reading<'_> {
         min
     }
 
-    /// Frames, of those that keys lie on.
+    /// Frames; by default the range of keys.
     fn frames(&mut self, settings: &mut RenderSettings, (first, last): (f64, f64)) {
         let Sunfleck { frame_start, frame_end, .. } = self.sunfleck;
         let most = MAX_FRAME as f64;
@@ -80,7 +80,7 @@ impl Reading<'_> {
         }
     }
 
-    /// Size, samples, filter and brightness.
+    /// Size, samples, filter and exposure.
     fn picture(&mut self, settings: &mut RenderSettings) {
         let sunfleck = self.sunfleck;
         let samples = sunfleck.samples.map(|samples| self.whole("samples", samples, 1.0, 65536.0) as u32);
@@ -118,7 +118,7 @@ impl Reading<'_> {
         settings.filter = filter.unwrap_or(settings.filter);
     }
 
-    /// What a word stands for among all words and what they stand for; an error if that is nothing.
+    /// Value of a word in a list of words and values; reports an unknown word.
     fn word<T: Copy>(
         &mut self,
         field: &str,
@@ -134,7 +134,7 @@ impl Reading<'_> {
         found
     }
 
-    /// Whether a number lies in its range, and if not says what would.
+    /// Whether a number lies in its range; reports one that does not.
     fn is_usable<R: Range>(&mut self, name: &str, value: f64) -> bool {
         let fits = R::contains(value);
         if !fits {

@@ -1,6 +1,5 @@
-//! Picture on a sun's disc, from `sunfleck_light`. In go its fields, out comes a [`SunPicture`].
-//! Invariant: as in our own format a picture has a disc to be on, and is bright somewhere; else there is
-//! an error at its own JSON path.
+//! Picture on a sun's disc, in `sunfleck_light`. In go its fields, out comes a [`SunPicture`]. Invariant: as
+//! in scene files, a picture has a disc and is not black; anything else is an error at its own JSON path.
 
 use super::Builder;
 use super::light_extras::{Fractal, LightExtras};
@@ -11,7 +10,7 @@ use crate::scene::{Julia, LightKind, MOST_SUN_PICTURES, SunPicture, SunShows, Te
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Images as suns look them up, by the names that the file has for them.
+/// Images of suns, by their names in the file.
 pub(super) fn images(decoded: BTreeMap<String, DecodedImage>) -> BTreeMap<String, Arc<Texture>> {
     let texture = |(name, image): (String, DecodedImage)| {
         let texture = image_for_suns(if name.starts_with("data:") { "the sun" } else { &name }, image);
@@ -42,7 +41,7 @@ impl Builder<'_> {
         }
         let shows = match (&extras.image, extras.fractal) {
             (None, None) => SunShows::Even,
-            // One that could not be read was reported when the file was.
+            // An image that could not be read is reported already.
             (Some(name), None) => SunShows::Image(Arc::clone(self.sun_images.get(name)?)),
             (None, Some(fractal)) => SunShows::Julia(self.julia(fractal, path)?),
             (Some(_), Some(_)) => {
@@ -82,7 +81,7 @@ impl Builder<'_> {
         Some(Julia { real: real.into(), imaginary: imaginary.into(), iterations: iterations as u32 })
     }
 
-    /// Says which suns have something to show and nothing to show it on.
+    /// Reports suns that have a picture and no disc.
     pub(super) fn settle_suns(&mut self) {
         for light in &mut self.scene.lights {
             let LightKind::SunDisc(disc) = &light.kind else { continue };

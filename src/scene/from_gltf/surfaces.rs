@@ -1,4 +1,5 @@
-//! Materials and textures. Invariant: what a material asks for and does not get is reported, once a kind.
+//! Materials and textures. In go those of glTF, out come those of the scene. Invariant: a property that is
+//! not honoured is reported, once a kind.
 
 use super::Builder;
 use super::extras::{self, Leaf};
@@ -8,13 +9,13 @@ use crate::diagnostic::Loss;
 use crate::scene::{AlphaMode, Coat, Material, MaterialIndex, Painted, Texture, TextureMap};
 
 impl Builder<'_> {
-    /// Adds every material, under the file's numbers, and their textures.
+    /// Adds every material by the file's index, and the textures.
     pub(super) fn add_surfaces(&mut self, textures: Vec<gltf::Texture>) {
         self.scene.textures = textures.into_iter().map(texture).collect();
         for (index, source) in self.source.materials.iter().enumerate() {
             let leaf = self.leaf(index, source);
             let extras = self.material_extras(index, source);
-            // What it is must not change with its numbers.
+            // The kind of material must not change with its parameters.
             let keeps_coat = self.is_animated(&[Property::Metallic, Property::Roughness], index);
             let converted = |source: &gltf::Material| {
                 let mut material = material(source, keeps_coat);
@@ -40,7 +41,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Transmission in a material's custom property.
+    /// Transmission in a material's `sunfleck_leaf`.
     fn leaf(&mut self, index: usize, material: &gltf::Material) -> Option<Leaf> {
         let path = format!("materials[{index}]");
         let leaf: Leaf = extras::read(&material.extras, "sunfleck_leaf", &path, &mut self.report)?;
@@ -62,7 +63,7 @@ impl Builder<'_> {
         is_valid.then_some(leaf)
     }
 
-    /// Says what of a material's changes is lost.
+    /// Reports lost changes of a material.
     fn report_changes(&mut self, index: usize, source: &gltf::Material) {
         let fades = self.is_animated(&[Property::BaseColor], index);
         if fades && matches!(source.alpha_mode, gltf::AlphaMode::Mask(_)) {
@@ -70,7 +71,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Our number of a primitive's material; the default one if it has none.
+    /// Material of a primitive; the default one if it has none.
     pub(super) fn material_of(&mut self, material: Option<usize>) -> MaterialIndex {
         material.unwrap_or_else(|| {
             let default = self.source.materials.len();
@@ -81,7 +82,7 @@ impl Builder<'_> {
         })
     }
 
-    /// Says what materials ask for that is not honoured.
+    /// Reports properties of materials that are not honoured.
     pub(super) fn report_material(&mut self, material: &gltf::Material) {
         if !material.double_sided {
             self.report.not_honoured(Loss::BackfaceCulling, &material.name);
@@ -89,7 +90,7 @@ impl Builder<'_> {
     }
 }
 
-/// A leaf that lets a share of its light through.
+/// Makes a leaf of a material, with diffuse transmission.
 fn become_leaf(material: &mut Material, source: &gltf::Material, leaf: &Leaf) {
     let share = leaf.translucency;
     let [r, g, b, _] = source.base_color;
@@ -108,7 +109,7 @@ fn is_mirror(material: &gltf::Material) -> bool {
     material.metallic == 1.0 && material.roughness == 0.0 && material.metallic_roughness_texture.is_none()
 }
 
-/// A material as it is at one moment; `keeps_coat` if how metallic or rough it is changes.
+/// Material at one moment; `keeps_coat` if its metallic factor or roughness changes.
 fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
     let [r, g, b, opacity] = material.base_color;
     let color = Rgb::new(r, g, b);
@@ -150,7 +151,7 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
         f0_texture: material.f0_texture,
         f90: material.specular,
     });
-    // What goes through is taken from what is reflected: diffuse on the far side, or straight on.
+    // Transmitted light, diffuse or straight, is subtracted from the reflected light.
     let (diffuse, diffuse_color) = material.diffuse_transmission;
     let straight = material.transmission * (1.0 - material.metallic);
     let lets_through = straight > 0.0 || keeps_coat && material.transmission > 0.0;
@@ -162,7 +163,7 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
         metal_color: (diffuse > 0.0 || material.transmission > 0.0).then_some(color),
         alpha_mode: if lets_through { AlphaMode::Blend } else { matte.alpha_mode },
         filter_color: straight * color,
-        // Only where it blends does its opacity count.
+        // Opacity only counts with blending.
         opacity: if material.alpha_mode == gltf::AlphaMode::Blend { opacity } else { 1.0 },
         ..matte
     }
@@ -170,7 +171,7 @@ fn material(material: &gltf::Material, keeps_coat: bool) -> Material {
 
 fn alpha_mode(mode: gltf::AlphaMode) -> AlphaMode {
     match mode {
-        // What a mask shows is cut out.
+        // Masked parts are cut out of the mesh.
         gltf::AlphaMode::Opaque | gltf::AlphaMode::Mask(_) => AlphaMode::Opaque,
         gltf::AlphaMode::Blend => AlphaMode::Blend,
     }

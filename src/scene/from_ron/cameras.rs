@@ -1,5 +1,5 @@
-//! Cameras of a file in, cameras with their nodes out. Invariant: a camera either looks at something or is
-//! turned, and is either orthographic or has an angle of view.
+//! Cameras. In go those of a file, out come cameras with their nodes. Invariant: a camera has either a target
+//! or a rotation, and is either orthographic or has an angle of view.
 
 use super::lights::Named;
 use super::{Resolver, rotation};
@@ -7,7 +7,7 @@ use crate::description::ron;
 use crate::scene::{Aperture, Camera, Clip, Lens, Motion, Track};
 use glam::{DVec2, DVec3};
 
-/// Full vertical field of view of a camera that has none of its own.
+/// Default full vertical field of view.
 const DEFAULT_FOV_DEG: f64 = 45.0;
 
 impl Resolver<'_> {

@@ -1,5 +1,6 @@
-//! Blocks of leaves that fall in, nodes with keys and instances out. Invariant: until it lands, leaf `i`
-//! depends on its block's fields other than `count`, and on `i`; an object of its name goes before it.
+//! Blocks of falling leaves. In go those of a file, out come nodes with keys and instances. Invariant: until
+//! it lands, leaf `i` depends on its block's fields other than `count`, and on `i`. An object with the leaf's
+//! name takes precedence.
 
 use super::Resolver;
 use crate::color::Rgb;
@@ -16,26 +17,26 @@ use crate::scene::{
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 
-/// Leaves are scaled to their lengths, and followed by points all over them: wider ones would need millions.
+/// Maximum ratio of a mesh's width to its length, as leaves have samples all over their scaled blades.
 const MOST_WIDTH_TO_LENGTH: f64 = 100.0;
-/// Leaves that start higher would be followed for minutes.
+/// Maximum height of the start, as higher leaves would fall for minutes.
 const HIGHEST_START_M: f64 = 200.0;
 
-/// Triangles of all objects that leaves come to rest on, by name; `None` of one that cannot be a
-/// ground, as is told already.
+/// Triangles of all ground objects, by name; `None` for one that cannot be a ground, which is reported
+/// already.
 type Grounds<'a> = BTreeMap<&'a str, Option<Vec<[DVec3; 3]>>>;
 
-/// Looks of a species.
+/// Meshes, materials and tints of a species.
 struct Dress {
     meshes: Vec<MeshIndex>,
     materials: Vec<MaterialIndex>,
     tint: Vec<Rgb>,
 }
 
-/// The draw of a leaf's tint: none of a flight is so high.
+/// Draw of a leaf's tint, beyond those of a flight.
 const TINT: u64 = 1 << 32;
 
-/// A block and what its leaves are.
+/// Block with the meshes and materials of its leaves.
 struct Flock<'a> {
     name: &'a str,
     block: &'a ron::Fall,
@@ -44,14 +45,14 @@ struct Flock<'a> {
 }
 
 impl Resolver<'_> {
-    /// Lets the leaves of all blocks fall, and come to rest on each other where they share a ground.
+    /// Simulates the leaves of all blocks, which come to rest on each other where they share a ground.
     pub(super) fn falls(&mut self, baking: &Baking) {
         let file = self.file;
         let mut grounds = Grounds::new();
         for (name, block) in file.fall.iter() {
             if let Some(object) = &block.ground.object {
                 let field = format!("fall.{name}.ground.object");
-                // What cannot be a ground is told of each block that names it.
+                // Reported for each block that names it.
                 if grounds.get(object.as_str()).is_none_or(Option::is_none) {
                     grounds.insert(object, self.still_triangles(&field, object));
                 }
@@ -87,7 +88,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// What falls by `block`.
+    /// Leaves of `block`.
     fn flock<'b>(&mut self, name: &'b str, block: &'b ron::Fall, grounds: &Grounds<'_>) -> Option<Flock<'b>> {
         let owner = format!("fall.{name}");
         if !self.has_room_for(&owner, block.count.0) || !self.has_room_to_fall(&owner, block.count.0) {
@@ -125,8 +126,7 @@ impl Resolver<'_> {
         Some(Flock { name, block, fall, dresses })
     }
 
-    /// Counts so many leaves more that fall. Whether all may that the file asks for: else
-    /// none need be followed.
+    /// Adds to the number of falling leaves; returns false, after a report, if there are too many.
     fn has_room_to_fall(&mut self, owner: &str, leaves: u32) -> bool {
         self.fall_count = self.fall_count.saturating_add(leaves);
         if self.fall_count > ron::MOST_FALLING {
@@ -147,7 +147,7 @@ impl Resolver<'_> {
         let &ron::Fall { visible_to_camera, casts_shadow, holdout, attached, .. } = block;
         let rays = RayVisibility { visible_to_camera, casts_shadow, holdout };
         if let Some(&node) = self.nodes.get(name.as_str()) {
-            // The author has keyed this one; what the object shows itself is placed already.
+            // The author has animated this leaf; an object with a mesh of its own is placed already.
             if self.file.objects.get(&name).is_some_and(|object| object.mesh.is_none()) {
                 let scale = Motion::Still(DAffine3::from_scale(DVec3::splat(leaf.scale)));
                 let node = self.scene.add_node(name, Some(node), scale);
@@ -275,7 +275,7 @@ impl Resolver<'_> {
         ))
     }
 
-    /// Refuses shares of the ways to fall that are all 0.
+    /// Refuses weights of modes that are all 0.
     fn check_motion(&mut self, owner: &str, motion: &ron::FallMotion) -> Option<()> {
         if sum_of_shares(motion) == 0.0 {
             let expected = "a share of `steady`, `flutter`, `tumble`, `chaotic`, `helical` or `spiral`";
@@ -294,7 +294,7 @@ impl Resolver<'_> {
         Some(Obstacles::new(&triangles.concat()))
     }
 
-    /// The triangles of an object's mesh in the world, if it never moves.
+    /// Triangles of an object's mesh in the world, if it never moves.
     pub(super) fn still_triangles(&mut self, field: &str, name: &str) -> Option<Vec<[DVec3; 3]>> {
         let node = self.problems.find(field, "object", name, &self.nodes)?;
         if self.changes_shape(field, name) {
@@ -325,8 +325,7 @@ impl Resolver<'_> {
     }
 }
 
-/// A block's ground: beyond its own object leaves come down on those of the other blocks, and do
-/// not pass through them.
+/// Ground of a block: outside its own object, leaves land on those of other blocks.
 fn ground(ground: &ron::FallGround, grounds: &Grounds<'_>) -> Option<Ground> {
     let own = ground.object.as_deref();
     let triangles = own.map_or(Some(Vec::new()), |object| grounds.get(object)?.clone())?;

@@ -1,4 +1,5 @@
-//! Fog in, banks of fog at nodes out. Invariant: fog has a box or thins out with height.
+//! Fog. In go fields of a file, out come fog volumes at nodes. Invariant: fog has a box or falls off with
+//! height.
 
 use super::{Resolver, track};
 use crate::description::ron;
@@ -33,7 +34,7 @@ impl Resolver<'_> {
                 (Some(_), None) => FogShape::EvenBox,
                 (Some(_), Some(falloff)) => FogShape::ThinningBox(falloff),
                 (None, Some(falloff)) => FogShape::Layer(falloff),
-                // Refused already, or about to be.
+                // Refused already, or below.
                 (None, None) => continue,
             };
             let (Some(parent), Some(density_per_m), Some(albedo), Some(anisotropy)) =
@@ -57,7 +58,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The corners of the box, if there is one.
+    /// Corners of the box, if there is one.
     pub(super) fn fog_bounds(&mut self, owner: &str, fog: &ron::Fog) -> Option<[DVec3; 2]> {
         match (fog.min_m, fog.max_m) {
             (Some(min), Some(max)) => {
@@ -85,8 +86,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Falloff of the fog with height, if there is one. A box's base is its bottom unless the file says
-    /// otherwise.
+    /// Falloff of the fog with height, if there is one. The default base is the box's bottom.
     fn fog_falloff(
         &mut self,
         owner: &str,

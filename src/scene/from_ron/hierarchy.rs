@@ -1,5 +1,5 @@
-//! Objects in any order in, nodes with parents first out. Invariant: no object follows itself,
-//! however many others lie between.
+//! Hierarchy of objects. In go objects in any order, out come nodes, parents first. Invariant: no object is
+//! its own ancestor.
 
 use super::{Resolver, rotation, track};
 use crate::description::ron::{Animated, Object};
@@ -17,7 +17,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The object and those of its ancestors that are not placed yet, the topmost first.
+    /// The object and its unplaced ancestors, topmost first.
     fn ancestors_first(
         &mut self,
         name: &'a str,
@@ -51,7 +51,7 @@ impl<'a> Resolver<'a> {
         let owner = format!("objects.{name}");
         let motion = self.object_motion(&owner, object).unwrap_or(Motion::STILL);
         let visible = self.visibility(&owner, &object.visible);
-        // A parent that is missing or part of a circle has been reported already.
+        // A missing or cyclic parent is reported already.
         let parent: Option<NodeIndex> =
             object.parent.as_deref().and_then(|parent| self.nodes.get(parent)).copied();
         let mesh = object.mesh.as_deref().and_then(|mesh| self.seen_mesh(&owner, object, mesh));
@@ -76,7 +76,7 @@ impl<'a> Resolver<'a> {
     fn seen_mesh(&mut self, owner: &str, object: &Object, mesh: &str) -> Option<MeshIndex> {
         let field = format!("{owner}.mesh");
         if object.visible == Animated::Still(false) {
-            // What is never seen was not even read.
+            // Meshes of invisible objects were not read.
             self.problems.find(&field, "mesh", mesh, &self.mesh_files);
             return None;
         }

@@ -1,5 +1,5 @@
-//! Sites of a block's leaves: a block in, a map from three random numbers to points out. Invariant:
-//! uniform in the volume of the box, or in the area of the surface.
+//! Sites of scattered leaves. In goes a block, out comes a map from three random numbers to points.
+//! Invariant: points are uniform in the volume of the box, or in the area of the surface.
 
 use super::Resolver;
 use crate::description::ron::Leaves;
@@ -7,23 +7,23 @@ use crate::scene::fall::Surface;
 use crate::scene::{Mesh, NodeIndex};
 use glam::DVec3;
 
-/// Region in which leaves are put, in the space of what they follow.
+/// Region of leaves, in the space of their parent.
 pub(super) enum Site {
-    /// Anywhere between two corners.
+    /// Box between two corners.
     Box(DVec3, DVec3),
-    /// Anywhere on triangles.
+    /// Surface of triangles.
     Surface(Surface),
 }
 
 impl Site {
-    /// The surface of `mesh`; `None` if it has no area.
+    /// Surface of `mesh`; `None` if it has no area.
     fn of(mesh: &Mesh) -> Option<Self> {
         let corner = |vertex: u32| mesh.positions[vertex as usize].as_dvec3();
         let triangles = mesh.triangles.iter().map(|triangle| triangle.vertices.map(corner));
         Surface::new(triangles.collect()).map(Self::Surface)
     }
 
-    /// The point that three numbers in `[0, 1)` stand for.
+    /// Point for three numbers in `[0, 1)`.
     pub(super) fn at(&self, numbers: [f64; 3]) -> DVec3 {
         match self {
             Self::Box(min, max) => min + (max - min) * DVec3::from_array(numbers),
@@ -33,7 +33,7 @@ impl Site {
 }
 
 impl Resolver<'_> {
-    /// Site of the leaves of `block`, and the node that they follow.
+    /// Site of the leaves of `block`, and their parent.
     pub(super) fn leaf_site(&mut self, owner: &str, block: &Leaves) -> Option<(Option<NodeIndex>, Site)> {
         match (&block.on, &block.min_m, &block.max_m) {
             (Some(object), None, None) => self.leaf_surface(owner, block, object),

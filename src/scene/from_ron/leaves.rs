@@ -1,5 +1,5 @@
-//! A block of leaves in, nodes and instances out. Invariant: leaf `i` of a block is a pure
-//! function of the block's fields other than `count`, and of `i`.
+//! Blocks of scattered leaves. In go those of a file, out come nodes and instances. Invariant: leaf `i` of a
+//! block is a pure function of the block's fields other than `count`, and of `i`.
 
 use super::Resolver;
 use crate::color::Rgb;
@@ -10,7 +10,7 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::f64::consts::TAU;
 
 impl Resolver<'_> {
-    /// Whether the scene may have so many leaves more; counts them.
+    /// Adds to the number of leaves; returns false, after a report, if there are too many.
     pub(super) fn has_room_for(&mut self, owner: &str, leaves: u32) -> bool {
         self.leaf_count = self.leaf_count.saturating_add(leaves);
         let has_room = self.leaf_count <= MAX_LEAVES;
@@ -23,7 +23,7 @@ impl Resolver<'_> {
         has_room
     }
 
-    /// Stamps out the leaves of `block`.
+    /// Adds the leaves of `block`.
     pub(super) fn leaves(&mut self, name: &str, block: &Leaves) {
         let owner = format!("leaves.{name}");
         if !self.has_room_for(&owner, block.count.0) {
@@ -56,7 +56,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The meshes of a list of names, at least one.
+    /// Meshes of a list of names, at least one.
     pub(super) fn leaf_meshes(&mut self, owner: &str, names: &[String]) -> Option<Vec<MeshIndex>> {
         let field = format!("{owner}.meshes");
         if names.is_empty() {
@@ -76,14 +76,14 @@ impl Resolver<'_> {
     }
 }
 
-/// The place of the leaf of `block` that `chance` belongs to, and that is at `position`.
+/// Placement of a leaf of `block` at `position`; `chance` has its random numbers.
 fn place(block: &Leaves, position: DVec3, chance: LeafChance) -> DAffine3 {
     let turns = [Draw::Turn1, Draw::Turn2, Draw::Turn3].map(|draw| chance.at(draw));
     let attitude = match block.droop_deg {
         None => uniform_rotation(turns),
         Some(droop) => {
             let roll = block.roll_deg.map_or(0.0, |roll| roll.at(turns[2]));
-            // A leaf's tip lies towards -z: turned about x, it sinks.
+            // A leaf's tip is towards -z, so a rotation about x lowers it.
             DQuat::from_euler(EulerRot::YXZ, TAU * turns[0], -droop.at(turns[1]), roll)
         }
     };
@@ -91,7 +91,7 @@ fn place(block: &Leaves, position: DVec3, chance: LeafChance) -> DAffine3 {
     DAffine3::from_scale_rotation_translation(DVec3::splat(scale), attitude, position)
 }
 
-/// Random draws, by their numbers. A new entry has a new one, so that it does not change old scenes.
+/// Random draws. New ones get new numbers, so that old scenes do not change.
 #[derive(Clone, Copy)]
 enum Draw {
     X,
@@ -119,8 +119,8 @@ impl LeafChance {
     }
 }
 
-/// A rotation from three numbers in `[0, 1)`, all rotations alike (Shoemake, "Uniform random
-/// rotations", Graphics Gems III, 1992).
+/// Uniform rotation from three numbers in `[0, 1)` (Shoemake, "Uniform random rotations", Graphics Gems III,
+/// 1992).
 fn uniform_rotation([u1, u2, u3]: [f64; 3]) -> DQuat {
     let ((sin2, cos2), (sin3, cos3)) = ((TAU * u2).sin_cos(), (TAU * u3).sin_cos());
     let (r1, r2) = ((1.0 - u1).sqrt(), u1.sqrt());

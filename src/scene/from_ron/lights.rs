@@ -1,5 +1,5 @@
-//! Lights in, lights at nodes out; and everything else that is aimed. Invariant: what is aimed is
-//! never where it points.
+//! Lights, and aimed motions. In go fields of a file, out come lights at nodes. Invariant: an aimed node is
+//! never at its target.
 
 use super::{Resolver, track};
 use crate::description::ron::{self, Animated, Keyable, Number, Point, Positive};
@@ -7,7 +7,7 @@ use crate::scene::{Animate, AreaShape, Light, LightKind, Motion, Rotation, Track
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 
-/// A point of a file, with the name of its field.
+/// Point in a file, with its field's name.
 #[derive(Clone, Copy)]
 pub(super) struct Named<'a> {
     pub(super) name: &'a str,
@@ -30,7 +30,7 @@ impl Resolver<'_> {
                     self.keyed(&owner, "radius_m", radius_m).map(point),
                 ),
                 ron::Light::Spot { position_m, target_m, intensity_w_per_sr, .. } => (
-                    // What is up does not show in a cone of light.
+                    // A cone of light looks the same for any up direction.
                     self.aimed_light(&owner, position_m, target_m, DVec3::Y),
                     ("intensity_w_per_sr", intensity_w_per_sr),
                     self.spot(&owner, light),
@@ -86,7 +86,7 @@ impl Resolver<'_> {
         self.aimed(owner, position, target, up.into())
     }
 
-    /// The track of a field.
+    /// Track of a field.
     pub(super) fn keyed<T: Keyable<Si: Animate>>(
         &mut self,
         owner: &str,
@@ -96,7 +96,7 @@ impl Resolver<'_> {
         track(value, &format!("{owner}.{name}"), &mut self.problems)
     }
 
-    /// The sun shines from where `position` is to where `target` is; only the direction counts.
+    /// Motion of a sun from `position` towards `target`; only the direction matters.
     fn sun_motion(
         &mut self,
         owner: &str,
@@ -121,7 +121,7 @@ impl Resolver<'_> {
         Some(Motion::Aimed { position, target, up: DVec3::Y.into() })
     }
 
-    /// A motion that stands at one field's value and points to another's.
+    /// Motion at one field's value, with -Z towards another's.
     pub(super) fn aimed(&mut self, owner: &str, from: Named, to: Named, up: Track<DVec3>) -> Option<Motion> {
         let position = track(from.point, &format!("{owner}.{}", from.name), &mut self.problems);
         let target = track(to.point, &format!("{owner}.{}", to.name), &mut self.problems);

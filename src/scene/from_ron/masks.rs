@@ -1,12 +1,12 @@
-//! Meshes cut out by the masks of the materials that objects give them. Invariant: each pair of a mesh
-//! and a material is cut once.
+//! Meshes cut by the masks of materials. In go pairs of a mesh and a material, out come cut meshes.
+//! Invariant: each pair is cut once.
 
 use super::{MaterialIndex, MeshIndex, Resolver};
 use crate::diagnostic::Diagnostic;
 use crate::scene::outline::{self, Mask};
 
 impl Resolver<'_> {
-    /// Mesh without the parts that the material's mask hides; `None` if nothing is left.
+    /// Visible part of a mesh under the material's mask; `None` if nothing is left.
     pub(super) fn cut_out(&mut self, mesh: MeshIndex, material: Option<MaterialIndex>) -> Option<MeshIndex> {
         let masked = material.and_then(|material| Some((material, *self.cutoffs.get(&material)?)));
         let Some((material, cutoff)) = masked else { return Some(mesh) };

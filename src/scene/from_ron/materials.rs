@@ -1,16 +1,16 @@
-//! Materials as a file writes them in, materials of the scene out. Invariant: what a material leaves out is
-//! as of the one beneath it, which is the default or, in an OBJ file's place, the file's own.
+//! Materials. In go fields of a file, out come materials of the scene. Invariant: fields that are left out
+//! have the values of the material beneath: the default, or the one of an OBJ file that it replaces.
 
 use super::{AlphaMode, Coat, Material, MaterialIndex, Resolver, TextureIndex, TextureMap};
 use crate::color::Rgb;
 use crate::description::ron;
 use std::path::PathBuf;
 
-/// Reflectance of plastics, leaves and most of what is no metal; glTF's default.
+/// Reflectance of plastics, leaves and most non-metals; glTF's default.
 const DIELECTRIC_F0: f64 = 0.04;
 
 impl Resolver<'_> {
-    /// Adds those of the scene.
+    /// Adds the materials of the scene.
     pub(super) fn materials(&mut self) {
         for (name, material) in self.file.materials.iter() {
             let beneath = Material { name: name.to_owned(), ..Material::default() };
@@ -19,7 +19,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Adds a material that has its fields from a file, and all others from the one `beneath` it.
+    /// Adds a material with fields from a file, and others from the one `beneath` it.
     pub(super) fn add_material(
         &mut self,
         owner: &str,
@@ -63,7 +63,7 @@ impl Resolver<'_> {
         index
     }
 
-    /// `unsaid` is the base colour if it is not the author's.
+    /// Refuses reflectances above 1. `unsaid` is the base colour if it is not the author's.
     fn check_energy(&mut self, owner: &str, made: &Material, unsaid: Rgb) {
         if (made.base_color + made.transmission + made.mirror + made.filter_color).max_element() > 1.0 {
             let darker = String::from("make one of them darker");
@@ -80,7 +80,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Has it cut its meshes if it is a mask.
+    /// Registers the cutoff of a masked material.
     fn mask(&mut self, owner: &str, material: &ron::Material, index: MaterialIndex) {
         let Some(cutoff) = &material.alpha_cutoff else { return };
         if material.texture.is_none() || material.filter_color.is_some() {
@@ -95,7 +95,7 @@ impl Resolver<'_> {
         self.cutoffs.insert(index, cutoff.si());
     }
 
-    /// Shiny if it has a roughness.
+    /// Coat of a material with a roughness.
     fn coat(&mut self, owner: &str, material: &ron::Material) -> Option<Coat> {
         let metallic = material.metallic.as_ref().map_or(0.0, |metallic| metallic.si());
         let Some(roughness) = &material.roughness else {

@@ -1,4 +1,5 @@
-//! Mist in, what drifts in a box out. Invariant: it has a box, and no more voxels than memory is asked for.
+//! Mist. In go fields of a file, out comes drifting mist in a box. Invariant: it has a box, and at most the
+//! maximum number of voxels.
 
 use super::{Resolver, track};
 use crate::description::ron;
@@ -9,14 +10,14 @@ use crate::scene::{GroundHeights, MOST_MIST_VOXELS, Mist};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Width over which mist fades, as a share of the largest billows' width, and of the box's shortest side
-/// at most.
+/// Default width over which mist fades, relative to the largest billows and, as a maximum, to the box's
+/// shortest side.
 const USUAL_EDGE: f64 = 0.5;
-/// Whole numbers of 32 bits count them, with room to spare.
+/// Maximum coordinates in voxels, well within 32-bit integers.
 const FARTHEST_VOXELS: f64 = 1e9;
 
 impl Resolver<'_> {
-    /// The mist of a bank; `None` where it is refused.
+    /// Mist of a fog volume; `None` if it is refused.
     pub(super) fn mist(&mut self, owner: &str, fog: &ron::Fog, mist: &ron::Mist) -> Option<Mist> {
         let bounds = self.mist_bounds(owner, fog)?;
         let size_m = mist.size_m.si();
@@ -55,7 +56,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// Checks that there are no more voxels than memory is asked for, and no fewer than billows need.
+    /// Checks the maximum number of voxels, and the minimum that billows need.
     fn check_mist_voxels(
         &mut self,
         owner: &str,

@@ -1,5 +1,5 @@
-//! Our own format in, a scene and its settings out. Invariant: every problem is collected and
-//! named by its field's path; what is not used is a remark.
+//! Resolution of scene files. In goes RON, out come a scene and its settings. Invariant: all problems are
+//! collected, each with its field's path; unused parts are remarks.
 
 mod cameras;
 mod falls;
@@ -45,7 +45,7 @@ use tracks::{rotation, track};
 
 pub(super) use sequence::{apply_sequence, frame_rate};
 
-/// Resolves a scene. Files of a mesh that are numbered are frames at this rate.
+/// Resolves a scene. Numbered files of a mesh are frames at `rate`.
 pub(super) fn resolve(
     loaded: LoadedScene,
     frame_rate: FrameRate,
@@ -108,7 +108,7 @@ fn texture(path: &Path, image: DecodedImage) -> Texture {
     Texture { name: path.display().to_string(), width, height, texels, wrap: [Wrap::Repeat; 2] }
 }
 
-/// A scene is called like its file, or like its folder if the file is just `scene.ron`.
+/// Name of a scene: its file's, or its folder's if the file is just `scene.ron`.
 fn name_of(path: &Path) -> String {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) {
         return obj::name(path);
@@ -122,7 +122,7 @@ fn name_of(path: &Path) -> String {
     }
 }
 
-/// A scene on its way from names to indices.
+/// Resolver from names to indices.
 struct Resolver<'a> {
     file: &'a SceneFile,
     models: &'a BTreeMap<PathBuf, ObjModel>,
@@ -133,14 +133,14 @@ struct Resolver<'a> {
     nodes: BTreeMap<&'a str, NodeIndex>,
     mesh_files: BTreeMap<&'a str, &'a ron::Shape>,
     meshes: BTreeMap<&'a str, MeshIndex>,
-    /// Deformations of meshes that have a file a frame.
+    /// Deformations of meshes with a file a frame.
     moving: BTreeMap<MeshIndex, Arc<Deformation>>,
-    /// Meshes that take turns, by the first of them.
+    /// Meshes that replace each other over time, by the first of them.
     turns: BTreeMap<MeshIndex, Arc<[moving::Turn]>>,
     materials: BTreeMap<&'a str, MaterialIndex>,
-    /// Materials of the scene file that only stand in for those of OBJ files, by mesh and name.
+    /// Materials of the scene file for a single OBJ file's material, by mesh and name.
     inline_materials: BTreeMap<(&'a str, &'a str), MaterialIndex>,
-    /// First material of an OBJ file, by the models that it stands for.
+    /// First material of an OBJ model, by the file and the number of the model in its sequence.
     model_materials: BTreeMap<(&'a Path, usize), MaterialIndex>,
     textures: BTreeMap<PathBuf, TextureIndex>,
     normal_maps: BTreeMap<PathBuf, TextureIndex>,
@@ -151,14 +151,14 @@ struct Resolver<'a> {
     cutoffs: BTreeMap<MaterialIndex, f64>,
     /// Meshes that masks have cut.
     cut_meshes: BTreeMap<(MeshIndex, MaterialIndex), Option<MeshIndex>>,
-    /// Materials in a tint, by their own number and the tint.
+    /// Materials with a tint, by both.
     tinted: BTreeMap<(MaterialIndex, tints::Level), MaterialIndex>,
     outlines: Tally,
-    /// Images that suns show, by their paths.
+    /// Images of suns, by their paths.
     sun_images: BTreeMap<PathBuf, Arc<Texture>>,
     /// OpenVDB files, by their paths.
     grids: BTreeMap<PathBuf, vdb::GridFiles>,
-    /// Image of the sky until the sky takes it.
+    /// Image of the sky, until the sky takes it.
     sky_image: Option<DecodedImage>,
 }
 
@@ -172,7 +172,7 @@ impl<'a> Resolver<'a> {
             file,
             models,
             frame_rate,
-            // Material 0 is for triangles that nobody gave one.
+            // Material 0 is for triangles without one.
             scene: Scene { materials: vec![Material::default()], ..Scene::default() },
             problems: Problems::of(path),
             nodes: BTreeMap::new(),
@@ -198,7 +198,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Adds images; their numbers by their paths.
+    /// Adds images; returns their indices by path.
     fn add_textures(&mut self, images: BTreeMap<PathBuf, DecodedImage>) -> BTreeMap<PathBuf, TextureIndex> {
         let add = |(path, image): (PathBuf, DecodedImage)| {
             self.scene.textures.push(texture(&path, image));
@@ -207,7 +207,7 @@ impl<'a> Resolver<'a> {
         images.into_iter().map(add).collect()
     }
 
-    /// The node that `owner` follows: `Some(None)` is none, `None` is one that does not exist.
+    /// Parent of `owner`: `Some(None)` without one, `None` if it does not exist.
     fn parent(&mut self, owner: &str, name: Option<&str>) -> Option<Option<NodeIndex>> {
         match name {
             None => Some(None),
@@ -221,7 +221,7 @@ impl<'a> Resolver<'a> {
         self.problems.find(field, "material", name, &self.materials)
     }
 
-    /// The mesh of that name, built when it is first used.
+    /// Mesh of that name, built on first use.
     fn mesh(&mut self, field: &str, name: &str) -> Option<MeshIndex> {
         let shape = self.problems.find(field, "mesh", name, &self.mesh_files)?;
         let (&name, _) = self.mesh_files.get_key_value(name)?;

@@ -1,6 +1,6 @@
-//! OBJ files that are frames in, meshes that bend and take turns out: a target a frame, whose weight is 1 at
-//! its frame and 0 at those beside it. Invariant: between two frames vertices go straight, before the first
-//! and after the last they stay, as of a baked deformation in glTF. Other faces are another mesh.
+//! Animated OBJ sequences. In go models, out come meshes with a morph target a frame, whose weight is 1 at
+//! its frame and 0 at adjacent ones. Invariant: vertices move linearly between frames, and rest before the
+//! first and after the last, as in baked glTF deformations. Different faces are another mesh.
 
 use super::{Deformation, FrameRate, MeshIndex, Motion, NodeIndex, Resolver};
 use crate::description::obj::ObjModel;
@@ -12,14 +12,14 @@ use glam::{Vec3, Vec4};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A mesh from a time on; nothing if there are no triangles then.
+/// Mesh from a time on; `None` if there are no triangles then.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     from_s: f64,
     mesh: Option<MeshIndex>,
 }
 
-/// Deformation of a model's mesh; `None` if it keeps its shape.
+/// Deformation of a model's mesh; `None` if it is constant.
 fn deformation(model: &ObjModel, rate: FrameRate) -> Option<Deformation> {
     let shapes = &model.shapes;
     let last = shapes.after.len();
@@ -47,7 +47,7 @@ fn differences(values: &[Vec3], from: &[Vec3]) -> Vec<Vec3> {
 }
 
 impl<'a> Resolver<'a> {
-    /// The mesh of an OBJ file; of a sequence the first of those that take turns.
+    /// Mesh of an OBJ file; for a sequence the first of its meshes.
     pub(super) fn model_meshes(
         &mut self,
         name: &'a str,
@@ -76,8 +76,8 @@ impl<'a> Resolver<'a> {
         Some(first)
     }
 
-    /// Has `place` put each of several meshes below a node, where it is seen in its turn; false if `mesh`
-    /// takes turns with none.
+    /// Calls `place` for each mesh of a sequence, below a node that is visible at its time; returns false if
+    /// `mesh` is the only one.
     pub(super) fn in_turns(
         &mut self,
         node: NodeIndex,
@@ -106,7 +106,8 @@ impl<'a> Resolver<'a> {
         true
     }
 
-    /// Says that the mesh of an object changes, where only one that does not will do; false if it does not.
+    /// Reports a changing mesh of an object where only a constant one is allowed; returns false if it is
+    /// constant.
     pub(super) fn changes_shape(&mut self, field: &str, object: &str) -> bool {
         let mesh = self.file.objects.get(object).and_then(|object| object.mesh.as_deref());
         let mesh = mesh.and_then(|mesh| self.meshes.get(mesh));
@@ -120,7 +121,7 @@ impl<'a> Resolver<'a> {
         changes
     }
 
-    /// Has a mesh that was cut out of another bend like that, with vertices that follow its own.
+    /// Gives a cut mesh the deformation of its original, with new vertices after the old ones.
     pub(super) fn bend_like(&mut self, mesh: MeshIndex, cut: MeshIndex, added: &[Between]) {
         let Some(whole) = self.moving.get(&mesh) else { return };
         let first = self.scene.meshes[mesh].positions.len() as u32;
@@ -133,8 +134,7 @@ impl<'a> Resolver<'a> {
         self.moving.insert(cut, Arc::new(moving));
     }
 
-    /// Gives the targets of a mesh that has been given tangents those of their own shapes, and values for the
-    /// vertices that are there twice now.
+    /// Adds tangents to the targets of a mesh that got tangents, and values for its duplicated vertices.
     pub(super) fn bend_tangents(&mut self, index: MeshIndex, made: &tangents::Tangents) {
         let Some(moving) = self.moving.get_mut(&index) else { return };
         let mesh = &self.scene.meshes[index];

@@ -1,13 +1,12 @@
-//! Tangents of the meshes that wear a normal map. Invariant: a mesh is given them once, before
-//! anything is cut out of it.
+//! Tangents of meshes with normal maps. In go meshes and materials, out come tangents. Invariant: a mesh gets
+//! them once, before it is cut.
 
 use super::{MaterialIndex, MeshIndex, Resolver, Triangle};
 use crate::description::tangents::{self, Vertices};
 use crate::diagnostic::{Diagnostic, Loss};
 
 impl Resolver<'_> {
-    /// Gives the mesh what it needs for the material's normal map, if there is one; says
-    /// where that cannot be.
+    /// Computes the tangents for the material's normal map, if there is one; reports a failure.
     pub(super) fn make_tangents(&mut self, index: MeshIndex, material: Option<MaterialIndex>) {
         let mesh = &mut self.scene.meshes[index];
         if !mesh.tangents.is_empty() {
@@ -18,7 +17,7 @@ impl Resolver<'_> {
         let has_map = |&material: &MaterialIndex| materials[material].normal_map.is_some();
         let bent = match material {
             Some(material) => Some(material).filter(has_map),
-            // Most scenes have no maps, and need not look through their triangles.
+            // A shortcut for scenes without normal maps.
             None if materials.iter().all(|material| material.normal_map.is_none()) => None,
             None => own().find(has_map),
         };

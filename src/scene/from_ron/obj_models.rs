@@ -1,5 +1,5 @@
-//! OBJ models in, meshes with materials of their own out. Invariant: an OBJ file's materials are there once,
-//! however many meshes show it.
+//! OBJ models. In go models, out come meshes with materials of their own. Invariant: the materials of an OBJ
+//! file exist once, however many meshes show it.
 
 use super::{AlphaMode, Coat, Material, MaterialIndex, Mesh, Resolver, TextureMap, Triangle, Wrap};
 use crate::color::Rgb;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 impl<'a> Resolver<'a> {
-    /// Adds the pictures that MTL files show.
+    /// Adds the images of MTL files.
     pub(super) fn add_obj_pictures(&mut self, pictures: ObjPictures) {
         for (picture, image) in pictures {
             let Some(image) = image else { continue };
@@ -23,8 +23,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The mesh of a model, its materials after the others; others may take the place of some. `key` is the
-    /// model's file, and which of those it is that the file stands for.
+    /// Mesh of a model, whose materials are appended, except for replaced ones. `key` is the model's file and
+    /// its number in a sequence.
     pub(super) fn model_mesh(
         &mut self,
         name: &'a str,
@@ -61,7 +61,7 @@ impl<'a> Resolver<'a> {
         })
     }
 
-    /// Materials by the numbers of those of a model that they take the place of.
+    /// Replacements, by the indices of the model's materials.
     fn replaced(
         &mut self,
         mesh: &'a str,
@@ -113,7 +113,7 @@ impl<'a> Resolver<'a> {
             base_color: source.diffuse,
             base_color_texture: color.map(|map| map.texture),
             emission: match emission_texture {
-                // An image is as bright as it stands where `Ke` says nothing.
+                // Without `Ke`, an image has its own brightness.
                 Some(_) if source.emission == Rgb::ZERO => Rgb::ONE,
                 _ => source.emission,
             },
@@ -135,7 +135,7 @@ impl<'a> Resolver<'a> {
     fn obj_coat(&self, source: &ObjMaterial) -> Option<Coat> {
         let coat = source.coat.as_ref()?;
         let texture = source.coat_picture().and_then(|picture| self.obj_pictures.get(&picture).copied());
-        // An image takes the place of the plain number.
+        // An image replaces the plain number.
         let factor = |number: f64, has_image: bool| if texture.is_some() && has_image { 1.0 } else { number };
         Some(Coat {
             metallic: factor(coat.metallic, coat.metallic_texture.is_some()),

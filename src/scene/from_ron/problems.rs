@@ -1,4 +1,5 @@
-//! Problems of a file, all of them. Invariant: every problem names the field by its path.
+//! All problems of a file. In go faults by field, out come diagnostics. Invariant: every problem has its
+//! field's path.
 
 use crate::description::ron::suggest;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place};
@@ -15,7 +16,7 @@ impl Problems {
         Self { file: file.to_owned(), errors: Diagnostics::default() }
     }
 
-    /// The place of a field, such as `objects.leaf.mesh`.
+    /// Place of a field, such as `objects.leaf.mesh`.
     pub(super) fn place(&self, field: &str) -> Place {
         Place::Field { file: self.file.clone(), path: field.to_owned() }
     }
@@ -25,7 +26,7 @@ impl Problems {
         self.errors.push(Diagnostic::error(place, found).expected(expected).remedy(remedy));
     }
 
-    /// Looks `name` up; a name that is not there is a problem of `field`.
+    /// Value of `name`; an unknown name is a problem of `field`.
     pub(super) fn find<V: Copy>(
         &mut self,
         field: &str,
@@ -45,7 +46,7 @@ impl Problems {
         found
     }
 
-    /// `value`, unless there was a problem.
+    /// Returns `value`, unless there was an error.
     pub(super) fn unless_any<T>(self, value: T) -> Result<T, Diagnostics> {
         if self.errors.has_errors() { Err(self.errors) } else { Ok(value) }
     }

@@ -1,4 +1,5 @@
-//! A sequence in, render settings out. Invariant: what the sequence leaves out stays as it was.
+//! Sequences. In go fields of a file, out come render settings. Invariant: fields that are left out keep the
+//! scene's settings.
 
 use super::problems::Problems;
 use crate::description::ron::{Frames, Number, SequenceFile, Whole};
@@ -9,7 +10,7 @@ use std::collections::BTreeMap;
 /// Maximum of `--volume-steps`.
 const MOST_MARCH_STEPS: f64 = 1e6;
 
-/// Frames a second of a sequence, if it says so.
+/// Frame rate of a sequence, if it has one.
 pub(in crate::inside::scene) fn frame_rate(sequence: &SequenceFile) -> Option<FrameRate> {
     sequence.fields.frame_rate
 }
@@ -63,7 +64,7 @@ pub(in crate::inside::scene) fn apply_sequence(
     problems.unless_any(settings)
 }
 
-/// Steps lie within the depth, and end.
+/// Checks that the march's step is within its depth, and not too small.
 fn check_march(settings: &RenderSettings, problems: &mut Problems) {
     let (depth_m, step_m) = (settings.march_depth_m, settings.march_step_m);
     if step_m > depth_m {
@@ -78,7 +79,7 @@ fn check_march(settings: &RenderSettings, problems: &mut Problems) {
     }
 }
 
-/// Frames that all come before the first key, or all after the last, are surely a mistake.
+/// Refuses frames that are all before the first key or all after the last, which is surely a mistake.
 fn outside_animation(settings: &RenderSettings, scene: &Scene, problems: &mut Problems) {
     let seconds = |frame: i64| settings.frame_rate.seconds(frame as f64);
     let (first, last) = (*settings.frames.start(), *settings.frames.end());
@@ -95,7 +96,7 @@ fn outside_animation(settings: &RenderSettings, scene: &Scene, problems: &mut Pr
     }
 }
 
-/// Time from the first key to the last, in seconds; none if nothing is keyed, or if something begins anew.
+/// Times of the first and last key, in seconds; `None` without keys, or if anything repeats.
 fn key_span_s(scene: &Scene) -> Option<(f64, f64)> {
     let changing = || scene.tracks().filter(|track| !track.is_constant());
     if changing().any(Keyed::is_endless) {

@@ -1,12 +1,12 @@
-//! The shapes that need no file. Invariant: closed shapes share their vertices, so they have no
-//! cracks; every triangle is counter-clockwise seen from outside or above.
+//! Built-in shapes. In go sizes, out come meshes. Invariant: closed shapes share their vertices, so they have
+//! no cracks; triangles are counter-clockwise seen from outside or above.
 
 use crate::description::ron;
 use crate::scene::{Mesh, Triangle};
 use glam::{Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// The built-in shape called `name`; `None` for one that lies in a file.
+/// Mesh of a built-in shape; `None` for one in a file.
 pub(super) fn built_in(name: &str, shape: &ron::Shape) -> Option<Mesh> {
     let mesh = match shape {
         ron::Shape::Obj(_) | ron::Shape::ObjWith { .. } => return None,
@@ -21,7 +21,7 @@ pub(super) fn built_in(name: &str, shape: &ron::Shape) -> Option<Mesh> {
     Some(Mesh { name: name.to_owned(), ..mesh })
 }
 
-/// Built-in shapes have the default material.
+/// Triangle with the default material.
 fn triangle(a: usize, b: usize, c: usize) -> Triangle {
     Triangle { vertices: [a as u32, b as u32, c as u32], material: 0 }
 }
@@ -37,7 +37,7 @@ fn card(width: f32, length: f32) -> Mesh {
 }
 
 fn cube(size: f32) -> Mesh {
-    // Corner number: bit 0 is x, bit 1 is y, bit 2 is z.
+    // Index of a corner: bit 0 is x, bit 1 is y, bit 2 is z.
     let corner = |number: usize| {
         let side = |bit: usize| ((number >> bit) & 1) as f32 - 0.5;
         Vec3::new(side(0), side(1), side(2)) * size
@@ -50,7 +50,7 @@ fn cube(size: f32) -> Mesh {
     }
 }
 
-/// Segments of a sphere from pole to pole; twice as many around.
+/// Segments of a sphere from pole to pole; it has twice as many around.
 const SPHERE_RINGS: usize = 32;
 
 fn sphere(radius: f64) -> Mesh {
@@ -75,7 +75,7 @@ fn sphere(radius: f64) -> Mesh {
         for step in 0..around {
             let (above, above_next) = (vertex(ring, step), vertex(ring, step + 1));
             let (below, below_next) = (vertex(ring + 1, step), vertex(ring + 1, step + 1));
-            // Towards either pole one of the two triangles has shrunk to a line.
+            // At the poles one of the two triangles is degenerate.
             if ring > 0 {
                 triangles.push(triangle(above, below, above_next));
             }
@@ -92,12 +92,12 @@ fn sphere(radius: f64) -> Mesh {
     }
 }
 
-/// Stretches of a leaf from stalk to tip.
+/// Segments of a leaf from stalk to tip.
 const LEAF_STRETCHES: usize = 8;
 
 fn leaf(length: f64, width: f64, curl: f64, fold: f64) -> Mesh {
     let mut mesh = Mesh::default();
-    // One vertex at the stalk, then left edge, vein and right edge at every station, then the tip.
+    // Vertices: the stalk, then left edge, vein and right edge at every station, then the tip.
     for station in 0..=LEAF_STRETCHES {
         let along = station as f64 / LEAF_STRETCHES as f64;
         let half_width = 0.5 * width * outline(along);
@@ -125,7 +125,7 @@ fn leaf(length: f64, width: f64, curl: f64, fold: f64) -> Mesh {
                 triangle(near[half], near[half + 1], far[half + 1]),
                 triangle(near[half], far[half + 1], far[half]),
             ];
-            // At the stalk and at the tip one of the two has shrunk to a line.
+            // At the stalk and the tip one of the two triangles is degenerate.
             mesh.triangles.extend(
                 candidates
                     .into_iter()
@@ -136,7 +136,7 @@ fn leaf(length: f64, width: f64, curl: f64, fold: f64) -> Mesh {
     mesh
 }
 
-/// Half width of the outline, 0 at stalk and tip, 1 where it is widest: nearer to the stalk.
+/// Half width of the outline, 0 at stalk and tip, 1 at the widest place, which is nearer to the stalk.
 fn outline(along: f64) -> f64 {
     (PI * along.powf(0.75)).sin().max(0.0)
 }

@@ -1,4 +1,4 @@
-//! The sky in, its picture and light out. Invariant: a sky that exists is bright somewhere.
+//! Sky. In go fields of a file, out come its picture and light. Invariant: a sky that exists is not black.
 
 use super::{Resolver, track};
 use crate::color::Rgb;
@@ -59,7 +59,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Radiances below 0, which filters leave behind, count as 0.
+    /// Radiances below 0, which filters cause, become 0.
     fn image_of_sky(&mut self, path: &Path) -> Option<SkyPicture> {
         let image = self.sky_image.take()?;
         let name = path.display().to_string();

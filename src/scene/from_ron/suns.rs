@@ -1,5 +1,5 @@
-//! Picture on a sun's disc: limb darkening, an image or a fractal. In go the fields of a RON sun, out
-//! comes a [`SunPicture`]. Invariant: a picture has a disc to be on, and is not black.
+//! Picture on a sun's disc: limb darkening, an image or a fractal. In go the fields of a RON sun, out comes a
+//! [`SunPicture`]. Invariant: a picture has a disc, and is not black.
 
 use super::Resolver;
 use super::lights::is_always_zero;
@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 impl Resolver<'_> {
-    /// A sun without its direction and power.
+    /// Kind of a sun, without its direction and power.
     pub(super) fn sun(&mut self, owner: &str, sun: &ron::Sun) -> Option<LightKind> {
         let ron::Sun {
             angular_diameter_deg,
@@ -61,7 +61,7 @@ impl Resolver<'_> {
     }
 
     fn image_of_sun(&mut self, owner: &str, path: &Path, darkening: f64) -> Option<SunPicture> {
-        // Images that could not be read were reported when the file was.
+        // An image that could not be read is reported already.
         let image = self.sun_images.get(path)?;
         let picture = SunPicture::new(SunShows::Image(Arc::clone(image)), darkening);
         if picture.is_none() {
@@ -82,7 +82,7 @@ impl Resolver<'_> {
         SunPicture::new(SunShows::Julia(julia), darkening)
     }
 
-    /// Each picture takes its time and memory.
+    /// Limits the number of pictures, each of which takes time and memory.
     pub(super) fn check_number_of_sun_pictures(&mut self) {
         let has_picture =
             |light: &Light| matches!(&light.kind, LightKind::SunDisc(disc) if disc.picture.is_some());

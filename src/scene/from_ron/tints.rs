@@ -1,18 +1,18 @@
-//! Colours by leaf: a material in, the same in a tint out. Invariant: leaves whose tints no display tells
-//! apart share a material.
+//! Tints of leaves. In goes a material, out comes the same with a tint. Invariant: leaves with
+//! indistinguishable tints share a material.
 
 use super::{Instance, MaterialIndex, MeshIndex, NodeIndex, Resolver};
 use crate::color::Rgb;
 
-/// Tints between the first of a list of colours and the last.
+/// Number of tints between the first of a list of colours and the last.
 const STEPS: u16 = 1024;
 
-/// A tint: its colour, in steps that no display tells apart, so that equal ones are known.
+/// Tint, quantized to invisible steps, so that equal ones can be found.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub(super) struct Level([u64; 3]);
 
 impl Level {
-    /// The one that lies so far along straight lines between colours, `0..1`.
+    /// Tint at a fraction `0..1` of the polyline through the colours.
     fn of(colors: &[Rgb], along: f64) -> Self {
         let step = (along * f64::from(STEPS)).floor() / f64::from(STEPS - 1);
         let place = step.min(1.0) * (colors.len() - 1) as f64;
@@ -31,7 +31,7 @@ impl Resolver<'_> {
         self.tinted_instance(node, mesh, (material, material));
     }
 
-    /// Places a mesh cut in the shape of one material and shown in another.
+    /// Places a mesh that is cut by one material's mask and shown in another.
     pub(super) fn tinted_instance(
         &mut self,
         node: NodeIndex,
@@ -45,7 +45,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Places one of the meshes that take turns under one id.
+    /// Places one of the meshes of a sequence, all with one id.
     fn one_of(
         &mut self,
         leaf_id: u32,
@@ -59,7 +59,7 @@ impl Resolver<'_> {
         self.scene.instances.push(Instance { node, mesh, material: shown, leaf_id, deformation });
     }
 
-    /// Says that leaves of a block have a tint and nothing that is tinted.
+    /// Reports a block whose tint affects none of its materials.
     pub(super) fn check_tint(&mut self, owner: &str, has_tint: bool, materials: &[String]) {
         if has_tint && materials.is_empty() {
             let (expected, remedy) = ("`materials` beside it", "name a material of `materials`");
@@ -67,7 +67,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// A material in the tint of one leaf, which `chance` picks.
+    /// Material with the tint of one leaf, which `chance` selects.
     pub(super) fn tinted(
         &mut self,
         material: Option<MaterialIndex>,

@@ -1,12 +1,12 @@
-//! Keyed values in, tracks in SI units out. Invariant: a track stays within its field's range
-//! between its keys too, because the control points of all its curves do.
+//! Keyed values. In go keys of a file, out come tracks in SI units. Invariant: a track stays within its
+//! field's range between keys too, as the control points of all its curves do.
 
 use super::problems::Problems;
 use crate::description::ron::{self, Animated, Degrees, Keyable, Keys, Quaternion, ToNext, Vector};
 use crate::scene::{Animate, Handle, Key, Rotation, Segment, Track};
 use glam::DQuat;
 
-/// The track of `field`.
+/// Track of `field`.
 pub(super) fn track<T: Keyable<Si: Animate>>(
     keyed: &Animated<T>,
     field: &str,
@@ -20,7 +20,7 @@ pub(super) fn track<T: Keyable<Si: Animate>>(
     Track::new(keys.keys.iter().map(resolved).collect(), keys.extend)
 }
 
-/// The rotation from the two ways to write one; `None` also if both are written.
+/// Rotation from either of its two forms; `None` without, or with both.
 pub(super) fn rotation(
     degrees: Option<&Animated<Vector<Degrees>>>,
     quaternion: Option<&Animated<Quaternion>>,

@@ -1,5 +1,5 @@
-//! Fog as dense as the voxels of a file. In go fields, out come grids. Invariant: what the file says stands
-//! nowhere else.
+//! Fog from OpenVDB files. In go fields, out come grids. Invariant: fields that the file replaces are
+//! refused.
 
 use super::Resolver;
 use super::track;
@@ -10,7 +10,7 @@ use crate::scene::{GridFrames, Track};
 use std::path::Path;
 
 impl Resolver<'_> {
-    /// The grids of a bank; `None` where they are refused.
+    /// Grids of a fog volume; `None` if they are refused.
     pub(super) fn fog_grids(&mut self, owner: &str, fog: &ron::Fog, path: &Path) -> Option<GridFrames> {
         let others = [
             ("min_m", fog.min_m.is_some()),
@@ -47,7 +47,7 @@ impl Resolver<'_> {
         grids.map_err(told).ok()
     }
 
-    /// Fog that names no file names no grid.
+    /// Refuses names of grids without a file.
     pub(super) fn check_no_grids(&mut self, owner: &str, fog: &ron::Fog) {
         let names = [
             ("grid", fog.grid.is_some()),

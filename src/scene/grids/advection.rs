@@ -1,8 +1,8 @@
-//! Voxels between two files of a sequence. In go both, out come voxels as their velocities carry them.
+//! Advection between two files of a sequence. In go both, out come voxels carried by their velocities.
 //! Invariant: at a file's own time they are that file's.
 //!
-//! Semi-Lagrangian from both sides: what was, or will be, where the velocity of a place leads back or on
-//! (Stam 1999, "Stable fluids", section 3.2), mixed by how near each file is.
+//! The method is semi-Lagrangian from both sides (Stam 1999, "Stable fluids", section 3.2): values at the
+//! places to which velocity leads back, or on, weighted by the nearness of each file.
 
 use super::velocities::Velocities;
 use super::{FogPart, FogVoxels};
@@ -12,13 +12,13 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Voxels that a velocity may carry anything between two files; where one carries farther, none does.
+/// Maximum displacement between two files, in voxels; beyond it nothing is advected.
 pub(super) const FARTHEST: f64 = 64.0;
-/// Places along an edge of a brick that tell where velocities carry it, and voxels about it.
+/// Samples of the displacement along an edge of a brick, and margin in voxels.
 const PLACES: i32 = 3;
 const MARGIN: f64 = 2.0;
 
-/// `None` where a file says no velocities, or absurd ones.
+/// Advected voxels; `None` if a file has no velocities, or absurd ones.
 pub(super) fn between(
     files: [&FogVoxels; 2],
     [earlier_s, later_s]: [f64; 2],
@@ -63,7 +63,7 @@ pub(super) fn between(
     Some(fog)
 }
 
-/// One for each kind of part that is in either.
+/// Parts of either file, one for each kind.
 fn parts_of(files: [&FogVoxels; 2]) -> Vec<FogPart> {
     let mut parts: Vec<FogPart> = Vec::new();
     for part in files.iter().flat_map(|file| &file.parts) {
@@ -74,18 +74,18 @@ fn parts_of(files: [&FogVoxels; 2]) -> Vec<FogPart> {
     parts
 }
 
-/// How a file's voxels are carried to a time.
+/// Advection of a file's voxels to a time.
 struct Carry {
     voxel_from_shape: DAffine3,
     velocities: Arc<Velocities>,
-    /// From its time to that; negative of the later file.
+    /// Time from the file, negative for the later one.
     seconds: f64,
-    /// How much it counts.
+    /// Weight of the file.
     weight: f64,
 }
 
 impl Carry {
-    /// How far a place of the shape is carried.
+    /// Displacement of a place of the shape.
     fn way(&self, place: DVec3) -> DVec3 {
         self.seconds * self.velocities.at(place)
     }
@@ -95,7 +95,8 @@ impl Carry {
     }
 }
 
-/// Both, on voxels of a space; `None` inside where nothing is left, outside where it is carried too far.
+/// Weighted mean of both, on the voxels of a space: the inner `None` if it is empty, the outer one if a
+/// displacement is too large.
 fn mixed(
     voxels: [Option<&Voxels>; 2],
     carries: &[Carry; 2],

@@ -1,11 +1,11 @@
-//! Leaves of a file's grids. In go trees, out come bricks of voxels. Invariant: what is not active has the
-//! value that is asked for in its place.
+//! Leaves of a file's grids. In go trees, out come bricks of voxels. Invariant: inactive voxels have the
+//! value `off`.
 
 use crate::description::vdb::{Value, Values};
 use crate::math::{BRICK, VectorVoxels};
 use glam::{IVec3, Vec3};
 
-/// Leaves with a value for what is not active.
+/// Leaves with `off` for inactive voxels.
 pub(super) fn leaves<V: Value>(values: &Values<V>, off: V) -> impl Iterator<Item = (IVec3, Vec<V>)> + '_ {
     values.tree.leaves().map(move |leaf| {
         let mut values = vec![off; BRICK];
@@ -14,7 +14,7 @@ pub(super) fn leaves<V: Value>(values: &Values<V>, off: V) -> impl Iterator<Item
     })
 }
 
-/// Vectors that the values of a grid stand for.
+/// Vectors from the values of a grid.
 pub(super) fn vector_voxels<V: Value>(grid: &Values<V>, of: impl Fn(V) -> Vec3) -> VectorVoxels {
     let mut voxels = VectorVoxels::new(of(grid.tree.background));
     for tile in &grid.tree.tiles {

@@ -16,102 +16,102 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use velocities::Velocities;
 
-/// Default name of a grid of density.
+/// Default name of the density grid.
 pub(super) const USUAL_GRID: &str = "density";
-/// Frames of a sequence whose voxels are in memory: those about a time, and what lies between.
+/// Cached frames: those around a time, and the interpolated one.
 const KEPT: usize = 3;
 
-/// Fog by grids of a file, or of a file a frame.
+/// Fog from the grids of a file, or of a file a frame.
 #[derive(Clone, Debug)]
 pub struct GridFrames {
-    /// Path of the file; of a sequence with signs in the number's place.
+    /// Path of the file; for a sequence, with its placeholder.
     pub path: PathBuf,
-    /// Which of its grids count.
+    /// Names of the grids that are used.
     pub names: GridNames,
-    /// At least one, by time.
+    /// Frames by time, at least one.
     pub frames: Vec<GridFrame>,
     /// Emission where its grid is 1, W m^-3 sr^-1.
     pub emission: Track<Rgb>,
-    /// Name among those that count which several grids have.
+    /// Name of a used grid that several grids of the file have.
     pub shared_name: Option<String>,
     between: Between,
     kept: Recent<Asked, Option<Arc<FogVoxels>>>,
 }
 
-/// What lies between two files.
+/// State between two files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Between {
-    /// What is of the nearer.
+    /// That of the nearer file.
     Held,
-    /// What velocities of both carry there.
+    /// Advected from both files by their velocities.
     Carried,
-    /// The same, but for places that are so fast that all of it is held.
+    /// Advected, except that velocities are too large, so that the nearer file is used.
     CarriedTooFar,
 }
 
 /// Names of grids.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GridNames {
-    /// Grid that is multiplied by the fog's density.
+    /// Grid that multiplies the fog's density.
     pub density: String,
-    /// Colours that are multiplied by its albedo.
+    /// Grid of colours that multiply its albedo.
     pub albedo: Option<String>,
-    /// Grid that shines.
+    /// Grid of emission.
     pub emission: Option<String>,
-    /// So many kelvin it has where it is 1, if it shines as a black body.
+    /// Temperature in kelvin where that grid is 1, for blackbody emission.
     pub kelvin: Option<f64>,
-    /// Whether that is one of Blender's Principled Volume.
+    /// Whether blackbody emission is that of Blender's Principled Volume.
     pub is_principled: bool,
 }
 
-/// Grids about a time.
+/// Grids at a time.
 #[derive(Clone, Debug)]
 pub struct GridFrame {
-    /// Their own.
+    /// Time of the grids.
     pub time_s: f64,
     source: Source,
 }
 
-/// Where voxels come from.
+/// Source of voxels.
 #[derive(Clone, Debug)]
 enum Source {
-    /// They are there.
+    /// Voxels in memory.
     Made(Arc<FogVoxels>),
-    /// From the file whenever they are asked for: a sequence is larger than memory.
+    /// File that is decoded on demand, as a sequence may exceed memory.
     File(Arc<GridFile>),
 }
 
-/// Fog by voxels at one time.
+/// Fog from voxels at one time.
 #[derive(Debug, Default)]
 pub struct FogVoxels {
-    /// From coordinates of voxels, whole at their middles.
+    /// Transform from voxel coordinates, which are integers at centres.
     pub shape_from_voxel: DAffine3,
-    /// Fogs that lie in one another and are the whole together; one, unless albedo differs by voxel.
+    /// Overlapping volumes, whose sum is the fog; one, unless albedo varies by voxel.
     pub parts: Vec<FogPart>,
     /// Transform from the emission grid's own coordinates.
     pub shape_from_shining: DAffine3,
-    /// Its light by what each is multiplied with.
+    /// Emission: voxels with their factors.
     pub shining: Vec<(Rgb, Arc<Voxels>)>,
     /// Velocities in the shape's space.
     velocities: Option<Arc<Velocities>>,
 }
 
-/// Fog of which all scatters alike.
+/// Fog of a single albedo.
 #[derive(Clone, Debug)]
 pub struct FogPart {
-    /// Its share of extinction by channel.
+    /// Its share of extinction, by channel.
     pub extinction: Rgb,
-    /// How much of that scatters, as a share of the fog's albedo.
+    /// Its albedo, relative to the fog's.
     pub albedo: Rgb,
-    /// Its numbers.
+    /// Its densities.
     pub voxels: Arc<LitVoxels>,
 }
 
-/// The frame before a time, and how far it lies behind; 0 is the frame itself.
+/// Frame before a time, and the bits of the fraction after it; 0 is the frame itself.
 type Asked = (usize, u64);
 
 impl GridNames {
-    /// Name that several grids have, the first of which counts.
+    /// Name of several grids, the first of which is used.
     fn shared(&self, grids: &[Grid]) -> Option<String> {
         let names = [Some(&self.density), self.albedo.as_ref(), self.emission.as_ref()];
         let is_shared = |name: &&String| grids.iter().filter(|grid| grid.name == **name).count() > 1;
@@ -120,14 +120,14 @@ impl GridNames {
 }
 
 impl GridFrame {
-    /// Voxels of a time that are at hand.
+    /// Frame of voxels in memory.
     pub fn made(time_s: f64, voxels: FogVoxels) -> Self {
         Self { time_s, source: Source::Made(Arc::new(voxels)) }
     }
 }
 
 impl FogVoxels {
-    /// Fog that scatters alike throughout and does not shine.
+    /// Fog of a single albedo without emission.
     pub fn plain(shape_from_voxel: DAffine3, voxels: Voxels) -> Self {
         let part = FogPart { extinction: Rgb::ONE, albedo: Rgb::ONE, voxels: Arc::new(voxels.into()) };
         Self { shape_from_voxel, parts: vec![part], ..Self::default() }
@@ -135,7 +135,7 @@ impl FogVoxels {
 }
 
 impl GridFrames {
-    /// Frames of grids of one name, without emission.
+    /// Frames of grids with one name, without emission.
     pub fn new(path: PathBuf, density: &str, frames: Vec<GridFrame>) -> Self {
         let names = GridNames { density: density.to_owned(), ..GridNames::default() };
         let emission = Track::from(Rgb::ZERO);
@@ -143,8 +143,8 @@ impl GridFrames {
         Self { path, names, frames, emission, shared_name: None, between, kept }
     }
 
-    /// Grids at a time: between files carried from both by their velocities, or, without, those of
-    /// the nearer. `None` where nothing is.
+    /// Grids at a time: between files advected from both by their velocities, or without velocities those of
+    /// the nearer one. `None` if it is empty.
     pub fn at(&self, time_s: f64) -> Option<Arc<FogVoxels>> {
         let after = self.frames.partition_point(|frame| frame.time_s <= time_s);
         let before = after.saturating_sub(1);
@@ -163,12 +163,12 @@ impl GridFrames {
         })
     }
 
-    /// Whether anything is carried between its files.
+    /// Whether anything is advected between its files.
     pub fn is_carried(&self) -> bool {
         self.between != Between::Held
     }
 
-    /// What lies between its files.
+    /// State between its files.
     pub fn between(&self) -> Between {
         self.between
     }
@@ -183,14 +183,14 @@ impl GridFrames {
     }
 }
 
-/// Why a grid is no fog.
+/// Reason why a grid is refused.
 pub(super) struct Refused {
     pub(super) found: String,
     pub(super) expected: String,
     pub(super) remedy: &'static str,
 }
 
-/// The grids of names in files, shining as said, of a sequence at a frame rate.
+/// Grids of these names in files, with their emission; sequences have a frame rate.
 pub(super) fn grid_frames(
     files: &GridFiles,
     names: GridNames,
@@ -210,7 +210,7 @@ pub(super) fn grid_frames(
             if is_sequence { Source::File(Arc::clone(file)) } else { Source::Made(Arc::new(voxels)) };
         Ok((GridFrame { time_s: frame_rate.seconds(number as f64), source }, most, names.shared(&grids)))
     });
-    // Of several errors the first.
+    // The first of several errors.
     let frames: Vec<_> = frames.collect();
     let frames = frames.into_iter().collect::<Result<Vec<_>, _>>()?;
     let most_a_second =

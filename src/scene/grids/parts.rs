@@ -1,6 +1,6 @@
-//! Voxels of one file. In go its grids and which of them count, out come fogs that lie in one another.
-//! Invariant: between voxels all is linear. So fog whose albedo differs by voxel is told by two of one albedo
-//! each, what scatters and what absorbs.
+//! Voxels of one file. In go its grids and their names, out come overlapping volumes. Invariant: values are
+//! linear between voxels. So fog whose albedo varies by voxel becomes two volumes, one that scatters and one
+//! that absorbs.
 
 use super::leaves::{leaves, vector_voxels};
 use super::velocities::Velocities;
@@ -11,16 +11,16 @@ use crate::math::{BRICK, VectorVoxels, Voxels, VoxelsBuilder, VoxelsError};
 use glam::{IVec3, Vec3};
 use std::sync::Arc;
 
-/// Albedos may be more than 1 by so much, by rounding.
+/// Maximum albedo, with a tolerance for rounding.
 const MOST_ALBEDO: f32 = 1.001;
-/// Colours of black bodies are found for so many temperatures, and linear between them.
+/// Number of temperatures in the table of blackbody colours, which is linear between them.
 const TEMPERATURES: usize = 4096;
-/// Temperature that light may be told in proportion to, and how often as bright it may be at most.
+/// Minimum temperature of a reference, and maximum brightness relative to it.
 const COLDEST: f64 = 100.0;
 const BRIGHTEST: f64 = 1e12;
 const CHANNELS: [Rgb; 3] = [Rgb::X, Rgb::Y, Rgb::Z];
 
-/// All that counts of a file's grids.
+/// Volumes of a file's grids.
 pub(super) fn fog_voxels(grids: &[Grid], names: &GridNames) -> Result<FogVoxels, Refused> {
     let density = floats(grids, &names.density)?;
     let mut fog = match &names.albedo {
@@ -55,12 +55,12 @@ fn grid<'a>(grids: &'a [Grid], name: &str) -> Result<&'a Grid, Refused> {
     if grids.is_empty() {
         return refused(found, "a grid", "write the fog's grids into it");
     }
-    // A name may hold anything.
+    // Names may contain any character.
     let names: Vec<String> = grids.iter().map(|grid| format!("`{}`", grid.name.escape_debug())).collect();
     refused(found, &format!("one of {}", names.join(", ")), "name one of them")
 }
 
-/// A grid of numbers that may be fog or what shines in it.
+/// Scalar grid for fog or emission.
 fn floats<'a>(grids: &'a [Grid], name: &str) -> Result<&'a Floats, Refused> {
     let grid = grid(grids, name)?;
     let Some(floats) = &grid.floats else {
@@ -97,7 +97,7 @@ fn unbuilt(name: &str, error: VoxelsError) -> Refused {
     Refused { found, expected: expected.to_owned(), remedy }
 }
 
-/// Active voxels alone: what else a file holds is no part of the grid.
+/// Voxels of active values; inactive ones are not part of the grid.
 fn built(floats: &Floats, of: impl Fn(f32) -> f32) -> Result<Voxels, VoxelsError> {
     let mut builder = VoxelsBuilder::of_up_to(floats.tree.leaves().len());
     for tile in &floats.tree.tiles {
@@ -109,7 +109,7 @@ fn built(floats: &Floats, of: impl Fn(f32) -> f32) -> Result<Voxels, VoxelsError
     builder.built()
 }
 
-/// Grids that scatter all light of a channel, and that absorb it; one for all channels where they are alike.
+/// Volumes that scatter and that absorb all light of a channel; one for all channels where they are equal.
 fn by_albedo(
     (of_density, density): (&str, &Floats),
     (name, colors): (&str, &Vectors),
@@ -142,7 +142,7 @@ fn by_albedo(
                     let albedo = if scatters { Rgb::ONE } else { Rgb::ZERO };
                     parts.push(FogPart { extinction, albedo, voxels: Arc::new(voxels.into()) });
                 }
-                // Nothing there scatters, or nothing absorbs.
+                // Nothing scatters, or nothing absorbs.
                 Err(VoxelsError::Empty) => {}
                 Err(error) => return Err(unbuilt(of_density, error)),
             }
@@ -151,7 +151,7 @@ fn by_albedo(
     if parts.is_empty() { Err(unbuilt(of_density, VoxelsError::Empty)) } else { Ok(parts) }
 }
 
-/// Density times a share that colours say.
+/// Voxels of density times a share by colour.
 fn built_with(
     density: &Floats,
     colors: &VectorVoxels,
@@ -187,7 +187,7 @@ fn blackbody(names: &GridNames, kelvin: f64) -> Blackbody {
     }
 }
 
-/// Emitters: as a grid says, or as a black body of so many kelvin where it is 1.
+/// Emission: as the grid has it, or of black bodies with this temperature where it is 1.
 fn shining_parts(
     name: &str,
     grid: &Floats,
@@ -204,7 +204,7 @@ fn shining_parts(
     };
     let most = grid.extent().map_or(0.0, |extent| extent.most);
     let hottest = kelvin * f64::from(most);
-    // As a comparison of what is no number fails too.
+    // Written so that NaN is refused too.
     if !(kelvin >= COLDEST && blackbody.at(hottest).max_element() <= BRIGHTEST) {
         let found =
             format!("grid `{name}` is {hottest} K where it is hottest, and shines as if 1 were {kelvin} K");

@@ -1,21 +1,21 @@
-//! Velocities of a file: one grid of vectors, also staggered, or a grid of numbers for each axis. In go
-//! grids, out come velocities of places. Invariant: without a grid by a usual name there are none.
+//! Velocities of a file: one vector grid, perhaps staggered, or a scalar grid for each axis. In go grids, out
+//! come velocities at places. Invariant: only grids with a usual name are used.
 
 use super::leaves::vector_voxels;
 use crate::description::vdb::{Floats, Grid};
 use crate::math::VectorVoxels;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-/// Usual names of grids of velocities.
+/// Usual names of velocity grids.
 const NAMES: [&str; 3] = ["velocity", "vel", "v"];
-/// What stands between such a name and an axis.
+/// Separators between such a name and an axis.
 const SEPARATORS: [&str; 3] = ["_", ".", ""];
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Velocities throughout a space.
+/// Velocity field.
 #[derive(Debug)]
 pub(super) struct Velocities {
-    /// Grids that add up, with transforms to their voxels.
+    /// Grids whose sum it is, with transforms to their voxels.
     parts: Vec<Part>,
 }
 
@@ -37,7 +37,7 @@ impl Velocities {
         self.parts.iter().map(of_part).sum()
     }
 
-    /// As many voxels a second as any of them goes at most, along one axis.
+    /// Maximum speed along an axis, in voxels a second.
     pub(super) fn most(&self, voxel_from_space: DMat3) -> f64 {
         let most = |(_, voxels): &Part| {
             let along = |velocity: Vec3| (voxel_from_space * velocity.as_dvec3()).abs().max_element();
@@ -53,7 +53,7 @@ fn of_vectors(grids: &[Grid], name: &str) -> Option<Vec<Part>> {
     if !grid.is_staggered {
         return Some(vec![(vectors.transform, vector_voxels(vectors, Vec3::from))]);
     }
-    // Each number is of the face before its voxel.
+    // Each component belongs to the lower face of its voxel.
     let of_axis = |axis: usize| {
         let before = DAffine3::from_translation(-0.5 * DVec3::AXES[axis]);
         let along = move |vector: [f32; 3]| vector[axis] * Vec3::AXES[axis];

@@ -1,24 +1,24 @@
-//! Values that can be keyed: numbers, vectors, turns, switches. In go values, out come values between
-//! them. Invariant: a value between two is valid if they are.
+//! Types that can be keyed: numbers, vectors, rotations, switches. In go values, out come interpolated ones.
+//! Invariant: interpolation of valid values is valid.
 
 use glam::{DQuat, DVec3};
 use half::f16;
 
-/// Value that can be keyed.
+/// Type that can be keyed.
 pub trait Animate: Copy + PartialEq {
-    /// The derivative of a value that does not change.
+    /// Derivative of a constant.
     const ZERO: Self;
-    /// Bytes that may stand for a value and its derivative; 0 if that is not provided for.
+    /// Bytes of the compact form of a value and its derivative; 0 without one.
     const BYTES: usize = 0;
-    /// Appends them, with all numbers rounded to what they hold.
+    /// Appends the compact form, with numbers rounded to its precision.
     fn push_bytes(self, _derivative: Self, _out: &mut Vec<u8>) {}
-    /// Value and derivative of so many bytes.
+    /// Decodes a value and its derivative.
     fn from_bytes(_bytes: &[u8]) -> (Self, Self) {
         (Self::ZERO, Self::ZERO)
     }
     /// Linear interpolation from `a` at 0 to `b` at 1.
     fn lerp(a: Self, b: Self, fraction: f64) -> Self;
-    /// `sum(weights[i] * values[i])`, brought back to where such values live (unit quaternions).
+    /// `sum(weights[i] * values[i])`, projected to valid values (unit quaternions).
     fn blend(values: [Self; 4], weights: [f64; 4]) -> Self;
 }
 
@@ -35,7 +35,7 @@ impl Animate for f64 {
 impl Animate for DVec3 {
     const ZERO: Self = Self::ZERO;
 
-    // Places to 24 digits, velocities to 11: between keys, these matter less.
+    // Values have 24 bits, derivatives 11: between keys these matter less.
     const BYTES: usize = 3 * (4 + 2);
     fn push_bytes(self, derivative: Self, out: &mut Vec<u8>) {
         out.extend(self.as_vec3().to_array().into_iter().flat_map(f32::to_le_bytes));
@@ -67,7 +67,7 @@ impl<const N: usize> Animate for [f64; N] {
 
 impl Animate for DQuat {
     const ZERO: Self = Self::from_xyzw(0.0, 0.0, 0.0, 0.0);
-    // Of unit length: whole numbers of 16 bits are as fine for all of them.
+    // Components of a unit quaternion in 16-bit integers, uniformly fine.
     const BYTES: usize = 4 * (2 + 2);
     fn push_bytes(self, derivative: Self, out: &mut Vec<u8>) {
         let whole = |number: f64| (number * FINENESS).round() as i16;
@@ -80,8 +80,8 @@ impl Animate for DQuat {
         (Self::from_array(std::array::from_fn(number)), Self::from_array(halves(derivative)))
     }
 
-    /// Shoemake's slerp (SIGGRAPH 1985) along the shorter arc. The angle comes from an arc tangent:
-    /// near zero, where keys of a slow turn are, an arc cosine would lose half the digits.
+    /// Shoemake's slerp (SIGGRAPH 1985) along the shorter arc. The angle comes from an arc tangent: near
+    /// zero, for keys of a slow rotation, an arc cosine would lose half the digits.
     fn lerp(a: Self, b: Self, fraction: f64) -> Self {
         let b = if a.dot(b) < 0.0 { -b } else { b };
         let angle = 2.0 * f64::atan2((a - b).length(), (a + b).length());
@@ -97,10 +97,10 @@ impl Animate for DQuat {
     }
 }
 
-/// Numbers from -1 to 1 in units of 16-bit numbers.
+/// Steps of the 16-bit integers for numbers from -1 to 1.
 const FINENESS: f64 = 32768.0;
 
-/// In half precision; none as large as infinity.
+/// Appends numbers in half precision, clamped below infinity.
 fn push_halves(numbers: &[f64], out: &mut Vec<u8>) {
     let most = f16::MAX.to_f64();
     out.extend(numbers.iter().flat_map(|&number| f16::from_f64(number.clamp(-most, most)).to_le_bytes()));
@@ -110,12 +110,12 @@ fn halves<const N: usize>(bytes: &[u8]) -> [f64; N] {
     std::array::from_fn(|at| f16::from_le_bytes(array(bytes, at)).to_f64())
 }
 
-/// Bytes of the number at a place among others that are as long.
+/// Bytes of the number at an index.
 fn array<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     std::array::from_fn(|byte| bytes[N * at + byte])
 }
 
-/// The quaternion at unit length; the identity where it has none (two opposite keys blended).
+/// Quaternion at unit length; the identity if it is zero (two opposite keys blended).
 fn unit(quaternion: DQuat) -> DQuat {
     let length = quaternion.length();
     if length > 0.0 { quaternion * length.recip() } else { DQuat::IDENTITY }

@@ -1,6 +1,5 @@
-//! Keys of smooth curves in a few bytes each, in memory as on the disk. In go keys, out come the same keys.
-//! Invariant: keys that would not come back bit by bit do not become compact; who wants them to, shortens
-//! their numbers first.
+//! Compact keys of smooth curves, the same in memory and on the disk. In go keys, out come the same keys.
+//! Invariant: keys that would lose a bit are refused; callers round their numbers first.
 
 use super::{Animate, Key, Segment};
 use std::marker::PhantomData;
@@ -18,17 +17,17 @@ pub(in crate::inside::scene) struct SmoothKey<T> {
 /// Bytes of a time: single precision, counted from the start.
 const TIME: usize = size_of::<f32>();
 
-/// Compact keys, at least one, little-endian: of each its time, then value and slope ([`Animate::BYTES`]).
+/// Compact keys, at least one, little-endian: for each its time, then value and slope ([`Animate::BYTES`]).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Compact<T> {
     start_s: f64,
-    /// Two pieces, so that none is copied when curves are joined. The second may be empty.
+    /// Two pieces, so that joining curves copies none. The second may be empty.
     pieces: [Box<[u8]>; 2],
     of: PhantomData<T>,
 }
 
 impl<T: Animate> SmoothKey<T> {
-    /// Key with numbers that compact ones have, in a track that starts then.
+    /// Key rounded to the precision of compact ones, in a track that starts at `start_s`.
     pub(in crate::inside::scene) fn shortened(self, start_s: f64) -> Self {
         let mut bytes = Vec::with_capacity(Compact::<T>::STRIDE);
         self.push(start_s, &mut bytes);
@@ -49,7 +48,7 @@ impl<T: Animate> SmoothKey<T> {
 impl<T: Animate> Compact<T> {
     const STRIDE: usize = TIME + T::BYTES;
 
-    /// `None` if something would be lost.
+    /// Compact keys; `None` if anything would be lost.
     pub(super) fn new(start_s: f64, keys: &[SmoothKey<T>]) -> Option<Self> {
         if T::BYTES == 0 {
             return None;
@@ -68,13 +67,13 @@ impl<T: Animate> Compact<T> {
         Self { start_s, pieces: [bytes, Box::default()], of: PhantomData }
     }
 
-    /// Whether others may follow: both are of one piece, and their times are counted alike.
+    /// Whether another curve may follow: both have one piece, and the same start of times.
     pub(super) fn can_precede(&self, next: &Self) -> bool {
         let is_one_piece = |curve: &Self| curve.pieces[1].is_empty();
         self.start_s == next.start_s && is_one_piece(self) && is_one_piece(next)
     }
 
-    /// These keys but the last, then others that start with it and may follow.
+    /// These keys without the last, then those of a curve that starts with it.
     pub(super) fn then(self, next: Self) -> Self {
         let ([first, _], [second, _]) = (self.pieces, next.pieces);
         let mut first = first.into_vec();
@@ -82,14 +81,14 @@ impl<T: Animate> Compact<T> {
         Self { pieces: [first.into(), second], ..Self::of(self.start_s, Box::default()) }
     }
 
-    /// Length in bytes, the start, the keys.
+    /// Writes the length in bytes, the start, and the keys.
     pub(super) fn write(&self, out: &mut Vec<u8>) {
         out.extend(((self.len() * Self::STRIDE) as u64).to_le_bytes());
         out.extend(self.start_s.to_le_bytes());
         self.pieces.iter().for_each(|piece| out.extend_from_slice(piece));
     }
 
-    /// Reads what was written off the front of `bytes`; `None` of anything else.
+    /// Reads what `write` wrote from the front of `bytes`; `None` for anything else.
     pub(super) fn read(bytes: &mut &[u8]) -> Option<Self> {
         let (length, rest) = bytes.split_first_chunk()?;
         let (start_s, rest) = rest.split_first_chunk()?;

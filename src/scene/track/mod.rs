@@ -1,5 +1,5 @@
-//! Keys in, the value at any time out. Invariant: at least one key, key times strictly increasing,
-//! so that every time has exactly one value.
+//! Tracks of keys. In go keys, out comes the value at any time. Invariant: at least one key, key times
+//! strictly increasing, so that every time has exactly one value.
 
 mod animate;
 mod compact;
@@ -20,12 +20,12 @@ pub use crate::description::ron::Extend;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T>(Course<T>);
 
-/// Most tracks of a scene never change, and most others are smooth.
+/// Storage: most tracks of a scene are constant, and most others are smooth.
 #[derive(Clone, Debug, PartialEq)]
 enum Course<T> {
     /// One key, at 0.
     Still(T),
-    /// Smooth between keys, held beyond them.
+    /// Smooth between keys, constant outside.
     Smooth(Box<Compact<T>>),
     Keyed(Box<Keyed<T>>),
 }
@@ -39,26 +39,26 @@ struct Keyed<T> {
     extend: Extend,
 }
 
-/// Ways from key to key. Any curves take several times the memory of what scenes by the thousand nodes are
-/// made of: straight lines between sampled keys, and smooth curves.
+/// Segments between keys. Large scenes mostly have linear or smooth ones, whose forms take a fraction of the
+/// memory.
 #[derive(Clone, Debug, PartialEq)]
 enum Ways<T> {
-    /// One way from every key.
+    /// One segment for all keys.
     Alike(Segment<T>),
     /// Splines with one slope at each key, on both its sides.
     Smooth(Vec<T>),
-    /// A way for each key.
+    /// A segment for each key.
     Each(Vec<Segment<T>>),
 }
 
-/// A value at a time, and the way to the next key.
+/// Value at a time, and the segment to the next key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key<T> {
     /// Seconds.
     pub time_s: f64,
     /// The value there.
     pub value: T,
-    /// Way from here to the next key; of the last key, not used.
+    /// Segment to the next key; unused for the last key.
     pub to_next: Segment<T>,
 }
 
@@ -69,7 +69,7 @@ impl<T> From<T> for Track<T> {
 }
 
 impl<T: Animate> Track<T> {
-    /// Track of a linear function of every value: keys and derivatives alike.
+    /// Track under a linear map of values and derivatives.
     pub fn map_linear<U>(&self, map: impl Fn(T) -> U) -> Track<U> {
         let handle = |handle: Handle<T>| Handle { time_s: handle.time_s, value: map(handle.value) };
         let segment = |segment: Segment<T>| match segment {
@@ -92,8 +92,7 @@ impl<T: Animate> Track<T> {
 }
 
 impl<T: Animate> Track<T> {
-    /// A track through `keys`; `None` if there are none, a time is not finite, or times do not
-    /// strictly increase.
+    /// Track of `keys`; `None` if there are none, a time is not finite, or times do not strictly increase.
     pub fn new(keys: Vec<Key<T>>, extend: Extend) -> Option<Self> {
         let finite = keys.iter().all(|key| key.time_s.is_finite());
         let increasing = keys.windows(2).all(|pair| pair[0].time_s < pair[1].time_s);
@@ -113,7 +112,7 @@ impl<T: Animate> Track<T> {
         Some(Self(Course::Keyed(Box::new(Keyed { times_s, values, to_next, extend }))))
     }
 
-    /// A smooth curve that starts at a time, or later.
+    /// Smooth curve that starts at `start_s` or later.
     pub(in crate::inside::scene) fn smooth(start_s: f64, keys: &[SmoothKey<T>]) -> Option<Self> {
         if let Some(compact) = Compact::new(start_s, keys) {
             return Some(Self(Course::Smooth(Box::new(compact))));
@@ -126,7 +125,7 @@ impl<T: Animate> Track<T> {
         Self::new(keys.iter().enumerate().map(key).collect(), Extend::Hold)
     }
 
-    /// This smooth curve, then another that starts where it ends; the slope there is the other's.
+    /// Joins two smooth curves; the second starts where the first ends, and its slope there is kept.
     pub(in crate::inside::scene) fn then(self, next: Self) -> Option<Self> {
         let (first, next) = match (self.0, next.0) {
             (Course::Smooth(first), Course::Smooth(next)) if first.can_precede(&next) => {
@@ -145,26 +144,26 @@ impl<T: Animate> Track<T> {
         Self::new(keys, Extend::Hold)
     }
 
-    /// Appends a compact curve's bytes; `None` of any other track.
+    /// Appends a compact curve's bytes; `None` for any other track.
     pub(in crate::inside::scene) fn write(&self, out: &mut Vec<u8>) -> Option<()> {
         let Course::Smooth(compact) = &self.0 else { return None };
         compact.write(out);
         Some(())
     }
 
-    /// Reads what was written off the front of `bytes`; `None` of anything else.
+    /// Reads what `write` wrote from the front of `bytes`; `None` for anything else.
     pub(in crate::inside::scene) fn read(bytes: &mut &[u8]) -> Option<Self> {
         Compact::read(bytes).map(|compact| Self(Course::Smooth(Box::new(compact))))
     }
 
-    /// Values between which all lie that it ever takes.
+    /// Values whose convex hull contains all values of the track.
     pub(in crate::inside::scene) fn hull(&self) -> Vec<T> {
         let keys = self.keys();
         let inner = keys.windows(2).flat_map(|pair| pair[0].inner_control_points(&pair[1]));
         keys.iter().map(|key| key.value).chain(inner).collect()
     }
 
-    /// The keys, put together anew.
+    /// Keys, rebuilt from the storage.
     pub fn keys(&self) -> Vec<Key<T>> {
         (0..self.len()).map(|index| self.key(index)).collect()
     }
@@ -183,7 +182,7 @@ impl<T: Animate> Track<T> {
         (self.time_s(0), self.time_s(self.len() - 1))
     }
 
-    /// Extension outside its keys.
+    /// Extrapolation outside its keys.
     pub fn extend(&self) -> Extend {
         match &self.0 {
             Course::Still(_) | Course::Smooth(_) => Extend::Hold,
@@ -225,7 +224,7 @@ impl<T: Animate> Track<T> {
         Key { time_s: keyed.times_s[index], value: keyed.values[index], to_next }
     }
 
-    /// The value of a key at rest; of rounded rotations the one that curves reach there.
+    /// Value of a key, outside of curves; for rounded rotations the one that curves reach there.
     fn held(&self, index: usize) -> T {
         match &self.0 {
             Course::Still(value) => *value,
@@ -234,7 +233,7 @@ impl<T: Animate> Track<T> {
         }
     }
 
-    /// True if the value is the same at all times.
+    /// Whether the value is constant.
     pub fn is_constant(&self) -> bool {
         (1..self.len()).all(|next| {
             let Key { value, to_next, .. } = self.key(next - 1);
@@ -247,11 +246,11 @@ impl<T: Animate> Track<T> {
         })
     }
 
-    /// The value at `time_s`.
+    /// Value at `time_s`.
     pub fn at(&self, time_s: f64) -> T {
         let time_s = self.time_within_keys(time_s);
-        // glTF stores key times in single precision: frame 13 at 24 a second is stored later than
-        // 13/24, which must all the same find that key. Only the choice of key is rounded.
+        // glTF stores key times in single precision: frame 13 at 24 a second is stored after 13/24, and has
+        // to find that key all the same. Only the choice of the key is rounded.
         let after = self.keys_until(time_s as f32);
         if after == 0 || after == self.len() {
             return self.held(after.saturating_sub(1));
@@ -259,7 +258,7 @@ impl<T: Animate> Track<T> {
         between(&self.key(after - 1), &self.key(after), time_s)
     }
 
-    /// Number of keys that are not after a time.
+    /// Number of keys up to a time.
     fn keys_until(&self, time_s: f32) -> usize {
         let (mut low, mut high) = (0, self.len());
         while low < high {
@@ -275,12 +274,12 @@ impl<T: Animate> Track<T> {
             return time_s;
         }
         let wrapped_s = first_s + (time_s - first_s).rem_euclid(last_s - first_s);
-        // Rounding in the line above may leave a full period as well as none.
+        // Rounding above may leave a full period instead of none.
         if wrapped_s as f32 >= last_s as f32 { first_s } else { wrapped_s }
     }
 }
 
-/// Splines whose slopes go on through their keys, the last one towards nowhere; `None` of other keys.
+/// Splines with continuous slopes that end in a derivative of 0; `None` for other keys.
 fn smooth<T: Animate>(keys: &[Key<T>]) -> Option<Vec<SmoothKey<T>>> {
     let mut smooth = Vec::with_capacity(keys.len());
     let mut expected = None;

@@ -1,24 +1,24 @@
-//! The way from one key to the next. In go two keys, out comes the value at any time between them.
-//! Invariant: time never runs backwards, so that every time between two keys has exactly one value.
+//! Segment from one key to the next. In go two keys, out comes the value at any time between them. Invariant:
+//! time never runs backwards on a curve, so that every time has exactly one value.
 
 use super::{Animate, Key};
 
-/// Way of a value from one key to the next.
+/// Interpolation from one key to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Segment<T> {
-    /// Stays until the next key.
+    /// Constant until the next key.
     Step,
-    /// Straight; quaternions along the shortest arc.
+    /// Linear; for quaternions along the shorter arc.
     Linear,
     /// glTF's cubic spline (specification, appendix C): derivatives per second at both ends.
     Hermite {
-        /// Derivative on leaving this key.
+        /// Derivative after this key.
         leave: T,
-        /// Derivative on arriving at the next key.
+        /// Derivative before the next key.
         arrive: T,
     },
-    /// Blender's Bezier curve: time and value of the two inner control points. A handle that reaches
-    /// beyond the other key is shortened to end there, as Blender does.
+    /// Blender's Bezier curve: time and value of the two inner control points. A handle beyond the other key
+    /// is shortened to end there, as in Blender.
     Bezier {
         /// The control point after this key.
         leave: Handle<T>,
@@ -37,7 +37,7 @@ pub struct Handle<T> {
 }
 
 impl<T: Animate> Key<T> {
-    /// A cubic stays within the hull of its ends and of these.
+    /// Inner Bezier control points: the curve stays in the hull of its ends and of these.
     pub(in crate::inside::scene) fn inner_control_points(&self, next: &Self) -> Vec<T> {
         let third_s = (next.time_s - self.time_s) / 3.0;
         let along =
@@ -52,7 +52,7 @@ impl<T: Animate> Key<T> {
     }
 }
 
-/// The value on the way from one key to the next.
+/// Value between two keys.
 pub(super) fn between<T: Animate>(from: &Key<T>, to: &Key<T>, time_s: f64) -> T {
     let duration_s = to.time_s - from.time_s;
     let fraction = ((time_s - from.time_s) / duration_s).clamp(0.0, 1.0);
@@ -73,7 +73,7 @@ pub(super) fn between<T: Animate>(from: &Key<T>, to: &Key<T>, time_s: f64) -> T 
             )
         }
         Segment::Bezier { leave, arrive } => {
-            // Each handle as (fraction of the duration, value), measured from its own key.
+            // Handles as (fraction of the duration, value), relative to their own keys.
             let (leave_x, leave) = shortened((leave.time_s - from.time_s) / duration_s, from.value, leave);
             let (arrive_x, arrive) = shortened((to.time_s - arrive.time_s) / duration_s, to.value, arrive);
             let s = bezier_parameter(fraction, leave_x, 1.0 - arrive_x);
@@ -82,9 +82,9 @@ pub(super) fn between<T: Animate>(from: &Key<T>, to: &Key<T>, time_s: f64) -> T 
     }
 }
 
-/// A handle that reaches at most to the other key, so that time never runs backwards: its reach as a
-/// fraction of the segment's duration, and its value. The same line is kept, only shortened
-/// (Blender, `BKE_fcurve_correct_bezpart` in blenkernel/intern/fcurve.cc).
+/// Handle that reaches at most to the other key, so that time never runs backwards: its reach as a fraction
+/// of the duration, and its value. Its direction is kept (Blender, `BKE_fcurve_correct_bezpart` in
+/// blenkernel/intern/fcurve.cc).
 fn shortened<T: Animate>(reach: f64, key: T, handle: Handle<T>) -> (f64, T) {
     if reach <= 1.0 {
         (reach.max(0.0), handle.value)
@@ -99,10 +99,10 @@ fn bernstein(s: f64) -> [f64; 4] {
     [r * r * r, 3.0 * r * r * s, 3.0 * r * s * s, s * s * s]
 }
 
-/// The parameter at which the Bezier curve with abscissas 0, `x1`, `x2`, 1 is at `x`; all in `0..=1`,
-/// which makes the abscissa increase with the parameter.
+/// Parameter at which the Bezier curve with abscissas 0, `x1`, `x2`, 1 is at `x`; all in `0..=1`, so the
+/// abscissa increases with the parameter.
 fn bezier_parameter(x: f64, x1: f64, x2: f64) -> f64 {
-    // Newton's method, kept inside a bracket that halves when a step would leave it.
+    // Newton's method, with bisection where a step would leave the bracket.
     let (mut low, mut high) = (0.0, 1.0);
     let mut s = x;
     for _ in 0..64 {
