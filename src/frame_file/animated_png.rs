@@ -1,6 +1,5 @@
-//! Pictures one after another as an animated PNG, which viewers without animation show the first
-//! picture of. In go pictures of one size and a rate, out come the file's bytes. Invariant: only
-//! compressed pictures are kept.
+//! Animated PNG, of which viewers without animation show the first picture. In go pictures of one size and a
+//! rate, out come the file's bytes. Invariant: only compressed pictures are kept.
 
 use super::Picture;
 use super::preview::png_size;
@@ -9,13 +8,13 @@ use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Writer};
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// An animated PNG that grows picture by picture.
+/// Animated PNG under construction.
 pub(super) struct AnimatedPng {
     bytes: Kept,
     writer: Writer<Kept>,
 }
 
-/// Bytes in memory: the file appears when it is whole.
+/// Bytes in memory, as the file is written when it is complete.
 #[derive(Clone, Default)]
 struct Kept(Arc<Mutex<Vec<u8>>>);
 
@@ -30,7 +29,7 @@ impl Write for Kept {
 }
 
 impl AnimatedPng {
-    /// Begins one of so many pictures, at least one.
+    /// Starts a file for a number of pictures, at least one.
     pub(super) fn new(size: Size, pictures: usize, rate: FrameRate) -> Result<Self, String> {
         let (width, height) = png_size(size)?;
         let count = u32::try_from(pictures).map_err(|_| String::from("it has too many pictures"))?;
@@ -47,12 +46,12 @@ impl AnimatedPng {
         Ok(Self { bytes, writer: begun.map_err(reason)? })
     }
 
-    /// Appends a picture, which is not one too many.
+    /// Appends a picture, up to the number of pictures.
     pub(super) fn push(&mut self, picture: &Picture) -> Result<(), String> {
         self.writer.write_image_data(&picture.bytes).map_err(reason)
     }
 
-    /// The whole file, unless pictures are missing.
+    /// Returns the file, unless pictures are missing.
     pub(super) fn finish(self) -> Result<Vec<u8>, String> {
         self.writer.finish().map_err(reason)?;
         Ok(std::mem::take(&mut *self.bytes.0.lock().unwrap_or_else(PoisonError::into_inner)))
@@ -63,8 +62,7 @@ fn reason(error: EncodingError) -> String {
     error.to_string()
 }
 
-/// Time for which a picture stands: a fraction of 16 bits a side, the nearest in milliseconds if it must
-/// be.
+/// Duration of a picture: a fraction of 16-bit integers, if necessary the nearest in milliseconds.
 fn delay(rate: FrameRate) -> (u16, u16) {
     match (u16::try_from(rate.denominator), u16::try_from(rate.numerator)) {
         (Ok(seconds), Ok(parts)) => (seconds, parts),

@@ -1,9 +1,8 @@
-//! Pictures one after another as an animated WebP, without loss. In go pictures of one size and a rate, out
-//! come the file's bytes. Invariant: a picture begins within half a millisecond of its time, however many
-//! there are (up to 1000 a second).
+//! Lossless animated WebP. In go pictures of one size and a rate, out come the file's bytes. Invariant: a
+//! picture begins within half a millisecond of its time, however many there are (up to 1000 a second).
 //!
-//! Each picture is a still WebP of the crate `image`, taken out of its own file. Chunks and fields are those
-//! of the WebP Container Specification, <https://developers.google.com/speed/webp/docs/riff_container> (RFC
+//! Each picture is a still WebP from the crate `image`, without its container. Chunks and fields are those of
+//! the WebP Container Specification, <https://developers.google.com/speed/webp/docs/riff_container> (RFC
 //! 9649, section 2); numbers are little-endian.
 
 use super::Picture;
@@ -14,29 +13,29 @@ use image::codecs::webp::WebPEncoder;
 /// Maximum side in pixels: a lossless picture has 14 bits for it (RFC 9649, section 3.4).
 const LONGEST_SIDE: usize = 1 << 14;
 
-/// Maximum size of a file in bytes: what RIFF counts in 32 bits, less the 8 that it does not count.
+/// Maximum size of a file in bytes: RIFF's 32-bit size, which excludes 8 bytes.
 const LARGEST_FILE: usize = u32::MAX as usize - 8;
 
-/// Length of a still file's head before its chunk of pixels: `RIFF`, the size of what follows, `WEBP`.
+/// Length of a still file's header: `RIFF`, the size of the rest, `WEBP`.
 const FILE_HEADER: usize = 12;
 
-/// `VP8X`: the file holds an animation, and nothing of what other flags stand for.
+/// `VP8X` flags: the file holds an animation, and no other feature.
 const HAS_ANIMATION: u8 = 0b10;
 
-/// `ANMF`: the picture takes the place of what was there, and stays.
+/// `ANMF` flags: the picture replaces the last one, and stays.
 const REPLACES: u8 = 0b10;
 
-/// An animated WebP that grows picture by picture, and plays over and over.
+/// Animated WebP under construction; it plays in an endless loop.
 pub(super) struct AnimatedWebP {
     size: Size,
     rate: FrameRate,
     pictures: u64,
-    /// The file so far, its size left open.
+    /// File so far, without its size.
     bytes: Vec<u8>,
 }
 
 impl AnimatedWebP {
-    /// Begins one.
+    /// Starts a file.
     pub(super) fn new(size: Size, rate: FrameRate) -> Result<Self, String> {
         let Size { width, height } = size;
         if !(1..=LONGEST_SIDE).contains(&width) || !(1..=LONGEST_SIDE).contains(&height) {
@@ -47,7 +46,7 @@ impl AnimatedWebP {
         let mut bytes = Vec::from(*b"RIFF\0\0\0\0WEBP");
         let canvas = [u24(width as u64 - 1), u24(height as u64 - 1)].concat();
         put_chunk(&mut bytes, b"VP8X", &[&[HAS_ANIMATION, 0, 0, 0], &canvas]);
-        // Background (black) and how often it plays: 0 for ever.
+        // Background (black) and number of loops: 0 is endless.
         put_chunk(&mut bytes, b"ANIM", &[&[0, 0, 0, 255], &[0, 0]]);
         Ok(Self { size, rate, pictures: 0, bytes })
     }
@@ -70,7 +69,7 @@ impl AnimatedWebP {
         Ok(())
     }
 
-    /// The whole file.
+    /// Returns the file.
     pub(super) fn finish(mut self) -> Vec<u8> {
         let counted = (self.bytes.len() - 8) as u32;
         self.bytes[4..8].copy_from_slice(&counted.to_le_bytes());
@@ -78,21 +77,20 @@ impl AnimatedWebP {
     }
 }
 
-/// Time at which a picture begins, in whole milliseconds: rounded from the beginning of all, so that no
-/// error adds up.
+/// Start of a picture in milliseconds, rounded from the start of the animation, so that errors do not add up.
 fn begin_ms(rate: FrameRate, picture: u64) -> u64 {
     let (parts, seconds) = (u128::from(rate.numerator), u128::from(rate.denominator));
     let begin = (2000 * u128::from(picture) * seconds + parts) / (2 * parts);
     u64::try_from(begin).unwrap_or(u64::MAX)
 }
 
-/// A number in three bytes, the largest for what is larger.
+/// Number in three bytes, clamped to the largest.
 fn u24(value: u64) -> [u8; 3] {
     let [low, middle, high, ..] = value.min((1 << 24) - 1).to_le_bytes();
     [low, middle, high]
 }
 
-/// Appends a chunk: four letters, the size of what is in it, that, and a byte where the size is odd.
+/// Appends a chunk: four letters, the size of its contents, the contents, and padding to an even size.
 fn put_chunk(bytes: &mut Vec<u8>, name: &[u8; 4], parts: &[&[u8]]) {
     let length: usize = parts.iter().map(|part| part.len()).sum();
     bytes.extend_from_slice(name);

@@ -1,6 +1,5 @@
-//! Pictures one after another to a file that browsers play, over and over. In go pictures of one size and
-//! a rate, out comes an animated PNG or WebP. Invariant: only compressed pictures are kept, and the file
-//! is whole or not there.
+//! Animations that browsers play in a loop. In go pictures of one size and a rate, out comes an animated PNG
+//! or WebP. Invariant: only compressed pictures are kept, and the file is whole or absent.
 
 use super::animated_png::AnimatedPng;
 use super::animated_webp::AnimatedWebP;
@@ -8,7 +7,7 @@ use super::{FrameFileError, Picture, atomic};
 use crate::scene::{FrameRate, Size};
 use std::path::{Path, PathBuf};
 
-/// An animation that grows picture by picture.
+/// Animation under construction.
 pub struct Animation {
     path: PathBuf,
     size: Size,
@@ -21,18 +20,18 @@ enum Bytes {
     WebP(AnimatedWebP),
 }
 
-/// Whether a path ends in a dot and these letters.
+/// Whether a path has this extension.
 fn ends_in(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending))
 }
 
 impl Animation {
-    /// Whether a file of this name is an animation: `.apng` or `.webp`.
+    /// Whether a file's name is that of an animation: `.apng` or `.webp`.
     pub fn is_named(path: &Path) -> bool {
         ends_in(path, "apng") || ends_in(path, "webp")
     }
 
-    /// Begins an animation of so many pictures, at least one: a WebP if the name ends so, else a PNG.
+    /// Starts an animation of a number of pictures, at least one: a WebP for that extension, else a PNG.
     ///
     /// # Errors
     /// If the format cannot hold it.
@@ -49,7 +48,7 @@ impl Animation {
     /// Appends a picture.
     ///
     /// # Errors
-    /// If it is of another size than the others, or one too many.
+    /// If its size differs from the others', or there are too many.
     pub fn push(&mut self, picture: &Picture) -> Result<(), FrameFileError> {
         let (Size { width, height }, other) = (self.size, picture.size);
         let pushed = if other != self.size {
@@ -66,7 +65,7 @@ impl Animation {
     /// Writes the file, whole or not at all.
     ///
     /// # Errors
-    /// If pictures are missing or the disk says no.
+    /// If pictures are missing or the file cannot be written.
     pub fn finish(self) -> Result<(), FrameFileError> {
         let bytes = match self.bytes {
             Bytes::Png(png) => png.finish(),

@@ -1,5 +1,5 @@
-//! Bytes to a file, whole or not at all. Invariant: at every moment the final name holds either
-//! what it held before or all of the new bytes, and those are on the disk before the name is.
+//! Atomic writes. In go bytes, out comes a file. Invariant: at every moment the final name has either its
+//! earlier contents or all new bytes, and the bytes are on the disk before the name is.
 
 use super::{FrameFileError, leftovers};
 use std::ffi::OsStr;
@@ -8,16 +8,15 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Writes `bytes` to `path` by way of a temporary file in the same folder, which is created if need be.
+/// Writes `bytes` to `path` through a temporary file in the same folder, which is created if necessary.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), FrameFileError> {
     write_whole(path, &[bytes])
 }
 
-/// Writes a file that is made of parts, by way of a temporary file in the same folder, which
-/// is created if need be.
+/// Writes a file from parts, through a temporary file in the same folder, which is created if necessary.
 ///
 /// # Errors
-/// If the folder cannot be made or the file not be written; what was there before is then still there.
+/// If the folder cannot be created or the file cannot be written; an earlier file then stays.
 pub fn write_whole(path: &Path, parts: &[&[u8]]) -> Result<(), FrameFileError> {
     let (Some(name), false) = (path.file_name(), path.is_dir()) else {
         return Err(FrameFileError::IsFolder { path: path.to_owned() });
@@ -29,10 +28,10 @@ pub fn write_whole(path: &Path, parts: &[&[u8]]) -> Result<(), FrameFileError> {
         .map_err(|source| FrameFileError::Write { path: path.to_owned(), source })
 }
 
-/// Whether files could be written to a folder, which need not be there yet; nothing is left behind.
+/// Checks that files can be written to a folder, which need not exist yet; leaves no trace.
 ///
 /// # Errors
-/// If the folder, or what there is of the way to it, is no folder or takes no files.
+/// If the folder, or its nearest existing ancestor, is not a folder or not writable.
 pub fn check_folder(folder: &Path) -> Result<(), FrameFileError> {
     match tempfile::tempfile_in(nearest(folder)) {
         Ok(_) => Ok(()),
@@ -40,17 +39,17 @@ pub fn check_folder(folder: &Path) -> Result<(), FrameFileError> {
     }
 }
 
-/// Whether a file of this name could be written where its folder is, or will be; nothing is left behind.
+/// Checks that a file of this name can be written in its folder, which need not exist yet; leaves no trace.
 ///
 /// # Errors
-/// If the system takes no such name, or none that is longer by what names it while it is written.
+/// If the system refuses the name, or the longer one of its temporary file.
 pub fn check_name(path: &Path) -> Result<(), FrameFileError> {
     let there = nearest(folder_of(path));
     let tried = path.file_name().map(|name| leftovers::temporary(there, name));
     tried.transpose().map(drop).map_err(|source| FrameFileError::Write { path: path.to_owned(), source })
 }
 
-/// What there is of the way to a folder.
+/// Nearest existing ancestor of a folder.
 fn nearest(folder: &Path) -> &Path {
     folder.ancestors().find(|ancestor| ancestor.exists()).unwrap_or(Path::new("."))
 }
@@ -62,13 +61,13 @@ fn write_in(folder: &Path, path: &Path, name: &OsStr, parts: &[&[u8]]) -> io::Re
     let written = parts.iter().try_for_each(|part| temporary.write_all(part));
     let synced = written.and_then(|()| temporary.as_file().sync_all());
     let mut writes = writes();
-    // Dropped on an error, it removes itself.
+    // On an error it is dropped, which removes the file.
     let persisted = synced.and_then(|()| temporary.persist(path).map_err(|error| error.error));
     writes.retain(|path| *path != unfinished);
     persisted?;
     drop(writes);
-    // The new name is an entry of the folder, which the disk should learn of too. Network shares refuse that
-    // (EINVAL, ENOTSUP, EIO); the frame's own bytes are safe by then.
+    // The folder's entry has to reach the disk as well. Network shares refuse that (EINVAL, ENOTSUP, EIO);
+    // the frame's own bytes are safe by then.
     #[cfg(unix)]
     let _ = fs::File::open(folder).and_then(|folder| folder.sync_all());
     Ok(())
@@ -81,15 +80,15 @@ fn writes() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes what this process is writing, and has all later writes wait for ever: for the
-/// moment before it exits.
+/// Removes the temporary files of this process, and blocks all later writes forever: for the moment before it
+/// exits.
 pub fn abandon_writes() {
     let unfinished = writes();
     unfinished.iter().for_each(|path| drop(fs::remove_file(path)));
     std::mem::forget(unfinished);
 }
 
-/// The folder that `path` is in; a bare name is in the current one.
+/// Folder of `path`; for a bare name the current one.
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

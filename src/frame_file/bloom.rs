@@ -1,16 +1,16 @@
-//! Glare of a lens, in pictures for eyes. In goes a plane of linear light and what the lens scatters of it.
-//! Out comes the plane with that light around where it was. Invariant: a plane of one value stays as it is.
-//! So does one of which nothing is scattered.
+//! Glare of a lens, for viewing. In go a plane of linear light and the scattered part, out comes the plane
+//! with that part blurred. Invariant: a constant plane stays as it is, and so does any plane without
+//! scattered light.
 
 use crate::color::{Bloom, Curve, Display};
 use rayon::prelude::*;
 
-/// Light of a picture that a lens scatters.
+/// Part of a picture's light that a lens scatters.
 #[derive(Clone, Copy)]
 pub(super) struct Scatter {
     /// Share, `0..=1`.
     pub(super) share: f64,
-    /// Value beyond which light is scattered.
+    /// Value above which light is scattered.
     pub(super) above: f32,
 }
 
@@ -30,25 +30,24 @@ impl Scatter {
 /// al. 2007, "Veiling glare in high dynamic range imaging").
 const GLARE: f64 = 0.05;
 
-/// AgX shows light beyond this as white: 6.5 stops above middle grey.
+/// White with AgX: 6.5 stops above middle grey.
 const WHITE: f64 = 0.18 * 90.509_667_991_878_09;
 
-/// Standard deviations of the Gaussians that light is scattered by, in parts of the picture's height. All
-/// have as much light, and each has half the width of the last. So their sum falls as the square of the
-/// distance. Eyes and lenses have powers of 2 to 3 (Spencer et al. 1995, "Physically-based glare effects for
-/// digital images", section 2).
+/// Standard deviations of the Gaussian kernels, relative to the picture's height. All have the same energy,
+/// and each has half the width of the last. So their sum falls as the square of the distance. Eyes and lenses
+/// have powers of 2 to 3 (Spencer et al. 1995, "Physically-based glare effects for digital images", section
+/// 2).
 const WIDTHS: [f64; 6] = [1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0, 1.0 / 256.0];
 
-/// Number of box filters in a row that are nearly a Gaussian (Wells 1986, "Efficient synthesis of Gaussian
+/// Number of successive box filters that approximate a Gaussian (Wells 1986, "Efficient synthesis of Gaussian
 /// filters by cascaded uniform filters").
 const BOXES: usize = 3;
 
-/// Light beyond this is scattered as if it were this: what is not a number, or has no end, would be
-/// all over the picture.
+/// Maximum value of scattered light, as infinity and NaN would spread over the whole picture.
 const BRIGHTEST: f32 = 1e9;
 
 /// Scatters light of a plane of rows of `width` pixels. `height_px` is the height of the whole picture, of
-/// which the plane may be a part: what lies beyond it scatters nothing into it.
+/// which the plane may be a part; light outside the plane is ignored.
 pub(super) fn bloom(plane: &mut [f32], width: usize, height_px: usize, scatter: Scatter) {
     let Scatter { share, above } = scatter;
     if share == 0.0 {
@@ -67,7 +66,7 @@ pub(super) fn bloom(plane: &mut [f32], width: usize, height_px: usize, scatter: 
     }
 }
 
-/// A plane through a Gaussian of a standard deviation in pixels, along rows and along columns.
+/// Blurs a plane by a Gaussian with a standard deviation in pixels, along rows and columns.
 fn blurred(plane: &[f32], width: usize, deviation_px: f64) -> Vec<f32> {
     // Boxes of 2 r + 1 pixels each have a variance of ((2 r + 1)^2 - 1) / 12.
     let box_px = (12.0 / BOXES as f64 * deviation_px * deviation_px + 1.0).sqrt();
@@ -88,7 +87,7 @@ fn blur_rows(plane: &mut [f32], width: usize, radius: usize) {
                     sums[column + 1] = sums[column] + f64::from(*value);
                 }
                 for (column, value) in row.iter_mut().enumerate() {
-                    // At the rim, of what there is.
+                    // At the rim, the mean of existing pixels.
                     let (from, to) = (column.saturating_sub(radius), (column + radius + 1).min(width));
                     *value = ((sums[to] - sums[from]) / (to - from) as f64) as f32;
                 }

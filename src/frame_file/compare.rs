@@ -1,4 +1,5 @@
-//! Comparison of two frames. Invariant: values that are not finite count as such and enter no mean.
+//! Comparison of two frames. In go frames, out come errors by channel. Invariant: values that are not finite
+//! are counted apart, and are in no mean.
 
 use crate::film::{Channel, Frame, PixelPlace};
 use crate::scene::Window;
@@ -7,17 +8,17 @@ use std::fmt;
 /// Difference of one frame from another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// R, G and B taken together, if both frames have them.
+    /// Errors over R, G and B together, if both frames have them.
     pub color: Option<Errors>,
-    /// Every channel of amounts that both frames have, in the order of the output's.
+    /// Errors of each channel of amounts in both frames, in the output's order.
     pub channels: Vec<ChannelErrors>,
-    /// Every channel of ids that both frames have, likewise.
+    /// Errors of each channel of ids in both frames, in the output's order.
     pub ids: Vec<IdErrors>,
-    /// Channels that only one of the frames has.
+    /// Channels in only one of the frames.
     pub unmatched: Vec<String>,
 }
 
-/// The errors of one channel.
+/// Errors of one channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelErrors {
     /// The channel.
@@ -29,8 +30,8 @@ pub struct ChannelErrors {
 /// Errors of an output o against a reference r, over all values that are finite in both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Errors {
-    /// mean(o) / mean(r): wrong units, phase functions or transmittance show here first. No number where r
-    /// is black.
+    /// mean(o) / mean(r), which first shows wrong units, phase functions or transmittance. NaN where r is
+    /// black.
     pub mean_ratio: f64,
     /// sqrt(mean((o - r)^2)).
     pub rmse: f64,
@@ -38,42 +39,42 @@ pub struct Errors {
     pub relative_mse: f64,
     /// The largest |o - r|.
     pub max_error: f64,
-    /// Place of that error; `None` if the two are equal.
+    /// Place of that error; `None` if both are equal.
     pub max_error_at: Option<PixelPlace>,
-    /// Values that are NaN or infinite in either frame, and not the same infinity in both.
+    /// Number of values that are NaN or infinite in either frame, except equal infinities.
     pub not_finite: usize,
-    /// Values compared.
+    /// Number of compared values.
     pub values: usize,
 }
 
-/// Pixels of a channel of ids that name another thing than the reference's do.
+/// Differences of a channel of ids.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IdErrors {
     /// The channel.
     pub name: String,
-    /// Number that differ.
+    /// Number of different pixels.
     pub different: usize,
-    /// The first of them, by row, then column.
+    /// First different pixel, by row, then column.
     pub first: Option<PixelPlace>,
-    /// Pixels compared.
+    /// Number of compared pixels.
     pub values: usize,
 }
 
-/// Why two frames cannot be compared.
+/// Reason why two frames cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CompareError {
     /// The pictures differ in size.
     #[error("the pictures differ in size: {0} x {1} against {2} x {3} pixels")]
     Size(usize, usize, usize, usize),
-    /// Two crops of the picture that share no pixel.
+    /// The data windows have no common pixel.
     #[error("the two crops have no pixel in common")]
     NoCommonPixel,
-    /// No name occurs in both.
+    /// The frames have no common channel.
     #[error("the two pictures have no channel in common")]
     NoCommonChannel,
 }
 
-/// RMSE without the reference's own noise, whose standard error (root mean square over the picture) is known.
+/// RMSE without the reference's noise, whose standard error (root mean square over the picture) is known.
 pub fn net_rmse(rmse: f64, reference_standard_error: f64) -> f64 {
     (rmse * rmse - reference_standard_error * reference_standard_error).max(0.0).sqrt()
 }
@@ -121,7 +122,7 @@ pub fn compare(output: &Frame, reference: &Frame) -> Result<Comparison, CompareE
     })
 }
 
-/// The pixels of both.
+/// Intersection of two windows.
 pub(super) fn intersection(a: Window, b: Window) -> Option<Window> {
     let (x, y) = (a.x.max(b.x), a.y.max(b.y));
     let right = (a.x + a.width).min(b.x + b.width);
@@ -153,7 +154,7 @@ fn errors(window: Window, output: Window, reference: Window, pairs: &[(&Channel,
     for (o, r, name, x, y) in values().filter(|(o, r, ..)| o.is_finite() && r.is_finite()) {
         let error = (o - r).abs();
         if error == 0.0 {
-            // Also where both are black, and 0 / 0 would be no error at all.
+            // Avoids 0 / 0 where both are black.
             continue;
         }
         squares += error * error;
@@ -178,7 +179,7 @@ fn id_errors(window: Window, output: Window, reference: Window, (o, r): (&Channe
     let (mut different, mut first) = (0, None);
     for (x, y) in window.pixels() {
         let ids = output.index(x, y).zip(reference.index(x, y));
-        // As bits: some ids are no numbers.
+        // By bits, as some ids are NaN.
         if ids.is_some_and(|(of_o, of_r)| o.pixels[of_o].to_bits() != r.pixels[of_r].to_bits()) {
             different += 1;
             first.get_or_insert_with(|| PixelPlace { channel: o.name.clone(), x, y });
@@ -202,7 +203,7 @@ impl fmt::Display for Errors {
         if self.values == 0 {
             return write!(f, "not finite {}", self.not_finite);
         }
-        // Of a black reference there is none.
+        // A black reference has no ratio.
         if self.mean_ratio.is_finite() {
             write!(f, "mean ratio {:.6}  ", self.mean_ratio)?;
         }

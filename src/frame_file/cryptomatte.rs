@@ -1,5 +1,5 @@
-//! Cryptomatte metadata: names for the ids in a frame's channels. In go a frame and names, out come EXR
-//! attributes. Invariant: the manifest names the ids that the frame's channels hold, and no others.
+//! Cryptomatte metadata. In go a frame and names, out come EXR attributes. Invariant: the manifest has
+//! exactly the ids in the frame's channels.
 
 use crate::film::{Frame, MATTE_LAYER};
 use crate::scene::murmur3;
@@ -19,7 +19,7 @@ pub(super) fn attributes(frame: &Frame, object_names: &BTreeMap<u32, String>) ->
     let named = object_names.iter().filter(|(id, _)| ids.contains(id));
     let manifest: BTreeMap<&str, String> =
         named.map(|(id, name)| (name.as_str(), format!("{id:08x}"))).collect();
-    // The first seven digits of the layer's own hash.
+    // The key is the first seven digits of the layer's hash.
     let key = &format!("{:08x}", murmur3(MATTE_LAYER.as_bytes()))[..7];
     let manifest = serde_json::json!(manifest).to_string();
     [

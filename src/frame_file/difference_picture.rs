@@ -1,5 +1,6 @@
-//! Two frames and where they differ, side by side. In go two files, out comes a picture: output, reference,
-//! and the largest difference of a pixel's colours. Invariant: it shows the pixels that both files have.
+//! Picture of two frames and their difference, side by side. In go two files, out comes a picture: output,
+//! reference, and the largest difference of each pixel's channels. Invariant: it shows the pixels of both
+//! files.
 
 use super::compare::intersection;
 use super::{FrameFile, Picture};
@@ -7,15 +8,16 @@ use crate::color::Display;
 use crate::film::Frame;
 use crate::scene::Size;
 
-/// From no difference to the largest: darker to lighter, so that it can be read without colours.
+/// Colours from no difference to the largest, of increasing lightness, so that they are readable in grey.
 const HEAT: [[f64; 3]; 5] =
     [[0.0; 3], [70.0, 10.0, 110.0], [200.0, 40.0, 70.0], [250.0, 150.0, 40.0], [255.0, 255.0, 220.0]];
-/// Black columns between the three.
+/// Black columns between the pictures.
 const GAP: usize = 4;
-/// This share of the pixels is below white.
+/// Share of the pixels that are not white by default.
 const BELOW_WHITE: f64 = 0.999;
 
-/// Output, reference and difference; `white` is the difference that is white, by default one that few exceed.
+/// Output, reference and difference; `white` is the difference shown as white, by default one that few pixels
+/// exceed.
 ///
 /// # Errors
 /// With the reason if one of them has no colour, or they share no pixel.
@@ -38,7 +40,7 @@ pub fn difference_picture(
     Ok(all)
 }
 
-/// The largest of each pixel's channels; no number where a value is none.
+/// Largest difference of each pixel's channels; NaN where a value is NaN.
 fn differences(output: &Frame, reference: &Frame) -> Vec<f64> {
     let mut largest = vec![0.0; output.window.width * output.window.height];
     for one in &output.channels {
@@ -70,7 +72,7 @@ fn usual_white(differences: &[f64]) -> f64 {
     finite.sort_by(f64::total_cmp);
     let Some(&largest) = finite.last() else { return 1.0 };
     let usual = finite[((finite.len() - 1) as f64 * BELOW_WHITE) as usize];
-    // Where fewer pixels differ at all, they are to be seen too.
+    // If fewer pixels differ at all, the largest difference is white.
     [usual, largest].into_iter().find(|white| *white > 0.0).unwrap_or(1.0)
 }
 

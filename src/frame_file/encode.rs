@@ -1,4 +1,4 @@
-//! A frame and its provenance to the bytes of an EXR file. Invariant: equal frames and equal
+//! Encoding of EXR files. In go a frame and its provenance, out come bytes. Invariant: equal frames and equal
 //! provenance give equal bytes.
 
 use super::pixel_hash::pixel_hash;
@@ -13,12 +13,12 @@ use exr::meta::header::{ImageAttributes, LayerAttributes};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Writes a frame to `path`, whole or not at all; folders are created. Values beyond the range of
-/// half channels are stored as the largest half; NaN and infinity are stored as they are, for the
-/// caller to have refused.
+/// Writes a frame to `path`, whole or not at all; folders are created. Values beyond the range of half
+/// channels are stored as the largest half; NaN and infinity are stored as they are; the caller has to refuse
+/// them.
 ///
 /// # Errors
-/// If the disk says no, or the frame has no pixels.
+/// If the file cannot be written, or the frame has no pixels.
 pub fn write(path: &Path, frame: &Frame, provenance: &Provenance) -> Result<(), FrameFileError> {
     let bytes = encode(frame, provenance)
         .map_err(|reason| FrameFileError::Encode { path: path.to_owned(), reason })?;
@@ -38,7 +38,7 @@ pub(super) fn encode(frame: &Frame, provenance: &Provenance) -> Result<Vec<u8>, 
     for (name, value) in cryptomatte::attributes(frame, &provenance.object_names) {
         attributes.other.insert(text(&name), AttributeValue::Text(text(&value)));
     }
-    // Programs that know ids, as OpenImageIO 3.2 does, heed no chromaticities; others know these alone.
+    // Programs that support ids, such as OpenImageIO 3.2, ignore chromaticities; others support these alone.
     attributes.other.insert(text("colorInteropID"), AttributeValue::Text(text(COLOR_ID)));
     let encoding = Encoding {
         compression: Compression::ZIP16,
@@ -75,9 +75,8 @@ fn stored(channel: &Channel) -> AnyChannel<FlatSamples> {
     AnyChannel::new(text(&channel.name), samples)
 }
 
-/// Puts the header's attributes in the order of their names: the encoder keeps some of them in a hash map
-/// and writes them in an order that differs from run to run. The header's length stays the same, so no
-/// offset behind it changes.
+/// Sorts the header's attributes by name: the encoder keeps some of them in a hash map, whose order differs
+/// from run to run. The header's length stays the same, so offsets stay valid.
 fn sort_attributes(file: &mut [u8]) -> Option<()> {
     /// Magic number and version.
     const PREAMBLE: usize = 8;

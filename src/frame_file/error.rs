@@ -1,96 +1,96 @@
-//! Errors of a frame's file, with their remedies. Invariant: every error names the path.
+//! Errors of frame files. In go causes, out come messages and remedies. Invariant: every error names the
+//! path.
 
 use crate::diagnostic::{Diagnostic, Place, shown};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Expectation of a file that may not grow.
+/// Expectation for the limit on file sizes.
 pub const WITHIN_LIMIT: &str =
     "a file within the limit of file sizes (`ulimit -f`, and what the file system takes)";
 
-/// Remedy for a file that may not grow.
+/// Remedy for the limit on file sizes.
 pub const RAISE_LIMIT: &str = "allow larger files (`ulimit -f unlimited`), then run the command again; `render --skip valid` keeps whole frames";
 
-/// Why a file could not be written or read.
+/// Error of writing or reading a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameFileError {
-    /// The output's name is that of a folder, or no file name at all.
+    /// The output's name is that of a folder, or not a file name.
     #[error("{} is a folder, not a file", shown(path))]
     IsFolder {
         /// The path.
         path: PathBuf,
     },
-    /// The folder for the output could not be made, or takes no files.
+    /// The folder for the output cannot be created or written to.
     #[error("cannot make a file in the folder {}: {source}", shown(path))]
     CreateFolder {
         /// The folder.
         path: PathBuf,
-        /// The system's reason.
+        /// The system's error.
         source: io::Error,
     },
-    /// The bytes could not be brought to the disk. Nothing is left under the file's name that
-    /// was not there before.
+    /// The bytes could not be written to the disk. The file's name has its earlier contents.
     #[error("cannot write {}: {source}", shown(path))]
     Write {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// The system's error.
         source: io::Error,
     },
-    /// The frame cannot be expressed as a file.
+    /// The frame cannot be encoded.
     #[error("cannot encode {}: {reason}", shown(path))]
     Encode {
         /// The file.
         path: PathBuf,
-        /// The encoder's reason.
+        /// The encoder's error.
         reason: String,
     },
-    /// Pictures cannot become an animation of this format.
+    /// The animation's format cannot hold the pictures.
     #[error("cannot make {}: {reason}", shown(path))]
     Animation {
         /// The file.
         path: PathBuf,
-        /// Reason that it does not fit.
+        /// The reason.
         reason: String,
     },
-    /// A folder has two frames of one number.
+    /// A folder has two frames with one number.
     #[error("{} and {} are both frame {number}", shown(path), shown(other))]
     SameNumber {
-        /// One of them.
+        /// First file.
         path: PathBuf,
-        /// And the other.
+        /// Second file.
         other: PathBuf,
-        /// Number that their names end in; 0 without one.
+        /// Number at the end of their names; 0 without one.
         number: i64,
     },
-    /// The file could not be read from the disk.
+    /// The file cannot be read from the disk.
     #[error("cannot read {}: {source}", shown(path))]
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// The system's error.
         source: io::Error,
     },
-    /// The file is no EXR, or a damaged one.
+    /// The file is not EXR, or damaged.
     #[error("{} is no whole EXR file: {reason}", shown(path))]
     Invalid {
         /// The file.
         path: PathBuf,
-        /// The decoder's reason.
+        /// The decoder's error.
         reason: String,
     },
-    /// The file is an EXR of a kind that is not read here.
+    /// The file is an EXR of an unsupported kind.
     #[error("{}: {what} cannot be read", shown(path))]
     Unsupported {
         /// The file.
         path: PathBuf,
         /// The feature.
         what: String,
-        /// Way to make a file of it that is read.
+        /// Way to convert the file to a supported one.
         remedy: String,
     },
-    /// The header asks for more memory than the file can account for.
+    /// The header declares more memory than the file can need.
     #[error("{} claims {bytes} bytes of pixels, more than {limit}", shown(path))]
     TooLarge {
         /// The file.
@@ -103,7 +103,7 @@ pub enum FrameFileError {
 }
 
 impl FrameFileError {
-    /// The file or folder concerned.
+    /// File or folder concerned.
     pub fn path(&self) -> &Path {
         match self {
             Self::IsFolder { path }

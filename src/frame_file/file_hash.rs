@@ -1,17 +1,17 @@
-//! The fingerprint of a whole file, which stands in the file itself. In go its bytes, out come 64 digits.
-//! Invariant: any byte changed, added or taken away changes it, in the header as in the pixels.
+//! Hash of a whole file, stored in the file itself. In go its bytes, out come 64 digits. Invariant: any byte
+//! that is changed, added or removed, in the header or the pixels, changes it.
 
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 
-/// The attribute's name.
+/// Name of the attribute.
 pub(super) const NAME: &str = "sunfleck:fileHash";
-/// Placeholder of the digits while the hash is taken.
+/// Placeholder for the digits while the hash is computed.
 pub(super) const PLACEHOLDER: &str = "0000000000000000000000000000000000000000000000000000000000000000";
-/// Name, 0, type, 0, size as i32: what stands before an attribute's value.
+/// Bytes before the attribute's value: name, 0, type, 0, size as i32.
 const HEAD: &[u8] = b"sunfleck:fileHash\0string\0\x40\0\0\0";
 
-/// Puts the hash in the place of the placeholder; `None` if there is none.
+/// Replaces the placeholder by the hash; `None` without a placeholder.
 pub(super) fn seal(file: &mut [u8]) -> Option<()> {
     let digits = digits(file)?;
     let hash = hash(file, &digits);
@@ -19,12 +19,12 @@ pub(super) fn seal(file: &mut [u8]) -> Option<()> {
     Some(())
 }
 
-/// Whether a file is what was sealed, to the last bit.
+/// Whether a file is unchanged since `seal`.
 pub(super) fn is_whole(file: &[u8]) -> bool {
     digits(file).is_some_and(|digits| hash(file, &digits).as_bytes() == &file[digits])
 }
 
-/// Range of the digits: behind the first such head, which the header has before any pixel.
+/// Range of the digits: after the first such head, which is in the header, before any pixel.
 fn digits(file: &[u8]) -> Option<Range<usize>> {
     let start = file.windows(HEAD.len()).position(|window| window == HEAD)? + HEAD.len();
     let digits = start..start + PLACEHOLDER.len();

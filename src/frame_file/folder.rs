@@ -1,11 +1,12 @@
-//! Frames of a folder, a sequence or a file. Invariant: temporary files are none.
+//! Frames of a folder, a sequence or a file. In goes a path, out come files by number. Invariant: temporary
+//! files are ignored.
 
 use super::FrameFileError;
 use crate::description::signs;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Whether `path` is for frames, by its name: a folder or an EXR file.
+/// Whether `path` may hold frames, by its name: a folder or an EXR file.
 pub fn is_of_frames(path: &Path) -> bool {
     path.is_dir() || is_exr(path)
 }
@@ -18,18 +19,18 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Whether `path` is for any number of frames: a folder, or a sequence such as `x.####.exr`.
+/// Whether `path` may hold several frames: a folder, or a sequence such as `x.####.exr`.
 pub fn is_of_many(path: &Path) -> bool {
     path.is_dir() || around_number(path).is_some()
 }
 
-/// What stands before and after the number in the names of a sequence; `None` of a file that is there.
+/// Text before and after the number in the names of a sequence; `None` for an existing file.
 fn around_number(path: &Path) -> Option<(&str, &str)> {
     let (before, _, after) = signs(path.file_name()?.to_str()?)?;
     (!path.exists()).then_some((before, after))
 }
 
-/// The first folder within `input`, by name, that has frames.
+/// First folder in `input`, by name, with frames.
 pub fn folder_below(input: &Path) -> Option<PathBuf> {
     let entries = std::fs::read_dir(input).ok()?;
     let mut folders: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
@@ -38,8 +39,8 @@ pub fn folder_below(input: &Path) -> Option<PathBuf> {
     folders.into_iter().find(|path| path.is_dir() && has_frames(path))
 }
 
-/// The EXR files of a folder or a sequence, by the number that their names end in; 0 without one. A file is
-/// its only frame.
+/// EXR files of a folder or a sequence, by the number at the end of their names; 0 without one. A file is its
+/// only frame.
 ///
 /// # Errors
 /// If the folder cannot be read, or if two of its files have the same number.

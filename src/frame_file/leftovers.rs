@@ -1,5 +1,5 @@
-//! Temporary files beside the final ones, and what killed runs left of them. Invariant: only names that
-//! [`temporary`] makes are removed, and none that another process is still writing.
+//! Temporary files, and those that killed runs left. In go names, out come locked files and removals.
+//! Invariant: only names that [`temporary`] makes are removed, and none that another process is writing.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, TryLockError};
@@ -8,15 +8,16 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::NamedTempFile;
 
-/// Suffix of our temporary files; they begin with a dot, the final file's name, and a dot.
+/// Suffix of temporary files. Their names begin with a dot, the final name, and a dot.
 const SUFFIX: &str = ".sunfleck-part";
-/// Letters between the two that make the name its own.
+/// Number of random letters before the suffix.
 const RANDOM_LETTERS: usize = 6;
-/// Age at which a temporary file is nobody's, where files cannot be locked: no frame takes a day to write.
+/// Age at which a temporary file counts as abandoned, where files cannot be locked; no frame takes a day to
+/// write.
 const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
 
-/// A temporary file for a file of this name, in its folder, that this process has locked: which tells others
-/// that somebody is at work on it. Dropped on an error, it removes itself.
+/// Creates and locks a temporary file for a file of this name, in its folder. The lock tells other processes
+/// that it is in use. It is removed when dropped.
 pub(super) fn temporary(folder: &Path, name: &OsStr) -> io::Result<NamedTempFile> {
     let mut prefix = OsString::from(".");
     prefix.push(name);
@@ -26,7 +27,7 @@ pub(super) fn temporary(folder: &Path, name: &OsStr) -> io::Result<NamedTempFile
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // As any other file: the umask decides, where a temporary file would be its owner's alone.
+        // Permissions of an ordinary file, by the umask; temporary files are private by default.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     claimed(|| builder.tempfile_in(folder))
@@ -36,21 +37,21 @@ fn claimed(mut create: impl FnMut() -> io::Result<NamedTempFile>) -> io::Result<
     loop {
         let temporary = create()?;
         match temporary.as_file().try_lock() {
-            // Another process took it for abandoned before it was locked, and is about to remove it.
+            // Another process locked it first, as abandoned, and is about to remove it.
             Err(TryLockError::WouldBlock) => continue,
-            // Removed already.
+            // Another process has removed it.
             Ok(()) if !temporary.path().exists() => continue,
-            // Where files cannot be locked their age tells (see `abandoned`).
+            // Without locks, `abandoned` goes by age.
             Ok(()) | Err(TryLockError::Error(_)) => return Ok(temporary),
         }
     }
 }
 
-/// Removes what killed runs left of the temporary files of a folder's files, of those that are wanted by the
-/// bytes of their final names; says what it removed.
+/// Removes temporary files that killed runs left in a folder, if `is_wanted` is true for the bytes of their
+/// final names. Returns the removed files.
 ///
-/// None that another process is still writing is touched: two runs of the same frame at the same time both
-/// end with whole frames.
+/// Files that another process is writing stay, so two simultaneous runs of the same frame both end with whole
+/// frames.
 pub fn remove_abandoned(folder: &Path, is_wanted: impl Fn(&[u8]) -> bool) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     entries
@@ -61,18 +62,17 @@ pub fn remove_abandoned(folder: &Path, is_wanted: impl Fn(&[u8]) -> bool) -> Vec
         .collect()
 }
 
-/// The bytes of the name that a temporary file would get.
+/// Final name of a temporary file, in bytes.
 pub fn final_name(temporary: &[u8]) -> Option<&[u8]> {
     let unique = temporary.strip_prefix(b".")?.strip_suffix(SUFFIX.as_bytes())?;
     let (name, letters) = unique.split_at_checked(unique.len().checked_sub(RANDOM_LETTERS)?)?;
     letters.iter().all(u8::is_ascii_alphanumeric).then(|| name.strip_suffix(b"."))?
 }
 
-/// A temporary file that no process is at work on: its lock was free, or, where there are no locks, it is
-/// old.
-/// Whoever has just made it sees it locked, as long as this is kept.
+/// Locks a temporary file that no process uses: its lock was free, or without locks it is old. While the
+/// result is kept, its creator sees the file locked.
 fn abandoned(temporary: &Path) -> Option<fs::File> {
-    // A pipe of such a name is none of ours, and would be waited for.
+    // A pipe of such a name would block.
     fs::symlink_metadata(temporary).ok().filter(fs::Metadata::is_file)?;
     let file = fs::File::open(temporary).ok()?;
     let is_old =

@@ -1,11 +1,11 @@
-//! Limits on how much two frames differ, of the picture and of every channel. In goes a comparison, out come
-//! sentences. Invariants: each channel keeps one limit of each measure: that of the last pattern that names
-//! it, else the one for all. A pattern that names no channel is not kept.
+//! Limits on the difference of two frames. In go a comparison and limits, out come sentences. Invariants:
+//! each channel has one limit for each measure: that of the last pattern that matches, else the general one.
+//! A pattern that matches no channel is exceeded.
 
 use super::{Comparison, Errors};
 use glob::Pattern;
 
-/// Measure of two frames' difference that a limit is of.
+/// Measure of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// [`Errors::rmse`].
@@ -14,23 +14,23 @@ pub enum Measure {
     RelativeMse,
     /// [`Errors::max_error`].
     MaxError,
-    /// The share of a channel's ids that differ.
+    /// Share of different ids.
     Ids,
 }
 
-/// The most that two frames may differ by.
+/// Maximum difference of two frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
     /// Measure.
     pub measure: Measure,
-    /// Channels whose names fit, each by itself; without a pattern red, green and blue together, and every
-    /// other channel.
+    /// Pattern of channels, each checked by itself. Without a pattern: red, green and blue together, and
+    /// every other channel.
     pub channels: Option<Pattern>,
     /// Maximum.
     pub most: f64,
 }
 
-/// A sentence for each limit that is not kept, as it is not where there is nothing to measure.
+/// Sentence for each limit that is exceeded, or has nothing to measure.
 pub fn exceeded(found: &Comparison, limits: &[Limit]) -> Vec<String> {
     let is_light = |name: &str| name == "Y" || !is_data(name);
     let is_finite = found.channels.iter().all(|of| of.errors.not_finite == 0 || !is_light(&of.name));
@@ -41,7 +41,7 @@ pub fn exceeded(found: &Comparison, limits: &[Limit]) -> Vec<String> {
     not_finite.into_iter().chain(of_measures).collect()
 }
 
-/// Whether a channel is a component of places, directions or distances, which may be infinite.
+/// Whether a channel is a component of positions, directions or distances, which may be infinite.
 fn is_data(name: &str) -> bool {
     let component = name.rsplit('.').next().unwrap_or(name);
     ["X", "Y", "Z", "W", "U", "V"].iter().any(|data| component.eq_ignore_ascii_case(data))
@@ -75,7 +75,7 @@ fn of_measure(measure: Measure, found: &Comparison, limits: &[Limit]) -> Vec<Str
 }
 
 fn too_much(what: &str, value: f64, most: f64) -> Option<String> {
-    // An error that is no number is too large as well.
+    // NaN exceeds any limit.
     let is_kept = value <= most;
     (!is_kept).then(|| format!("{what} {value:.3e}, allowed {most}"))
 }
@@ -94,7 +94,7 @@ impl Measure {
         match self {
             Self::Rmse => Some(errors.rmse),
             Self::RelativeMse => Some(errors.relative_mse),
-            // Where no value is finite in both, none was compared.
+            // No value is finite in both frames, so none was compared.
             Self::MaxError if errors.values == 0 => Some(f64::NAN),
             Self::MaxError => Some(errors.max_error),
             Self::Ids => None,

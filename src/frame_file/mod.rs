@@ -1,6 +1,6 @@
-//! A finished [`Frame`] to an EXR file and back, with where it came from. In go a frame and its
-//! [`Provenance`], out comes a file that is whole or not there. Invariants: the same frame and provenance
-//! give the same bytes. No file bears its final name before all its bytes are on the disk.
+//! EXR files of frames, with their provenance. In go a [`Frame`] and its [`Provenance`], out comes a file
+//! that is whole or absent, and back. Invariants: the same frame and provenance give the same bytes. A file
+//! has its final name only once all its bytes are on the disk.
 //!
 //! # What a file looks like
 //! One part, scan lines, ZIP, channels sorted by name, header attributes sorted by name. The display window

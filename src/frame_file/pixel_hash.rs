@@ -1,10 +1,10 @@
-//! The fingerprint of a file's pixels. Invariant: it depends on the channels' names, types and
-//! stored bits alone, and on nothing else that is in the file.
+//! Hash of a file's pixels. In go channels, out come hexadecimal digits. Invariant: it depends only on the
+//! channels' names, types and stored bits.
 
 use exr::image::{AnyChannels, FlatSamples};
 use sha2::{Digest, Sha256};
 
-/// Values hashed at a time, so that the bytes stay in the cache.
+/// Values hashed at a time, within the cache.
 const BLOCK: usize = 1 << 14;
 
 /// SHA-256 as hexadecimal digits; the module's head defines the order of the bytes.

@@ -1,5 +1,5 @@
-//! A frame to pixels for human eyes, and those to PNG. Invariant: the same frame gives the same bytes,
-//! whether it was just rendered or is read from its file. The EXR stays the picture; this is a look at it.
+//! Pictures for viewing. In goes a frame, out come 8-bit pixels and PNG files. Invariant: the same frame
+//! gives the same bytes, whether just rendered or read from its file.
 
 use super::bloom::{Scatter, bloom};
 use super::{FrameFileError, atomic};
@@ -12,7 +12,7 @@ use image::{ExtendedColorType, ImageEncoder, RgbImage};
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Eight bits of red, green and blue a pixel.
+/// Picture with eight bits of red, green and blue a pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Columns and rows.
@@ -22,12 +22,12 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// All black.
+    /// Black picture.
     pub fn black(size: Size) -> Self {
         Self { size, bytes: vec![0; 3 * size.width * size.height] }
     }
 
-    /// Display picture of a frame's window: its R, G and B, over black.
+    /// Picture of a frame's window for a display: its R, G and B, over black.
     ///
     /// # Errors
     /// With the reason if the frame has no colour.
@@ -57,7 +57,7 @@ impl Picture {
         Ok(Self { size: Size { width, height }, bytes })
     }
 
-    /// Puts another picture into this one, its upper left corner at a pixel; it has to fit.
+    /// Copies another picture into this one, with its upper left corner at a pixel; it has to fit.
     pub fn paste(&mut self, x: usize, y: usize, other: &Self) {
         for (row, source) in other.bytes.chunks_exact(3 * other.size.width).enumerate() {
             let at = 3 * ((y + row) * self.size.width + x);
@@ -65,7 +65,7 @@ impl Picture {
         }
     }
 
-    /// Picture at another size.
+    /// Picture resampled to another size.
     pub fn resized(self, size: Size) -> Self {
         let sides =
             |size: Size| [size.width, size.height].map(|side| u32::try_from(side).unwrap_or(u32::MAX));
@@ -81,7 +81,7 @@ impl Picture {
     /// Writes it as PNG, whole or not at all; folders are created.
     ///
     /// # Errors
-    /// If it is too large for a PNG or the disk says no.
+    /// If it is too large for a PNG or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), FrameFileError> {
         let encode_error = |reason: String| FrameFileError::Encode { path: path.to_owned(), reason };
         let (width, height) = png_size(self.size).map_err(encode_error)?;
@@ -93,7 +93,7 @@ impl Picture {
     }
 }
 
-/// Columns and rows, if a PNG can have so many.
+/// Columns and rows, if a PNG can have them.
 pub(super) fn png_size(size: Size) -> Result<(u32, u32), String> {
     let side = |side: usize| u32::try_from(side).ok().filter(|&side| side <= i32::MAX as u32);
     let sides = side(size.width).zip(side(size.height));
@@ -103,7 +103,7 @@ pub(super) fn png_size(size: Size) -> Result<(u32, u32), String> {
 /// Writes a frame's picture.
 ///
 /// # Errors
-/// If the frame has no colour or the disk says no.
+/// If the frame has no colour or the file cannot be written.
 pub fn write_preview(path: &Path, frame: &Frame, display: &Display) -> Result<(), FrameFileError> {
     Picture::of(frame, display)
         .map_err(|reason| FrameFileError::Encode { path: path.to_owned(), reason })?

@@ -1,5 +1,6 @@
-//! Provenance of a frame, as EXR attributes. Invariant: nothing here knows the clock, the machine or the
-//! number of threads, so a frame rendered twice is the same file.
+//! Provenance of a frame, as EXR attributes. In go hashes and settings, out come attributes. Invariant:
+//! nothing depends on the clock, the machine or the number of threads, so a frame rendered twice is the same
+//! file.
 
 use super::file_hash;
 use crate::scene::{FrameRate, Sampling};
@@ -9,7 +10,7 @@ use exr::meta::header::{Header, LayerAttributes};
 use glam::{DAffine3, DMat4, DVec3};
 use std::collections::BTreeMap;
 
-/// Version of this program, which the frames it writes carry.
+/// Version of this program, which frames store.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 pub(super) const VERSION_NAME: &str = "sunfleck:version";
@@ -25,40 +26,40 @@ const IMAGE_COUNTER_NAME: &str = "imageCounter";
 /// Provenance of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {
-    /// Number of the frame in its sequence; EXR holds 32 bits of it.
+    /// Number of the frame in its sequence; EXR has 32 bits for it.
     pub frame: i64,
-    /// The first and the last frame that the input itself has, whichever of them a run is asked for: a chunk
-    /// of a farm writes the bytes of the whole, and a last frame that is lost is missed.
+    /// First and last frame of the input, whichever frames a run renders. So a farm's chunk writes the same
+    /// bytes as a whole run, and a missing last frame is noticed.
     pub sequence_frames: (i64, i64),
-    /// Frames a second, the same in every frame of a sequence.
+    /// Frame rate, the same in every frame of a sequence.
     pub frame_rate: FrameRate,
     /// Time that the shutter was open, seconds.
     pub exposure_s: f64,
     /// Camera (right-handed, looking along -Z, +Y up) from world.
     pub camera_from_world: DAffine3,
-    /// Hash of everything that the scene holds.
+    /// Hash of the scene's contents.
     pub scene_hash: String,
-    /// Hash of everything else that the pixels depend on: size, samples, passes, method and so on.
+    /// Hash of all other parameters of the pixels: size, samples, passes, method and so on.
     pub settings_hash: String,
     /// Seed of the sample points.
     pub seed: u32,
     /// Samples a pixel.
     pub sampling: Sampling,
-    /// Who owns the picture, if the author says.
+    /// Owner of the picture, if the author names one.
     pub owner: Option<String>,
-    /// Anything else worth reading.
+    /// Comments.
     pub comments: Option<String>,
-    /// Names of the ids of Cryptomatte's channels, for frames that have any.
+    /// Names of Cryptomatte's ids, for frames with such channels.
     pub object_names: BTreeMap<u32, String>,
 }
 
-/// A file's attributes as texts, by name. Numbers are decimal, fractions `24/1`, lists separated by spaces.
+/// Attributes of a file as texts, by name. Numbers are decimal, fractions `24/1`, lists separated by spaces.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Attributes(pub BTreeMap<String, String>);
 
 impl Provenance {
-    /// True if a file with these attributes shows the same scene, rendered in the same
-    /// way by the same version.
+    /// Whether a file with these attributes shows the same scene, rendered with the same settings by the same
+    /// version.
     pub(super) fn matches(&self, attributes: &Attributes) -> bool {
         attributes.get(VERSION_NAME) == Some(VERSION)
             && attributes.get(SCENE_HASH_NAME) == Some(&self.scene_hash)
@@ -66,14 +67,14 @@ impl Provenance {
             && attributes.get(IMAGE_COUNTER_NAME) == Some(&self.frame.to_string())
     }
 
-    /// The attributes of a file's only part.
+    /// Attributes of the file's only part.
     pub(super) fn layer_attributes(&self, pixel_hash: &str) -> LayerAttributes {
         let mut attributes = LayerAttributes {
             owner: self.owner.as_deref().map(text),
             comments: self.comments.as_deref().map(text),
             software_name: Some(text(&format!("sunfleck {VERSION}"))),
             exposure: Some(self.exposure_s as f32),
-            // No true rate has a numerator of 2^31 or more.
+            // Real frame rates have numerators below 2^31.
             frames_per_second: i32::try_from(self.frame_rate.numerator)
                 .ok()
                 .map(|numerator| (numerator, self.frame_rate.denominator)),
@@ -81,7 +82,7 @@ impl Provenance {
             ..LayerAttributes::default()
         };
         let seed = self.seed.to_string();
-        // With a tolerance, the number at which it stops.
+        // With a tolerance, the maximum number.
         let (samples, tolerance) = match self.sampling {
             Sampling::Exactly(samples) => (samples, None),
             Sampling::Until { tolerance, most } => (most, Some(tolerance.to_string())),
@@ -112,7 +113,7 @@ impl Provenance {
 }
 
 impl Attributes {
-    /// The attribute of that name.
+    /// Attribute of that name.
     pub fn get(&self, name: &str) -> Option<&str> {
         self.0.get(name).map(String::as_str)
     }
@@ -127,7 +128,7 @@ impl Attributes {
     }
 }
 
-/// The primaries and white point of ITU-R BT.709, which every colour of ours refers to.
+/// Primaries and white point of ITU-R BT.709, for all colours of this program.
 pub(super) const REC_709: Chromaticities = Chromaticities {
     red: Vec2(0.64, 0.33),
     green: Vec2(0.3, 0.6),
@@ -135,18 +136,18 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.329),
 };
 
-/// Colour space of the primaries, by the name that the ASWF's Color Interop Forum gives it.
+/// Colour space of these primaries, with the id of the ASWF's Color Interop Forum.
 pub(super) const COLOR_ID: &str = "lin_rec709_scene";
 
-/// UTF-8 as it stands; the crate's own conversion knows Latin-1 only.
+/// UTF-8 text; the crate's own conversion supports Latin-1 only.
 pub(super) fn text(value: &str) -> Text {
     Text::from_slice_unchecked(value.as_bytes())
 }
 
-/// EXR's matrix: row vectors, and a camera that looks along +Z (left-handed) where ours looks along -Z.
+/// Matrix in EXR's convention: row vectors, and a left-handed camera that looks along +Z.
 fn world_to_camera(camera_from_world: DAffine3) -> [f32; 16] {
     let flip = DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
-    // Columns of the matrix for column vectors are the rows of the one for row vectors.
+    // Columns of a matrix for column vectors are rows of one for row vectors.
     (flip * DMat4::from(camera_from_world)).to_cols_array().map(|element| element as f32)
 }
 

@@ -1,5 +1,5 @@
-//! An EXR file to a frame and its attributes. Invariant: a file can make us allocate no more than
-//! a fixed multiple of its own size.
+//! Reader of EXR files. In goes a file, out come a frame and its attributes. Invariant: memory is at most a
+//! fixed multiple of the file's size.
 
 use super::pixel_hash::pixel_hash;
 use super::provenance::PIXEL_HASH_NAME;
@@ -19,48 +19,48 @@ use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Pixels' bytes per byte of file. Deflate reaches 1032 at most, so that no honest file is refused.
+/// Maximum bytes of pixels per byte of file. Deflate reaches at most 1032, so no valid file is refused.
 const LARGEST_COMPRESSION: u64 = 4096;
-/// Bytes of pixels that are read at all: an 8K picture with thirty float channels.
+/// Maximum bytes of pixels: an 8K picture with thirty float channels.
 const LARGEST_PICTURE: u64 = 4 << 30;
 
 /// Contents of a file.
 #[derive(Clone, Debug)]
 pub struct FrameFile {
-    /// The pixels. Integer channels become float ones, exact up to 2^24.
+    /// Pixels. Integer channels become float ones, exact up to 2^24.
     pub frame: Frame,
-    /// The header.
+    /// Attributes of the header.
     pub attributes: Attributes,
-    /// The pixels' hash, computed anew.
+    /// Hash of the pixels, computed from the pixels.
     pub pixel_hash: String,
-    /// Meaning of the picture's colours.
+    /// Colour space of the picture.
     pub colors: ImageColors,
 }
 
 impl FrameFile {
-    /// True if the pixels are those that the header was written for.
+    /// Whether the pixels are those of the stored hash.
     pub fn is_intact(&self) -> bool {
         self.attributes.get(PIXEL_HASH_NAME) == Some(&self.pixel_hash)
     }
 }
 
-/// Reads an EXR file, ours or anybody's, in its display window. Channels of several parts are called
-/// `part.channel`, but for those of the picture's part. Parts of other windows are filled up with 0. Samples
-/// that stand for several pixels are repeated, deep ones lie over those behind them.
+/// Reads an EXR file of any program, in its display window. In a multi-part file, channels are named
+/// `part.channel`, except in the picture's part. Smaller windows are padded with 0, subsampled channels are
+/// repeated, and deep samples are composited.
 ///
 /// # Errors
-/// If it cannot be read, is damaged, is of another kind, or claims more pixels than its size can hold.
+/// If it cannot be read, is damaged or not supported, or declares more pixels than its size can hold.
 pub fn read(path: &Path) -> Result<FrameFile, FrameFileError> {
     let (bytes, meta) = header_of(path)?;
     let display = Region::displayed(&meta.headers[0]);
     read_in(path, &bytes, &meta, display)
 }
 
-/// Reads two files that are to be compared. Where their display windows are the same, pixels outside of these
-/// count as well.
+/// Reads two files for a comparison. If their display windows are equal, pixels outside them are read as
+/// well.
 ///
 /// # Errors
-/// As [`read`] has them.
+/// As for [`read`].
 pub fn read_both(paths: [&Path; 2]) -> Result<[FrameFile; 2], FrameFileError> {
     let [one, other] = paths.map(header_of);
     let [one, other] = [one?, other?];
@@ -78,7 +78,7 @@ fn unsupported(path: &Path, Unread { what, remedy }: Unread) -> FrameFileError {
     FrameFileError::Unsupported { path: path.to_owned(), what, remedy }
 }
 
-/// A file's bytes and its headers, at least one, once it is known that they can be read.
+/// Bytes of a file and its headers, at least one, once the file is known to be readable.
 fn header_of(path: &Path) -> Result<(Vec<u8>, MetaData), FrameFileError> {
     let mut bytes =
         read_regular(path).map_err(|source| FrameFileError::Read { path: path.to_owned(), source })?;
@@ -147,21 +147,21 @@ fn decoded(bytes: &[u8]) -> exr::error::Result<Vec<AnyChannels<FlatSamples>>> {
     Ok(image.layer_data.into_iter().map(|layer| layer.channel_data).collect())
 }
 
-/// True if `path` holds, whole and undamaged, what rendering with this provenance would write there.
+/// Whether `path` holds, undamaged, the file that rendering with this provenance would write.
 pub fn is_valid(path: &Path, expected: &Provenance) -> bool {
-    // The whole file's hash holds, so nothing need be decoded.
+    // The hash of the whole file suffices, without decoding.
     let Ok(bytes) = read_regular(path) else { return false };
     let Ok(meta) = MetaData::read_from_buffered(bytes.as_slice(), false) else { return false };
     let fits = |header: &Header| expected.matches(&Attributes::from_header(header));
     meta.headers.first().is_some_and(fits) && file_hash::is_whole(&bytes)
 }
 
-/// Refuses what would take too much memory to try.
+/// Refuses files that need too much memory.
 fn check(path: &Path, headers: &[Header], file_bytes: u64) -> Result<(), FrameFileError> {
     let mut bytes = 0_u64;
     for header in headers {
         let Vec2(width, height) = header.layer_size;
-        // Decoded, integers and halves take as much as floats: four bytes.
+        // Decoded integers and halves take four bytes, like floats.
         let of_part = (width as u64)
             .saturating_mul(height as u64)
             .saturating_mul(4)
@@ -175,7 +175,7 @@ fn check(path: &Path, headers: &[Header], file_bytes: u64) -> Result<(), FrameFi
     Ok(())
 }
 
-/// The decoder's words, made plain where they are not.
+/// Message of the decoder, in plainer words where necessary.
 fn reason(error: &exr::error::Error) -> String {
     match error {
         exr::error::Error::Invalid(message) if message == "reference to missing bytes" => {

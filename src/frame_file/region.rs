@@ -1,5 +1,5 @@
-//! Regions of a picture that files hold. In go windows of headers, out come channels in one window.
-//! Invariant: a pixel is in the same place of the picture, whichever part it comes from.
+//! Windows of EXR files. In go headers' windows, out come channels in one window. Invariant: a pixel keeps
+//! its place in the picture, whichever part it comes from.
 
 use crate::film::{Channel, Precision};
 use crate::scene::{Size, Window};
@@ -7,7 +7,7 @@ use exr::image::{AnyChannel, FlatSamples};
 use exr::math::Vec2;
 use exr::meta::header::Header;
 
-/// Part of the plane that all windows of files lie in.
+/// Rectangle of the plane of all windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Region {
     left: i64,
@@ -16,13 +16,13 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// The display window.
+    /// Display window.
     pub(super) fn displayed(header: &Header) -> Self {
         let window = header.shared_attributes.display_window;
         Self::new(window.position, window.size)
     }
 
-    /// The data window.
+    /// Data window.
     pub(super) fn stored(header: &Header) -> Self {
         Self::new(header.own_attributes.layer_position, header.layer_size)
     }
@@ -31,7 +31,7 @@ impl Region {
         Self { left: x.into(), top: y.into(), size: Size { width, height } }
     }
 
-    /// Smallest region around both.
+    /// Bounding rectangle of both.
     pub(super) fn joined(self, other: Self) -> Self {
         let right = |region: Self| region.left + region.size.width as i64;
         let bottom = |region: Self| region.top + region.size.height as i64;
@@ -41,7 +41,8 @@ impl Region {
         Self { left, top, size: Size { width: width as usize, height: height as usize } }
     }
 
-    /// Window of a part that lies in it, counted from its corner; without pixels if none does.
+    /// Intersection with a part's data window, relative to this region's corner; without pixels if it is
+    /// empty.
     pub(super) fn seen(self, header: &Header) -> Window {
         let part = Self::stored(header);
         let side = |start: i64, length: usize, full: usize| {
@@ -58,7 +59,7 @@ impl Region {
         }
     }
 
-    /// A channel of a part as one of a window, 0 where the part has no pixels.
+    /// Channel of a part in a window, padded with 0.
     pub(super) fn channel(
         self,
         header: &Header,
@@ -80,7 +81,7 @@ impl Region {
     }
 }
 
-/// Values of a part on their way into a window.
+/// Values of a part that are copied into a window.
 struct Placed<'a> {
     region: Region,
     header: &'a Header,
@@ -106,7 +107,7 @@ impl Placed<'_> {
     }
 }
 
-/// The window that holds both, of which one may have no pixels.
+/// Bounding window of both, one of which may be empty.
 pub(super) fn around(a: Window, b: Window) -> Window {
     match (a.width, b.width) {
         (0, _) => b,

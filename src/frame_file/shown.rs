@@ -1,5 +1,5 @@
-//! A file's picture as eyes are to see it. In goes a file, out come red, green and blue in linear Rec. 709.
-//! Invariant: of a file of ours nothing changes; of any other something is seen.
+//! Picture of a file for viewing. In goes a file, out come red, green and blue in linear Rec. 709. Invariant:
+//! files of this program are unchanged; any other file shows something.
 
 use super::FrameFile;
 use crate::color::{ColorSpace, Rgb};
@@ -7,16 +7,16 @@ use crate::description::exr::{Picture, from_chroma, stand_in};
 use crate::film::{Channel, Frame, Precision};
 use crate::scene::Window;
 
-/// Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a picture
-/// of 8K has.
+/// Maximum size of a display window to show: this many times the data window's pixels, or the pixels of an 8K
+/// picture.
 const MOST_EMPTY: usize = 64;
 const LARGEST_EMPTY: usize = 1 << 25;
-/// Prefix of the names of our own attributes.
+/// Prefix of this program's attributes.
 const OWN: &str = "sunfleck:";
 
 impl FrameFile {
-    /// The picture, in its display window. Of our own frames, whose window is a crop, in that; so too where
-    /// the display window is out of all proportion.
+    /// Picture in its display window. Crops of this program's frames are shown in their data window, and so
+    /// are files with an oversized display window.
     pub fn shown(self) -> Frame {
         let is_own = self.attributes.0.keys().any(|name| name.starts_with(OWN));
         let Frame { full, window, .. } = self.frame;
@@ -29,8 +29,8 @@ impl FrameFile {
         frame
     }
 
-    /// Red, green and blue in linear Rec. 709, the others as they are: what two files of different colours
-    /// can be compared by.
+    /// Converts red, green and blue to linear Rec. 709, so that files of different colour spaces can be
+    /// compared.
     pub fn convert_colors(&mut self) {
         let Some(Picture::Colors(places)) = self.picture() else { return };
         for (channel, place) in self.colors_in_ours(Picture::Colors(places)).into_iter().zip(places) {
@@ -39,7 +39,7 @@ impl FrameFile {
         self.colors.space = ColorSpace::OURS;
     }
 
-    /// Sentence on the channels that are shown of a file without a picture.
+    /// Sentence about the channels shown for a file without a picture.
     pub fn shown_instead(&self) -> Option<String> {
         if self.picture().is_some() {
             return None;
