@@ -1,5 +1,5 @@
-//! `sunfleck bench`: error against run time. In go a file and an effort, out come a table, CSV and
-//! a plot. Invariant: loading and building are told, but count for no method.
+//! Command `bench`: error against run time. In go a file and efforts, out come a table, CSV and a plot.
+//! Invariant: loading and building are reported, but not counted for any method.
 
 use super::arguments::BenchArguments;
 use super::error::usage;
@@ -20,7 +20,7 @@ use sunfleck::frame_file::{self, FrameFile};
 use sunfleck::scene::{self, Bounces, PixelFilter, RenderSettings, Scene, Size};
 use sunfleck::snapshot::Shutter;
 
-/// Pictures of more pixels are made smaller unless `--size` asks for them: 480 x 270.
+/// Maximum pixels of a picture without `--size`: 480 x 270.
 pub(super) const MOST_PIXELS: f64 = 480.0 * 270.0;
 const QUICK_PIXELS: f64 = 240.0 * 135.0;
 
@@ -34,7 +34,7 @@ struct Subject<'a> {
     load_s: f64,
 }
 
-/// The scene; none of its files is written over.
+/// Loads the scene, and refuses outputs that would overwrite its files.
 fn load(arguments: &BenchArguments) -> Result<api::Scene, CliError> {
     let description = description::load(&arguments.input)?;
     for (flag, output) in [("--csv", &arguments.csv), ("--svg", &arguments.svg)] {
@@ -66,7 +66,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// The percentage that leaves no more than so many pixels.
+/// Percentage of a size that has at most `most` pixels.
 pub(super) fn fitting(size: Size, most: f64) -> f64 {
     let pixels = size.width as f64 * size.height as f64;
     100.0 * (most / pixels).sqrt().min(1.0)
@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<(), CliError> {
     study(arguments, &subject)
 }
 
-/// Every method at many efforts.
+/// Measures every method at several efforts.
 fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> {
     let peers = arguments.peers.as_deref().map(description::load_peers).transpose()?.unwrap_or_default();
     let known =
@@ -91,7 +91,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
     for path in
         [output(arguments.csv.as_deref(), subject, "csv"), output(arguments.svg.as_deref(), subject, "svg")]
     {
-        // Minutes of measuring are not to be lost for a folder that cannot be made.
+        // Checked before minutes of measuring.
         create_folder(&path)?;
     }
     let many = pool(arguments.threads)?;
@@ -143,7 +143,7 @@ fn study(arguments: &BenchArguments, subject: &Subject) -> Result<(), CliError> 
     write(&output(arguments.svg.as_deref(), subject, "svg"), &bench::plot(&study).to_svg())
 }
 
-/// Methods that were asked for, or all that make light of so many bounces.
+/// Requested methods, or all that support the number of bounces.
 fn methods(arguments: &BenchArguments, bounces: Bounces) -> Result<Vec<Method>, CliError> {
     let all = Method::value_variants().iter().copied();
     let Some(asked) = &arguments.methods else {

@@ -1,5 +1,5 @@
-//! Warnings about files' colours that are not honoured, once a kind. In go files, out come warnings.
-//! Invariant: no kind is told twice in a run.
+//! Warnings about files' colours that are not honoured. In go files, out come warnings. Invariant: each kind
+//! is reported once a run.
 
 use super::tell;
 use std::collections::BTreeSet;
@@ -8,7 +8,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use sunfleck::diagnostic::{Diagnostic, Loss, Place, shown};
 use sunfleck::frame_file::FrameFile;
 
-/// Kinds that were told.
+/// Kinds reported so far.
 #[derive(Default)]
 pub(super) struct ColorDoubts {
     told: Mutex<BTreeSet<Loss>>,
@@ -16,14 +16,15 @@ pub(super) struct ColorDoubts {
 }
 
 impl ColorDoubts {
-    /// Tells what is in doubt of a file, unless its like was told.
+    /// Reports a file's doubtful colours, unless the kind was reported.
     pub(super) fn tell(&self, path: &Path, file: &FrameFile) {
         if let Some((loss, found)) = &file.colors.doubt {
             self.tell_of(*loss, path, found.clone());
         }
     }
 
-    /// The same of a file that is shown, and which channels stand in for its picture; whether it has one.
+    /// The same for a file that is shown, and the channels shown in place of a picture; returns whether it
+    /// has a picture.
     pub(super) fn tell_shown(&self, path: &Path, file: &FrameFile) -> bool {
         self.tell(path, file);
         let instead = file.shown_instead();
@@ -38,7 +39,7 @@ impl ColorDoubts {
         }
     }
 
-    /// Converts the colours of two files of different spaces, and says so.
+    /// Converts two files to a common colour space, and reports it.
     pub(super) fn in_one_space(&self, paths: [&Path; 2], files: &mut [FrameFile; 2]) {
         for (path, file) in paths.into_iter().zip(&*files) {
             self.tell(path, file);

@@ -1,5 +1,5 @@
-//! Frames on which next to nothing is seen, said once a run with the likeliest cause. In go the events of a
-//! run, out comes a warning. Invariant: frames are written all the same.
+//! Frames that look black. In go the events of a run, out comes one warning with the likeliest cause.
+//! Invariant: the frames are written all the same.
 
 use super::tell;
 use std::sync::{Mutex, PoisonError};
@@ -20,7 +20,7 @@ struct Counted {
 }
 
 impl DarkFrames {
-    /// Looks at frames that are written. May be called from any thread.
+    /// Counts written frames that look black. Any thread may call it.
     pub(super) fn report(&self, event: &Event) {
         if let Event::FrameWritten { frame, dark, .. } = event {
             self.count(*frame, *dark);
@@ -32,13 +32,13 @@ impl DarkFrames {
         counted.frames += 1;
         if let Some(dark) = dark {
             counted.dark += 1;
-            // Threads may be done out of order.
+            // Threads may finish out of order.
             let first = counted.first.filter(|(earlier, _)| *earlier < frame);
             counted.first = Some(first.unwrap_or((frame, dark)));
         }
     }
 
-    /// Says why, if there were any among those of a plan.
+    /// Reports the cause, if there were any.
     pub(super) fn tell_of(&self, plan: &Plan) {
         let Counted { frames, dark, first } = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some((frame, Dark { covered })) = first else { return };

@@ -1,5 +1,5 @@
-//! `sunfleck diff`: how far frames are apart. In go two EXR files or two folders of them, out comes a table,
-//! and a failure if a limit is not kept. Invariant: each number of either folder has its line.
+//! Command `diff`: differences of frames. In go two EXR files or two folders of them, out comes a table, and
+//! a failure if a limit is exceeded. Invariant: each number in either folder has its line.
 
 use super::arguments::{DiffArguments, LimitArguments};
 use super::colors::ColorDoubts;
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<(), CliError> {
     work.end(&work.too_much(comparison).join("; "))
 }
 
-/// Frame by frame: those of the same number.
+/// Compares frames with equal numbers.
 fn run_of_folders(arguments: &DiffArguments, paths: [&Path; 2]) -> Result<(), CliError> {
     if let Some(file) = paths.into_iter().find(|path| path.is_file()) {
         return Err(usage(
@@ -98,7 +98,7 @@ fn run_of_folders(arguments: &DiffArguments, paths: [&Path; 2]) -> Result<(), Cl
     work.end(&if bad > 0 { format!("{bad} of {} frames", numbers.len()) } else { String::new() })
 }
 
-/// Line of a frame among many: its colour, else its first channel.
+/// Line of one frame among many: its colour, else its first channel.
 fn headline(found: &Comparison) -> String {
     match (&found.color, found.channels.first(), found.ids.first()) {
         (Some(color), ..) => format!("RGB  {color}"),
@@ -116,13 +116,13 @@ struct Work<'a> {
     doubts: ColorDoubts,
 }
 
-/// Where pictures of differences go, and how they are shown.
+/// Paths of pictures of differences, and their display.
 struct Pictures {
     pattern: OutputPattern,
     display: Display,
 }
 
-/// Why there is no comparison.
+/// Reason why there is no comparison.
 #[derive(Debug, thiserror::Error)]
 enum Fault {
     #[error("{0}")]
@@ -134,7 +134,7 @@ enum Fault {
 }
 
 impl Pictures {
-    /// If they are asked for, in the exposure that a frame asks for unless the user said one.
+    /// Pictures, if they are requested, with the user's exposure or else a frame's automatic one.
     fn of(arguments: &DiffArguments, name: &str, frame: &Path) -> Result<Option<Self>, CliError> {
         let Some(out) = &arguments.picture else { return Ok(None) };
         let pattern = OutputPattern::parse_as(out, name, "png", "--picture").map_err(CliError::Usage)?;
@@ -164,7 +164,7 @@ impl Work<'_> {
         Ok(comparison)
     }
 
-    /// A sentence for each limit that is not kept, once the reference's noise is taken out.
+    /// Sentence for each exceeded limit, after subtraction of the reference's noise.
     fn too_much(&self, mut comparison: Comparison) -> Vec<String> {
         if let Some(color) = comparison.color.as_mut().filter(|_| self.arguments.reference_noise > 0.0) {
             color.rmse = net_rmse(color.rmse, self.arguments.reference_noise);
@@ -172,7 +172,7 @@ impl Work<'_> {
         exceeded(&comparison, &self.limits)
     }
 
-    /// Fails if there is something that is too far.
+    /// Fails if there is a sentence about an exceeded limit.
     fn end(&self, too_far: &str) -> Result<(), CliError> {
         if too_far.is_empty() {
             return Ok(());

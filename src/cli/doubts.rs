@@ -8,22 +8,22 @@ use sunfleck::diagnostic::{Diagnostic, Loss, Place};
 use sunfleck::render::Statistics;
 use sunfleck::scene::Sampling;
 
-/// Factor of the tolerance above which a frame is no longer nearly what was asked for.
+/// Maximum error of indirect light, relative to the tolerance.
 const MOST: f64 = 3.0;
 
 const REMEDY: &str = "a larger --tolerance, or --volume paths, whose light is unbiased and noisy";
 
-/// A frame whose indirect light may be that wrong.
+/// Frame whose indirect light exceeds that error.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubt {
     frame: i64,
-    /// Error that was told, as a share of the picture's mean.
+    /// Reported error, relative to the picture's mean.
     told: f64,
     tolerance: f64,
 }
 
 impl Doubt {
-    /// `None` if it is good enough, or nobody has said what would be.
+    /// `None` if it is within limits, or without a tolerance.
     pub(super) fn of(frame: i64, statistics: &Statistics, sampling: Sampling) -> Option<Self> {
         let (Sampling::Until { tolerance, .. }, Some(told)) = (sampling, statistics.grid_error) else {
             return None;
@@ -36,7 +36,7 @@ impl Doubt {
         format!("frame {}: indirect light may err by {told:.1} %, asked for are {tolerance:.1} %", self.frame)
     }
 
-    /// Why it is not written.
+    /// Reason for not writing it.
     pub(super) fn refusal(&self) -> String {
         let mut error = Diagnostic::warning(Loss::IndirectLight, Place::Nowhere, self.sentence());
         error.severity = sunfleck::diagnostic::Severity::Error;
@@ -55,7 +55,7 @@ impl Doubts {
         *worst = Some(worst.filter(|worst| worst.told >= doubt.told).unwrap_or(doubt));
     }
 
-    /// Says which is the worst, if there are any.
+    /// Reports the worst one, if there are any.
     pub(super) fn tell(&self) {
         let (count, worst) = *self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(worst) = worst else { return };

@@ -1,17 +1,17 @@
-//! Errors for a user, with their exit codes. Invariant: the code tells scripts the kind, the text tells
-//! people the rest.
+//! Errors of commands, with exit codes. In go causes, out come messages and codes. Invariant: the code tells
+//! scripts the kind of error, the text tells people the rest.
 
 use sunfleck::api::{RenderError, Setting};
 use sunfleck::description::LoadError;
 use sunfleck::diagnostic::{Diagnostic, Diagnostics, Place};
 
-/// The command line itself.
+/// Exit code of an invalid command line.
 pub(super) const USAGE: u8 = 2;
 const SCENE: u8 = 3;
 pub(super) const INPUT_OUTPUT: u8 = 4;
 const FRAME: u8 = 5;
 
-/// Why a command failed.
+/// Error of a command.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum CliError {
     /// A value on the command line cannot be used (exit code 2).
@@ -23,13 +23,13 @@ pub(super) enum CliError {
     /// A file cannot be read or written (4).
     #[error("{0}")]
     InputOutput(String),
-    /// A frame failed its checks, or is too far from another (5).
+    /// A frame failed its checks, or differs too much from another (5).
     #[error("{0}")]
     Frame(String),
-    /// A signal ended the work (128 + its number).
+    /// A signal ended the command (128 + its number).
     #[error("stopped by signal {0}: what is whole is kept")]
     Signal(u8),
-    /// One ended a run over frames (128 + its number).
+    /// A signal ended a run over frames (128 + its number).
     #[error("stopped by signal {0}: what is whole is kept; `render` goes on with --skip valid")]
     Interrupted(u8),
 }

@@ -1,5 +1,5 @@
-//! `sunfleck export`: an input becomes a glTF file. Invariant: the file is whole or not there, and what
-//! it does not carry is said.
+//! Command `export`: an input as glTF. In goes an input, out comes a file. Invariant: the file is whole or
+//! absent, and losses are reported.
 
 use super::arguments::ExportArguments;
 use super::error::usage;
@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     }
     let description = description::load(&arguments.input)?;
     loading::check_not_read("OUT.glb", [output], &description.files)?;
-    // Whoever reads the file lights it if it has no light, so it gets none unless it is to have it.
+    // Readers of a file without light add their own, so default light is exported only on request.
     let no_default_light = arguments.scene.default_light != Some(Switch::On);
     let options = ResolveOptions { no_default_light, ..arguments.scene.options() };
     let scene = loading::resolve(description, &options, &arguments.scene.bakes, true)?;
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), CliError> {
     ))
 }
 
-/// Range from the first to the last frame of a list, or all.
+/// Range from the first to the last frame of a list, or all frames.
 fn frames(list: Option<&str>, scene: &Scene) -> Result<RangeInclusive<i64>, CliError> {
     let Some(list) = list else { return Ok(scene.frames()) };
     let frames = FrameList::parse(list, scene.frames()).map_err(CliError::Usage)?;

@@ -1,7 +1,6 @@
-//! Exposure of pictures for eyes. In go what the user says and what the input says, out comes one exposure
-//! for all frames. Invariant: it depends on scene and settings alone, not on which frames are asked for.
-//! So pictures do not flicker, and a frame's picture is the same alone and in a range. EXR frames know
-//! nothing of it.
+//! Exposure of pictures for viewing. In go the user's and the input's exposure, out comes one for all frames.
+//! Invariant: it depends on scene and settings, and not on the requested frames. So pictures do not flicker,
+//! and a frame's picture is the same alone and in a range. EXR frames do not depend on it.
 
 use super::arguments::DisplayArguments;
 use super::parse::ExposureArgument;
@@ -12,16 +11,14 @@ use sunfleck::color::Display;
 use sunfleck::render::Watch;
 use sunfleck::scene::{RenderSettings, Size};
 
-/// Rows of the picture by which an exposure is chosen, and samples a pixel.
+/// Rows of the picture that measures the exposure, and samples a pixel.
 const ROWS: usize = 36;
 const SAMPLES: u32 = 4;
 
-/// A picture is at most so many times as wide as it is high, or the other way round, when
-/// its exposure is chosen.
+/// Maximum aspect of that picture, wide or high.
 const LONGEST: f64 = 8.0;
 
-/// The display of all pictures; `measured` gives the exposure of a frame in the middle where
-/// nobody has said one.
+/// Display of all pictures; `measured` returns the automatic exposure, if none is given.
 pub(super) fn display<E>(
     arguments: &DisplayArguments,
     of_input: &RenderSettings,
@@ -44,21 +41,20 @@ pub(super) fn display<E>(
     Ok(arguments.display(stops, of_input.look))
 }
 
-/// The frame by which an exposure is chosen: in the middle, as many a sequence begins and ends in the dark.
+/// Frame that measures the exposure: the middle one, as many sequences begin and end in the dark.
 pub(super) fn reference_frame(frames: &RangeInclusive<i64>) -> i64 {
     (frames.start() + frames.end()).div_euclid(2)
 }
 
 impl Plan<'_> {
-    /// The exposure of a small picture of the frame in the middle of the input's range. Works on
-    /// the current rayon pool.
+    /// Automatic exposure of a small picture of the input's middle frame. Runs on the current rayon pool.
     pub(super) fn auto_exposure_stops(&self, watch: &Watch) -> f64 {
         let middle = reference_frame(&self.picture.settings.frames);
         self.picture.auto_exposure_stops(middle, small(self.picture.job.size), SAMPLES, watch)
     }
 }
 
-/// About [`ROWS`] rows of pixels in the picture's shape.
+/// Size of about [`ROWS`] rows with the picture's aspect.
 pub(super) fn small(size: Size) -> Size {
     let aspect = (size.width as f64 / size.height as f64).clamp(1.0 / LONGEST, LONGEST);
     let height = ROWS as f64 / aspect.min(1.0).sqrt();

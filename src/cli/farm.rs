@@ -1,6 +1,5 @@
-//! `sunfleck farm`: an input becomes a job for the manager of a render farm. In goes a file, out come the
-//! files that the manager takes. Invariant: the command line that tasks have has been checked, with the
-//! scene; a file is whole or not there.
+//! Command `farm`: a job for a render farm's manager. In goes an input, out come the manager's files.
+//! Invariant: the tasks' command line was validated with the scene; every file is whole or absent.
 
 mod chunk;
 mod deadline;
@@ -28,10 +27,10 @@ use sunfleck::description;
 use sunfleck::diagnostic::shown;
 use sunfleck::frame_file;
 
-/// Name in messages of the flags for every task.
+/// Name in messages of the flags for tasks.
 const FLAGS: &str = "the flags after --";
 
-/// A file of the job: its name in the job's folder, and what is in it.
+/// File of the job: its name in the job's folder, and its contents.
 type JobFile = (String, String);
 
 pub(super) fn run(arguments: &FarmArguments) -> Result<(), CliError> {
@@ -45,7 +44,7 @@ pub(super) fn run(arguments: &FarmArguments) -> Result<(), CliError> {
         FarmProfile::Slurm => (slurm::files(&job)?, slurm::how_to_submit(&job)),
         FarmProfile::Shell => (shell::files(&job)?, shell::how_to_submit(&job)),
     };
-    // There even if nothing falls: managers bring it along.
+    // Created even without falls, as managers copy it.
     std::fs::create_dir_all(folder.join(BAKES))
         .map_err(|error| CliError::InputOutput(format!("error: {}: {error}", shown(&folder.join(BAKES)))))?;
     for (name, contents) in &files {
@@ -106,7 +105,7 @@ fn new_job(arguments: &FarmArguments) -> Result<Job, CliError> {
     Ok(job)
 }
 
-/// Threads of a task whose flags do not say: Slurm gives it a processor, others a machine, such as this one.
+/// Default threads of a task: with Slurm one processor, else a machine like this one.
 fn usual_threads(profile: FarmProfile) -> u32 {
     match profile {
         FarmProfile::Slurm => 1,
@@ -114,7 +113,7 @@ fn usual_threads(profile: FarmProfile) -> u32 {
     }
 }
 
-/// Chooses the chunk of a scene by the seconds that it takes to load and the bytes of its files.
+/// Chooses the chunk from the time to load the scene and the bytes of its files.
 fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, load_s: f64, bytes: u64) {
     let machines = job.machines.unwrap_or(shell::MACHINES);
     let begin_s = match arguments.profile {
@@ -134,15 +133,15 @@ fn choose_chunk(job: &mut Job, arguments: &FarmArguments, frame_s: f64, load_s: 
     ));
 }
 
-/// Time in which a task loads the scene, by the time here, now that falls are baked.
+/// Estimated time for a task to load the scene, measured here with baked falls.
 fn load_seconds(task: &RenderArguments) -> Result<f64, CliError> {
     let began = Instant::now();
     plan::load(task)?;
     Ok(began.elapsed().as_secs_f64())
 }
 
-/// The command line of the tasks, for all frames at once; falls are baked where machines of the farm find
-/// them. Flags that the job itself says are refused, as they stand there twice.
+/// Arguments of the tasks for all frames, with falls baked where the farm finds them. Flags that the job
+/// itself sets are refused as duplicates.
 fn first_task(job: &Job, frames: &str) -> Result<RenderArguments, CliError> {
     let names = Names {
         input: &job.input,
@@ -167,7 +166,7 @@ fn first_task(job: &Job, frames: &str) -> Result<RenderArguments, CliError> {
     }
 }
 
-/// Refuses flags that a machine of a farm cannot honour, or by which tasks would hinder one another.
+/// Refuses flags that a farm's machine cannot honour, or with which tasks would disturb each other.
 fn check_flags(arguments: &FarmArguments, task: &RenderArguments) -> Result<(), CliError> {
     let (is_shell, is_auto) =
         (arguments.profile == FarmProfile::Shell, arguments.chunk == ChunkArgument::Auto);
@@ -213,7 +212,7 @@ fn check_flags(arguments: &FarmArguments, task: &RenderArguments) -> Result<(), 
     Ok(())
 }
 
-/// Absolute path of a file, as text: managers' files have no other names.
+/// Absolute path of a file as text, which managers' files require.
 fn absolute(path: &Path) -> Result<String, CliError> {
     let absolute = std::path::absolute(path)
         .map_err(|error| CliError::InputOutput(format!("error: {}: {error}", shown(path))))?;

@@ -1,5 +1,5 @@
-//! `sunfleck inspect`: contents of an input. In goes a file, out comes text or JSON. Invariant: whatever
-//! rendering would leave out or do differently is said here.
+//! Command `inspect`: contents of an input. In goes a file, out comes text or JSON. Invariant: everything
+//! that rendering would drop or change is reported.
 
 mod grids;
 mod json;
@@ -20,7 +20,7 @@ use sunfleck::description;
 use sunfleck::scene::{RenderSettings, Scene, Size};
 use sunfleck::sequence::FrameList;
 
-/// An input, and how it would be rendered.
+/// Input, and its render settings.
 struct Inspected<'a> {
     input: String,
     scene: &'a Scene,
@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &InspectArguments) -> Result<(), CliError> {
     arguments.scene.check(&inspected.plan.remarks)
 }
 
-/// Frames of a list as `render` has it, whose items may be fractions too.
+/// Frames of a list as for `render`, but fractions are allowed.
 fn moments(list: &str, all: RangeInclusive<i64>) -> Result<Vec<f64>, CliError> {
     let list = plan::listed(list)?;
     let mut frames = Vec::new();
@@ -78,7 +78,7 @@ fn moments(list: &str, all: RangeInclusive<i64>) -> Result<Vec<f64>, CliError> {
     Ok(frames)
 }
 
-/// A path a line, from the root of the file system.
+/// Absolute paths, one a line.
 fn dependencies(files: &[PathBuf]) -> String {
     let absolute = files.iter().map(|file| std::path::absolute(file).unwrap_or_else(|_| file.clone()));
     absolute.map(|file| file.display().to_string()).collect::<Vec<_>>().join("\n")

@@ -1,6 +1,6 @@
-//! A look at frames while they are rendered, in the viewer tev. In go pictures as they come, `tev_client`
-//! sends them. Invariant: whatever the viewer does, rendering neither waits for it nor fails; what it misses
-//! are looks in between.
+//! Live view of rendering in the viewer tev. In go pictures in progress, out come packets by `tev_client`.
+//! Invariant: rendering neither waits for the viewer nor fails with it; a slow viewer misses intermediate
+//! pictures.
 
 use super::{CliError, tell};
 use std::collections::VecDeque;
@@ -11,26 +11,26 @@ use sunfleck::diagnostic::{Diagnostic, Place};
 use sunfleck::film::Frame;
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
-/// Port on which tev listens unless it is told otherwise.
+/// Default port of tev.
 const PORT: u16 = 14158;
 
-/// A viewer that does not take a packet for so long is gone.
+/// Timeout for a packet, after which the viewer counts as gone.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Pictures that wait for the viewer; of more the oldest are forgotten.
+/// Maximum number of waiting pictures; older ones are dropped.
 const MOST_WAITING: usize = 4;
 
-/// Pictures in between may take so much of the time.
+/// Maximum share of time for intermediate pictures.
 const SHARE: f64 = 0.015;
 
-/// Values a packet, at most about: the viewer takes a packet as a whole.
+/// Approximate maximum of values in a packet, which the viewer receives as a whole.
 const VALUES: usize = 1 << 20;
 
-/// The connection, if there is to be one.
+/// Connection to a viewer, if there is one.
 pub(super) struct Live {
     queue: Option<Arc<Queue>>,
     began: Instant,
-    /// Time that pictures in between took to make.
+    /// Time spent on intermediate pictures.
     spent: Mutex<Duration>,
 }
 
@@ -42,19 +42,19 @@ struct Queue {
 
 #[derive(Default)]
 struct State {
-    /// Names, and what is known of these pictures.
+    /// Names and contents of waiting pictures.
     waiting: VecDeque<(String, Frame)>,
-    /// No more will come.
+    /// Set when no more pictures will come.
     over: bool,
-    /// The viewer is gone, or has seen all: nothing need be kept for it.
+    /// Set when the viewer is gone, or has received all.
     gone: bool,
 }
 
 impl Live {
-    /// Connects on a thread of its own; without an address nothing happens.
+    /// Connects on a thread of its own; without an address it does nothing.
     ///
     /// # Errors
-    /// There is no such place.
+    /// If the address does not exist.
     pub(super) fn new(address: Option<&str>) -> Result<Self, CliError> {
         let to = |queue| Self { queue, began: Instant::now(), spent: Mutex::default() };
         let Some(asked) = address else { return Ok(to(None)) };
@@ -84,12 +84,12 @@ impl Live {
         Ok(to(Some(queue)))
     }
 
-    /// Whether anybody may be looking.
+    /// Whether a viewer may be connected.
     pub(super) fn is_on(&self) -> bool {
         self.queue.as_ref().is_some_and(|queue| !queue.lock().gone)
     }
 
-    /// Shows what a picture is so far, unless that would take too much of the time.
+    /// Shows an intermediate picture, unless that would exceed its share of time.
     pub(super) fn look(&self, name: &str, so_far: &dyn Fn() -> Frame) {
         let mut spent = self.spent.lock().unwrap_or_else(PoisonError::into_inner);
         if *spent <= self.began.elapsed().mul_f64(SHARE) {
@@ -99,11 +99,11 @@ impl Live {
         }
     }
 
-    /// Shows a picture, or a newer state of it. Never waits.
+    /// Shows a picture, or a newer state of it. Never blocks.
     pub(super) fn show(&self, name: &str, frame: Frame) {
         let Some(queue) = self.queue.as_ref().filter(|_| self.is_on()) else { return };
         let mut state = queue.lock();
-        // What was not sent yet of the same picture is out of date.
+        // Replaces an unsent state of the same picture.
         state.waiting.retain(|(waiting, _)| waiting != name);
         if state.waiting.len() >= MOST_WAITING {
             state.waiting.pop_front();
@@ -114,7 +114,7 @@ impl Live {
 }
 
 impl Drop for Live {
-    /// The last pictures are still sent, unless the viewer is too slow for that.
+    /// Waits until the last pictures are sent, unless the viewer is too slow.
     fn drop(&mut self) {
         let Some(queue) = &self.queue else { return };
         let mut state = queue.lock();
@@ -130,7 +130,7 @@ impl Queue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next picture, once there is one; `None` at the end.
+    /// Waits for the next picture; `None` at the end.
     fn next(&self) -> Option<(String, Frame)> {
         let mut state = self.lock();
         loop {
@@ -144,12 +144,12 @@ impl Queue {
 }
 
 fn with_port(address: &str) -> String {
-    // The colons of an address of the sixth version stand in brackets.
+    // Colons of an IPv6 address are within brackets.
     let has_port = address.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok());
     if has_port { address.to_owned() } else { format!("{address}:{PORT}") }
 }
 
-/// Sends what comes until no more will come.
+/// Sends pictures until no more will come.
 fn send(address: &str, queue: &Queue) -> std::io::Result<()> {
     // `localhost` is ::1 first, where tev does not listen.
     let mut connected = Err(std::io::ErrorKind::AddrNotAvailable.into());
@@ -165,14 +165,14 @@ fn send(address: &str, queue: &Queue) -> std::io::Result<()> {
     let mut created: Option<String> = None;
     while let Some((name, frame)) = queue.next() {
         let is_new = created.as_ref() != Some(&name);
-        // The client ends texts by a zero byte.
+        // The client terminates texts by zero bytes.
         send_frame(&mut viewer, &name.replace('\0', ""), &frame, is_new)?;
         created = Some(name);
     }
     Ok(())
 }
 
-/// Sends all pixels, some rows a packet; those of a new picture are black before.
+/// Sends all pixels, some rows a packet; a new picture starts black.
 fn send_frame(viewer: &mut TevClient, name: &str, frame: &Frame, is_new: bool) -> std::io::Result<()> {
     let channels = &frame.channels;
     let channel_names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
@@ -190,7 +190,7 @@ fn send_frame(viewer: &mut TevClient, name: &str, frame: &Frame, is_new: bool) -
     for first in (0..window.height).step_by(most_rows) {
         let rows = most_rows.min(window.height - first);
         let part = first * window.width..(first + rows) * window.width;
-        // Channel by channel.
+        // Planar: channel by channel.
         let offsets: Vec<u64> = (0..channels.len()).map(|channel| (channel * part.len()) as u64).collect();
         let data: Vec<f32> =
             channels.iter().flat_map(|channel| &channel.pixels[part.clone()]).copied().collect();

@@ -1,6 +1,5 @@
-//! An input becomes a scene, with a bar while leaves are let fall and a folder of falls that were baked
-//! before. Invariant: the scene is the same with the folder, without it, or with rubbish in it. A folder that
-//! cannot be used is done without.
+//! Loading of scenes, with a progress bar for falls and a folder that caches them. In goes an input, out
+//! comes a scene. Invariant: it does not depend on the folder's contents or existence.
 
 use super::CliError;
 use super::arguments::{BakeArguments, SceneArguments};
@@ -21,13 +20,13 @@ use sunfleck::diagnostic::{readable, shown};
 use sunfleck::frame_file;
 use sunfleck::scene::{Baking, ResolveOptions};
 
-/// Bytes that the folder may hold before the oldest files go.
+/// Maximum bytes in the folder, before the oldest files are removed.
 const MOST_BYTES: u64 = 4 << 30;
-/// Fewer leaves are done before a bar is seen.
+/// Minimum number of leaves for a progress bar.
 const FEWEST: u32 = 1000;
 const EXTENSION: &str = "bake";
 
-/// Scene as it is looked at through a camera, by its name or the first, in a size.
+/// Scene from a camera, by its name or the first, in a size.
 pub(super) fn seen(
     description: Description,
     scene: &SceneArguments,
@@ -38,7 +37,7 @@ pub(super) fn seen(
     resolve(description, &scene.seen(size, camera), &scene.bakes, told)
 }
 
-/// Resolves an input on the threads that it is called on.
+/// Resolves an input on the current rayon pool.
 pub(super) fn resolve(
     description: Description,
     options: &ResolveOptions,
@@ -67,7 +66,7 @@ pub(super) fn resolve(
     let recall = |name: &str| {
         let path = path(name)?;
         let bake = open_regular(&path).ok()?;
-        // The oldest go first: this one is in use.
+        // Marks the file as used, as the oldest are removed first.
         let _ = fs::File::options()
             .append(true)
             .open(&path)
@@ -87,7 +86,7 @@ pub(super) fn resolve(
     Ok(scene?)
 }
 
-/// Refuses to write over files that the input consists of.
+/// Refuses outputs that would overwrite the input's files.
 pub(super) fn check_not_read<P: AsRef<Path>>(
     flag: &str,
     outputs: impl IntoIterator<Item = P>,
@@ -114,7 +113,7 @@ fn new_bar() -> ProgressBar {
     }
 }
 
-/// Folder where this user's programs keep what they can make again.
+/// Cache folder of this user.
 fn user_folder() -> Option<PathBuf> {
     let variable = |name: &str| env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let caches = if cfg!(windows) {
@@ -127,7 +126,7 @@ fn user_folder() -> Option<PathBuf> {
     caches.map(|caches| caches.join("sunfleck"))
 }
 
-/// By the bytes of its name.
+/// Whether a name is that of a bake.
 fn is_bake(name: &[u8]) -> bool {
     name.strip_suffix(EXTENSION.as_bytes()).is_some_and(|stem| stem.ends_with(b"."))
 }

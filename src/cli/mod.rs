@@ -1,7 +1,7 @@
-//! The command line: arguments in, exit code out. Invariant: every failure names its cause and a remedy on
-//! the error stream, and has the exit code of its kind.
+//! Command line. In go arguments, out comes an exit code. Invariant: every failure names its cause and a
+//! remedy on standard error, and has the exit code of its kind.
 
-// Its comments are the help, whose brackets are no links.
+// Its comments are the program's help, where brackets are not links.
 #[allow(rustdoc::broken_intra_doc_links)]
 mod arguments;
 mod bench;
@@ -44,12 +44,12 @@ use sunfleck::passes::Pass;
 
 use error::CliError;
 
-/// Runs the program on its command line.
+/// Runs the program with its command line.
 pub(crate) fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Help and version are answers, not failures; a closed pipe is nobody's concern.
+            // Help and version are not failures, and a closed pipe does not matter.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { error::USAGE } else { 0 });
         }
@@ -82,7 +82,7 @@ pub(crate) fn run() -> ExitCode {
     ExitCode::from(stop.code(result))
 }
 
-/// Ends a program whose thread cannot be started.
+/// Reports that the main thread cannot be started.
 pub(crate) fn no_stack(error: &std::io::Error) -> ExitCode {
     tell(&format!(
         "error: a thread with 8 MB of stack cannot be started: {error}\n  expected: room for it\n  \
@@ -91,7 +91,7 @@ pub(crate) fn no_stack(error: &std::io::Error) -> ExitCode {
     ExitCode::from(error::INPUT_OUTPUT)
 }
 
-/// Passes for reading, as `--passes` takes them.
+/// List of passes for `--passes`.
 fn pass_names(passes: &[Pass]) -> String {
     if passes.is_empty() {
         return String::from("beauty alone");
@@ -99,15 +99,15 @@ fn pass_names(passes: &[Pass]) -> String {
     format!("beauty and {}", passes.iter().map(|pass| pass.name()).collect::<Vec<_>>().join(","))
 }
 
-/// A line on the error stream. That it takes none (closed, full, nobody reads) stops no work.
+/// Prints a line on standard error. A failure (closed, full, no reader) is ignored.
 fn tell(message: &str) {
     let _ = writeln!(std::io::stderr(), "{message}");
 }
 
-/// A line on the output stream. That nobody reads on (`| head`) is no failure.
+/// Prints a line on standard output. A closed pipe (`| head`) is not a failure.
 ///
 /// # Errors
-/// The stream takes no more for any other reason: a full disk.
+/// If it cannot be written for another reason, such as a full disk.
 fn answer(message: &str) -> Result<(), CliError> {
     match writeln!(std::io::stdout(), "{message}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::InputOutput(format!(

@@ -1,11 +1,12 @@
-//! Values of flags from their text. Invariant: a refusal says what was expected, with an example.
+//! Parsers of flags' values. In goes text, out come values. Invariant: an error names the expectation, with
+//! an example.
 
 use glob::Pattern;
 use sunfleck::color::Bloom;
 use sunfleck::description::ron::{Range as _, RelativeError, Stops};
 use sunfleck::scene::{Bounces, Size};
 
-/// The names of channels, or `None` for all, and the most that these may differ by.
+/// Pattern of channels, or `None` for all, and their maximum difference.
 #[derive(Clone, Debug)]
 pub(super) struct ChannelsLimit(pub(super) Option<Pattern>, pub(super) f64);
 
@@ -21,7 +22,7 @@ pub(super) enum SizeArgument {
     Percent(f64),
 }
 
-/// Frames that a task of a farm renders.
+/// Frames in a task of a farm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ChunkArgument {
     Frames(u32),
@@ -51,11 +52,11 @@ pub(super) fn parse_size(text: &str) -> Result<SizeArgument, String> {
     Ok(SizeArgument::Pixels(Size { width: side(width)?, height: side(height)? }))
 }
 
-/// Frames that a task renders at most.
+/// Maximum number of frames in a task.
 pub(super) const LARGEST_CHUNK: u32 = 150;
 
 pub(super) fn parse_bounces(text: &str) -> Result<Bounces, String> {
-    /// More cannot be told from all.
+    /// Maximum number of bounces below `all`; more make no difference.
     const MOST: u32 = 64;
     match text.trim() {
         "all" => Ok(Bounces::All),
@@ -66,7 +67,7 @@ pub(super) fn parse_bounces(text: &str) -> Result<Bounces, String> {
     }
 }
 
-/// The number that a text is, if it is one that the flag takes.
+/// Number of a text, if the flag accepts it.
 fn number(text: &str, takes: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
     text.trim().parse().ok().filter(|&number| takes(number)).ok_or_else(|| expected.into())
 }
@@ -85,7 +86,7 @@ pub(super) fn parse_chunk(text: &str) -> Result<ChunkArgument, String> {
     }
 }
 
-/// Frames so far from 0 are a slip of the finger.
+/// Maximum magnitude of a frame number; larger ones are typing errors.
 const FARTHEST_FRAME: f64 = 1e9;
 
 pub(super) fn parse_frame(text: &str) -> Result<f64, String> {
@@ -132,8 +133,7 @@ pub(super) fn parse_noise(text: &str) -> Result<f64, String> {
     )
 }
 
-/// A number from 0 on, which asks for equality; of a pattern of channels' names also `inf`, which is no
-/// limit.
+/// Number of at least 0, which demands equality; with a pattern also `inf`, for no limit.
 pub(super) fn parse_limit(text: &str) -> Result<ChannelsLimit, String> {
     let (channels, number) = channels_and_number(text)?;
     let is_limit = number >= 0.0 && (number.is_finite() || channels.is_some());
@@ -141,14 +141,14 @@ pub(super) fn parse_limit(text: &str) -> Result<ChannelsLimit, String> {
     if is_limit { Ok(ChannelsLimit(channels, number)) } else { Err(expected.into()) }
 }
 
-/// A share, from 0 to 1.
+/// Share from 0 to 1.
 pub(super) fn parse_share_limit(text: &str) -> Result<ChannelsLimit, String> {
     let (channels, number) = channels_and_number(text)?;
     let expected = "expected a share from 0 to 1, or channels and one, such as leaf_id.*=0.01";
     if (0.0..=1.0).contains(&number) { Ok(ChannelsLimit(channels, number)) } else { Err(expected.into()) }
 }
 
-/// `CHANNELS=NUMBER`; without channels the number alone. What is no number is NaN.
+/// Parses `CHANNELS=NUMBER`, or a number alone. An invalid number becomes NaN.
 fn channels_and_number(text: &str) -> Result<(Option<Pattern>, f64), String> {
     let (channels, number) =
         text.rsplit_once('=').map_or((None, text), |(names, number)| (Some(names), number));
@@ -159,7 +159,7 @@ fn channels_and_number(text: &str) -> Result<(Option<Pattern>, f64), String> {
     Ok((channels.map(pattern).transpose()?, number.trim().parse().unwrap_or(f64::NAN)))
 }
 
-/// Several stars are one: names of channels have no folders.
+/// Collapses several stars into one, as names of channels have no folders.
 fn one_star(names: &str) -> String {
     let mut names = names.to_owned();
     while names.contains("**") {

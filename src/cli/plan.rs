@@ -1,5 +1,5 @@
-//! Plan of a rendering, once and for all: input and flags in, a plan out. Invariant: flags win over the
-//! file, the file over the defaults; a plan that exists can be carried out.
+//! Plan of a run. In go input and flags, out comes a plan. Invariant: flags override the file, and the file
+//! overrides defaults; a plan that exists is valid.
 
 use super::arguments::{ProgressArgument, RenderArguments, Volume, passes};
 use super::error::usage;
@@ -17,14 +17,14 @@ use sunfleck::scene::{RenderSettings, Size, Window};
 use sunfleck::sequence::{FrameList, OutputPattern};
 use sunfleck::transport::MarchSteps;
 
-/// Everything that a run needs to know.
+/// Parameters of a run.
 pub(super) struct Plan<'scene> {
     pub(super) picture: api::Plan<'scene>,
     pub(super) frames: FrameList,
     pub(super) output: OutputPattern,
 }
 
-/// The scene that is to be rendered, once it is known that frames can be written.
+/// Loads the scene, once frames are known to be writable.
 pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, CliError> {
     check_output(arguments)?;
     let description = description::load(&arguments.input)?;
@@ -70,7 +70,7 @@ impl<'scene> Plan<'scene> {
     }
 }
 
-/// Whether two names are of one file, which may not be there yet.
+/// Whether two names refer to the same file, which need not exist yet.
 fn is_same(one: &Path, other: &Path) -> bool {
     let folder = |path: &Path| {
         let folder = frame_file::folder_of(path);
@@ -126,13 +126,13 @@ impl fmt::Display for Plan<'_> {
     }
 }
 
-/// Refuses a place that cannot be written to before anybody waits for the scene.
+/// Checks that the output is writable, before the scene is loaded.
 fn check_output(arguments: &RenderArguments) -> Result<(), CliError> {
     let pattern = parse_output(arguments.out.as_deref(), "frame")?;
     if arguments.dry_run {
         return Ok(());
     }
-    // What the input is called is not known yet.
+    // The name of the input is not yet known.
     let folder = arguments.out.as_ref().map_or(Path::new("out"), |_| pattern.folder());
     frame_file::check_folder(folder).map_err(|error| CliError::InputOutput(error.diagnostic().to_string()))
 }
@@ -172,7 +172,7 @@ pub(super) fn find_frames(list: Option<&str>, settings: &RenderSettings) -> Resu
     Ok(frames)
 }
 
-/// A list of frames, or what the file holds that stands after `@`.
+/// List of frames, or the contents of the file after `@`.
 pub(super) fn listed(list: &str) -> Result<Cow<'_, str>, CliError> {
     let Some(path) = list.strip_prefix('@') else { return Ok(list.into()) };
     let bytes = description::read_regular(path.as_ref()).map_err(|source| LoadError::Io {

@@ -1,6 +1,5 @@
-//! `sunfleck preview`: a scene by scan line, or frames that are there, to pictures for eyes. In goes
-//! an input, out come PNG files. Invariant: every file is whole or not there; pictures are the same
-//! for any number of threads.
+//! Command `preview`: pictures of a scene by scan line, or of existing frames. In goes an input, out come PNG
+//! files. Invariant: every file is whole or absent, and independent of the number of threads.
 
 use super::arguments::PreviewArguments;
 use super::bench::{MOST_PIXELS, fitting};
@@ -25,13 +24,13 @@ use sunfleck::frame_file::{self, Animation, FrameFileError, Picture};
 use sunfleck::scene::{FrameRate, RenderSettings, Size};
 use sunfleck::sequence::{FrameList, OutputPattern};
 
-/// A contact sheet shows no more frames than this, evenly spread.
+/// Maximum number of frames on a contact sheet; they are evenly spread.
 const MOST_ON_SHEET: usize = 64;
 
 enum Source<'a> {
-    /// Drawn.
+    /// Scene to draw.
     Scene { input: &'a Path, plan: Box<Plan<'a>> },
-    /// Read.
+    /// Frames to read.
     Files { files: BTreeMap<i64, PathBuf>, size: Option<SizeArgument>, doubts: Doubts },
 }
 
@@ -41,7 +40,7 @@ struct Doubts {
     pixels: Unshown,
 }
 
-/// Files that the pictures go to.
+/// Files of the pictures.
 struct Outputs {
     pictures: Option<OutputPattern>,
     sheet: Option<PathBuf>,
@@ -70,7 +69,7 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     let dark_frames = DarkFrames::default();
     let started = Instant::now();
     let mut kept = Kept::new(&outputs, frames.len(), settings.frame_rate);
-    // A frame a thread at a time, so that none waits for another's file.
+    // One frame a thread, so that none waits for another's file.
     for group in frames.chunks(pool.current_num_threads()) {
         let pictures: Result<Vec<Picture>, FrameFileError> = pool.install(|| {
             let picture = |&frame: &i64| {
@@ -102,7 +101,7 @@ pub(super) fn run(arguments: &PreviewArguments) -> Result<(), CliError> {
     if let Source::Files { doubts, .. } = &source {
         doubts.pixels.tell();
     }
-    // Light in fog is not drawn, so where there is some nobody can tell.
+    // Fog is not drawn, so a picture with fog may be black for no fault.
     if let Source::Scene { plan, .. } = &source
         && plan.scene.resolved().fogs.is_empty()
     {
@@ -133,7 +132,7 @@ impl<'a> Source<'a> {
         Ok((Self::Scene { input: &arguments.input, plan }, settings))
     }
 
-    /// An EXR file, or those of a folder, by the number that their names end in.
+    /// EXR file, or those of a folder, by the number at the end of their names.
     fn files(arguments: &PreviewArguments) -> Result<(Self, RenderSettings), CliError> {
         let input = arguments.input.as_path();
         let flags = [
@@ -172,7 +171,7 @@ impl<'a> Source<'a> {
         Ok((Self::Files { files, size: arguments.size, doubts: Doubts::default() }, settings))
     }
 
-    /// Frames that exist, among those that were asked for.
+    /// Existing frames among the requested ones.
     fn existing(&self, frames: &FrameList) -> Vec<i64> {
         let exists = |frame: &i64| match self {
             Self::Scene { .. } => true,
@@ -188,7 +187,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The exposure that the frame in the middle of the input's range asks for.
+    /// Automatic exposure of the middle frame of the input's range.
     fn auto_exposure_stops(&self, settings: &RenderSettings) -> Result<f64, FrameFileError> {
         let middle = exposure::reference_frame(&settings.frames);
         let frame = match self {
@@ -201,7 +200,7 @@ impl<'a> Source<'a> {
         Ok(frame.auto_exposure_stops())
     }
 
-    /// A frame's picture at the size that was asked for; scenes are drawn at theirs.
+    /// Picture of a frame at the requested size; scenes are drawn at theirs.
     fn sized(&self, picture: Picture) -> Result<Picture, String> {
         let Self::Files { size: Some(size), .. } = self else { return Ok(picture) };
         let size = resized(picture.size, *size).map_err(|error| error.to_string())?;
@@ -219,7 +218,7 @@ impl<'a> Source<'a> {
                 let has_picture = doubts.colors.tell_shown(&files[&frame], &file);
                 let has_pixels = file.frame.window.width > 0;
                 let shown = file.shown();
-                // Depth may be without end.
+                // Depth may be infinite.
                 if has_picture {
                     doubts.pixels.count(&files[&frame], has_pixels, &shown);
                 }
@@ -229,7 +228,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// A preview of more pixels than this is none.
+/// Maximum pixels of a preview.
 const LARGEST_PICTURE: usize = 1 << 26;
 
 impl Outputs {
@@ -265,7 +264,7 @@ impl Outputs {
         pictures.chain(self.sheet.clone()).chain(self.animation.clone())
     }
 
-    /// Removes what killed runs left of these files.
+    /// Removes temporary files that killed runs left of these.
     fn clear(&self, frames: &[i64]) {
         if let Some(pictures) = &self.pictures {
             let paths: Vec<PathBuf> = frames.iter().map(|&frame| pictures.path(frame)).collect();
@@ -290,12 +289,12 @@ impl std::fmt::Display for Outputs {
     }
 }
 
-/// Pictures that become one file.
+/// Pictures for one file.
 struct Kept<'a> {
     outputs: &'a Outputs,
     frames: usize,
     rate: FrameRate,
-    /// Number of them.
+    /// Number of pictures so far.
     seen: usize,
     size: Size,
     sheet: Option<Picture>,
@@ -331,7 +330,7 @@ impl<'a> Kept<'a> {
             );
             return Err(usage("--frames", found, "frames of one size, or --out NAME.####.png"));
         }
-        // Every so many-th, from the first on.
+        // Evenly spread, starting with the first.
         let place = (self.seen * shown).div_ceil(self.frames);
         if place * self.frames / shown == self.seen
             && let Some(sheet) = &mut self.sheet
@@ -345,7 +344,7 @@ impl<'a> Kept<'a> {
         Ok(())
     }
 
-    /// Writes what was kept, and says how large a picture was.
+    /// Writes the file; returns the size of its pictures.
     fn finish(self) -> Result<Size, CliError> {
         if let (Some(sheet), Some(path)) = (&self.sheet, &self.outputs.sheet) {
             sheet.write(path).map_err(failure)?;

@@ -4,7 +4,7 @@
 use std::fs::read_to_string;
 use std::path::Path;
 
-/// The most memory that the process has held so far, where Linux tells (proc(5), `VmHWM`).
+/// Peak memory of the process so far, on Linux (proc(5), `VmHWM`).
 pub(super) fn peak_memory_bytes() -> Option<u64> {
     let status = read_to_string("/proc/self/status").ok()?;
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -12,9 +12,9 @@ pub(super) fn peak_memory_bytes() -> Option<u64> {
     Some(1024 * kibibytes)
 }
 
-/// Memory that there is for more of what has taken `peak_bytes` so far, in multiples of that: half of what is
-/// free (proc(5), `MemAvailable`), and three quarters of what the process's group may have (cgroups(7)).
-/// `None` elsewhere than on Linux.
+/// Number of further units of `peak_bytes` that fit into memory: within half of the free memory (proc(5),
+/// `MemAvailable`), and three quarters of the control group's limit (cgroups(7)). `None` elsewhere than on
+/// Linux.
 pub(super) fn times_more(peak_bytes: u64) -> Option<usize> {
     let info = read_to_string("/proc/meminfo").ok()?;
     let free = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
@@ -24,7 +24,7 @@ pub(super) fn times_more(peak_bytes: u64) -> Option<usize> {
     usize::try_from(of_group.min(free_bytes / 2 / peak_bytes)).ok()
 }
 
-/// The least memory that a control group of the process may have, of either version.
+/// Smallest memory limit of the process's control groups, of either version.
 fn group_limit() -> Option<u64> {
     let groups = read_to_string("/proc/self/cgroup").ok()?;
     let limits = groups.lines().flat_map(|line| {
@@ -39,7 +39,7 @@ fn group_limit() -> Option<u64> {
         folders
             .filter_map(move |folder| {
                 let folder = Path::new(root).join(folder.strip_prefix("/").unwrap_or(folder));
-                // `max` where there is none.
+                // `max` means no limit.
                 read_to_string(folder.join(name)).ok()?.trim().parse().ok()
             })
             .collect::<Vec<u64>>()
@@ -47,11 +47,11 @@ fn group_limit() -> Option<u64> {
     limits.min()
 }
 
-/// Address space below which there is not enough for most scenes.
+/// Address space that is too small for most scenes.
 const TIGHT_BYTES: u64 = 200_000_000;
 
-/// Says that the process may not have much memory: when it cannot have more, the standard library says how
-/// much that was, and nobody may say anything after it.
+/// Message about limited memory. When an allocation fails, the standard library prints its size and aborts,
+/// and nothing can be printed after that.
 pub(super) fn tight_memory() -> Option<String> {
     let bytes = limit("Max address space")?;
     let [limit, least] = [bytes, TIGHT_BYTES].map(|bytes| bytes / 1_000_000);
@@ -63,14 +63,14 @@ pub(super) fn tight_memory() -> Option<String> {
     })
 }
 
-/// Whether the system may refuse memory. Where it has no limit it gives more than there is, and kills a
-/// process when that is used up (proc(5), `overcommit_memory`).
+/// Whether the system may refuse memory. Without a limit it overcommits, and kills a process when memory runs
+/// out (proc(5), `overcommit_memory`).
 pub(super) fn is_there_any() -> bool {
     let overcommit = read_to_string("/proc/sys/vm/overcommit_memory").unwrap_or_default();
     overcommit.trim() == "2" || limit("Max address space").is_some() || limit("Max data size").is_some()
 }
 
-/// A limit that is not `unlimited`, by its name in proc(5), `limits`.
+/// Limit of this name in proc(5), `limits`, unless it is `unlimited`.
 fn limit(name: &str) -> Option<u64> {
     let limits = read_to_string("/proc/self/limits").ok()?;
     let limit = limits.lines().find_map(|line| line.strip_prefix(name))?;

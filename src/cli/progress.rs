@@ -1,5 +1,5 @@
-//! Events of a run to lines on a terminal, in a log or for a render farm. Invariant: standard
-//! output carries only what programs read (`jsonl`, `openjd`); what people read goes to standard error.
+//! Progress of a run. In go events, out come lines for a terminal, a log or a render farm. Invariant:
+//! standard output has only lines for programs (`jsonl`, `openjd`); text for people goes to standard error.
 
 use super::words::ProgressArgument;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -13,23 +13,22 @@ use sunfleck::diagnostic::shown;
 use sunfleck::render::Statistics;
 use sunfleck::sequence::{Event, Summary};
 
-/// Steps of the bar a frame, so that it moves within one too.
+/// Steps of the bar for each frame, so that it also moves within frames.
 const STEPS_PER_FRAME: f64 = 1000.0;
-/// Share of a frame before which the rest is not predicted: indirect light is solved before its first
-/// sample.
+/// Share of a frame before which no time is predicted, as indirect light is solved before the first sample.
 const LEAST_BASIS: f64 = 0.05;
 
-/// Says on standard output why a task failed, in the line that Open Job Description reads.
+/// Prints the reason of a failure on standard output, as Open Job Description expects it.
 pub(super) fn fail(reason: &str) {
     let reason = reason.lines().map(str::trim).collect::<Vec<_>>().join("; ");
-    // Who closed the pipe does not want to know; the error stream has it as well.
+    // A closed pipe is ignored; standard error has the message as well.
     let _ = writeln!(std::io::stdout(), "openjd_fail: {}", reason.trim_start_matches("error: "));
 }
 
-/// Tells of a run as it goes.
+/// Reports a run's progress.
 pub(super) struct Progress {
     style: ProgressArgument,
-    /// A bar with the time left, for people at a terminal.
+    /// Bar with the remaining time, for terminals.
     bar: Option<ProgressBar>,
     state: Mutex<State>,
 }
@@ -38,16 +37,16 @@ struct State {
     out: Box<dyn Write + Send>,
     frames: usize,
     skipped: usize,
-    /// Frames begun, those in progress included.
+    /// Number of frames begun, those in progress included.
     begun: usize,
-    /// Share done of each frame that is in progress.
+    /// Fraction done of each frame in progress.
     in_progress: BTreeMap<i64, f64>,
-    /// Frames given up, and frames on the disk.
+    /// Numbers of frames given up, and of frames on the disk.
     given_up: usize,
     written: usize,
     most_noise: Option<f64>,
     first_begun: Option<Instant>,
-    /// The last whole per cent told; machines need not hear of less.
+    /// Last whole per cent reported, to limit the number of lines.
     percent_told: Option<u64>,
 }
 
@@ -74,9 +73,9 @@ impl Progress {
         Self { style, bar, state: Mutex::new(State::new(out)) }
     }
 
-    /// Tells of an event. May be called from any thread.
+    /// Reports an event. Any thread may call it.
     pub(super) fn report(&self, event: &Event) {
-        // A thread that panicked while it held the lock left nothing but numbers.
+        // The state is valid even if a thread panicked with the lock.
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.count(event);
         match self.style {
@@ -134,7 +133,7 @@ impl Progress {
 }
 
 impl Drop for Progress {
-    /// A run that fails says so in its own words; the bar must not stand in their way.
+    /// Removes the bar before a failure is reported.
     fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
@@ -168,7 +167,7 @@ impl State {
                 self.first_begun.get_or_insert_with(Instant::now);
             }
             Event::FrameProgress { frame, progress } => {
-                // Threads may tell of their shares out of order.
+                // Threads may report out of order.
                 let fraction = self.in_progress.entry(*frame).or_default();
                 *fraction = fraction.max(progress.fraction);
             }
@@ -186,7 +185,7 @@ impl State {
         }
     }
 
-    /// Frames done, with the shares of those in progress.
+    /// Number of frames done, with the fractions of those in progress.
     fn done(&self) -> f64 {
         self.skipped as f64 + self.rendered()
     }
@@ -204,9 +203,9 @@ impl State {
         std::mem::replace(&mut self.percent_told, percent) != percent
     }
 
-    /// `, about 3 min left`, judged by the frames rendered so far; nothing before there is a basis,
-    /// and nothing at the end. Within the first frame it is a bound: most pixels need fewer samples than
-    /// they may have.
+    /// `, about 3 min left`, estimated from the frames rendered so far; empty before there are any, and at
+    /// the end. Within the first frame it is an upper bound, as most pixels need fewer samples than the
+    /// maximum.
     fn time_left(&self) -> String {
         let is_under_way = self.rendered() >= LEAST_BASIS && self.skipped + self.written < self.frames;
         let Some(first_begun) = self.first_begun.filter(|_| is_under_way) else {
@@ -253,12 +252,12 @@ impl State {
     }
 
     fn line(&mut self, line: &str) {
-        // Who closed the pipe does not want to know; the frames are written all the same.
+        // A closed pipe is ignored; the frames are written all the same.
         let _ = writeln!(self.out, "{line}").and_then(|()| self.out.flush());
     }
 }
 
-/// The path itself; JSON has no bytes that are no text, which are escaped.
+/// Path as text; bytes that are not valid text are escaped, as JSON cannot hold them.
 fn text_of(path: &Path) -> String {
     path.to_str().map_or_else(|| shown(path).to_string(), str::to_owned)
 }
@@ -306,8 +305,7 @@ fn as_json(event: &Event) -> Value {
     }
 }
 
-/// `, noise 1.8 %`, where there is an estimate, and how much of the frame the tolerance had
-/// no samples left for.
+/// `, noise 1.8 %`, if it is estimated, and the share of the frame that reached the maximum of samples.
 fn quality(statistics: &Statistics) -> String {
     let Statistics { blocks, unconverged_blocks, noise, grid_error, endless_light, .. } = statistics;
     let told = |what: &str, error: Option<f64>| {
@@ -326,12 +324,12 @@ fn quality(statistics: &Statistics) -> String {
     }
 }
 
-/// A share as people say it.
+/// Percentage for people.
 fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// Seconds as people say them.
+/// Duration for people.
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
         format!("{seconds:.0} s")

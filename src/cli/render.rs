@@ -1,5 +1,5 @@
-//! `sunfleck render`: an input becomes frames on the disk. Invariant: the run ends by saying where
-//! the frames are, how long they took and what was skipped.
+//! Command `render`: frames of an input. In goes an input, out come files. Invariant: at its end the run
+//! reports the frames' folder, its duration and the skipped frames.
 
 use super::arguments::{PreviewArgument, ProgressArgument, RenderArguments};
 use super::darkness::DarkFrames;
@@ -22,7 +22,7 @@ use sunfleck::film::Frame;
 use sunfleck::render::{self, Rendered, Stage, Watch};
 use sunfleck::sequence::{self, Job, SequenceError};
 
-/// Common part of all frames of a run.
+/// Common data of all frames of a run.
 struct Run<'a> {
     arguments: &'a RenderArguments,
     stop: &'a Stop,
@@ -46,7 +46,7 @@ fn render(arguments: &RenderArguments, stop: &Stop) -> Result<(), CliError> {
     of_scene(arguments, &scene, &pool, stop)
 }
 
-/// Renders a scene that is loaded, on threads that there are.
+/// Renders a loaded scene with the available threads.
 pub(super) fn of_scene(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -62,7 +62,7 @@ pub(super) fn of_scene(
     plan.picture.check_memory()?;
     let live = Live::new(arguments.live.as_deref())?;
     let stats = Stats::new(arguments.stats.as_deref(), remarks)?;
-    // Frames that are timed or shown have all threads.
+    // One frame at a time, with all threads, if frames have a timeout or are shown live.
     let one = arguments.frame_timeout.is_some() || live.is_on() || scene.resolved().is_still();
     let asked = arguments.frames_at_once.map(|asked| asked as usize).or(one.then_some(1));
     let workers = Workers::new(pool, asked);
@@ -82,7 +82,7 @@ impl Run<'_> {
             workers: &|left| self.workers.start(left),
         };
         let (dark_frames, doubts) = (DarkFrames::default(), Doubts::default());
-        // Where nothing moves, every frame is the first.
+        // In a still scene every frame is the first one.
         let is_still = plan.picture.scene.resolved().is_still();
         let still_frame = OnceLock::new();
         let summary = sequence::run(
@@ -116,7 +116,7 @@ impl Run<'_> {
         if summary.given_up.is_empty() { Ok(()) } else { Err(too_late(&summary.given_up)) }
     }
 
-    /// Refuses a frame whose indirect light is too uncertain, or counts it.
+    /// Refuses a frame with too uncertain indirect light, or counts it.
     fn weigh(&self, frame: i64, rendered: &Rendered, doubts: &Doubts) -> Result<(), Halt> {
         let sampling = self.plan.picture.settings.sampling;
         match Doubt::of(frame, &rendered.statistics, sampling) {
@@ -129,7 +129,7 @@ impl Run<'_> {
         }
     }
 
-    /// Display of pictures beside the frames, if there are to be any.
+    /// Display of pictures beside the frames, if they are requested.
     fn preview(&self) -> Result<Option<Display>, CliError> {
         let Self { arguments, plan, stop, workers, .. } = self;
         let measured = || {
@@ -139,7 +139,7 @@ impl Run<'_> {
             let stops = workers.pool(0).install(|| plan.auto_exposure_stops(&watch));
             let first = plan.frames.as_slice().first().copied().unwrap_or_default();
             self.stats.took(first, "exposure_seconds", started.elapsed());
-            // What was begun and stopped is no picture to judge by.
+            // An unfinished picture has no exposure.
             stop.signal().map_or(Ok(stops), |number| Err(CliError::Interrupted(number)))
         };
         let display =
@@ -150,7 +150,7 @@ impl Run<'_> {
         arguments.preview.map(display).transpose()
     }
 
-    /// Renders a frame; none if it takes too long.
+    /// Renders a frame; `None` if it exceeds the time limit.
     fn frame(
         &self,
         pool: &ThreadPool,
@@ -193,7 +193,7 @@ impl Run<'_> {
     }
 }
 
-/// Key of a stage's time among a frame's statistics.
+/// Key of a stage's time in a frame's statistics.
 fn stage_key(stage: Stage) -> &'static str {
     match stage {
         Stage::IndirectLight => "indirect_seconds",
@@ -201,7 +201,7 @@ fn stage_key(stage: Stage) -> &'static str {
     }
 }
 
-/// Frames that took longer than they may.
+/// Error about frames that exceeded the time limit.
 fn too_late(frames: &[i64]) -> CliError {
     let frames: Vec<String> = frames.iter().map(ToString::to_string).collect();
     let frames = frames.join(",");
@@ -211,7 +211,7 @@ fn too_late(frames: &[i64]) -> CliError {
     ))
 }
 
-/// Why a frame was given up and the run ends.
+/// Reason for giving a frame up and ending the run.
 #[derive(Debug, thiserror::Error)]
 enum Halt {
     #[error("stopped by a signal")]

@@ -1,24 +1,24 @@
-//! The files of commands other than `render`. Invariant: a file is whole or not there; what killed runs left
-//! of it is removed, and said with a count.
+//! Files of commands other than `render`. In go bytes, out come files. Invariant: a file is whole or absent;
+//! leftovers of killed runs are removed, and their number is reported.
 
 use super::{CliError, tell};
 use std::path::Path;
 use sunfleck::diagnostic::shown;
 use sunfleck::frame_file::{self, FrameFileError, folder_of};
 
-/// Writes a file that is made of parts; its folder is made if need be.
+/// Writes a file from parts; its folder is created if necessary.
 pub(super) fn save(path: &Path, parts: &[&[u8]]) -> Result<(), CliError> {
     clear(path);
     frame_file::write_whole(path, parts).map_err(failure)
 }
 
-/// Removes what killed runs left of a file.
+/// Removes leftovers of killed runs of a file.
 pub(super) fn clear(path: &Path) {
     let name = path.file_name().unwrap_or_default().as_encoded_bytes();
     clear_folder(folder_of(path), |wanted| wanted == name);
 }
 
-/// Removes what killed runs left in a folder, of the files that are wanted by the bytes of their names.
+/// Removes leftovers of killed runs in a folder; `is_wanted` gets the bytes of final names.
 pub(super) fn clear_folder(folder: &Path, is_wanted: impl Fn(&[u8]) -> bool) {
     let removed = frame_file::remove_abandoned(folder, is_wanted).len();
     let plural = if removed == 1 { "" } else { "s" };
@@ -30,7 +30,7 @@ pub(super) fn clear_folder(folder: &Path, is_wanted: impl Fn(&[u8]) -> bool) {
     }
 }
 
-/// A file that cannot be read or written.
+/// Error of a file that cannot be read or written.
 pub(super) fn failure(error: FrameFileError) -> CliError {
     CliError::InputOutput(error.diagnostic().to_string())
 }

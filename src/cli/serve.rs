@@ -1,8 +1,8 @@
-//! `sunfleck serve`: a scene stays loaded, and pictures of it are asked for by lines. In go requests on
-//! the input stream, out come events, as of `render --progress jsonl`, and an answer to each request.
-//! Invariant: every request is answered once and in order; a newer one ends the one under way.
+//! Command `serve`: pictures of a loaded scene on request. In go requests on standard input, a line each; out
+//! come events, as of `render --progress jsonl`, and an answer to each request. Invariant: every request is
+//! answered once and in order; a newer one cancels the current one.
 //!
-//! Trees, textures and indirect light stay until something but the camera changes them.
+//! Trees, textures and indirect light are kept while only the camera changes.
 
 use super::arguments::{Arguments, Command, ProgressArgument, RenderArguments, ServeArguments};
 use super::signals::Stop;
@@ -19,33 +19,33 @@ use std::thread;
 use sunfleck::api::{Scene, VIEWER, Viewer};
 use sunfleck::description;
 
-/// One line of the input stream.
+/// Request: one line of standard input.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Request {
-    /// Given back with the answer.
+    /// Returned with the answer.
     #[serde(default)]
     id: Value,
-    /// Flags of `render`; without them the request only ends the one under way.
+    /// Flags of `render`; without them the request only cancels the current one.
     #[serde(default)]
     render: Option<Vec<String>>,
-    /// The camera, if it is none of the scene's.
+    /// Camera, unless it is one of the scene's.
     #[serde(default)]
     camera: Option<Viewer>,
 }
 
-/// State that the reading thread shares with the rendering one.
+/// State shared by the reading and the rendering thread.
 #[derive(Default)]
 struct Desk {
-    /// Requests that are not answered yet.
+    /// Number of unanswered requests.
     waiting: usize,
-    /// Ends the one under way.
+    /// Cancels the current request.
     stop: Arc<AtomicBool>,
     is_closed: bool,
 }
 
 impl Desk {
-    /// Changes it, and ends the request under way if it is not the last that anybody waits for.
+    /// Changes the state, and cancels the current request if newer ones are waiting.
     fn change(desk: &Mutex<Self>, change: impl FnOnce(&mut Self)) {
         let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
         change(&mut desk);
@@ -55,7 +55,7 @@ impl Desk {
     }
 }
 
-/// A scene that stays loaded.
+/// Server of a loaded scene.
 struct Server<'a> {
     arguments: &'a ServeArguments,
     scene: Scene,
@@ -92,10 +92,10 @@ fn listen(desk: &Arc<Mutex<Desk>>) -> Result<Receiver<String>, CliError> {
     Ok(from_client)
 }
 
-/// Reads requests until the stream ends, or nobody answers any more.
+/// Reads requests until the stream ends, or the server is gone.
 fn read(desk: &Mutex<Desk>, to_server: &Sender<String>) {
     for line in std::io::stdin().lock().split(b'\n').map_while(Result::ok) {
-        // What is no text is no request, and is answered so.
+        // Invalid text gets an answer as an invalid request.
         let line = String::from_utf8_lossy(&line).into_owned();
         if line.trim().is_empty() {
             continue;
@@ -132,7 +132,7 @@ impl Server<'_> {
         }
     }
 
-    /// Arguments of `render`, where they are of the picture and not of the scene.
+    /// Arguments of `render`, which may concern only the picture, and not the scene.
     fn arguments_of(&self, flags: &[String], camera: Option<&Viewer>) -> Result<RenderArguments, String> {
         let input = self.arguments.input.as_os_str();
         let line = ["sunfleck", "render"].map(Into::into).into_iter().chain([input.to_owned()]);

@@ -1,6 +1,5 @@
-//! Ctrl-C and what a farm sends. In go signals, out comes the end of the process, soon. Invariant: whatever
-//! the program is at (loading, baking, building trees, rendering, writing), it ends about a tenth of a second
-//! after the signal, and no file is half-written.
+//! Signals, such as of Ctrl-C or a farm. In go signals, out comes the end of the process. Invariant: whatever
+//! the program is doing, it ends about a tenth of a second after the signal, and no file is half-written.
 
 use super::{CliError, error, process, tell};
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -11,23 +10,23 @@ use std::thread;
 use std::time::Duration;
 use sunfleck::frame_file;
 
-/// Time in which the work may end by itself, so that a frame that is about done is still written. Short,
-/// for the system takes its time too: 40 to 60 ms to have back the 400 MB of a large frame, page by page
+/// Time for the work to end by itself, so that an almost finished frame is still written. It is short, as the
+/// system needs 40 to 60 ms to free the 400 MB of a large frame, page by page
 /// (docs/decisions/measuring.md#signals).
 const GRACE: Duration = Duration::from_millis(5);
 
-/// Signal that came, if any.
+/// Signal that was received, if any.
 #[derive(Clone, Default)]
 pub(super) struct Stop {
     /// Set by a signal.
     pub(super) flag: Arc<AtomicBool>,
     number: Arc<AtomicU8>,
-    /// Set by whoever ends the process.
+    /// Set by the thread that ends the process.
     ending: Arc<AtomicBool>,
 }
 
 impl Stop {
-    /// Waits for signals on a thread of its own.
+    /// Starts a thread that waits for signals.
     pub(super) fn watch() -> Result<Self, CliError> {
         let stop = Self::default();
         let failure = |error| CliError::InputOutput(format!("error: signals cannot be caught: {error}"));
@@ -39,8 +38,7 @@ impl Stop {
             watched.number.store(signal as u8, Ordering::Relaxed);
             watched.flag.store(true, Ordering::Relaxed);
             thread::sleep(GRACE);
-            // No work asks everywhere whether it should stop: what is not done by now is
-            // dropped where it stands.
+            // Not all work checks for cancellation, so unfinished work is dropped.
             frame_file::abandon_writes();
             let code = watched.code(Err(CliError::Signal(signal as u8)));
             std::process::exit(i32::from(code));
@@ -53,10 +51,10 @@ impl Stop {
         Some(self.number.load(Ordering::Relaxed)).filter(|&number| number > 0)
     }
 
-    /// The process's exit code, and why on the error stream; asked twice, once only.
+    /// Exit code of the process; prints the error. Only the first of two callers returns.
     pub(super) fn code(&self, result: Result<(), CliError>) -> u8 {
         while self.ending.swap(true, Ordering::Relaxed) {
-            // The other one is about to end the process.
+            // The other thread is about to end the process.
             thread::park();
         }
         let Err(error) = result else { return 0 };
@@ -65,12 +63,13 @@ impl Stop {
     }
 }
 
-/// Has limits of the system end in a message and an exit code, not in a dead process.
+/// Handles limits of the system, which then end in a message and an exit code.
 ///
-/// Memory that cannot be had: the standard library says how much, and aborts. Nothing may run in between, so
-/// that it is told from other aborts by what is so before: memory has a limit, and nothing panicked.
+/// Failed allocations: the standard library prints the size, and aborts. No code can run in between. Such an
+/// abort is recognized by earlier conditions: memory is limited, and nothing panicked.
 ///
-/// A file that may not grow: the signal's own action ends the process, and without it the write fails.
+/// Files at the size limit: the signal's default action would end the process; with a handler the write
+/// fails.
 #[cfg(unix)]
 fn heed_limits() -> io::Result<()> {
     use signal_hook::consts::{SIGABRT, SIGXFSZ};
@@ -94,7 +93,7 @@ fn heed_limits() -> io::Result<()> {
 
 const STOPPING: [i32; 2] = [SIGINT, SIGTERM];
 
-/// Catches signals from now on; what comes back waits for the first.
+/// Starts to catch signals; the returned function waits for the first.
 #[cfg(unix)]
 fn caught() -> io::Result<impl FnOnce() -> Option<i32>> {
     use signal_hook::consts::SIGHUP;

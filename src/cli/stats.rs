@@ -1,6 +1,5 @@
-//! Statistics of each frame, for those who plan render farms. In go the events of a run, out come lines of
-//! JSON: first one of the input's losses, then one a frame. Invariant: a frame's line is in the file once
-//! the frame is on the disk.
+//! Statistics of frames. In go the events of a run, out come lines of JSON: first one of the input's losses,
+//! then one a frame. Invariant: a frame's line is in the file once the frame is on the disk.
 
 use super::CliError;
 use super::inspect::losses;
@@ -16,7 +15,7 @@ use sunfleck::diagnostic::{Diagnostics, shown};
 use sunfleck::frame_file;
 use sunfleck::sequence::Event;
 
-/// The file of `--stats`, if there is one.
+/// File of `--stats`, if it is requested.
 pub(super) struct Stats {
     path: PathBuf,
     state: Option<Mutex<State>>,
@@ -24,14 +23,13 @@ pub(super) struct Stats {
 
 struct State {
     file: File,
-    /// Times of frames' stages by their keys, until the frame's line is written.
+    /// Times of frames' stages by key, until the frame's line is written.
     stages: HashMap<i64, Vec<(&'static str, f64)>>,
     problem: Option<std::io::Error>,
 }
 
 impl Stats {
-    /// Starts the file over with a line of what the input asks for and does not get; without a
-    /// path nothing is kept.
+    /// Starts a new file with a line of the input's losses; without a path it does nothing.
     pub(super) fn new(path: Option<&Path>, remarks: &Diagnostics) -> Result<Self, CliError> {
         let path = path.map_or_else(PathBuf::new, Path::to_owned);
         let state = match path.as_os_str().is_empty() {
@@ -49,7 +47,7 @@ impl Stats {
         Ok(Self { path, state })
     }
 
-    /// Notes the time of a stage of a frame by its key.
+    /// Stores the time of a frame's stage.
     pub(super) fn took(&self, frame: i64, key: &'static str, time: Duration) {
         if let Some(state) = &self.state {
             let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -57,7 +55,7 @@ impl Stats {
         }
     }
 
-    /// Writes a line if a frame is done with. May be called from any thread.
+    /// Writes a line when a frame is finished. Any thread may call it.
     pub(super) fn report(&self, event: &Event) {
         let Some(state) = &self.state else { return };
         let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -71,7 +69,7 @@ impl Stats {
         }
     }
 
-    /// Says whether all of it was written.
+    /// Fails if any line could not be written.
     pub(super) fn finish(self) -> Result<(), CliError> {
         let state = self.state.map(|state| state.into_inner().unwrap_or_else(PoisonError::into_inner));
         match state.and_then(|state| state.problem) {

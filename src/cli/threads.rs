@@ -1,13 +1,13 @@
-//! Threads of a command.
+//! Threads of a command. In goes a number, out comes a pool. Invariant: a pool has at least one thread.
 
 use super::error::CliError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::thread::available_parallelism;
 
-/// Maximum number of threads, unless the machine has more processors: further ones only take memory.
+/// Maximum number of threads, unless the machine has more processors; more would only take memory.
 const MOST: usize = 64;
 
-/// Pool of as many threads as were asked for, or as the machine has processors.
+/// Pool with the requested number of threads, or with one a processor.
 pub(super) fn pool(asked: Option<u32>) -> Result<ThreadPool, CliError> {
     let processors = available_parallelism().map_or(1, usize::from);
     let threads = (asked.unwrap_or(0) as usize).min(MOST.max(processors));

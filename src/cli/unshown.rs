@@ -1,5 +1,5 @@
-//! Pixels of files that no picture can show, said once a run. In go files, out come warnings. Invariant: what
-//! can be shown of a file is shown.
+//! Pixels of files that cannot be shown. In go files, out comes one warning a run. Invariant: all other
+//! pixels are shown.
 
 use super::tell;
 use std::collections::BTreeSet;
@@ -14,14 +14,14 @@ pub(super) struct Unshown(Mutex<Files>);
 
 #[derive(Default)]
 struct Files {
-    /// Without a pixel in their display windows.
+    /// Files without a pixel in their display windows.
     outside: BTreeSet<PathBuf>,
-    /// With pixels that are no numbers, or without end.
+    /// Files with NaN or infinite pixels.
     not_finite: BTreeSet<PathBuf>,
 }
 
 impl Unshown {
-    /// Looks at a file: whether it `has_pixels`, and what is shown. May be called from any thread.
+    /// Checks a file: `has_pixels` is whether its display window has any. Any thread may call it.
     pub(super) fn count(&self, path: &Path, has_pixels: bool, shown: &Frame) {
         let is_finite =
             shown.channels.iter().all(|channel| channel.pixels.iter().all(|value| value.is_finite()));
@@ -33,7 +33,7 @@ impl Unshown {
         kind.insert(path.to_owned());
     }
 
-    /// Says which files there were.
+    /// Reports these files.
     pub(super) fn tell(&self) {
         let Files { outside, not_finite } = &*self.0.lock().unwrap_or_else(PoisonError::into_inner);
         for (files, found, remedy) in [

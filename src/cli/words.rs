@@ -1,5 +1,5 @@
-//! The words that flags take. In go words, out come the values that they stand for. Invariant: each is an
-//! enum, here or where its values are used, so that help lists all of them.
+//! Values of flags that are words. In go words, out come enums. Invariant: each is an enum, here or where its
+//! values are used, so that help lists all of them.
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
@@ -105,7 +105,7 @@ pub(super) enum PreviewArgument {
     Png,
 }
 
-/// The passes that a list of arguments stands for.
+/// Passes of a list of arguments.
 pub(super) fn passes(arguments: &[PassArgument]) -> Vec<Pass> {
     let mut passes = Vec::new();
     for argument in arguments {

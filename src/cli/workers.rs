@@ -1,18 +1,18 @@
-//! Frames that are rendered at once. In go threads, memory and what was asked for, out come pools. Invariant:
-//! all together have the threads that were asked for.
+//! Workers that render frames simultaneously. In go threads, memory and a requested number, out come pools.
+//! Invariant: all pools together have the requested number of threads.
 //!
-//! A frame alone leaves threads idle: a third of what indirect light takes is done by one. Two frames, each
-//! on half of the threads, leave next to none (docs/decisions/frames-at-once.md).
+//! A single frame leaves threads idle: a third of the time for indirect light is serial. Two frames, each
+//! with half of the threads, leave almost none idle (docs/decisions/frames-at-once.md).
 
 use super::process::{is_there_any, peak_memory_bytes, times_more};
 use super::threads;
 use rayon::ThreadPool;
 use std::sync::OnceLock;
 
-/// Threads for each frame where nobody says how many frames: more take memory.
+/// Default threads for each frame; more frames would take more memory.
 const THREADS_A_FRAME: usize = 4;
 
-/// Pools of workers, and the one of all threads, for as long as there is but one frame.
+/// Pools of workers, and one of all threads for the first frame.
 pub(super) struct Workers<'a> {
     all: &'a ThreadPool,
     pools: OnceLock<Vec<ThreadPool>>,
@@ -20,12 +20,12 @@ pub(super) struct Workers<'a> {
 }
 
 impl<'a> Workers<'a> {
-    /// As many as `asked`, or as threads and memory allow.
+    /// Creates `asked` workers, or as many as threads and memory allow.
     pub(super) fn new(all: &'a ThreadPool, asked: Option<usize>) -> Self {
         Self { all, pools: OnceLock::new(), asked }
     }
 
-    /// Starts workers for so many frames that are left; tells how many.
+    /// Starts workers for the remaining frames; returns their number.
     pub(super) fn start(&self, left: usize) -> usize {
         let threads = self.all.current_num_threads();
         let count = self.asked.unwrap_or_else(|| usual(threads, room())).min(threads).min(left);
@@ -33,7 +33,7 @@ impl<'a> Workers<'a> {
             return 1;
         }
         let share = |number: usize| (number + 1) * threads / count - number * threads / count;
-        // Where threads cannot be had frames come one after the other.
+        // If threads cannot be started, frames are rendered one by one.
         let pools = (0..count).map(|number| threads::pool(u32::try_from(share(number)).ok()));
         match pools.collect::<Result<Vec<_>, _>>() {
             Ok(pools) => self.pools.get_or_init(|| pools).len(),
@@ -47,16 +47,16 @@ impl<'a> Workers<'a> {
     }
 }
 
-/// Frames for which there is memory, by what the first has taken.
+/// Number of frames that fit into memory, from the first frame's usage.
 fn room() -> usize {
-    // Where the system may refuse memory the process would end.
+    // A failed allocation would abort the process.
     if is_there_any() {
         return 1;
     }
     1 + peak_memory_bytes().and_then(times_more).unwrap_or(1)
 }
 
-/// Frames at once where nobody says.
+/// Default number of simultaneous frames.
 fn usual(threads: usize, room: usize) -> usize {
     (threads / THREADS_A_FRAME).max(2).min(room)
 }

@@ -1,50 +1,50 @@
-//! Number of frames that a task renders, where nobody says. In go machines and times, out comes a chunk.
-//! Invariant: it is the farm that `tools/tests/farm_simulation.py` simulates, in closed form.
+//! Default number of frames in a task. In go machines and times, out comes a chunk. Invariant: it is a closed
+//! form of the farm that `tools/tests/farm_simulation.py` simulates.
 
 use super::super::parse::LARGEST_CHUNK;
 
-/// Standard deviation of a frame's time by its mean, as frames of a sequence have about.
+/// Standard deviation of a frame's time relative to its mean, typical of sequences.
 const SPREAD: f64 = 0.25;
-/// Failures of a machine, an hour: each is lost once in four days, as those are that others may take away.
+/// Failures of a machine per hour: one in four days, typical of preemptible machines.
 const FAILURES_PER_H: f64 = 0.01;
 
-/// Time from a manager's word until the program runs; managers look for tasks every second or so.
+/// Time from a manager's decision to the program's start; managers poll every second or so.
 pub(super) const MANAGER_S: f64 = 2.0;
-/// Time from the program's start until the program runs, where a script starts it.
+/// Time for a script to start the program.
 pub(super) const PROGRAM_S: f64 = 0.1;
-/// Time of a manager for a task: Slurm starts 500 a second (its High Throughput Computing Administration
+/// Time of a manager for each task: Slurm starts 500 a second (its High Throughput Computing Administration
 /// Guide).
 const DISPATCH_S: f64 = 0.002;
-/// Rate of a disk that all machines share.
+/// Rate of the shared disk.
 const DISK_BYTES_PER_S: f64 = 5e9;
 
-/// Serial time of a task, in which no other machine gets its own, by the bytes of the scene that it reads.
+/// Serial time of a task, in which no other machine can start one, from the bytes of the scene.
 pub(super) fn serial_seconds(scene_bytes: u64) -> f64 {
     DISPATCH_S + scene_bytes as f64 / DISK_BYTES_PER_S
 }
 
-/// Machines, and what rendering on them takes.
+/// Machines, and the times of their tasks.
 pub(super) struct Farm {
     pub(super) machines: u32,
-    /// Time of a task until its first frame begins, where machines do not wait for one another.
+    /// Time of a task until its first frame, without contention.
     pub(super) start_s: f64,
-    /// Time of a task, one after the other for all machines: the manager, and a disk that all share.
+    /// Serialized time of a task, for the manager and the shared disk.
     pub(super) serial_s: f64,
     pub(super) frame_s: f64,
 }
 
-/// A chunk, and what it costs of all machines' time.
+/// Chunk, and its cost in machine time.
 #[derive(Debug)]
 pub(super) struct Choice {
     pub(super) chunk: u32,
-    /// Share of tasks that start.
+    /// Share of starting tasks.
     pub(super) starting: f64,
-    /// Share of waiting: for the manager, for the last task, for what a failure left undone.
+    /// Share of waiting: for the manager, for the last task, after failures.
     pub(super) waiting: f64,
 }
 
 impl Farm {
-    /// The chunk of most frames an hour, of equals the smallest.
+    /// Chunk with the most frames per hour, and the smallest of equal ones.
     pub(super) fn best_chunk(&self, frames: usize) -> Choice {
         let frames = frames as f64;
         let (seconds, chunk) = (1..=LARGEST_CHUNK)
@@ -57,17 +57,16 @@ impl Farm {
         Choice { chunk, starting, waiting: (1.0 - starting - rendering).max(0.0) }
     }
 
-    /// Time of these frames in chunks of a size. Work is shared evenly, but for the last task: the longest
-    /// of these ends the job (C. P. Kruskal and A. Weiss, Allocating independent subtasks on parallel
-    /// processors, IEEE Transactions on Software Engineering 11, 1985). Machines stay in step, wave by
-    /// wave, or their times spread so far that they end anywhere within a task: the less of both counts.
-    /// Nothing is faster than what serves all tasks one by one (P. J. Denning and J. P. Buzen, The
-    /// operational analysis of queueing network models, Computing Surveys 10, 1978).
+    /// Time for these frames in chunks of a size. Work is shared evenly, except for the last tasks, the
+    /// longest of which ends the job (C. P. Kruskal and A. Weiss, Allocating independent subtasks on parallel
+    /// processors, IEEE Transactions on Software Engineering 11, 1985). Machines stay in step, wave by wave,
+    /// or their times spread until they end anywhere within a task; the smaller waiting time counts. The
+    /// serial resources are a lower bound (P. J. Denning and J. P. Buzen, The operational analysis of
+    /// queueing network models, Computing Surveys 10, 1978).
     ///
-    /// A failure costs a start and the frame in hand, whatever the chunk, as whole frames are never
-    /// rendered again: in the terms of J. T. Daly (Future Generation Computer Systems 22, 2006) each frame
-    /// ends with a checkpoint. But where one of the last tasks fails, half of its frames wait for another
-    /// machine.
+    /// A failure costs a start and the current frame, for any chunk, as whole frames are never rendered
+    /// again: each frame ends with a checkpoint (J. T. Daly, Future Generation Computer Systems 22, 2006).
+    /// But when one of the last tasks fails, half of its frames wait for another machine.
     fn seconds(&self, frames: f64, chunk: f64) -> f64 {
         let machines = f64::from(self.machines);
         let tasks = (frames / chunk).ceil();
@@ -81,7 +80,7 @@ impl Farm {
             in_step_s
         } else {
             let deviation_s = frame_deviation_s * chunk.sqrt();
-            // Only those that end within a deviation of the last may be it.
+            // Only tasks that end within a deviation of the last one count.
             let late = highest_of(busy * deviation_s / task_s);
             in_step_s.min(task_s / 2.0 * (busy - 1.0) / (busy + 1.0) + deviation_s * late)
         };
@@ -91,8 +90,8 @@ impl Farm {
     }
 }
 
-/// The mean of the highest of so many normal deviates, in standard deviations: the quantile of G. Blom
-/// (Statistical estimates and transformed beta-variables, 1958), by the lambda distribution of J. W. Tukey.
+/// Expected maximum of `count` normal deviates, in standard deviations: the quantile of G. Blom (Statistical
+/// estimates and transformed beta-variables, 1958), by the lambda distribution of J. W. Tukey.
 fn highest_of(count: f64) -> f64 {
     const LAMBDA: f64 = 0.135;
     if count <= 1.0 {

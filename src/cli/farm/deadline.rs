@@ -1,5 +1,5 @@
-//! Jobs of Deadline 10 for its plug-in CommandLine. In goes a job, out come two files a step. Invariant: no
-//! frame is rendered that was not asked for, though Deadline tells a task its first and last frame alone.
+//! Jobs of Deadline 10 for its plug-in CommandLine. In goes a job, out come two files a step. Invariant: only
+//! requested frames are rendered, although Deadline gives a task only its first and last frame.
 
 use super::super::CliError;
 use super::super::error::usage;
@@ -43,7 +43,7 @@ fn steps(job: &Job, output: &str) -> [Step; 4] {
 
 fn job_info(job: &Job, step: &Step, output: &str) -> String {
     let name = job.name.replace(char::is_control, " ");
-    // Between the first and the last frame of a task there may be others.
+    // There may be other frames between a task's first and last.
     let is_one_range = job.frames.windows(2).all(|pair| pair[1] == pair[0] + 1);
     let (frames, chunk) = match step.is_chunked {
         true => (ranges(&job.frames, Some('x')), if is_one_range { job.chunk } else { 1 }),
@@ -57,7 +57,7 @@ fn job_info(job: &Job, step: &Step, output: &str) -> String {
         format!("ChunkSize={chunk}"),
         format!("OutputDirectory0={output}"),
     ];
-    // Their list knows no other comma than that between two.
+    // Deadline's list has no escape for commas.
     if !job.files.iter().any(|file| file.contains(',')) {
         lines.push(format!("RequiredAssets={}", job.files.join(",")));
     }

@@ -1,6 +1,5 @@
-//! A job of Flamenco 3. In goes a job, out come its job type, which is the same for all and is
-//! installed once, and what is sent to the Manager. Invariant: every path is a setting of its own, so
-//! that two-way variables find it.
+//! Jobs of Flamenco 3. In goes a job, out come its job type, the same for all jobs, and the request to the
+//! Manager. Invariant: every path is a setting of its own, so that two-way variables apply.
 
 use super::super::CliError;
 use super::super::error::usage;
@@ -9,7 +8,7 @@ use super::job::{BAKES, FRAMES, Job, Names, ranges};
 use super::quoting::quoted;
 use serde_json::json;
 
-/// `flamenco.js` puts the settings of these names in their places.
+/// Placeholders that `flamenco.js` replaces by settings.
 const NAMES: Names<'static> = Names {
     input: "<input>",
     frames: "<frames>",
@@ -28,7 +27,7 @@ pub(super) fn files(job: &Job) -> Result<Vec<JobFile>, CliError> {
         ));
     }
     let steps = job.steps(&NAMES).map(|step| {
-        // Workers know where programs are, by a variable of that name.
+        // Workers find programs by variables of these names.
         let program = format!("{{{}}}", step.program);
         json!({ "name": step.name, "exe": program, "args": step.arguments, "is_chunked": step.is_chunked })
     });

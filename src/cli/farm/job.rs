@@ -1,58 +1,56 @@
-//! Job of a farm, whoever manages it. In go the manager's names for its parts, out come the steps as
-//! command lines. Invariant: frames that are there and whole are kept, so a step that was stopped anywhere
-//! is done again by its own command.
+//! Job of a farm, for any manager. In go the manager's names for its parts, out come the steps as command
+//! lines. Invariant: valid frames are kept, so a stopped step is resumed by its own command.
 
 use sunfleck::scene::Sampling;
 
-/// Frames are in this folder of the job's.
+/// Folder of frames, in the job's folder.
 pub(super) const FRAMES: &str = "frames";
-/// Falls that were baked are in this one.
+/// Folder of baked falls.
 pub(super) const BAKES: &str = "bakes";
 
-/// Memory beside that of the picture and the input's files: the program itself, its trees, the encoding of
-/// a frame.
+/// Memory in addition to the picture and the input's files: the program, trees, and the encoding of a frame.
 const MIB_BESIDE: u64 = 512;
-/// A mesh or a texture in memory, by its bytes in a file, which may be compressed.
+/// Bytes of a mesh or texture in memory per byte of its file, which may be compressed.
 const MEMORY_BY_FILE: u64 = 8;
 
-/// Time of a sample on one thread, with all light, in most scenes.
+/// Typical time of a sample on one thread, with all light.
 const SECONDS_A_SAMPLE: f64 = 1e-4 / 3.0;
-/// Time that a task may take, over the estimate for its frames.
+/// Time limit of a task relative to the estimate for its frames.
 const PATIENCE: f64 = 3.0;
-/// Samples that are assumed of a picture that is rendered until it is good enough.
+/// Assumed samples of a picture with a tolerance.
 const MOST_USUAL_SAMPLES: u32 = 64;
 const FEWEST_MINUTES: u64 = 15;
 const MOST_MINUTES: u64 = 24 * 60;
 
-/// An input that is to be rendered on many machines.
+/// Input to render on many machines.
 pub(super) struct Job {
     pub(super) name: String,
-    /// Absolute, as are all paths here.
+    /// Absolute path, as all paths here.
     pub(super) input: String,
     /// Every file that the scene reads.
     pub(super) files: Vec<String>,
     pub(super) folder: String,
-    /// Ascending.
+    /// Frame numbers, ascending.
     pub(super) frames: Vec<i64>,
-    /// Frames that a task renders.
+    /// Number of frames in a task.
     pub(super) chunk: u32,
-    /// Why so many, if nobody said.
+    /// Reason for the chunk, if the user did not set it.
     pub(super) why: Option<String>,
-    /// Flags of `sunfleck render`, for every task.
+    /// Flags of `sunfleck render` for every task.
     pub(super) flags: Vec<String>,
-    /// Nothing moves, so that frames may look like the ones before.
+    /// Whether the scene is still, so that equal frames are no fault.
     pub(super) is_still: bool,
-    /// Memory that a machine should have.
+    /// Memory that a machine should have, MiB.
     pub(super) memory_mib: u64,
-    /// Threads that a task renders with, if the flags say.
+    /// Threads of a task, if the flags set them.
     pub(super) threads: Option<u32>,
-    /// Time that a task is given, where a manager wants a limit.
+    /// Time limit of a task, for managers that need one.
     pub(super) minutes: u64,
-    /// Number of machines that share the work, if somebody says.
+    /// Number of machines, if the user sets it.
     pub(super) machines: Option<u32>,
 }
 
-/// Names that a manager has for the parts of a command line.
+/// Manager's names for the parts of a command line.
 pub(super) struct Names<'a> {
     pub(super) input: &'a str,
     pub(super) frames: &'a str,
@@ -63,7 +61,7 @@ pub(super) struct Names<'a> {
     pub(super) progress: &'a str,
 }
 
-/// A command line, run once, or once for every chunk of frames. Each step waits for the one before.
+/// Command line that runs once, or once a chunk. Each step waits for the one before.
 pub(super) struct Step {
     pub(super) name: &'static str,
     pub(super) program: &'static str,
@@ -72,8 +70,8 @@ pub(super) struct Step {
 }
 
 impl Job {
-    /// Steps of the job: render; look at what is there; render again what is not as it should be; and look
-    /// again. The last one fails if the job is not whole.
+    /// Steps of the job: render, check, render faulty frames again, check again. The last one fails if the
+    /// job is incomplete.
     pub(super) fn steps(&self, names: &Names) -> [Step; 4] {
         let missing = format!("{}/missing.txt", names.output);
         let listed = format!("@{missing}");
@@ -87,7 +85,7 @@ impl Job {
     }
 
     fn render(&self, names: &Names, frames: &str, skip: &str) -> Vec<String> {
-        // The slash says that it is a folder before there is one.
+        // The slash marks a folder that does not exist yet.
         let output = format!("{}/", names.output);
         let flags = [
             ("--frames", frames),
@@ -108,7 +106,7 @@ impl Job {
     }
 }
 
-/// Memory for pictures and an input of so many bytes; generous, as a machine without it fails slowly.
+/// Memory for pictures and an input of these sizes; generous, as a machine with too little fails slowly.
 pub(super) fn memory_mib(picture_bytes: u64, file_bytes: u64) -> u64 {
     MIB_BESIDE + (picture_bytes + MEMORY_BY_FILE * file_bytes).div_ceil(1 << 20)
 }
@@ -121,15 +119,13 @@ pub(super) fn frame_seconds(pixels: usize, sampling: Sampling, threads: u32) -> 
     pixels as f64 * f64::from(samples) * SECONDS_A_SAMPLE / f64::from(threads)
 }
 
-/// Time limit of a task of so many frames. Generous: a task that reaches its limit goes on in another,
-/// which starts anew.
+/// Time limit of a task. Generous: frames of a task that reaches it go on in another, which starts anew.
 pub(super) fn minutes(frames: u32, frame_s: f64) -> u64 {
     let minutes = PATIENCE * f64::from(frames) * frame_s / 60.0;
     (minutes.ceil() as u64).clamp(FEWEST_MINUTES, MOST_MINUTES)
 }
 
-/// The shortest list of ranges that these ascending frames are; every nth frame is a range with a step if
-/// there is a sign for that.
+/// Shortest list of ranges with these ascending frames. With `step_sign` a range may have a step.
 pub(super) fn ranges(frames: &[i64], step_sign: Option<char>) -> String {
     let mut ranges = Vec::new();
     let mut rest = frames;
@@ -148,7 +144,7 @@ pub(super) fn ranges(frames: &[i64], step_sign: Option<char>) -> String {
     ranges.join(",")
 }
 
-/// Number of frames from the first on that are the same step apart, and that step.
+/// Length and step of the arithmetic progression at the start.
 fn progression(frames: &[i64]) -> (usize, i64) {
     let Some(step) = frames.get(1).map(|second| second - frames[0]) else { return (frames.len(), 1) };
     let equal = frames.windows(2).take_while(|pair| pair[1] - pair[0] == step).count();

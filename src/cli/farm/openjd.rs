@@ -1,6 +1,6 @@
-//! A job bundle of Open Job Description (2023-09), as AWS Deadline Cloud and `openjd` take it. In goes a job,
-//! out come the template and what says which files to bring along. Invariant: the template names no path of
-//! this machine; the manager maps those it is given.
+//! Job bundles of Open Job Description (2023-09), for AWS Deadline Cloud and `openjd`. In goes a job, out
+//! come the template and the list of files to transfer. Invariant: the template contains no path of this
+//! machine; the manager maps the given ones.
 
 use super::super::CliError;
 use super::super::error::usage;
@@ -9,7 +9,7 @@ use super::quoting::quoted;
 use super::{FLAGS, JobFile};
 use serde_json::{Value, json};
 
-/// Characters that the value of a parameter and a job's name may have.
+/// Maximum length of a parameter's value, and of a job's name.
 const LONGEST_VALUE: usize = 1024;
 const LONGEST_NAME: usize = 128;
 
@@ -98,7 +98,7 @@ fn parameters(job: &Job, frames: &str) -> Value {
 
 fn as_json(job: &Job, step: &Step, before: Option<&Step>) -> Value {
     let command = if step.program == "sunfleck" { "{{Param.Sunfleck}}" } else { "{{Param.Tools}}" };
-    // A signal first: the frames that are done are kept.
+    // A signal first, so that finished frames are kept.
     let run = json!({
         "command": command, "args": step.arguments, "cancelation": { "mode": "NOTIFY_THEN_TERMINATE" },
     });

@@ -1,9 +1,10 @@
-//! Words for a shell. Invariant: a POSIX shell reads a quoted text as the text itself, as one word.
+//! Quoting for shells. In goes text, out come words. Invariant: a POSIX shell reads a quoted text as one word
+//! with that text.
 
-/// Characters that need no quotes anywhere in a word.
+/// Characters that never need quotes.
 const PLAIN: &str = "_@%+=:,./-";
 
-/// A text as a shell reads it back; as it is if nothing in it means anything to a shell.
+/// Text quoted for a shell, where necessary.
 pub(super) fn quoted(text: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || PLAIN.contains(c);
     match !text.is_empty() && text.chars().all(is_plain) {
@@ -12,7 +13,7 @@ pub(super) fn quoted(text: &str) -> String {
     }
 }
 
-/// A command line of these words; `variable` stands where a word has `mark`.
+/// Command line of these words, with `variable` in place of `mark`.
 pub(super) fn command_line(words: &[String], mark: char, variable: &str) -> String {
     let word = |word: &String| {
         let parts: Vec<String> =

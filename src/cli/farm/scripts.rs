@@ -1,5 +1,5 @@
-//! Common part of scripts of jobs. In goes a job, out come its chunks and its steps as command lines of a
-//! shell, which run in the job's folder. Invariant: no path or name is read by a shell as anything else.
+//! Common part of jobs' scripts. In goes a job, out come its chunks and its steps as shell commands, which
+//! run in the job's folder. Invariant: a shell reads every path and name literally.
 
 use super::super::CliError;
 use super::super::error::usage;
@@ -7,12 +7,12 @@ use super::FLAGS;
 use super::job::{BAKES, FRAMES, Job, Names, ranges};
 use super::quoting::command_line;
 
-/// Mark in the words of a step that stands for the frames of a task.
+/// Mark in a step's words for the frames of a task.
 const MARK: char = '\u{1}';
-/// File with a line for each chunk.
+/// Name of the file with a line a chunk.
 pub(super) const CHUNKS: &str = "chunks.txt";
 
-/// The four steps. That which renders a chunk takes its frames from the variable `frames`.
+/// The four steps. The one that renders a chunk has its frames in the variable `frames`.
 pub(super) struct Lines {
     pub(super) render: String,
     pub(super) validate: String,
@@ -20,7 +20,7 @@ pub(super) struct Lines {
     pub(super) check: String,
 }
 
-/// Refuses what cannot be said in a line.
+/// Command lines; refuses names that do not fit into one line.
 pub(super) fn lines(job: &Job) -> Result<Lines, CliError> {
     let flags = job.flags.iter().map(|flag| (FLAGS, flag));
     for (owner, text) in [("INPUT", &job.input), ("--out", &job.folder)].into_iter().chain(flags) {
@@ -38,7 +38,7 @@ pub(super) fn lines(job: &Job) -> Result<Lines, CliError> {
         progress: "plain",
     });
     let [render, validate, render_again, check] = steps.map(|step| {
-        // Other programs than those on the search path, if need be.
+        // An environment variable may name another program.
         let program = if step.program == "sunfleck" { "SUNFLECK" } else { "SUNFLECK_TOOLS" };
         let words = command_line(&step.arguments, MARK, "frames");
         format!("\"${{{program}:-{}}}\" {words}", step.program)
@@ -46,7 +46,7 @@ pub(super) fn lines(job: &Job) -> Result<Lines, CliError> {
     Ok(Lines { render, validate, render_again, check })
 }
 
-/// The chunks, and how many there are.
+/// Lines of the chunks, and their number.
 pub(super) fn chunks(job: &Job) -> (String, usize) {
     let chunks: Vec<String> =
         job.frames.chunks(job.chunk as usize).map(|each| ranges(each, Some('x'))).collect();

@@ -1,6 +1,6 @@
-//! A job for machines that share a disk and have no manager. In goes a job, out come a script for each
-//! machine and one that ends the job. Invariant: a chunk is claimed by one machine alone; what a machine that
-//! failed leaves undone is rendered at the end.
+//! Jobs for machines with a shared disk and no manager. In goes a job, out come a script for each machine and
+//! one that ends the job. Invariant: a chunk is claimed by one machine; the last script renders what failed
+//! machines left.
 
 use super::super::CliError;
 use super::JobFile;
@@ -8,7 +8,7 @@ use super::job::{FRAMES, Job, ranges};
 use super::quoting::quoted;
 use super::scripts::{CHUNKS, chunks, lines};
 
-/// Number of machines of a job that names none.
+/// Default number of machines.
 pub(super) const MACHINES: u32 = 2;
 /// Maximum number of machines, as there is a script for each.
 pub(super) const MOST_MACHINES: u32 = 1000;

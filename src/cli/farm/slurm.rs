@@ -1,6 +1,6 @@
-//! A job of Slurm: an array of chunks, and three steps that wait. In goes a job, out come the scripts of its
-//! tasks and the one that submits them. Invariant: at its limit a task ends with whole frames, and goes on in
-//! another, unless not even a frame a turn was done.
+//! Jobs of Slurm: an array of chunks, and three dependent steps. In goes a job, out come the scripts of its
+//! tasks and one that submits them. Invariant: at its time limit a task ends with whole frames, and continues
+//! in another, while tasks finish at least a frame each on average.
 
 use super::super::CliError;
 use super::JobFile;
@@ -8,11 +8,11 @@ use super::job::Job;
 use super::quoting::quoted;
 use super::scripts::{CHUNKS, chunks, lines};
 
-/// Slurm takes arrays of 1001 tasks unless it is told otherwise (`MaxArraySize`).
+/// Maximum number of tasks in an array: Slurm's default limit is 1001 (`MaxArraySize`).
 const MOST_TASKS: usize = 1000;
-/// Seconds before its limit at which a task gets a signal; Slurm may add a minute.
+/// Seconds before the time limit at which a task gets a signal; Slurm may add a minute.
 const NOTICE_S: u32 = 60;
-/// Turns beyond one a frame, for nodes that fail.
+/// Turns beyond one a frame, for failing nodes.
 const MORE_TURNS: u32 = 8;
 const SUBMIT: &str = "submit.sh";
 
@@ -69,7 +69,7 @@ fn submit(job: &Job, count: usize) -> String {
         )
     }).collect();
     let cpus = job.threads.unwrap_or(1);
-    // One task renders what is left over: that may be all.
+    // One task may have to render all that is left.
     format!(
         r#"#!/bin/sh
 # Submits all steps. Flags given here are flags of sbatch for each, and win over those below.

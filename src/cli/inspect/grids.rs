@@ -1,15 +1,15 @@
-//! `sunfleck inspect FILE.vdb`: the grids of an OpenVDB file, as text.
+//! `inspect` for OpenVDB files. In goes a file, out comes text. Invariant: each grid has a paragraph.
 
 use std::path::Path;
 use sunfleck::description::LoadError;
 use sunfleck::description::vdb::{self, Grid};
 
-/// Whether a file's name is that of an OpenVDB file.
+/// Whether a file has the extension of OpenVDB.
 pub(super) fn holds(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("vdb"))
 }
 
-/// A paragraph for each grid.
+/// Description with a paragraph for each grid.
 pub(super) fn describe(path: &Path) -> Result<String, LoadError> {
     let grids = vdb::load(path)?;
     let mut text = format!(

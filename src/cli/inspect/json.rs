@@ -1,5 +1,5 @@
-//! An input as JSON: every node, camera and light at chosen frames. Invariant: matrices are row
-//! by row, for column vectors, in glTF's space; numbers are SI.
+//! `inspect --json`: every node, camera and light at chosen frames. In goes an input, out comes JSON.
+//! Invariant: matrices are row by row, for column vectors, in glTF's space; numbers are in SI units.
 
 use super::Inspected;
 use glam::{DAffine3, DMat4};
@@ -149,7 +149,7 @@ fn describe_light(light: &Light, world: [f64; 16], seconds: f64) -> Value {
     }
 }
 
-/// Names need not be unique: later namesakes get `#2`, `#3` and so on.
+/// Names need not be unique: later duplicates get `#2`, `#3` and so on.
 fn by_name<'a>(entries: impl Iterator<Item = (&'a str, Value)>) -> Map<String, Value> {
     let mut map = Map::new();
     let mut namesakes = std::collections::HashMap::new();

@@ -1,5 +1,5 @@
-//! Custom properties that a glTF file has for us, as text: those that were found, the defaults of the
-//! others, and their meanings. Invariant: names, defaults and meanings are those of
+//! Custom properties of a glTF file for this program. In goes a file, out comes text: those present, the
+//! defaults of others, and their meanings. Invariant: names, defaults and meanings are those of
 //! docs/extras.schema.json.
 
 use serde_json::Value;
@@ -10,7 +10,7 @@ use sunfleck::scene::Property;
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     serde_json::from_str(include_str!("../../../docs/extras.schema.json")).unwrap_or_default()
 });
-/// Maximum number of things shown that have one property.
+/// Maximum number of owners shown for a property.
 const SHOWN: usize = 4;
 
 pub(super) fn write(out: &mut String, properties: &[Property]) -> std::fmt::Result {

@@ -1,5 +1,5 @@
-//! An input as text for people. Invariant: both the file's photometric numbers and our
-//! radiometric ones are shown for every light.
+//! `inspect` as text. In goes an input, out come lines. Invariant: every light has the file's photometric
+//! numbers and this program's radiometric ones.
 
 use super::super::pass_names;
 use super::Inspected;
@@ -88,7 +88,7 @@ fn write_geometry(out: &mut String, scene: &Scene) -> std::fmt::Result {
     )
 }
 
-/// The animations, which one can ask for by their names.
+/// Writes the animations, by the names that options take.
 fn write_animations(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
     const NAMED: usize = 4;
     for animation in &inspected.scene.animations {
@@ -220,7 +220,7 @@ fn write_fog(out: &mut String, fog: &Fog, world: DAffine3, time_s: f64) -> std::
     )
 }
 
-/// The box about voxels in the world.
+/// Bounding box of voxels in the world.
 fn voxel_bounds(world: DAffine3, voxels: &Voxels) -> [DVec3; 2] {
     let (low, high) = voxels.bounds();
     let middle = world.transform_point3(0.5 * (low + high));
@@ -286,7 +286,7 @@ fn color(color: DVec3) -> String {
     }
 }
 
-/// Work that rendering leaves out because this scene does not need it.
+/// Writes which work rendering skips for this scene.
 fn write_skips(out: &mut String, inspected: &Inspected) -> std::fmt::Result {
     let Inspected { scene, settings, .. } = inspected;
     let used: HashSet<_> = scene.instances.iter().map(|instance| instance.mesh).collect();
@@ -364,7 +364,7 @@ fn brightness(light: &Light, time_s: f64) -> String {
     }
 }
 
-/// Between which planes surfaces show, in the single precision that files have it in.
+/// Clipping distances, in the single precision of files.
 fn clip(clip: Clip) -> String {
     let [start_m, end_m] = [clip.start_m, clip.end_m].map(|plane_m| plane_m as f32);
     match (start_m, end_m) {

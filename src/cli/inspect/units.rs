@@ -1,12 +1,12 @@
-//! Brightness of lights in everybody's units, as a table. Invariant: a light is given in those units only
-//! that mean something for it.
+//! Table of lights in common units. In go lights, out comes text. Invariant: a light is given only in units
+//! that apply to it.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
 use sunfleck::color::LUMENS_PER_WATT;
 use sunfleck::scene::{Light, LightKind};
 
-/// W as Blender's panel has them, and what they are; of the brightest channel.
+/// Writes Blender's power in W with its meaning, for the brightest channel.
 pub(super) fn write(out: &mut String, lights: &[Light], time_s: f64) -> std::fmt::Result {
     if lights.is_empty() {
         return Ok(());
@@ -25,7 +25,7 @@ pub(super) fn write(out: &mut String, lights: &[Light], time_s: f64) -> std::fmt
             LightKind::Point | LightKind::Sphere { .. } | LightKind::Spot { .. } => {
                 [Some(power * 4.0 * PI), None, None, Some(power), Some(power * LUMENS_PER_WATT)]
             }
-            // Lambert: on its axis, pi times less than the whole.
+            // A Lambertian emitter's axial intensity is its power over pi.
             LightKind::Area { .. } => {
                 [Some(power), None, None, Some(power / PI), Some(power / PI * LUMENS_PER_WATT)]
             }
