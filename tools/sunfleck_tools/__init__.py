@@ -1,8 +1,7 @@
 """Tools around the frames that sunfleck renders.
 
-`validate(target, options)` says of a sequence of EXR frames whether it can be trusted;
-`sunfleck-tools validate` is the same on the command line. `sunfleck_tools.usd` has what writes
-and reads USD stages.
+`validate(target, options)` checks a sequence of EXR frames, as `sunfleck-tools validate` does on the
+command line. `sunfleck_tools.usd` writes and reads USD stages.
 """
 
 from importlib import import_module
@@ -16,8 +15,8 @@ __all__ = ["Options", "Report", "SceneError", "SequenceError", "ToolError", "val
 
 
 def __getattr__(name: str) -> object:
-    """What is exported, once it is asked for: libraries take their time, in which a signal has to
-    be heard already."""
+    """Imports exported names on first use: libraries load slowly, and signals have to be handled before
+    that."""
     if name not in MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f".{MODULES[name]}", __name__), name)

@@ -1,7 +1,7 @@
-"""One file to its summary: the work of a process of its own.
+"""Analysis of one file, in a process of its own. In goes a job, out comes a summary.
 
-Invariant: memory is bounded by one frame (two with a reference, three for fireflies), and the outcome is a
-summary whatever the file holds.
+Invariant: memory is bounded by one frame (two with a reference, three for fireflies), and every file gives
+a summary.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ from .summary import FrameSummary, Suspicion, describe, measure, thumbnail
 
 @dataclass(frozen=True)
 class Job:
-    """A frame to look at."""
+    """Frame to analyse."""
 
     number: int
     path: str
@@ -39,7 +39,7 @@ class Job:
 
 
 def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
-    """A file's pixels, or in the first what stood in the way."""
+    """Pixels of a file, or the first fault that prevents reading."""
     file = FileBytes(number, Path(path))
     try:
         with mapped(file.path) as data:
@@ -60,7 +60,7 @@ def read_frame(number: int, path: str) -> tuple[FileBytes, Frame | None]:
 
 
 def read_picture(path: str | Path) -> tuple[Frame | None, str | None]:
-    """A frame with colour, or the sentence that says why there is none."""
+    """Frame with colour, or the sentence why there is none."""
     file, frame = read_frame(0, str(path))
     if frame is None:
         return None, file.fault
@@ -72,8 +72,8 @@ def read_picture(path: str | Path) -> tuple[Frame | None, str | None]:
 def _named(
     headers: Sequence[Header], parts: list[dict[str, np.ndarray]]
 ) -> tuple[dict[str, np.ndarray], dict[str, int]]:
-    """The channels of all parts by names that are all different, and the part of each. Those of the picture's
-    part are called as they are, whatever its place."""
+    """Channels of all parts by unique names, and the part of each. Names in the picture's part stay plain,
+    whatever its index."""
     if len(parts) != len(headers):
         raise DecodeError(f"{len(parts)} parts can be decoded, of {len(headers)}")
     plain = part_of_picture([(header.name, list(stored)) for header, stored in zip(headers, parts)])
@@ -95,7 +95,7 @@ def _named(
 
 
 def _parse(file: FileBytes, data: mmap | bytes) -> tuple[Header, ...]:
-    """Everything that can be said without decoding; the headers only if nothing speaks against that."""
+    """Runs the checks that need no decoding; returns the headers unless a fault prevents decoding."""
     file.bytes = len(data)
     try:
         headers = file.headers = parse_headers(data)
@@ -115,7 +115,7 @@ def _parse(file: FileBytes, data: mmap | bytes) -> tuple[Header, ...]:
 
 
 def analyse(job: Job) -> FrameSummary:
-    """Runs every check that needs this file alone, and keeps what the others need."""
+    """Runs every check that needs only this file, and keeps the data for others."""
     summary = FrameSummary(job.number, job.path)
     file, frame = read_frame(job.number, job.path)
     summary.bytes = file.bytes
@@ -142,7 +142,7 @@ def analyse(job: Job) -> FrameSummary:
 
 
 def without_pixels(job: Job, reason: str) -> FrameSummary:
-    """The summary of a frame whose process did not survive it."""
+    """Summary of a frame whose process crashed."""
     summary = FrameSummary(job.number, job.path)
     file = FileBytes(job.number, Path(job.path), bytes=Path(job.path).stat().st_size, decode_error=reason)
     summary.bytes = file.bytes
@@ -151,7 +151,7 @@ def without_pixels(job: Job, reason: str) -> FrameSummary:
 
 
 def confirm(suspicion: Suspicion, neighbours: list[str]) -> Suspicion:
-    """What none of the frames before and after shows too."""
+    """Suspicion without the parts that a neighbouring frame shows too."""
     found = suspicion
     seen = 0
     for path in neighbours:
@@ -164,7 +164,7 @@ def confirm(suspicion: Suspicion, neighbours: list[str]) -> Suspicion:
                     found, fireflies=spikes, blocks=blocks.lit_in(luminance, found.blocks, corner)
                 )
                 seen += 1
-    # Where there is no other frame, the block's own shape has to say it.
+    # Without other frames, the block's own shape decides.
     return found if seen else replace(found, blocks=blocks.unlikely_alone(found.blocks, found.window))
 
 

@@ -1,7 +1,7 @@
-"""`sunfleck-tools`: a command line to a command, and outcomes to exit codes.
+"""Command line of `sunfleck-tools`. In go arguments, out comes the exit code of a command.
 
-Invariant: whatever happens, the exit code is one of the table in `commands`, with a sentence where it is
-not 0. What an input or the system did never gives a traceback.
+Invariant: the exit code is one of the table in `commands`, with a message unless it is 0. Faults of input
+or system never give a traceback.
 """
 
 import argparse
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code = _outcome(arguments)
         streams.output.flush()
         if streams.output.lost is not None and code == OK:
-            # Whoever wanted the output in a file has not got it.
+            # An output that was wanted in a file is lost.
             print(f"error: the output could not be written: {streams.output.lost.strerror}", file=sys.stderr)
             code = IO
     return code
@@ -43,7 +43,7 @@ def _outcome(arguments: Sequence[str] | None) -> int:
             raise ToolError(f"`{given[0]}` is gone: `{successor}` does its work")
         chosen, rest = _parser().parse_known_args(arguments)
         if rest:
-            # By the command's own parser, whose usage it shows.
+            # By the command's own parser, which shows its usage.
             chosen.parser.error(f"unrecognized arguments: {' '.join(rest)}")
         return chosen.run(chosen)
     except SystemExit as exit:  # from argparse
@@ -77,14 +77,14 @@ def _outcome(arguments: Sequence[str] | None) -> int:
 
 def _said(what: object, code: int) -> int:
     for line in str(what).splitlines() or [""]:
-        # What the program said has its severity, and remedies are indented below.
+        # Messages of the program have a severity, with remedies indented below.
         begin = "" if line.startswith("  ") or SEVERITY.search(line) else "error: "
         print(f"{begin}{printable(line)}", file=sys.stderr)
     return code
 
 
 def _hear_termination() -> None:
-    """SIGTERM ends a command as Ctrl-C does: what it began is taken away."""
+    """SIGTERM ends a command as Ctrl-C does, with its temporary files removed."""
 
     def terminate(*_: object) -> None:
         raise Terminated
@@ -96,7 +96,7 @@ def _hear_termination() -> None:
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what it refuses in characters that can be printed."""
+    """Parser whose errors have printable characters only."""
 
     def error(self, message: str) -> NoReturn:
         """Ends the program."""

@@ -1,6 +1,6 @@
-"""How far the picture of one frame is from another's, as `sunfleck diff` defines it.
+"""Differences of two frames' pictures, as in `sunfleck diff`.
 
-Invariant: the two have pixels in the same places.
+Invariant: both have the same window.
 """
 
 from math import nan
@@ -11,23 +11,22 @@ from .frame import Frame
 
 
 def relative_mse(output: Frame, reference: Frame) -> float:
-    """mean((o - r)^2 / (r^2 + (0.1 mean(r))^2)) over red, green and blue; NaN if one value is not finite, which
-    spoils the picture whatever the others are."""
+    """mean((o - r)^2 / (r^2 + (0.1 mean(r))^2)) over red, green and blue; NaN if any value is not finite."""
     o, r = (colors.astype(np.float64) for colors in _colors(output, reference))
-    # The same infinity in both is no difference.
+    # Equal infinities are no difference.
     finite = np.isfinite(o) & np.isfinite(r)
     if not finite.any() or np.any(~finite & (o != r)):
         return nan
     o, r = o[finite], r[finite]
     squares = np.square(o - r)
     with np.errstate(invalid="ignore"):
-        # Where both are black, 0 / 0 would be no error at all.
+        # Avoids 0 / 0 where both are black.
         relative = np.where(squares > 0, squares / (np.square(r) + (0.1 * r.mean()) ** 2), 0.0)
     return float(relative.mean())
 
 
 def mean_flip(output: Frame, reference: Frame) -> float:
-    """HDR-FLIP (Andersson et al. 2021), its mean over the picture, by the authors' own package."""
+    """Mean HDR-FLIP (Andersson et al. 2021) over the picture, by the authors' package."""
     import flip_evaluator
 
     arrays = [np.ascontiguousarray(colors, np.float32) for colors in _colors(reference, output)]
@@ -35,6 +34,6 @@ def mean_flip(output: Frame, reference: Frame) -> float:
 
 
 def _colors(*frames: Frame) -> list[np.ndarray]:
-    """Red, green and blue in the last axis; of different spaces in linear Rec. 709."""
+    """Red, green and blue in the last axis; in linear Rec. 709 if the spaces differ."""
     is_one = frames[0].space == frames[1].space
     return [np.stack(frame.group() if is_one else frame.shown(), axis=-1) for frame in frames]

@@ -1,7 +1,6 @@
-"""Files of the disk. Regular ones alone are read, and what is written appears whole or not at all.
+"""Files on the disk. Only regular files are read, and written files appear whole or not at all.
 
-Invariant: a file that was there before stays as it was until what replaces it lies on the
-disk to its last byte.
+Invariant: an existing file is unchanged until its replacement is completely on the disk.
 """
 
 import errno
@@ -21,7 +20,7 @@ KINDS = (
 
 
 def need_regular(path: Path) -> int:
-    """The size in bytes of a regular file; `OSError` of any other, which could be read for ever."""
+    """Size in bytes of a regular file; `OSError` for any other, as reading it might never end."""
     found = path.stat()
     if not stat.S_ISREG(found.st_mode):
         kind = next((name for is_kind, name in KINDS if is_kind(found.st_mode)), "something else")
@@ -30,7 +29,7 @@ def need_regular(path: Path) -> int:
 
 
 def writable(path: Path) -> Path:
-    """The path, once it is known that a file can be written there: before hours of work, not after."""
+    """Returns the path after checking that a file can be written there: before hours of work, not after."""
     if path.is_dir():
         raise ToolError(f"{path} is a folder: name a file")
     if not path.parent.is_dir():
@@ -39,20 +38,20 @@ def writable(path: Path) -> Path:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Writes a file, or replaces one. Raises `ToolError`."""
+    """Writes or replaces a file. Raises `ToolError`."""
     with writing(path) as file:
         file.write(data)
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[BinaryIO]:
-    """A file to write, which takes its name once the block has ended well. Raises `ToolError`, which says
-    why it could not."""
+    """Opens a file for writing, which gets its name when the block ends normally. Raises `ToolError` with
+    the reason of a failure."""
     try:
-        # Behind a link it is the file that is replaced, not the link.
+        # A link stays; its target is replaced.
         target = Path(os.path.realpath(path))
         if target.exists() and not target.is_file():
-            # A device or a pipe takes what it gets; it is not replaced by a file.
+            # Devices and pipes are written to, not replaced.
             with target.open("wb") as file:
                 yield file
             return
@@ -71,7 +70,7 @@ def writing(path: Path) -> Iterator[BinaryIO]:
 
 
 def _sync_folder(folder: Path) -> None:
-    """So that the name outlives a power cut, where the system can promise that."""
+    """Flushes the folder, so that the name survives a power failure where the system supports it."""
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY | getattr(os, "O_DIRECTORY", 0))
         try:

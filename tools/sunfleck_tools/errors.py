@@ -1,8 +1,9 @@
-"""What a command cannot do, in words for whoever called it."""
+"""Errors of commands, with messages for the caller."""
 
 
 class ToolError(Exception):
-    """Nothing can be done with what was given; `is_usage` tells a wrong command from a disk that fails."""
+    """The command cannot be carried out; `is_usage` is true for a wrong command line, and false for a
+    failure such as that of a disk."""
 
     def __init__(self, message: str, is_usage: bool = True):
         super().__init__(message)
@@ -10,9 +11,9 @@ class ToolError(Exception):
 
 
 class Terminated(BaseException):
-    """The system asks the program to end."""
+    """The system asks the program to terminate."""
 
 
 class SceneError(Exception):
-    """A scene cannot be read, or not be written as asked; says where, what, and where there
-    is one the remedy."""
+    """A scene cannot be read, or not be written as requested. The message has the place, the finding and
+    the remedy, if there is one."""

@@ -1,6 +1,6 @@
-"""What a check finds, and the table of all checks.
+"""Findings, and the registry of checks.
 
-Invariant: an id, once published, keeps its meaning; scripts filter by it.
+Invariant: a published id keeps its meaning, as scripts filter by it.
 """
 
 from collections.abc import Callable, Iterator
@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 
 
 class Severity(str, Enum):
-    """How bad a finding is: an error makes a frame unusable or wrong, a warning asks for a look."""
+    """Severity: an error makes a frame unusable or wrong, a warning needs a look."""
 
     ERROR = "error"
     WARNING = "warning"
 
 
 class Scope(str, Enum):
-    """What a check looks at; each scope has one type of argument."""
+    """Subject of a check; each scope has one type of argument."""
 
     LISTING = "listing"  # sequence.Listing: names alone
     FILE = "file"  # frame.FileBytes: header and chunks, nothing decoded
@@ -26,7 +26,7 @@ class Scope(str, Enum):
 
 
 class Found(NamedTuple):
-    """What a check yields: one sentence, and where."""
+    """Result of a check: a sentence, and its place."""
 
     message: str
     frame: int | None = None
@@ -37,7 +37,7 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Finding:
-    """A `Found` with the check that found it."""
+    """`Found` with its check."""
 
     check: str
     severity: Severity
@@ -48,7 +48,7 @@ class Finding:
     pixel: tuple[int, int] | None = None
 
     def line(self) -> str:
-        """One line of text, the frame first."""
+        """One line of text, beginning with the frame."""
         where = f"frame {self.frame}" if self.frame is not None else "sequence"
         file = f" ({self.path})" if self.path else ""
         return f"{self.severity.value}: {where}: {self.message} [{self.check}]{file}"
@@ -66,7 +66,7 @@ class Check:
     function: Callable[[Any], Iterator[Found]]
 
     def run(self, subject: Any) -> Iterator[Finding]:
-        """The findings in `subject`, whose type the scope says."""
+        """Findings in `subject`, whose type depends on the scope."""
         for found in self.function(subject):
             yield Finding(self.id, self.severity, *found)
 
@@ -77,7 +77,7 @@ CHECKS: dict[str, Check] = {}
 def check(
     id: str, severity: Severity, scope: Scope, about: str, rerender: bool = False
 ) -> Callable[[Callable[[Any], Iterator[Found]]], Callable[[Any], Iterator[Found]]]:
-    """Registers a function; `rerender` says that a frame found so belongs into `--list-missing`."""
+    """Registers a function; `rerender` means that its frames belong into `--list-missing`."""
 
     def register(function: Callable[[Any], Iterator[Found]]) -> Callable[[Any], Iterator[Found]]:
         if id in CHECKS:
@@ -94,7 +94,7 @@ def checks_of(scope: Scope) -> list[Check]:
 
 
 def ordered(findings: list[Finding]) -> list[Finding]:
-    """The worst first, then by frame."""
+    """Worst findings first, then by frame."""
     rank = {Severity.ERROR: 0, Severity.WARNING: 1}
     first = float("-inf")
     return sorted(

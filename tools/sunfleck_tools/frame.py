@@ -28,21 +28,21 @@ more than arithmetic."""
 
 
 def row_blocks(shape: tuple[int, int], multiple: int = 1) -> Iterator[slice]:
-    """Rows of a picture, some at a time: as many as fit, but a multiple of what is asked for."""
+    """Blocks of rows: as many rows as fit, in multiples of `multiple`."""
     rows = max(1, BLOCK_PIXELS // (multiple * max(1, shape[1]))) * multiple
     return (slice(first, min(first + rows, shape[0])) for first in range(0, shape[0], rows))
 
 
 def wide(stored: np.ndarray) -> np.ndarray:
-    """Values as float32; a copy."""
-    # Of NaN that signals numpy would warn.
+    """Copy of values as float32."""
+    # numpy would warn of signalling NaN.
     with np.errstate(all="ignore"):
         return half.widened(stored) if stored.dtype == np.float16 else stored.astype(np.float32)
 
 
 @dataclass
 class FileBytes:
-    """What became of reading and decoding a file; of the faults, the first that there was stops the rest."""
+    """Result of reading and decoding a file; the first fault ends both."""
 
     number: int
     path: Path
@@ -57,7 +57,7 @@ class FileBytes:
 
     @property
     def fault(self) -> str | None:
-        """What stands in the way of the pixels, as a sentence."""
+        """Fault that prevents decoding, as a sentence."""
         if self.read_error is None and self.bytes == 0:
             return "the file is empty"
         found = (
@@ -73,8 +73,8 @@ class FileBytes:
 
 @dataclass
 class Frame:
-    """A decoded file. Channels are as stored: half, float or uint, rows from the top; `names` of a part's
-    channels are its own, with the part's name before them where they have it not."""
+    """Decoded file. Channels are as stored: half, float or uint, rows from the top; `names` are the parts'
+    own names of channels, with the part's name as a prefix if it is missing."""
 
     number: int
     path: Path
@@ -87,40 +87,40 @@ class Frame:
 
     @cached_property
     def picture(self) -> tuple[str, ...]:
-        """The channels of the picture itself: three, or luminance alone, or none."""
+        """Channels of the picture: three, luminance alone, or none."""
         found = layers.picture(self.channels)
         return found if len({self.header_of(name).data_window for name in found}) == 1 else ()
 
     @property
     def header(self) -> Header:
-        """Of the part that holds the picture, else of the first."""
+        """Header of the picture's part, else of the first."""
         return self.header_of(self.picture[0]) if self.picture else self.headers[0]
 
     @cached_property
     def space(self) -> ColorSpace:
-        """What the picture's colours stand for: the part says, or the first where that does."""
+        """Colour space of the picture: its part's, or the first part's if only that has one."""
         says = "colorInteropID" in self.header.values or "chromaticities" in self.header.values
         return color_space(self.header if says else self.headers[0])
 
     @cached_property
     def shows_display_window(self) -> bool:
-        """True of other renderers' frames, which cut the data down to what is there and render beyond the
-        edge. Of own frames the data window is shown, as the program shows a crop; and where the display
-        window is out of all proportion."""
+        """True for other renderers' frames, which crop the data window to the contents and may extend
+        beyond the display window. Frames of this renderer are shown in their data window, as by the
+        program; so are oversized display windows."""
         data, display = self.header.size, window_size(self.header.display_window)
         most = max(MOST_EMPTY * data[0] * data[1], LARGEST_EMPTY)
         return not self.is_own and min(display) > 0 and display[0] * display[1] <= most
 
     @property
     def canvas(self) -> tuple[int, int]:
-        """Height and width of what is shown."""
+        """Height and width of the shown window."""
         width, height = (
             window_size(self.header.display_window) if self.shows_display_window else self.header.size
         )
         return height, width
 
     def on_canvas(self, values: np.ndarray) -> np.ndarray:
-        """Rows of the data, cut and filled up with 0 to what is shown."""
+        """Rows of the data window, cropped or padded with 0 to the shown window."""
         data, display = self.header.data_window, self.header.display_window
         if data == display or not self.shows_display_window:
             return values
@@ -132,27 +132,27 @@ class Frame:
 
     @property
     def is_own(self) -> bool:
-        """True if it is of this renderer, whose passes keep what its documentation says."""
+        """True for frames of this renderer, whose passes satisfy its documentation."""
         return any(name.startswith(OWN) for name in self.headers[0].values)
 
     @property
     def is_exact(self) -> bool:
-        """True of such a frame whose compression loses nothing: what its passes add up to can be asked."""
+        """True for such frames with lossless compression, whose sums of passes can be checked."""
         return self.is_own and rounding(self.header) == 0
 
     def header_of(self, name: str) -> Header:
-        """Of the part that a channel is in."""
+        """Header of a channel's part."""
         return self.headers[self.part_of[name]]
 
     def float(self, name: str) -> np.ndarray:
-        """A channel as float32, converted once."""
+        """Channel as float32, converted once."""
         if name not in self.wide:
             self.wide[name] = wide(self.channels[name])
         return self.wide[name]
 
     def extremes(self, name: str) -> Range:
-        """The smallest and largest value of a channel, NaN twice if there is one. Most checks need no more:
-        only where these say that something is wrong do they look for the place."""
+        """Smallest and largest value of a channel, NaN twice if any value is NaN. Most checks need no
+        more, and search for the place only if these show a fault."""
         if name not in self.ranges:
             stored = self.channels[name]
             if stored.dtype == np.float16:
@@ -163,7 +163,7 @@ class Frame:
         return self.ranges[name]
 
     def group(self) -> list[np.ndarray]:
-        """Red, green and blue of the picture, none if there is none: of luminance alone it is grey."""
+        """Red, green and blue of the picture, grey for luminance alone; empty without a picture."""
         values = [self.float(name) for name in self.picture]
         if len(values) == 1 and all(name in self.channels for name in layers.CHROMA):
             weights = luminances(self.space).astype(np.float32)
@@ -172,11 +172,11 @@ class Frame:
         return values * 3 if len(values) == 1 else values
 
     def shown(self) -> list[np.ndarray]:
-        """The same in linear Rec. 709, which is what is shown."""
+        """The same in linear Rec. 709, for viewing."""
         return self.space.to_rec_709(self.group()) if self.picture else []
 
     def luminance(self) -> np.ndarray | None:
-        """Of the picture, the caller's to keep or spoil; values that are not finite count as 0."""
+        """Luminance of the picture, as a new array; values that are not finite count as 0."""
         if not self.picture:
             return None
         color = [self.channels[name] for name in self.picture]
@@ -191,8 +191,7 @@ class Frame:
             block = total[rows]
             for index, (weight, stored, is_plain) in enumerate(zip(weights, color, plain)):
                 part = block if index == 0 else scratch[: len(block)]
-                # Infinities of two signs, or signalling NaN: what comes of them is no number,
-                # and counts as 0 below.
+                # Infinities of both signs, or signalling NaN, give NaN, which becomes 0 below.
                 with np.errstate(all="ignore"):
                     if is_plain:
                         half.scaled_into(stored[rows], weight, part)
@@ -205,15 +204,15 @@ class Frame:
         return np.nan_to_num(total, copy=False, nan=0.0, posinf=0.0, neginf=0.0)
 
     def place(self, name: str, at: int) -> tuple[int, int]:
-        """x and y in the full picture of the value of a channel with that flat index."""
+        """x and y in the full picture of a flat index into a channel."""
         header = self.header_of(name)
         y, x = divmod(int(at), header.size[0])
         return x + header.data_window[0], y + header.data_window[1]
 
 
 def _from_chroma(y: np.ndarray, ry: np.ndarray, by: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
-    """Red, green and blue of luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR, Technical
-    Introduction, Luminance/Chroma Images), where colours add so much to luminance."""
+    """Red, green and blue from luminance and chroma: RY = (R - Y) / Y and BY = (B - Y) / Y (OpenEXR,
+    Technical Introduction, Luminance/Chroma Images), with `weights` of luminance."""
     with np.errstate(all="ignore"):
         red, blue = (1 + ry) * y, (1 + by) * y
         return [red, (y - weights[0] * red - weights[2] * blue) / weights[1], blue]

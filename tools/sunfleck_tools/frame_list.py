@@ -8,7 +8,7 @@ MOST_FRAMES = 10_000_000
 
 
 def parse_frames(text: str) -> list[int]:
-    """The frames of a list, each once, in the order of first mention; `ValueError` says what is wrong."""
+    """Frames of a list, each once, in the order of first mention; raises `ValueError` with the fault."""
     frames: dict[int, None] = {}
     for item in text.split(","):
         match = ITEM.fullmatch(item.strip())
@@ -24,7 +24,7 @@ def parse_frames(text: str) -> list[int]:
 
 
 def format_frames(frames: Iterable[int]) -> str:
-    """The shortest list of ranges that `parse_frames` reads back as these frames, ascending."""
+    """Shortest list of ranges that `parse_frames` reads back as these frames, ascending."""
     parts: list[str] = []
     run: list[int] = []
     for frame in [*sorted(set(frames)), None]:

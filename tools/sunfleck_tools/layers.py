@@ -1,9 +1,9 @@
-"""What channels are, by their names: layers, the picture itself, and what values of a channel mean.
+"""Meaning of channels by their names: layers, the picture, and kinds of values.
 
-Names are those that renderers give their passes (AOVs). Arnold has N, P, Z and motionvector, RenderMan
-Nn, __Pworld and dPdtime, V-Ray normals, velocity and zDepth. Redshift, Karma and Mantra have Pz, hitN and
-primId, Cycles Vector, IndexOB and Denoising Normal. Invariant: a name that says nothing is light, of
-which the strictest is asked.
+Names are those that renderers give their passes (AOVs). Arnold has N, P, Z and motionvector, RenderMan Nn,
+__Pworld and dPdtime, V-Ray normals, velocity and zDepth. Redshift, Karma and Mantra have Pz, hitN and
+primId, Cycles Vector, IndexOB and Denoising Normal. Invariant: an unknown name counts as light, for which
+checks are strictest.
 """
 
 import re
@@ -19,7 +19,7 @@ LUMINANCE, CHROMA = "Y", ("RY", "BY")
 
 
 class Kind(Enum):
-    """What the values of a channel are."""
+    """Kind of a channel's values."""
 
     LIGHT = "light"  # or a share of it: finite, and not negative
     ALPHA = "alpha"
@@ -50,7 +50,7 @@ def split(name: str) -> tuple[str, str]:
 
 @lru_cache(maxsize=None)
 def kind(name: str) -> Kind:
-    """By the layer's own name (of `ViewLayer.Normal.X` that is `Normal`), else by the component's."""
+    """Kind by the layer's last name (`Normal` in `ViewLayer.Normal.X`), else by the component."""
     component = split(name)[1]
     own, called = _called(name)
     if IDS.fullmatch(called):
@@ -69,34 +69,32 @@ def kind(name: str) -> Kind:
 
 
 def holds_ids(name: str) -> bool:
-    """True if the values themselves are names of things: of Cryptomatte's channels every other is, the
-    rest are coverages."""
+    """True if values are ids: every other channel of Cryptomatte is, the rest are coverages."""
     component = split(name)[1]
     return kind(name) is Kind.ID and (not is_cryptomatte(name) or component.lower() in ("r", "b", "red", "blue"))
 
 
 def is_cryptomatte(name: str) -> bool:
-    """True of ids and coverages of Cryptomatte."""
+    """True for ids and coverages of Cryptomatte."""
     return CRYPTOMATTE.match(_called(name)[0]) is not None
 
 
 @lru_cache(maxsize=None)
 def is_motion(name: str) -> bool:
-    """True if the channel says how far things move."""
+    """True if the channel holds motion vectors."""
     return MOTIONS.fullmatch(_called(name)[1]) is not None
 
 
 def _called(name: str) -> tuple[str, str]:
-    """The layer's own name, and that which says what is in it: the same, or without a
-    layer the component's."""
+    """The layer's last name, and the one that tells its contents: the same, or without a layer the
+    component."""
     layer, component = split(name)
     own = re.sub(r"[\s-]+", "_", layer.rpartition(".")[2].lower())
     return own, own or component.lower()
 
 
 def picture(names: Iterable[str]) -> tuple[str, ...]:
-    """The channels of the picture itself: three of colour, or its luminance alone; none where
-    there is no picture."""
+    """Channels of the picture: three of colour, or luminance alone; empty without a picture."""
     names = list(names)
     known = set(names)
     found: dict[str, tuple[str, ...]] = {}
@@ -116,8 +114,8 @@ def picture(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def part_of_picture(parts: Sequence[tuple[str, Sequence[str]]]) -> int:
-    """Which part of a file holds the picture, by names of parts and of their channels: that of the likeliest name,
-    whatever the order; the first where none has colours."""
+    """Index of the part with the picture, by names of parts and of their channels: the likeliest name, in
+    any order; the first if none has colours."""
 
     def rank(name: str) -> int:
         own = name.rpartition(".")[2].lower()

@@ -1,8 +1,7 @@
-"""Freed memory that stays with the process for the next frame.
+"""Reuse of freed memory for the next frame.
 
-By glibc's rule a channel's pages go back to the system with every frame and come again, each by a
-fault, cleared: a fifth of what decoding costs. Invariant: a process keeps no more than it once
-needed at the same time.
+By default, glibc returns a channel's pages to the system after every frame, and each comes back cleared by
+a page fault: a fifth of the time for decoding. Invariant: a process keeps at most its peak memory.
 """
 
 import ctypes
@@ -17,7 +16,7 @@ GROWTH_BYTES = 64 << 20
 
 
 def keep_freed_memory() -> None:
-    """Of this process from now on. Does nothing where the C library has no `mallopt`."""
+    """Applies to this process from now on. Does nothing if the C library has no `mallopt`."""
     try:
         mallopt = ctypes.CDLL(None).mallopt
     except (AttributeError, OSError, TypeError):

@@ -1,7 +1,7 @@
-"""Where a file's name has its frame's number.
+"""Frame numbers in names of files.
 
-Invariant: a version (`v2`, `_v003`) is no number of a frame, and a name without a number
-is a picture by itself.
+Invariant: a version (`v2`, `_v003`) is not a frame number, and a name without a number is a single
+picture.
 """
 
 import re
@@ -20,7 +20,7 @@ MOST_DIGITS = 18
 
 
 class Parts(NamedTuple):
-    """A name around the number of its frame."""
+    """Name split around its frame number."""
 
     before: str
     number: str
@@ -28,12 +28,12 @@ class Parts(NamedTuple):
 
     @property
     def digits(self) -> str:
-        """The number without its sign."""
+        """Digits without the sign."""
         return self.number.lstrip("-")
 
 
 def parts(name: str) -> Parts | None:
-    """The name's parts; `None` where it has no number of a frame."""
+    """Parts of a name; `None` without a frame number."""
     for pattern in (WHOLE, AT_END, BETWEEN):
         found = [match for match in pattern.finditer(name) if not VERSION.search(name[: match.start(1)])]
         if found and len(found[-1][1]) <= MOST_DIGITS:

@@ -1,4 +1,4 @@
-"""What a caller may choose about a validation."""
+"""Options of a validation."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -7,7 +7,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Options:
-    """Every field has a default that suits a sequence rendered by one command."""
+    """The defaults suit a sequence that one command rendered."""
 
     frames: tuple[int, ...] | None = None
     """The frames that must be there; `None` is all from the first to the last found, and those that

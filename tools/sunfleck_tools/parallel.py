@@ -1,7 +1,7 @@
-"""A function over many arguments in processes, with bounded memory, surviving a process that dies.
+"""Parallel map in processes, with bounded memory and tolerance of crashes.
 
-Invariant: results come in the arguments' order, one each; and no process outlives the one that started
-it, however that ends.
+Invariant: results are in the arguments' order, one each; no process outlives its parent, however that
+ends.
 """
 
 import multiprocessing
@@ -32,10 +32,10 @@ def in_processes(
     processes: int,
     if_it_dies: Callable[[Argument], Result],
 ) -> Iterator[Result]:
-    """`function` of each argument; of those that crash their process, `if_it_dies`. With 0
-    processes, in this one.
+    """Yields `function` of each argument, or `if_it_dies` of one that crashes its process. With 0 processes
+    it runs in this one.
 
-    Raises what `function` raises, and `MemoryError` where the system killed a process.
+    Raises the exceptions of `function`, and `MemoryError` if the system killed a process.
     """
     if processes == 0:
         yield from map(function, arguments)
@@ -43,7 +43,7 @@ def in_processes(
     _learn_of_ends()
     waiting: list[tuple[Argument, Future[Result]]] = []
     remaining = iter(arguments)
-    # Not fork: the caller may have threads.
+    # Not fork, as the caller may have threads.
     context = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(processes, mp_context=context, initializer=begin_work)
@@ -61,33 +61,33 @@ def in_processes(
             try:
                 yield future.result()
             except BrokenProcessPool:
-                # Any of those under way may be the cause: each of them again, alone.
+                # Any argument in progress may be the cause, so each is run again, alone.
                 pool.shutdown()
                 for suspect in [argument, *(argument for argument, _ in waiting)]:
                     yield _alone(function, suspect, context, if_it_dies)
                 waiting = []
                 pool = ProcessPoolExecutor(processes, mp_context=context, initializer=begin_work)
     except BaseException:
-        # Nobody waits for results any more, not for those that are under way either.
+        # Nobody waits for further results, so processes in progress are ended too.
         for process in set(multiprocessing.active_children()) - others:
             process.kill()
         raise
     finally:
-        # Waited for: the interpreter's end and the pool's own thread would race for the pipe
-        # between them (Python 3.11).
+        # Waited for, as otherwise the interpreter's exit and the pool's thread race for their pipe (Python
+        # 3.11).
         pool.shutdown(cancel_futures=True)
 
 
 def _learn_of_ends() -> None:
-    """Who starts a program may leave it SIGCHLD ignored, and the system then keeps from it that a process has
-    ended: Python waits for ever, busily."""
+    """Restores SIGCHLD, which a parent may have left ignored: the system would then not report ended
+    processes, and Python would wait forever, busily."""
     is_main = threading.current_thread() is threading.main_thread()
     if is_main and hasattr(signal, "SIGCHLD") and signal.getsignal(signal.SIGCHLD) is signal.SIG_IGN:
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
 
 
 def begin_work() -> None:
-    """Of a process that works for another: it ends with that one."""
+    """Makes a worker process end with its parent."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -103,13 +103,13 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def _signals_later() -> Iterator[None]:
-    """For a block that starts processes, signals wait, lest one is left half started. Ctrl-C waits in the
-    processes for ever: it is for the one that started them."""
+    """Defers signals while processes start, so that none is left half started. Workers ignore Ctrl-C,
+    which is for their parent."""
     if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
         yield
         return
     heard: list[int] = []
-    # A mask is inherited, and a signal that another thread of this process gets is heard here all the same.
+    # Masks are inherited; signals to other threads of this process are still handled here.
     handlers = {number: signal.signal(number, lambda number, _: heard.append(number)) for number in WAITING}
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, WAITING)
     try:

@@ -1,4 +1,4 @@
-"""Where the program `sunfleck` is."""
+"""Path of the program `sunfleck`."""
 
 import os
 import shutil
@@ -11,7 +11,8 @@ VARIABLE = "SUNFLECK"
 
 
 def find_program(named: str | None = None) -> str | None:
-    """As named, else the environment's SUNFLECK, else what was installed with this package, else by the search path."""
+    """Path as given, else the environment's SUNFLECK, else the program installed with this package, else
+    one of the search path."""
     named = named or os.environ.get(VARIABLE)
     if named:
         return shutil.which(named)
@@ -19,7 +20,7 @@ def find_program(named: str | None = None) -> str | None:
 
 
 def _folders_of_scripts() -> Iterator[str]:
-    """Where pip puts programs: an environment need not be activated to be used."""
+    """Folders of pip's scripts, as an environment need not be activated."""
     yield sysconfig.get_path("scripts")
     yield sysconfig.get_path("scripts", sysconfig.get_preferred_scheme("user"))
     # pip install --target

@@ -1,4 +1,4 @@
-"""A progress bar on the error stream, where somebody can see it."""
+"""Progress bar on standard error, if it is a terminal."""
 
 import sys
 import time
@@ -9,7 +9,7 @@ CLEARED = "\r\x1b[K"
 
 
 class Bar:
-    """Call it with how many are done of how many; silent where the error stream is no terminal."""
+    """Callable with the numbers done and in all; silent if standard error is no terminal."""
 
     def __init__(self) -> None:
         self.visible = sys.stderr is not None and sys.stderr.isatty()
@@ -19,7 +19,7 @@ class Bar:
         self.show(done / of, f"{done} of {of}")
 
     def show(self, share: float, what: str) -> None:
-        """A share of 0 to 1, and what it is of. At 1 the bar goes."""
+        """Shows a fraction from 0 to 1 and its subject. At 1 the bar is removed."""
         now = time.monotonic()
         if not self.visible or (share < 1 and now - self.shown < BETWEEN_S):
             return
@@ -31,7 +31,7 @@ class Bar:
         sys.stderr.flush()
 
     def clear(self) -> None:
-        """Of a run that ended early."""
+        """Removes the bar of a run that ended early."""
         if self.visible:
             sys.stderr.write(CLEARED)
             sys.stderr.flush()

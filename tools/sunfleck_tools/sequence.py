@@ -1,7 +1,7 @@
-"""Names to frames: a folder or pattern to the numbered files of its sequences.
+"""Listing of sequences. In goes a folder or pattern, out come the numbered files of its sequences.
 
-Invariant: every EXR file of the folder is a frame of one listing; those that stand alone beside a sequence
-are its `strangers` too.
+Invariant: every EXR file of the folder is a frame of one listing; single files beside a sequence are also
+its `strangers`.
 """
 
 import re
@@ -23,12 +23,12 @@ MOST_NAMED = 3
 
 
 class SequenceError(ToolError):
-    """There are no frames to look at."""
+    """There are no frames to check."""
 
 
 @dataclass(frozen=True)
 class Named:
-    """A file and the number in its name."""
+    """File with the number in its name."""
 
     number: int
     digits: str
@@ -37,7 +37,7 @@ class Named:
 
 @dataclass
 class Listing:
-    """The files of one sequence, by their names alone."""
+    """Files of one sequence, by their names alone."""
 
     folder: Path
     before: str
@@ -55,25 +55,25 @@ class Listing:
 
     @property
     def key(self) -> tuple[str, str]:
-        """What is the same in all its names."""
+        """Common parts of all its names."""
         return self.before, self.after
 
     @property
     def pattern(self) -> str:
-        """The sequence as `--out` would name it."""
+        """Pattern of the sequence, in the syntax of `--out`."""
         if self.is_still:
             return str(self.folder / self.before)
         return str(self.folder / f"{self.before}{'#' * self.digits}{self.after}")
 
     def name_of(self, number: int) -> str:
-        """The name that frame `number` should have."""
+        """Expected name of frame `number`."""
         if self.is_still:
             return self.before
         return f"{self.before}{'-' if number < 0 else ''}{abs(number):0{self.digits}d}{self.after}"
 
     @property
     def frames(self) -> list[Named]:
-        """One file a frame, ascending; of several the one that is named right."""
+        """One file a frame, ascending; of duplicates the one with the expected name."""
         chosen: dict[int, Named] = {}
         for file in sorted(
             self.files, key=lambda f: (f.number, f.path.name != self.name_of(f.number), f.path.name)
@@ -82,7 +82,7 @@ class Listing:
         return list(chosen.values())
 
     def expect(self, numbers: Iterable[int]) -> None:
-        """Of these frames too that they are there."""
+        """Adds expected frames."""
         if not self.is_still:
             self.expected = sorted({*self.expected, *numbers})
 
@@ -94,8 +94,7 @@ class Listing:
 
 
 def list_sequence(target: str | Path, expected: tuple[int, ...] | None = None) -> Listing:
-    """The one sequence of `target`, as of `list_sequences`; raises `SequenceError` where
-    there are several."""
+    """Single sequence of `target`, as in `list_sequences`; raises `SequenceError` if there are several."""
     listings = list_sequences(target, expected)
     long = [listing for listing in listings if len(listing.files) > 1]
     if len(long or listings) > 1:
@@ -107,10 +106,10 @@ def list_sequence(target: str | Path, expected: tuple[int, ...] | None = None) -
 
 
 def list_sequences(target: str | Path, expected: tuple[int, ...] | None = None) -> list[Listing]:
-    """Finds the frames of `target`: a folder, a pattern such as `out/x.####.exr`, or one file; the
-    longest sequence first.
+    """Finds the frames of `target`: a folder, a pattern such as `out/x.####.exr`, or one file; the longest
+    sequence first.
 
-    Raises `SequenceError` if there is nothing to look at.
+    Raises `SequenceError` if there are no frames.
     """
     path = Path(target)
     place = list(PLACE.finditer(path.name))
@@ -138,10 +137,9 @@ def _all_of(folder: Path, expected: tuple[int, ...] | None) -> list[Listing]:
     listings = []
     for key in keys:
         is_first = key == keys[0]
-        # Every leftover is told once: by the sequence whose name it has, the longest of such names.
+        # Each leftover is reported once: by the sequence with the longest matching name.
         leftovers = [entry for entry in names if _leftover_of(entry, groups) == key]
-        # A single file beside sequences lost its name, or is none of theirs: of such a frame
-        # no range is expected.
+        # A single file beside sequences has lost its name, or is foreign; it has no expected range.
         listed = _listing(folder, key, groups[key], None if long and key not in long else expected, leftovers)
         listed.strangers = alone if is_first and long else []
         listings.append(listed)
@@ -150,7 +148,7 @@ def _all_of(folder: Path, expected: tuple[int, ...] | None) -> list[Listing]:
 
 
 def _look_beside(listings: list[Listing]) -> None:
-    """Tells sequences that begin and end nearly together where one has more."""
+    """Compares sequences that begin and end nearly together, where one has more frames."""
     for listing in listings:
         own = {file.number for file in listing.files}
         for other in listings:
@@ -180,7 +178,7 @@ def _matching(path: Path, place: re.Match[str], expected: tuple[int, ...] | None
 
 
 def _number_between(name: str, before: str, after: str) -> str | None:
-    """The number in a name between what a pattern says, if that is all there is."""
+    """Number in a name between the text of a pattern, if that is all there is."""
     if len(name) < len(before) + len(after) or not (name.startswith(before) and name.endswith(after)):
         return None
     number = name[len(before) : len(name) - len(after)]
@@ -193,7 +191,7 @@ def _one_file(path: Path, expected: tuple[int, ...] | None) -> Listing:
 
 
 def _named(path: Path) -> tuple[tuple[str, str], Named]:
-    """What a file's name has in common with those of its sequence, and its number."""
+    """Common parts of a file's name and its sequence's, and its number."""
     found: Parts | None = parts(path.name)
     if found is None:
         return (path.name, ""), Named(STILL_NUMBER, "", path)
@@ -208,7 +206,7 @@ def _listing(
         return Listing(folder, before, after, 0, files, [STILL_NUMBER], leftovers=leftovers, is_still=True)
     numbers = [file.number for file in files]
     if expected is None:
-        # Numbers far apart are a slip in a name, not a billion lost frames.
+        # Very distant numbers are an error in a name, not a billion lost frames.
         first, last = min(numbers), max(numbers)
         expected = (
             range(first, last + 1) if last - first < 100 * len(numbers) + 1000 else sorted(set(numbers))
@@ -245,7 +243,7 @@ def _digits(place: re.Match[str]) -> int:
 
 
 def _usual_digits(files: list[Named]) -> int:
-    """The padding that explains most names; longer numbers than it explains are no fault."""
+    """Padding that fits most names; longer numbers are no fault."""
     widths = Counter(len(file.digits) for file in files)
 
     def explained(width: int) -> int:

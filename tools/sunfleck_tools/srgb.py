@@ -1,4 +1,4 @@
-"""The curve of sRGB (IEC 61966-2-1), both ways."""
+"""sRGB curve (IEC 61966-2-1), in both directions."""
 
 import numpy as np
 

@@ -1,8 +1,7 @@
-"""The standard streams, whatever they are: closed, full, or read by nobody.
+"""Standard streams that may be closed, full or without a reader.
 
-Invariant: writing to them never raises; what becomes of a command is told by its exit code. Only
-output that a disk would not take is a failure, which `lost` tells: who closes a pipe or a stream has
-said that it is not wanted.
+Invariant: writing never raises, so a command's exit code tells its result. Only a failed write to a disk
+is an error, in `lost`; a closed pipe or stream means that output is not wanted.
 """
 
 import errno
@@ -16,34 +15,34 @@ UNWANTED = {errno.EPIPE, errno.EBADF, errno.ECONNRESET, errno.ESHUTDOWN}
 
 
 class Patient(io.TextIOBase):
-    """A text stream that goes silent where it cannot write."""
+    """Text stream that becomes silent when it cannot write."""
 
     def __init__(self, stream: TextIO | None):
         self.stream = stream
         self.lost: OSError | None = None
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
-            # Names of files may be any bytes.
+            # Names of files may have any bytes.
             reconfigure(errors="backslashreplace")
 
     def write(self, text: str) -> int:
-        """Writes, or not."""
+        """Writes if possible."""
         self._try(lambda stream: stream.write(text))
         return len(text)
 
     def flush(self) -> None:
-        """Flushes, or not."""
+        """Flushes if possible."""
         self._try(lambda stream: stream.flush())
 
     def isatty(self) -> bool:
-        """True if somebody watches."""
+        """True for a terminal."""
         try:
             return self.stream is not None and self.stream.isatty()
         except (OSError, ValueError):
             return False
 
     def fileno(self) -> int:
-        """Of what is beneath."""
+        """Descriptor of the underlying stream."""
         if self.stream is None:
             raise io.UnsupportedOperation("there is no stream")
         return self.stream.fileno()
@@ -61,7 +60,7 @@ class Patient(io.TextIOBase):
             self.stream = None
 
     def _silence(self, stream: TextIO) -> None:
-        """What is in buffers goes nowhere, lest Python complains at its end."""
+        """Discards buffers, so that Python does not complain on exit."""
         try:
             descriptor = stream.fileno()
             nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -74,8 +73,8 @@ class Patient(io.TextIOBase):
 
 
 def open_descriptors() -> None:
-    """Fills the standard descriptors that are closed, so that no file gets their numbers, and what is meant
-    for the terminal."""
+    """Opens closed standard descriptors, so that no file gets their numbers, and with them the terminal's
+    output."""
     for descriptor in (0, 1, 2):
         try:
             os.fstat(descriptor)
@@ -84,12 +83,12 @@ def open_descriptors() -> None:
             if opened != descriptor:
                 os.dup2(opened, descriptor)
                 os.close(opened)
-            # Processes that are started have them too.
+            # Child processes inherit them.
             os.set_inheritable(descriptor, True)
 
 
 class patient_streams:
-    """For a block, `sys.stdout` and `sys.stderr` never raise."""
+    """Makes `sys.stdout` and `sys.stderr` never raise during a block."""
 
     def __enter__(self) -> "patient_streams":
         open_descriptors()

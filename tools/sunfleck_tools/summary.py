@@ -1,6 +1,6 @@
-"""What is kept of a frame once its pixels are gone.
+"""Summary of a frame without its pixels.
 
-Invariant: a summary is small (some kB), so that a thousand of them fit into any memory.
+Invariant: a summary has a few kB, so thousands of them fit into memory.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ PROVENANCE = ("version", "sceneHash", "settingsHash", "seed", "pixelHash", "file
 
 @dataclass
 class Suspicion:
-    """What only the frames before and after can tell, in places of the full picture."""
+    """Suspicions that need neighbouring frames, in pixels of the full picture."""
 
     fireflies: list[tuple[int, int, float, float]] = field(default_factory=list)
     """As `checks.fireflies.Candidate`."""
@@ -34,7 +34,7 @@ class Suspicion:
 
 @dataclass
 class FrameSummary:
-    """One frame; fields that need pixels are `None` where there are none."""
+    """Summary of one frame; fields that need pixels are `None` without them."""
 
     number: int
     path: str
@@ -61,17 +61,17 @@ class FrameSummary:
 
     @property
     def decoded(self) -> bool:
-        """True if there were pixels to look at."""
+        """True if pixels were decoded."""
         return self.hash is not None
 
     def found(self, message: str, pixel: tuple[int, int] | None = None) -> Found:
-        """What a check of the sequence says of this frame."""
+        """Finding of a sequence's check about this frame."""
         return Found(message, self.number, self.path, pixel=pixel)
 
 
 @dataclass
 class Rendered:
-    """All frames of a sequence, ascending, and what was asked of them."""
+    """All frames of a sequence, ascending, and the options."""
 
     frames: list[FrameSummary]
     options: Options
@@ -80,12 +80,12 @@ class Rendered:
 
     @property
     def decoded(self) -> list[FrameSummary]:
-        """Frames that had pixels."""
+        """Frames with decoded pixels."""
         return [frame for frame in self.frames if frame.decoded]
 
 
 def describe(summary: FrameSummary, headers: Sequence[Header]) -> None:
-    """Fills in what the headers say."""
+    """Sets the fields from the headers."""
     header = headers[0]
     for name in ("framesPerSecond", "imageCounter", "timeCode", "Frame"):
         if name in header.values:
@@ -111,16 +111,16 @@ def _channels(header: Header, types: tuple[str, ...]) -> str:
 
 
 def measure(summary: FrameSummary, frame: Frame, luminance: np.ndarray | None) -> None:
-    """Fills in what the pixels say; leaves `luminance`, the frame's, in disorder."""
+    """Sets the fields from the pixels; reorders `luminance`, the frame's own."""
     summary.hash = frame.hash
     if luminance is not None:
         flat = luminance.ravel()
-        # In single precision, but pairwise: to some 1e-6.
+        # Single precision with pairwise sums: accurate to about 1e-6.
         summary.mean = float(flat.mean())
         index = min(flat.size - 1, int(0.99 * flat.size))
         ranges = [frame.extremes(name) for name in frame.picture]
         summary.smallest, summary.largest = min(low for low, _ in ranges), max(high for _, high in ranges)
-        # In place: fresh memory costs as much as the search. What is not negative is in the order of its
+        # In place, as new memory costs as much as the search. Non-negative floats are ordered like their
         # bits, and integers are searched twice as fast.
         (flat.view(np.int32) if all(low >= 0 for low, _ in ranges) else flat).partition(index)
         summary.p99 = float(flat[index])
@@ -128,8 +128,7 @@ def measure(summary: FrameSummary, frame: Frame, luminance: np.ndarray | None) -
 
 
 def thumbnail(frame: Frame, width: int) -> np.ndarray | None:
-    """Linear RGB of the picture, averaged down to about `width` pixels; values that are not
-    finite count as 0."""
+    """Linear RGB of the picture, averaged to about `width` pixels; values that are not finite count as 0."""
     if not frame.picture:
         return None
     is_plain = len(frame.picture) == 3 and frame.space.is_ours

@@ -1,4 +1,5 @@
-"""A sequence to a report: names, then every file in processes of its own, then all frames together."""
+"""Validation of sequences. In goes a target, out comes a report: names first, then every file in processes
+of its own, then all frames together."""
 
 import json
 import os
@@ -21,7 +22,7 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Checked:
-    """One sequence, and what was found in it, the worst first."""
+    """One sequence with its findings, worst first."""
 
     listing: Listing
     frames: list[FrameSummary]
@@ -39,24 +40,24 @@ class Checked:
 
 @dataclass(frozen=True)
 class Report:
-    """What was found in each sequence, the longest sequence first."""
+    """Findings of all sequences, the longest sequence first."""
 
     sequences: list[Checked]
     options: Options
 
     @property
     def frames(self) -> list[FrameSummary]:
-        """Of all sequences."""
+        """Frames of all sequences."""
         return [frame for checked in self.sequences for frame in checked.frames]
 
     @property
     def findings(self) -> list[Finding]:
-        """Of all sequences, the worst first."""
+        """Findings of all sequences, worst first."""
         return ordered([finding for checked in self.sequences for finding in checked.findings])
 
     @property
     def rerender(self) -> list[int]:
-        """Frames that are missing or have to be rendered again, of whichever sequence."""
+        """Frames that are missing or have to be rendered again, in all sequences."""
         return sorted({number for checked in self.sequences for number in checked.rerender})
 
     def count(self, severity: Severity) -> int:
@@ -64,7 +65,7 @@ class Report:
         return sum(checked.count(severity) for checked in self.sequences)
 
     def fails(self, at: Severity) -> bool:
-        """True if there is a finding at least as bad."""
+        """True if any finding is at least this severe."""
         return self.count(Severity.ERROR) > 0 or (at is Severity.WARNING and self.count(Severity.WARNING) > 0)
 
 
@@ -108,7 +109,7 @@ def _check(
             if check.id not in options.skip_checks:
                 findings += check.run(subject)
     if listing.is_still:
-        # What has no number has no frame to name.
+        # A file without a number has no frame.
         findings = [replace(finding, frame=None, path=str(listing.files[0].path)) for finding in findings]
     return Checked(listing, frames, ordered(findings))
 
@@ -135,7 +136,7 @@ def _jobs(listing: Listing, options: Options) -> list[Job]:
 
 
 def _look_again(frames: list[FrameSummary], options: Options, processes: int) -> None:
-    """Looks the frames before and after up for what seems to be a firefly, or a block that was lost."""
+    """Compares suspected fireflies and lost blocks with neighbouring frames."""
     by_number = {frame.number: frame for frame in frames if frame.decoded}
     suspects = []
     for frame in frames:
@@ -163,7 +164,7 @@ def _confirm_one(argument: tuple[Suspicion, list[str]]) -> Suspicion:
 
 
 def render_seconds(path: Path) -> dict[int, float]:
-    """Render time of each frame, from what `sunfleck render --stats` wrote."""
+    """Render time of each frame, from the file of `sunfleck render --stats`."""
     try:
         need_regular(path)
         seconds = {}

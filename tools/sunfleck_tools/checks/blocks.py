@@ -1,8 +1,8 @@
 """Blocks of a picture that were never rendered: rectangles of zeros where the picture is lit.
 
-Renderers work in buckets, and files in blocks of rows; one that is lost is black to its last value, with
-straight edges. A black thing has no straight edges, or lasts: the frames before and after say which.
-Invariant: no more than `MOST` candidates a frame.
+Renderers work in buckets, and files in blocks of rows; a lost one is all zeros, with straight edges. A
+black object has no straight edges, or also shows in the frames before and after. Invariant: no more than
+`MOST` candidates a frame.
 """
 
 from collections.abc import Iterator
@@ -28,8 +28,7 @@ Block = tuple[int, int, int, int]
 
 
 def candidates(frame: Frame) -> list[Block]:
-    """Rectangles of zeros that are as wide in every row, with light around them, in places of
-    the full picture."""
+    """Rectangles of zeros with straight edges and light around them, in pixels of the full picture."""
     colors = [frame.channels[name] for name in frame.picture]
     if not colors or any(frame.extremes(name)[0] > 0 for name in frame.picture):
         return []
@@ -37,7 +36,7 @@ def candidates(frame: Frame) -> list[Block]:
     if dark.all():
         return []
     left, top = frame.header.data_window[:2]
-    # Lossy compression makes zeros of what is next to black, block by block.
+    # Lossy compression rounds nearly black values to zero, block by block.
     if (most := rounding(frame.header)) > 0:
         dim = np.logical_and.reduce([np.abs(wide(color)) <= most for color in colors])
     else:
@@ -48,9 +47,9 @@ def candidates(frame: Frame) -> list[Block]:
 
 
 def _rectangles(dark: np.ndarray) -> Iterator[Block]:
-    """Runs of dark pixels that begin and end in the same columns in many rows."""
+    """Runs of dark pixels that begin and end in the same columns over many rows."""
     height, width = dark.shape
-    # Only columns where something is dark for long enough can be in a rectangle.
+    # Only columns that are dark for long enough can contain a rectangle.
     edges = np.diff(np.pad(dark, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     open_runs: dict[tuple[int, int], int] = {}
     for y in range(height + 1):
@@ -69,8 +68,8 @@ def _rectangles(dark: np.ndarray) -> Iterator[Block]:
 
 
 def _stands_out(dark: np.ndarray, block: Block) -> bool:
-    """True if the rows above and below, where there are some, are lit; to the sides every
-    rectangle ends by itself."""
+    """True if the rows above and below, where they exist, are lit; to the sides every rectangle ends
+    anyway."""
     x0, y0, x1, y1 = block
     rows = [row for row in (y0 - 1, y1 + 1) if 0 <= row < dark.shape[0]]
     lit = [1 - dark[row, x0 : x1 + 1].mean() for row in rows]
@@ -78,8 +77,7 @@ def _stands_out(dark: np.ndarray, block: Block) -> bool:
 
 
 def lit_in(luminance: np.ndarray, found: list[Block], corner: tuple[int, int]) -> list[Block]:
-    """Those blocks, in places of the full picture, that this picture of the frame before
-    or after is lit in."""
+    """Blocks in which a neighbouring frame's picture has light, in pixels of the full picture."""
     lit = []
     for block in found:
         x0, y0, x1, y1 = (max(0, value - corner[index % 2]) for index, value in enumerate(block))
@@ -90,8 +88,8 @@ def lit_in(luminance: np.ndarray, found: list[Block], corner: tuple[int, int]) -
 
 
 def unlikely_alone(found: list[Block], window: Block) -> list[Block]:
-    """Those blocks whose size is that of a bucket, and that are no bars along the edges of the picture, whose
-    data window this is."""
+    """Blocks with the size of a bucket that are not bars along the edges of the picture, whose data window
+    is given."""
 
     def is_bar(block: Block, axis: int) -> bool:
         spans = block[axis] == window[axis] and block[axis + 2] == window[axis + 2]
@@ -111,7 +109,7 @@ def unlikely_alone(found: list[Block], window: Block) -> list[Block]:
     rerender=True,
 )
 def black_block(rendered: Rendered) -> Iterator[Found]:
-    """One finding a frame, for its largest."""
+    """One finding a frame, for its largest block."""
     for frame in rendered.decoded:
         if frame.black_blocks:
             x0, y0, x1, y1 = frame.black_blocks[0]

@@ -1,5 +1,4 @@
-"""Checks that what should be the same in all frames is, and that what counts frames agrees
-with their names."""
+"""Checks of values that should be the same in all frames, and of frame counters against file names."""
 
 import re
 from collections import Counter
@@ -18,7 +17,8 @@ STRUCTURE = ("channels", "display window", "compression", "layout", "colour spac
 def odd_ones(
     rendered: Rendered, what: str, value_of: Callable[[FrameSummary], Hashable], expected: Hashable = None
 ) -> Iterator[Found]:
-    """Frames whose value is not that of most frames (the earliest of equals), or not the expected one."""
+    """Frames whose value differs from that of most frames (the earliest of equals), or from the expected
+    one."""
     frames = [frame for frame in rendered.frames if frame.structure]
     values = {frame.number: value_of(frame) for frame in frames}
     if expected is None:
@@ -49,8 +49,8 @@ def _shown(value: object) -> str:
     "channels, windows, compression or colour space differ from the other frames'",
 )
 def structure(rendered: Rendered) -> Iterator[Found]:
-    """Readers take them from the first frame. The data window of other renderers follows what
-    is in the picture."""
+    """Readers take the structure from the first frame. Other renderers fit the data window to the
+    contents."""
     is_own = any(frame.provenance for frame in rendered.frames)
     for part in STRUCTURE + (("data window",) if is_own else ()):
         yield from odd_ones(rendered, part, lambda frame: frame.structure[part])
@@ -58,31 +58,31 @@ def structure(rendered: Rendered) -> Iterator[Found]:
 
 @check("mixed-version", Severity.ERROR, Scope.SEQUENCE, "frames were rendered by different versions")
 def mixed_version(rendered: Rendered) -> Iterator[Found]:
-    """A farm whose machines were not all brought up to date."""
+    """Some machines of a farm have an older version."""
     yield from odd_ones(rendered, "version", lambda frame: frame.provenance.get("version"))
 
 
 @check("mixed-scene", Severity.ERROR, Scope.SEQUENCE, "frames show different states of the scene")
 def mixed_scene(rendered: Rendered) -> Iterator[Found]:
-    """The scene was changed and only part of it rendered again."""
+    """The scene was changed, and only some frames were rendered again."""
     yield from odd_ones(rendered, "scene's hash", lambda frame: frame.provenance.get("sceneHash"))
 
 
 @check("mixed-settings", Severity.ERROR, Scope.SEQUENCE, "frames were rendered with different settings")
 def mixed_settings(rendered: Rendered) -> Iterator[Found]:
-    """Samples, size, passes, method, and so on."""
+    """Samples, size, passes, method and other settings differ."""
     yield from odd_ones(rendered, "settings' hash", lambda frame: frame.provenance.get("settingsHash"))
 
 
 @check("mixed-seed", Severity.WARNING, Scope.SEQUENCE, "frames were rendered with different seeds")
 def mixed_seed(rendered: Rendered) -> Iterator[Found]:
-    """Harmless in a picture, and a sign of two runs."""
+    """Harmless in a picture, but a sign of two runs."""
     yield from odd_ones(rendered, "seed", lambda frame: frame.provenance.get("seed"))
 
 
 @check("unsigned", Severity.WARNING, Scope.SEQUENCE, "a file carries no hash: damage may go unseen")
 def unsigned(rendered: Rendered) -> Iterator[Found]:
-    """One finding if no frame has one: then another program wrote them."""
+    """One finding, unless no frame has a hash: then another program wrote them."""
     frames = [frame for frame in rendered.frames if frame.structure]
     without = [frame for frame in frames if "pixelHash" not in frame.provenance]
     if frames and len(without) == len(frames):
@@ -104,9 +104,9 @@ def unsigned(rendered: Rendered) -> Iterator[Found]:
     "the scene's own frames go on before or after those that are there",
 )
 def ends_early(rendered: Rendered) -> Iterator[Found]:
-    """A first or last frame that is missing leaves no gap. Frames say which their scene has, whichever of
-    them a run was asked for: where one end is there and the other is not, it may be lost. Who renders a
-    part of them knows."""
+    """A missing first or last frame leaves no gap. Frames store the range of their scene, whichever frames
+    a run rendered. If one end exists and the other does not, it may be lost; a partial render is
+    deliberate."""
     numbers = [frame.number for frame in rendered.frames]
     texts = {frame.provenance.get("sequenceFrames", "") for frame in rendered.frames}
     ranges = [(int(match[1]), int(match[2])) for text in texts if (match := RANGE.fullmatch(text))]
@@ -130,7 +130,7 @@ def ends_early(rendered: Rendered) -> Iterator[Found]:
     "the frame rate differs from the other frames', or from --fps",
 )
 def frame_rate(rendered: Rendered) -> Iterator[Found]:
-    """Editors take it from any frame."""
+    """Editors take the frame rate from any frame."""
     yield from odd_ones(
         rendered, "frame rate", lambda frame: frame.attributes.get("framesPerSecond"), rendered.options.fps
     )
@@ -144,7 +144,7 @@ def frame_rate(rendered: Rendered) -> Iterator[Found]:
     rerender=True,
 )
 def image_counter(rendered: Rendered) -> Iterator[Found]:
-    """Swapped, copied and renumbered frames. Other renderers' may be renumbered, as long as all are."""
+    """Swapped, copied and renumbered frames. Other renderers' frames may be renumbered consistently."""
     if rendered.is_still:
         return
     is_own = any(frame.provenance for frame in rendered.frames)
@@ -159,7 +159,7 @@ def image_counter(rendered: Rendered) -> Iterator[Found]:
 
 
 def number_said(frame: FrameSummary) -> int | None:
-    """What other renderers say: OpenEXR's attribute, or Blender's text `Frame`."""
+    """Frame number of other renderers: OpenEXR's attribute, or Blender's text `Frame`."""
     counter, text = frame.attributes.get("imageCounter"), frame.attributes.get("Frame")
     if isinstance(counter, int):
         return counter
@@ -170,7 +170,7 @@ def number_said(frame: FrameSummary) -> int | None:
 
 @check("time-code", Severity.ERROR, Scope.SEQUENCE, "time codes do not advance as the names do")
 def time_code(rendered: Rendered) -> Iterator[Found]:
-    """Where they begin is the author's choice; most frames say it."""
+    """The start is the author's choice; the majority of frames decides it."""
 
     def offset(frame: FrameSummary) -> int | None:
         code, rate = frame.attributes.get("timeCode"), frame.attributes.get("framesPerSecond")

@@ -1,4 +1,4 @@
-"""Checks of the file around the pixels: header, chunks, and what the decoder says."""
+"""Checks of the file around the pixels: header, chunks, and the decoder's errors."""
 
 from collections.abc import Iterator
 
@@ -15,21 +15,21 @@ NAME = "sunfleck:pixelHash"
 
 @check("unreadable", Severity.ERROR, Scope.FILE, "the system does not let the file be read")
 def unreadable(file: FileBytes) -> Iterator[Found]:
-    """Rights, and disks that fail."""
+    """Missing permissions, and failing disks."""
     if file.read_error:
         yield Found(f"it cannot be read: {file.read_error}")
 
 
 @check("empty-file", Severity.ERROR, Scope.FILE, "the file has no bytes", rerender=True)
 def empty_file(file: FileBytes) -> Iterator[Found]:
-    """Placeholders that a farm claimed and never filled."""
+    """Placeholders that a farm created and never filled."""
     if file.bytes == 0 and not file.read_error:
         yield Found("the file is empty")
 
 
 @check("header", Severity.ERROR, Scope.FILE, "the header is damaged or cut off", rerender=True)
 def header(file: FileBytes) -> Iterator[Found]:
-    """Nothing else can be said of such a file."""
+    """A file with a damaged header allows no other check."""
     if file.header_error and file.bytes:
         yield Found(file.header_error)
 
@@ -42,14 +42,14 @@ def header(file: FileBytes) -> Iterator[Found]:
     rerender=True,
 )
 def size_claim(file: FileBytes) -> Iterator[Found]:
-    """Asked before the decoder allocates."""
+    """Checked before the decoder allocates memory."""
     if file.claim:
         yield Found(file.claim)
 
 
 @check("unsupported", Severity.ERROR, Scope.FILE, "deep data")
 def unsupported(file: FileBytes) -> Iterator[Found]:
-    """A pixel has any number of values there, and no picture."""
+    """Deep pixels have any number of values, and are no picture."""
     if file.unsupported:
         yield Found(f"{file.unsupported} cannot be checked: flatten it")
 
@@ -58,7 +58,7 @@ def unsupported(file: FileBytes) -> Iterator[Found]:
     "chunks", Severity.ERROR, Scope.FILE, "a chunk of pixels is missing, misplaced or cut off", rerender=True
 )
 def chunks(file: FileBytes) -> Iterator[Found]:
-    """The first of them; one cut leaves many."""
+    """The first faulty chunk; a truncated file has many."""
     if file.chunk_faults:
         first, *others = file.chunk_faults
         more = "1 more chunk is" if len(others) == 1 else f"{len(others)} more chunks are"
@@ -67,7 +67,7 @@ def chunks(file: FileBytes) -> Iterator[Found]:
 
 @check("decode", Severity.ERROR, Scope.FILE, "a chunk cannot be decompressed", rerender=True)
 def decode(file: FileBytes) -> Iterator[Found]:
-    """Checksums of deflate, and every other complaint of OpenEXR."""
+    """Checksums of deflate, and every other error of OpenEXR."""
     if file.decode_error:
         yield Found(f"it cannot be decoded: {file.decode_error}")
 
@@ -94,7 +94,7 @@ def pixel_hash(frame: Frame) -> Iterator[Found]:
     rerender=True,
 )
 def file_hash(frame: Frame) -> Iterator[Found]:
-    """Damage beside the pixels, of which `pixel-hash` tells: in the header, or bytes at the end."""
+    """Damage outside the pixels: in the header, or bytes at the end. `pixel-hash` reports the pixels."""
     if whole.NAME not in frame.headers[0].values or not _has_its_pixels(frame):
         return
     try:
@@ -119,8 +119,8 @@ def _has_its_pixels(frame: Frame) -> bool:
 
 @check("colour-space", Severity.WARNING, Scope.FILE, "what a file says of its colours is not known, or not one")
 def colour_space(file: FileBytes) -> Iterator[Found]:
-    """Programs heed `colorInteropID`, `chromaticities`, or neither: where the two disagree, each shows
-    other colours."""
+    """Programs use `colorInteropID`, `chromaticities`, or neither: if the two disagree, colours differ
+    between programs."""
     for header in file.headers:
         if (doubt := color_space(header).doubt) is not None and not (header.is_deep or _is_data(header)):
             where = f"part {header.name}: " if header.name else ""
@@ -128,6 +128,6 @@ def colour_space(file: FileBytes) -> Iterator[Found]:
 
 
 def _is_data(header: Header) -> bool:
-    """True of a part that says so, and holds what is no light."""
+    """True for a part that declares itself as data, and for one without light."""
     light = any(kind(f"{header.name}.{channel.name}") is Kind.LIGHT for channel in header.channels)
     return header.text("colorInteropID") == "data" and not light

@@ -1,8 +1,8 @@
-"""Single pixels far brighter than all around them, in space and in time.
+"""Isolated pixels far brighter than their neighbours in space and time.
 
-A spike of noise is one pixel in one frame; a spark, a gap between leaves or a highlight is wider, or lasts.
-Spikes no brighter than what is lit well are not told from small leaves, and pass. Invariant: no more than
-`MOST` candidates a frame: more are noise, and cost.
+A spike of noise is one pixel in one frame; a spark, a gap between leaves or a highlight is wider, or
+lasts. Spikes no brighter than well-lit surfaces cannot be told from small leaves, and pass. Invariant: at
+most `MOST` candidates a frame, as more are noise, and slow.
 """
 
 from collections.abc import Iterator
@@ -30,18 +30,18 @@ Candidate = tuple[int, int, float, float]
 
 
 def candidates(luminance: np.ndarray) -> list[Candidate]:
-    """Spikes in space, from the upper left of the data window."""
-    # If so many are at least half as bright as the brightest, it has company; noise all over
-    # is no firefly either.
+    """Spikes in space, in pixels of the data window."""
+    # With so many pixels at least half as bright, the brightest is not isolated; noise everywhere is not a
+    # firefly either.
     if np.count_nonzero(luminance > luminance.max() / COMPANY) > MOST:
         return []
     padded = np.pad(luminance, REACH, mode="edge")
     inner = padded[1:-1, 1:-1]
     rows = inner[:, :-2] + inner[:, 1:-1] + inner[:, 2:]
     sums = rows[:-2] + rows[1:-1] + rows[2:]
-    # A spike is above its neighbours' mean by more than it is above the brightest of them.
+    # A spike exceeds its neighbours' mean by more than it exceeds the brightest of them.
     rough = luminance * (8.0 + ISOLATION) > ISOLATION * sums
-    # Of what is no rough spike, the brightest; of fine spikes it is asked again below.
+    # The brightest pixel that is no rough spike; exact spikes are tested again below.
     rough &= luminance > COMPANY * float(luminance[~rough].max(initial=0.0))
     ys, xs = np.nonzero(rough)
     if len(ys) > MOST:
@@ -63,8 +63,8 @@ def candidates(luminance: np.ndarray) -> list[Candidate]:
 
 
 def absent_in(luminance: np.ndarray, found: list[Candidate], corner: tuple[int, int]) -> list[Candidate]:
-    """Those candidates, in places of the full picture, that this picture of the frame before or after, whose
-    upper left pixel is `corner`, does not show within a pixel."""
+    """Candidates, in pixels of the full picture, that a neighbouring frame's picture does not show within
+    a pixel. The upper left pixel of that picture is `corner`."""
     height, width = luminance.shape
     absent = []
     for candidate in found:
@@ -84,7 +84,7 @@ def absent_in(luminance: np.ndarray, found: list[Candidate], corner: tuple[int, 
     "a single pixel is far brighter than its neighbours in space and time",
 )
 def firefly(rendered: Rendered) -> Iterator[Found]:
-    """One finding a frame, for its brightest."""
+    """One finding a frame, for its brightest spike."""
     for frame in rendered.decoded:
         if frame.fireflies:
             x, y, value, middle = max(frame.fireflies, key=lambda found: found[2])

@@ -1,4 +1,4 @@
-"""Checks of names alone: what is there, what is not, what should not be."""
+"""Checks of names alone: missing, unexpected and foreign files."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from ..sequence import Listing
 
 @check("missing-frame", Severity.ERROR, Scope.LISTING, "a frame of the range has no file", rerender=True)
 def missing_frame(listing: Listing) -> Iterator[Found]:
-    """Lost frames, as farms leave them."""
+    """Frames lost on a farm."""
     for number in listing.missing:
         yield Found(f"there is no {listing.name_of(number)}", frame=number)
 
@@ -21,7 +21,7 @@ def missing_frame(listing: Listing) -> Iterator[Found]:
     "another sequence of the folder goes on where this one ends",
 )
 def shorter_sequence(listing: Listing) -> Iterator[Found]:
-    """A last frame that is missing leaves no gap; passes that are rendered together tell."""
+    """A missing last frame leaves no gap, but other passes of the same render have it."""
     for pattern, numbers in listing.elsewhere.items():
         if not set(numbers) <= set(listing.missing):
             yield Found(f"{pattern} has frames {format_frames(numbers)} too, and {listing.pattern} has not")
@@ -31,7 +31,7 @@ def shorter_sequence(listing: Listing) -> Iterator[Found]:
     "unexpected-frame", Severity.WARNING, Scope.LISTING, "a file's number lies outside of the range asked for"
 )
 def unexpected_frame(listing: Listing) -> Iterator[Found]:
-    """Only where a range was asked for: else all that is found is expected."""
+    """Only with a requested range; otherwise every frame is expected."""
     expected = set(listing.expected)
     for file in listing.frames:
         if file.number not in expected:
@@ -40,7 +40,7 @@ def unexpected_frame(listing: Listing) -> Iterator[Found]:
 
 @check("duplicate-frame", Severity.ERROR, Scope.LISTING, "two files have one frame's number")
 def duplicate_frame(listing: Listing) -> Iterator[Found]:
-    """x.1.exr beside x.0001.exr: which of them a program reads is chance."""
+    """x.1.exr beside x.0001.exr: programs read either of them."""
     chosen = {file.number: file for file in listing.frames}
     for file in listing.files:
         first = chosen[file.number]
@@ -54,7 +54,7 @@ def duplicate_frame(listing: Listing) -> Iterator[Found]:
 
 @check("mixed-padding", Severity.WARNING, Scope.LISTING, "a number is padded otherwise than the sequence's")
 def mixed_padding(listing: Listing) -> Iterator[Found]:
-    """Programs that are given x.####.exr do not find x.7.exr."""
+    """Programs with the pattern x.####.exr do not find x.7.exr."""
     for file in listing.frames:
         if file.path.name != listing.name_of(file.number):
             message = f"{file.path.name} should be {listing.name_of(file.number)}"

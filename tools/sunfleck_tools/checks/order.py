@@ -1,9 +1,8 @@
-"""Frames that were swapped, where the files do not say their numbers: pictures that move on from
-frame to frame tell.
+"""Swapped frames whose files do not store their numbers, found by the motion between pictures.
 
-Of three frames in order the outer two are farther apart than either is from the middle one; of three that go
-back they are nearer. Where two frames have to change places for nothing to go back any more, they did.
-Invariant: what moves in no order (noise, shaking, blinking) accuses nobody.
+In three ordered frames, the outer two differ more than either does from the middle one; where motion
+reverses, they differ less. Two frames count as swapped if exchanging them removes all reversals.
+Invariant: unordered motion (noise, shaking, blinking) gives no finding.
 """
 
 from collections.abc import Iterator, Sequence
@@ -33,8 +32,8 @@ MOST_ROUGH = 40
 
 
 def signature(frame: Frame, luminance: np.ndarray) -> np.ndarray:
-    """A small picture of the luminance: square roots of means of cells, so that highlights do not
-    outweigh the rest."""
+    """Small picture of the luminance: square roots of the means of cells, so that highlights do not
+    dominate."""
     luminance = frame.on_canvas(luminance)
     step = -(-luminance.shape[1] // CELLS_ACROSS)
     rows, columns = (np.arange(0, extent, step) for extent in luminance.shape)
@@ -44,7 +43,7 @@ def signature(frame: Frame, luminance: np.ndarray) -> np.ndarray:
 
 @check("order", Severity.ERROR, Scope.SEQUENCE, "two frames are in order only if they change places")
 def order(rendered: Rendered) -> Iterator[Found]:
-    """Where the files say their own numbers, `image-counter` tells."""
+    """Files that store their own numbers are checked by `image-counter`."""
     for frames in _runs(rendered.decoded):
         for i, j in _swapped(frames):
             for one, other in ((i, j), (j, i)):
@@ -54,7 +53,7 @@ def order(rendered: Rendered) -> Iterator[Found]:
 
 
 def _runs(frames: Sequence[FrameSummary]) -> Iterator[list[FrameSummary]]:
-    """Frames of consecutive numbers with signatures of one size."""
+    """Frames with consecutive numbers and signatures of one size."""
     run: list[FrameSummary] = []
     for frame in frames:
         fits = frame.signature is not None and number_said(frame) is None
@@ -71,7 +70,7 @@ def _size(frame: FrameSummary) -> tuple[int, ...] | None:
 
 
 def _swapped(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
-    """Indices of the pairs that have to change places."""
+    """Indices of swapped pairs."""
     distances: dict[tuple[int, int], float] = {}
     signatures = [frame.signature for frame in frames if frame.signature is not None]
 
@@ -92,7 +91,7 @@ def _swapped(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
         near = {k for end in (i, j) for k in range(end - REACH, end + REACH + 1) if 1 <= k < count - 1}
         place = {i: j, j: i}
         triples = [tuple(place.get(index, index) for index in (k - 1, k, k + 1)) for k in near]
-        # What goes back now, here and some way on, has to go on then: where more goes back, things move so.
+        # Reversals here and nearby have to vanish; if more remain, the motion itself is irregular.
         around = {k for k in rough if min(abs(k - i), abs(k - j)) <= CALM_REACH}
         explained = bool(around) and around <= {k + side for k in (i, j) for side in (-1, 0, 1)}
         if (

@@ -1,4 +1,4 @@
-"""Checks that passes keep what they promise, each where the file has them."""
+"""Checks of the invariants of passes, each where the file has them."""
 
 from collections.abc import Iterator
 
@@ -31,8 +31,7 @@ in pictures' widths, one pixel on."""
 
 @check("beauty-sum", Severity.ERROR, Scope.FRAME, "shafts are brighter than the beauty that they are part of")
 def beauty_sum(frame: Frame) -> Iterator[Found]:
-    """beauty = what lies behind * transmittance + what blended surfaces show + shafts, and no
-    term is negative."""
+    """beauty = background * transmittance + blended surfaces + shafts, and no term is negative."""
     for letter in "RGB":
         if frame.is_exact and letter in frame.channels and f"shafts.{letter}" in frame.channels:
             if _nowhere_above(frame, f"shafts.{letter}", letter):
@@ -44,19 +43,19 @@ def beauty_sum(frame: Frame) -> Iterator[Found]:
 
 
 def _nowhere_above(frame: Frame, name: str, other: str) -> bool:
-    """True if no value of one channel is above the other's; may be False as well where it is
-    not quick to say."""
+    """True if no value of one channel exceeds the other's. False may also mean that a quick test is not
+    possible."""
     one, two = frame.channels[name], frame.channels[other]
     if one.dtype != np.float16 or two.dtype != np.float16:
         return False
-    # Halves that are not negative compare as their bits do.
+    # Non-negative halves are ordered like their bits.
     plain = all(low >= 0 for low, _ in map(frame.extremes, (name, other)))
     return plain and not (one.view(np.uint16) > two.view(np.uint16)).any()
 
 
 @check("transmittance-range", Severity.ERROR, Scope.FRAME, "transmittance is more than 1")
 def transmittance_range(frame: Frame) -> Iterator[Found]:
-    """Fog and filters take light away, here; in other renderers' frames the name may mean light."""
+    """Fog and filters only remove light; other renderers may use the name for light."""
     if not frame.is_exact:
         return
     for name in frame.channels:
@@ -67,8 +66,7 @@ def transmittance_range(frame: Frame) -> Iterator[Found]:
 
 @check("depth", Severity.ERROR, Scope.FRAME, "depth is zero, negative, or beyond where rays end")
 def depth(frame: Frame) -> Iterator[Found]:
-    """Nothing lies in the camera or behind it. Other renderers have their own measure,
-    direction and background."""
+    """No surface is at or behind the camera. Other renderers have other units, directions and backgrounds."""
     if "Z" not in frame.channels or not frame.is_own:
         return
     nearest, farthest = frame.extremes("Z")
@@ -80,7 +78,7 @@ def depth(frame: Frame) -> Iterator[Found]:
 
 @check("normal-length", Severity.ERROR, Scope.FRAME, "a normal is longer than 1")
 def normal_length(frame: Frame) -> Iterator[Found]:
-    """Averages of unit vectors may be shorter, never longer. Other renderers may store them otherwise."""
+    """Averages of unit vectors may be shorter, never longer. Other renderers may encode them differently."""
     if not frame.is_exact:
         return
     names = [f"Normal.{axis}" for axis in "XYZ"]
@@ -97,7 +95,7 @@ def normal_length(frame: Frame) -> Iterator[Found]:
 
 @check("leaf-id", Severity.ERROR, Scope.FRAME, "a leaf's number is no whole number")
 def leaf_id(frame: Frame) -> Iterator[Found]:
-    """The average of two ids would be a third leaf."""
+    """An average of two ids would be a third leaf."""
     for name in frame.channels:
         if name.startswith("leaf_id.") and frame.channels[name].dtype.kind == "f":
             values = frame.float(name)
@@ -114,8 +112,7 @@ def leaf_id(frame: Frame) -> Iterator[Found]:
     "motion is not finite, or a pixel alone moves as far as a hundred pictures",
 )
 def motion(frame: Frame) -> Iterator[Found]:
-    """Vectors in pixels a frame. Other renderers have their own measure, and values for
-    what has no motion."""
+    """Vectors in pixels a frame. Other renderers have other units, and other values without motion."""
     if not frame.is_own:
         return
     for name in frame.channels:
@@ -129,7 +126,7 @@ def motion(frame: Frame) -> Iterator[Found]:
 
 
 def _fastest_neighbour(amount: np.ndarray) -> np.ndarray:
-    """Of each pixel, the largest finite value of the eight around it."""
+    """Largest finite value among the eight neighbours of each pixel."""
     padded = np.pad(np.where(np.isfinite(amount), amount, 0), 1)
     rows, columns = amount.shape
     around = np.zeros_like(amount)
@@ -142,7 +139,7 @@ def _fastest_neighbour(amount: np.ndarray) -> np.ndarray:
 
 @check("half-id", Severity.ERROR, Scope.FRAME, "names of things are stored in half precision, which cuts them")
 def half_id(frame: Frame) -> Iterator[Found]:
-    """Ids of Cryptomatte are 32 bits: of half of them no matte comes back. Plain numbers are whole up to 2048."""
+    """Cryptomatte's ids have 32 bits, so halves cannot hold them. Plain integers are exact up to 2048."""
     for name, stored in frame.channels.items():
         if holds_ids(name) and stored.dtype == np.float16:
             largest = max(map(abs, frame.extremes(name)))

@@ -1,4 +1,4 @@
-"""Frames against reference frames of the same numbers."""
+"""Comparison of frames with reference frames of the same numbers."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,7 @@ from ..summary import Rendered
 
 
 def comparable(frame: Frame, reference: Frame) -> str | None:
-    """A sentence if the colours of the two cannot be compared."""
+    """Sentence if the colours of the two cannot be compared."""
     if not frame.picture or not reference.picture:
         return "one of the two has no R, G and B"
     if frame.header.data_window != reference.header.data_window:
@@ -29,7 +29,7 @@ def comparable(frame: Frame, reference: Frame) -> str | None:
     "a frame has no reference that it can be compared with",
 )
 def reference_missing(rendered: Rendered) -> Iterator[Found]:
-    """Only where references were asked for."""
+    """Only with requested references."""
     for frame in rendered.decoded:
         if frame.reference_error:
             yield frame.found(frame.reference_error)
@@ -37,10 +37,10 @@ def reference_missing(rendered: Rendered) -> Iterator[Found]:
 
 @check("reference", Severity.ERROR, Scope.SEQUENCE, "a frame is too far from its reference")
 def reference(rendered: Rendered) -> Iterator[Found]:
-    """By relative mean square error, and by FLIP if a limit is given."""
+    """Relative mean squared error, and FLIP if a limit is given."""
     options = rendered.options
     for frame in rendered.decoded:
-        # Not `>`: an error that is no number is too large as well.
+        # Not `>`, so that NaN exceeds the limit too.
         if frame.relmse is not None and not frame.relmse <= options.max_relmse:
             error = f"relative mean square error {frame.relmse:.4g}"
             yield frame.found(f"{error}, allowed {options.max_relmse:g}")

@@ -32,12 +32,11 @@ FLICKER_RATIO = 0.02
     "black", Severity.ERROR, Scope.SEQUENCE, "a frame is black, and those around it are not", rerender=True
 )
 def black(rendered: Rendered) -> Iterator[Found]:
-    """A light or a camera that was lost. Not what fades out, leaves the picture, or rests at the
-    beginning or end."""
+    """A lost light or camera, but not a fade, an exit from the picture, or black at the beginning or end."""
     frames = rendered.decoded
     lit = [frame.mean for frame in frames if frame.mean is not None and not _is_black(frame)]
     for start, end in _black_runs(frames):
-        # The two frames before and the two behind, the nearer first.
+        # Two frames before and two after, the nearer first.
         sides = [side for side in (frames[max(start - 2, 0) : start][::-1], frames[end : end + 2]) if side]
         rests = len(sides) == 1 and end - start >= REST_FRAMES
         steps = [side[0] for side in sides if not _fades(side, median(lit))]
@@ -50,8 +49,7 @@ def black(rendered: Rendered) -> Iterator[Found]:
 
 @check("all-black", Severity.WARNING, Scope.SEQUENCE, "no frame shows anything")
 def all_black(rendered: Rendered) -> Iterator[Found]:
-    """A scene without light, or a camera that looks past it: as it was rendered, most likely, and
-    as nobody means it."""
+    """A scene without light, or a camera that misses it: rendered correctly, but hardly intended."""
     if rendered.decoded and all(map(_is_black, rendered.decoded)):
         yield Found("every pixel of every frame is black: is there a light, and is the camera right?")
 
@@ -61,9 +59,9 @@ def _is_black(frame: FrameSummary) -> bool:
 
 
 def _fades(side: list[FrameSummary], usual: float) -> bool:
-    """True if black is no step from a frame and the one beyond it: the frame is dark; or darker than the
-    other by so much that black may be next; or shows something in fewer than a hundredth of its pixels, as
-    small things do on their way out."""
+    """True if black is a gradual change from a frame and its predecessor. The frame is dark, or so much
+    darker than the other that black may follow, or less than a hundredth of its pixels are lit, as when
+    small objects leave."""
     near = side[0]
     if near.mean is None or near.p99 == 0 or near.mean <= FADED_RATIO * usual:
         return True
@@ -71,7 +69,7 @@ def _fades(side: list[FrameSummary], usual: float) -> bool:
 
 
 def _black_runs(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
-    """First index, and the one behind the last."""
+    """First index, and the one after the last."""
     start = None
     for index, frame in enumerate([*frames, None]):
         if frame is not None and _is_black(frame):
@@ -83,7 +81,7 @@ def _black_runs(frames: list[FrameSummary]) -> Iterator[tuple[int, int]]:
 
 @check("constant", Severity.WARNING, Scope.SEQUENCE, "a frame has a single colour")
 def constant(rendered: Rendered) -> Iterator[Found]:
-    """A camera within a wall, or fog alone."""
+    """A camera inside a wall, or fog alone."""
     for frame in rendered.decoded:
         if frame.constant and frame.largest != 0:
             yield frame.found("all pixels have one colour")
@@ -96,8 +94,8 @@ def constant(rendered: Rendered) -> Iterator[Found]:
     "a frame has the pixels of the one before, where --static does not allow it",
 )
 def stuck(rendered: Rendered) -> Iterator[Found]:
-    """One finding for each run of equal frames. A sequence may rest at its beginning and end; black frames
-    are like one another."""
+    """One finding a run of equal frames. A sequence may rest at its beginning and end; black frames are
+    all alike."""
     if rendered.options.static:
         return
     frames = rendered.decoded
@@ -117,7 +115,7 @@ def stuck(rendered: Rendered) -> Iterator[Found]:
 @check("file-size", Severity.WARNING, Scope.SEQUENCE, "a file is much smaller or larger than its neighbours")
 def file_size(rendered: Rendered) -> Iterator[Found]:
     """Partial and empty pictures compress well."""
-    # Of black ones `black` speaks.
+    # Black frames are reported by `black`.
     for frame, around in _surrounded([frame for frame in rendered.frames if not _is_black(frame)]):
         usual = median(other.bytes for other in around)
         if frame.bytes * SIZE_RATIO < usual or frame.bytes > usual * SIZE_RATIO:
@@ -126,7 +124,7 @@ def file_size(rendered: Rendered) -> Iterator[Found]:
 
 @check("pop", Severity.WARNING, Scope.SEQUENCE, "a frame alone is brighter or darker than both neighbours")
 def pop(rendered: Rendered) -> Iterator[Found]:
-    """The second difference of mean and 99th percentile, against the usual one around."""
+    """Second difference of mean and 99th percentile, relative to the usual one nearby."""
     frames = [frame for frame in rendered.decoded if frame.mean is not None]
     for name, label in (("mean", "mean"), ("p99", "99th percentile")):
         values = [getattr(frame, name) for frame in frames]
@@ -163,7 +161,7 @@ def flicker(rendered: Rendered) -> Iterator[Found]:
 
 
 def _bend(values: list[float], i: int) -> float:
-    """How far a value is outside of the span of its neighbours: a step or ramp has none, a pop has."""
+    """Distance of a value from the range of its neighbours: 0 in steps and ramps, large in a pop."""
     low, high = sorted((values[i - 1], values[i + 1]))
     return min(values[i] - low, 0.0) + max(values[i] - high, 0.0)
 

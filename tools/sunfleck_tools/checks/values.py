@@ -1,4 +1,4 @@
-"""Checks of single values, with the place of the first bad one."""
+"""Checks of single values; each finding has the place of the first bad one."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ ALPHA_ROUNDING = 2.0**-10
 
 
 def first_bad(frame: Frame, name: str, bad: np.ndarray, what: str) -> Iterator[Found]:
-    """One finding for a channel: how many values are bad, where the first is, and what it is."""
+    """One finding a channel: the number of bad values, and place and value of the first."""
     count = int(np.count_nonzero(bad))
     if count:
         at = int(np.argmax(bad))
@@ -30,7 +30,7 @@ def first_bad(frame: Frame, name: str, bad: np.ndarray, what: str) -> Iterator[F
 
 
 def not_finite(frame: Frame) -> Iterator[tuple[str, np.ndarray]]:
-    """Channels that hold something not finite, ids aside: some of them are bits of any float."""
+    """Channels with values that are not finite, except ids, whose bits may be those of any float."""
     for name in frame.channels:
         if kind(name) is not Kind.ID and not np.isfinite(frame.extremes(name)).all():
             yield name, frame.float(name)
@@ -38,15 +38,15 @@ def not_finite(frame: Frame) -> Iterator[tuple[str, np.ndarray]]:
 
 @check("nan", Severity.ERROR, Scope.FRAME, "a value is not a number", rerender=True)
 def nan(frame: Frame) -> Iterator[Found]:
-    """Bad mathematics; spreads with every filter."""
+    """Invalid arithmetic; filters spread it."""
     for name, values in not_finite(frame):
         yield from first_bad(frame, name, np.isnan(values), "NaN")
 
 
 @check("infinity", Severity.ERROR, Scope.FRAME, "a value is infinite", rerender=True)
 def infinity(frame: Frame) -> Iterator[Found]:
-    """Also what overflows half precision in programs that do not clamp. Depths and places of what is not
-    there may be infinite, in frames of other renderers."""
+    """Includes overflow of half precision in programs that do not clamp. In other renderers' frames,
+    depths and positions of the background may be infinite."""
     for name, values in not_finite(frame):
         if frame.is_own or kind(name) in (Kind.LIGHT, Kind.ALPHA):
             yield from first_bad(frame, name, np.isinf(values), "infinite")
@@ -56,9 +56,9 @@ def infinity(frame: Frame) -> Iterator[Found]:
     "half-overflow", Severity.WARNING, Scope.FRAME, "a value of half precision is the largest that there is"
 )
 def half_overflow(frame: Frame) -> Iterator[Found]:
-    """The renderer clamps there: the true value was larger."""
+    """The renderer clamps to the largest half: the true value was larger."""
     for name, stored in frame.channels.items():
-        # Not `<`: where there is NaN, the rest has to be looked at.
+        # Not `<`: with NaN, the other values have to be checked.
         if (
             stored.dtype == np.float16
             and kind(name) in (Kind.LIGHT, Kind.ALPHA)
@@ -74,7 +74,8 @@ def half_overflow(frame: Frame) -> Iterator[Found]:
 
 @check("negative", Severity.ERROR, Scope.FRAME, "light, transmittance or albedo is negative")
 def negative(frame: Frame) -> Iterator[Found]:
-    """Filters with negative lobes, and subtraction in the wrong order. Lossy compression may go a little below."""
+    """Filters with negative lobes, or subtraction in the wrong order. Lossy compression may go slightly
+    below 0."""
     for name in frame.channels:
         least = -max(0.0 if frame.is_own else NEGATIVE_ROUNDING, rounding(frame.header_of(name)))
         if kind(name) is Kind.LIGHT and not frame.extremes(name)[0] >= least:
@@ -84,7 +85,7 @@ def negative(frame: Frame) -> Iterator[Found]:
 
 @check("alpha-range", Severity.ERROR, Scope.FRAME, "alpha is not between 0 and 1")
 def alpha_range(frame: Frame) -> Iterator[Found]:
-    """Haloes, once composited."""
+    """Causes haloes in compositing."""
     layer = split(frame.picture[0])[0] if frame.picture else ""
     for name in frame.channels:
         if kind(name) is not Kind.ALPHA or split(name)[0] != layer:

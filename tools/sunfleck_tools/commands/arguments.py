@@ -1,4 +1,5 @@
-"""Types of arguments that commands share: text to values, or the sentence that argparse prints."""
+"""Types of arguments that commands share. In goes text, out come values, or the sentence that argparse
+prints."""
 
 from argparse import ArgumentParser, ArgumentTypeError
 from fractions import Fraction
@@ -8,7 +9,7 @@ from ..frame_list import parse_frames
 
 
 def add_reading(parser: ArgumentParser) -> None:
-    """How an input that the program reads is read."""
+    """Adds the options for reading an input."""
     parser.add_argument(
         "--allow", metavar="DIR", type=Path, action="append", default=[], help="a folder to read from too (the input's own alone)"
     )
@@ -18,7 +19,7 @@ def add_reading(parser: ArgumentParser) -> None:
 
 
 def frames(text: str) -> tuple[int, ...]:
-    """A list of frames, ascending, or what the file holds that stands after `@`; `none` is a list."""
+    """List of frames, ascending, or the contents of the file after `@`; `none` is an empty list."""
     try:
         if text.startswith("@"):
             text = Path(text[1:]).read_text()
@@ -30,7 +31,7 @@ def frames(text: str) -> tuple[int, ...]:
 
 
 def frame_range(text: str) -> tuple[int, int]:
-    """First and last frame of a range without gaps."""
+    """First and last frame of a contiguous range."""
     listed = frames(text)
     if not listed or len(listed) != listed[-1] - listed[0] + 1:
         raise ArgumentTypeError(f"`{text}` leaves frames out: write the first and the last, 1-48")
@@ -38,7 +39,7 @@ def frame_range(text: str) -> tuple[int, int]:
 
 
 def frame_rate(text: str) -> Fraction:
-    """Frames a second, exactly."""
+    """Frames a second, as an exact fraction."""
     try:
         rate = Fraction(text)
     except (ValueError, ZeroDivisionError):

@@ -14,7 +14,7 @@ HELP = "writes what sunfleck renders as a USD stage"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describes the command line."""
+    """Adds the arguments."""
     parser.add_argument("source", metavar="INPUT", type=Path, help="a sequence or scene (.ron), or glTF")
     parser.add_argument("target", metavar="OUT.usdc|usda|usdz", type=Path, help="the stage to write")
     parser.add_argument(
@@ -34,8 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Writes the stage and says what it lacks."""
-    # USD takes a while to load, and no other command needs it.
+    """Writes the stage and prints the losses."""
+    # USD loads slowly, and no other command needs it.
     from pxr import Tf
 
     from ..usd import ExportOptions, export_usd

@@ -21,7 +21,7 @@ REPORT_VERSION = 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describes the command line."""
+    """Adds the arguments."""
     parser.add_argument("source", metavar="SCENE.usd", type=Path, help="a stage: .usd, .usda, .usdc or .usdz")
     parser.add_argument("target", metavar="OUT.glb", type=Path, help="the file to write")
     parser.add_argument(
@@ -58,8 +58,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Writes the file and says what it lacks."""
-    # USD takes a while to load, and no other command needs it.
+    """Writes the file and prints the losses."""
+    # USD loads slowly, and no other command needs it.
     from ..usd import ImportOptions, import_usd
 
     report: Path | None = arguments.report
@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _warnings(imported) -> list[str]:
-    """Every loss in a line, kind by kind; of a kind that there is very often the first few."""
+    """Losses, one a line, by kind; of frequent kinds the first few."""
     lines = []
     for kind in imported.lost:
         found = [lost for lost in imported.every if lost.kind == kind.kind]
@@ -91,7 +91,7 @@ def _warnings(imported) -> list[str]:
 
 
 def _report(source: Path, imported) -> str:
-    """What `import_usd.schema.json` describes."""
+    """JSON that `import_usd.schema.json` describes."""
     losses = [
         {"id": lost.kind, "count": lost.count, "first_place": lost.place, "sentence": lost.sentence}
         for lost in imported.every

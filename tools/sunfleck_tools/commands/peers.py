@@ -15,12 +15,12 @@ from .arguments import add_reading, positive
 HELP = "renders the same scene by Mitsuba and Cycles, for reference frames and error against time"
 RENDERERS = ("mitsuba-llvm", "mitsuba-scalar", "cycles", "cycles-denoised")
 MOST_SAMPLES = 1 << 20
-# More cannot be told from all.
+# More bounces make no difference from all.
 MOST_BOUNCES = 64
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describes the command line."""
+    """Adds the arguments."""
     parser.add_argument("scene", metavar="INPUT", type=Path, help="a sequence or scene (.ron), or glTF")
     parser.add_argument("--frame", metavar="F", type=float, help="the moment (the first frame)")
     parser.add_argument(

@@ -22,7 +22,7 @@ MOST_RELMSE = 0.01
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describes the command line."""
+    """Adds the arguments."""
     parser.add_argument(
         "target", metavar="DIR|PATTERN", nargs="?", help="a folder, or frames such as out/x.####.exr"
     )
@@ -94,14 +94,14 @@ def run(arguments: argparse.Namespace) -> int:
     report = validate(arguments.target, options, Bar())
     if arguments.html is not None:
         write_whole(arguments.html, html_report(report).encode())
-    # `sunfleck render --frames none` renders nothing, and ends well.
+    # `sunfleck render --frames none` renders nothing, and succeeds.
     missing = format_frames(report.rerender) or "none"
     if arguments.list_missing:
         print(missing)
     else:
         print(json_report(report) if arguments.json else text_report(report))
     if arguments.write_missing is not None:
-        # Whoever asks for the list goes on with it, by `sunfleck render --frames @FILE`.
+        # The list is meant for `sunfleck render --frames @FILE`.
         write_whole(arguments.write_missing, missing.encode() + b"\n")
         return OK
     return FINDINGS if report.fails(Severity(arguments.fail_on)) else OK

@@ -1,1 +1,1 @@
-"""EXR files, read with suspicion: headers and chunks by own code of bounded memory, pixels by OpenEXR."""
+"""EXR files of untrusted origin: headers and chunks by a parser with bounded memory, pixels by OpenEXR."""

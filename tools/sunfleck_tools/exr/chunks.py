@@ -1,4 +1,4 @@
-"""The chunks of flat parts: all there, each where the table says, none cut off, and none blotted out.
+"""Checks of the chunks of flat parts: present, at their offsets, complete, and not overwritten by zeros.
 
 Invariant: nothing is decompressed, and no more is read than the file holds. Layout:
 https://openexr.com/en/latest/OpenEXRFileLayout.html
@@ -19,7 +19,7 @@ symbol and a count."""
 
 
 def chunk_faults(header: Header, data: bytes | mmap, part: int = 0) -> Iterator[str]:
-    """A sentence for each chunk of the part that is not whole."""
+    """Sentence for each damaged chunk of the part."""
     places = _places(header)
     if places is None:
         return
@@ -45,13 +45,13 @@ level in x and in y."""
 
 
 def _places(header: Header) -> list[Place] | None:
-    """Of each chunk in the order of the table; `None` where the order is not known."""
+    """Place of each chunk in the order of the table; `None` if the order is unknown."""
     top, (width, height) = header.data_window[1], header.size
     if not header.is_tiled:
         rows = ROWS_OF_COMPRESSION.get(header.compression)
         return None if rows is None else [(y,) for y in range(top, top + height, rows)]
     described = header.values.get("tiles")
-    # Of levels of other resolutions nothing is shown, nor asked.
+    # Coarser levels are not shown, nor checked.
     if not isinstance(described, tuple) or min(described[:2]) < 1 or described[2] & 15 != ONE_LEVEL:
         return None
     columns, rows = -(-width // described[0]), -(-height // described[1])
@@ -70,7 +70,7 @@ def _leader_bytes(header: Header) -> int:
 
 
 def _chunk_fault(header: Header, data: bytes | mmap, part: int, offset: int, place: Place) -> Iterator[str]:
-    """What is wrong with a chunk whose leader lies within the file."""
+    """Fault of a chunk whose leader lies within the file."""
     if header.is_multipart:
         (said,) = struct.unpack_from("<i", data, offset)
         if said != part:
@@ -95,8 +95,7 @@ def _chunk_fault(header: Header, data: bytes | mmap, part: int, offset: int, pla
 
 
 def _raw_bytes(header: Header, place: Place) -> int:
-    """What a chunk takes that is not compressed, as it is stored where compressing does
-    not make it smaller."""
+    """Uncompressed size of a chunk, as which it is stored if compression does not help."""
     left, top, right, bottom = header.data_window
     if header.is_tiled:
         described = header.values["tiles"]
@@ -115,12 +114,12 @@ def _raw_bytes(header: Header, place: Place) -> int:
 
 
 def _blotted_out(chunk: bytes) -> int | None:
-    """Where zeros lie in the coded part of a PIZ chunk: behind the bitmap of the values that occur
+    """Position of zeros in the coded part of a PIZ chunk: after the bitmap of values
     (ImfPizCompressor.cpp)."""
     if len(chunk) < 4:
         return None
     first, last = struct.unpack_from("<2H", chunk)
-    # Behind the bitmap the length of what follows (4 bytes), and there 5 numbers, of which the last is 0.
+    # After the bitmap follow a length (4 bytes) and 5 numbers, the last of which is 0.
     start = 4 + max(0, last - first + 1) + 4 + 20
     found = chunk.find(bytes(LONGEST_ZEROS), start)
     return None if found < 0 else found

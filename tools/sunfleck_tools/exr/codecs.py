@@ -1,6 +1,6 @@
-"""Files that the program does not read though they are whole, by the name of what stands in the way.
+"""Valid files that the program does not support, by their unsupported feature.
 
-Invariant: what is not said here is read, or the file is damaged.
+Invariant: any other file is supported or damaged.
 """
 
 from mmap import mmap
@@ -20,8 +20,8 @@ UNFOLD = "`exrenvmap -latlong IN.exr OUT.exr` of OpenEXR's own tools does"
 
 
 def why_unread(path: str | Path) -> str | None:
-    """A sentence with its remedy, if the renderer does not read an EXR file; None if it does, if the file is no
-    EXR file, or if that cannot be told."""
+    """Sentence with a remedy if the renderer does not support an EXR file; None if it does, if the file is
+    not EXR, or if that is unknown."""
     try:
         with mapped(Path(path)) as data:
             return why_unread_bytes(data)
@@ -30,7 +30,7 @@ def why_unread(path: str | Path) -> str | None:
 
 
 def why_unread_bytes(data: bytes | mmap) -> str | None:
-    """The same of a file's bytes."""
+    """The same for the bytes of a file."""
     try:
         headers = parse_headers(data)
     except HeaderError:

@@ -1,6 +1,7 @@
-"""The colour space of an EXR file, by `colorInteropID` (names of the ASWF's Color Interop Forum) and `chromaticities`.
+"""The colour space of an EXR file, by `colorInteropID` (names of the ASWF's Color Interop Forum) and
+`chromaticities`.
 
-Invariant: the id counts first, as it does for OpenImageIO; a file that says nothing is linear Rec. 709.
+Invariant: the id takes precedence, as in OpenImageIO; a file without attributes is linear Rec. 709.
 """
 
 from collections.abc import Sequence
@@ -31,7 +32,7 @@ SAME = 1e-3
 
 @dataclass(frozen=True)
 class ColorSpace:
-    """What numbers of a picture stand for. Two are equal if colours are."""
+    """Meaning of a picture's numbers. Two are equal if their colours are."""
 
     primaries: str | tuple[float, ...] = "rec709"
     """The name of known ones, or x and y of red, green, blue and white."""
@@ -45,11 +46,11 @@ class ColorSpace:
 
     @property
     def is_ours(self) -> bool:
-        """True of linear Rec. 709."""
+        """True for linear Rec. 709."""
         return self == OURS
 
     def to_rec_709(self, colors: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Red, green and blue in linear Rec. 709; what is below 0 is encoded as what is above."""
+        """Converts red, green and blue to linear Rec. 709; the curve is odd, for negative values."""
         if self.is_ours:
             return list(colors)
         with np.errstate(all="ignore"):
@@ -62,7 +63,7 @@ OURS = ColorSpace()
 
 
 def color_space(header: Header) -> ColorSpace:
-    """What a part says of its colours."""
+    """Colour space of a part."""
     said, found = header.values.get("chromaticities"), OURS
     doubt = None
     if isinstance(said, tuple):
@@ -107,12 +108,12 @@ def _linear(color: np.ndarray, curve: float | str) -> np.ndarray:
 
 
 def luminances(space: ColorSpace) -> np.ndarray:
-    """How much red, green and blue of linear colours of a space add to luminance (ITU-R BT.709, item 3.2)."""
+    """Luminance weights of a space's linear red, green and blue (ITU-R BT.709, item 3.2)."""
     return _known_matrix(space.primaries).T @ (0.2126, 0.7152, 0.0722)
 
 
 def _known_matrix(primaries: str | tuple[float, ...]) -> np.ndarray:
-    """Of the primaries of a `ColorSpace`, which span colours."""
+    """Matrix of a `ColorSpace` whose primaries span colours."""
     matrix = _matrix(primaries)
     assert matrix is not None
     return matrix
@@ -120,7 +121,7 @@ def _known_matrix(primaries: str | tuple[float, ...]) -> np.ndarray:
 
 @lru_cache(maxsize=None)
 def _matrix(primaries: str | tuple[float, ...]) -> np.ndarray | None:
-    """Linear Rec. 709 from linear colours; None if they span none."""
+    """Matrix to linear Rec. 709 from linear colours; None if they span none."""
     ours = _xyz_from_rgb(PRIMARIES["rec709"])
     assert ours is not None
     if primaries == XYZ:
@@ -138,7 +139,7 @@ def _xyz(x: float, y: float) -> np.ndarray:
 
 
 def _xyz_from_rgb(said: Sequence[float]) -> np.ndarray | None:
-    """White with Y = 1 (SMPTE RP 177, section 3.3)."""
+    """Matrix to XYZ with white at Y = 1 (SMPTE RP 177, section 3.3)."""
     columns = np.array([[x, y, 1 - x - y] for x, y in zip(said[0:6:2], said[1:6:2])]).T
     if not np.isfinite(columns).all() or abs(np.linalg.det(columns)) <= 1e-9 or not said[7] > 0:
         return None

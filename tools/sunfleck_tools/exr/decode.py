@@ -1,7 +1,7 @@
-"""Pixels of an EXR file by OpenEXR, and why there are none.
+"""Pixels of an EXR file, by OpenEXR. In goes a path, out come channels or an error.
 
-Invariant: whatever the file holds, the outcome is channels or a `DecodeError`, with nothing on the terminal.
-A decoder that crashes takes the process along. That is the caller's to survive.
+Invariant: every file gives channels or a `DecodeError`, and nothing on the terminal. A crash of the
+decoder ends the process, which callers have to handle.
 """
 
 import os
@@ -38,7 +38,7 @@ class DecodeError(Exception):
 
 
 def claims_too_much(headers: Sequence[Header], file_bytes: int) -> str | None:
-    """A sentence if the headers together ask for more memory than the file can account for."""
+    """Sentence if the headers together require more memory than the file's size allows."""
     limit = min(file_bytes * LARGEST_COMPRESSION, LARGEST_PICTURE)
     claimed = sum(header.pixel_bytes for header in headers)
     if claimed <= limit:
@@ -51,13 +51,13 @@ def claims_too_much(headers: Sequence[Header], file_bytes: int) -> str | None:
 
 
 def decode(path: Path) -> dict[str, np.ndarray]:
-    """All channels of a file's first part, by name, as stored."""
+    """Channels of a file's first part by name, as stored."""
     return decode_parts(path)[0]
 
 
 def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]]:
-    """The channels of each part, which take so many bytes. Raises `DecodeError`, or `MemoryError` where
-    that is what lacks."""
+    """Channels of each part, `pixel_bytes` in all. Raises `DecodeError`, or `MemoryError` if memory does
+    not suffice."""
     with _captured() as said:
         parts, failure = [], ""
         try:
@@ -67,11 +67,11 @@ def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]
             failure = OUT_OF_MEMORY[0]
         except (RuntimeError, ValueError, TypeError, OSError) as error:
             failure = str(error)
-        # Of a part that it cannot read the library prints why, and leaves it out.
+        # For an unreadable part the library prints the reason, and skips it.
         words = said()
         if NOT_READ in words:
             failure = failure or words[words.index(NOT_READ) :].splitlines()[0]
-    # A damaged file may ask for any memory: it lacks only if there is not enough for the pixels.
+    # A damaged file may request any amount; memory is really short only if the pixels do not fit.
     if any(sign in words + failure for sign in OUT_OF_MEMORY) and not _could_hold(
         COPIES * pixel_bytes + SPARE_BYTES
     ):
@@ -82,7 +82,7 @@ def decode_parts(path: Path, pixel_bytes: int = 0) -> list[dict[str, np.ndarray]
 
 
 def _could_hold(size: int) -> bool:
-    """True if the system would give so many bytes."""
+    """True if the system grants this many bytes."""
     try:
         np.empty(size, np.uint8)
     except MemoryError:
@@ -91,8 +91,7 @@ def _could_hold(size: int) -> bool:
 
 
 def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarray:
-    """A channel with a value for each pixel: samples that stand for several pixels are repeated.
-    Raises `DecodeError`."""
+    """Channel at full resolution: subsampled values are repeated. Raises `DecodeError`."""
     across, down = channel.sampling
     width, height = header.size
     if channel.sampling != (1, 1):
@@ -106,7 +105,7 @@ def full_size(header: Header, channel: Channel, stored: np.ndarray) -> np.ndarra
 
 @contextmanager
 def _captured() -> Iterator:
-    """Keeps what the library prints, in C and in Python, and hands it to whoever asks."""
+    """Captures the library's output, in C and in Python; the value returns it."""
     with ONE_AT_A_TIME:
         yield from _captured_alone()
 
@@ -136,7 +135,7 @@ def _captured_alone() -> Iterator:
 
 
 def _reason(said: str, path: str) -> str | None:
-    """The library's first reason: the last ones are consequences."""
+    """First error of the library; later ones are consequences."""
     for line in said.splitlines():
         match = re.match(re.escape(path) + r": \((\w+)\) (.*)", line)
         if match:

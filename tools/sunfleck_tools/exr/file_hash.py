@@ -1,7 +1,6 @@
-"""The fingerprint of a whole file, which stands in the file itself, as the renderer computes it (its
-module `frame_file`).
+"""Hash of a whole file, stored in the file, as the renderer computes it (its module `frame_file`).
 
-Invariant: any byte changed, added or taken away changes it, in the header as in the pixels.
+Invariant: any byte that is changed, added or removed changes it, in the header and the pixels.
 """
 
 import hashlib
@@ -14,15 +13,14 @@ HEAD = NAME.encode() + b"\0string\0" + DIGITS.to_bytes(4, "little")
 
 
 def file_hash(data: mmap | bytes) -> tuple[str, str] | None:
-    """The hash that a file carries and the one that it has, as hexadecimal digits; None if it carries
-    none that is whole."""
+    """Stored and computed hash, as hexadecimal digits; None without a complete stored one."""
     head = data.find(HEAD)
     start, end = head + len(HEAD), head + len(HEAD) + DIGITS
     if head < 0 or end > len(data):
         return None
     digest = hashlib.sha256()
     with memoryview(data) as whole:
-        # Its own digits count as zeros.
+        # The digits of the hash itself count as zeros.
         for part in (whole[:start], b"0" * DIGITS, whole[end:]):
             digest.update(part)
     return data[start:end].decode("ascii", "replace"), digest.hexdigest()

@@ -1,7 +1,6 @@
-"""Half precision by its bits: integers compare, and move into wider floats, many at a time where
-halves go one by one.
+"""Half precision by integer operations, which are vectorized where those of halves are not.
 
-Invariant: `widened` gives the bits that `astype(float32)` gives, NaN's payload aside.
+Invariant: `widened` gives the bits of `astype(float32)`, except NaN's payload.
 """
 
 from math import copysign, isfinite, nan
@@ -14,7 +13,7 @@ EXPONENT_STEP = np.float32(2.0**112)
 
 
 def widened(stored: np.ndarray) -> np.ndarray:
-    """Halves as float32: fraction and exponent move over, and a product corrects the exponent, subnormal
+    """Halves as float32: fraction and exponent are shifted, and a product corrects the exponent, subnormal
     numbers included (Giesen 2012, half_to_float_fast4)."""
     smallest, largest = extremes(stored)
     if not (isfinite(smallest) and isfinite(largest)):
@@ -34,13 +33,13 @@ def widened(stored: np.ndarray) -> np.ndarray:
 
 
 def plain(smallest: float, largest: float) -> bool:
-    """True if halves of that range are finite and carry no sign: what `scaled_into` takes."""
+    """True if halves in that range are finite and have no sign, as `scaled_into` requires."""
     return copysign(1.0, smallest) > 0 and isfinite(largest)
 
 
 def scaled_into(stored: np.ndarray, factor: np.float32, out: np.ndarray) -> None:
-    """`factor` times plain halves, as float32: both products of `widened(stored) * factor` in one, which
-    changes no bit, since the first of them is by a power of two."""
+    """`factor` times plain halves, as float32. It joins both products of `widened(stored) * factor`, which
+    changes no bit, as the first is by a power of two."""
     bits = out.view(np.uint32)
     np.copyto(bits, stored.view(np.uint16))
     np.left_shift(bits, 13, out=bits)
@@ -48,8 +47,8 @@ def scaled_into(stored: np.ndarray, factor: np.float32, out: np.ndarray) -> None
 
 
 def extremes(stored: np.ndarray) -> tuple[float, float]:
-    """The smallest and the largest value; NaN twice if there is one. Without their sign, bits grow
-    with the magnitude."""
+    """Smallest and largest value; NaN twice if any value is NaN. Bits without the sign are ordered like
+    magnitudes."""
     bits = stored.view(np.uint16)
     top = int(bits.max())
     if top <= INFINITY:

@@ -1,8 +1,8 @@
-"""The headers of an EXR file, one for each of its parts, from its bytes.
+"""Headers of an EXR file, one a part. In go bytes, out come attributes.
 
-OpenEXR says of a damaged file only that it has no part 0; this parser says what is wrong, and it is asked
-before a decoder allocates anything. Invariant: every length is checked against the bytes that are there.
-Layout: https://openexr.com/en/latest/OpenEXRFileLayout.html
+For a damaged file OpenEXR only reports that it has no part 0; this parser reports the fault, before a
+decoder allocates anything. Invariant: every length is checked against the existing bytes. Layout:
+https://openexr.com/en/latest/OpenEXRFileLayout.html
 """
 
 import struct
@@ -23,12 +23,12 @@ STILL_TYPES = ("scanlineimage", "tiledimage")
 
 
 class HeaderError(ValueError):
-    """The bytes are no header, or stop before it ends."""
+    """The bytes are not a header, or an incomplete one."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """What the header says of a channel."""
+    """Channel as in the header."""
 
     name: str
     type: int
@@ -37,8 +37,8 @@ class Channel:
 
 @dataclass(frozen=True)
 class Header:
-    """The parsed header of a part; `end` is the offset of its table of chunks, which in a file of one
-    part follows at once."""
+    """Header of a part; `end` is the offset of its chunk table, which in a file of one part follows the
+    header."""
 
     flags: int
     values: dict[str, object]
@@ -50,12 +50,12 @@ class Header:
 
     @property
     def name(self) -> str:
-        """Of the part; empty where there is one part alone that has none."""
+        """Name of the part; empty for a single part without one."""
         return self.text("name") or ""
 
     @property
     def is_multipart(self) -> bool:
-        """True if the file has parts, be it one."""
+        """True for a multi-part file, even with one part."""
         return bool(self.flags & MULTIPART)
 
     @property
@@ -67,7 +67,7 @@ class Header:
 
     @property
     def is_deep(self) -> bool:
-        """True if a pixel has any number of values."""
+        """True if the part is deep."""
         return self.text("type") not in STILL_TYPES if self.is_multipart else bool(self.flags & DEEP)
 
     @property
@@ -77,13 +77,12 @@ class Header:
 
     @property
     def pixel_bytes(self) -> int:
-        """What all channels take once they are decoded, those of fewer samples too: each
-        gets a value a pixel."""
+        """Decoded bytes of all channels at full resolution."""
         width, height = self.size
         return width * height * sum(BYTES_OF_TYPE[channel.type] for channel in self.channels)
 
     def text(self, name: str) -> str | None:
-        """A string attribute."""
+        """Value of a string attribute."""
         value = self.values.get(name)
         return value if isinstance(value, str) else None
 
@@ -95,12 +94,12 @@ def window_size(window: tuple[int, int, int, int]) -> tuple[int, int]:
 
 
 def parse_header(data: bytes | mmap) -> Header:
-    """The header of the first part of `data`; raises `HeaderError`."""
+    """Header of the first part of `data`; raises `HeaderError`."""
     return parse_headers(data)[0]
 
 
 def parse_headers(data: bytes | mmap) -> tuple[Header, ...]:
-    """The headers of all parts, in the file's order; raises `HeaderError`."""
+    """Headers of all parts, in the file's order; raises `HeaderError`."""
     if not data:
         raise HeaderError("the file is empty")
     if data[:4] != MAGIC:
@@ -114,7 +113,7 @@ def parse_headers(data: bytes | mmap) -> tuple[Header, ...]:
         values, end = _attributes(data, 8)
         return (_header(flags, values, end),)
     at, headers = 8, []
-    # An empty header is behind the last.
+    # An empty header ends the list.
     while data[at : at + 1] != b"\0":
         values, at = _attributes(data, at)
         headers.append(_header(flags, values, at))
@@ -124,7 +123,7 @@ def parse_headers(data: bytes | mmap) -> tuple[Header, ...]:
 
 
 def _with_tables(headers: list[Header], at: int) -> tuple[Header, ...]:
-    """The headers with the places of their tables of chunks, the first of them at `at`."""
+    """Headers with the offsets of their chunk tables, the first at `at`."""
     placed = []
     for header in headers:
         count = header.values.get("chunkCount")
@@ -136,7 +135,7 @@ def _with_tables(headers: list[Header], at: int) -> tuple[Header, ...]:
 
 
 def _attributes(data: bytes | mmap, at: int) -> tuple[dict[str, object], int]:
-    """What a header says by name, and the offset behind it."""
+    """Attributes of a header by name, and the offset after it."""
     values: dict[str, object] = {}
     while True:
         name, at = _name(data, at)

@@ -1,6 +1,6 @@
-"""How far compression that loses something takes values that are next to black.
+"""Errors of lossy compression near black.
 
-Invariant: of compression that loses nothing, and of what cuts off digits alone (PXR24), it is 0.
+Invariant: the error is 0 for lossless compression, and for truncation of digits (PXR24).
 """
 
 from .header import COMPRESSIONS, Header
@@ -14,7 +14,7 @@ MOST = 2.0**-5
 
 
 def rounding(header: Header) -> float:
-    """What values may lie below 0, or above, where there was nothing."""
+    """Maximum magnitude of values that were 0 before compression."""
     name = COMPRESSIONS[header.compression]
     if name not in LOSSY:
         return 0.0

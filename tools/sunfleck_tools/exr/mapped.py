@@ -1,7 +1,7 @@
-"""The bytes of a file without reading those that nobody looks at.
+"""Memory-mapped files, of which only accessed bytes are read.
 
-Invariant: no memory is taken by what is not looked at. A file that is cut off by somebody meanwhile takes the
-process along, as a decoder may: `parallel` survives it.
+Invariant: other bytes take no memory. If another process truncates the file, this process crashes, as a
+decoder may; `parallel` handles that.
 """
 
 import mmap
@@ -14,7 +14,7 @@ from ..disk import need_regular
 
 @contextmanager
 def mapped(path: Path) -> Iterator[mmap.mmap | bytes]:
-    """The file's bytes, for as long as the block lasts. Raises `OSError`, also of what is no regular file."""
+    """Bytes of a file during the block. Raises `OSError`, also for files that are not regular."""
     need_regular(path)
     with path.open("rb") as file:
         try:
@@ -24,6 +24,6 @@ def mapped(path: Path) -> Iterator[mmap.mmap | bytes]:
             return
         with data:
             if hasattr(mmap, "MADV_RANDOM"):
-                # A header and 8 bytes a chunk are looked at: no need of the pages around them.
+                # Only headers and 8 bytes a chunk are read, so no read-ahead.
                 data.madvise(mmap.MADV_RANDOM)
             yield data

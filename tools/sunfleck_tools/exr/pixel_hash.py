@@ -1,5 +1,4 @@
-"""The fingerprint of a file's pixels, as the renderer computes it (its module `frame_file` defines
-the order of bytes).
+"""Hash of a file's pixels, as the renderer computes it (its module `frame_file` defines the order of bytes).
 
 Invariant: it depends on the channels' names, types and stored bits alone.
 """

@@ -8,7 +8,8 @@ import OpenEXR
 
 
 def write_colors(path: Path, pixels: np.ndarray, comments: str = "") -> None:
-    """Rows of red, green and blue, in a file that appears whole. Raises `RuntimeError`, or `OSError`."""
+    """Writes rows of red, green and blue as a file that appears whole. Raises `RuntimeError`, or
+    `OSError`."""
     header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
     if comments:
         header["comments"] = comments

@@ -27,7 +27,7 @@ class Accessors:
         self._read: dict[int, np.ndarray] = {}
 
     def floats(self, index: Value, width: int) -> np.ndarray:
-        """Rows of so many finite numbers; whole ones are normalised if the accessor says so."""
+        """Rows of `width` finite numbers; integers are normalized if the accessor says so."""
         array, normalised = self._array(index, width)
         if normalised and array.dtype.kind in "iu":
             array = np.maximum(array / np.float64(np.iinfo(array.dtype).max), -1.0)
@@ -37,7 +37,7 @@ class Accessors:
         return array
 
     def integers(self, index: Value, below: int, what: str, width: int = 1) -> np.ndarray:
-        """Rows of whole numbers, each below a count."""
+        """Rows of integers below `below`."""
         array, _ = self._array(index, width)
         if array.dtype.kind != "u" or (array.size and int(array.max()) >= below):
             index.fail(f"expected numbers of {what}, below {below}")

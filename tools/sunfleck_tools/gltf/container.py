@@ -1,6 +1,6 @@
-"""A path to the JSON of a glTF file and the bytes that it refers to.
+"""Container of a glTF file. In goes a path, out come JSON and bytes of buffers.
 
-Invariant: no bytes are handed out that are not there, and nothing is allocated because a file says so.
+Invariant: only existing bytes are returned, and memory is not allocated by a file's declarations.
 """
 
 import base64
@@ -20,8 +20,8 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 class Container:
-    """An opened file: its document, and its buffers when they are asked for. Files that it refers to are read
-    where they lie in its own folder, or in one of those allowed."""
+    """Opened file: its document, and its buffers on demand. Other files are read from its own folder, or
+    from the allowed ones."""
 
     def __init__(self, path: Path, allowed: Sequence[Path] = ()):
         self.path = path
@@ -45,7 +45,7 @@ class Container:
         self._views = self.document.items("bufferViews")
 
     def buffer(self, index: int) -> bytes:
-        """The bytes of a buffer."""
+        """Bytes of a buffer."""
         if index not in self._buffers:
             described = self._described[index]
             length = described.need("byteLength").whole()
@@ -59,7 +59,7 @@ class Container:
         return self._buffers[index]
 
     def linked(self, uri: Value) -> bytes:
-        """What a URI holds, or leads to beside the file."""
+        """Bytes of a URI."""
         text = uri.text()
         if text.startswith("data:"):
             try:
@@ -90,7 +90,7 @@ class Container:
 
 
 def read_bytes(path: Path) -> bytes:
-    """A whole file of bearable size."""
+    """A whole file, up to a maximum size."""
     try:
         size = need_regular(path)
         if size > LARGEST_FILE:

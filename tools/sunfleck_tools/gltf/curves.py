@@ -1,4 +1,4 @@
-"""Keys to values at any time (specification, 3.11 and appendix C)."""
+"""Interpolation of keys (specification, 3.11 and appendix C)."""
 
 from dataclasses import dataclass
 
@@ -7,8 +7,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Curve:
-    """Keys of a value. Times ascend strictly, in single precision as files store them; of a cubic curve each
-    key has three rows."""
+    """Keys of a value. Times strictly increase, in single precision as in files; in a cubic curve each key
+    has three rows."""
 
     times_s: np.ndarray
     values: np.ndarray
@@ -16,8 +16,8 @@ class Curve:
     turns: bool
 
     def at(self, times_s: np.ndarray) -> np.ndarray:
-        """A row for each time; before the first and behind the last key it holds."""
-        # A key that is stored in single precision may lie behind the exact time of its own frame.
+        """Values at times, a row each; constant outside the keys."""
+        # A key in single precision may lie after the exact time of its frame.
         times = np.asarray(times_s, np.float32).astype(np.float64)
         keys = self.times_s.astype(np.float64)
         before = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 1)
@@ -48,7 +48,7 @@ def _hermite(values, before, after, s, span):
 
 
 def unit(quaternions: np.ndarray) -> np.ndarray:
-    """The same turns with length 1; no turn at all for zeros."""
+    """Quaternions at unit length; the identity for zeros."""
     lengths = np.linalg.norm(quaternions, axis=-1, keepdims=True)
     identity = np.array([0.0, 0.0, 0.0, 1.0])
     return np.where(lengths > 0, quaternions / np.where(lengths > 0, lengths, 1.0), identity)

@@ -1,5 +1,5 @@
-"""Vertices of a mesh that bends, at any time. Skinned ones are in the world: their node's own place does
-not count (3.7.3.3)."""
+"""Vertices of a deforming mesh at any time. Skinned vertices are in world space: their node's own
+transform is ignored (3.7.3.3)."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from .scene import Gltf
 
 
 class Bending:
-    """What bends the mesh of a node."""
+    """Deformation of a node's mesh."""
 
     def __init__(self, gltf: Gltf, node: Node, mesh: Mesh):
         self.node, self.mesh = node, mesh
@@ -50,12 +50,12 @@ class Bending:
 
     @property
     def is_skinned(self) -> bool:
-        """True if vertices are in the world."""
+        """True if vertices are in world space."""
         return bool(self.joints)
 
     @property
     def curves(self) -> list[Curve]:
-        """All that its shape depends on."""
+        """All curves that affect the shape."""
         found = [] if self.node.weights is None else [self.node.weights]
         for joint in self.joints:
             above: Node | None = joint

@@ -1,7 +1,7 @@
-"""What stands at a node as a light: KHR_lights_punctual, and the renderer's `sunfleck_light`.
+"""Lights of nodes: KHR_lights_punctual, and the renderer's `sunfleck_light`.
 
-Invariant: powers are W/m2 of suns, W/sr of points and spots, W of area lights, in the units
-that the scene says.
+Invariant: powers are in W/m2 for suns, W/sr for points and spots, W for area lights, in the scene's light
+units.
 """
 
 import math
@@ -17,7 +17,7 @@ ROUND = ("disk", "disc", "ellipse")
 
 
 class LightSource:
-    """The light of a node, if it has one (`kind` is not `None`)."""
+    """Light of a node, if it has one (`kind` is not `None`)."""
 
     def __init__(self, node: Node, gltf: Gltf):
         self.node, self.gltf = node, gltf
@@ -41,12 +41,12 @@ class LightSource:
         return "disc" if self.ours.text_at("shape", "rectangle") in ROUND else "rectangle"
 
     def color(self) -> np.ndarray:
-        """Of the light, white unless it says another."""
+        """Colour of the light, white by default."""
         color = (self.punctual or self.ours).member("color")
         return np.array([1.0] * 3 if color is None else color.channels())
 
     def power(self) -> np.ndarray:
-        """What it emits, as the file has it still."""
+        """Power as in the file."""
         if self.punctual is None:
             return self.ours.need("power_w").number(0.0) * self.color()
         units = self.gltf.settings.light_units
@@ -57,7 +57,7 @@ class LightSource:
         return self.color() * (self.punctual.number_at("intensity", 1.0, 0.0) * watts[units])
 
     def cone(self) -> tuple[float, float]:
-        """A spot's half angle, and the share of it over which it fades."""
+        """Half angle of a spot, and the fraction of it over which it fades."""
         assert self.punctual is not None, "a spot is a light of KHR_lights_punctual"
         spot = self.punctual.group("spot")
         outer = spot.number_at("outerConeAngle", math.pi / 4, 1e-9, math.pi / 2 + 1e-6)

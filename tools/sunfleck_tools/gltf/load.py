@@ -1,7 +1,7 @@
-"""Anything that the renderer reads to a glTF scene.
+"""Loading of any input of the renderer as a glTF scene.
 
-What is no glTF, and glTF that needs the renderer's own reader (compression, instancing, animated properties),
-goes through `sunfleck export`; so there is one reader of RON.
+Other formats, and glTF with compression, instancing or animated properties, are converted by `sunfleck
+export`; so there is only one reader of RON.
 """
 
 import subprocess
@@ -36,8 +36,8 @@ def load(
     fps: Fraction | None = None,
     allowed: Sequence[Path] = (),
 ) -> Gltf:
-    """Reads a sequence, a scene or a glTF file, its first and last frame and their rate as it says itself
-    unless told. What a glTF file refers to is read from its own folder and those `allowed`."""
+    """Reads a sequence, a scene or a glTF file; frames and rate are the input's own by default. Files that
+    a glTF file refers to are read from its own folder and those `allowed`."""
     why = ""
     if source.suffix.lower() in (".glb", ".gltf"):
         container = Container(source, allowed)
@@ -64,7 +64,7 @@ def load(
 
 
 def beyond(document: Value) -> list[str]:
-    """Extensions that are not read here and that the file cannot be shown without."""
+    """Extensions that are not supported here, and without which the file cannot be shown."""
     required = {value.text() for value in document.items("extensionsRequired")} - READ_HERE
     used = {value.text() for value in document.items("extensionsUsed")} & READ_BY_PROGRAM
     return sorted(required | used)

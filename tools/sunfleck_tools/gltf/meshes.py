@@ -14,8 +14,8 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 
 @dataclass
 class Primitive:
-    """Triangles of one material. A target moves every position; `joints` and `weights` tie
-    vertices to a skin."""
+    """Triangles of one material. A target displaces every position; `joints` and `weights` bind vertices
+    to a skin."""
 
     positions: np.ndarray
     triangles: np.ndarray
@@ -30,7 +30,7 @@ class Primitive:
 
 @dataclass
 class Mesh:
-    """Primitives, and the weights of their targets at rest."""
+    """Primitives, and the default weights of their targets."""
 
     name: str
     primitives: list[Primitive]
@@ -47,7 +47,7 @@ class Meshes:
         self._read: dict[int, Mesh] = {}
 
     def of(self, node: Node) -> tuple[int, Mesh] | None:
-        """Number and mesh of what stands at a node."""
+        """Index and mesh of a node."""
         mesh = node.source.member("mesh")
         if mesh is None:
             return None

@@ -1,5 +1,4 @@
-"""The nodes of the scene that is shown, with how they move. Invariant: parents come before
-children, and form trees."""
+"""Nodes of the shown scene, with their motion. Invariant: parents come before children, and form trees."""
 
 from dataclasses import dataclass, field
 
@@ -14,7 +13,7 @@ RESTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scal
 
 @dataclass
 class Node:
-    """A place. `key` is its name in `sunfleck inspect --json`, unlike any other's."""
+    """Node. `key` is its unique name in `sunfleck inspect --json`."""
 
     index: int
     name: str
@@ -25,13 +24,13 @@ class Node:
     rest: dict[str, np.ndarray]
     curves: dict[str, Curve] = field(default_factory=dict)
     weights: Curve | None = None
-    # Whether it and what is below it is shown: 0 is not.
+    # Whether it and its descendants are visible: 0 is not.
     shown: Curve | None = None
     children: "list[Node]" = field(default_factory=list)
 
     @property
     def extras(self) -> Value:
-        """Custom properties; whatever else `extras` may hold is none."""
+        """Custom properties; `extras` of any other type have none."""
         found = self.source.member("extras")
         return (
             found
@@ -40,7 +39,7 @@ class Node:
         )
 
     def parts_at(self, path: str, times_s: np.ndarray) -> np.ndarray:
-        """Rows of a part of the place, a row a time."""
+        """Rows of one part of the transform, a row a time."""
         curve = self.curves.get(path)
         return np.tile(self.rest[path], (len(times_s), 1)) if curve is None else curve.at(times_s)
 
@@ -59,7 +58,7 @@ class Node:
 
 
 def matrices(translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """Places from their parts, row by row."""
+    """Matrices from translations, rotations and scales, row by row."""
     x, y, z, w = np.moveaxis(unit(rotation), -1, 0)
     turn = np.array(
         [
@@ -120,7 +119,7 @@ def _keys(sources: list[Value], indices: list[int]) -> dict[int, str]:
 
 
 def node_name(source: Value, index: int) -> str:
-    """As `sunfleck` names nodes without a name."""
+    """Name of a node without one, as in `sunfleck`."""
     return source.text_at("name") or f"node {index}"
 
 
@@ -133,7 +132,7 @@ def _node(index: int, source: Value, key: str, parent: Node | None) -> Node:
 
 
 def read_animations(document: Value, nodes: list[Node], accessors: Accessors) -> None:
-    """Gives nodes their curves: all animations play together, of two for the same part the last."""
+    """Sets the nodes' curves: all animations play together; the last one for a property counts."""
     by_index = {node.index: node for node in nodes}
     sources = document.items("nodes")
     for animation in document.items("animations"):
@@ -155,7 +154,7 @@ def read_animations(document: Value, nodes: list[Node], accessors: Accessors) ->
 
 
 def _read_visibility(target: Value, sampler: Value, by_index: dict[int, Node], accessors: Accessors) -> None:
-    """What a pointer says of a node's visibility; other pointers are passed over."""
+    """Reads a pointer to a node's visibility; other pointers are ignored."""
     said = target.member("extensions")
     pointer = said.member("KHR_animation_pointer") if said is not None else None
     steps = pointer.text_at("pointer").split("/") if pointer is not None else []
@@ -181,5 +180,5 @@ def _curve(sampler: Value, accessors: Accessors, width: int, turns: bool) -> Cur
     rows = len(times) * (3 if interpolation == "CUBICSPLINE" else 1)
     if len(values) % rows or (width > 1 and len(values) != rows) or len(values) == 0:
         sampler.fail(f"has {len(times)} times and {len(values)} values")
-    # Weights: as many numbers a row as the mesh has targets.
+    # Weights: a row has as many numbers as the mesh has targets.
     return Curve(times, values.reshape(rows, -1), interpolation, turns)

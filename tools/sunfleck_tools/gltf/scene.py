@@ -1,4 +1,4 @@
-"""A glTF file as a scene: nodes that move, how it is to be rendered, and what its properties say.
+"""glTF file as a scene: moving nodes, render settings and custom properties.
 
 Invariant: times are true seconds; a frame's time is its number over the frame rate.
 """
@@ -19,7 +19,7 @@ DEFAULT_FPS, MOST_FRAMES = 24, 100_000
 
 @dataclass(frozen=True)
 class Settings:
-    """What the property `sunfleck` of the scene says of rendering it."""
+    """Render settings in the scene's property `sunfleck`."""
 
     fps: Fraction
     first: int
@@ -32,16 +32,16 @@ class Settings:
 
     @property
     def frames(self) -> range:
-        """All frames."""
+        """Range of frames."""
         return range(self.first, self.last + 1)
 
     def seconds(self, frames: np.ndarray) -> np.ndarray:
-        """The time of frames."""
+        """Times of frames."""
         return np.asarray(frames, float) * (self.fps.denominator / self.fps.numerator)
 
 
 class Gltf:
-    """A file that was read."""
+    """Parsed glTF file."""
 
     def __init__(
         self, container: Container, fps: Fraction | None = None, frames: tuple[int, int] | None = None
@@ -69,7 +69,7 @@ class Gltf:
         self._used: set[str] = set()
 
     def _mend_times(self) -> None:
-        """Blender multiplies by fps_base where it should divide."""
+        """Corrects key times, as Blender multiplies by fps_base in place of dividing."""
         sunfleck = self.extras.group("sunfleck")
         base = sunfleck.number_at("fps_base", 1.0, 1e-6, 1e6)
         if (first := sunfleck.number_at("frame_at_zero", 0.0, -1e7, 1e7)) != 0.0:
@@ -125,7 +125,7 @@ class Gltf:
         return round(first * rate), round(last * rate)
 
     def _controls(self) -> "dict[str, Control]":
-        """Values that change and are carried by nodes, by their target."""
+        """Animated values in nodes, by their targets."""
         found = {}
         for node in self.nodes:
             control = node.extras.member("sunfleck_ctl")
@@ -137,7 +137,7 @@ class Gltf:
         return found
 
     def control(self, owner: str, field: str) -> "Control | None":
-        """What carries a field of a property of a node (by its name) or of `scene`, such as
+        """Control of a field of a property of a node (by its name) or of `scene`, such as
         `sunfleck_light.radius`."""
         target = f"{owner}.{field}"
         self._used.add(target)
@@ -145,19 +145,19 @@ class Gltf:
 
     @property
     def unused(self) -> list[str]:
-        """Targets of values that were carried and nobody asked for."""
+        """Targets of controls that no reader used."""
         return sorted(self.controls.keys() - self._used)
 
 
 def _later(curve: Curve, seconds: float) -> Curve:
-    """The same keys so much later."""
+    """Curve delayed by some seconds."""
     times_s = (curve.times_s.astype(np.float64) + seconds).astype(np.float32)
     return Curve(times_s, curve.values, curve.interpolation, curve.turns)
 
 
 @dataclass(frozen=True)
 class Control:
-    """A node whose place is a value of something else."""
+    """Node whose translation or scale carries another object's value."""
 
     node: Node
     vector: str
@@ -165,7 +165,7 @@ class Control:
 
     @property
     def curve(self) -> Curve | None:
-        """Its keys."""
+        """Keys of the value."""
         return self.node.curves.get(self.vector)
 
     def at(self, times_s: np.ndarray) -> np.ndarray:

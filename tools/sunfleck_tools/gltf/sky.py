@@ -1,5 +1,5 @@
-"""What stands behind a scene: `sunfleck_env` of a glTF file. Invariant: there is one of a colour, a
-gradient and an image."""
+"""Sky of a scene: `sunfleck_env` of a glTF file. Invariant: it has a colour, a gradient or an image, and
+only one of them."""
 
 from dataclasses import dataclass
 
@@ -14,11 +14,11 @@ ROWS, COLUMNS = 1024, 4
 
 @dataclass(frozen=True)
 class Sky:
-    """`radiance` in W/(m2 sr), of what is 1 in the image or the gradient (rows from straight up to
-    straight down), if any.
+    """`radiance` in W/(m2 sr) where the image or the gradient (rows from zenith to nadir) is 1, if there is
+    one.
 
-    An image has -z in its middle, and is turned about +y by `rotation_rad`. `lights` is `nothing`, `surfaces`
-    or `surfaces_and_fog`.
+    An image has -z in its centre, and is rotated about +y by `rotation_rad`. `lights` is `nothing`,
+    `surfaces` or `surfaces_and_fog`.
     """
 
     lights: str
@@ -52,7 +52,7 @@ def read_sky(gltf: Gltf) -> Sky | None:
 
 
 def _gradient(zenith: np.ndarray, horizon: np.ndarray, ground: np.ndarray) -> np.ndarray:
-    """Each row the radiance at its middle: linear in the sine of the elevation."""
+    """Radiance of each row at its centre: linear in the sine of the elevation."""
     height = np.cos(np.pi * (np.arange(ROWS) + 0.5) / ROWS)[:, None]
     rows = np.where(height > 0, horizon + (zenith - horizon) * height, ground)
     return np.repeat(rows[:, None], COLUMNS, axis=1).astype(np.float32)

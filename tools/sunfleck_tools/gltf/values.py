@@ -1,6 +1,6 @@
-"""JSON with the path that leads to it, so that whatever is wrong is said with its place.
+"""JSON values with their paths, for errors with a place.
 
-Invariant: nothing that a file holds raises anything but `SceneError`.
+Invariant: any content of a file raises `SceneError` at most.
 """
 
 import math
@@ -11,28 +11,28 @@ from ..errors import SceneError
 
 
 class Value:
-    """A JSON value, the file that it is from and its path there."""
+    """JSON value with its file and its path."""
 
     def __init__(self, raw: Any, file: str, path: str = ""):
         self.raw, self.file, self.path = raw, file, path
 
     def fail(self, message: str) -> NoReturn:
-        """Refuses the file for this value."""
+        """Raises an error about this value."""
         raise SceneError(f"{self.file}: {self.path or 'the document'}: {message}")
 
     def member(self, name: str) -> "Value | None":
-        """What an object holds under a name; None too if it is null."""
+        """Member of an object; None if it is missing or null."""
         if not isinstance(self.raw, dict):
             self.fail("expected an object")
         raw = self.raw.get(name)
         return None if raw is None else Value(raw, self.file, f"{self.path}.{name}" if self.path else name)
 
     def need(self, name: str) -> "Value":
-        """The same, refused if it is missing."""
+        """Member of an object, which must exist."""
         return self.member(name) or self.fail(f"has no `{name}`")
 
     def group(self, name: str) -> "Value":
-        """An object, empty if it is missing."""
+        """Member of an object as an object, empty if it is missing."""
         return self.member(name) or Value({}, self.file, f"{self.path}.{name}" if self.path else name)
 
     def extension(self, name: str) -> "Value | None":
@@ -40,7 +40,7 @@ class Value:
         return self.group("extensions").member(name)
 
     def items(self, name: str) -> "list[Value]":
-        """A list, empty if it is missing."""
+        """Member of an object as a list, empty if it is missing."""
         found = self.member(name)
         return [] if found is None else list(found.each())
 
@@ -72,18 +72,18 @@ class Value:
         return int(number)
 
     def index(self, of: list, what: str) -> int:
-        """A whole number that counts into a list."""
+        """Integer that is a valid index into a list."""
         number = self.whole()
         if number >= len(of):
             self.fail(f"there is no {what} {number}, of {len(of)}")
         return number
 
     def item_of(self, items: "list[Value]", what: str) -> "Value":
-        """The item of a list that this counts to."""
+        """Item of a list at this index."""
         return items[self.index(items, what)]
 
     def numbers(self, count: int) -> list[float]:
-        """So many finite numbers."""
+        """List of `count` finite numbers."""
         found = [value.number() for value in self.each()]
         if len(found) != count:
             self.fail(f"expected {count} numbers, found {len(found)}")
@@ -98,16 +98,16 @@ class Value:
         return self.raw if isinstance(self.raw, str) else self.fail("expected a text")
 
     def number_at(self, name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
-        """A number of an object."""
+        """Number in an object."""
         found = self.member(name)
         return default if found is None else found.number(least, most)
 
     def numbers_at(self, name: str, *default: float) -> list[float]:
-        """Numbers of an object, as many as the default has."""
+        """Numbers in an object, as many as the default has."""
         found = self.member(name)
         return list(default) if found is None else found.numbers(len(default))
 
     def text_at(self, name: str, default: str = "") -> str:
-        """A string of an object."""
+        """String in an object."""
         found = self.member(name)
         return default if found is None else found.text()

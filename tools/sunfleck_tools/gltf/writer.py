@@ -1,5 +1,5 @@
-"""A glTF document under construction, and the .glb file of it. Invariant: everything starts at a
-multiple of four bytes."""
+"""glTF document under construction, and its .glb file. Invariant: every view starts at a multiple of four
+bytes."""
 
 import hashlib
 import json
@@ -14,7 +14,7 @@ FLOAT, UNSIGNED_INT, UNSIGNED_SHORT = 5126, 5125, 5123
 
 
 class GlbWriter:
-    """Lists of a document, by their names, and its bytes."""
+    """Lists of a document, by name, and its bytes."""
 
     def __init__(self, generator: str):
         self.document: dict = {"asset": {"version": "2.0", "generator": generator}, "scene": 0}
@@ -23,28 +23,28 @@ class GlbWriter:
         self._known: dict[bytes, int] = {}
 
     def add(self, kind: str, value: dict) -> int:
-        """Appends to a list of the document; which one of it that is."""
+        """Appends to a list of the document; returns the index."""
         values = self.document.setdefault(kind, [])
         values.append(value)
         return len(values) - 1
 
     def view(self, data: bytes) -> int:
-        """A buffer view of bytes."""
+        """Adds a buffer view of bytes."""
         start = len(self._binary)
         self._binary += data
         self._binary += b"\0" * (-len(self._binary) % 4)
         return self.add("bufferViews", {"buffer": 0, "byteOffset": start, "byteLength": len(data)})
 
     def floats(self, rows: np.ndarray, with_bounds: bool = False) -> int:
-        """An accessor of rows of numbers. The same rows have the same one."""
+        """Adds an accessor of rows of numbers; equal rows share one."""
         return self._accessor(FLOAT, np.ascontiguousarray(rows, "<f4").reshape(len(rows), -1), with_bounds)
 
     def indices(self, triangles: np.ndarray) -> int:
-        """An accessor of the corners of triangles. The same corners have the same one."""
+        """Adds an accessor of triangles' corners; equal ones share one."""
         return self._accessor(UNSIGNED_INT, np.ascontiguousarray(triangles, "<u4").reshape(-1, 1))
 
     def joints(self, rows: np.ndarray) -> int:
-        """An accessor of four joints a vertex. The same rows have the same one."""
+        """Adds an accessor of four joints a vertex; equal rows share one."""
         return self._accessor(UNSIGNED_SHORT, np.ascontiguousarray(rows, "<u2"))
 
     def _accessor(self, component: int, rows: np.ndarray, with_bounds: bool = False) -> int:
@@ -65,11 +65,11 @@ class GlbWriter:
     def animate(
         self, node: int, path: str, times_s: np.ndarray, rows: np.ndarray, interpolation: str = "LINEAR"
     ) -> None:
-        """Moves a node's property; all animation of a file is one."""
+        """Animates a node's property; a file has a single animation."""
         self._channel({"node": node, "path": path}, times_s, rows, interpolation)
 
     def animate_value(self, pointer: str, times_s: np.ndarray, rows: np.ndarray) -> None:
-        """Changes what a JSON pointer points at (KHR_animation_pointer)."""
+        """Animates the target of a JSON pointer (KHR_animation_pointer)."""
         self.extensions.add("KHR_animation_pointer")
         self._channel(
             {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}},
@@ -91,7 +91,7 @@ class GlbWriter:
         animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
 
     def bytes(self) -> bytes:
-        """The file."""
+        """Bytes of the file."""
         if self._binary:
             self.document["buffers"] = [{"byteLength": len(self._binary)}]
         if self.extensions:

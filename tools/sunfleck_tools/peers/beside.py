@@ -12,7 +12,7 @@ from . import cycles
 
 @dataclass
 class Wish:
-    """What is to be rendered, and how."""
+    """Parameters of a rendering."""
 
     program: Path
     frame: int
@@ -23,26 +23,26 @@ class Wish:
 
 
 def pictures(scene, wish: Wish, folder: Path):
-    """Both, rows from the top, and what the export found. The order matters: it runs the simulations that
-    Cycles then reads."""
+    """Both pictures, rows from the top, and the export's findings. The export comes first, as it runs the
+    simulations that Cycles then reads."""
     findings = exported(scene, wish, folder)
     return ours(scene, wish, folder), theirs(scene, wish, folder), findings
 
 
 def exported(scene, wish: Wish, folder: Path):
-    """Writes the file; what was found."""
+    """Exports the file; returns the findings."""
     from sunfleck import export
 
     scene.sunfleck_settings.use_world, scene.sunfleck_settings.sky_lights = True, "surfaces_and_fog"
     cycles.settings(scene, wish.size, wish.bounces)
-    # The add-on's package of that name, which is not the one here.
+    # The add-on's package of that name, not this one.
     findings = export.exported(scene, folder / "scene.glb").findings  # type: ignore[attr-defined]  # as above
     scene.frame_set(wish.frame)
     return findings
 
 
 def ours(scene, wish: Wish, folder: Path, volume: str = "auto"):
-    """Our picture of the file, by a method of `--volume`."""
+    """Sunfleck's picture of the file, by a method of `--volume`."""
     from sunfleck import render
 
     frame = render.flags(scene, False)  # type: ignore[attr-defined]  # the add-on's `render`, too
@@ -62,7 +62,7 @@ def theirs(scene, wish: Wish, folder: Path):
 
 
 def ratios_of_blocks(ours, theirs, across: int, down: int, darkest: float):
-    """Of the means of blocks, ascending; those darker than a share of the mean are left out."""
+    """Ratios of block means, ascending, without blocks darker than a fraction of the mean."""
     found = []
     for rows, others in zip(numpy.array_split(ours, down), numpy.array_split(theirs, down)):
         for block, other in zip(*(numpy.array_split(part, across, axis=1) for part in (rows, others))):
@@ -72,7 +72,7 @@ def ratios_of_blocks(ours, theirs, across: int, down: int, darkest: float):
 
 
 def side_by_side(pictures, white: float) -> bytes:
-    """A PNG of pictures in a row, in which that light is white."""
+    """PNG of pictures in a row, with `white` as the white level."""
     from sunfleck.materials.images import png, srgb  # type: ignore[import-not-found]  # the add-on's
 
     return png(srgb(numpy.concatenate(pictures, axis=1)[::-1] / max(1e-9, white)), False)

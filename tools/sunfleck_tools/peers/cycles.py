@@ -13,23 +13,23 @@ from .lamps import Lamp, Sun
 from .pictures import Picture, PeerSky
 from .scene import PeerScene
 
-# Cuts so little fog off in front of the camera that no figure shows it.
+# A near clipping distance so small that the fog it cuts off has no visible effect.
 NEAR_M = 1e-4
-# From the axes of glTF (Y up) to Blender's (Z up).
+# From glTF's axes (Y up) to Blender's (Z up).
 BLENDER_FROM_GLTF = numpy.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], float)
 
 
 def version() -> str:
-    """Of Blender."""
+    """Version of Blender."""
     return bpy.app.version_string
 
 
 def select(denoiser: str | None = None) -> None:
-    """Any installation has both kinds: as it is, and with a denoiser."""
+    """Accepts any installation, which has both kinds: plain, and with a denoiser."""
 
 
 def build(scene: PeerScene, denoiser: str | None = None):
-    """The scene as Blender's, with the settings that it is rendered with; `denoiser` is Blender's word for one."""
+    """Blender scene with its render settings; `denoiser` is Blender's name for one."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     made = bpy.context.scene
     folder = Path(tempfile.mkdtemp())
@@ -58,19 +58,20 @@ def build(scene: PeerScene, denoiser: str | None = None):
 
 
 def write(made, samples: int, seed: int, target: Path) -> None:
-    """Renders so many samples a pixel into a file."""
+    """Renders a file with a number of samples a pixel."""
     made.cycles.samples, made.cycles.seed = samples, seed
     made.render.filepath = str(target)
     bpy.ops.render.render(write_still=True)
 
 
 def prepare(scene: PeerScene, denoiser: str | None = None):
-    """Builds the scene; what comes back renders it (`renders`)."""
+    """Builds the scene; returns a function that renders it (`renders`)."""
     return renders(build(scene, denoiser))
 
 
 def renders(made):
-    """What renders Blender's scene with so many samples a pixel, and returns the picture and CPU seconds."""
+    """Function that renders Blender's scene with a number of samples a pixel, and returns the picture and
+    CPU seconds."""
     target = Path(tempfile.mkdtemp()) / "picture.exr"
 
     def render(samples: int, seed: int):
@@ -101,7 +102,7 @@ def settings(made, size, bounces=0):
     cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_auto_tile = False
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
-    # Or surfaces that light from elsewhere shines on are rougher than they are.
+    # Otherwise surfaces lit indirectly would be blurred.
     cycles.blur_glossy = 0.0
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
     cycles.transmission_bounces = cycles.volume_bounces = bounces
@@ -131,13 +132,13 @@ def image_of(picture: Picture, folder: Path):
     if 0 in image.size:
         raise SceneError("Blender cannot read a picture of the scene")
     image.colorspace_settings.name = "Linear Rec.709" if picture.ending in (".exr", ".hdr") else "sRGB"
-    # A texture's alpha says nothing here.
+    # A texture's alpha is not used.
     image.alpha_mode = "CHANNEL_PACKED"
     return image
 
 
 def scaled(nodes, links, output, factors):
-    """A colour times three numbers."""
+    """Colour times three factors."""
     times = nodes.new("ShaderNodeVectorMath")
     times.operation = "MULTIPLY"
     links.new(output, times.inputs[0])
@@ -220,7 +221,7 @@ def add_sky(made, sky: PeerSky, folder: Path):
             for kind in ("ShaderNodeTexEnvironment", "ShaderNodeMapping", "ShaderNodeTexCoord")
         )
         read.image = image_of(sky.picture, folder)
-        # Blender has +x in the middle of its pictures, and turns directions, not pictures.
+        # Blender's pictures have +x in the centre, and its mapping rotates directions.
         place.inputs["Rotation"].default_value = (0.0, 0.0, -0.5 * numpy.pi - sky.rotation_rad)
         links.new(along.outputs["Generated"], place.inputs["Vector"])
         links.new(place.outputs["Vector"], read.inputs["Vector"])
@@ -249,7 +250,7 @@ def add_lamp(made, described: Lamp):
         colour(light, described.power)
     else:
         light.shadow_soft_size = described.radius_m
-        # Off: close to a lamp it would shine less than its distance says.
+        # Soft falloff would dim a lamp at close range.
         light.use_soft_falloff = False
         colour(light, described.power * 4 * numpy.pi)
     if light.type == "SPOT":

@@ -1,6 +1,6 @@
-"""Lights at a moment, as the renderers beside us take them.
+"""Lights at a moment, for other renderers.
 
-Invariant: a lamp's place is a turn and a position; what the node's scale does to its size is in its size.
+Invariant: a lamp's placement has rotation and position only; the node's scale is included in its size.
 """
 
 import math
@@ -22,8 +22,8 @@ class Sun:
 
 @dataclass
 class Lamp:
-    """A `point` or `spot` of `power` in W/sr, with a radius or none, or a `rectangle` or `disc` of `power` in
-    W; it shines along its -z."""
+    """A `point` or `spot` of `power` in W/sr, perhaps with a radius, or a `rectangle` or `disc` of `power`
+    in W; it emits along -z."""
 
     kind: str
     world_from_lamp: np.ndarray
@@ -35,7 +35,7 @@ class Lamp:
 
 
 def read_light(source: LightSource, world_from_node: np.ndarray, time_s: np.ndarray) -> Sun | Lamp:
-    """The light of a node that has one."""
+    """Light of a node."""
     node, gltf, ours = source.node, source.gltf, source.ours
 
     def changed(field: str) -> np.ndarray | None:
@@ -50,7 +50,7 @@ def read_light(source: LightSource, world_from_node: np.ndarray, time_s: np.ndar
         found = changed(field)
         if found is None:
             return source.power()
-        # One number multiplies the colour that the light has.
+        # A scalar multiplies the light's colour.
         return found / carried_per_unit * (source.color() if len(found) == 1 else 1.0)
 
     scales = np.linalg.norm(world_from_node[:3, :3], axis=0)

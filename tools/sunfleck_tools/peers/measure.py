@@ -1,6 +1,6 @@
-"""Error against time of other renderers, as `sunfleck bench --peers` reads it.
+"""Error against time of other renderers, for `sunfleck bench --peers`.
 
-Invariant: time is that of all processors together, after scene and kernels are built.
+Invariant: time is CPU time over all processors, after scene and kernels are built.
 """
 
 import csv
@@ -34,7 +34,7 @@ COLUMNS = ("renderer", "version", "spp", "cpu_s", "rmse", "date", "machine")
 
 @dataclass(frozen=True)
 class Point:
-    """A picture of one renderer; `rmse` and `mean_ratio` where there was a reference."""
+    """Picture of one renderer; `rmse` and `mean_ratio` are set with a reference."""
 
     renderer: str
     version: str
@@ -45,7 +45,7 @@ class Point:
 
 
 def available(name: str) -> str | None:
-    """A sentence if a renderer is not there."""
+    """Sentence if a renderer is not installed."""
     label, module, options = RENDERERS[name]
     try:
         import_module(f".{module}", __package__).select(*options)
@@ -62,7 +62,7 @@ def measure(
     reference_noise: float = 0.0,
     pictures: Path | None = None,
 ) -> Iterator[Point]:
-    """Renders with each of the renderers; `pictures` is a folder that their frames go to."""
+    """Renders with each renderer; `pictures` is the folder of their frames."""
     for name in names:
         label, module, options = RENDERERS[name]
         peer = import_module(f".{module}", __package__)
@@ -84,7 +84,7 @@ def measure(
 
 
 def write_frame(path: Path, picture: np.ndarray, said: str) -> None:
-    """R, G and B as floats."""
+    """Writes R, G and B as floats."""
     try:
         write_colors(path, picture, said)
     except RuntimeError as error:
@@ -92,7 +92,7 @@ def write_frame(path: Path, picture: np.ndarray, said: str) -> None:
 
 
 def write_table(file: TextIO, points: Sequence[Point], remark: str) -> None:
-    """The CSV table that docs/command-line.md describes."""
+    """Writes the CSV table that docs/command-line.md describes."""
     file.write(f"# {remark}\n")
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)

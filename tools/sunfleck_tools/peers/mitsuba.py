@@ -1,5 +1,5 @@
-"""Mitsuba 3: `volpath`. Two segments are direct light and single scattering; each bounce
-beyond is one more."""
+"""Mitsuba 3: `volpath`. A depth of two segments is direct light and single scattering; each further bounce
+adds one."""
 
 import time
 from dataclasses import replace
@@ -13,29 +13,29 @@ from .mitsuba_lights import lamp_emitter, sky_emitter, sun_emitter
 from .mitsuba_pictures import colors
 from .scene import Fog, PeerScene, Surface
 
-# Cuts so little fog off in front of the camera that no figure shows it.
+# A near clipping distance so small that the fog it cuts off has no visible effect.
 NEAR_M = 1e-4
 
 
 def version() -> str:
-    """Of Mitsuba."""
+    """Version of Mitsuba."""
     return str(mi.__version__)
 
 
 def select(variant: str) -> None:
-    """Raises `ImportError` if this installation has no such variant, or not what it is compiled by."""
+    """Raises `ImportError` if this installation lacks the variant or its compiler."""
     mi.set_variant(variant)
 
 
 def prepare(scene: PeerScene, variant: str):
-    """Builds the scene; what comes back renders so many samples a pixel, and returns the
+    """Builds the scene; returns a function that renders a number of samples a pixel, and returns the
     picture and CPU seconds."""
     select(variant)
     fog = None if scene.fog is None or scene.fog.grid else medium(scene.fog)
     if scene.fog is not None and scene.fog.grid:
         world_from_cube, fog = grid_fog(scene.fog)
         scene = replace(scene, fog=replace(scene.fog, world_from_cube=world_from_cube))
-    # Mitsuba's cameras look along +Z with +X to the left.
+    # Mitsuba's cameras look along +Z, with +X to the left.
     turned = scene.world_from_camera @ numpy.diag([-1.0, 1.0, -1.0, 1.0])
     sensor = pinhole(mi.ScalarTransform4f(turned), float(numpy.degrees(scene.fov_y_rad)), scene.size)
     described = {
@@ -65,7 +65,7 @@ def prepare(scene: PeerScene, variant: str):
     lit = [] if scene.sky is None or scene.sky.lights == "nothing" else [scene.sky]
     parts = [mi.load_dict(described | {f"sky_{index}": sky_emitter(sky) for index, sky in enumerate(lit)})]
     if scene.sky is not None:
-        # Lights are hidden and the sky is not: it is seen in a scene of its own, where nothing is lit.
+        # Lights are hidden and the sky is visible, so the sky is rendered in a separate, unlit scene.
         bare = {name: each for name, each in described.items() if not name.startswith("light_")}
         seen = {"type": "volpath", "max_depth": 1, "rr_depth": 100}
         parts.append(mi.load_dict(bare | {"integrator": seen, "sky": sky_emitter(scene.sky)}))
@@ -81,7 +81,7 @@ def prepare(scene: PeerScene, variant: str):
 
 
 def pinhole(to_world, fov_y_deg: float, size: tuple[int, int]) -> dict:
-    """A sensor whose pixels are means over their area, in linear RGB."""
+    """Sensor with box-filtered pixels in linear RGB."""
     return {
         "type": "perspective",
         "fov": fov_y_deg,
@@ -101,7 +101,7 @@ def pinhole(to_world, fov_y_deg: float, size: tuple[int, int]) -> dict:
 
 
 def bounds(scene: PeerScene) -> tuple[numpy.ndarray, float]:
-    """Middle and radius of a sphere around surfaces, fog and camera."""
+    """Centre and radius of a sphere around surfaces, fog and camera."""
     points = [surface.positions for surface in scene.surfaces] + [scene.world_from_camera[None, :3, 3]]
     if scene.fog is not None:
         corners = numpy.array([[x, y, z, 1] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
@@ -113,7 +113,7 @@ def bounds(scene: PeerScene) -> tuple[numpy.ndarray, float]:
 
 
 def medium(fog: Fog) -> dict:
-    """Fog that fills a shape evenly."""
+    """Homogeneous fog."""
     return {
         "type": "homogeneous",
         "sigma_t": {"type": "rgb", "value": fog.density_per_m},
@@ -131,7 +131,7 @@ def _reflectance(surface: Surface) -> dict:
 
 
 def mesh(surface: Surface):
-    """Triangles with flat normals, seen from both sides."""
+    """Triangles with flat normals, visible from both sides."""
     matte = {"type": "diffuse", "reflectance": _reflectance(surface)}
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict({"type": "twosided", "bsdf": matte})

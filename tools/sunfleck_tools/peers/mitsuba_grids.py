@@ -1,4 +1,4 @@
-"""Fog by a grid as Mitsuba's `gridvolume`. The file is read by the `openvdb` that Blender's module brings."""
+"""Fog from a grid as Mitsuba's `gridvolume`. Blender's module `openvdb` reads the file."""
 
 import mitsuba as mi
 import numpy
@@ -10,12 +10,12 @@ CUBE_FROM_UNIT = numpy.array([[2, 0, 0, -1], [0, 2, 0, -1], [0, 0, 2, -1], [0, 0
 
 
 def grid_fog(fog: Fog) -> tuple[numpy.ndarray, dict]:
-    """World from the cube [-1, 1]^3 that holds all of it, and the medium."""
+    """Transform to the world from the cube [-1, 1]^3 around the grid, and the medium."""
     density, albedos, node_from_unit = _dense(fog)
     world_from_unit = fog.world_from_cube @ node_from_unit
 
     def volume(values: numpy.ndarray, factors: list[float]) -> dict:
-        # Mitsuba has z outermost and x fastest, a colour within.
+        # Mitsuba has z outermost and x fastest, with colours innermost.
         colors = values.transpose(2, 1, 0, 3) * numpy.array(factors, numpy.float32)
         return {
             "type": "gridvolume",
@@ -37,8 +37,8 @@ def grid_fog(fog: Fog) -> tuple[numpy.ndarray, dict]:
 
 
 def _dense(fog: Fog) -> tuple[numpy.ndarray, numpy.ndarray | None, numpy.ndarray]:
-    """Voxels with one of nothing around them, their colours if there are any, and the node's space from the unit
-    cube that they fill."""
+    """Voxels with a margin of zeros, their colours if they have any, and the transform to the node's space
+    from the unit cube that they fill."""
     assert fog.grid is not None, "whoever asks has seen a grid"
     path, name = fog.grid
     try:
@@ -59,7 +59,7 @@ def _dense(fog: Fog) -> tuple[numpy.ndarray, numpy.ndarray | None, numpy.ndarray
     if fog.albedo_grid is not None:
         colors = numpy.zeros((*(size - 2), 3), numpy.float32)
         openvdb.read(str(path), fog.albedo_grid).copyToArray(colors, ijk=tuple(map(int, low + 1)))
-        # Where density ends, colours go on.
+        # Colours extend beyond the density.
         colors = numpy.pad(colors, [(1, 1)] * 3 + [(0, 0)], "edge")
     place = lambda voxel: numpy.array(grid.transform.indexToWorld(tuple(map(float, voxel))))
     first = low - 0.5

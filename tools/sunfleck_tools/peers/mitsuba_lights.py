@@ -1,8 +1,8 @@
-"""Lights as Mitsuba's emitters. What it has no emitter for is refused.
+"""Lights as Mitsuba's emitters. Lights without an equivalent are refused.
 
-A sun with a disc is a disc far away: Mitsuba has none. Its radiance is E / (pi sin^2(half angle)), that of a
-sphere I / (pi r^2), that of a flat lamp P / (pi area). Spheres are black and throw shadows, which lamps here
-do not: 28 of 5 cm take 1 % of each other's light.
+Mitsuba has no sun with a disc, so it becomes a distant disc. Its radiance is E / (pi sin^2(half angle)),
+that of a sphere I / (pi r^2), that of a flat lamp P / (pi area). Mitsuba's spheres are black and cast
+shadows, unlike Sunfleck's lamps: 28 of 5 cm take 1 % of each other's light.
 """
 
 import mitsuba as mi
@@ -17,12 +17,12 @@ SUN_DISTANCE = 1e3
 """In radii of the scene: the disc is seen from everywhere in it within a thousandth of the same direction."""
 HARDEST_BLEND = 1e-5
 """Of spots that Mitsuba gets: its two angles must differ, and glTF's are in single precision."""
-# Mitsuba's rectangles and discs shine along their +z, its spots too.
+# Mitsuba's rectangles, discs and spots emit along +z.
 TURNED = numpy.diag([-1.0, 1.0, -1.0, 1.0])
 
 
 def sun_emitter(sun: Sun, middle: numpy.ndarray, radius: float) -> dict:
-    """A sun on a scene within a sphere."""
+    """Sun for a scene within a sphere."""
     if sun.angle_rad == 0:
         return {
             "type": "directional",
@@ -68,8 +68,7 @@ def lamp_emitter(lamp: Lamp) -> dict:
 
 
 def sky_emitter(sky: PeerSky) -> dict:
-    """A sky. Mitsuba has +z in the middle of its pictures and -x to the right of that,
-    half a turn from ours."""
+    """Sky. Mitsuba's pictures have +z in the centre and -x to the right of it, half a turn from glTF's."""
     if sky.picture is None:
         return {"type": "constant", "radiance": _rgb(sky.radiance)}
     bitmap = mi.Bitmap(colors(sky.picture) * numpy.float32(sky.radiance))

@@ -11,7 +11,7 @@ from .pictures import Picture
 
 
 def colors(picture: Picture) -> numpy.ndarray:
-    """Rows of red, green and blue; what is in bytes is sRGB."""
+    """Rows of red, green and blue; 8-bit values are sRGB."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             decoded = mi.Bitmap(str(picture.file(Path(folder), "picture")))

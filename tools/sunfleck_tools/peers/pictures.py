@@ -1,6 +1,6 @@
-"""Pictures as the renderers beside us take them: base colours' textures, and what lies behind the scene.
+"""Pictures for other renderers: base colour textures, and backgrounds.
 
-Invariant: they are the files' own bytes, which each renderer decodes itself; only gradients are made here.
+Invariant: they are the original files, which each renderer decodes itself; only gradients are made here.
 """
 
 import tempfile
@@ -24,13 +24,13 @@ WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
 
 @dataclass(frozen=True)
 class Picture:
-    """A file's bytes, and how such a file's name ends."""
+    """Bytes of a file, and its extension."""
 
     data: bytes
     ending: str
 
     def file(self, folder: Path, stem: str) -> Path:
-        """The file itself."""
+        """Writes the file."""
         path = folder / f"{stem}{self.ending}"
         path.write_bytes(self.data)
         return path
@@ -38,8 +38,8 @@ class Picture:
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture in sRGB, what it does beyond its edges, and where it lies: `offset + turn * (scale * uv)` of
-    a set of coordinates."""
+    """Picture in sRGB, its wrap mode, and its placement on a set of coordinates: `offset + turn * (scale *
+    uv)`."""
 
     picture: Picture
     wrap: str
@@ -48,13 +48,13 @@ class Texture:
     linear: np.ndarray
 
     def placed(self, uvs: np.ndarray) -> np.ndarray:
-        """A mesh's coordinates as places in the picture, from its upper left corner."""
+        """Coordinates in the picture, from its upper left corner."""
         return uvs @ self.linear.T + self.offset
 
 
 @dataclass(frozen=True)
 class PeerSky:
-    """As `gltf.sky.Sky`, with a picture of the gradient."""
+    """Like `gltf.sky.Sky`, with a picture of the gradient."""
 
     lights: str
     radiance: np.ndarray
@@ -63,7 +63,7 @@ class PeerSky:
 
 
 def read_background(gltf: Gltf) -> PeerSky | None:
-    """What lies behind the scene."""
+    """Background of the scene."""
     sky = read_sky(gltf)
     if sky is None:
         return None
@@ -106,7 +106,7 @@ def _picture(data: bytes, source: Value) -> Picture:
     ending = next((ending for start, ending in KINDS.items() if data.startswith(start)), None)
     if ending is None:
         source.fail("other renderers get PNG, JPEG, OpenEXR and Radiance HDR")
-    # Of the kinds whose few bytes can claim any size.
+    # Formats whose few bytes can declare any size.
     if ending == ".png" and len(data) >= 24:
         pixels, most = int.from_bytes(data[16:20], "big") * int.from_bytes(data[20:24], "big"), MOST_TEXELS
     elif ending == ".exr":

@@ -1,7 +1,7 @@
-"""A moment of a scene as the renderers beside us take it.
+"""Scene at one moment, for other renderers.
 
-It has triangles in the world, lights, a camera and a box of fog. Invariant: what a scene has beyond that is
-refused where it would change the light, and told where it changes surfaces.
+It has triangles in the world, lights, a camera and a box of fog. Invariant: other features are refused if
+they would change the light, and reported if they change surfaces.
 """
 
 import os
@@ -33,8 +33,8 @@ SURFACE_BEYOND = ("normalTexture", "emissiveTexture")
 
 @dataclass
 class Surface:
-    """Triangles in world space that share a Lambert reflectance, and maybe a texture that multiplies it
-    (`uvs` then are a vertex's); `material` is the file's."""
+    """Triangles in world space with one Lambert reflectance, and perhaps a texture that multiplies it
+    (with `uvs` by vertex); `material` is the file's index."""
 
     positions: np.ndarray
     triangles: np.ndarray
@@ -46,22 +46,22 @@ class Surface:
 
 @dataclass
 class Fog:
-    """The image of the cube [-1, 1]^3, filled evenly, or as densely as a grid says, in its own space;
-    extinction a metre."""
+    """Fog in the image of the cube [-1, 1]^3, homogeneous or from a grid in its own space; extinction per
+    metre."""
 
     world_from_cube: np.ndarray
     density_per_m: list[float]
     albedo: list[float]
     anisotropy: float
-    # An OpenVDB file and its grid.
+    # OpenVDB file and grid.
     grid: tuple[Path, str] | None = None
-    # Another of its grids, of colours that albedo is multiplied by.
+    # Grid of colours that multiply albedo.
     albedo_grid: str | None = None
 
 
 @dataclass
 class PeerScene:
-    """Everything that is rendered; without a sky what lies behind is black."""
+    """All that is rendered; without a sky the background is black."""
 
     surfaces: list[Surface]
     suns: list[Sun]
@@ -72,14 +72,14 @@ class PeerScene:
     sky: PeerSky | None
     size: tuple[int, int]
     notes: list[str]
-    # How often light is scattered beyond direct light and single scattering.
+    # Number of scatterings beyond direct light and single scattering.
     bounces: int = 0
 
 
 def read_scene(
     source: Path, frame: float | None = None, program: str | None = None, allowed: Sequence[Path] = ()
 ) -> PeerScene:
-    """Reads what the renderer reads (`load`) at a frame, by default the first. Raises `SceneError`."""
+    """Reads an input of the renderer (`load`) at a frame, by default the first. Raises `SceneError`."""
     gltf = load(source, program, allowed=allowed)
     return _Reader(gltf, gltf.settings.first if frame is None else frame).scene()
 
@@ -146,7 +146,7 @@ class _Reader:
     def _fog(self, node: Node, fog: Value, world_from_cube: np.ndarray) -> Fog:
         vdb, grid = fog.member("vdb"), None
         if vdb is not None:
-            # Its own folder may be gone: the renderer's export was read from it.
+            # Its own folder may be gone, as the renderer's export is temporary.
             path = Path(os.path.realpath(self.gltf.container.path.parent / unquote(vdb.text())))
             if not path.is_file():
                 vdb.fail(f"leads to {path}, which is no file: other renderers get no sequences of grids")
@@ -225,7 +225,7 @@ class _Reader:
         return shading.numbers_at("baseColorFactor", 1.0, 1.0, 1.0, 1.0)[:3], texture
 
     def _is_matte(self, extension: str, source: Value) -> bool:
-        """True for what says that there is no shine."""
+        """True for an extension that adds no gloss."""
         found = source.extension(extension)
         if extension != "KHR_materials_specular" or found is None:
             return False

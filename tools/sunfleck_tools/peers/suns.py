@@ -1,5 +1,5 @@
-"""The same scene under another sun. In goes a GLB with one camera and one sun, both of which stand still, out
-comes another file."""
+"""Variants of a scene with another sun. In goes a GLB with one still camera and one still sun, out comes
+another file."""
 
 import json
 import math
@@ -11,7 +11,7 @@ JSON_CHUNK, HEADER_BYTES = 0x4E4F534A, 20
 
 
 def changed(glb: Path, made: Path, change: Callable[[dict], None]) -> Path:
-    """Writes a GLB with a change to its document, all else as it was."""
+    """Writes a GLB with a change to its document alone."""
     data = glb.read_bytes()
     json_end = HEADER_BYTES + struct.unpack_from("<I", data, 12)[0]
     document, rest = json.loads(data[HEADER_BYTES:json_end]), data[json_end:]
@@ -24,14 +24,14 @@ def changed(glb: Path, made: Path, change: Callable[[dict], None]) -> Path:
 
 
 def with_sun(glb: Path, sun: str, made: Path) -> Path:
-    """Writes the file with its sun `ahead` of the camera, or with a disc of so many degrees."""
+    """Writes the file with its sun `ahead` of the camera, or with a disc of this many degrees."""
 
     def change(document: dict) -> None:
         nodes = document["nodes"]
         node = next(node for node in nodes if "KHR_lights_punctual" in node.get("extensions", {}))
         if sun == "ahead":
             camera = next(node for node in nodes if "camera" in node)["matrix"]
-            # It shines along its -z, the camera looks along its own: half a turn about y.
+            # The sun emits along -z, and the camera looks along its own -z: half a turn about y.
             turned = [-value for value in camera[0:4]] + camera[4:8] + [-value for value in camera[8:12]]
             node["matrix"] = turned + node["matrix"][12:]
         else:

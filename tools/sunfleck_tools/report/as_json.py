@@ -1,4 +1,4 @@
-"""A report as the JSON that validate.schema.json describes."""
+"""Report as the JSON that validate.schema.json describes."""
 
 import json
 import math
@@ -12,12 +12,12 @@ FORMAT_VERSION = 1
 
 
 def json_report(report: Report) -> str:
-    """The report as text; numbers that JSON cannot hold are null."""
+    """Report as JSON text; numbers that JSON cannot represent are null."""
     return json.dumps(as_object(report), indent=1, allow_nan=False)
 
 
 def as_object(report: Report) -> dict:
-    """The report as dictionaries and lists."""
+    """Report as dictionaries and lists."""
     return {
         "format_version": FORMAT_VERSION,
         "sequence": _sequence(report.sequences[0]),

@@ -1,4 +1,4 @@
-"""A value over frames as an SVG."""
+"""Values over frames as an SVG."""
 
 import math
 from html import escape
@@ -10,8 +10,8 @@ MOST_DOTS = 500
 def curve(
     title: str, points: list[tuple[int, float | None]], marked: dict[int, str], anchor: str = "frame"
 ) -> str:
-    """A titled polyline, broken where there is no value; dots on frames with findings.
-    Nothing without values."""
+    """Titled polyline, interrupted at missing values; dots mark frames with findings. Empty without
+    values."""
     known = [(frame, value) for frame, value in points if value is not None and math.isfinite(value)]
     if not known:
         return ""

@@ -1,6 +1,6 @@
-"""A report as one page that needs nothing else: contact sheet, curves, findings that lead to their frames.
+"""Report as a self-contained page: contact sheet, curves, findings linked to their frames.
 
-Invariant: whatever names and messages hold, they are text of the page and never markup.
+Invariant: names and messages are always text of the page, never markup.
 """
 
 import base64
@@ -43,7 +43,7 @@ def html_report(report: Report) -> str:
 
 
 def _sequence(checked: Checked, number: int) -> str:
-    """A sequence's part of the page; `number` keeps its links apart from those of others."""
+    """Section of a sequence; `number` makes its links unique."""
     anchor = "frame" if number == 1 else f"sequence-{number}-frame"
     worst = _worst(checked)
     curves = "".join(
@@ -71,7 +71,7 @@ def _sequence(checked: Checked, number: int) -> str:
 
 
 def _text(text: str) -> str:
-    """Text of the page, what is no character of text escaped."""
+    """Escaped text, without characters that text cannot have."""
     return escape(printable(text))
 
 
@@ -98,8 +98,7 @@ def _row(finding: Finding, anchor: str) -> str:
 
 
 def _gain(frames: list[FrameSummary]) -> float:
-    """One exposure for the whole sheet, so that flicker can be seen: the usual 99th
-    percentile becomes white."""
+    """One exposure for the whole sheet, so that flicker shows: the usual 99th percentile becomes white."""
     levels = [frame.p99 for frame in frames if frame.p99]
     return 1.0 / float(np.median(levels)) if levels else 1.0
 

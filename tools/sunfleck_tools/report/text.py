@@ -1,4 +1,4 @@
-"""A report for the terminal: of each sequence the worst frame first, and the verdict in the last line."""
+"""Report for the terminal: the worst frame of each sequence first, the verdict in the last line."""
 
 from collections import Counter
 
@@ -37,7 +37,7 @@ def _lines(checked: Checked) -> list[str]:
 
 
 def verdict(checked: Checked) -> str:
-    """One line: what was looked at, and how it is."""
+    """One line: the subject, and the verdict."""
     numbers = (
         "" if checked.listing.is_still else f", {format_frames(frame.number for frame in checked.frames)}"
     )
