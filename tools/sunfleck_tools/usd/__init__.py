@@ -1,4 +1,4 @@
-"""USD stages out of what the renderer reads, and the way back."""
+"""USD stages, written from the renderer's inputs and read back."""
 
 from .export import Exported, ExportOptions, export_usd
 from .reading.convert import Imported, import_usd

@@ -1,4 +1,4 @@
-"""Cameras: USD measures lenses in tenths of a scene unit, here tenths of a metre."""
+"""Cameras. USD measures lenses in tenths of a scene unit, here tenths of a metre."""
 
 import math
 
@@ -15,8 +15,8 @@ DEFAULT_ASPECT = 16 / 9
 
 
 def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
-    """The camera that stands at a node. Of parallel rays Blender 5.0 takes whole units
-    where USD has tenths."""
+    """Writes the camera of a node. For orthographic cameras Blender 5.0 uses whole units where USD has
+    tenths."""
     cameras = gltf.document.items("cameras")
     source = node.source.need("camera").item_of(cameras, "camera")
     extras = source.group("extras")
@@ -62,7 +62,7 @@ def write_camera(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blend
 
 
 def _write_shift(prim: Prim, ours, frame_width: float, frame_height: float) -> None:
-    """A shift is counted in the longer side of the picture, to the right and up."""
+    """Writes the shift, a fraction of the picture's longer side, to the right and up."""
     shift = ours.member("shift")
     if shift is None:
         return

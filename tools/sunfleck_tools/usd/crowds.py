@@ -1,9 +1,9 @@
-"""Many places of few meshes as one PointInstancer. Invariant: instances are those nodes' places,
-in the nodes' order.
+"""PointInstancers for nodes that share few meshes. Invariant: instances have the nodes' transforms, in the
+nodes' order.
 
-Turns are those of `orientationsf`; `orientations`, in halves, are there for programs that know no
-others, and are off by up to 5e-4. Blender 5.0 is one of them: in a stage for it prototypes turn in
-their instances' stead.
+Rotations are in `orientationsf`; `orientations`, in halves, are for programs without support for these,
+and have errors of up to 5e-4. Blender 5.0 is one of them: in a stage for it, prototypes are rotated in
+place of instances.
 """
 
 import numpy as np
@@ -27,8 +27,8 @@ ATTRIBUTES = {
 
 
 def crowds(nodes: list[Node], is_plain: set[int]) -> dict[int, list[Node]]:
-    """Nodes that become instances, by their parent's index (-1: none): those that place a mesh that
-    others place too."""
+    """Nodes that become instances, by their parent's index (-1: none): those whose mesh other nodes show
+    too."""
     placed: dict[tuple[int, int], list[Node]] = {}
     for node in nodes:
         if node.index in is_plain and node.matrix is None:
@@ -44,7 +44,7 @@ def crowds(nodes: list[Node], is_plain: set[int]) -> dict[int, list[Node]]:
 def write_crowd(
     prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names, for_blender: bool
 ) -> None:
-    """An instancer of nodes with one parent; `shapes` has one for each of them."""
+    """Instancer of nodes with one parent; `shapes` has one for each of them."""
     if for_blender:
         numbers = _turned_prototypes(prim, nodes, shapes, sampler, names)
         _write_parts(prim, nodes, sampler, ["translation"])
@@ -56,8 +56,8 @@ def write_crowd(
 
 
 def _shared_prototypes(prim: Prim, shapes: list[Sdf.Path], names: Names) -> list[int]:
-    """A prototype for each mesh, below the instancer, where nobody draws them but it; which of them
-    each instance is."""
+    """Writes a prototype for each mesh, below the instancer, where only it draws them; returns the
+    prototype of each instance."""
     paths = list(dict.fromkeys(shapes))
     targets = []
     for path in paths:
@@ -72,7 +72,7 @@ def _shared_prototypes(prim: Prim, shapes: list[Sdf.Path], names: Names) -> list
 def _turned_prototypes(
     prim: Prim, nodes: list[Node], shapes: list[Sdf.Path], sampler: Sampler, names: Names
 ) -> list[int]:
-    """A prototype for each node, which turns and is scaled as it does: an instance of the mesh."""
+    """Writes a prototype for each node, with its rotation and scale: an instance of the mesh."""
     targets = []
     for node, path in zip(nodes, shapes):
         turned = prim.child(names.new(node.name), "Xform")
@@ -100,7 +100,7 @@ def _say_names(prim: Prim, nodes: list[Node]) -> None:
 
 def _write_parts(prim: Prim, nodes: list[Node], sampler: Sampler, paths: list[str]) -> None:
     for path in paths:
-        # At whole frames alone: the keys of all would be too many codes for each.
+        # Only at whole frames, as the union of all keys would be too large.
         codes = sampler.frames if any(path in node.curves for node in nodes) else sampler.frames[:1]
         times = sampler.seconds(codes)
         # time, instance

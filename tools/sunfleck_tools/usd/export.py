@@ -1,4 +1,4 @@
-"""A glTF scene to a USD stage. Invariant: the target appears whole or not at all."""
+"""Export of a glTF scene as a USD stage. Invariant: the target appears whole or not at all."""
 
 import os
 import shutil
@@ -36,7 +36,7 @@ MOST_SAMPLES = 30_000_000
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """How a stage is written."""
+    """Options of the export."""
 
     for_blender: bool = False
     point_instancer: bool = False
@@ -50,7 +50,7 @@ class ExportOptions:
 
 @dataclass(frozen=True)
 class Exported:
-    """What was written: prims by type, frames, and what the stage does not say."""
+    """Result of the export: prims by type, frames, and losses."""
 
     prims: dict[str, int]
     frames: range
@@ -58,8 +58,8 @@ class Exported:
 
 
 def export_usd(source: str | Path, target: str | Path, options: ExportOptions = ExportOptions()) -> Exported:
-    """Writes `source`, a sequence, scene or glTF file, as the stage `target`. Raises
-    `SceneError` or `OSError`."""
+    """Writes `source`, a sequence, scene or glTF file, as the stage `target`. Raises `SceneError` or
+    `OSError`."""
     source, target = Path(source), Path(target)
     if target.suffix.lower() not in ENDINGS:
         raise SceneError(f"{target}: is no stage: expected a name that ends in {', '.join(ENDINGS)}")
@@ -68,7 +68,7 @@ def export_usd(source: str | Path, target: str | Path, options: ExportOptions = 
     gltf = load(source, options.program, options.frames, options.fps, options.allowed)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".sunfleck-usd-") as scratch:
         is_package = target.suffix.lower() == ".usdz"
-        # Textures are named after the stage, so that two stages in one folder keep theirs apart.
+        # The folder of textures has the stage's name, so that two stages in one folder do not conflict.
         name = "textures" if is_package else f"{target.stem}_textures"
         stage = Path(scratch) / (f"{target.stem}.usdc" if is_package else target.name)
         export = _Export(gltf, options, Textures(gltf.container, Path(scratch) / name, name), source.name)
@@ -86,7 +86,7 @@ def export_usd(source: str | Path, target: str | Path, options: ExportOptions = 
 
 
 def _replace_folder(made: Path, wanted: Path) -> None:
-    """Puts files where they belong: over those of their own names, never over others'."""
+    """Moves files to their place; files with other names stay."""
     wanted.mkdir(exist_ok=True)
     for file in made.iterdir():
         os.replace(file, wanted / file.name)
@@ -94,7 +94,7 @@ def _replace_folder(made: Path, wanted: Path) -> None:
 
 
 class _Export:
-    """One stage under construction."""
+    """Stage under construction."""
 
     def __init__(self, gltf: Gltf, options: ExportOptions, textures: Textures, said: str):
         self.gltf, self.options, self.said = gltf, options, said
@@ -108,7 +108,7 @@ class _Export:
         self.lost: list[str] = []
         self.layer = Sdf.Layer.CreateAnonymous(".usda")
         self.textures = textures
-        # Where the stage is to lie; None of a package, which holds what it names.
+        # Folder of the stage; None for a package, which contains its files.
         self.folder: Path | None = None
         self.prims: Counter[str] = Counter()
 
@@ -158,7 +158,7 @@ class _Export:
             write_crowd(prim, nodes, shapes, self.sampler, self.names, self.options.for_blender)
 
     def _is_plain(self, node: Node) -> bool:
-        """True if there is nothing at the node but a mesh that keeps its shape."""
+        """True if the node has only an undeformed mesh."""
         things = [
             node.source.member("camera"),
             kind_of(node, self.gltf),
@@ -206,7 +206,7 @@ class _Export:
     def _write_mesh(self, prim: Prim, node: Node, alone: bool) -> None:
         bending = self.geometry.bending(node)
         if bending is not None:
-            # Skinned vertices are in the world, whatever the node does.
+            # Skinned vertices are in world space, whatever their node's transform.
             holder = self._child(self.world, f"{node.name}_skin", "Xform") if bending.is_skinned else prim
             if holder is not prim:
                 holder.say_name(node.key)

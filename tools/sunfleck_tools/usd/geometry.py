@@ -1,4 +1,4 @@
-"""Meshes: prototypes that leaves refer to, and meshes of their own for what bends."""
+"""Meshes: shared prototypes, and a mesh of its own for each deformation."""
 
 import numpy as np
 from pxr import Sdf, Vt
@@ -18,7 +18,7 @@ MOST_BYTES = 2**28
 
 
 class Geometry:
-    """Writes meshes, those that do not bend once."""
+    """Writes meshes, undeformed ones once."""
 
     def __init__(self, gltf: Gltf, names: Names, materials: Materials, prototypes: Prim, lost: list[str]):
         self.gltf, self.names, self.materials, self.prototypes = gltf, names, materials, prototypes
@@ -26,7 +26,7 @@ class Geometry:
         self._written: dict[int, Sdf.Path] = {}
 
     def bending(self, node: Node) -> Bending | None:
-        """What bends the mesh at a node, if anything does."""
+        """Deformation of a node's mesh, if it has one."""
         found = self.meshes.of(node)
         if found is None:
             return None
@@ -37,7 +37,7 @@ class Geometry:
         )
 
     def prototype(self, node: Node) -> Sdf.Path:
-        """What an instance of the node's mesh refers to."""
+        """Prototype of the node's mesh."""
         found = self.meshes.of(node)
         assert found is not None, "whoever asks has seen a mesh"
         number, mesh = found
@@ -50,7 +50,7 @@ class Geometry:
     def fill(
         self, holder: Prim, mesh: Mesh, bending: Bending | None = None, sampler: Sampler | None = None
     ) -> None:
-        """Puts a mesh below a prim, with its materials beside it."""
+        """Writes a mesh below a prim, with its materials beside it."""
         bound = {}
         for primitive in mesh.primitives:
             prim = holder.child(self.names.new(f"{mesh.name}_mesh"), "Mesh")

@@ -1,10 +1,10 @@
-"""Lights to UsdLux, all normalised: what a light emits does not depend on its size.
+"""Lights as UsdLux, all normalized: their power does not depend on their size.
 
-UsdLux has a radiance `intensity * color`, divided by the light's area where `normalize` is on. So a light of
-P watts that is Lambert's has the intensity P / pi. A sphere of I W/sr, which emits 4 pi I, has 4 I, and a sun
-its irradiance. See https://openusd.org/release/user_guides/schemas/usdLux/usdLux_toc.html. Blender 5.0 agrees
-but for suns: it takes four times the intensity for W/m2 and twice the angle for the disc's. `for_blender`
-writes what it takes.
+UsdLux has a radiance `intensity * color`, divided by the light's area where `normalize` is on. So a
+Lambertian light of P watts has the intensity P / pi. A sphere of I W/sr, which emits 4 pi I, has 4 I, and
+a sun its irradiance. See https://openusd.org/release/user_guides/schemas/usdLux/usdLux_toc.html. Blender
+5.0 agrees except for suns: it reads four times the intensity as W/m2, and twice the disc's angle.
+`for_blender` writes its values.
 """
 
 import math
@@ -26,19 +26,19 @@ BLENDER_SUN, BLENDER_ANGLE = 0.25, 0.5
 
 
 def kind_of(node: Node, gltf: Gltf) -> str | None:
-    """The type of prim that a node's light is."""
+    """Type of prim for a node's light."""
     kind = LightSource(node, gltf).kind
     return None if kind is None else PRIMS[kind]
 
 
 def shows_picture(node: Node) -> bool:
-    """Whether a sun's disc is not as bright everywhere."""
+    """Whether a sun's disc has non-uniform radiance."""
     light = node.extras.group("sunfleck_light")
     return any(light.member(field) is not None for field in ("image", "fractal", "limb_darkening"))
 
 
 def write_light(prim: Prim, kind: str, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
-    """The light that stands at a node."""
+    """Writes the light of a node."""
     _Light(prim, node, gltf, sampler, for_blender).write(kind)
 
 
@@ -108,11 +108,11 @@ class _Light:
     def _power(
         self, field: str, still: np.ndarray, carried_per_unit: float, intensity_per_unit: float
     ) -> np.ndarray:
-        """Writes intensity and colour; what it is at first."""
+        """Writes intensity and colour; returns the first value."""
         control = self._control(field)
         codes, rows = self.sampler.frames[:1], still[None]
         if control is not None:
-            # One number multiplies the colour that the light has.
+            # A scalar multiplies the light's colour.
             color = 1.0 if control.axis is None else self.source.color()
             at = lambda times_s: control.at(times_s) / carried_per_unit * color
             codes, rows = self.sampler.rows(control.curve, at)

@@ -1,4 +1,4 @@
-"""Materials to UsdPreviewSurface, with their textures
+"""Materials as UsdPreviewSurface, with their textures
 (https://openusd.org/release/spec_usdpreviewsurface.html)."""
 
 import math
@@ -17,7 +17,7 @@ NOT_CARRIED = ("KHR_materials_transmission", "KHR_materials_diffuse_transmission
 
 
 class Materials:
-    """Writes each material once; prims that use it refer to it from where their own instances can see it."""
+    """Writes each material once; prims refer to it by a copy that their own instances can see."""
 
     def __init__(self, gltf: Gltf, names: Names, library: Prim, textures: Textures, lost: list[str]):
         self.sources = gltf.document.items("materials")
@@ -27,13 +27,13 @@ class Materials:
         self._written: dict[int, Prim] = {}
 
     def refer(self, holder: Prim, number: int) -> Sdf.Path:
-        """A material below `holder` that is material `number`."""
+        """Material below `holder` that refers to material `number`."""
         if number not in self._written:
             source = self.sources[number]
             name = self.names.new(source.text_at("name") or f"material {number}")
             self._written[number] = self._write(self.library.child(name, "Material"), source)
         written = self._written[number]
-        # Below each holder it may have the same name: paths differ.
+        # The name may be the same below each holder, as paths differ.
         prim = holder.child(written.spec.name, "Material")
         prim.refer_to(written.path)
         return prim.path
@@ -51,7 +51,7 @@ class Materials:
                     f"what {name} says is kept as custom data alone: UsdPreviewSurface has no word for it"
                 )
         if source.text_at("alphaMode", "OPAQUE") == "BLEND":
-            # An opacity of 1, as of filters, does not tell.
+            # An opacity of 1 does not show that the material blends, as filters do.
             ours["alpha_mode"] = "BLEND"
         normal = source.member("normalTexture")
         if normal is not None and normal.number_at("scale", 1.0) != 1.0:
@@ -69,7 +69,7 @@ class Materials:
 
 
 class Surface:
-    """One material's network."""
+    """Network of one material."""
 
     def __init__(self, materials: Materials, prim: Prim, source: Value):
         self.materials, self.prim, self.source = materials, prim, source
@@ -77,18 +77,18 @@ class Surface:
         self.shader = self._node("surface", "UsdPreviewSurface")
 
     def _node(self, name: str, kind: str) -> Prim:
-        """A shader of a kind that USD has."""
+        """Shader of one of USD's kinds."""
         node = self.prim.child(name, "Shader")
         node.set("info:id", Types.Token, kind, uniform=True)
         return node
 
     def write(self) -> None:
-        """Writes shader, textures and readers of texture coordinates."""
+        """Writes the shader, textures and readers of texture coordinates."""
         shader, source = self.shader, self.source
         pbr = source.group("pbrMetallicRoughness")
         red, green, blue, alpha = pbr.numbers_at("baseColorFactor", 1.0, 1.0, 1.0, 1.0)
         base = pbr.member("baseColorTexture")
-        # What is unlit shines in its base colour, and is black besides.
+        # An unlit material emits its base colour, and is black otherwise.
         is_unlit = source.extension("KHR_materials_unlit") is not None
         shown = "inputs:emissiveColor" if is_unlit else "inputs:diffuseColor"
         if base is None:
@@ -113,7 +113,7 @@ class Surface:
             self._write_emission()
         normal = source.member("normalTexture")
         if normal is not None:
-            # UsdPreviewSurface allows of no other scale of normal maps than this.
+            # UsdPreviewSurface allows no other scale of normal maps.
             texture = self._texture("normal", normal, (2, 2, 2, 1), (-1, -1, -1, 0), is_color=False)
             self._feed("inputs:normal", Types.Normal3f, texture, "rgb", Types.Float3)
         shader.set("outputs:surface", Types.Token, None)
@@ -139,8 +139,8 @@ class Surface:
                 shader.set(f"inputs:{name}", Types.Float, coat.number_at(f"{name}Factor", 0.0, 0, 1))
 
     def _ior(self) -> float:
-        """The index that reflects as much along the normal as index, factor and colour of
-        glTF do together."""
+        """Refractive index whose reflectance along the normal is that of glTF's index, factor and colour
+        together."""
         described = self.source.extension("KHR_materials_ior")
         specular = self.source.extension("KHR_materials_specular")
         index = 1.5 if described is None else described.number_at("ior", 1.5, 1.0, 100.0)
@@ -196,7 +196,7 @@ class Surface:
         return prim
 
     def _reader(self, layer: int) -> Sdf.Path:
-        """What reads a set of texture coordinates."""
+        """Reader of a set of texture coordinates."""
         if layer not in self.readers:
             name = texture_coordinates(layer)
             prim = self._node(f"read_{name}", "UsdPrimvarReader_float2")
@@ -206,7 +206,7 @@ class Surface:
         return self.readers[layer]
 
     def _transform(self, name: str, transform: Value, source: Sdf.Path) -> Sdf.Path:
-        """glTF turns clockwise about the upper left corner, USD anticlockwise about the lower left one."""
+        """glTF rotates clockwise about the upper left corner, USD anticlockwise about the lower left one."""
         (u, v), (wide, high) = transform.numbers_at("offset", 0, 0), transform.numbers_at("scale", 1, 1)
         angle = transform.number_at("rotation", 0.0)
         prim = self._node(f"{name}_place", "UsdTransform2d")

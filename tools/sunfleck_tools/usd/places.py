@@ -1,4 +1,4 @@
-"""Where nodes stand, as transform operations and visibility."""
+"""Transforms and visibility of nodes, as transform operations."""
 
 import numpy as np
 from pxr import Gf, Vt
@@ -20,7 +20,7 @@ OPERATIONS = {
 
 
 def write_place(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> None:
-    """Transform and visibility of a node."""
+    """Writes transform and visibility of a node."""
     order = []
     if node.matrix is not None and not np.array_equal(node.matrix, np.eye(4)):
         # USD writes matrices for row vectors.
@@ -36,7 +36,7 @@ def write_place(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blende
 
 
 def write_turn_and_scale(prim: Prim, node: Node, sampler: Sampler) -> None:
-    """What is left of a node's place without its translation."""
+    """Writes the rest of a node's transform after its translation."""
     order = [name for path in ("rotation", "scale") for name in _write_part(prim, node, path, sampler)]
     if order:
         prim.set("xformOpOrder", Types.TokenArray, Vt.TokenArray(order), uniform=True)
@@ -58,7 +58,7 @@ def _write_part(prim: Prim, node: Node, path: str, sampler: Sampler) -> list[str
 
 
 def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_blender: bool) -> bool:
-    """True if there is an operation beside."""
+    """Writes the visibility; returns True if it needs an operation of its own."""
     hidden = node.source.extension("KHR_node_visibility")
     if hidden is not None and (said := hidden.member("visible")) is not None and said.raw is False:
         prim.set("visibility", Types.Token, "invisible")
@@ -74,7 +74,7 @@ def _write_visibility(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, for_
     prim.animate("visibility", Types.Token, codes, ["inherited" if each else "invisible" for each in shown])
     if not for_blender or len(codes) == 1:
         return False
-    # Scales are interpolated: each is written again right before the next.
+    # Scales are interpolated, so each is repeated just before the next.
     scales = [1.0 if each else HIDDEN_SCALE for each in shown]
     samples = dict(zip((codes[1:] - JUMP).tolist(), scales[:-1])) | dict(zip(codes.tolist(), scales))
     prim.animate(

@@ -1,7 +1,7 @@
 """Prims of a layer, written attribute by attribute.
 
-Written as specs in one block of changes: composing after each of a hundred thousand would take minutes.
-Invariant: a name is used once in the whole stage, since Blender's objects have no paths.
+Specs are written in one change block, as composition after each of a hundred thousand would take minutes.
+Invariant: a name is unique in the whole stage, as Blender's objects have no paths.
 """
 
 from collections.abc import Iterable
@@ -14,13 +14,13 @@ Types = Sdf.ValueTypeNames
 
 
 class Names:
-    """Names that USD takes, each handed out once."""
+    """Valid names of USD, each used once."""
 
     def __init__(self):
         self._taken: set[str] = set()
 
     def new(self, name: str) -> str:
-        """The name itself if it can be, or one like it."""
+        """The name itself if it is valid and free, or one like it."""
         wanted = Tf.MakeValidIdentifier(name or "unnamed")
         found, count = wanted, 1
         while found.casefold() in self._taken:
@@ -31,7 +31,7 @@ class Names:
 
 
 class Prim:
-    """A prim under construction."""
+    """Prim under construction."""
 
     def __init__(self, spec: Sdf.PrimSpec):
         self.spec = spec
@@ -41,17 +41,17 @@ class Prim:
     def root(
         cls, layer: Sdf.Layer, name: str, kind: str = "", specifier: Sdf.Specifier = Sdf.SpecifierDef
     ) -> "Prim":
-        """A prim at the top of a layer."""
+        """Creates a prim at the top of a layer."""
         return cls(Sdf.PrimSpec(layer, name, specifier, kind))
 
     def child(self, name: str, kind: str = "") -> "Prim":
-        """A prim below this one."""
+        """Creates a prim below this one."""
         return Prim(Sdf.PrimSpec(self.spec, name, Sdf.SpecifierDef, kind))
 
     def set(
         self, name: str, kind: Sdf.ValueTypeName, value: object, uniform: bool = False, custom: bool = False
     ) -> None:
-        """An attribute that does not change."""
+        """Sets a constant attribute."""
         self._attribute(name, kind, uniform, custom).default = value
 
     def animate(
@@ -62,7 +62,7 @@ class Prim:
         values: Iterable,
         custom: bool = False,
     ) -> None:
-        """An attribute with a value at each time code; a single one does not change."""
+        """Sets an attribute at time codes; a single value is constant."""
         codes, values = list(codes), list(values)
         if len(codes) == 1:
             return self.set(name, kind, values[0], custom=custom)
@@ -77,34 +77,34 @@ class Prim:
         return Sdf.AttributeSpec(self.spec, name, kind, variability, custom)
 
     def annotate(self, name: str, key: str, value: object) -> None:
-        """Metadata of an attribute."""
+        """Sets metadata of an attribute."""
         self.spec.attributes[name].SetInfo(key, value)
 
     def connect(self, name: str, kind: Sdf.ValueTypeName, target: Sdf.Path) -> None:
-        """An input or output that another one feeds."""
+        """Connects an input or output to its source."""
         self._attribute(name, kind, False, False).connectionPathList.explicitItems = [target]
 
     def relate(self, name: str, *targets: Sdf.Path) -> None:
-        """A relationship."""
+        """Sets a relationship."""
         relationship = Sdf.RelationshipSpec(self.spec, name, False, Sdf.VariabilityUniform)
         relationship.targetPathList.explicitItems = list(targets)
 
     def apply(self, *schemas: str) -> None:
-        """Applied API schemas."""
+        """Applies API schemas."""
         self.spec.SetInfo("apiSchemas", Sdf.TokenListOp.Create(prependedItems=list(schemas)))
 
     def refer_to(self, target: Sdf.Path) -> None:
-        """Everything that another prim of the layer has."""
+        """Refers to another prim of the layer."""
         self.spec.referenceList.Prepend(Sdf.Reference("", target))
 
     def remember(self, values: dict) -> None:
-        """Custom data below `sunfleck`, for programs that know of it."""
+        """Sets custom data under `sunfleck`, for programs that use it."""
         before = dict(self.spec.customData).get("sunfleck", {})
         if values:
             self.spec.customData = {"sunfleck": {**before, **_plain(values)}}
 
     def say_name(self, key: str) -> None:
-        """The name that the renderer knows the thing by."""
+        """Stores the renderer's name of the object."""
         self.set("userProperties:sunfleck_name", Types.String, key, custom=True)
 
 
@@ -118,11 +118,11 @@ def _plain(value: object) -> Any:
 
 
 def vectors(kind: Any, rows: np.ndarray) -> Iterable:
-    """Rows as an array of vectors; as one array they are made in half the time."""
+    """Rows as an array of vectors; a single array converts twice as fast."""
     return kind.FromNumpy(np.ascontiguousarray(rows, np.float64 if kind is Vt.Vec3dArray else np.float32))
 
 
 def quaternions(rows: np.ndarray) -> Vt.QuatdArray:
-    """Rows of x, y, z, w. USD takes the arc cosine of w, which in single precision loses turns by less
-    than 0.04 degrees."""
+    """Quaternions from rows of x, y, z, w. USD computes the arc cosine of w, whose error in single
+    precision is below 0.04 degrees."""
     return Vt.QuatdArray.FromNumpy(np.ascontiguousarray(rows, np.float64))

@@ -1,4 +1,4 @@
-"""Custom properties as attributes that programs show and keep, and back.
+"""Custom properties as attributes, which programs show and keep.
 
 `sunfleck_fog_volume: {density: 0.1}` of a node becomes `userProperties:sunfleck_fog_volume:density = 0.1`.
 """
@@ -16,7 +16,7 @@ SPACE = "userProperties:"
 
 
 def write_properties(prim: Prim, name: str, fields: dict, owner: str, gltf: Gltf, sampler: Sampler) -> None:
-    """The fields of a property of `owner`; those that a node carries as they change."""
+    """Writes the fields of a property of `owner`, animated ones included."""
     for field, value in fields.items():
         attribute = f"{SPACE}{name}:{field}"
         control = gltf.control(owner, f"{name}.{field}")
@@ -27,7 +27,7 @@ def write_properties(prim: Prim, name: str, fields: dict, owner: str, gltf: Gltf
 
 
 def say_leaf_id(prim: Prim, node: Node) -> None:
-    """Which leaf a node is, if it says so."""
+    """Writes the leaf id of a node, if it has one."""
     leaf_id = node.extras.member("leaf_id")
     if leaf_id is not None:
         prim.set(f"{SPACE}leaf_id", Types.Int, leaf_id.whole(0, 2**31 - 1), custom=True)

@@ -1,5 +1,5 @@
-"""Curves to time samples. Invariant: at whole frames a sample is what the renderer has there, and straight
-lines stay straight.
+"""Time samples of curves. Invariant: at whole frames a sample equals the renderer's value, and linear
+segments stay linear.
 
 Time codes are frames. Besides whole frames there is a sample at each key between two of them.
 """
@@ -29,7 +29,7 @@ class Sampler:
         self.frames = np.unique(np.concatenate([frames, ends]))
 
     def codes(self, *curves: Curve | None) -> np.ndarray:
-        """The codes at which values that depend on these curves are written; one if there are none."""
+        """Codes for values that depend on these curves; one without curves."""
         moving = [curve for curve in curves if curve is not None and len(curve.times_s) > 1]
         if not moving:
             return self.frames[:1]
@@ -44,18 +44,18 @@ class Sampler:
         return codes[(codes >= self.frames[0]) & (codes <= self.frames[-1])]
 
     def seconds(self, codes: np.ndarray) -> np.ndarray:
-        """When they are."""
+        """Times of codes."""
         return self.settings.seconds(codes)
 
     def rows(
         self, curve: Curve | None, at: Callable[[np.ndarray], np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Codes of a curve and the rows there, without samples within a run of equal ones."""
+        """Codes of a curve and its rows, without samples inside runs of equal ones."""
         codes = self.codes(curve)
         return thinned(codes, at(self.seconds(codes)))
 
     def numbers(self, control: Control | None, still: float) -> tuple[np.ndarray, np.ndarray]:
-        """The same of a number that may change."""
+        """The same for a number that may be animated."""
         if control is None:
             return self.frames[:1], np.array([still])
         codes, rows = self.rows(control.curve, lambda times_s: control.at(times_s)[:, :1])
@@ -63,7 +63,7 @@ class Sampler:
 
 
 def thinned(codes: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Without the samples within a run of equal ones."""
+    """Samples without those inside runs of equal ones."""
     if len(codes) < 2:
         return codes, rows
     flat = rows.reshape(len(rows), -1)
@@ -71,6 +71,6 @@ def thinned(codes: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray
     if same.all():
         return codes[:1], rows[:1]
     keep = np.ones(len(codes), bool)
-    # Equal to the one before and to the one after.
+    # Equal to both neighbours.
     keep[1:-1] = ~(same[:-1] & same[1:])
     return codes[keep], rows[keep]

@@ -1,8 +1,8 @@
-"""The sky as a DomeLight: of one colour, or with a picture, its own or one of its gradient.
+"""Sky as a DomeLight: of one colour, or with a picture, its own or one of its gradient.
 
-USD has the picture of a dome as OpenEXR has it, +z in its middle and -x to the right of that. The
-renderer has -z in the middle, so a dome stands half a turn from it. Invariant: what lights nothing in the
-renderer is no light here.
+USD has OpenEXR's orientation of pictures, with +z in the centre and -x to its right. The renderer has -z
+in the centre, so a dome is rotated by half a turn. Invariant: a sky that lights nothing in the renderer is
+no light here.
 """
 
 import math
@@ -15,14 +15,14 @@ from .textures import Textures
 
 
 def sky_picture(sky: Sky | None, textures: Textures) -> Sdf.AssetPath | None:
-    """The sky's image as a file beside the stage, if it has one."""
+    """Image of the sky as a file beside the stage, if it has one."""
     return None if sky is None or sky.image is None else Sdf.AssetPath(textures.sky_file(sky.image))
 
 
 def write_sky(
     world: Prim, sky: Sky | None, picture: Sdf.AssetPath | None, textures: Textures, names: Names
 ) -> bool:
-    """True if there is a sky that lights the scene."""
+    """Writes the sky; returns True if it lights the scene."""
     if sky is None or sky.lights == "nothing":
         return False
     prim = world.child(names.new("sky"), "DomeLight")

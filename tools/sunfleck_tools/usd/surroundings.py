@@ -1,5 +1,4 @@
-"""Fog, and what the scene says of how it is rendered, as custom properties. Fog in a box also has
-a box to look at."""
+"""Fog and render settings as custom properties. Fog in a box also has a guide box."""
 
 from pxr import Gf, Sdf, Vt
 
@@ -14,7 +13,7 @@ OF_SCENE = ("sunfleck", ENVIRONMENT, "sunfleck_fog")
 
 
 def write_scene(prim: Prim, gltf: Gltf, sampler: Sampler, sky_picture: Sdf.AssetPath | None) -> None:
-    """The properties of the scene; the sky's image is a file."""
+    """Writes the properties of the scene; the sky's image is a file."""
     for name in OF_SCENE:
         fields = gltf.extras.group(name).raw
         if isinstance(fields, dict):
@@ -26,7 +25,7 @@ def write_scene(prim: Prim, gltf: Gltf, sampler: Sampler, sky_picture: Sdf.Asset
 
 
 def write_fog(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Names) -> None:
-    """The fog that a node bounds: the image of the cube from -1 to 1."""
+    """Writes the fog of a node: the image of the cube from -1 to 1."""
     fog = node.extras.group("sunfleck_fog_volume")
     write_properties(prim, "sunfleck_fog_volume", fog.raw, node.name, gltf, sampler)
     if fog.text_at("shape", "box") != "box":
@@ -34,12 +33,12 @@ def write_fog(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Names
     cube = prim.child(names.new(f"{node.name}_bounds"), "Cube")
     cube.set("size", Types.Double, 2.0)
     cube.set("extent", Types.Float3Array, Vt.Vec3fArray([Gf.Vec3f(-1), Gf.Vec3f(1)]))
-    # Seen by who looks at guides, rendered by nobody.
+    # Visible as a guide, and not rendered.
     cube.set("purpose", Types.Token, "guide", uniform=True)
 
 
 def write_metadata(layer: Sdf.Layer, gltf: Gltf, default: str, comment: str) -> None:
-    """What every stage must say: units, axes, frames."""
+    """Writes the stage's units, axes and frames."""
     settings = gltf.settings
     layer.defaultPrim = default
     layer.documentation = comment

@@ -15,7 +15,7 @@ SKY_KINDS = {b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
 
 
 class Textures:
-    """Puts images into `folder`; the stage calls that folder `name`."""
+    """Writes images into `folder`, whose name in the stage is `name`."""
 
     def __init__(self, container: Container, folder: Path, name: str):
         self.container, self.folder, self.name = container, folder, name
@@ -24,7 +24,7 @@ class Textures:
         self._files: dict[int, str] = {}
 
     def file_of(self, texture: Value) -> str:
-        """The path, relative to the stage, of a texture's image."""
+        """Path, relative to the stage, of a texture's image."""
         source = texture.member("source")
         if source is None:
             texture.fail("has no image that is PNG or JPEG")
@@ -43,7 +43,7 @@ class Textures:
         return self._files[number]
 
     def sky_file(self, uri: Value) -> str:
-        """The path, likewise, of a picture of linear light that a file links to."""
+        """Path, relative to the stage, of a linear picture that a file links to."""
         data = self.container.linked(uri)
         ending = next((ending for start, ending in SKY_KINDS.items() if data.startswith(start)), None)
         if ending is None:
@@ -54,7 +54,7 @@ class Textures:
         return f"./{self.name}/{name}"
 
     def picture_file(self, stem: str, pixels: np.ndarray) -> str:
-        """The path, likewise, of linear light that is written as OpenEXR."""
+        """Path, relative to the stage, of a linear picture that is written as OpenEXR."""
         name = self.names.new(stem) + ".exr"
         self.folder.mkdir(exist_ok=True)
         write_colors(self.folder / name, pixels)

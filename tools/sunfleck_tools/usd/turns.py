@@ -1,10 +1,10 @@
-"""Turns as orientations that USD interpolates well.
+"""Rotations as orientations that USD interpolates well.
 
-Two quaternions are near where their cosine is above 1 - 1e-5, which is half a degree of turn. Between such
-`GfSlerp` goes along the chord. `GfRotation` takes twice the arc cosine of w without bringing the quaternion
-to unit length. Near no turn at all, where the arc cosine is steep, that is off by up to 1e-3. So an animation
-that passes there is written as two turns: another one, half a turn away, and a half turn that does not
-change. Invariant: both together are the turns that went in.
+Quaternions are close if their dot product is above 1 - 1e-5, half a degree of rotation. Between them
+`GfSlerp` interpolates along the chord. `GfRotation` takes twice the arc cosine of w without normalization.
+Near the identity, where the arc cosine is steep, the error is up to 1e-3. So an animation that passes
+there is written as two rotations: one that is half a turn away, and a constant half turn. Invariant: their
+product is the given rotation.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ HALF_TURNS = np.eye(4)[:3]
 
 
 def steadied(turns: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Rows of x, y, z, w that go before a still turn; None if there is no need of one."""
+    """Rows of x, y, z, w to combine with a constant half turn; None if that is not needed."""
     if _error(turns) <= GOOD_ENOUGH:
         return turns, None
     # turn = other * half, and the inverse of a half turn is its negative.
@@ -27,7 +27,7 @@ def steadied(turns: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
 
 
 def _error(turns: np.ndarray) -> float:
-    """How far from the arc the worst chord is, in radians, once its w became an angle."""
+    """Largest distance of a chord from the arc, in radians, through the angle of its w."""
     cosines = np.abs(np.sum(turns[1:] * turns[:-1], axis=1))
     chords = np.nonzero((1 - cosines < CHORD_BELOW) & (cosines < 1))[0]
     if len(chords) == 0:
@@ -40,7 +40,7 @@ def _error(turns: np.ndarray) -> float:
 
 
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Rows of turns `a` after the turn `b`."""
+    """Rotations `a` after the rotation `b`."""
     x, y, z, w = np.moveaxis(a, -1, 0)
     i, j, k, r = b
     return np.stack(

@@ -1,5 +1,5 @@
-"""Fog by OpenVDB files as UsdVol has it. In go extras of glTF, out comes a `Volume` with its field. Invariant: the
-stage names the same files.
+"""Fog from OpenVDB files as UsdVol. In go extras of glTF, out comes a `Volume` with its field. Invariant:
+the stage refers to the same files.
 """
 
 import os
@@ -22,7 +22,7 @@ USUAL_GRID = "density"
 
 
 def write_volume(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Names, folder: Path | None) -> None:
-    """The fog of a node that names a file; the stage is to lie in `folder`, or packs what it names."""
+    """Writes the fog of a node with a file; the stage is in `folder`, or packages its files."""
     fog = node.extras.group(FOG)
     volume = prim.child(names.new(f"{node.name}_volume"), "Volume")
     fields = {name: value for name, value in fog.raw.items() if name not in OF_FILE}
@@ -30,7 +30,7 @@ def write_volume(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Na
     grid = fog.text_at("grid", USUAL_GRID)
     field = volume.child(names.new(grid), "OpenVDBAsset")
     field.set("fieldName", Types.Token, grid)
-    # Its own folder may be gone: the renderer's export was read from it.
+    # Its own folder may be gone, as the renderer's export is temporary.
     path = Path(os.path.realpath(gltf.container.path.parent / unquote(fog.need("vdb").text())))
     named = lambda file: Sdf.AssetPath(str(file) if folder is None else "./" + relative(file, folder))
     if path.is_file() or "#" not in path.name:
@@ -44,23 +44,23 @@ def write_volume(prim: Prim, node: Node, gltf: Gltf, sampler: Sampler, names: Na
 
 
 def relative(file: Path, folder: Path) -> str:
-    """A file's path from a folder."""
+    """Path of a file relative to a folder."""
     return os.path.relpath(os.path.realpath(file), os.path.realpath(folder)).replace(os.sep, "/")
 
 
 def uri(file: Path, folder: Path) -> str:
-    """The same as glTF has it."""
+    """The same as glTF's URI."""
     return quote(relative(file, folder))
 
 
 def numbered(path: Path, number: int) -> Path:
-    """The file of a sequence, whose name has signs in the number's place."""
+    """File of a sequence, whose name has a placeholder for the number."""
     before, digits, after = _parts(path)
     return path.with_name(f"{before}{number:0{digits}d}{after}")
 
 
 def numbers_of(path: Path) -> list[int]:
-    """Those of the files that are there."""
+    """Numbers of the existing files."""
     before, _, after = _parts(path)
     try:
         files = [file.name for file in path.parent.iterdir()]
@@ -74,7 +74,7 @@ def numbers_of(path: Path) -> list[int]:
 
 
 def _parts(path: Path) -> tuple[str, int, str]:
-    """What stands before the last run of signs, how many digits that is, and what stands behind."""
+    """Text before the last placeholder, its digits, and the text after it."""
     found = re.fullmatch(r"(.*?)(#+)([^#]*)", path.name)
     assert found is not None, "whoever asks has seen signs"
     before, signs, after = found.groups()

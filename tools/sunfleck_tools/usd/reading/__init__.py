@@ -1,1 +1,1 @@
-"""USD stages to glTF that sunfleck renders."""
+"""Import of USD stages as glTF."""

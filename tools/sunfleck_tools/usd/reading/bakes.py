@@ -1,8 +1,9 @@
-"""Textures of a stage to those of glTF: as they are where glTF can say it, else baked into new ones.
+"""Conversion of a stage's textures to glTF's: unchanged where glTF can represent them, else baked into new
+ones.
 
-In go what feeds inputs (`Fed`), out come factors and the texture that they multiply. Invariant: factor times
-texel is what the stage has at that texel, to half of a 255th; what is clipped, made smaller or averaged is
-said. glTF's base colour and emission are sRGB, all else is linear.
+In go sources of inputs (`Fed`), out come factors and the texture that they multiply. Invariant: factor
+times texel equals the stage's value to half of a 255th; clipped, reduced or averaged textures are
+reported. glTF's base colour and emission are sRGB, all else is linear.
 """
 
 from collections.abc import Sequence
@@ -24,7 +25,7 @@ MIME = {"PNG": "image/png", "JPEG": "image/jpeg"}
 
 
 class Bakery:
-    """Writes textures of one stage; equal ones once."""
+    """Writes the textures of one stage, equal ones once."""
 
     def __init__(self, writer: GlbWriter, textures: Textures, lost: Losses):
         self.writer, self.textures, self.lost = writer, textures, lost
@@ -32,7 +33,7 @@ class Bakery:
         self._images: dict[object, int] = {}
 
     def color(self, rgb: Fed, alpha: Fed) -> tuple[list[float], dict | None]:
-        """Base colour and opacity: four factors, and a texture in sRGB with alpha."""
+        """Base colour and opacity: four factors, and an sRGB texture with alpha."""
         rgb, alpha = self._readable([rgb, alpha])
         if rgb.texture is None and alpha.texture is None:
             return [*_shares(rgb.numbers), *_shares(alpha.numbers)], None
@@ -62,7 +63,7 @@ class Bakery:
         return factors, self._baked(("color", key), np.concatenate(baked, axis=-1), placement)
 
     def emission(self, rgb: Fed) -> tuple[list[float], dict | None]:
-        """Three factors, as large as they are, and a texture in sRGB."""
+        """Three factors of any size, and an sRGB texture."""
         (rgb,) = self._readable([rgb])
         if rgb.texture is None:
             return [max(each, 0.0) for each in rgb.numbers], None
@@ -82,7 +83,7 @@ class Bakery:
         )
 
     def flat(self, fed: Fed) -> tuple[float, ...]:
-        """Numbers where glTF has no texture that is honoured: a texture's mean."""
+        """Factors where glTF has no texture that is honoured: the mean of the texture."""
         if fed.texture is None:
             return fed.numbers
         self.lost.add(
@@ -93,8 +94,8 @@ class Bakery:
         return self.planes.mean(fed)
 
     def shares(self, slots: dict[int, Fed]) -> tuple[dict[int, float], dict | None]:
-        """Numbers from 0 to 1 in channels (0 red, 1 green, 2 blue) of one linear texture: a factor
-        each, and the texture."""
+        """Values from 0 to 1 in channels (0 red, 1 green, 2 blue) of one linear texture: a factor each,
+        and the texture."""
         slots = dict(zip(slots, self._readable(list(slots.values()))))
         textured = {slot: fed for slot, fed in slots.items() if fed.texture is not None}
         factors = {slot: _shares(fed.numbers)[0] for slot, fed in slots.items()}
@@ -131,8 +132,8 @@ class Bakery:
         return self._baked(("normal", key), 0.5 * normals[..., :3] + 0.5, placement)
 
     def _readable(self, inputs: list[Fed]) -> list[Fed]:
-        """Inputs whose textures one picture can hold: those that lie elsewhere, or on a mesh without
-        coordinates, as their mean."""
+        """Inputs whose textures fit into one picture; those with other placements, or without coordinates,
+        become their mean."""
         first = next(
             (
                 fed.texture.placement
@@ -163,7 +164,7 @@ class Bakery:
         return len(texture.files) == 1 and texture.files[0][0] == (0, 0) and self._picture(texture).is_carried
 
     def _is_color(self, fed: Fed, most: float) -> bool:
-        """Whether glTF can say it as it is."""
+        """Whether glTF can represent it unchanged."""
         texture = fed.map
         is_scaled = texture.bias is None or not any(texture.bias[:3])
         in_range = all(0 <= each <= most for each in texture.scale[:3])
@@ -185,8 +186,7 @@ class Bakery:
         )
 
     def _is_packed(self, slots: dict[int, Fed], textured: dict[int, Fed]) -> bool:
-        """Whether a file holds numbers just where glTF wants them, and those without a texture are 0,
-        whatever multiplies them."""
+        """Whether a file has its values in glTF's channels, and inputs without a texture are 0."""
         textures = [fed.map for fed in textured.values()]
         if len({(texture.files, texture.placement) for texture in textures}) > 1 or not self._is_carried(
             textures[0]
@@ -212,7 +212,7 @@ class Bakery:
         return np.clip(values, 0, 1)
 
     def _info(self, texture: Texture) -> dict:
-        """A file that is carried as it is."""
+        """Texture info of an unchanged file."""
         picture = self._picture(texture)
         if picture.path not in self._images:
             name = picture.path.replace("[", "/").rstrip("]").rpartition("/")[2].rpartition(".")[0]

@@ -1,7 +1,7 @@
-"""Points that move over time as morph targets and their weights.
+"""Moving points as morph targets with weights.
 
-In: where points are at each code. Out: as few targets as put every point within a bar of where it should be;
-one target a code where few do not do. Invariant: no point is further off than the bar, at any code.
+In go positions at each code, out come few targets, or one a code where few do not suffice. Invariant: the
+error of every point is within the tolerance at every code.
 """
 
 import hashlib
@@ -29,7 +29,7 @@ FEW = 16
 
 @dataclass
 class Bend:
-    """Points that move: what is added to them, times weights, a row a code."""
+    """Moving points: displacements and their weights, a row a code."""
 
     codes: np.ndarray
     targets: list[np.ndarray]
@@ -39,8 +39,8 @@ class Bend:
 def read_bend(
     place: object, points_at: Callable[[float], np.ndarray], codes: np.ndarray, rest: np.ndarray
 ) -> Bend | None:
-    """The movement of points; None if they stay. Raises `SceneError`, with the `place`, if
-    they are too many."""
+    """Motion of points; None if they are constant. Raises `SceneError`, with the `place`, if there are too
+    many."""
     if len(codes) * rest.size > MOST_VALUES:
         raise SceneError(f"{place}: {len(rest)} points that change over {len(codes)} frames are too many")
     moved = np.empty((len(codes), rest.size), np.float32)
@@ -60,8 +60,7 @@ def read_bend(
 
 
 def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows that differ, and which of those each one is: codes at which points are where they are at
-    another add nothing."""
+    """Unique rows and the index of each code's row: equal codes add nothing."""
     known: dict[bytes, int] = {}
     first: list[int] = []
     number = np.empty(len(rows), np.int64)
@@ -73,12 +72,12 @@ def _different(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _components(moved: np.ndarray, bar: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """Targets and weights: principal components of movement (Alexa and Mueller 2000), if those are at most
+    """Targets and weights: principal components of the motion (Alexa and Mueller 2000), if they are at most
     half as many as its rows.
 
-    How rows are mixed is found from a sample of the columns alone, as if those were all (Frieze, Kannan and
-    Vempala 2004), and then held against every one. So the cost of the decomposition does not grow with the
-    points, and where many components are needed that is known before all the columns are read.
+    The weights come from a sample of the columns (Frieze, Kannan and Vempala 2004), and are then checked
+    against every column. So the cost of the decomposition does not grow with the points, and a motion with
+    many components is recognized before all columns are read.
     """
     chosen = np.random.default_rng(0).permutation(moved.shape[1])[:SAMPLED]
     sample = moved[:, np.sort(chosen)].astype(float)
@@ -88,7 +87,7 @@ def _components(moved: np.ndarray, bar: float) -> tuple[np.ndarray, np.ndarray] 
     while rank is not None:
         targets = _targets(moved, mixes[:, :rank], bar)
         if targets is not None:
-            # Weights of about 1.
+            # Scales weights to about 1.
             largest = np.abs(mixes[:, :rank]).max(axis=0)
             return targets * largest[:, None], mixes[:, :rank] / largest
         rank = rank + max(rank // 4, 1)
@@ -97,7 +96,7 @@ def _components(moved: np.ndarray, bar: float) -> tuple[np.ndarray, np.ndarray] 
 
 
 def _rank(sample: np.ndarray, mixes: np.ndarray, bar: float) -> int | None:
-    """How many mixes give the sample, but for the bar; None if all of them do not."""
+    """Number of components that reproduce the sample within the tolerance; None if all of them do not."""
     left = sample.copy()
     for rank in range(1, mixes.shape[1] + 1):
         mix = mixes[:, rank - 1]
@@ -108,7 +107,7 @@ def _rank(sample: np.ndarray, mixes: np.ndarray, bar: float) -> int | None:
 
 
 def _targets(moved: np.ndarray, mixes: np.ndarray, bar: float) -> np.ndarray | None:
-    """What the mixes of rows have in each column; None as soon as a column comes out wrong."""
+    """Targets for these weights in each column; None at the first column out of tolerance."""
     found = np.empty((mixes.shape[1], moved.shape[1]), np.float32)
     for start in range(0, moved.shape[1], COLUMNS_A_TIME):
         columns = slice(start, start + COLUMNS_A_TIME)
@@ -121,7 +120,7 @@ def _targets(moved: np.ndarray, mixes: np.ndarray, bar: float) -> np.ndarray | N
 
 
 def _one_each(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A target for each row that is not zero."""
+    """One target for each row that is not zero."""
     moves = moved.any(axis=1)
     weights = np.zeros((len(moved), int(moves.sum())))
     weights[moves] = np.eye(int(moves.sum()))
@@ -131,11 +130,9 @@ def _one_each(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def normal_targets(
     normals_at: Callable[[float], np.ndarray | None], bend: Bend, rest: np.ndarray
 ) -> np.ndarray | None:
-    """What the weights of points have to be multiplied by to move normals (rows at rest) along, as near
-    as least squares come.
+    """Displacements of normals (rows at rest) for the points' weights, by least squares.
 
-    None if normals stay. Normals do not follow points in straight lines; a renderer makes
-    them as long as 1 again.
+    None if normals are constant. Normals do not move linearly with points; a renderer normalizes them.
     """
     count = max(2 * len(bend.targets), LEAST_NORMALS)
     count = min(len(bend.codes), count, max(MOST_VALUES // max(rest.size, 1), 2))

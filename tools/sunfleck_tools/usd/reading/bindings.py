@@ -1,5 +1,5 @@
-"""Which material a prim has, by UsdShade's rules (UsdShadeMaterialBindingAPI): inherited, by collections, by
-strength, by purpose."""
+"""Material bindings by UsdShade's rules (UsdShadeMaterialBindingAPI): inheritance, collections, strength,
+purpose."""
 
 from dataclasses import dataclass
 
@@ -14,27 +14,27 @@ PURPOSES = (UsdShade.Tokens.full, UsdShade.Tokens.preview)
 
 @dataclass(frozen=True)
 class Bound:
-    """A prim's material, and its subsets of faces each with its own."""
+    """Material of a prim, and its subsets of faces with their materials."""
 
     material: Usd.Prim | None
     subsets: list[tuple[Usd.Prim, Usd.Prim | None]]
 
     def key(self) -> tuple[str, ...]:
-        """What differs between instances of the same prim that look different."""
+        """Key of a binding, equal for instances that look the same."""
         return tuple(path_of(each) for each in (self.material, *(material for _, material in self.subsets)))
 
 
 def path_of(prim: Usd.Prim | None) -> str:
-    """A prim's path, of an instance's part that of what all instances share."""
+    """Path of a prim; for a part of an instance, that of the prototype."""
     if prim is None:
         return ""
     return str((prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim).GetPath())
 
 
 def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
-    """The material of a prim for final pictures; for previews where only that has a surface that is known.
+    """Material of a prim for final pictures; the one for previews if only that has a known surface.
 
-    An instance's parts see the bindings of the instance.
+    Parts of an instance inherit its bindings.
     """
     api = UsdShade.MaterialBindingAPI(prim)
     bound = [api.ComputeBoundMaterial(purpose)[0] for purpose in PURPOSES]
@@ -45,7 +45,7 @@ def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
 
 
 def _missing(prim: Usd.Prim) -> str | None:
-    """What a prim without a material is bound to all the same, itself or by what it is in."""
+    """Path of a missing material to which a prim or its ancestor is bound."""
     while prim and not prim.IsPseudoRoot():
         api = UsdShade.MaterialBindingAPI(prim)
         for purpose in (UsdShade.Tokens.allPurpose, *PURPOSES):
@@ -56,7 +56,7 @@ def _missing(prim: Usd.Prim) -> str | None:
 
 
 def _say_subsets_without_a_family(prim: Usd.Prim, lost: Losses) -> None:
-    """USD passes materials over of subsets that are not of the family for them."""
+    """Reports subsets outside the material family, whose materials USD ignores."""
     for subset in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim)):
         family = str(subset.GetFamilyNameAttr().Get() or "")
         api = UsdShade.MaterialBindingAPI(subset.GetPrim())
@@ -66,7 +66,7 @@ def _say_subsets_without_a_family(prim: Usd.Prim, lost: Losses) -> None:
 
 
 def read_bound(prim: Usd.Prim, lost: Losses) -> Bound:
-    """All bindings of a prim; one that leads to no material is said."""
+    """All bindings of a prim; missing materials are reported."""
     bound = bound_material(prim)
     if bound is None and (target := _missing(prim)) is not None:
         lost.add("usd-missing", prim, f"is bound to {target}, which is no material")

@@ -1,7 +1,7 @@
-"""Meshes as subdivision surfaces. In: a mesh's faces and what it says of subdivision. Out: finer
-faces, and values refined.
+"""Meshes as subdivision surfaces. In go faces and attributes of subdivision, out come refined faces and
+values.
 
-Invariant: cages that are the same are refined once.
+Invariant: equal cages are refined once.
 """
 
 from functools import cached_property
@@ -36,7 +36,7 @@ SEAM_RULES = ("none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries
 
 
 class Subdivided:
-    """A mesh's faces refined, and the way from values of the cage to those of the finer mesh."""
+    """Refined faces of a mesh, and the refinement of its values."""
 
     def __init__(self, prim: Usd.Prim, faces: Faces, points: int, code: float, refiner: "Refiner"):
         self.refiner = refiner
@@ -67,7 +67,7 @@ class Subdivided:
 
     @cached_property
     def triangles(self) -> np.ndarray:
-        """Finer faces as `triangulate` gives them: they are small enough to be cut anywhere."""
+        """Triangles of the refined faces, as of `triangulate`; any diagonal is good enough."""
         sides = int(self.faces.counts[0])
         places = np.arange(len(self.faces.corners)).reshape(-1, sides)
         fans = np.stack([places[:, [0, step, step + 1]] for step in range(1, sides - 1)], axis=1).reshape(
@@ -76,13 +76,13 @@ class Subdivided:
         return np.column_stack([fans, np.repeat(np.arange(len(places)), sides - 2)])
 
     def points(self, values: np.ndarray) -> np.ndarray:
-        """Values of points (rows), refined as positions are."""
+        """Refined values of points (rows)."""
         for level in self.levels:
             values = level.smooth(values)
         return values
 
     def stream(self, stream: Stream) -> Stream:
-        """A primvar, refined as its interpolation says."""
+        """Primvar refined by its interpolation."""
         values, interpolation = stream.values, stream.interpolation
         if interpolation == "vertex":
             values = self.points(values[: self.cage.vertices])
@@ -97,8 +97,8 @@ class Subdivided:
         return Stream(stream.name, values, interpolation)
 
     def _face_varying(self, values: np.ndarray) -> np.ndarray:
-        """Corners that agree are vertices of a surface of their own; where its seams are sharp is a
-        choice of the mesh."""
+        """Values by corner: equal corners are vertices of a separate surface. The mesh's rule decides
+        where its seams are sharp."""
         cage = self.cage
         first, ids = different_rows(np.column_stack([cage.corners, values]))
         sharpness = cage.edges.sharpness[cage.edges.of_corner]
@@ -114,7 +114,7 @@ class Subdivided:
         return rows[levels[-1].finer.corners]
 
     def _sharp_at_seams(self, channel: Cage, points: np.ndarray) -> np.ndarray:
-        """Vertices of a channel that stay: `points` are those of the mesh under them."""
+        """Vertices of a channel that stay sharp; `points` are those of the mesh."""
         at_boundary = np.zeros(channel.vertices, bool)
         at_boundary[channel.edges.ends[channel.edges.faces == 1]] = True
         rule = SEAM_RULES.index(self.seams) if self.seams in SEAM_RULES else 2
@@ -126,7 +126,7 @@ class Subdivided:
         if rule >= 2:
             sharp |= values_at_point[points] >= 3
         if rule >= 3:
-            # A seam's end inside the mesh, and what lies opposite a corner.
+            # Ends of seams inside the mesh, and the opposite sides of corners.
             edges = self.cage.edges
             is_split = np.bincount(edges.of_corner, _differs(self.cage, channel), len(edges.ends)) > 0
             splits = np.bincount(edges.ends.ravel(), np.repeat(is_split, 2), self.cage.vertices)
@@ -143,7 +143,7 @@ def _differs(cage: Cage, channel: Cage) -> np.ndarray:
 
 
 class Refiner:
-    """Refines cages, each different one once; how far is the same for all of a stage."""
+    """Refines cages, each different one once, to one depth for a whole stage."""
 
     def __init__(self, levels: int):
         self.depth = levels
@@ -154,8 +154,7 @@ class Refiner:
     def subdivided(
         self, prim: Usd.Prim, faces: Faces, points: int, code: float, authored: frozenset[str]
     ) -> Subdivided:
-        """A mesh's faces refined, once for all meshes that have the same faces and say the same in a word.
-        Raises `SceneError`."""
+        """Refined faces of a mesh, shared by meshes with equal faces and attributes. Raises `SceneError`."""
         if authored & SHARP or len(faces.corners) > MOST_SHARED:
             return Subdivided(prim, faces, points, code, self)
         words = ((name, str(value_of(prim.GetAttribute(name), code))) for name in WORDS if name in authored)
@@ -168,7 +167,7 @@ class Refiner:
         return self._subdivided[key]
 
     def levels(self, cage: Cage, is_bilinear: bool) -> list[Refinement]:
-        """The levels of a cage."""
+        """Refinement levels of a cage."""
         if is_bilinear:
             cage = cage.with_sharp_vertices(np.ones(cage.vertices, bool))
             ends = cage.edges.ends
@@ -187,8 +186,7 @@ class Refiner:
 
 
 def depth_of(faces: int, largest: int) -> int:
-    """To how many levels the cages of a stage can be refined that have so many faces together, and
-    the largest so many."""
+    """Maximum number of levels for cages with `faces` faces together, of which the largest has `largest`."""
     return max(
         (
             each
@@ -202,7 +200,7 @@ def depth_of(faces: int, largest: int) -> int:
 def _cage(
     prim: Usd.Prim, mesh: UsdGeom.Mesh, counts: np.ndarray, corners: np.ndarray, points: int, code: float
 ) -> Cage:
-    """A mesh's faces with its creases and corners. Raises `SceneError`."""
+    """Faces of a mesh with creases and corners. Raises `SceneError`."""
     scheme = value_of(mesh.GetSubdivisionSchemeAttr(), code)
     if scheme == UsdGeom.Tokens.loop and (counts != 3).any():
         raise SceneError(

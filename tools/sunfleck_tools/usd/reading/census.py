@@ -1,8 +1,8 @@
-"""How many instances a stage asks for, before any is made. In: instancers. Out: counts, those of instancers
-within them multiplied.
+"""Number of instances in a stage, before any is created. In go instancers, out come counts, multiplied for
+nested ones.
 
-Invariant: what an instancer within others asks for is counted once for each of its own
-instances, however deep.
+Invariant: instances of nested instancers are counted once for each instance of the outer ones, at any
+depth.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ DEEPEST = 64
 
 
 class Census:
-    """Counts the instances of a stage as its instancers are met."""
+    """Counts the instances of a stage, one instancer after the other."""
 
     def __init__(self, source: Source):
         self.source = source
@@ -26,7 +26,7 @@ class Census:
         self._known: dict[Sdf.Path, int] = {}
 
     def add(self, prim: Usd.Prim) -> None:
-        """Takes in an instancer that stands in no other, with all within it. Raises `TooMuch`."""
+        """Adds a top-level instancer with all nested ones. Raises `TooMuch`."""
         self._found += self._instances(prim, 0)
         if self._found > MOST_INSTANCES:
             raise TooMuch(
@@ -37,7 +37,7 @@ class Census:
             )
 
     def _instances(self, prim: Usd.Prim, depth: int) -> int:
-        """Of an instancer: each counts one, and what its prototype asks for."""
+        """Instances of an instancer: each counts as one, plus those in its prototype."""
         if depth >= DEEPEST:
             raise TooMuch(
                 f"{prim.GetPath()}: instancers within instancers, {DEEPEST} deep: do they come round?"
@@ -46,7 +46,7 @@ class Census:
         if path not in self._known:
             counts = self._counts(prim)
             targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets()[: len(counts)]
-            # One that is an instance of itself is left out when it is read.
+            # A self-instancing prototype is dropped when it is read.
             prototypes = [
                 None if path.HasPrefix(target) else prim.GetStage().GetPrimAtPath(target)
                 for target in targets
@@ -57,7 +57,7 @@ class Census:
         return self._known[path]
 
     def _counts(self, prim: Usd.Prim) -> list[int]:
-        """How often each prototype is there, at the time at which it is there most often."""
+        """Maximum number of each prototype's instances at any time."""
         attribute = UsdGeom.PointInstancer(prim).GetProtoIndicesAttr()
         codes = [self.source.first, *attribute.GetTimeSamples()] if attribute else []
         most: np.ndarray = np.zeros(0, np.int64)
@@ -69,7 +69,7 @@ class Census:
         return most.tolist()
 
     def _below(self, prototype: Usd.Prim | None, depth: int) -> int:
-        """What the instancers ask for that are in a prototype."""
+        """Instances of the instancers in a prototype."""
         if not prototype:
             return 0
         found, prims = (

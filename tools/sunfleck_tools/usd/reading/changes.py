@@ -1,4 +1,4 @@
-"""Whether what is read once changes over time. Invariant: samples that are all the same are no change."""
+"""Changes of attributes that are read only once. Invariant: equal samples are no change."""
 
 import numpy as np
 from pxr import Usd
@@ -9,7 +9,7 @@ from .source import Source
 
 
 def changes(attribute: Usd.Attribute, codes: np.ndarray) -> bool:
-    """True if an attribute has different values within what shutters reach."""
+    """True if an attribute has different values within the reach of shutters."""
     if not attribute or not attribute.ValueMightBeTimeVarying():
         return False
     first = attribute.Get(float(codes[0]))
@@ -21,7 +21,7 @@ def changes(attribute: Usd.Attribute, codes: np.ndarray) -> bool:
 def say_if_it_changes(
     attribute: Usd.Attribute, source: Source, lost: Losses, what: str, kind: str = "usd-animated"
 ) -> None:
-    """Counts as lost that something changes, which stays as at the first frame."""
+    """Reports an animated attribute whose value at the first frame is used."""
     if changes(attribute, source.codes):
         lost.add(kind, attribute.GetPrim().GetPath(), f"its {what} changes over time; that of the first frame is taken")
 

@@ -1,5 +1,4 @@
-"""Frame rate and frames of a stage. Invariant: a rate that stands for one of television's is
-exactly that one."""
+"""Frame rate and frames of a stage. Invariant: an approximate broadcast rate becomes the exact fraction."""
 
 import math
 from fractions import Fraction
@@ -19,8 +18,7 @@ NEAR_TELEVISION = 0.005
 
 
 def exact_rate(rate: float) -> Fraction:
-    """The fraction that a rate in decimals stands for: n, n * 1000/1001, or the nearest of
-    small denominator."""
+    """Fraction for a decimal rate: n, n * 1000/1001, or the nearest of small denominator."""
     whole = math.ceil(rate - 1e-9)
     television = Fraction(whole * 1000, 1001)
     if rate != whole and abs(rate - television) < NEAR_TELEVISION:
@@ -29,8 +27,8 @@ def exact_rate(rate: float) -> Fraction:
 
 
 def put_rates_right(stage: Usd.Stage, lost: Losses) -> None:
-    """Takes from layers time codes a second that are no rate, in memory alone. Samples of a layer beneath one
-    of 0 would lie at no time, and USD would look for them without end."""
+    """Removes invalid time codes per second from layers, in memory alone. With a rate of 0, samples of a
+    sublayer would lie at no time, and USD would not end its search."""
     for layer in stage.GetUsedLayers():
         if layer.HasTimeCodesPerSecond():
             rate = layer.timeCodesPerSecond
@@ -42,11 +40,11 @@ def put_rates_right(stage: Usd.Stage, lost: Losses) -> None:
 def read_clock(
     path: Path, stage: Usd.Stage, asked: tuple[int, int] | None, lost: Losses
 ) -> tuple[Fraction, Fraction, np.ndarray]:
-    """Frames a second, time codes a second, and the codes of whole frames; `asked` goes before
-    the stage's own range.
+    """Frames a second, time codes a second, and the codes of whole frames; `asked` overrides the stage's own
+    range.
 
-    Rates and a range that cannot be are said, and others taken. Raises `SceneError` if what was asked for
-    cannot be.
+    Invalid rates and ranges are reported and replaced. Raises `SceneError` if the requested range is
+    invalid.
     """
     per_second = _rate(stage.GetTimeCodesPerSecond(), "time codes", lost)
     has_own = stage.GetRootLayer().HasFramesPerSecond()
@@ -65,7 +63,7 @@ def read_clock(
 
 
 def _rate(rate: float, what: str, lost: Losses) -> float:
-    """A rate, or USD's own default where it is none."""
+    """The rate, or USD's default for an invalid one."""
     if math.isfinite(rate) and 1e-3 < rate < 1e6:
         return rate
     lost.add("usd-clock", "/", f"{rate:g} {what} a second are no rate; {USUAL_RATE:g} are taken")
@@ -73,7 +71,7 @@ def _rate(rate: float, what: str, lost: Losses) -> float:
 
 
 def _frames(start: float, end: float, codes_per_frame: float) -> tuple[int, int]:
-    """The first and the last whole frame."""
+    """First and last whole frame."""
     return math.ceil(start / codes_per_frame - 1e-6), math.floor(end / codes_per_frame + 1e-6)
 
 
@@ -85,8 +83,8 @@ def _is_range(start: float, end: float, codes_per_frame: float) -> bool:
 
 
 def _range(stage: Usd.Stage, codes_per_frame: float, lost: Losses) -> tuple[float, float]:
-    """The stage's own first and last time code; where those cannot be, they are said, and those of its
-    samples are taken."""
+    """First and last time code of the stage; if they are invalid, that is reported, and the samples' range
+    is used."""
     has_own = stage.HasAuthoredTimeCodeRange()
     start, end = (stage.GetStartTimeCode(), stage.GetEndTimeCode()) if has_own else _of_samples(stage)
     if _is_range(start, end, codes_per_frame):
@@ -108,7 +106,7 @@ def _range(stage: Usd.Stage, codes_per_frame: float, lost: Losses) -> tuple[floa
 
 
 def _of_samples(stage: Usd.Stage) -> tuple[float, float]:
-    """The first and the last time code at which anything has a value of its own, else one frame."""
+    """First and last time code of all samples, else one frame."""
     ends: list[float] = []
     for root in [stage.GetPseudoRoot(), *stage.GetPrototypes()]:
         for prim in Usd.PrimRange.AllPrims(root):
@@ -118,7 +116,7 @@ def _of_samples(stage: Usd.Stage) -> tuple[float, float]:
 
 
 def _ends(attribute: Usd.Attribute) -> list[float]:
-    """The first and the last time at which an attribute has a value of its own."""
+    """First and last time of an attribute's samples."""
     if not attribute.ValueMightBeTimeVarying():
         return []
     if attribute.HasSpline():

@@ -1,4 +1,4 @@
-"""Colours that a mesh has itself: primvars displayColor and displayOpacity
+"""Colours of meshes: primvars displayColor and displayOpacity
 (https://openusd.org/release/api/class_usd_geom_gprim.html)."""
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ READERS = {"diffuseColor": "displayColor", "opacity": "displayOpacity"}
 
 
 def shows_colors(material: Usd.Prim | None, source: Source) -> bool:
-    """Whether a mesh's own colours show: its material reads them, or there is none."""
+    """Whether a mesh's own colours show: its material reads them, or it has no material."""
     return source.by_us or material is None or reads_colors(material)
 
 
@@ -47,13 +47,13 @@ def vertex_colors(
     colors, opacity = rows
     if opacity is None or (opacity >= 1).all():
         return colors
-    # What a material shows is multiplied; without one it is what is shown.
+    # With a material, colours multiply its own; without one they replace it.
     plain = np.tile(GREY if material is None else (1.0,) * 3, (len(opacity), 1))
     return np.concatenate([plain if colors is None else colors, opacity], axis=1)
 
 
 def within(values: np.ndarray, prim: Usd.Prim, name: str, lost: Losses) -> np.ndarray:
-    """Values put between 0 and 1, which is said of more than rounding."""
+    """Values clamped to 0 to 1; more than rounding is reported."""
     if values.size and (values.min() < -ROUNDING or values.max() > 1 + ROUNDING):
         said = f"its {name} goes from {values.min():.4g} to {values.max():.4g}, and is clipped to 0 and 1"
         lost.add("usd-material-value", prim, said)
@@ -61,7 +61,7 @@ def within(values: np.ndarray, prim: Usd.Prim, name: str, lost: Losses) -> np.nd
 
 
 def reads_colors(material: Usd.Prim) -> bool:
-    """Whether a material's surface takes the mesh's colours."""
+    """Whether a material's surface reads the mesh's colours."""
     shader, _, dialect = surface_of(UsdShade.Material(material))
     if shader is None or dialect is None:
         return False

@@ -1,4 +1,4 @@
-"""A USD stage to a .glb that sunfleck renders. Invariant: the target appears whole or not at all."""
+"""Conversion of a USD stage to a .glb. Invariant: the target appears whole or not at all."""
 
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -35,7 +35,7 @@ from .visibility import is_hidden_by_purpose, says_visibility, seen, up_to
 
 @dataclass(frozen=True)
 class Imported:
-    """What was read: counts of glTF's lists, frames, and what is not carried."""
+    """Result of the import: counts of glTF's lists, frames, and losses."""
 
     counts: dict[str, int]
     frames: tuple[int, int]
@@ -69,8 +69,8 @@ def import_usd(source: str | Path, target: str | Path, options: ImportOptions = 
 
 
 def _predicate(is_abstract: bool, is_defined: bool):
-    """Which children of such a prim are read: those of an instance too; below an `over` or a `class`, where
-    prototypes may stand, also what is not there by itself."""
+    """Predicate of the children to read, those of instances included. Below an `over` or a `class`, which
+    may contain prototypes, undefined prims are read too."""
     kinds = Usd.PrimIsActive & Usd.PrimIsLoaded
     kinds = kinds if is_abstract else kinds & ~Usd.PrimIsAbstract
     return Usd.TraverseInstanceProxies(kinds & Usd.PrimIsDefined if is_defined else kinds)
@@ -80,7 +80,7 @@ PREDICATES = {pair: _predicate(*pair) for pair in product((False, True), repeat=
 
 
 def _bounds_fog_of_ours(prim: Usd.Prim) -> bool:
-    """True of the guide that `export-usd` puts in a box of fog, in whatever stage it stands now."""
+    """True for the guide box of fog that `export-usd` writes."""
     return bool(prim.GetParent().GetPropertiesInNamespace(f"{SPACE}sunfleck_fog_volume"))
 
 
@@ -89,7 +89,7 @@ def _children(prim: Usd.Prim) -> list[Usd.Prim]:
 
 
 class _Import:
-    """One file under construction."""
+    """File under construction."""
 
     def __init__(self, source: Source, options: ImportOptions, lost: Losses, folder: Path):
         self.source, self.options, self.lost = source, options, lost
@@ -103,16 +103,16 @@ class _Import:
         self.scene: dict = {}
         self.has_dome = False
         self.lenses: Lenses = {}
-        # Cameras by the names that the stage has for them: nodes may have to get others.
+        # Cameras by their names in the stage, as nodes may get others.
         self.cameras: dict[str, int] = {}
         self.census = Census(source)
         self.kinds = Kinds()
         self._crowds: dict[Sdf.Path, list[Member]] = {}
-        # Of prototypes that are nothing but shapes, the meshes; None of others.
+        # Meshes of prototypes that only have shapes; None for others.
         self._plain: dict[Sdf.Path, list[Piece] | None] = {}
 
     def run(self) -> bytes:
-        """The file's bytes."""
+        """Bytes of the file."""
         self.skins.prepare()
         above = self._root()
         for prim in self.source.stage.GetPseudoRoot().GetChildren():
@@ -122,7 +122,7 @@ class _Import:
         return self.writer.bytes()
 
     def _root(self) -> int | None:
-        """A node that turns the stage's axes and scales its unit."""
+        """Node that converts the stage's axes and unit."""
         turn = self._ours_from_stage()
         if np.array_equal(turn, np.eye(4)):
             return None
@@ -136,7 +136,8 @@ class _Import:
         return turn
 
     def _visit(self, first: Usd.Prim, above: int | None, depth: int) -> None:
-        """A prim and all below it, at a node; what says `!resetXformStack!` stands right there."""
+        """Reads a prim and its descendants below a node; those with `!resetXformStack!` become direct
+        children."""
         pending = [(first, above)]
         while pending:
             prim, parent = pending.pop()
@@ -161,7 +162,7 @@ class _Import:
             pending += [(child, below) for child in reversed(children)]
 
     def _is_drawn(self, prim: Usd.Prim) -> bool:
-        """False, and said, for shapes of a kind or purpose that is not."""
+        """Whether a shape is drawn; one of another type or purpose is reported."""
         kind = self.kinds.of(prim)
         if not (kind.is_gprim or kind.is_instancer):
             return True
@@ -178,7 +179,7 @@ class _Import:
         return True
 
     def _read_scene(self, prim: Usd.Prim) -> tuple[dict[str, dict], dict[str, tuple[np.ndarray, np.ndarray]]]:
-        """As `read_properties`, without those of the scene, which are kept."""
+        """Custom properties, as of `read_properties`; those of the scene are kept apart."""
         found, carried = read_properties(prim, self.source)
         for name in OF_SCENE:
             if name in found and name not in self.scene:
@@ -194,7 +195,7 @@ class _Import:
     def _node(
         self, prim: Usd.Prim, first: Usd.Prim, parent: int | None, above: int | None, depth: int
     ) -> tuple:
-        """The node of a prim, and those children that are not in it."""
+        """Node of a prim, and the children that are not merged into it."""
         children = _children(prim)
         is_drawn = self._is_drawn(prim)
         if not is_drawn and not children:
@@ -208,8 +209,8 @@ class _Import:
         self.skins.stands(prim, below)
         things = [prim] if is_drawn else []
         if prim.GetTypeName() in ("Xform", "SkelRoot", ""):
-            # What stands in its parent's place, like leaves and Blender's cameras and lights,
-            # is one node with it.
+            # A child with its parent's transform, like leaves and Blender's cameras and lights, is merged
+            # with it.
             own = [child for child in children if self._joins(child)]
             shapes = [child for child in own if self.kinds.of(child).is_shape]
             things = shapes if shapes else own[:1] if len(own) == 1 else []
@@ -228,7 +229,7 @@ class _Import:
         return text_of(prim, "blender:object_name", self.source) or prim.GetDisplayName() or prim.GetName()
 
     def _joins(self, prim: Usd.Prim) -> bool:
-        """True if a prim has nothing that its parent's node could not hold."""
+        """True if a prim can be merged into its parent's node."""
         kind = self.kinds.of(prim)
         if not (kind.is_shape or kind.is_camera or kind.is_volume or prim.HasAPI(UsdLux.LightAPI)):
             return False
@@ -246,7 +247,7 @@ class _Import:
         return True
 
     def _hide(self, prims: list[Usd.Prim], node: int) -> None:
-        """Has a node seen when all the prims let it be."""
+        """Sets a node's visibility to that of all these prims."""
         found = seen(prims, self.source)
         if found is not None:
             self.nodes.show(node, *found)
@@ -263,7 +264,7 @@ class _Import:
             self.nodes.extra(node, "leaf_id", leaf_id)
 
     def _things(self, things: list[Usd.Prim], node: int, depth: int) -> None:
-        """What stands at a node."""
+        """Reads the contents of a node."""
         shapes = [thing for thing in things if self.kinds.of(thing).is_shape]
         if shapes:
             self.meshes.put(self.meshes.pieces(shapes), node)
@@ -272,7 +273,7 @@ class _Import:
                 self._thing(thing, node, depth)
 
     def _thing(self, thing: Usd.Prim, node: int, depth: int) -> None:
-        """What is no shape: a camera, a light, an instancer."""
+        """Reads a camera, a light or an instancer."""
         kind = self.kinds.of(thing)
         if kind.is_camera:
             seen = read_camera(thing, self.source)
@@ -316,7 +317,7 @@ class _Import:
 
     def _background(self, light: Usd.Prim) -> None:
         if ENVIRONMENT in self.scene:
-            # The renderer's own words say more than any dome.
+            # The renderer's own properties override any dome.
             if self.has_dome:
                 self.lost.add("usd-dome-second", light, "a second DomeLight is not carried: there is one sky")
             return
@@ -331,9 +332,9 @@ class _Import:
         self.scene[ENVIRONMENT] = read_dome(light, self.source, self._ours_from_stage(), self.lost)
 
     def _instance(self, member: Member, node: int, depth: int) -> None:
-        """A prototype below a node, or in it if it is nothing but shapes."""
+        """Puts a prototype below a node, or into it if it only has shapes."""
         prototype, outer = member.prototype, self.meshes.tint
-        # Instances within instances have their own colours, or those of what they are in.
+        # Nested instances have their own colours, or else those of the outer instance.
         self.meshes.tint = outer if member.color is None else member.color
         try:
             self._prototype(prototype, node, depth)
@@ -352,15 +353,14 @@ class _Import:
             self.meshes.put(pieces, node)
 
     def _members(self, prim: Usd.Prim) -> list[Member]:
-        """Of an instancer, read once, be there ever so many instances of itself."""
+        """Instances of an instancer, which is read once."""
         path = prim.GetPath()
         if path not in self._crowds:
             self._crowds[path] = read_crowd(prim, self.source, self.lost)
         return self._crowds[path]
 
     def _only_shapes(self, prototype: Usd.Prim) -> list[Usd.Prim] | None:
-        """The shapes that a prototype consists of, those that are drawn; None if it is more than shapes
-        in its own place."""
+        """Visible shapes of a prototype; None if it has more than untransformed shapes."""
         children = [child for child in _children(prototype) if child.IsA(UsdGeom.Imageable)]
         stands = prototype.IsA(UsdGeom.Xformable) and not UsdGeom.Xformable(prototype).GetOrderedXformOps()
         if not stands or says_visibility(prototype, self.source) or prototype.IsA(UsdGeom.PointInstancer):
@@ -396,6 +396,6 @@ class _Import:
         for kind in [kind for kind, value in document.items() if value == []]:
             del document[kind]
         shown = (document.get("meshes"), document.get("cameras"), self.lights, ENVIRONMENT in self.scene, self.volumes.count)
-        # What is left out is said already.
+        # Dropped prims are reported already.
         if not any(shown) and {loss.kind for loss in self.lost.list()} <= {"usd-missing"}:
             self.lost.add("usd-empty", "/", "the stage holds nothing to be seen")

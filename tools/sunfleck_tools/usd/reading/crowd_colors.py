@@ -1,4 +1,4 @@
-"""Colours of an instancer's instances: its primvars displayColor and displayOpacity with a value for each.
+"""Colours of instances: the instancer's primvars displayColor and displayOpacity with a value for each.
 
 Invariant: every instance has a colour, or none has.
 """
@@ -14,13 +14,13 @@ NAMES = (("displayColor", 3), ("displayOpacity", 1))
 
 
 def instance_colors(prim: Usd.Prim, code: float, count: int, lost: Losses) -> np.ndarray | None:
-    """Rows of RGB and opacity at a time code; NaN for the colour where there is an opacity alone."""
+    """Rows of RGB and opacity at a time code; NaN for the colour where only opacity exists."""
     api = UsdGeom.PrimvarsAPI(prim)
     rows = np.full((count, 4), (np.nan, np.nan, np.nan, 1.0))
     is_found = False
     for (name, width), columns in zip(NAMES, (slice(0, 3), slice(3, 4))):
         primvar = api.GetPrimvar(name)
-        # A single value goes on to prims below, as anywhere.
+        # A single value is inherited by descendants as usual.
         if not primvar or not primvar.HasValue() or primvar.GetInterpolation() not in BY_INSTANCE:
             continue
         values = primvar.ComputeFlattened(code)
@@ -34,7 +34,7 @@ def instance_colors(prim: Usd.Prim, code: float, count: int, lost: Losses) -> np
 
 
 def say_other_primvars(prim: Usd.Prim, lost: Losses) -> None:
-    """Values by instance that materials of prototypes might read."""
+    """Reports other values by instance, which materials of prototypes might read."""
     known = {name for name, _ in NAMES}
     for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithAuthoredValues():
         if primvar.GetInterpolation() in BY_INSTANCE and primvar.GetPrimvarName() not in known:

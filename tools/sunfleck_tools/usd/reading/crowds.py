@@ -1,8 +1,7 @@
 """PointInstancers: a node for each instance. Invariant: nothing is an instance of itself.
 
-Instances are told apart by their ids, or else by their places in the arrays; each has a prototype. One
-that comes or goes, or is masked for a while, is a node that is seen for a while; one that takes another
-prototype is another node.
+Instances are identified by their ids, or else by their indices. One that appears, disappears or is masked
+becomes a node with animated visibility; one that changes its prototype becomes another node.
 """
 
 from collections.abc import Callable
@@ -25,8 +24,8 @@ MOST_MOMENTS = 10_000_000
 
 @dataclass(frozen=True)
 class Member:
-    """An instance: its prototype, for each code its translation, turn and scale (ten numbers), and since when
-    it is seen or not."""
+    """Instance: its prototype, its translation, rotation and scale at each code (ten numbers), and changes
+    of its visibility."""
 
     name: str
     leaf_id: int | None
@@ -40,7 +39,7 @@ class Member:
 
 
 def read_crowd(prim: Usd.Prim, source: Source, lost: Losses) -> list[Member]:
-    """The instances of an instancer that are ever seen. Raises `SceneError`."""
+    """Instances of an instancer that are visible at any time. Raises `SceneError`."""
     return _Reader(prim, source, lost).members()
 
 
@@ -97,7 +96,7 @@ class _Reader:
                 self.lost.add(
                     "usd-instances", self.prim, f"{what} at time code {code:g}; nothing is seen then"
                 )
-        # A row for each instance at each code: id, prototype, number of the code, place in the arrays.
+        # A row for each instance at each code: id, prototype, index of the code, index in the arrays.
         each = [
             (keys, numbers, np.full(len(keys), at), np.arange(len(keys)))
             for at, (keys, numbers, *_) in enumerate(moments)
@@ -114,7 +113,7 @@ class _Reader:
             for part in slices
             if shown[part].any() and self.prototypes[rows[part][0, 1]]
         ]
-        # In the order in which they come, and in that of the arrays.
+        # By the time of appearance, then by the index in the arrays.
         return [member for _, member in sorted(found, key=lambda each: each[0])]
 
     def _member(
@@ -141,13 +140,13 @@ class _Reader:
         return (at, place), member
 
     def _color(self, rows: np.ndarray) -> tuple[float, ...] | None:
-        """Of an instance, by its places in the arrays at the codes at which it is there."""
+        """Colour of an instance, from its indices at the codes at which it exists."""
         found = [
             tuple(np.round(colors[place], 6).tolist())
             for at, place in rows[:, 2:].tolist()
             if (colors := self._colors_at(at)) is not None
         ]
-        # NaN, of no colour, is like no other.
+        # NaN, for no colour, equals nothing.
         if any(not np.array_equal(each, found[0], equal_nan=True) for each in found):
             what = "colours of its instances change over time; each keeps that with which it comes"
             self.lost.add("usd-material-animated", self.prim, what)
@@ -182,8 +181,7 @@ class _Reader:
         return list(self.prim.GetAttribute(f"{SPACE}sunfleck_names").Get() or [])
 
     def _moment(self, code: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, str]:
-        """Of each instance at a code its key, prototype, place, and whether it is seen; what is wrong if
-        there are none for it."""
+        """Key, prototype, transform and visibility of each instance at a code, or the fault."""
         time = Usd.TimeCode(code)
         numbers = np.array(self.instancer.GetProtoIndicesAttr().Get(time) or [], np.int64)
         if len(numbers) and (numbers.min() < 0 or numbers.max() >= len(self.prototypes)):
@@ -219,8 +217,8 @@ class _Reader:
         return np.concatenate(parts(matrices)[:3], axis=1).astype(np.float32)
 
     def _unmixed(self, code: float) -> float:
-        """A code, or the sample before it if other instances are in the arrays by the next: between them USD
-        would mix the two."""
+        """The code, or that of the sample before it if the next sample has other instances: USD would
+        interpolate between unrelated ones."""
         attribute = self.instancer.GetIdsAttr()
         if not self.mixes:
             return code
@@ -237,7 +235,7 @@ def _nobody() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 def place_crowd(
     members: list[Member], nodes: Nodes, node: int, fill: Callable[[Member, int], None]
 ) -> None:
-    """Adds a node for each instance below a node; `fill` puts a prototype there."""
+    """Adds a node for each instance below a node; `fill` adds the prototype."""
     for member in members:
         instance = nodes.add(member.name.partition("#")[0], node)
         nodes.move(

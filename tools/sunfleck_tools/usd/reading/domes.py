@@ -1,6 +1,6 @@
-"""Skies: a DomeLight, and the picture of either that or `sunfleck_env`, as the renderer takes it.
+"""Skies: DomeLights, and pictures of these or of `sunfleck_env`, for the renderer.
 
-Invariant: a picture that comes back is a data URI, and is upright: a dome may turn about the vertical alone.
+Invariant: a returned picture is an upright data URI; a dome may only be rotated about the vertical.
 """
 
 import base64
@@ -30,12 +30,13 @@ Y_FROM_Z = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
 def is_dome(prim: Usd.Prim) -> bool:
-    """True for a sky, whichever version of the schema it is of."""
+    """True for a DomeLight of any version of the schema."""
     return any(prim.IsA(kind) for kind in DOMES)
 
 
 def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
-    """The file of a picture: linear light as it is, what is for eyes as linear light. Raises `SceneError`."""
+    """Data URI of a picture: linear pictures as they are, display pictures converted to linear light.
+    Raises `SceneError`."""
     opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(asset.resolvedPath)) if asset.resolvedPath else None
     if not opened or opened.GetSize() > MOST_BYTES:
         raise SceneError(f"{place}: the picture `{asset.path}` cannot be read")
@@ -53,7 +54,7 @@ def picture_uri(asset: Sdf.AssetPath, place: str) -> str:
 
 
 def _exr_of(resolved: str) -> bytes:
-    """A picture for eyes as OpenEXR. Raises `PictureError`."""
+    """Display picture as OpenEXR. Raises `PictureError`."""
     picture = open_picture(resolved)
     texels = picture.texels(picture.size, picture.bits == 8 and picture.channels >= 3)[..., :3]
     with tempfile.TemporaryDirectory() as folder:
@@ -63,7 +64,7 @@ def _exr_of(resolved: str) -> bytes:
 
 
 def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost: Losses) -> dict:
-    """`sunfleck_env` of a dome; of one whose picture cannot be taken, said, the colour alone."""
+    """`sunfleck_env` of a dome; if its picture cannot be used, that is reported, and the colour remains."""
     inputs = LampInputs(prim, lost)
     radiance = inputs.radiance(source.codes[:1])[0]
     if any(attribute.ValueMightBeTimeVarying() for attribute in inputs.attributes()):
@@ -85,13 +86,13 @@ def read_dome(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray, lost:
         said = str(error).removeprefix(f"{prim.GetPath()}: ")
         lost.add("usd-texture", prim, f"{said}: the sky has its colour alone")
         return even
-    # The picture's middle is +z of the dome, and -z of the sky.
+    # The picture's centre is +z of the dome, and -z of the sky.
     rotation = math.atan2(-axes[0, 2], -axes[2, 2])
     return {"image": image, "strength": radiance.tolist(), "rotation": rotation, "lights": "surfaces_and_fog"}
 
 
 def _axes(prim: Usd.Prim, source: Source, ours_from_stage: np.ndarray) -> np.ndarray:
-    """Unit axes of the dome, y its pole, in the space of glTF."""
+    """Unit axes of the dome, with y as its pole, in glTF's space."""
     stage_from_dome = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(source.first), float).T[
         :3, :3
     ]

@@ -1,4 +1,4 @@
-"""Faces of a mesh at one time. Invariant: an index that is handed out is that of a point."""
+"""Faces of a mesh at one time. Invariant: every index is that of a point."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -18,8 +18,8 @@ KEPT = 64
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Corners a face, the point of each corner, and the faces that are holes; `flips` if its
-    front is clockwise. What follows from them alone is found once."""
+    """Corners a face, the point of each corner, and the faces that are holes; `flips` if its front is
+    clockwise. Derived data are computed once."""
 
     counts: np.ndarray
     corners: np.ndarray
@@ -28,46 +28,46 @@ class Faces:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of faces."""
         return len(self.counts)
 
     @cached_property
     def has_all_corners(self) -> bool:
-        """Whether there are as many corners as the faces ask for."""
+        """Whether there are as many corners as the faces require."""
         return not (self.counts < 0).any() and int(self.counts.sum()) == len(self.corners)
 
     @cached_property
     def ends(self) -> tuple[int, int]:
-        """The lowest and the highest point of a corner; (0, -1) without any."""
+        """Smallest and largest point index; (0, -1) without corners."""
         return (int(self.corners.min()), int(self.corners.max())) if len(self.corners) else (0, -1)
 
     @cached_property
     def loops(self) -> np.ndarray | None:
-        """The points round each face, a row a face, if all have as many, three or more."""
+        """Points around each face, a row a face, if all faces have the same number, three or more."""
         sides = int(self.counts[0]) if self.count else 0
         return self.corners.reshape(-1, sides) if sides >= 3 and (self.counts == sides).all() else None
 
     @cached_property
     def fans(self) -> np.ndarray:
-        """The triangles of `loops` as `triangulate` has them, if all those are convex."""
+        """Triangles of `loops`, as of `triangulate`, if all faces are convex."""
         assert self.loops is not None
         return fans_of(np.arange(self.count), np.arange(len(self.corners)).reshape(self.loops.shape))
 
     @cached_property
     def welded(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of `fans` where corners at a point share a row: the corner of each row, and triangles of rows."""
+        """`fans` with shared vertices: the corner of each vertex, and triangles of vertices."""
         corner_of_row, row_of_corner = different_numbers(self.corners, self.ends[1] + 1)
         return corner_of_row, row_of_corner[self.fans[:, :3]]
 
 
 def value_of(attribute: Usd.Attribute, code: float, default=None):
-    """An attribute's value at a time code, if it has one."""
+    """Value of an attribute at a time code, if it has one."""
     found = attribute.Get(code) if attribute else None
     return default if found is None else found
 
 
 def rows_of(attribute: Usd.Attribute, code: float, width: int, kind: type = float) -> np.ndarray:
-    """An array's values, none without one. Raises `SceneError`: a file may give an attribute any type."""
+    """Rows of an array, empty without one. Raises `SceneError`, as a file may give an attribute any type."""
     found = value_of(attribute, code)
     if found is None:
         return np.zeros((0, width), kind)
@@ -87,7 +87,7 @@ def read_points(prim: Usd.Prim, code: float) -> np.ndarray:
 
 
 def read_faces(prim: Usd.Prim, code: float, points: int, authored: frozenset[str]) -> Faces:
-    """Faces of a mesh of so many points, which has a word on the `authored`. Raises `SceneError`."""
+    """Faces of a mesh with `points` points; `authored` are its authored properties. Raises `SceneError`."""
 
     def numbers(name: str) -> bytes:
         return rows_of(prim.GetAttribute(name), code, 1, np.int64).tobytes()

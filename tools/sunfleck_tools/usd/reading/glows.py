@@ -30,8 +30,8 @@ def read_glow(prim: Usd.Prim, source: Source, lost: Losses) -> tuple[float, floa
 
 
 def _area(prim: Usd.Prim, codes: np.ndarray) -> float:
-    """Of a mesh in the world, in units of the stage squared: fans of triangles about each
-    face's first corner."""
+    """Area of a mesh in the world, in stage units squared: fans of triangles around each face's first
+    corner."""
     mesh = UsdGeom.Mesh(prim)
     points = np.array(mesh.GetPointsAttr().Get(codes[0]), float).reshape(-1, 3) @ linears(prim, codes)[0].T
     counts = np.array(mesh.GetFaceVertexCountsAttr().Get(codes[0]), int)

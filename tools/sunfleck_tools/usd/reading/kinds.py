@@ -1,4 +1,5 @@
-"""What a prim is by its type. Invariant: prims of one type of a stage are of one kind; USD is asked once."""
+"""Kinds of prims by type. Invariant: prims of one type in a stage have one kind, so USD is queried once a
+type."""
 
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ NOTHING = ("HoudiniLayerInfo",)
 
 @dataclass(frozen=True)
 class Kind:
-    """Of a type of prims."""
+    """Kind of a type of prims."""
 
     stands_nowhere: bool
     is_xformable: bool
@@ -29,7 +30,7 @@ class Kind:
 
 
 class Kinds:
-    """Those of one stage: stages say what types that USD does not know stand for."""
+    """Kinds of one stage: stages define fallbacks for types that USD does not know."""
 
     def __init__(self) -> None:
         self._known: dict[str, Kind] = {}

@@ -1,5 +1,5 @@
-"""Inputs that all lights of UsdLux have. Invariant: what comes out is finite and not negative; what was not,
-or is not carried, is said."""
+"""Inputs that all UsdLux lights have. Invariant: values are finite and not negative; other values and
+unsupported inputs are reported."""
 
 import numpy as np
 from pxr import Sdf, Usd, UsdLux
@@ -38,26 +38,27 @@ class LampInputs:
         self.prim, self.lost = prim, lost
 
     def attributes(self) -> list[Usd.Attribute]:
-        """Those that change a light's power or size."""
+        """Attributes of a light's power or size."""
         return self._found(NAMES)
 
     def cone_attributes(self) -> list[Usd.Attribute]:
-        """Those that change its cone."""
+        """Attributes of its cone."""
         return self._found(CONE)
 
     def has_cone(self) -> bool:
-        """Whether a cone is asked for."""
+        """Whether it has a cone."""
         return any(attribute.HasAuthoredValue() for attribute in self._found(CONE[:1]))
 
     def _found(self, names: tuple[str, ...]) -> list[Usd.Attribute]:
         return [each for each in (self.prim.GetAttribute(f"inputs:{name}") for name in names) if each]
 
     def numbers(self, name: str, default: float, codes: np.ndarray) -> np.ndarray:
-        """One number a code."""
+        """Values of a scalar, one a code."""
         return np.clip(self._rows(name, (default,), codes)[:, 0], -BRIGHTEST, BRIGHTEST)
 
     def radiance(self, codes: np.ndarray) -> np.ndarray:
-        """Intensity, exposure, colour, temperature, and the mean of a picture: three numbers a code."""
+        """Radiance from intensity, exposure, colour, temperature and the mean of a picture: three numbers
+        a code."""
         colors = self._rows("color", (1.0, 1.0, 1.0), codes)
         scale = self.numbers("intensity", 1.0, codes) * np.exp2(
             np.clip(self.numbers("exposure", 0.0, codes), -60, 60)
@@ -69,7 +70,7 @@ class LampInputs:
         return np.clip(radiance, 0, BRIGHTEST)
 
     def _rows(self, name: str, default: tuple[float, ...], codes: np.ndarray) -> np.ndarray:
-        """So many numbers as the default has, a row a code."""
+        """Values of an input, as wide as its default, a row a code."""
         attribute = self.prim.GetAttribute(f"inputs:{name}")
         rows = []
         for code in codes.tolist():
@@ -86,7 +87,7 @@ class LampInputs:
 
     def _temperature(self, code: float) -> np.ndarray:
         light = UsdLux.LightAPI(self.prim)
-        # Blender enables it and gives none: 6500 K, the fallback, stands for white.
+        # Blender enables colour temperature without a value: the fallback of 6500 K is then white.
         if (
             not light.GetEnableColorTemperatureAttr().Get(code)
             or not light.GetColorTemperatureAttr().HasAuthoredValue()
@@ -105,7 +106,7 @@ class LampInputs:
         return np.array(UsdLux.BlackbodyTemperatureAsRgb(min(max(kelvin, COLDEST), HOTTEST)))
 
     def _picture(self) -> np.ndarray:
-        """The mean colour of a RectLight's picture."""
+        """Mean colour of a RectLight's picture."""
         attribute = self.prim.GetAttribute("inputs:texture:file")
         asset = attribute.Get() if attribute and self.prim.IsA(UsdLux.RectLight) else None
         if not isinstance(asset, Sdf.AssetPath) or not asset.path:
@@ -121,7 +122,7 @@ class LampInputs:
         return texels.mean(axis=(0, 1))
 
     def say_the_rest(self, kind: str) -> None:
-        """Counts what is not carried."""
+        """Reports unsupported inputs."""
         for name, rest in RESTS.items():
             attribute = self.prim.GetAttribute(f"inputs:{name}")
             value = attribute.Get() if attribute else None

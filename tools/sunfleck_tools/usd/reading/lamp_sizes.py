@@ -1,4 +1,4 @@
-"""How large lights are in the world, in units of the stage."""
+"""Sizes of lights in the world, in stage units."""
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -9,7 +9,7 @@ THOMSEN = 1.6075
 
 
 def moving_scales(prim: Usd.Prim) -> list[Usd.Attribute]:
-    """Attributes at and above a prim that may change its size over time."""
+    """Attributes of a prim and its ancestors that may change its size over time."""
     found = []
     while prim and not prim.IsPseudoRoot():
         xformable = UsdGeom.Xformable(prim)
@@ -24,12 +24,12 @@ def moving_scales(prim: Usd.Prim) -> list[Usd.Attribute]:
 
 
 def _scales(operation: UsdGeom.XformOp) -> bool:
-    # UsdGeom has types for scaling along one axis, too, by names that end like these.
+    # UsdGeom also has operations that scale one axis, whose names end like these.
     return operation.GetOpType() in SCALING or "scale" in operation.GetOpName()
 
 
 def linears(prim: Usd.Prim, codes: np.ndarray) -> np.ndarray:
-    """World from prim without translation, for column vectors, a matrix a code."""
+    """Linear part of the transform to the world, for column vectors, a matrix a code."""
     xformable = UsdGeom.Xformable(prim)
     rows = [np.array(xformable.ComputeLocalToWorldTransform(code), float) for code in codes.tolist()]
     found = np.stack(rows)[:, :3, :3].transpose(0, 2, 1)
@@ -37,8 +37,8 @@ def linears(prim: Usd.Prim, codes: np.ndarray) -> np.ndarray:
 
 
 def instance_linears(prim: Usd.Prim, codes: np.ndarray, still: np.ndarray) -> np.ndarray:
-    """The same of an instance, which stands elsewhere than the prim: `still` is where it does
-    at the first code."""
+    """The same for an instance, which stands elsewhere than the prim: `still` is its transform at the
+    first code."""
     found = linears(prim, codes)
     return (
         still @ np.linalg.inv(found[0]) @ found
@@ -48,6 +48,6 @@ def instance_linears(prim: Usd.Prim, codes: np.ndarray, still: np.ndarray) -> np
 
 
 def ball_area(halves: np.ndarray) -> np.ndarray:
-    """Surface of ellipsoids, by rows of their three half axes."""
+    """Surface areas of ellipsoids, from rows of their three half axes."""
     a, b, c = (halves**THOMSEN).T
     return 4 * np.pi * ((a * b + a * c + b * c) / 3) ** (1 / THOMSEN)

@@ -1,9 +1,9 @@
-"""UsdLux to the lights of glTF and `sunfleck_light`; `usd/lights.py` has the units, and Blender's.
+"""UsdLux lights as lights of glTF with `sunfleck_light`; `usd/lights.py` explains the units, and Blender's.
 
-A light's radiance is intensity * 2^exposure * colour, divided by its area in the world where
-`normalize` is on (https://openusd.org/release/api/usd_lux_page_front.html). That area is in units of
-the stage. A sphere has radiance * area / 4 in W/sr, an area light pi * radiance * area in W, both with
-the area in m2. So both the prim's whole transform and the stage's unit count.
+A light's radiance is intensity * 2^exposure * colour, divided by its area in the world where `normalize`
+is on (https://openusd.org/release/api/usd_lux_page_front.html). That area is in units of the stage. A
+sphere has radiance * area / 4 in W/sr, an area light pi * radiance * area in W, both with the area in m2.
+So both the prim's whole transform and the stage's unit count.
 """
 
 import math
@@ -31,7 +31,7 @@ EVEN = 1e-4
 
 @dataclass
 class Lamp:
-    """A light of glTF, its extras, and what of them changes: by field, codes and rows."""
+    """glTF light with extras, and its animated fields: codes and rows."""
 
     light: dict | None
     extras: dict
@@ -39,10 +39,10 @@ class Lamp:
 
 
 def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -> Lamp | None:
-    """The light that a prim is; None if it is none that there is here.
+    """Light of a prim; None if its kind is not supported.
 
-    `still` is world from light at the first frame, in metres, without translation: instances of
-    one prim differ in it.
+    `still` is the linear part of the transform to the world at the first frame, in metres, in which
+    instances of one prim differ.
     """
     kind = str(prim.GetTypeName())
     reader = _Reader(prim, source, still, lost)
@@ -64,27 +64,27 @@ class _Reader:
         self.prim, self.source, self.still, self.lost = prim, source, still, lost
         self.inputs = LampInputs(prim, lost)
         self.codes = codes_of([*self.inputs.attributes(), *moving_scales(prim)], source.codes)
-        # Blender's suns, as it writes and reads them.
+        # Blender's convention for suns, both in writing and reading.
         self.blenders = source.by_blender or source.for_blender
 
     def number(self, name: str, default: float) -> np.ndarray:
-        """One number a code."""
+        """Values of a scalar input, one a code."""
         return self.inputs.numbers(name, default, self.codes)
 
     def linears(self) -> np.ndarray:
-        """World from light in units of the stage, a matrix a code."""
+        """Linear part of the transform to the world in stage units, a matrix a code."""
         return instance_linears(self.prim, self.codes, self.still / self.source.metres)
 
     def radiance(self, stage_area: np.ndarray) -> np.ndarray:
-        """Three numbers a code, W/(m2 sr); `stage_area` is the light's in the world, in units of
-        the stage squared."""
+        """Radiance, three numbers a code, W/(m2 sr); `stage_area` is the light's area in the world, in
+        stage units squared."""
         radiance = self.inputs.radiance(self.codes)
         if self.prim.GetAttribute("inputs:normalize").Get(self.source.first):
             radiance = radiance / stage_area[:, None]
         return radiance
 
     def sun(self) -> Lamp:
-        """Irradiance on a plane that faces it: radiance times pi sin2(half its angle)."""
+        """Sun: irradiance on a facing plane is radiance times pi sin2(half its angle)."""
         angles = np.radians(np.clip(self.number("angle", 0.53), 0, 360)) / (
             BLENDER_ANGLE if self.blenders else 1.0
         )
@@ -108,11 +108,10 @@ class _Reader:
         return lamp
 
     def ball(self, is_cylinder: bool) -> Lamp:
-        """A sphere; of what is an ellipsoid or a cylinder in the world the one of the same area, which
-        sends out as much."""
+        """Sphere. An ellipsoid or a cylinder becomes the sphere of equal area, which emits the same power."""
         stage_area = np.maximum(self._cylinder_area() if is_cylinder else self._sphere_area(), SMALLEST_AREA)
         area = stage_area * self.source.metres**2
-        # A quarter of a convex body's surface is what it shows on average (Cauchy).
+        # The mean projected area of a convex body is a quarter of its surface (Cauchy).
         intensity = self.radiance(stage_area) * area[:, None] / 4
         radius = np.where(stage_area > SMALLEST_AREA, np.sqrt(area / (4 * math.pi)), 0.0)
         is_point = bool(UsdLux.SphereLight(self.prim).GetTreatAsPointAttr().Get()) and not is_cylinder
@@ -125,7 +124,7 @@ class _Reader:
         return lamp
 
     def _sphere_area(self) -> np.ndarray:
-        """Of a sphere in the world, units of the stage squared, one a code."""
+        """Area of a sphere in the world, stage units squared, one a code."""
         axes = self.linears() * np.maximum(self.number("radius", 0.5), 0)[:, None, None]
         halves = np.linalg.svd(axes, compute_uv=False)
         if (np.ptp(halves, axis=1) > EVEN * halves.max(axis=1)).any():
@@ -133,8 +132,7 @@ class _Reader:
         return ball_area(halves)
 
     def _cylinder_area(self) -> np.ndarray:
-        """The same of a cylinder along x, which has no caps; its ends count as circles of
-        their mean radius."""
+        """Area of a cylinder along x without caps; its ends count as circles of their mean radius."""
         world = self.linears()
         along = np.linalg.norm(world[:, :, 0], axis=1) * np.maximum(self.number("length", 1.0), 0)
         around = (
@@ -164,8 +162,8 @@ class _Reader:
         self._carry(lamp, "blend", blend[:, None])
 
     def area(self, is_disk: bool) -> Lamp:
-        """A rectangle or a disc: pi times radiance times area. The renderer scales its sides as
-        the node is scaled."""
+        """Rectangle or disc: its power is pi times radiance times area. The renderer scales its sides with
+        the node."""
         width = np.maximum(2 * self.number("radius", 0.5) if is_disk else self.number("width", 1.0), 1e-9)
         height = width if is_disk else np.maximum(self.number("height", 1.0), 1e-9)
         world = self.linears()
@@ -197,6 +195,6 @@ class _Reader:
 
 
 def _blend(outer: np.ndarray, softness: np.ndarray) -> np.ndarray:
-    """The renderer's share of 1 - cos(outer) over which a spot fades, such that it begins to where UsdLux has
-    it: at (1 - softness) outer."""
+    """Blend of the renderer: the share of 1 - cos(outer) over which a spot fades, so that it begins at
+    UsdLux's (1 - softness) outer."""
     return (np.cos((1 - softness) * outer) - np.cos(outer)) / (1 - np.cos(outer))

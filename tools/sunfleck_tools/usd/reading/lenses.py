@@ -1,5 +1,5 @@
-"""Cameras of a stage to those of glTF and `sunfleck_camera`; `usd/cameras.py` has the
-units, and Blender's."""
+"""Cameras of a stage as cameras of glTF with `sunfleck_camera`; `usd/cameras.py` explains the units, and
+Blender's."""
 
 import math
 from dataclasses import dataclass, field
@@ -19,8 +19,7 @@ NEAREST, FARTHEST = 1e-4, 1e9
 
 @dataclass
 class Seen:
-    """A camera of glTF with its extras, what of it changes (by field, codes and rows), and when its shutter
-    opens and closes."""
+    """glTF camera with extras, its animated fields (codes and rows), and the times of its shutter."""
 
     camera: dict
     shutter: tuple[float, float] | None = None
@@ -28,7 +27,7 @@ class Seen:
 
 
 def read_camera(prim: Usd.Prim, source: Source) -> Seen:
-    """The camera that a prim is."""
+    """Camera of a prim."""
     camera = UsdGeom.Camera(prim)
     attributes = [camera.GetFocalLengthAttr(), camera.GetHorizontalApertureAttr(), camera.GetVerticalApertureAttr(),
                   camera.GetFStopAttr(), camera.GetFocusDistanceAttr()]  # fmt: skip
@@ -78,8 +77,8 @@ def read_camera(prim: Usd.Prim, source: Source) -> Seen:
 
 
 def _clipping_range(camera: UsdGeom.Camera, source: Source) -> tuple[float, float]:
-    """Start and end, metres. USD's fallback of 1 to 1,000,000 units is nobody's wish: it would
-    hide what is near."""
+    """Clipping distances, metres. USD's fallback of 1 to 1,000,000 units is ignored, as it would hide near
+    objects."""
     attribute = camera.GetClippingRangeAttr()
     if not attribute.HasAuthoredValue():
         return 0.0, FARTHEST

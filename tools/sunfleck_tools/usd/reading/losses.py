@@ -1,6 +1,6 @@
-"""What a stage asks for and does not get, by kinds with ids that stay.
+"""Losses of a stage: requests that are not honoured, by kinds with permanent ids.
 
-Invariant: whatever `KINDS` does not name cannot be lost; a kind is said once, with how often and where first.
+Invariant: every loss is in `KINDS`; a kind is reported once, with its count and first place.
 """
 
 from collections import Counter
@@ -60,12 +60,12 @@ of those is one fault."""
 
 
 class TooMuch(SceneError):
-    """More than a file may hold: no single prim is at fault."""
+    """Exceeds the size of a file; no single prim is at fault."""
 
 
 @dataclass(frozen=True)
 class Loss:
-    """One kind of loss: the first place, the sentence that says it, and how many there are."""
+    """Kind of loss: its first place, its sentence, and its count."""
 
     kind: str
     place: str
@@ -78,17 +78,17 @@ class Loss:
 
 
 class Losses:
-    """Collects losses as a stage is read."""
+    """Collects losses during reading."""
 
     def __init__(self) -> None:
         self._first: dict[str, tuple[str, str]] = {}
-        # As a set that keeps its order.
+        # A dictionary serves as an ordered set.
         self._seen: dict[tuple[str, str, str], None] = {}
         self._counts: Counter[str] = Counter()
 
     def add(self, kind: str, place: object, what: str) -> None:
-        """Something of a kind of `KINDS` at what has a path, or is one, or in a node; the same thing at the
-        same place counts once."""
+        """Adds a loss of a kind of `KINDS` at a place: an object with a path, a path, or a node. Equal
+        losses at one place count once."""
         if kind not in KINDS:
             raise KeyError(kind)
         place = getattr(place, "GetPath", lambda: place)()
@@ -100,20 +100,20 @@ class Losses:
         self._first.setdefault(kind, (str(place), f"{place}: {what}"))
 
     def leaving_out(self, prim: Usd.Prim) -> "_LeavingOut":
-        """A context that leaves out a prim that cannot be read, and says why."""
+        """Context that drops a prim that cannot be read, and reports the reason."""
         return _LeavingOut(self, prim)
 
     def every(self) -> list[Loss]:
-        """Each by itself, in the order in which they were found."""
+        """Losses one by one, in the order of discovery."""
         return [Loss(kind, place, f"{place}: {what}", 1) for kind, place, what in self._seen]
 
     def list(self) -> list[Loss]:
-        """One a kind, in the order in which they were found."""
+        """One loss a kind, in the order of discovery."""
         return [Loss(kind, *first, self._counts[kind]) for kind, first in self._first.items()]
 
 
 class _LeavingOut:
-    """See `Losses.leaving_out`: each mesh has several, so it is no generator."""
+    """See `Losses.leaving_out`. A class, as generators are slower, and each mesh enters several."""
 
     def __init__(self, losses: Losses, prim: Usd.Prim):
         self.losses, self.prim = losses, prim

@@ -1,4 +1,4 @@
-"""Meshes at nodes. Invariant: what is the same is stored once, in however many prims it came."""
+"""Meshes at nodes. Invariant: equal meshes are stored once, however many prims have them."""
 
 from dataclasses import dataclass, replace
 
@@ -20,8 +20,7 @@ from .surfaces import Surfaces
 
 @dataclass(frozen=True)
 class Piece:
-    """A mesh of the file, what it is called, how it bends, when it is there, and the joints
-    that it hangs on."""
+    """Mesh of the file with its name, deformation, span of time, and joints."""
 
     name: str
     number: int
@@ -31,7 +30,7 @@ class Piece:
 
 
 class Meshes:
-    """Writes meshes and puts them where they stand."""
+    """Writes meshes and assigns them to nodes."""
 
     def __init__(self, writer: GlbWriter, nodes: Nodes, skins: Skins, source: Source, lost: Losses):
         self.writer, self.nodes, self.skins, self.source, self.lost = writer, nodes, skins, source, lost
@@ -39,14 +38,13 @@ class Meshes:
         self._reader = ShapeReader(source, lost)
         self._read: dict[tuple, list[Piece]] = {}
         self._known: dict[bytes, int] = {}
-        # Of the instance whose prototype is being put somewhere.
+        # Colour of the instance whose prototype is written.
         self.tint: tuple[float, ...] | None = None
         self._takes_tint: dict[int, list[bool]] = {}
         self._in_color: dict[tuple[int, tuple[float, ...]], int] = {}
 
     def pieces(self, prims: list[Usd.Prim]) -> list[Piece]:
-        """The meshes of prims that stand in one place; written once, be there ever so many
-        instances of the prims."""
+        """Meshes of prims with one transform, written once for all instances of the prims."""
         bound = [read_bound(prim, self.lost) for prim in prims]
         key = tuple((path_of(prim), each.key(), _color_key(prim)) for prim, each in zip(prims, bound))
         if key not in self._read:
@@ -54,7 +52,7 @@ class Meshes:
         return self._read[key]
 
     def put(self, pieces: list[Piece], node: int) -> None:
-        """Puts pieces at a node: what stays as one mesh, what bends or takes turns in nodes below it."""
+        """Puts pieces at a node: constant ones as one mesh, others in child nodes."""
         if self.tint is not None:
             pieces = [self._tinted(piece, self.tint) for piece in pieces]
         for index, piece in enumerate(pieces):
@@ -71,7 +69,7 @@ class Meshes:
                 self._take_turns(at, piece.span)
 
     def _tinted(self, piece: Piece, color: tuple[float, ...]) -> Piece:
-        """The same in the colour of an instance, as far as colours of its own do not come first."""
+        """Piece with an instance's colour, unless it has colours of its own."""
         takes = self._takes_tint.get(piece.number, [])
         if not any(takes):
             return piece
@@ -86,15 +84,14 @@ class Meshes:
         return replace(piece, number=self._in_color[key])
 
     def _pieces(self, prims: list[Usd.Prim], bound: list[Bound]) -> list[Piece]:
-        """Meshes of prims, what stays first."""
+        """Meshes of prims, constant ones first."""
         still: list[Shape] = []
         moving: list[tuple[str, Shapes, Span | None, int | None]] = []
         for prim, each in zip(prims, bound):
             with self.lost.leaving_out(prim):
                 glow = read_glow(prim, self.source, self.lost)
                 for span in read_spans(prim, self.source):
-                    # Of a mesh that changes a time at which it cannot be read is no
-                    # reason to lose the others.
+                    # An unreadable time of an animated mesh must not drop the others.
                     with self.lost.leaving_out(prim):
                         shapes = self._reader.read(prim, each, span)
                         for part in shapes.parts:
@@ -110,7 +107,7 @@ class Meshes:
         ]
 
     def _take_turns(self, node: int, span: Span) -> None:
-        """Shows a node for as long as a span lasts."""
+        """Shows a node during a span."""
         edges = {self.source.first: span.start <= self.source.first < span.end}
         edges.update(
             {
@@ -167,7 +164,7 @@ class Meshes:
 
 
 def _color_key(prim: Usd.Prim) -> str:
-    """Whose colours an instance's part has: those of the instance may differ."""
+    """Owner of a part's colours, which may differ between instances."""
     if not prim.IsInstanceProxy():
         return ""
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")

@@ -1,7 +1,7 @@
-"""What feeds an input of a surface: numbers, a texture, or the mesh's own colours, through
-interfaces and node graphs.
+"""Sources of a surface's inputs: numbers, a texture, or the mesh's own colours, through interfaces and node
+graphs.
 
-Invariant: whatever cannot feed it is said, and the input has its default.
+Invariant: any other source is reported, and the input has its default.
 """
 
 import math
@@ -25,7 +25,7 @@ SHARES = frozenset(
 
 @dataclass(frozen=True)
 class Fed:
-    """Numbers; with a texture, what multiplies the numbers that `output` (`rgb`, or one letter) of it has."""
+    """Numbers; with a texture, factors on its `output` (`rgb`, or one letter)."""
 
     numbers: tuple[float, ...]
     texture: Texture | None = None
@@ -37,20 +37,20 @@ class Fed:
 
     @property
     def map(self) -> Texture:
-        """The texture of an input that has one."""
+        """Texture of an input that has one."""
         assert self.texture is not None
         return self.texture
 
 
 class Network:
-    """A surface shader and all that feeds it."""
+    """Surface shader with its sources."""
 
     def __init__(self, shader: UsdShade.Shader, dialect: Dialect, textures: Textures, layers: list[str]):
         self.shader, self.dialect, self.textures, self.layers = shader, dialect, textures, layers
         self.lost: Losses = textures.lost
 
     def fed(self, name: str) -> Fed:
-        """What feeds an input, by the name that it has in UsdPreviewSurface."""
+        """Source of an input, by its name in UsdPreviewSurface."""
         theirs = self.dialect.names.get(name)
         default = self.dialect.default(name)
         found = self._fed(theirs, default, name) if theirs else Fed(default)
@@ -63,7 +63,7 @@ class Network:
         return found
 
     def number(self, name: str) -> float:
-        """A number that no texture may feed here, and that may not change."""
+        """Number without a texture or animation; others are reported."""
         found = self.fed(name)
         if found.texture is not None or found.changing is not None:
             self.say(
@@ -72,7 +72,7 @@ class Network:
         return found.numbers[0]
 
     def say(self, what: str) -> None:
-        """Counts something that the surface asks for as lost."""
+        """Reports a loss of the surface."""
         self.lost.add("usd-material-input", self.shader, f"{what} is not carried")
 
     def _fed(self, theirs: str, default: tuple[float, ...], ours: str) -> Fed:
@@ -126,6 +126,6 @@ class Network:
 
 
 def _picked(rgba: tuple[float, ...], output: str, width: int) -> tuple[float, ...]:
-    """What an output gives of four numbers."""
+    """Values of an output, from four numbers."""
     first = "rgba".find(output) if len(output) == 1 else 0
     return rgba[first : first + 1] * width if len(output) == 1 else rgba[:width]

@@ -1,5 +1,5 @@
-"""Nodes of a glTF file under construction: where they stand, what they carry. Invariant: each has
-a name of its own."""
+"""Nodes of a glTF file under construction. In go transforms and properties, out come nodes. Invariant:
+each has a unique name."""
 
 import numpy as np
 
@@ -26,7 +26,7 @@ class Nodes:
         self._samples = 0
 
     def add(self, name: str, parent: int | None) -> int:
-        """A node below another, or at the top."""
+        """Adds a node below another, or at the top."""
         if len(self.writer.document.get("nodes", ())) >= MOST_NODES:
             raise TooMuch(f"{self.source.path}: is more than {MOST_NODES} nodes")
         number = self.writer.add("nodes", {"name": self._unused(name)})
@@ -42,7 +42,7 @@ class Nodes:
         return self.writer.document["nodes"][number]
 
     def linear(self, number: int) -> np.ndarray:
-        """World from node without translation, as it stands still, metres."""
+        """Linear part of the transform to the world at rest, metres."""
         found = np.eye(3)
         at: int | None = number
         while at is not None:
@@ -56,7 +56,7 @@ class Nodes:
         return found
 
     def _unused(self, name: str) -> str:
-        """Values that change are carried by name; so names must differ."""
+        """Unique name, as animated values refer to nodes by name."""
         found = name
         while found in self._names:
             self._names[name] += 1
@@ -65,7 +65,7 @@ class Nodes:
         return found
 
     def place(self, node: int, codes: np.ndarray, matrices: np.ndarray) -> int:
-        """Puts a node where matrices say; its children belong to the node that is returned."""
+        """Sets a node's transform from matrices; children belong to the returned node."""
         if len(codes) == 1 and (matrices[0, :3, :3] == UNTURNED).all():
             self._move(node, codes, {"translation": matrices[:, :3, 3]})
             return node
@@ -88,7 +88,7 @@ class Nodes:
     def move(
         self, node: int, codes: np.ndarray, translations: np.ndarray, turns: np.ndarray, scales: np.ndarray
     ) -> None:
-        """Puts a node where parts say."""
+        """Sets a node's transform from parts."""
         self._move(node, codes, {"translation": translations, "rotation": turns, "scale": scales})
 
     def _move(self, node: int, codes: np.ndarray, rows: dict[str, np.ndarray]) -> None:
@@ -96,7 +96,7 @@ class Nodes:
         if self._samples > MOST_SAMPLES:
             raise TooMuch(f"{self.source.path}: has more than {MOST_SAMPLES} samples of places")
         for path, values in rows.items():
-            # What differs by rounding alone stands still.
+            # Differences by rounding are no motion.
             values = np.asarray(values, np.float32)
             if len(values) > 1 and np.ptp(values, axis=0).max() < 1e-7 * max(1.0, np.abs(values).max()):
                 values = values[:1]
@@ -108,7 +108,7 @@ class Nodes:
                 self.writer.animate(node, path, self.source.seconds(kept), values)
 
     def show(self, node: int, codes: np.ndarray, shown: np.ndarray) -> None:
-        """Has a node and all below it seen, or not, from each code on."""
+        """Sets the visibility of a node and its descendants from each code on."""
         if shown.all():
             return
         if shown.any():
@@ -118,13 +118,13 @@ class Nodes:
             self.of(node).setdefault("extensions", {})["KHR_node_visibility"] = {"visible": False}
 
     def extra(self, node: int, name: str, value: object) -> None:
-        """A custom property."""
+        """Sets a custom property."""
         self.of(node).setdefault("extras", {})[name] = value
 
     def carry(
         self, owner: int | None, field: str, codes: np.ndarray, rows: np.ndarray, steps: bool = False
     ) -> None:
-        """Lets a node of its own carry a value of a node, or of the scene, that changes."""
+        """Adds a node that carries an animated value of a node, or of the scene."""
         target = f"{'scene' if owner is None else self.of(owner)['name']}.{field}"
         node = self.add(f"ctl_{target}", None)
         wide = np.zeros((len(rows), 3))

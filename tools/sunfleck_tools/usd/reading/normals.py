@@ -1,5 +1,5 @@
-"""Normals of faces that stand for a smooth surface. Invariant: corners at a vertex share one unless a
-sharp edge parts them."""
+"""Normals of refined subdivision surfaces. Invariant: corners at a vertex share a normal, unless a sharp
+edge separates them."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from .triangles import cross
 
 
 def smooth_normals(cage: Cage, points: np.ndarray) -> np.ndarray:
-    """A normal for each corner: the mean about its vertex by area, as far as no sharp edge is between."""
+    """Normal for each corner: the area-weighted mean around its vertex, bounded by sharp edges."""
     here = points[cage.corners]
     facing = cross(here[cage.next_corner] - here, here[cage.corner_before] - here)
     fans = _fans(cage)
@@ -19,7 +19,7 @@ def smooth_normals(cage: Cage, points: np.ndarray) -> np.ndarray:
 
 
 def _fans(cage: Cage) -> np.ndarray:
-    """A number for each corner, the same for those at a vertex that no sharp edge parts."""
+    """Number for each corner, equal for those at a vertex without a sharp edge between them."""
     edges = cage.edges
     parts = (edges.faces == 2) & (edges.sharpness > 0)
     if not parts.any():

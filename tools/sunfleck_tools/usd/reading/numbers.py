@@ -1,4 +1,4 @@
-"""Values of attributes as numbers, whatever their type: attributes of schemas may have any."""
+"""Values of attributes as numbers, whatever the authored type."""
 
 import math
 
@@ -6,14 +6,14 @@ import numpy as np
 
 
 def shortest(numbers) -> tuple[float, ...]:
-    """What was written, not what single precision made of it."""
+    """Shortest decimals, without the noise of single precision."""
     with np.errstate(over="ignore"):
         return tuple(float(str(np.float32(each))) for each in numbers)
 
 
 def numbers_in(value: object, width: int) -> tuple[float, ...] | None:
-    """So many finite numbers; one for three, and the mean of three for one, as shaders convert them.
-    None for all else."""
+    """`width` finite numbers; one becomes three, and three their mean for one, as shaders convert them.
+    None for anything else."""
     if value is None or isinstance(value, str):
         return None
     try:

@@ -1,16 +1,16 @@
-"""What of a stage is read, and how strictly. Invariant: whatever is not said is the stage's own word."""
+"""Options of reading a stage. Invariant: options that are not set leave the stage's own values."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """How a stage is read.
+    """Options of reading a stage.
 
     `frames` are the first and the last; None for those of the stage. `purposes` are those shown beside
     `default`: of `render`, `proxy` and `guide`. `variants` are (path of a prim, set, choice). `masks` are
-    paths: nothing but what is below them, above them, or needed by them is read. `strict` refuses a stage of
-    which anything would be lost.
+    paths: only their descendants, ancestors and dependencies are read. `strict` refuses a stage with any
+    loss.
     """
 
     frames: tuple[int, int] | None = None

@@ -1,4 +1,4 @@
-"""Matrices to the translations, turns and scales that glTF has."""
+"""Matrices as translations, rotations and scales of glTF."""
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -17,15 +17,15 @@ STILL.setflags(write=False)
 
 
 def reach(codes: np.ndarray) -> tuple[float, float]:
-    """A frame more than the range of whole frames on either side, as far as the shutter of a frame may be
-    open; glTF has no times before 0."""
+    """Range of time codes extended by a frame on either side, as shutters may reach; glTF has no times
+    before 0."""
     frame = codes[1] - codes[0] if len(codes) > 1 else 1.0
     return max(float(codes[0] - frame), 0.0), float(codes[-1] + frame)
 
 
 def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
-    """Whole frames, samples between them, and beyond them as far as a shutter reaches, if any attribute
-    moves; else the first frame."""
+    """Whole frames, samples between them, and the shutters' reach beyond, if any attribute moves; else the
+    first frame."""
     moving = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
     if not moving:
         return codes[:1]
@@ -41,23 +41,23 @@ def codes_of(attributes: list[Usd.Attribute], codes: np.ndarray) -> np.ndarray:
 
 
 def is_carried(prim: Usd.Prim) -> bool:
-    """True if velocities carry points or instances on from a sample, and be it the only one."""
+    """True if velocities move points or instances, even from a single sample."""
     attributes = [prim.GetAttribute(name) for name in ("velocities", "angularVelocities")]
     return any(attribute and attribute.GetNumTimeSamples() > 0 for attribute in attributes)
 
 
 def while_carried(moves: np.ndarray, codes: np.ndarray) -> np.ndarray:
-    """Codes of what moves, joined by all whole frames and as far as a shutter reaches beyond them."""
+    """Codes of a motion, joined by all whole frames and the shutters' reach beyond."""
     return np.unique(np.round(np.concatenate([moves, codes, reach(codes)]), 6))
 
 
 def is_placed(prim: Usd.Prim, source: Source) -> bool:
-    """True if a prim has a word on where it stands."""
+    """True if a prim has a transform of its own."""
     return UsdGeom.Tokens.xformOpOrder in source.authored(prim)
 
 
 def is_reset(prim: Usd.Prim, source: Source) -> bool:
-    """True if a prim stands right in the world, wherever its parent stands."""
+    """True if a prim's transform leads directly to the world, whatever its parent's."""
     return is_placed(prim, source) and RESET in (prim.GetAttribute("xformOpOrder").Get() or ())
 
 
@@ -71,14 +71,14 @@ def local_matrices(prim: Usd.Prim, source: Source) -> tuple[np.ndarray, np.ndarr
     matrices = np.empty((len(codes), 4, 4))
     for row, code in enumerate(codes.tolist()):
         matrices[row] = xformable.GetLocalTransformation(operations, Usd.TimeCode(code))
-    # Also what is no number is not below.
+    # NaN fails this comparison too.
     if not np.abs(matrices).max() < LARGEST:
         raise SceneError(f"{prim.GetPath()}: its place is not finite")
     return codes, matrices.transpose(0, 2, 1)
 
 
 def parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
-    """Translations, quaternions (x, y, z, w), scales, and whether that is all: no matrix shears."""
+    """Translations, quaternions (x, y, z, w), scales, and whether they suffice, without shear."""
     linear = matrices[:, :3, :3]
     scales = np.linalg.norm(linear, axis=1)
     axes = linear / np.where(scales > 0, scales, 1.0)[:, None, :]
@@ -92,7 +92,8 @@ def parts(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, boo
 
 
 def sheared(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Matrices as turn, scale, turn: quaternions of the outer turn, scales, quaternions of the inner turn."""
+    """Matrices as rotation, scale, rotation: quaternions of the outer rotation, scales, quaternions of the
+    inner one."""
     outer, scales, inner = np.linalg.svd(matrices[:, :3, :3])
     for turn in (outer, inner):
         mirrored = np.linalg.det(turn) < 0
@@ -102,7 +103,7 @@ def sheared(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def quaternions(turns: np.ndarray) -> np.ndarray:
-    """Of rotation matrices, by the largest of the four numbers (Shepperd 1978)."""
+    """Quaternions of rotation matrices, by the largest of the four numbers (Shepperd 1978)."""
     m = turns
     trace = np.trace(m, axis1=1, axis2=2)
     squares = np.stack(
@@ -122,14 +123,14 @@ def quaternions(turns: np.ndarray) -> np.ndarray:
 
 
 def turn_of(quaternion: list[float]) -> np.ndarray:
-    """The rotation matrix of a unit quaternion (x, y, z, w)."""
+    """Rotation matrix of a unit quaternion (x, y, z, w)."""
     x, y, z, w = quaternion
     skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + 2 * (w * skew + skew @ skew)
 
 
 def steady(turns: np.ndarray) -> np.ndarray:
-    """The same turns, each on the side of the one before."""
+    """The same rotations, each with the sign nearer to its predecessor."""
     if len(turns) < 2:
         return turns
     flips = np.sum(turns[1:] * turns[:-1], axis=1) < 0

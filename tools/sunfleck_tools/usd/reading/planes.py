@@ -1,6 +1,6 @@
-"""Texels of what feeds inputs, as linear numbers: several textures at one size, tiles of UDIM side by side.
+"""Texels of inputs as linear numbers: several textures at one size, UDIM tiles side by side.
 
-Invariant: no picture that is made has more than `MOST_BAKED` texels; what is made smaller for it is said.
+Invariant: a picture has at most `MOST_BAKED` texels; reductions are reported.
 """
 
 from collections.abc import Sequence
@@ -26,20 +26,20 @@ class Planes:
         self.textures, self.lost = textures, lost
 
     def is_srgb(self, texture: Texture, is_color: bool) -> bool:
-        """By the specification for `auto`: eight bits of three or four channels are sRGB, where
-        they are colours."""
+        """For `auto`, by the specification: eight bits of three or four channels are sRGB if they are
+        colours."""
         picture = self.textures.picture(texture.files[0][1])
         return texture.space == "sRGB" or (
             texture.space == "auto" and is_color and picture.bits == 8 and picture.channels >= 3
         )
 
     def mean(self, fed: Fed) -> tuple[float, ...]:
-        """What an input has on the average of its texture."""
+        """Mean of an input over its texture."""
         texels = self._texels(fed, len(fed.numbers) == 3, self._size([fed]), _grid([fed]))
         return tuple(float(each) for each in texels.mean(axis=(0, 1), dtype=np.float64)[: len(fed.numbers)])
 
     def _size(self, inputs: Sequence[Fed]) -> tuple[int, int]:
-        """Of a tile: the largest of all pictures, or less where that is too much; said."""
+        """Size of a tile: the largest of all pictures, or less if that is too much, which is reported."""
         pictures = [self.textures.picture(path) for fed in inputs for _, path in fed.map.files]
         wide, high = (max(picture.size[axis] for picture in pictures) for axis in (0, 1))
         columns, rows = _grid(inputs)
@@ -55,14 +55,13 @@ class Planes:
     def read(
         self, inputs: Sequence[Fed], are_colors: Sequence[bool]
     ) -> tuple[object, list[np.ndarray], Placement]:
-        """Rows of numbers of each input, all of one size, what they depend on, and where they lie."""
+        """Texels of each input at one size, their dependencies, and their placement."""
         size, grid = self._size(inputs), _grid(inputs)
         planes = [self._texels(fed, is_color, size, grid) for fed, is_color in zip(inputs, are_colors)]
         return (tuple(inputs), size), planes, _placed(inputs[0].map.placement, grid)
 
     def _texels(self, fed: Fed, is_color: bool, size: tuple[int, int], grid: tuple[int, int]) -> np.ndarray:
-        """What an input has at each texel: tiles of UDIM one beside the other, the first
-        row at the bottom."""
+        """Values of an input at each texel: UDIM tiles side by side, the first row at the bottom."""
         texture, (wide, high), (columns, rows) = fed.map, size, grid
         whole = np.zeros((rows * high, columns * wide, 3 if fed.output == "rgb" else 1), np.float32)
         for (column, row), path in texture.files:
@@ -79,7 +78,7 @@ class Planes:
             whole[top : top + high, column * wide : (column + 1) * wide] = texels[
                 ..., first : first + whole.shape[2]
             ]
-        # One channel feeds all three of a colour.
+        # One channel becomes all three of a colour.
         return (
             whole * np.array(fed.numbers, np.float32)
             if fed.output == "rgb" or len(fed.numbers) == 3
@@ -88,7 +87,7 @@ class Planes:
 
 
 def _grid(inputs: Sequence[Fed]) -> tuple[int, int]:
-    """Columns and rows of tiles; as many of both where the placement turns, which must not stretch."""
+    """Columns and rows of tiles; equal numbers if the placement rotates, as it must not stretch."""
     tiles = [tile for fed in inputs for tile, _ in fed.map.files]
     columns, rows = 1 + max(column for column, _ in tiles), 1 + max(row for _, row in tiles)
     moved = inputs[0].map.placement.moved
@@ -96,7 +95,7 @@ def _grid(inputs: Sequence[Fed]) -> tuple[int, int]:
 
 
 def _placed(placement: Placement, grid: tuple[int, int]) -> Placement:
-    """Where all tiles together lie: coordinates of the first tile, the lower left one, span one of them."""
+    """Placement of all tiles together: coordinates of the first, lower left tile span one tile."""
     if grid == (1, 1):
         return placement
     columns, rows = grid

@@ -1,7 +1,7 @@
-"""A surface in the words of UsdPreviewSurface to a material of glTF.
+"""Material of glTF from the inputs of UsdPreviewSurface.
 
 Source: https://openusd.org/release/spec_usdpreviewsurface.html. In goes a network, out come the material's
-fields and which of them change over time. Invariant: no input that is authored is passed over unsaid.
+fields and their animation. Invariant: every authored input is honoured or reported.
 """
 
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ SMALLEST = 1e-6
 
 @dataclass
 class Looks:
-    """A material of glTF, extensions included, and by path within it what changes: codes and rows."""
+    """Material of glTF with extensions, and its animated fields by path: codes and rows."""
 
     material: dict
     changing: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
@@ -35,7 +35,7 @@ class Preview:
         self.network, self.bakery, self.codes = network, bakery, codes
 
     def read(self, looks: Looks, extras: dict) -> None:
-        """Fills in a material; `extras` is what export kept beside it."""
+        """Sets the fields of a material; `extras` are those that the export stored."""
         self._read_base(looks, extras)
         self._read_metal(looks)
         self._read_emission(looks)
@@ -114,13 +114,13 @@ class Preview:
         return self.network.number("useSpecularWorkflow") > 0.5
 
     def _read_reflection(self, looks: Looks) -> None:
-        """What is reflected along the normal: by index, or said outright."""
+        """Reflectance along the normal, from the index or given explicitly."""
         if self._is_specular():
             fed = self.network.fed("specularColor")
             color = self.bakery.flat(fed)
             if fed.changing is not None:
                 self.network.say("specularColor that changes over time")
-            # KHR_materials_ior's 0 is the index at which the specular colour is all that counts.
+            # An index of 0 in KHR_materials_ior leaves the specular colour alone.
             _extend(looks, "KHR_materials_ior", {"ior": 0.0})
             _extend(
                 looks,
@@ -130,7 +130,7 @@ class Preview:
             return
         index = max(self.network.number("ior"), 1.0)
         if index == 1:
-            # Reflects nothing.
+            # No reflection.
             _extend(looks, "KHR_materials_specular", {"specularFactor": 0.0})
         elif abs(index - 1.5) > SMALLEST:
             _extend(looks, "KHR_materials_ior", {"ior": index})
@@ -141,8 +141,7 @@ class Preview:
             self.network.say("a clearcoat that changes over time")
         if coat.texture is None and coat.numbers[0] <= 0:
             return
-        # The extension has red for the one and green for the other, in textures of their own
-        # that may be the same.
+        # The extension has red for one and green for the other, in textures that may be the same.
         factors, texture = self.bakery.shares({0: coat, 1: rough})
         values: dict = {"clearcoatFactor": factors[0], "clearcoatRoughnessFactor": factors[1]}
         if texture is not None:
@@ -150,11 +149,11 @@ class Preview:
         _extend(looks, "KHR_materials_clearcoat", values)
 
     def _shares(self, rows: np.ndarray, name: str) -> np.ndarray:
-        """Rows of what changes, between 0 and 1."""
+        """Animated rows, clamped to 0 to 1."""
         return within(rows, self.network.shader.GetPrim(), name, self.network.lost)
 
     def _rows(self, inputs: list[tuple[Fed, list[float]]]) -> tuple[np.ndarray, list[np.ndarray]]:
-        """Numbers of inputs at all codes at which any changes; of one that does not, those given."""
+        """Values of inputs at all codes at which any changes; for constant ones those given."""
         attributes: list[Usd.Attribute] = [fed.changing for fed, _ in inputs if fed.changing is not None]
         codes = codes_of(attributes, self.codes)
         found = []

@@ -1,5 +1,5 @@
-"""Normals, texture coordinates and other values of a mesh. Invariant: what is handed out is finite
-and fits the mesh."""
+"""Normals, texture coordinates and other primvars of a mesh. Invariant: returned values are finite and
+match the mesh."""
 
 from dataclasses import dataclass
 
@@ -21,8 +21,8 @@ UPWARD, FROM_TOP = np.array([1, -1]), np.array([0, 1])
 
 @dataclass(frozen=True)
 class Stream:
-    """Values by their glTF name: a row for each point (`vertex`, `varying`), corner, face
-    (`uniform`), or one."""
+    """Values with their glTF name: a row for each point (`vertex`, `varying`), corner, face (`uniform`),
+    or one."""
 
     name: str
     values: np.ndarray
@@ -49,14 +49,14 @@ def _places(interpolation: str, faces: Faces) -> np.ndarray | None:
 
 
 class Primvars:
-    """Those of one prim at one time."""
+    """Primvars of one prim at one time."""
 
     def __init__(self, prim: Usd.Prim, code: float, faces: Faces, source: Source, lost: Losses):
         self.prim, self.code, self.faces, self.lost = prim, code, faces, lost
         self.authored = source.authored(prim)
 
     def normals(self) -> Stream | None:
-        """Unit normals, which a primvar of that name says before the attribute."""
+        """Unit normals; the primvar takes precedence over the attribute."""
         if "normals" not in self.authored and "primvars:normals" not in self.authored:
             return None
         primvar = UsdGeom.PrimvarsAPI(self.prim).GetPrimvar("normals")
@@ -76,7 +76,7 @@ class Primvars:
         return Stream(found.name, found.values / lengths[:, None], found.interpolation)
 
     def coordinates(self) -> tuple[list[Stream], list[str]]:
-        """Texture coordinates, and what they are called here."""
+        """Texture coordinates, and their names here."""
         streams: list[Stream] = []
         names: list[str] = []
         for name, kind, primvar in self._coordinates()[:MOST_LAYERS]:
@@ -95,7 +95,8 @@ class Primvars:
         return streams, names
 
     def say_what_changes(self, source: Source, bends: bool) -> None:
-        """Of what is read at one time for all: coordinates, and normals of what stays as it is."""
+        """Reports animated values that are read at one time only: coordinates, and normals of undeformed
+        meshes."""
         for name, _, primvar in self._coordinates()[:MOST_LAYERS]:
             for attribute in (primvar.GetAttr(), primvar.GetIndicesAttr()):
                 say_if_it_changes(attribute, source, self.lost, f"set of texture coordinates `{name}`")
@@ -104,7 +105,7 @@ class Primvars:
                 say_if_it_changes(self.prim.GetAttribute(name), source, self.lost, name)
 
     def _coordinates(self) -> list[tuple[str, Sdf.ValueTypeName, UsdGeom.Primvar]]:
-        """Primvars that have values of texture coordinates, by their names; the usual ones first."""
+        """Primvars of texture coordinates, by their names; the usual ones first."""
         names = [name for name in self.authored if name.startswith("primvars:")]
         primvars = [UsdGeom.Primvar(self.prim.GetAttribute(name)) for name in names]
         typed = [(each.GetTypeName(), each) for each in primvars if each and each.HasValue()]
@@ -112,7 +113,7 @@ class Primvars:
         return sorted(found, key=lambda each: (each[0] not in FIRST_LAYERS, each[0]))
 
     def fit(self, name: str, values, interpolation: str, width: int) -> Stream | None:
-        """Values as a stream; None, and said, if they do not fit."""
+        """Values as a stream; None, after a report, if they do not match."""
         array = np.zeros((0, width)) if values is None else np.array(values, float).reshape(-1, width)
         if not len(array) or not len(self.faces.corners):
             return None
@@ -124,7 +125,7 @@ class Primvars:
         return Stream(name, array, interpolation)
 
     def _needed(self, interpolation: str) -> int | None:
-        """How many values the faces ask for; None of an interpolation that is none."""
+        """Number of values that the faces need; None for an unknown interpolation."""
         if interpolation in ("vertex", "varying"):
             return self.faces.ends[1] + 1
         places = _places(interpolation, self.faces)

@@ -16,8 +16,7 @@ OURS = f"{SPACE}sunfleck"
 def read_properties(
     prim: Usd.Prim, source: Source
 ) -> tuple[dict[str, dict], dict[str, tuple[np.ndarray, np.ndarray]]]:
-    """Properties `sunfleck...` by name and field, and of those that change, by
-    `name.field`, codes and rows."""
+    """Properties `sunfleck...` by name and field, and animated ones by `name.field`, codes and rows."""
     found: dict[str, dict] = {}
     carried: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     if not any(name.startswith(OURS) for name in source.authored(prim)):
@@ -57,7 +56,7 @@ def _plain(value: Any) -> object:
 
 
 def custom_data(prim: Usd.Prim) -> dict:
-    """What a prim has below `sunfleck` in its custom data, whatever type that is, in the types of JSON."""
+    """Custom data of a prim under `sunfleck`, in JSON's types."""
     found = prim.GetCustomDataByKey("sunfleck")
     return _unpacked(found) if isinstance(found, dict) else {}
 
@@ -69,7 +68,7 @@ def _unpacked(value: Any) -> Any:
 
 
 def number_of(prim: Usd.Prim, name: str, source: Source) -> int | None:
-    """A property that is a whole number."""
+    """Integer property."""
     if f"{SPACE}{name}" not in source.authored(prim):
         return None
     value = prim.GetAttribute(f"{SPACE}{name}").Get(source.first)
@@ -78,7 +77,7 @@ def number_of(prim: Usd.Prim, name: str, source: Source) -> int | None:
 
 
 def text_of(prim: Usd.Prim, name: str, source: Source) -> str | None:
-    """A property that is a text."""
+    """Text property."""
     if f"{SPACE}{name}" not in source.authored(prim):
         return None
     value = prim.GetAttribute(f"{SPACE}{name}").Get()

@@ -1,7 +1,7 @@
 """RenderSettings of a stage to those of the file (https://openusd.org/release/user_guides/schemas/usdRender).
 
-Of several the one counts that the stage names (`renderSettingsPrimPath`), else the first. Invariant: what it
-asks for is honoured or said.
+The stage's `renderSettingsPrimPath` selects one of several, else the first counts. Invariant: every
+request is honoured or reported.
 """
 
 import math
@@ -28,7 +28,7 @@ Lenses = dict[str, tuple[str, float | None]]
 def take_render_settings(
     sunfleck: dict, source: Source, options: ImportOptions, lenses: Lenses, lost: Losses
 ) -> None:
-    """Adds to settings what the renderer's own words in the stage do not say."""
+    """Adds settings that the renderer's own properties in the stage lack."""
     asked = read_render_settings(source, options, lost)
     camera = str(asked.pop("camera", ""))
     if camera in lenses:
@@ -38,7 +38,7 @@ def take_render_settings(
 
 
 def take_exposure(sunfleck: dict, lenses: Lenses) -> None:
-    """Adds that of the camera that is taken."""
+    """Adds the exposure of the chosen camera."""
     taken = next((each for each in lenses.values() if each[0] == sunfleck.get("camera")), None)
     taken = taken or next(iter(lenses.values()), None)
     if taken is not None and taken[1] is not None:
@@ -46,7 +46,7 @@ def take_exposure(sunfleck: dict, lenses: Lenses) -> None:
 
 
 def read_render_settings(source: Source, options: ImportOptions, lost: Losses) -> dict:
-    """Fields of `sunfleck` of the scene; `camera` is a path."""
+    """Fields of the scene's `sunfleck`; `camera` is a path."""
     prim = _settings(source.stage)
     if prim is None:
         return {}
@@ -88,7 +88,7 @@ def _settings(stage: Usd.Stage) -> Usd.Prim | None:
 
 
 def _first_product(prim: Usd.Prim, lost: Losses) -> Usd.Prim | None:
-    """What is written, which may have a camera and a resolution of its own."""
+    """First render product, which may have a camera and a resolution of its own."""
     targets = UsdRender.Settings(prim).GetProductsRel().GetForwardedTargets()
     products = [each for each in (prim.GetStage().GetPrimAtPath(target) for target in targets) if each]
     for target in targets:
@@ -119,19 +119,19 @@ def _read_camera(prim: Usd.Prim, product: Usd.Prim | None, found: dict, lost: Lo
 
 
 def _value(product: Usd.Prim | None, prim: Usd.Prim, name: str, source: Source):
-    """Of the product if it says so, else of the settings; None where neither does."""
+    """Value of the product if authored, else of the settings; None without either."""
     of_product = _authored(product, name, source) if product else None
     return _authored(prim, name, source) if of_product is None else of_product
 
 
 def _authored(prim: Usd.Prim, name: str, source: Source):
-    """An authored value; None otherwise."""
+    """Authored value; None otherwise."""
     attribute = prim.GetAttribute(name)
     return attribute.Get(source.first) if attribute and attribute.HasAuthoredValue() else None
 
 
 def _say_the_rest(prim: Usd.Prim, lost: Losses) -> None:
-    """Words of the schema that come after these were written, and those of single renderers."""
+    """Reports later properties of the schema, and those of other renderers."""
     usual = set(prim.GetPrimDefinition().GetPropertyNames())
     for name in sorted(set(prim.GetAuthoredPropertyNames()) - READ):
         if name in usual and (attribute := prim.GetAttribute(name)) and attribute.HasAuthoredValue():
@@ -139,7 +139,7 @@ def _say_the_rest(prim: Usd.Prim, lost: Losses) -> None:
 
 
 def _say_shape(source: Source, prim: Usd.Prim, found: dict, lost: Losses) -> None:
-    """A picture of another shape than the camera's shows as much in height, whatever the policy."""
+    """A picture with another aspect than the camera's keeps the height, whatever the policy."""
     if "camera" not in found:
         return
     camera = UsdGeom.Camera(source.stage.GetPrimAtPath(found["camera"]))

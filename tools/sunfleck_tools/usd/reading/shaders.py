@@ -1,8 +1,8 @@
-"""Surface shaders whose inputs are known by name, in the words of UsdPreviewSurface.
+"""Known surface shaders, with the names of their inputs in UsdPreviewSurface.
 
-UsdPreviewSurface is read as it is. Of the others colour, roughness, metal, emission, opacity and coat are
-taken, which is an approximation that is said. Sources: the specifications of UsdPreviewSurface 2.6,
-Autodesk's Standard Surface 1.0, OpenPBR 1.1, and MaterialX 1.39 for what its nodes are called.
+UsdPreviewSurface is read fully. From others, colour, roughness, metal, emission, opacity and coat are
+read, an approximation that is reported. Sources: the specifications of UsdPreviewSurface 2.6, Autodesk's
+Standard Surface 1.0, OpenPBR 1.1, and MaterialX 1.39 for names of nodes.
 """
 
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ DEFAULTS = {
 
 @dataclass(frozen=True)
 class Dialect:
-    """What a shader calls the inputs of UsdPreviewSurface; `weights` are inputs that multiply one."""
+    """A shader's names of UsdPreviewSurface's inputs; `weights` are inputs that multiply another."""
 
     names: dict[str, str]
     defaults: dict[str, tuple[float, ...]] = field(default_factory=dict)
@@ -27,7 +27,7 @@ class Dialect:
     is_exact: bool = False
 
     def default(self, name: str) -> tuple[float, ...]:
-        """The value of an input, by our name, that is not there."""
+        """Default of an input, by its name in UsdPreviewSurface."""
         return self.defaults.get(name, DEFAULTS[name])
 
 
@@ -73,7 +73,7 @@ CONTEXTS = ["mtlx", "arnold", "mdl", "ri"]
 
 
 def surface_of(material: UsdShade.Material) -> tuple[UsdShade.Shader | None, str, Dialect | None]:
-    """A material's surface shader, what it is called, and the names of its inputs if they are known."""
+    """Surface shader of a material, its identifier, and the names of its inputs if they are known."""
     first = material.ComputeSurfaceSource()[0]
     others = [material.ComputeSurfaceSource(context)[0] for context in CONTEXTS]
     found = [(each, _kind(each)) for each in (first, *others) if each]
@@ -83,5 +83,5 @@ def surface_of(material: UsdShade.Material) -> tuple[UsdShade.Shader | None, str
 
 
 def _kind(shader: UsdShade.Shader) -> str:
-    """The identifier of a shader, or its name within a file of MDL."""
+    """Identifier of a shader, or its name within an MDL file."""
     return str(shader.GetIdAttr().Get() or shader.GetSourceAssetSubIdentifier("mdl") or "").partition("(")[0]

@@ -1,4 +1,4 @@
-"""Meshes and solids of a stage to primitives of glTF. Invariant: no index is used that was not checked."""
+"""Primitives of glTF from meshes and solids of a stage. Invariant: every index is checked before use."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ from .triangles import are_convex, triangulate
 
 @dataclass
 class Shape:
-    """Triangles of one material: rows of attributes, and for what bends which point each row is."""
+    """Triangles of one material: rows of attributes, and for deforming meshes the point of each row."""
 
     attributes: dict[str, np.ndarray]
     triangles: np.ndarray
@@ -44,7 +44,7 @@ class Shape:
 
 @dataclass
 class Shapes:
-    """A mesh of a stage."""
+    """Shapes of a mesh."""
 
     parts: list[Shape] = field(default_factory=list)
     bend: Bend | None = None
@@ -52,8 +52,8 @@ class Shapes:
 
 @dataclass
 class _Outline:
-    """A prim's points and faces, its points at any code, the finer faces if it is a subdivision surface, and
-    attributes of corners."""
+    """Points and faces of a prim, its points at any code, refined faces of a subdivision surface, and
+    attributes by corner."""
 
     points: np.ndarray
     faces: Faces
@@ -67,7 +67,7 @@ class _Outline:
     """Whether all corners at a point have the same attributes."""
 
     def spread(self, stream: Stream | None) -> np.ndarray | None:
-        """A row for each corner of the faces that are written."""
+        """A row for each corner of the faces."""
         self.is_by_point &= stream is None or stream.is_by_point
         if stream is None or self.finer is None:
             return None if stream is None else stream.rows(self.faces)
@@ -79,7 +79,7 @@ Masked = tuple[Usd.Prim | None, np.ndarray | None]
 
 
 def is_shape(prim: Usd.Prim) -> bool:
-    """True for what has faces here."""
+    """True for prims with supported faces."""
     return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in SOLIDS
 
 
@@ -92,7 +92,7 @@ class ShapeReader:
         self._shows: dict[str, bool] = {}
 
     def read(self, prim: Usd.Prim, bound: Bound, span: Span) -> Shapes:
-        """A shape for as long as its faces are the same. Raises `SceneError`."""
+        """Shapes of a prim during a span of constant faces. Raises `SceneError`."""
         outline = self._mesh(prim, span) if prim.IsA(UsdGeom.Mesh) else _solid(prim, span.rests_at)
         normals = outline.normals_at(span.rests_at)
         if normals is not None:
@@ -171,7 +171,7 @@ class ShapeReader:
             outline.rows["COLOR_0"] = colors
 
     def _refines(self, prim: Usd.Prim, faces: Faces, code: float) -> Refiner | None:
-        """What refines a subdivision surface; None of other meshes, and where there is room for no level."""
+        """Refiner of a subdivision surface; None for other meshes, and if no level fits."""
         scheme = value_of(prim.GetAttribute("subdivisionScheme"), code)
         if scheme == UsdGeom.Tokens.none or not (faces.counts >= 3).any():
             return None
@@ -188,7 +188,7 @@ class ShapeReader:
 
 
 def _parts(prim: Usd.Prim, masks: list[Masked], outline: _Outline) -> list[Shape]:
-    """Triangles by their materials. Raises `SceneError`."""
+    """Triangles by material. Raises `SceneError`."""
     finer = outline.finer
     if finer is not None and outline.finer_points is not None:
         points, faces, triangles = outline.finer_points, finer.faces, finer.triangles
@@ -211,7 +211,7 @@ def _parts(prim: Usd.Prim, masks: list[Masked], outline: _Outline) -> list[Shape
 
 
 def _triangles(prim: Usd.Prim, points: np.ndarray, faces: Faces) -> np.ndarray:
-    """Of faces, rows as `triangulate` has them. Raises `SceneError`."""
+    """Triangles of faces, as of `triangulate`. Raises `SceneError`."""
     if faces.loops is not None and are_convex(points, faces.loops):
         return faces.fans
     try:
@@ -245,7 +245,7 @@ def _cage_faces(source: Source) -> tuple[int, int]:
 
 
 def _masks(bound: Bound, faces: int, code: float, lost: Losses) -> list[Masked]:
-    """Materials that faces have, and which."""
+    """Materials of faces, with masks."""
     if not bound.subsets:
         return [(bound.material, None)]
     found, left = [], np.ones(faces, bool)
@@ -272,7 +272,7 @@ def _part(
     outline: _Outline,
     material: Usd.Prim | None,
 ) -> Shape:
-    """One material's triangles, with a row for each different corner."""
+    """Triangles of one material, with a row for each unique corner."""
     if outline.is_by_point and faces.loops is not None and triangles is faces.fans:
         kept, triangles_of_rows = faces.welded
     else:
@@ -290,7 +290,7 @@ def _part(
 def _welded(
     points: int, corners: np.ndarray, triangles: np.ndarray, outline: _Outline
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The corner of each row, and triangles of rows: corners that are the same share one."""
+    """Corner of each row, and triangles of rows: equal corners share one."""
     is_used = np.zeros(len(corners), bool)
     is_used[triangles[:, :3]] = True
     used = np.nonzero(is_used)[0]

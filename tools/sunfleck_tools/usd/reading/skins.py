@@ -1,8 +1,8 @@
-"""Skeletons of UsdSkel as skins of glTF; where glTF would not say the same, points that are baked over time.
+"""Skeletons of UsdSkel as skins of glTF, or where these would differ, as points baked over time.
 
-In: the roots of a stage, and later the meshes below them. Out: joints as nodes below their skeleton, and what
-ties vertices to them. Invariant: a root is carried as skins as a whole or baked as a whole; a skin's vertices
-are where UsdSkel has them at every sample.
+In go the roots of a stage, and later their meshes. Out come joints as nodes below their skeleton, with
+joint weights. Invariant: a root is skinned or baked as a whole; a skin's vertices are UsdSkel's at every
+sample.
 """
 
 from dataclasses import dataclass, field
@@ -25,8 +25,7 @@ PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 @dataclass
 class _Tied:
-    """A mesh on a skeleton: joints (a row of the skeleton's numbers a point), their weights, and what moves
-    points before joints do."""
+    """Mesh on a skeleton: joints (a row of indices a point), weights, and the bind transform."""
 
     skeleton: UsdSkel.SkeletonQuery
     joints: np.ndarray
@@ -36,7 +35,7 @@ class _Tied:
 
 @dataclass
 class _Bones:
-    """A skeleton whose joints become nodes: where it stands, and the skins that wait for them."""
+    """Skeleton whose joints become nodes: its node, and the skins that wait for it."""
 
     query: UsdSkel.SkeletonQuery
     node: int | None = None
@@ -44,7 +43,7 @@ class _Bones:
 
 
 class Skins:
-    """Follows the skeletons of a stage."""
+    """Skeletons of a stage."""
 
     def __init__(self, source: Source, nodes: Nodes, lost: Losses):
         self.source, self.nodes, self.lost = source, nodes, lost
@@ -53,11 +52,11 @@ class Skins:
         self._bones: dict[str, _Bones] = {}
 
     def prepare(self) -> None:
-        """Finds what can be skins; the other skeletons and blend shapes become points over time, in
-        the session's layer."""
+        """Finds the skeletons that can be skins; others, and blend shapes, are baked to points in the
+        session layer."""
         stage = self.source.stage
         session = stage.GetSessionLayer()
-        # Else time codes would be scaled from one layer to the other.
+        # Otherwise time codes would be scaled between the layers.
         session.timeCodesPerSecond = stage.GetTimeCodesPerSecond()
         stage.SetEditTarget(session)
         for prim in list(stage.Traverse()):
@@ -66,7 +65,7 @@ class Skins:
             ):
                 prim.SetInstanceable(False)
         prims = list(stage.Traverse())
-        # A prototype stands in many places, and its joints would have to stand with it.
+        # A prototype has many instances, and its joints would have to follow each.
         is_crowded = any(prim.IsA(UsdGeom.PointInstancer) for prim in prims)
         span = Gf.Interval(*reach(self.source.codes))
         for root in [UsdSkel.Root(prim) for prim in prims if prim.IsA(UsdSkel.Root)]:
@@ -74,12 +73,12 @@ class Skins:
                 self.lost.add("usd-skeleton", root, "its skeleton cannot be followed; it rests")
 
     def stands(self, prim: Usd.Prim, node: int) -> None:
-        """Tells where a skeleton stands."""
+        """Sets the node of a skeleton."""
         if self._bones and (bones := self._bones.get(str(prim.GetPath()))):
             bones.node = node
 
     def tie(self, prim: Usd.Prim, parts: list[Shape]) -> int | None:
-        """Ties the vertices of a mesh to joints; the number of their skin, None of a mesh without."""
+        """Binds the vertices of a mesh to joints; returns the index of their skin, or None."""
         tied = self._tied.get(str(prim.GetPath())) if self._tied else None
         if tied is None:
             return None
@@ -92,7 +91,7 @@ class Skins:
         bones = self._bones[str(tied.skeleton.GetPrim().GetPath())]
         key = tuple(map(tuple, tied.skeleton_from_mesh))
         if key not in bones.skins:
-            # A matrix of USD, for rows, has its numbers in the order of glTF's, for columns.
+            # USD's matrices for row vectors have the order of glTF's for column vectors.
             matrices = [
                 tied.skeleton_from_mesh * bind.GetInverse()
                 for bind in tied.skeleton.GetJointWorldBindTransforms()
@@ -102,7 +101,7 @@ class Skins:
         return bones.skins[key]
 
     def finish(self) -> None:
-        """Writes the joints, now that every skeleton has a node."""
+        """Writes the joints, once every skeleton has a node."""
         for path, bones in self._bones.items():
             if not bones.skins:
                 continue
@@ -134,7 +133,7 @@ class Skins:
         return found
 
     def _ties(self, root: UsdSkel.Root) -> bool:
-        """Ties all meshes of a root, if skins move all of them as UsdSkel does."""
+        """Binds all meshes of a root, if skins move all of them as UsdSkel does."""
         self.cache.Populate(root, PREDICATE)
         found: dict[str, _Tied] = {}
         for binding in self.cache.ComputeSkelBindings(root, PREDICATE):
@@ -151,7 +150,7 @@ class Skins:
 
 
 def _tied(root: UsdSkel.Root, query: UsdSkel.SkeletonQuery, target: UsdSkel.SkinningQuery) -> _Tied | None:
-    """How a mesh hangs on a skeleton; None if a skin of glTF would not move it in the same way."""
+    """Binding of a mesh to a skeleton; None if a glTF skin would move it differently."""
     prim = target.GetPrim()
     if not _is_still_mesh(prim) or target.HasBlendShapes() or not target.HasJointInfluences():
         return None
@@ -179,7 +178,8 @@ def _tied(root: UsdSkel.Root, query: UsdSkel.SkeletonQuery, target: UsdSkel.Skin
 
 
 def _is_still_mesh(prim: Usd.Prim) -> bool:
-    """Of a surface that is refined the cage bends, and what is between is no longer a mean of joints."""
+    """Whether a mesh is not refined: otherwise the cage deforms, and points between are no longer means of
+    joints."""
     if not prim.IsA(UsdGeom.Mesh) or prim.IsInstanceProxy():
         return False
     mesh = UsdGeom.Mesh(prim)

@@ -1,6 +1,6 @@
 """Spheres, cubes, cylinders, cones, capsules and planes as faces.
 
-In: a prim of one of `SOLIDS`. Out: points, faces and normals. Invariant: a solid has the same
+In goes a prim of one of `SOLIDS`, out come points, faces and normals. Invariant: a solid has the same
 faces at every time.
 """
 
@@ -34,8 +34,8 @@ class Solid:
 
 @dataclass(frozen=True)
 class _Profile:
-    """What is turned about z: radius and height of its points from below, their normals, which of its
-    ends are on the axis."""
+    """Profile of a solid of revolution about z: radius and height of its points from below, their normals,
+    and which ends are on the axis."""
 
     places: np.ndarray
     normals: np.ndarray
@@ -44,7 +44,7 @@ class _Profile:
 
 
 def sizes_of(prim: Usd.Prim) -> list[Usd.Attribute]:
-    """The attributes that a solid's points depend on."""
+    """Attributes that a solid's points depend on."""
     names = ("size", "radius", "radiusTop", "radiusBottom", "height", "width", "length")
     return [prim.GetAttribute(name) for name in names if prim.GetAttribute(name)]
 
@@ -77,8 +77,8 @@ def read_solid(prim: Usd.Prim, code: float) -> Solid:
 
 
 def _capsule(bottom: float, top: float, half: float) -> list[_Profile]:
-    """Caps go on from the slope without an edge, as USD has it: they are less or more than half spheres
-    where radii differ."""
+    """Caps continue the slope smoothly, as in USD: they are less or more than half spheres if radii
+    differ."""
     rise = (bottom - top) / (2 * half) if half > 0 else 0.0
     larger, angle = math.hypot(1.0, rise), math.degrees(math.atan(rise))
     return [
@@ -102,7 +102,7 @@ def _slope(bottom: float, top: float, half: float) -> _Profile:
 
 
 def _cap(radius: float, height: float) -> _Profile:
-    """A disc that faces away from the middle."""
+    """Disc that faces outwards."""
     if height < 0:
         return _Profile(np.array([[0, height], [radius, height]]), np.array([[0.0, -1.0]] * 2), True)
     return _Profile(np.array([[radius, height], [0, height]]), np.array([[0.0, 1.0]] * 2), False, True)
@@ -111,8 +111,7 @@ def _cap(radius: float, height: float) -> _Profile:
 def _turned(profile: _Profile) -> Solid:
     angles = 2 * np.pi * np.arange(AROUND) / AROUND
     rings = len(profile.places)
-    # The points of a pole are those of the faces that meet there, and have the normals of
-    # the middles of those.
+    # Points at a pole belong to the adjacent faces, and have the normals of their centres.
     turns = np.tile(angles, (rings, 1))
     turns[0] += np.pi / AROUND * profile.starts_at_pole
     turns[-1] += np.pi / AROUND * profile.ends_at_pole
@@ -161,7 +160,7 @@ def _cube(size: float) -> Solid:
 
 
 def _plane(width: float, length: float, axis: str) -> Solid:
-    """Its width lies along x, or along z if it faces x; its length along y, or along z if it faces y."""
+    """Plane: its width is along x, or along z if it faces x; its length along y, or along z if it faces y."""
     across, along = {"X": (2, 1), "Y": (0, 2), "Z": (0, 1)}[axis]
     points = np.zeros((4, 3))
     points[:, across] = 0.5 * width * np.array([-1, 1, 1, -1])

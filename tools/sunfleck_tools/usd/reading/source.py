@@ -1,6 +1,6 @@
-"""A path to a stage that is open, with its clock and its units.
+"""Opening of stages. In goes a path, out come a stage, its clock and its units.
 
-Invariant: no arc of a stage that is handed out comes round; what it refers to and is not there is said.
+Invariant: a returned stage has no cyclic arcs; missing references are reported.
 """
 
 import math
@@ -35,7 +35,7 @@ MISSING = (
 
 @dataclass(frozen=True)
 class Source:
-    """An opened stage. Codes are time codes, frames what they are numbered as."""
+    """Opened stage. Codes are time codes, frames are frame numbers."""
 
     path: Path
     stage: Usd.Stage
@@ -47,12 +47,12 @@ class Source:
     for_blender: bool
 
     def seconds(self, codes: np.ndarray) -> np.ndarray:
-        """The time of time codes."""
+        """Times of time codes."""
         return np.asarray(codes, float) / float(self.codes_per_second)
 
     @property
     def first(self) -> float:
-        """The code at which everything stands that does not move."""
+        """Code for constant values."""
         return float(self.codes[0])
 
     @property
@@ -63,27 +63,26 @@ class Source:
 
     @cached_property
     def authored(self) -> Callable[[Usd.Prim], frozenset[str]]:
-        """Names of all properties that a prim has a word of its own on: one question in place of many."""
-        # A prim is asked for several things one after the other, and so is its parent.
+        """Names of a prim's authored properties, by one query in place of many."""
+        # Several readers in a row query a prim and its parent.
         return lru_cache(maxsize=8)(lambda prim: frozenset(prim.GetAuthoredPropertyNames()))
 
     @property
     def metres(self) -> float:
-        """Of a unit of the stage."""
+        """Length of a stage unit."""
         return _metres(self.stage)
 
 
 @contextmanager
 def usd_said(path: Path) -> Iterator[None]:
-    """Has USD's errors about a file raised as `SceneError`, and nothing printed: what matters is
-    said once, by us."""
+    """Turns USD's errors about a file into `SceneError`, without output."""
     silenced = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield
     except Tf.ErrorException as error:
         raise SceneError(f"{path}: is no stage that can be read: {_said(error)}") from None
     except (TypeError, ValueError, OverflowError) as error:
-        # Attributes of schemas may have any type; what numpy and Python make of those is one fault.
+        # Attributes may have any type; errors of numpy and Python about them are one fault.
         raise SceneError(f"{path}: holds a value that does not fit its place: {error}") from None
     except MemoryError:
         raise SceneError(f"{path}: needs more memory than there is") from None
@@ -92,8 +91,8 @@ def usd_said(path: Path) -> Iterator[None]:
 
 
 def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
-    """Opens a stage; raises `SceneError` with what goes round in circles, `ToolError` if there is no file, and says
-    what is missing."""
+    """Opens a stage, and reports missing files. Raises `SceneError` for cyclic arcs, `ToolError` if there
+    is no file."""
     if not path.is_file():
         raise ToolError(f"{path}: cannot be read: there is no such file", is_usage=False)
     stage = Usd.Stage.Open(str(path))
@@ -121,13 +120,13 @@ def open_stage(path: Path, options: ImportOptions, lost: Losses) -> Source:
 
 
 def _metres(stage: Usd.Stage) -> float:
-    """Of a unit. Exporters also write it in single precision, which `UsdGeom.GetStageMetersPerUnit`
-    takes for an error."""
+    """Length of a unit in metres. Exporters also write it in single precision, which
+    `UsdGeom.GetStageMetersPerUnit` rejects."""
     return float(stage.GetMetadata(UsdGeom.Tokens.metersPerUnit))
 
 
 def _put_unit_right(stage: Usd.Stage, lost: Losses) -> None:
-    """Takes USD's own defaults in place of a unit and an axis that are none."""
+    """Replaces an invalid unit and axis by USD's defaults."""
     up = UsdGeom.GetStageUpAxis(stage)
     if up not in (UsdGeom.Tokens.y, UsdGeom.Tokens.z):
         lost.add("usd-unit", "/", f"up along {up} is neither Y nor Z; Y is taken")
@@ -139,7 +138,7 @@ def _put_unit_right(stage: Usd.Stage, lost: Losses) -> None:
 
 
 def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice: str) -> None:
-    """Takes a variant, whatever the stage itself chooses."""
+    """Selects a variant, in place of the stage's own choice."""
     prim = _prim(path, stage, prim_path)
     sets = prim.GetVariantSets()
     if set_name not in sets.GetNames():
@@ -156,8 +155,7 @@ def _choose(path: Path, stage: Usd.Stage, prim_path: str, set_name: str, choice:
 
 
 def _masked(path: Path, stage: Usd.Stage, masks: tuple[str, ...]) -> Usd.Stage:
-    """The same stage with nothing but what is at some paths, and what that refers to: materials,
-    skeletons, prototypes."""
+    """Stage with only some paths, and their dependencies: materials, skeletons, prototypes."""
     mask = Usd.StagePopulationMask([_prim(path, stage, each).GetPath() for each in masks])
     masked = Usd.Stage.OpenMasked(stage.GetRootLayer(), stage.GetSessionLayer(), mask)
     masked.ExpandPopulationMask()
@@ -173,7 +171,7 @@ def _prim(path: Path, stage: Usd.Stage, prim_path: str) -> Usd.Prim:
 
 
 def _say_what_is_missing(path: Path, stage: Usd.Stage, lost: Losses) -> None:
-    """What USD found as it composed the stage: arcs in circles are refused, the rest is said."""
+    """Reports USD's composition errors; cyclic arcs are refused."""
     errors = stage.GetCompositionErrors()
     endless = [str(error).strip() for error in errors if isinstance(error, ENDLESS)]
     if endless:
@@ -189,7 +187,7 @@ def _say_what_is_missing(path: Path, stage: Usd.Stage, lost: Losses) -> None:
 
 
 def _say_what_is_chosen_in_vain(prim: Usd.Prim, lost: Losses) -> None:
-    """Chosen variants that a set does not have: USD takes none of them."""
+    """Reports selected variants that a set lacks; USD then selects none."""
     sets = prim.GetVariantSets()
     for name in sets.GetNames():
         chosen, there = sets.GetVariantSelection(name), sets.GetVariantSet(name).GetVariantNames()
@@ -199,7 +197,7 @@ def _say_what_is_chosen_in_vain(prim: Usd.Prim, lost: Losses) -> None:
 
 
 def _say_which_clips_are_missing(prim: Usd.Prim, lost: Losses) -> None:
-    """Files of value clips: while one is missing, USD takes what the prim is without clips."""
+    """Reports missing files of value clips; USD then ignores all clips of the prim."""
     api = Usd.ClipsAPI(prim)
     for name, clips in (api.GetClips() or {}).items():
         if not isinstance(clips, dict):
@@ -217,7 +215,7 @@ def _say_which_clips_are_missing(prim: Usd.Prim, lost: Losses) -> None:
 
 
 def _layer_of_clips(prim: Usd.Prim) -> Sdf.Layer:
-    """The strongest that says clips; their paths count from there."""
+    """Strongest layer with clips, to which their paths are relative."""
     specs = [spec for spec in prim.GetPrimStack() if spec.HasInfo("clips")]
     return specs[0].layer if specs else prim.GetStage().GetRootLayer()
 
@@ -230,7 +228,7 @@ def _opens(layer: Sdf.Layer, path: str) -> bool:
 
 
 def _of_template(template: str, clips: dict) -> Iterator[str]:
-    """The files that a template such as `clip.###.usd` or `clip.###.##.usd` stands for."""
+    """Files of a template such as `clip.###.usd` or `clip.###.##.usd`."""
     start, end, stride = (clips.get(f"template{name}", math.nan) for name in ("StartTime", "EndTime", "Stride"))
     found = re.fullmatch(r"([^#]*)(#+)(?:\.(#+))?([^#]*)", template)
     usable = all(isinstance(each, (int, float)) and math.isfinite(each) for each in (start, end, stride))
@@ -244,7 +242,7 @@ def _of_template(template: str, clips: dict) -> Iterator[str]:
 
 
 def _said(error: Exception) -> str:
-    """Without the places in USD's own sources."""
+    """Message without places in USD's own sources."""
     try:
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     except UnicodeDecodeError:
@@ -253,6 +251,6 @@ def _said(error: Exception) -> str:
 
 
 def listed(errors: list[str]) -> str:
-    """The first few, a line each."""
+    """First few errors, one a line."""
     shown = [f"  {' '.join(error.split())}" for error in errors[:MOST_NAMED]]
     return "\n".join(shown + ([f"  and {len(errors) - MOST_NAMED} more"] if len(errors) > MOST_NAMED else []))

@@ -1,6 +1,7 @@
-"""Times in which a shape has the same faces. A mesh whose faces change is several, which take turns.
+"""Spans of time in which a shape has constant faces. A mesh with changing faces becomes several, each visible
+in its span.
 
-Invariant: the spans of a shape follow one another without gaps.
+Invariant: the spans of a shape are contiguous.
 """
 
 import math
@@ -20,10 +21,9 @@ BEFORE_THE_NEXT = 1e-3
 
 @dataclass(frozen=True)
 class Span:
-    """Codes at which points are written (one if they stay), the code of what does not move, and from
-    when until when it is.
+    """Codes of its points (one if they are constant), the code of constant values, and its start and end.
 
-    `points_at` is for points that move by velocities; None for those that move by their samples.
+    `points_at` gives points moved by velocities; None for those with samples.
     """
 
     codes: np.ndarray
@@ -34,12 +34,12 @@ class Span:
 
     @property
     def is_always(self) -> bool:
-        """True if no other span comes before or after."""
+        """True if it is the only span."""
         return math.isinf(self.start) and math.isinf(self.end)
 
 
 def read_spans(prim: Usd.Prim, source: Source) -> list[Span]:
-    """The spans of a shape within what shutters reach."""
+    """Spans of a shape within the shutters' reach."""
     if not prim.IsA(UsdGeom.Mesh):
         return [Span(codes_of(sizes_of(prim), source.codes), source.first)]
     attributes = [prim.GetAttribute(name) for name in ("points", "faceVertexCounts", "faceVertexIndices")]
@@ -56,7 +56,7 @@ def read_spans(prim: Usd.Prim, source: Source) -> list[Span]:
 
 
 def _changes(attributes: list[Usd.Attribute], source: Source) -> list[float]:
-    """When other faces, or another number of points, come; the first have always been there."""
+    """Times at which faces, or the number of points, change; the first have always existed."""
     first, last = reach(source.codes)
     samples = {code for attribute in attributes for code in attribute.GetTimeSamples()}
     points, *faces = attributes
@@ -86,7 +86,7 @@ def _span(mesh: UsdGeom.Mesh, codes: np.ndarray, start: float, end: float, sourc
 
 
 def _carried(mesh: UsdGeom.Mesh) -> Callable[[float], np.ndarray]:
-    """Points at a code, carried on by their velocities."""
+    """Function of a code that gives points moved by their velocities."""
 
     def points_at(code: float) -> np.ndarray:
         time = Usd.TimeCode(code)

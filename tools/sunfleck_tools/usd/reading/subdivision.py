@@ -1,9 +1,9 @@
 """Subdivision surfaces, refined level by level.
 
 Catmull and Clark 1978, Loop 1987; creases that are sharp for some levels by DeRose, Kass and Truong 1998
-("Subdivision surfaces in character animation"). Where those leave a choice, it is made as OpenSubdiv makes
-it, which renderers of USD have: creases decay uniformly, edges of more than two faces are sharp. Invariant:
-what is refined is a mean of what was there; weights add up to 1.
+("Subdivision surfaces in character animation"). Choices beyond those papers are OpenSubdiv's, which
+renderers of USD use: creases decay uniformly, edges of more than two faces are sharp. Invariant: refined
+values are weighted means; weights add up to 1.
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ OpenSubdiv); a quad's is 1/4."""
 
 @dataclass(frozen=True)
 class Cage:
-    """Faces that are to be refined: corners a face, vertices of the corners, and what is sharp.
+    """Faces to refine: corners a face, vertices of the corners, and sharpness.
 
     `crease_ends` are pairs of vertices, `crease_sharpness` a number for each; `vertex_sharpness` is a
     number for each vertex.
@@ -36,36 +36,36 @@ class Cage:
 
     @property
     def vertices(self) -> int:
-        """How many there are."""
+        """Number of vertices."""
         return len(self.vertex_sharpness)
 
     @cached_property
     def starts(self) -> np.ndarray:
-        """The first corner of each face."""
+        """First corner of each face."""
         return np.cumsum(self.counts) - self.counts
 
     @cached_property
     def face_of_corner(self) -> np.ndarray:
-        """A face for each corner."""
+        """Face of each corner."""
         return np.repeat(np.arange(len(self.counts)), self.counts)
 
     @cached_property
     def next_corner(self) -> np.ndarray:
-        """The corner after each one, round its face."""
+        """Next corner around the face."""
         following = np.arange(1, len(self.corners) + 1)
         following[self.starts + self.counts - 1] = self.starts
         return following
 
     @cached_property
     def corner_before(self) -> np.ndarray:
-        """The corner before each one, round its face."""
+        """Previous corner around the face."""
         before = np.empty(len(self.corners), np.int64)
         before[self.next_corner] = np.arange(len(self.corners))
         return before
 
     @cached_property
     def edges(self) -> "Edges":
-        """Edges, each once."""
+        """Unique edges."""
         starts, ends = self.corners, self.corners[self.next_corner]
         keys, of_corner, faces = np.unique(
             np.minimum(starts, ends) * self.vertices + np.maximum(starts, ends),
@@ -83,18 +83,18 @@ class Cage:
 
     @property
     def faces_at_vertex(self) -> np.ndarray:
-        """How many faces have each vertex."""
+        """Number of faces at each vertex."""
         return np.bincount(self.corners, minlength=self.vertices)
 
     def with_sharp_vertices(self, chosen: np.ndarray) -> "Cage":
-        """The same, where chosen vertices stay where they are."""
+        """The same cage with chosen vertices fixed."""
         return replace(self, vertex_sharpness=np.where(chosen, np.inf, self.vertex_sharpness))
 
 
 @dataclass(frozen=True)
 class Edges:
-    """For each edge: its two vertices, how many faces have it, its sharpness; for each corner the
-    edge to the next one."""
+    """For each edge: its two vertices, its number of faces, its sharpness; for each corner the edge to the
+    next one."""
 
     ends: np.ndarray
     of_corner: np.ndarray
@@ -103,9 +103,10 @@ class Edges:
 
 
 class Refinement:
-    """One level: a cage, the finer one, and how values of vertices go from one to the other.
+    """One level: a cage, the finer one, and the weights of vertices from one to the other.
 
-    The finer vertices are those of the cage, then one for each edge, then (Catmull-Clark) one for each face.
+    The finer vertices are those of the cage, then one for each edge, then (Catmull-Clark) one for each
+    face.
     """
 
     def __init__(self, cage: Cage):
@@ -114,7 +115,7 @@ class Refinement:
         self._weigh_vertices()
 
     def _weigh_edges(self) -> None:
-        """What of an edge's own middle and of the centres beside it makes its vertex."""
+        """Weights of an edge's midpoint and of adjacent centres for its vertex."""
         cage, edges = self.cage, self.cage.edges
         sharp = np.minimum(edges.sharpness, 1.0)
         # Loop's (3, 3, 1, 1) / 8 by the centres of both triangles.
@@ -126,12 +127,11 @@ class Refinement:
         self.edge_by_middle = 1 - 2 * self.edge_by_face
 
     def _weigh_vertices(self) -> None:
-        """What of itself, of the other ends of its edges and of the centres about it makes a
-        vertex's new place."""
+        """Weights of a vertex, its neighbours and adjacent centres for its new position."""
         edges, sharpness = self.cage.edges, self.cage.vertex_sharpness
         before = self._rule(edges.sharpness, sharpness)
         after = self._rule(edges.sharpness - 1, sharpness - 1)
-        # Sharpness that ends at this level, in the mean of a vertex's edges (and its own).
+        # Sharpness that ends at this level: the mean over a vertex's edges, and its own.
         ending = np.where((edges.sharpness > 0) & (edges.sharpness <= 1), edges.sharpness, 0.0)
         own = np.where((sharpness > 0) & (sharpness <= 1), sharpness, 0.0)
         total = self._at_ends(np.stack([ending, ending], axis=1)) + own
@@ -144,7 +144,7 @@ class Refinement:
         self.by_face = share * before.by_face + (1 - share) * after.by_face
 
     def _at_ends(self, values: np.ndarray) -> np.ndarray:
-        """The sum at each vertex of a value for each end of each edge."""
+        """Sum at each vertex of values for both ends of each edge."""
         return np.bincount(self.cage.edges.ends.ravel(), values.ravel(), self.cage.vertices)
 
     def _rule(self, edge_sharpness: np.ndarray, vertex_sharpness: np.ndarray) -> "_Rule":

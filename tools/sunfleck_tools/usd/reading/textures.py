@@ -1,5 +1,5 @@
-"""Nodes that read textures: which file, where on the mesh, what is done with its numbers. Invariant: a
-`Texture` has a file that opens."""
+"""Nodes that read textures. In go shader nodes, out come files, placements and conversions. Invariant: a
+`Texture` has a readable file."""
 
 import math
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ or `ND_tiledimage`."""
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a texture lies: which set of coordinates, KHR_texture_transform's (offset, rotation, scale),
+    """Placement of a texture: the set of coordinates, KHR_texture_transform's (offset, rotation, scale),
     wrapping along each axis."""
 
     layer: int
@@ -47,8 +47,8 @@ class Placement:
 
 @dataclass(frozen=True)
 class Texture:
-    """A node: its path, its files by column and row of UDIM tiles, `sRGB`, `raw` or `auto`, and what
-    multiplies and is added."""
+    """Texture node: its path, its files by column and row of UDIM tiles, `sRGB`, `raw` or `auto`, and its
+    scale and bias."""
 
     place: str
     files: tuple[tuple[tuple[int, int], str], ...]
@@ -59,26 +59,26 @@ class Texture:
 
 
 def file_input(shader: UsdShade.Shader) -> str | None:
-    """The input that names the file, of a node that reads one."""
+    """Input with the file of a node that reads one."""
     kind = str(shader.GetIdAttr().Get())
     return "file" if kind.startswith(("ND_image", "ND_tiledimage")) else READERS.get(kind)
 
 
 class Textures:
-    """Reads nodes of one stage; each file is opened once."""
+    """Reads the texture nodes of one stage; each file is opened once."""
 
     def __init__(self, lost: Losses, codes: np.ndarray):
         self.lost, self.codes, self.code = lost, codes, float(codes[0])
         self._pictures: dict[str, Picture | None] = {}
 
     def picture(self, resolved: str) -> Picture:
-        """The picture of a file of a `Texture`."""
+        """Picture of a file of a `Texture`."""
         picture = self._pictures[resolved]
         assert picture is not None, "a `Texture` has files that open"
         return picture
 
     def read(self, shader: UsdShade.Shader, layers: list[str]) -> Texture | None:
-        """The texture of a node; None, and said, without a file that can be read."""
+        """Texture of a node; None, after a report, without a readable file."""
         found = shader.GetInput(file_input(shader))
         producers = found.GetValueProducingAttributes() if found else []
         files = self._files(producers[0], str(shader.GetPath())) if producers else {}
@@ -99,7 +99,7 @@ class Textures:
         )
 
     def fallback(self, shader: UsdShade.Shader) -> tuple[float, ...] | None:
-        """What stands for a file that cannot be read, if the node says."""
+        """Fallback of a node for an unreadable file, if it has one."""
         return self._numbers(shader, "fallback", None)
 
     def _value(self, shader: UsdShade.Shader, name: str, default):
@@ -116,7 +116,7 @@ class Textures:
         return default if found is None else found
 
     def _files(self, attribute: Usd.Attribute, place: str) -> dict[tuple[int, int], str]:
-        """Files that open, by column and row of their tiles; without tiles all is column 0, row 0."""
+        """Readable files by column and row of their tiles; column 0, row 0 without tiles."""
         value = attribute.Get(self.code)
         if changes(attribute, self.codes):
             self.lost.add(
@@ -130,7 +130,7 @@ class Textures:
             tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(named, layer)
             listed = {divmod(int(tile) - FIRST_TILE, UDIM_COLUMNS)[::-1]: path for path, tile in tiles}
         else:
-            # A text, as some exporters write instead of an asset, counts from its layer too.
+            # A text, which some exporters write in place of an asset, is also relative to its layer.
             resolved = (
                 resolved or Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(named)).GetPathString()
                 if named
@@ -153,8 +153,8 @@ class Textures:
         return self._pictures[resolved] is not None
 
     def _space(self, shader: UsdShade.Shader, attribute: Usd.Attribute) -> str:
-        """`sRGB`, `raw` or `auto`: what the node says, else the attribute of its file; primaries other than
-        Rec. 709's are said."""
+        """`sRGB`, `raw` or `auto`: from the node, else from the attribute of its file; primaries other
+        than Rec. 709's are reported."""
         names = (
             str(self._value(shader, "sourceColorSpace", "auto")),
             str(attribute.GetColorSpace() or "auto"),
@@ -171,7 +171,7 @@ class Textures:
         return "raw" if name != "auto" else "auto"
 
     def _placement(self, shader: UsdShade.Shader, layers: list[str]) -> Placement:
-        """Which coordinates, moved how; layer -1 of a mesh that has none."""
+        """Set of coordinates and their transform; layer -1 for a mesh without coordinates."""
         wraps = [str(self._value(shader, f"wrap{axis}", "repeat")) for axis in "ST"]
         if "black" in wraps:
             self.lost.add(
@@ -195,7 +195,7 @@ class Textures:
         return Placement(layer, moved, (across, up))
 
     def _address_modes(self, shader: UsdShade.Shader, wraps: list[str]) -> list[str]:
-        """Of nodes of MaterialX, in the words of UsdUVTexture."""
+        """Wrap modes of MaterialX nodes, as UsdUVTexture's."""
         modes = [self._value(shader, f"{axis}addressmode", None) for axis in "uv"]
         said = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant": "black"}
         if "constant" in modes:
@@ -205,8 +205,8 @@ class Textures:
         return [wrap if mode is None else said.get(str(mode), wrap) for wrap, mode in zip(wraps, modes)]
 
     def _tiled(self, shader: UsdShade.Shader, moved: tuple | None) -> tuple | None:
-        """What `tiledimage` of MaterialX does to coordinates: times `uvtiling`, less `uvoffset`, and both by
-        the size of a tile in that of the picture."""
+        """Transform of MaterialX's `tiledimage`: times `uvtiling`, minus `uvoffset`, and both by the ratio
+        of the tile's to the picture's size."""
         pairs = {"uvtiling": (1.0, 1.0), "uvoffset": (0.0, 0.0), "realworldimagesize": (1.0, 1.0), "realworldtilesize": (1.0, 1.0)}  # fmt: skip
         if not any(shader.GetInput(name) for name in pairs):
             return moved
@@ -222,7 +222,7 @@ class Textures:
         return (x, round(1 - y - high, 7)), 0.0, (wide, high)
 
     def _say_unknown(self, shader: UsdShade.Shader, node: UsdShade.Shader | None) -> None:
-        """Nodes before a texture, and inputs of it, that nothing here reads."""
+        """Reports unsupported nodes before a texture, and unsupported inputs of it."""
         kind = str(node.GetIdAttr().Get()) if node else ""
         if node and not kind.startswith(COORDINATE_NODES):
             what = f"takes its coordinates through a {kind or 'node without a kind'}, which is passed over"
@@ -233,8 +233,8 @@ class Textures:
                 self.lost.add("usd-material-input", shader, f"its {name} is not carried")
 
     def _moved(self, shader: UsdShade.Shader) -> tuple | None:
-        """The reverse of what export writes: glTF turns about the upper left corner, USD about
-        the lower left one."""
+        """Inverse of the export's transform: glTF rotates about the upper left corner, USD about the lower
+        left one."""
         given = {name: self._value(shader, name, rest) for name, rest in MOVES.items()}
         said = [numbers_in(value, 1 if name == "rotation" else 2) for name, value in given.items()]
         numbers = [each for each in said if each is not None]
@@ -250,7 +250,7 @@ class Textures:
 
 
 def _before(shader: UsdShade.Shader, name: str) -> UsdShade.Shader | None:
-    """What an input is connected to."""
+    """Shader that an input is connected to."""
     found = shader.GetInput(name)
     attributes = found.GetValueProducingAttributes() if found else []
     return UsdShade.Shader(attributes[0].GetPrim()) if attributes else None

@@ -1,5 +1,5 @@
-"""Polygons to triangles. Invariant: the area of a flat polygon is that of its triangles, also where
-it is not convex."""
+"""Triangulation of polygons. Invariant: the area of a flat polygon is that of its triangles, even if it is
+not convex."""
 
 from functools import lru_cache
 
@@ -15,8 +15,8 @@ MOST_KNOWN = 4096
 
 
 def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Triangles as places in `corners`, and in a fourth column their face. `points` are
-    those of the vertices.
+    """Triangles as indices into `corners`, and in a fourth column their face. `points` are positions of
+    vertices.
 
     Raises `ValueError` if a face has too many corners.
     """
@@ -52,8 +52,8 @@ def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> 
 
 @lru_cache(maxsize=16)
 def _known_fans(faces: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Faces, places of corners, and fans of so many faces of as many corners each: stages have many
-    meshes of few such sizes."""
+    """Faces, indices of corners, and fans for faces with equal numbers of corners, cached as stages have
+    many meshes of few such sizes."""
     numbers = np.arange(faces)
     places = numbers[:, None] * count + np.arange(count)
     known = numbers, places, fans_of(numbers, places)
@@ -63,7 +63,7 @@ def _known_fans(faces: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndar
 
 
 def fans_of(faces: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Triangles about the first corner of each face; rows as those of `triangulate`."""
+    """Triangles around the first corner of each face, as of `triangulate`."""
     fans = np.empty((len(places), places.shape[1] - 2, 4), np.int64)
     fans[:, :, 0], fans[:, :, 1], fans[:, :, 2], fans[:, :, 3] = (
         places[:, :1],
@@ -80,27 +80,27 @@ def _following(rows: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The cross products of rows of vectors; numpy's own takes several times as long for a few vectors, of
-    which a stage has many."""
+    """Cross products of rows; numpy's own is several times slower for few vectors, of which a stage has
+    many."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def _normals(polygons: np.ndarray) -> np.ndarray:
-    """Newell's: of polygons that need not be flat."""
+    """Newell's normals, also for polygons that are not flat."""
     return cross(polygons, _following(polygons)).sum(axis=1)
 
 
 def are_convex(points: np.ndarray, loops: np.ndarray) -> bool:
-    """Whether all polygons are, rows of points."""
+    """Whether all polygons are convex; they are rows of points."""
     sides = loops.shape[1]
     if sides != 4:
         return sides == 3 or bool(_is_convex(points[loops]).all())
-    # Of quadrangles, of which there are most: the same sums in a third of the calls.
+    # Quadrangles are most frequent: the same sums with a third of the calls.
     around = points.take(loops.take(AROUND, axis=1), axis=0)
     edges = around[:, 1:] - around[:, :-1]
-    # y, z, x and z, x, y, so that products are of whole arrays.
+    # y, z, x and z, x, y, for products of whole arrays.
     turned, turned_twice = edges.take(TURNED, axis=2), edges.take(TURNED_TWICE, axis=2)
     turns = turned[:, :-1] * turned_twice[:, 1:] - turned_twice[:, :-1] * turned[:, 1:]
     normals = turns[:, 0] + turns[:, 1] + turns[:, 2] + turns[:, 3]
@@ -111,17 +111,17 @@ def are_convex(points: np.ndarray, loops: np.ndarray) -> bool:
 def _is_convex(polygons: np.ndarray) -> np.ndarray:
     edges = _following(polygons) - polygons
     turns = cross(edges, _following(edges))
-    # The turns of a quadrangle add up to twice Newell's normal.
+    # The cross products of a quadrangle add up to twice Newell's normal.
     normals = turns.sum(axis=1) if polygons.shape[1] == 4 else _normals(polygons)
     return (np.einsum("fci,fi->fc", turns, normals) >= 0).all(axis=1)
 
 
 def _ears(polygon: np.ndarray) -> np.ndarray:
-    """Ears clipped one by one (Meisters 1975), in the plane in which the polygon is largest."""
+    """Ear clipping (Meisters 1975), in the coordinate plane where the polygon is largest."""
     normal = _normals(polygon[None])[0]
     axis = int(np.argmax(np.abs(normal)))
     flat = np.delete(polygon, axis, axis=1)
-    # Taking y out mirrors the plane.
+    # Without y the plane is mirrored.
     if (normal[axis] < 0) != (axis == 1):
         flat = flat * [1, -1]
     left = list(range(len(flat)))

@@ -24,7 +24,7 @@ EXPOSURE = ("exposure", "exposure:time", "exposure:iso", "exposure:fStop", "expo
 
 
 def say_unread(prim: Usd.Prim, source: Source, lost: Losses) -> None:
-    """Of any prim."""
+    """Reports unread attributes of any prim."""
     authored = source.authored(prim)
     for name, rest in BLUR.items():
         if name in authored:
@@ -39,7 +39,7 @@ def say_unread(prim: Usd.Prim, source: Source, lost: Losses) -> None:
 
 
 def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float | None:
-    """Of a camera; its exposure as a power of two, if it has one."""
+    """Reports unread attributes of a camera; returns its exposure in stops, if it has one."""
     authored = source.authored(prim)
     for name in READ_ONCE:
         if name in authored:
@@ -66,5 +66,5 @@ def say_unread_of_camera(prim: Usd.Prim, source: Source, lost: Losses) -> float 
 
 
 def _told(value: Any) -> object:
-    """A value that can be compared; arrays as lists."""
+    """Comparable value; arrays as lists."""
     return list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value

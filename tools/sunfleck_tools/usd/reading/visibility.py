@@ -1,7 +1,7 @@
-"""When a prim is seen: `UsdGeom.Imageable.ComputeVisibility`, over time.
+"""Visibility of prims over time, as by `UsdGeom.Imageable.ComputeVisibility`.
 
-Whatever is invisible hides all below it, so a node says for its children what its prim says for its own.
-Prims that stand elsewhere in glTF than in the stage bring along what their ancestors say.
+An invisible prim hides its descendants, and so does its node. Prims with other ancestors in glTF than in
+the stage keep the visibility of those in the stage.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from .source import Source
 
 
 def says_visibility(prim: Usd.Prim, source: Source) -> bool:
-    """True if a prim has a word of its own on it."""
+    """True if a prim has authored visibility."""
     if UsdGeom.Tokens.visibility not in source.authored(prim):
         return False
     imageable = UsdGeom.Imageable(prim)
@@ -20,8 +20,8 @@ def says_visibility(prim: Usd.Prim, source: Source) -> bool:
 
 
 def is_hidden_by_purpose(prim: Usd.Prim, purpose: str, source: Source) -> bool:
-    """True if a shape of a purpose is invisible by what it or what it is in says for that purpose
-    (VisibilityAPI: `renderVisibility` and so on); the nearest word counts."""
+    """True if a shape's purpose is invisible by its own or inherited VisibilityAPI (`renderVisibility` and
+    so on); the nearest opinion counts."""
     if purpose not in ("render", "proxy", "guide"):
         return False
     at = prim
@@ -36,7 +36,7 @@ def is_hidden_by_purpose(prim: Usd.Prim, purpose: str, source: Source) -> bool:
 
 
 def up_to(prim: Usd.Prim, last: Usd.Prim) -> list[Usd.Prim]:
-    """A prim and its ancestors, as far as `last`."""
+    """A prim and its ancestors up to `last`."""
     found = [prim]
     while found[-1] != last and found[-1].GetParent():
         found.append(found[-1].GetParent())
@@ -44,7 +44,7 @@ def up_to(prim: Usd.Prim, last: Usd.Prim) -> list[Usd.Prim]:
 
 
 def seen(prims: list[Usd.Prim], source: Source) -> tuple[np.ndarray, np.ndarray] | None:
-    """Codes, and from each on whether all the prims let be seen; None if they always do."""
+    """Codes, and visibility from each on, combined over all prims; None if it is always visible."""
     saying = [prim for prim in prims if says_visibility(prim, source)]
     attributes = [UsdGeom.Imageable(prim).GetVisibilityAttr() for prim in saying]
     if not attributes:

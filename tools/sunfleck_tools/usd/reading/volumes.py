@@ -1,5 +1,5 @@
-"""Volumes of a stage. In go a `Volume` and its fields, out come the file and grid that fog takes its density from.
-Invariant: fields and materials that are not carried are said.
+"""Volumes of a stage. In go a `Volume` and its fields, out come file and grid of fog's density. Invariant:
+unsupported fields and materials are reported.
 """
 
 import re
@@ -22,7 +22,7 @@ FIELDS = ("OpenVDBAsset", "Field3DAsset")
 
 @dataclass(frozen=True)
 class Volume:
-    """Which prim has the density, in which file: with signs in the number's place if it is one of a sequence."""
+    """Prim with the density, and its file: with a placeholder for the number in a sequence."""
 
     field: Usd.Prim
     file: Path
@@ -30,14 +30,14 @@ class Volume:
 
 
 class Volumes:
-    """Has nodes of a file hold them; the file is to lie in `folder`."""
+    """Adds volumes to nodes of a file in `folder`."""
 
     def __init__(self, nodes: Nodes, folder: Path):
         self.nodes, self.folder = nodes, folder
         self.count = 0
 
     def place(self, prim: Usd.Prim, node: int, take_extras: Callable[[Usd.Prim, int], None]) -> None:
-        """A volume at a node, which may be that of what it is in."""
+        """Puts a volume at a node, which may be that of its parent."""
         nodes = self.nodes
         volume = read_volume(prim, nodes.source, nodes.lost)
         if volume is None:
@@ -58,7 +58,7 @@ class Volumes:
 
 
 def read_volume(prim: Usd.Prim, source: Source, lost: Losses) -> Volume | None:
-    """None, and said, of one that has no density in a file that is there."""
+    """Volume of a prim; None, after a report, without a density in an existing file."""
     place = prim.GetPath()
     paths = UsdVol.Volume(prim).GetFieldPaths()
     fields = {name: prim.GetStage().GetPrimAtPath(path) for name, path in paths.items()}
@@ -103,7 +103,7 @@ def _file(attribute: Usd.Attribute, source: Source, lost: Losses) -> Path | None
 
 
 def _pattern(files: dict[int, Path]) -> Path | None:
-    """The path with signs in the number's place; before the first file and after the last these stay."""
+    """Path with a placeholder for the number; before the first file and after the last these stay."""
     distinct = sorted(set(files.values()))
     name = re.fullmatch(r"(.*?)(\d+)(\D*)", distinct[0].name)
     if name is None:
