@@ -1,4 +1,4 @@
-"""Blender scenes to sunfleck and its frames back: panels, export, render, frames. See docs/blender.md."""
+"""Blender add-on for sunfleck: panels, export, render engine, frames. See docs/blender.md."""
 
 from . import command, engine, export, frames, importing, names, panels, program, properties, render
 

@@ -1,7 +1,7 @@
-"""What of a scene will be lost on the way to sunfleck, as far as its settings tell.
+"""Check of a scene's settings for features that sunfleck lacks.
 
-In goes a scene, out come findings (`losses`); what only the export itself finds out, it adds. Invariant:
-whatever Blender renders and sunfleck does not is among them.
+In goes a scene, out come findings (`losses`); the export adds those that settings do not show. Invariant:
+every feature that Blender renders and sunfleck does not is among them.
 """
 
 from . import extras, film, fog, nearness, volumes, world
@@ -13,7 +13,7 @@ from .materials import colours, dependence, links, principled
 
 
 def check(scene):
-    """Everything found, errors first."""
+    """All findings, errors first."""
     found = [*of_scene(scene), *of_cameras(scene)]
     materials = set()
     for thing in rendered(scene):
@@ -26,7 +26,7 @@ def check(scene):
 
 
 def rendered(scene):
-    """Objects that render at some frame, and those of instanced collections."""
+    """Objects that render at some frame, with those of instanced collections."""
     seen, waiting = set(), list(scene.objects)
     while waiting:
         thing = waiting.pop(0)
@@ -100,7 +100,7 @@ WORLD_RAYS = ("camera", "diffuse", "glossy", "transmission", "scatter")
 
 
 def is_box(scene):
-    """Whether the shutter is open or closed and never in between."""
+    """Whether the shutter's curve is a box, only open or closed."""
     curve = scene.render.motion_blur_shutter_curve
     curve.initialize()
     values = [curve.evaluate(curve.curves[0], 0.05 + 0.1 * step) for step in range(10)]
@@ -177,8 +177,7 @@ def of_object(thing, scene):
 
 
 def is_fogs_cube(thing):
-    """Whether a mesh shows where the cube from -1 to 1 is; along an axis in which it is
-    flat it says nothing."""
+    """Whether a mesh coincides with the cube from -1 to 1, along axes in which it is not flat."""
     sides = [(min(axis), max(axis)) for axis in zip(*thing.bound_box)]
     return all(high == low or (abs(low + 1.0) < 1e-5 and abs(high - 1.0) < 1e-5) for low, high in sides)
 
@@ -212,7 +211,7 @@ def of_light(name, thing, scene):
 
 
 def is_uneven(place, is_round):
-    """Whether a light's axes are not at right angles or, if it is round, not of one length."""
+    """Whether a light's axes are not orthogonal or, for a round one, differ in length."""
     turned = place.to_3x3()
     lengths = [axis.length for axis in turned.col]
     straight = all(abs(turned.col[a].dot(turned.col[b])) <= 1e-4 * lengths[a] * lengths[b] for a, b in ((0, 1), (0, 2), (1, 2)))

@@ -17,7 +17,7 @@ _handle = None
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Does what the arguments say for the current scene; returns an exit code."""
+    """Runs the command line for the current scene; returns an exit code."""
     parser = argparse.ArgumentParser(prog="sunfleck")
     verbs = parser.add_subparsers(dest="verb", required=True)
     verbs.add_parser("check", help="say what would be lost")
@@ -84,7 +84,7 @@ def do_render(scene: bpy.types.Scene, known: argparse.Namespace, others: list[st
 
 
 def do_tools(words: list[str]) -> int:
-    """In this process, as Blender's Python has what they need."""
+    """Runs the tools in this process, as Blender's Python has their packages."""
     inside = Path(__file__).parent / "tools"
     if not inside.is_dir():
         print("error: the tools are in the extension that tools/blender/build makes", file=sys.stderr)

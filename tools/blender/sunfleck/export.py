@@ -1,4 +1,4 @@
-"""A scene to a .glb file that sunfleck reads: checked, custom properties written, then as it is evaluated."""
+"""Export of a scene to a .glb file for sunfleck: check, custom properties, evaluated scene."""
 
 import re
 import tempfile
@@ -16,29 +16,28 @@ from .losses import by_kind, ordered
 
 
 class NotExportable(Exception):
-    """Something stands in the way; the message says what."""
+    """The scene cannot be exported; the message has the reason."""
 
 
 def export(scene, path, only=None):
-    """Writes the file, of all frames or of one alone; what was found on the way comes back as warnings, one
-    a kind."""
+    """Writes the file, with all frames or a single one; returns findings as warnings, one a kind."""
     found = by_kind(exported(scene, path, only).findings)
     return [str(finding) for finding in found if finding.severity == "WARNING"]
 
 
 @dataclass
 class Told:
-    """What was found, what is visible at each frame, and what became of materials."""
+    """Findings, visible counts by frame, and the state of materials."""
 
     findings: list
     counts: object
-    # A word on each.
+    # Sentence for each material.
     materials: dict
 
 
 def exported(scene, path, only=None):
     """Writes the file, and reads it back."""
-    # Places are looked at, which a script may just have set.
+    # A script may just have set placements.
     walk.view_layer(scene).update()
     findings = check.check(scene)
     errors = [str(finding) for finding in findings if finding.severity == "ERROR"]
@@ -47,7 +46,7 @@ def exported(scene, path, only=None):
     try:
         extras.store(scene, path)
         made = scenes.export(scene, path, only)
-    # Blender raises `RuntimeError` with words for its user, of pictures that it cannot write for example.
+    # Blender raises `RuntimeError` with a message for users, for example about unwritable pictures.
     except (walk.Stopped, OSError, RuntimeError) as problem:
         raise NotExportable(str(problem).strip()) from problem
     expected, differences = made.compared(File(path))
@@ -95,13 +94,13 @@ class SUNFLECK_OT_check(bpy.types.Operator):
 
 
 def checked(scene):
-    """The same of a file that does not stay."""
+    """The same with a temporary file."""
     with tempfile.TemporaryDirectory() as folder:
         return exported(scene, Path(folder) / "scene.glb")
 
 
 def default_folder(scene):
-    """Where file and frames go: beside the .blend file, else in a folder of temporary files."""
+    """Folder of file and frames: beside the .blend file, else a temporary one."""
     stem = re.sub(r"[^\w.-]+", "_", Path(bpy.data.filepath).stem or scene.name)
     beside = Path(bpy.data.filepath).parent if bpy.data.filepath else Path(bpy.app.tempdir)
     return beside / "sunfleck" / stem

@@ -1,8 +1,7 @@
-"""Blender's settings and ours in, the custom properties that sunfleck reads out
-(docs/scene-format.md, "glTF").
+"""Custom properties for sunfleck (docs/scene-format.md, "glTF"), from Blender's settings and the add-on's.
 
-Invariant: every property here is a plain dictionary of numbers, texts and lists. Whoever wrote one by hand
-keeps it unless the panel speaks of the same thing.
+Invariant: every property here is a plain dictionary of numbers, texts and lists. A property written by
+hand is kept, unless the panel sets the same one.
 """
 
 from pathlib import Path
@@ -12,32 +11,32 @@ from . import film, fog, world
 from .evaluated import lights
 from .materials.colours import rec709
 
-# sunfleck's shape of each of Blender's area lights.
+# Shapes of Blender's area lights in sunfleck.
 AREA_SHAPES = {"SQUARE": "square", "RECTANGLE": "rectangle", "DISK": "disk", "ELLIPSE": "ellipse"}
 
 
-# In no file of halves, nor of floats beside anything that is lit.
+# Smaller than the smallest half, and negligible beside any light.
 NEXT_TO_BLACK = 1e-30
 LOOKS = {f"AgX - {look.replace('-', ' ').title()}": look for look in (
     "very-high-contrast", "high-contrast", "medium-high-contrast", "medium-low-contrast", "low-contrast", "very-low-contrast",
     "punchy", "greyscale")}
-# Those that change nothing.
+# Looks without an effect.
 PLAIN_LOOKS = {"None", "AgX - Base Contrast"}
 
 
 def look(view):
-    """sunfleck's name of the look of pictures for eyes."""
+    """Sunfleck's name of Blender's look."""
     return LOOKS.get(view.look, "none") if view.view_transform == "AgX" else "none"
 
 
 def is_shown_alike(view):
-    """Whether pictures for eyes are as Blender shows its own."""
+    """Whether sunfleck's display matches Blender's."""
     plain = view.gamma == 1.0 and not view.use_curve_mapping and not getattr(view, "use_white_balance", False)
     return plain and view.view_transform == "AgX" and view.look in {*PLAIN_LOOKS, *LOOKS}
 
 
 def of_scene(scene, path=None):
-    """What the scene's own custom properties are to be; what images they name lies beside `path`."""
+    """Custom properties of the scene; images are written beside `path`."""
     own, render = scene.sunfleck_settings, scene.render
     percent = render.resolution_percentage / 100.0
     sunfleck = {
@@ -46,7 +45,7 @@ def of_scene(scene, path=None):
         "fps_base": float(render.fps_base),
         "frame_start": scene.frame_start,
         "frame_end": scene.frame_end,
-        # Pixels are square: those of another aspect are so many more or fewer across.
+        # Pixels are square; other aspects change their number.
         "resolution": [max(1, round(side * percent)) for side in picture_sides(scene)],
         "light_units": "spec",
         "filter": own.filter,
@@ -82,14 +81,14 @@ def of_scene(scene, path=None):
     elif own.background_strength > 0.0:
         sky = {"color": list(rec709(tuple(own.background_color))), "strength": own.background_strength}
     if sky is None and (world.is_sky(scene) or not (world.shines(scene) or world.is_baked(scene))):
-        # Else the program lights what has no light.
+        # Otherwise the program adds default light.
         sky = {"color": [0.0] * 3, "strength": 0.0}
     if sky:
         for one in (sky, sky.get("backdrop", {"strength": 0.0})):
             one["strength"] *= film.exposure(scene)
         is_dark, is_opaque = max(sky.get("color", [1.0])) * sky["strength"] == 0.0, not scene.render.film_transparent
         if is_dark and is_opaque and world.is_sky(scene) and "backdrop" not in sky:
-            # A background that is seen, or the film would let through what has none.
+            # A visible background, so that the film is not transparent.
             sky = {"color": [NEXT_TO_BLACK] * 3, "strength": 1.0, "lights": "nothing"}
         unseen = {} if is_opaque else {"visible_to_camera": False}
         if not is_opaque:
@@ -99,7 +98,7 @@ def of_scene(scene, path=None):
 
 
 def of_object(thing, scene, path=None):
-    """What an object's custom properties are to be in a scene; what image they name lies beside `path`."""
+    """Custom properties of an object in a scene; images are written beside `path`."""
     own, written = thing.sunfleck_settings, {}
     if own.is_fog:
         volume = {"shape": "box", **fog.numbers(thing)}
@@ -122,7 +121,7 @@ def of_object(thing, scene, path=None):
 
 
 def light(thing, exposure):
-    """What glTF does not say of a light, of which `exposure` is a factor."""
+    """Properties of a light that glTF lacks, times `exposure`."""
     data, own = thing.data, thing.sunfleck_settings
     strength = exposure * lights.power_w(data, thing.matrix_world.to_scale())
     if data.type == "SUN":
@@ -142,7 +141,7 @@ def seen_by(lamp):
 
 
 def sun_disc(own):
-    """What a sun's disc shows, but for an image, which has to be written beside the file."""
+    """Picture of a sun's disc without an image, which has to be written beside the file."""
     said = {"limb_darkening": own.limb_darkening} if own.limb_darkening > 0.0 else {}
     if own.sun_shows == "FRACTAL":
         said["fractal"] = {
@@ -154,7 +153,7 @@ def sun_disc(own):
 
 
 def of_camera(data, scene, eye=None):
-    """What glTF does not say of a camera; `eye` is its object, if that is known."""
+    """Properties of a camera that glTF lacks; `eye` is its object, if known."""
     written = {"sensor_width_mm": sensor_width_mm(data, scene)}
     shift = shift_of_longer_side(data, scene)
     if shift != [0.0, 0.0]:
@@ -174,7 +173,7 @@ def picture_sides(scene):
 
 
 def fitted_side(data, scene):
-    """The side of the picture that the sensor's size and the shift refer to."""
+    """Side of the picture that the sensor's size and the shift refer to."""
     width, height = picture_sides(scene)
     if data.sensor_fit == "AUTO":
         return max(width, height)
@@ -182,20 +181,20 @@ def fitted_side(data, scene):
 
 
 def sensor_width_mm(data, scene):
-    """How much of the sensor the picture's width takes: sunfleck reckons the focal length from it."""
+    """Width of the sensor under the picture's width, from which sunfleck computes the focal length."""
     width, _ = picture_sides(scene)
     sensor = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
     return sensor * width / fitted_side(data, scene)
 
 
 def shift_of_longer_side(data, scene):
-    """The lens shift as a share of the picture's longer side."""
+    """Lens shift as a fraction of the picture's longer side."""
     scale = fitted_side(data, scene) / max(picture_sides(scene))
     return [data.shift_x * scale, data.shift_y * scale]
 
 
 def focus_distance(data, scene, eye=None):
-    """Along the view, to the plane in focus, metres."""
+    """Distance along the view to the plane in focus, metres."""
     target = data.dof.focus_object
     eye = eye or next(
         (thing for thing in scene.objects if thing.type == "CAMERA" and thing.data == data), None
@@ -206,7 +205,7 @@ def focus_distance(data, scene, eye=None):
 
 
 def of_material(material):
-    """What glTF does not say of a material."""
+    """Properties of a material that glTF lacks."""
     own = material.sunfleck_settings
     if not own.is_leaf:
         return {}
@@ -217,12 +216,12 @@ def of_material(material):
 
 
 def plain(value):
-    """A custom property as a dictionary."""
+    """Custom property as a dictionary."""
     return value.to_dict() if hasattr(value, "to_dict") else {}
 
 
 def store(scene, path=None):
-    """Writes them all, and images beside the file that is to be written."""
+    """Writes all properties, and images beside the future file."""
     put(scene, of_scene(scene, path))
     for thing in scene.objects:
         put(thing, of_object(thing, scene, path))
@@ -234,7 +233,7 @@ def store(scene, path=None):
 
 
 def put(owner, written):
-    """What a library holds is not ours to write; what was said before and is so no longer goes, unless others wrote it."""
+    """Writes properties, except to linked data; earlier ones of the add-on are removed."""
     if owner.library is not None:
         return
     own = getattr(owner, "sunfleck_settings", None)

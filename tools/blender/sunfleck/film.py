@@ -1,7 +1,7 @@
-"""Cycles' film in, a factor on all light out: in our engine too, whose picture is Cycles'.
+"""Exposure of Cycles' film as a factor on all light, also with the add-on's engine.
 
-Cycles multiplies what its film has gathered by the film's exposure. Light transport is linear. So lights,
-the sky and all emission times that factor give the same picture.
+Cycles multiplies the film's radiance by its exposure. Light transport is linear, so the same factor on
+lights, the sky and all emission gives the same picture.
 """
 
 from typing import Any
@@ -11,13 +11,13 @@ import bpy
 from .keys import curves_of
 
 
-# Our render engine.
+# The add-on's render engine.
 ENGINE = "SUNFLECK"
 HAVE_FILM = {"CYCLES", ENGINE}
 
 
 def exposure(scene: bpy.types.Scene) -> float:
-    """By what everything that shines is to be multiplied; other engines have no such setting."""
+    """Factor on all emission; other engines have no such setting."""
     return of_cycles(scene, "film_exposure", 1.0) if scene.render.engine in HAVE_FILM else 1.0
 
 
@@ -28,5 +28,5 @@ def changes(scene: bpy.types.Scene) -> bool:
 
 
 def of_cycles(owner: bpy.types.ID, name: str, default: Any, group: str = "cycles") -> Any:
-    """A property of Cycles, which may be switched off."""
+    """Property of Cycles, which may be disabled."""
     return getattr(getattr(owner, group, None), name, default)

@@ -1,7 +1,7 @@
-"""Fog of a thing and of the world: what its own volume material says, else what its panel does.
+"""Fog of objects and of the world: from the volume material, else from the panel.
 
-In go objects and settings, out come extinction, albedo and anisotropy. Invariant: a material that is more
-than numbers is not half read: then it is the panel that counts, and check says so.
+In go objects and settings, out come extinction, albedo and anisotropy. Invariant: a material with more
+than constants is not read partly; the panel counts, and the check reports it.
 """
 
 import math
@@ -29,7 +29,7 @@ class Coefficients:
 
 
 def numbers(thing):
-    """As custom properties say them."""
+    """Coefficients as custom properties."""
     found = of_material(thing)
     return of_settings(thing.sunfleck_settings) if found is None else found
 
@@ -39,7 +39,7 @@ def of_settings(own):
 
 
 def mist(own):
-    """Billows, as custom properties say them, along glTF's axes."""
+    """Mist as custom properties, along glTF's axes."""
     return {
         "size": own.mist_size, "octaves": own.mist_octaves, "shape": own.mist_shape, "seed": own.mist_seed,
         **{name.removeprefix("mist_"): value for name, value in changing_mist(own).items()},
@@ -47,14 +47,14 @@ def mist(own):
 
 
 def changing_mist(own):
-    """What of them may be keyed."""
+    """Parameters of mist that may be keyed."""
     along, across, up = own.mist_wind
     turns = own.mist_evolution_turns
     return {"mist_cover": own.mist_cover, "mist_wind": (along, up, -across), "mist_evolution_turns": turns}
 
 
 def of_material(thing):
-    """None if it has no such material, or one that is more than numbers."""
+    """Coefficients; None without such a material, or with more than constants."""
     socket = volume_of(thing)
     return socket and numbers_of(socket)
 
@@ -67,7 +67,7 @@ def numbers_of(socket):
 
 
 def said(found):
-    """Coefficients, as custom properties say them."""
+    """Custom properties of coefficients."""
     extinction = found.scattering + found.absorption
     albedo = numpy.divide(found.scattering, extinction, out=numpy.zeros(3), where=extinction > 0.0)
     return {
@@ -76,25 +76,25 @@ def said(found):
     }
 
 
-# Optical depths after which nothing is seen of what lies behind: fog of the world ends there.
+# Optical depth beyond which nothing is visible: fog of the world ends there.
 DEEP = 20.0
 
 
 def of_world(scene):
-    """The same of the world's own volume, in a box about all there is; None if nothing of it counts."""
+    """Fog of the world's volume, in a box around the scene; None if it does not count."""
     socket = world.volume_of(scene)
     found = socket and not scene.sunfleck_settings.use_fog and numbers_of(socket)
     least = min((density for density in found["density"] if density > 0.0), default=0.0) if found else 0.0
     if least == 0.0:
         return None
     farthest = max((thing.matrix_world.translation.length for thing in scene.objects), default=0.0)
-    # A camera that moves a little does not move the fog.
+    # A small move of the camera does not change the box.
     reach = DEEP / least + 2.0 ** math.ceil(math.log2(1.0 + farthest))
     return {"bounds": [[-reach] * 3, [reach] * 3], **found}
 
 
 def volume_of(thing):
-    """The socket of what a thing is full of, if anything is linked to it."""
+    """Volume socket of an object's material, if anything is linked to it."""
     for slot in getattr(thing, "material_slots", ()):
         tree = slot.material and slot.material.node_tree
         output = principled.output_of(tree) if tree else None
@@ -104,32 +104,31 @@ def volume_of(thing):
 
 
 def is_lost(thing):
-    """Whether it has a volume material of its own that does not count."""
+    """Whether an object has a volume material that does not count."""
     return volume_of(thing) is not None and of_material(thing) is None
 
 
-# Of fog that is thinner than that up to where a camera begins to see nobody misses any.
+# Optical depth up to the camera's near plane that is too small to be missed.
 LEAST_DEPTH = 2e-3
 
 
 def is_clipped(thing, eye):
-    """Whether a camera stands within the fog, and its clipping takes some away in Cycles."""
+    """Whether a camera is inside the fog, and Cycles' clipping removes some of it."""
     within = eye and thing.matrix_world.inverted_safe() @ eye.matrix_world.translation
     return bool(eye) and is_clipped_of(numbers(thing), eye) and max(map(abs, within)) <= 1.0
 
 
 def is_clipped_of(found, eye):
-    """Whether fog of those numbers is."""
+    """The same for fog with these coefficients."""
     return eye is not None and eye.type == "CAMERA" and eye.data.clip_start * float(numpy.max(found["density"])) > LEAST_DEPTH
 
 
-# Of the fog's cube: so near is one and the same place.
+# Tolerance of coincidence, relative to the fog's cube.
 TOUCHING = 1e-6
 
 
 def touches(thing, others):
-    """Whether a side of fog that is a mesh lies within a flat thing or another fog's side: Cycles meets one of them
-    first, by chance."""
+    """Whether a face of mesh fog coincides with a flat object or other fog: Cycles hits either at random."""
     if thing.type != "MESH" or volume_of(thing) is None:
         return False
     into_cube = thing.matrix_world.inverted_safe()
@@ -139,7 +138,7 @@ def touches(thing, others):
 
 
 def overlaps(thing, others):
-    """Whether other fog lies in some of it, whose light goes other ways and is of another colour."""
+    """Whether it overlaps other fog with another anisotropy or colour."""
     own = numbers(thing)
     is_inside = lambda bounds: (bounds[0] < 1.0 - TOUCHING).all() and (bounds[1] > TOUCHING - 1.0).all()
     return any(is_inside(bounds) and is_otherwise(own, numbers(other)) for other, bounds in fog_within(thing, others))
@@ -152,7 +151,7 @@ def is_otherwise(one, other):
 
 
 def fog_within(thing, others):
-    """Other cubes of fog that reach into one's, with their lows and highs in its own axes."""
+    """Other fog cubes that overlap this one, with their bounds in its own axes."""
     into_cube = thing.matrix_world.inverted_safe()
     for other in others:
         if other == thing or other.hide_render or not other.sunfleck_settings.is_fog:
@@ -169,7 +168,7 @@ def is_flat(thing):
 
 
 def is_in_side(thing, cube_from_thing):
-    # Most are not even near one.
+    # Most are far away.
     if all(abs(abs(along) - 1.0) > TOUCHING for along in cube_from_thing @ Vector(thing.bound_box[0])):
         return False
     corners = numpy.array([*thing.bound_box]) @ numpy.array(cube_from_thing.to_3x3()).T + cube_from_thing.translation
@@ -215,7 +214,8 @@ def absorb(node, density=None):
 
 
 def of_principled(node):
-    """Absorbs what it does not scatter, but for its absorption colour's root. A mesh has no grids."""
+    """Principled Volume: absorption is the unscattered part, times one minus the root of the absorption
+    colour. A mesh has no grids."""
     glows = any(number(node, name) > 0.0 for name in ("Emission Strength", "Blackbody Intensity"))
     if glows or node.inputs["Color Attribute"].default_value:
         raise NotSimple(node)
@@ -255,7 +255,7 @@ def input_of(socket):
 
 
 def total(node, parts):
-    """Scattering of one anisotropy, if any."""
+    """Sum of scattering with one anisotropy, if there is one."""
     ways = {part.anisotropy for part in parts if part.scattering.any()}
     if len(ways) > 1:
         raise NotSimple(node)

@@ -1,8 +1,8 @@
 """*Sunfleck* in Blender's menu of render engines.
 
-In goes the graph that Blender renders, out come pixels of its Render Result: `exporting` makes a file of the
-graph, the program renders that file, `picture` hands its frame over. `stepping` fills caches of simulations
-before. Invariant: the pixels are those of the program's frame, to the bit; whatever goes wrong is a report.
+In goes Blender's dependency graph, out come pixels of its Render Result. `exporting` makes a file of the
+graph, the program renders it, and `picture` copies its frame; `stepping` fills caches of simulations
+before. Invariant: the pixels are those of the program's frame, to the bit; every failure is a report.
 """
 
 import time
@@ -16,9 +16,9 @@ from ..losses import by_kind
 from . import exporting, looking, panels, passes, picture, stepping
 from .viewport import View, Viewport
 
-# How often one looks whether Blender wants to stop, seconds.
+# Interval for polling whether Blender wants to stop, seconds.
 LOOK_S = 0.02
-# Of the time for pictures that are not whole yet.
+# Maximum share of time for intermediate pictures.
 SHOWN_SHARE = 0.02
 
 
@@ -26,7 +26,7 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
     bl_idname, bl_label = ENGINE, "Sunfleck"
     bl_use_preview = False
     bl_use_shading_nodes_custom = False
-    # *Material Preview* is Eevee's, as with Cycles.
+    # *Material Preview* uses Eevee, as with Cycles.
     bl_use_eevee_viewport = True
 
     def update_render_passes(self, scene=None, renderlayer=None):
@@ -34,7 +34,7 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
             self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
 
     def render(self, depsgraph):
-        # What is not caught Blender prints, and says that it has rendered.
+        # Blender prints uncaught exceptions, and then claims to have rendered.
         try:
             self.rendered(depsgraph)
         except walk.Stopped:
@@ -69,7 +69,7 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
         picture.hand_over(self, graph.view_layer.name, picture.read(frame))
 
     def awaited(self, run, look, layer):
-        """Whether the program came to its end; what it has so far is shown."""
+        """Waits for the program, and shows intermediate pictures; returns whether it finished."""
         began, took = time.perf_counter(), 0.0
         while not run.is_over():
             if self.is_stopped():
@@ -84,7 +84,7 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
         return True
 
     def show_so_far(self, look, layer, took, elapsed):
-        """Shows what has come, unless that takes too much of the time; how long it took so far."""
+        """Shows the picture so far, unless that takes too much time; returns the time spent so far."""
         so_far = look.newest() if took <= SHOWN_SHARE * elapsed else None
         if so_far is None:
             return took
@@ -96,14 +96,14 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
         return self.test_break()
 
     def heed(self):
-        """Ends an export that nobody waits for."""
+        """Raises to stop an export that was cancelled."""
         if self.is_stopped():
             raise walk.Stopped
 
-    # Of a viewport in *Rendered* shading: each has an engine of its own.
+    # For a viewport with *Rendered* shading, which has an engine of its own.
 
     def view_update(self, context, depsgraph):
-        """Something has changed, or nothing was shown yet."""
+        """Handles a change, or the first view."""
         try:
             shown = self.shown_in_viewport()
             changed = {update.id.original for update in depsgraph.updates}

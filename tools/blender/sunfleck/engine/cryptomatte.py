@@ -1,18 +1,19 @@
-"""What Blender's compositor and its files say of a Cryptomatte: which object has which number.
+"""Cryptomatte metadata for Blender's compositor and files: names of ids.
 
-In go a layer's name and its manifest, out come names and values of metadata (Cryptomatte Specification 1.2.0).
+In go a layer's name and its manifest, out come names and values of metadata (Cryptomatte Specification
+1.2.0).
 """
 
 from collections.abc import Iterator
 
 
 def is_manifest(name: str) -> bool:
-    """Whether that is what metadata of this name have."""
+    """Whether a metadata name is that of a manifest."""
     return name.startswith("cryptomatte/") and name.endswith("/manifest")
 
 
 def metadata(layer: str, manifest: str) -> Iterator[tuple[str, str]]:
-    """Of a layer with a name like `ViewLayer.CryptoObject`."""
+    """Metadata of a layer with a name like `ViewLayer.CryptoObject`."""
     key = f"cryptomatte/{hash_of(layer.encode()):08x}"[: len("cryptomatte/") + 7]
     yield f"{key}/name", layer
     yield f"{key}/hash", "MurmurHash3_32"

@@ -1,17 +1,17 @@
-"""A picture drawn into a region of Blender's window."""
+"""Drawing of pictures in a region of Blender's window."""
 
 import gpu
 from gpu_extras.presets import draw_texture_2d
 
 
 class Drawn:
-    """Keeps the texture of the picture that is shown."""
+    """Keeps the GPU texture of the shown picture."""
 
     def __init__(self):
         self.number, self.texture = 0, None
 
     def draw(self, engine, scene, viewport, size):
-        """The last picture, as wide and high as the region, in the scene's display space."""
+        """Draws the last picture, scaled to the region, in the scene's display space."""
         if viewport.shown is None:
             return
         if self.number != viewport.number:

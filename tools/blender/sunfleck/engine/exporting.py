@@ -1,8 +1,8 @@
-"""The graph that Blender renders as a file for the program.
+"""Export of Blender's graph as a file for the program.
 
-In goes the graph, out come a file, what is lost, and the program at work on it. Invariant: with Blender's
-*Persistent Data* nothing is written or loaded anew while nothing but the camera has changed. While things only
-move and lights change, no mesh is looked at again.
+In goes the graph, out come a file, its losses, and the program that renders it. Invariant: with Blender's
+*Persistent Data*, nothing is written or loaded again while only the camera changes. While objects only
+move and lights change, no mesh is exported again.
 """
 
 import copy
@@ -19,24 +19,24 @@ from ..losses import Finding, ordered
 from ..materials.library import custom
 from . import passes, patching
 
-# Losses of files that are none here: Blender itself does these, or each frame has its own.
+# Losses of files that do not apply here: Blender handles these itself, or each frame has its own.
 DONE_BY_BLENDER = {"border", "view-layers", "frame-step", "compositor", "sequencer", "view-transform"}
 OF_EACH_FRAME = {"world-changes", "film-exposure-changes", "shutter-changes", "camera-cuts", "visibility-changes"}
 
 
 class NotRendered(Exception):
-    """Something stands in the way; the message says what."""
+    """The scene cannot be rendered; the message has the reason."""
 
 
 class Kept:
-    """The last export of a view layer."""
+    """Last export of a view layer."""
 
     def __init__(self, path, graph, exported, findings, said):
         scene, layer = graph.scene, graph.view_layer
         self.path, self.frame, self.exported, self.findings = path, scene.frame_current, exported, findings
-        # Custom properties of the scene: as they were written, and what its panels say.
+        # Custom properties of the scene: as written, and as set in panels.
         self.said, self.told = said, told(scene, layer)
-        # The program with this file loaded, and the camera that it does not have of it.
+        # Program with this file loaded, and the camera that replaces the file's.
         self.service = self.camera = None
 
     def close(self):
@@ -46,13 +46,13 @@ class Kept:
 
 
 _kept = {}
-# Of each view layer's file.
+# Numbers of each view layer's file.
 _numbers = {}
 _folder = None
 
 
 def folder():
-    """Where files of this Blender lie."""
+    """Folder of this Blender's files."""
     global _folder
     if _folder is None or not _folder.is_dir():
         _folder = Path(tempfile.mkdtemp(prefix="sunfleck_", dir=bpy.app.tempdir or None))
@@ -60,7 +60,7 @@ def folder():
 
 
 def forget():
-    """Nothing is kept."""
+    """Drops all exports."""
     global _folder
     while _kept:
         _kept.popitem()[1].close()
@@ -71,7 +71,7 @@ def forget():
 
 
 def exported(engine, graph):
-    """The file, and what was found on the way: `Kept`."""
+    """Exported file and its findings: `Kept`."""
     scene, key = graph.scene, (graph.scene.name, graph.view_layer.name)
     kept = _kept.pop(key, None)
     path = folder() / f"{_numbers.setdefault(key, len(_numbers))}.glb"
@@ -91,14 +91,14 @@ def exported(engine, graph):
 
 
 def told(scene, layer):
-    """What the panels say of a scene and its layer."""
+    """Panel settings of a scene and its layer."""
     override = layer.material_override
     said = {"override": override and override.name_full, "film": film.exposure(scene)}
     return {**custom(scene), **extras.of_scene(scene), **said}
 
 
 def is_as_told(graph, kept):
-    """Whether nobody wants other moments, or anything else of the scene that Blender tells nobody of."""
+    """Whether the moments and all settings without notifications are unchanged."""
     scene = graph.scene
     is_still = not Shutter.of(scene).length and "motion" not in passes.wanted(scene, graph.view_layer)
     eye = scene.camera
@@ -106,7 +106,7 @@ def is_as_told(graph, kept):
 
 
 def patched(graph, kept):
-    """The same export with what has changed; None if it has to be made anew."""
+    """The same export with changes applied; None if it has to be made again."""
     if not patching.put(graph, kept):
         return None
     refuse(kept.findings)
@@ -138,7 +138,7 @@ def anew(engine, graph, path):
 
 
 def see(engine, graph, job):
-    """The frame at hand, what the shutter sees of it, and what the motion pass needs; then the frame again."""
+    """Visits the current frame, the shutter's moments, and those of the motion pass; then the frame again."""
     frame, is_moving = graph.scene.frame_current, "motion" in passes.wanted(graph.scene, graph.view_layer)
     if not job.shutter.length and not is_moving:
         job.visit(graph, frame, 0.0)
@@ -153,7 +153,7 @@ def see(engine, graph, job):
 
 
 class Clock:
-    """Of an engine whose frame lies so far behind a whole one."""
+    """Clock of an engine at a frame with a fraction."""
 
     def __init__(self, engine, late):
         self.engine, self.late = engine, late
@@ -164,9 +164,9 @@ class Clock:
 
 
 def is_camera_alone(graph, kept):
-    """Whether a file is right but for its camera."""
+    """Whether only the camera of a file has changed."""
     scene, eye = graph.scene, graph.scene.camera
-    # Hair turns to the camera.
+    # Hair faces the camera.
     if scene.frame_current != kept.frame or kept.exported.record.capture.eyes:
         return False
     changed = {update.id.original for update in graph.updates}
@@ -174,22 +174,22 @@ def is_camera_alone(graph, kept):
 
 
 def camera_key(kept, eye):
-    """Of the camera's node, if it is one of an object by itself."""
+    """Key of the camera's node, if it belongs to a plain object."""
     things = kept.exported.record.things.items()
     found = [key for key, thing in things if thing.object == eye and thing.instancer is None]
     return found[0] if len(found) == 1 and found[0] in kept.exported.assembly.nodes else None
 
 
 def put_camera(graph, kept):
-    """The camera's place and lens, of which the program is told beside the file."""
+    """Sets the camera's placement and lens, which the program gets beside the file."""
     eye = graph.scene.camera.evaluated_get(graph)
     view = values.View(kept.frame, graph.scene.camera, eye, graph.scene)
     kept.camera = service.viewer(view.matrix, {**view.said.camera, "extras": view.said.extras})
 
 
 def started(engine, graph, kept, command):
-    """The program at work on a picture, and where its frame will be: for this picture alone, or loaded for more.
-    `command` is the program and what it is told beside."""
+    """Starts the program on a picture, for this one alone or with a loaded scene; returns the run and the
+    path of its frame. `command` is the program and its flags."""
     executable, *told = command
     scene, frame = graph.scene, kept.path.with_suffix(".exr")
     threads = [f"--threads={scene.render.threads}"] if scene.render.threads_mode == "FIXED" else []
@@ -202,7 +202,7 @@ def started(engine, graph, kept, command):
 
 
 def flags(engine, scene, layer):
-    """What the program is told beside the file."""
+    """Flags for the program."""
     size = engine.resolution_x, engine.resolution_y
     passes_wanted = ",".join(passes.wanted(scene, layer)) or "none"
     return [f"--size={size[0]}x{size[1]}", f"--passes={passes_wanted}", *render.flags(scene, animation=False, size=size)]

@@ -1,7 +1,7 @@
-"""The program's picture while it is rendered: the program sends it to whoever looks on (`--live`).
+"""Intermediate pictures of the program, which it sends with `--live`.
 
-In go packets of the viewer tev, out comes the newest picture. Invariant: the program never waits for it; what is
-no such packet ends the looking and nothing else.
+In go packets of the viewer tev, out comes the newest picture. Invariant: the program never waits for it;
+an invalid packet only ends the reception.
 """
 
 import socket
@@ -13,12 +13,12 @@ import numpy
 from .picture import Picture
 
 CREATE_IMAGE, UPDATE_IMAGE = 4, 6
-# Of a packet: its length, which counts these bytes too, and its kind.
+# Header of a packet: its length, header included, and its kind.
 HEAD = struct.Struct("<IB")
 
 
 class Look:
-    """Listens for one picture of so many columns and rows."""
+    """Receives one picture of a given size."""
 
     def __init__(self, width, height):
         self.size, self.rows_before = (height, width), None
@@ -26,18 +26,18 @@ class Look:
         try:
             self.listener = socket.create_server(("127.0.0.1", 0))
         except OSError:
-            # Where nobody may listen, the picture shows once it is whole.
+            # Without a socket, the picture shows when it is finished.
             return
         self.thread = threading.Thread(target=self._listen, daemon=True)
         self.thread.start()
 
     @property
     def flags(self):
-        """What the program is told."""
+        """Flags for the program."""
         return ["--live={}:{}".format(*self.listener.getsockname())] if self.listener else []
 
     def newest(self):
-        """What has come since the last call; None for nothing."""
+        """Newest picture since the last call; None without one."""
         with self.lock:
             found, self.fresh = self.fresh, None
         return found
@@ -46,7 +46,7 @@ class Look:
         if self.listener is None:
             return
         try:
-            # Ends a thread that nobody has called yet.
+            # Ends a thread that waits for the first connection.
             self.listener.shutdown(socket.SHUT_RDWR)
         except OSError:
             pass
@@ -67,7 +67,7 @@ class Look:
             pass
 
     def _update(self, packet):
-        """Some rows, of which the first to come is the uppermost."""
+        """Reads rows; the first rows to arrive are the uppermost."""
         packet.at += 1
         packet.text()
         names = packet.names()
@@ -86,7 +86,7 @@ class Look:
 
 
 class Packet:
-    """Fields of a packet, one after the other."""
+    """Fields of a packet, in order."""
 
     def __init__(self, data):
         self.data, self.at = data, 0

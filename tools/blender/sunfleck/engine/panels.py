@@ -1,4 +1,4 @@
-"""Blender's own panels, where they mean the same to the engine."""
+"""Blender's own panels that apply to the engine."""
 
 from collections.abc import Iterator
 
@@ -6,7 +6,7 @@ import bpy
 
 from ..film import ENGINE
 
-# What is set there the engine does not heed.
+# Settings that the engine ignores.
 NOT_OURS = {
     "RENDER_PT_simplify",
     "RENDER_PT_freestyle",
@@ -16,7 +16,7 @@ NOT_OURS = {
     "VIEWLAYER_PT_freestyle_edge_detection_options",
     "VIEWLAYER_PT_freestyle_linestyle",
 }
-# Beginnings of names of Eevee's panels that show what Cycles has too.
+# Prefixes of Eevee's panels whose settings Cycles shares.
 SHARED = ("EEVEE_MATERIAL_PT_", "EEVEE_WORLD_PT_surface", "EEVEE_WORLD_PT_volume", "DATA_PT_EEVEE_light")
 
 

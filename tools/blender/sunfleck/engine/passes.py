@@ -1,6 +1,6 @@
-"""Passes of the program by the names that Blender has for them.
+"""Passes of the program, with Blender's names.
 
-In go a scene and a view layer, out come what the program is asked for and what Blender is told of.
+In go a scene and a view layer, out come passes to request and passes to register in Blender.
 """
 
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ import bpy
 
 @dataclass(frozen=True)
 class Pass:
-    """What Blender calls it, its channels, the kind of its values, and a view layer's switch for it."""
+    """Blender's name of a pass, its channels, the kind of its values, and its switch in the view layer."""
 
     names: tuple[str, ...]
     channels: str
@@ -20,7 +20,7 @@ class Pass:
 
 
 COMBINED, NORMAL, POSITION = "Combined", "Normal", "Position"
-# What Blender has in the space of its world, whose z is up: the program's axes, whose y is, with their signs.
+# Passes in Blender's world space with z up: the program's axes, with y up, and their signs.
 AXES = {"X": ("X", 1.0), "Y": ("Z", -1.0), "Z": ("Y", 1.0)}
 PASSES = {
     "depth": Pass(("Depth",), "Z", "VALUE", "use_pass_z"),
@@ -41,7 +41,7 @@ PASSES = {
 
 
 def wanted(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[str]:
-    """Names of the program's passes: those of our panel, and of the view layer's own."""
+    """Names of the requested passes: from the panel, and from the view layer."""
     chosen = scene.sunfleck_settings.passes
     return [
         name
@@ -50,13 +50,13 @@ def wanted(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[str]:
     ]
 
 
-# A layer's switches that are no passes of their own, and those of Cycles that are.
+# Switches of a layer that are not passes of their own, and Cycles' switches that are.
 NO_PASSES = {"use_pass_combined", "use_pass_cryptomatte_accurate"}
 OF_CYCLES = ("pass_", "use_pass_", "denoising_store_")
 
 
 def lacking(layer: bpy.types.ViewLayer) -> list[str]:
-    """What a view layer asks for beyond those, by Blender's names."""
+    """Other passes that a view layer requests, with Blender's names."""
     ours = NO_PASSES | {one.switch for one in PASSES.values()}
     asked = [(layer, ("use_pass_",)), (getattr(layer, "cycles", None), OF_CYCLES)]
     found = [
@@ -70,7 +70,7 @@ def lacking(layer: bpy.types.ViewLayer) -> list[str]:
 
 
 def registered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Iterator[tuple[str, str, str]]:
-    """Name, channels and kind of each pass that Blender is told of."""
+    """Name, channels and kind of each pass to register."""
     yield COMBINED, "RGBA", "COLOR"
     for one in wanted(scene, layer):
         for name in PASSES[one].names:
@@ -78,12 +78,12 @@ def registered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Iterator[t
 
 
 def signs(name: str) -> tuple[float, ...] | None:
-    """Of the channels of one of Blender's passes, beside those of the frame."""
+    """Signs of the channels of a pass, relative to the frame's."""
     return tuple(sign for _, sign in AXES.values()) if name in (NORMAL, POSITION) else None
 
 
 def channels_of(name: str, count: int) -> tuple[str, ...]:
-    """What a frame calls the channels of one of Blender's passes."""
+    """Channels of a frame for one of Blender's passes."""
     if name in (NORMAL, POSITION):
         return tuple(f"{name}.{axis}" for axis, _ in AXES.values())
     if name == COMBINED:

@@ -1,7 +1,7 @@
-"""What has changed since an export, put into the document that it made: lights, fog, and where things are.
+"""Updates of an exported document: lights, fog, and placements.
 
-In go a graph and what was exported of it before; the document is changed where it stands. Invariant: afterwards it
-shows what an export anew would show. Where that is not certain nothing is changed.
+In go a graph and its earlier export, whose document is changed in place. Invariant: the result equals a
+new export. Where that is not certain, nothing is changed.
 """
 
 import copy
@@ -17,12 +17,12 @@ from ..evaluated.moments import Clock
 from ..materials import dependence
 
 REST = {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0, 1.0, 1.0]}
-# Of these another number of keys is no news.
+# Types whose number of keys does not matter.
 OF_OTHERS = (bpy.types.Camera, bpy.types.Action)
 
 
 def put(graph, kept):
-    """Whether all that has changed could be put into the document."""
+    """Applies all changes; returns False, without a change, if that is not possible."""
     record, assembly = kept.exported.record, kept.exported.assembly
     changed = changed_objects(graph, record)
     if changed is None or not is_the_same(graph, record, changed):
@@ -51,7 +51,7 @@ def put(graph, kept):
 
 
 def changed_objects(graph, record):
-    """Objects that may be elsewhere, and lights of which anything may have changed; None if anything else has."""
+    """Objects that may have moved, and lights that may have changed; None if anything else has."""
     of_light = {light.node_tree: light for light in bpy.data.lights if light.node_tree}
     objects, data = set(), set()
     for update in graph.updates:
@@ -70,7 +70,7 @@ def changed_objects(graph, record):
 
 
 def is_the_same(graph, record, changed):
-    """Whether the same things are there, seen by the same rays, and nothing depends on where they are."""
+    """Whether objects and their ray visibility are unchanged, and nothing depends on placements."""
     if len(record.moments) > 1 or record.capture.eyes or any(thing.kind == "VOLUME" for thing in record.things.values()):
         return False
     there = {thing.object for thing in record.things.values()}
@@ -94,12 +94,12 @@ def move(node, place):
 
 
 def is_told(thing, changed):
-    """Whether it has numbers beside its place."""
+    """Whether an object has parameters besides its placement."""
     return thing.object in changed and thing.kind in {"LIGHT", "EMPTY"}
 
 
 def tell(graph, assembly, key, thing, path):
-    """A light's or a fog's numbers."""
+    """Updates the parameters of a light or fog."""
     node, evaluated = assembly.document.lists["nodes"][assembly.nodes[key]], thing.object.evaluated_get(graph)
     written = scenes.properties(thing, graph.scene, path, extras.of_object(evaluated, graph.scene))
     node.pop("extras", None)
@@ -111,7 +111,7 @@ def tell(graph, assembly, key, thing, path):
 
 
 def put_frame(graph, kept):
-    """The frame at hand, of which the scene's custom properties tell."""
+    """Updates the current frame in the scene's custom properties."""
     assembly, frame, said = kept.exported.assembly, graph.scene.frame_current, copy.deepcopy(kept.said)
     camera = assembly.document.scene_extras.get("sunfleck", {}).get("camera")
     assembly.clock = Clock.of(graph.scene, [frame])
@@ -123,7 +123,7 @@ def put_frame(graph, kept):
 
 
 def findings(scene, before, changed):
-    """Anew of lights that have changed."""
+    """Findings of lights that have changed."""
     names = {f"`{one.name}`" for one in changed if one.type == "LIGHT"}
     found = [one for light in changed if light.type == "LIGHT" for one in check.of_object(light, scene)]
     return [one for one in before if one.of not in names] + found

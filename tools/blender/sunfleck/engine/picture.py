@@ -1,4 +1,4 @@
-"""A frame of the program's as pixels of Blender's Render Result."""
+"""Frames of the program as pixels of Blender's Render Result."""
 
 import bpy
 import numpy
@@ -8,18 +8,19 @@ from .exporting import NotRendered
 
 
 class Picture:
-    """A frame: rows from the top, columns, channels by their names; and the manifest of its Cryptomatte, if any."""
+    """Frame: rows from the top, columns, channels by name; and the manifest of its Cryptomatte, if it has
+    one."""
 
     def __init__(self, names, pixels, manifest=None):
         self.numbers, self.pixels = {name: number for number, name in enumerate(names)}, pixels
         self.manifest = manifest
 
     def of(self, channels):
-        """As Blender has it, rows from the bottom; None if the frame lacks a channel."""
+        """Pixels in Blender's order, rows from the bottom; None if the frame lacks a channel."""
         if not channels or not set(channels) <= self.numbers.keys():
             return None
         numbers = [self.numbers[channel] for channel in channels]
-        # Neighbours are copied in half the time.
+        # Adjacent channels are copied twice as fast.
         beside = slice(numbers[0], numbers[0] + len(numbers))
         are_beside = numbers == list(range(beside.start, beside.stop))
         found = self.pixels[::-1, :, beside if are_beside else numbers]
@@ -27,7 +28,7 @@ class Picture:
 
 
 def read(path):
-    """By the library that Blender itself reads frames with."""
+    """Reads a frame with Blender's own library."""
     bpy.utils.expose_bundled_modules()
     import OpenImageIO
 
@@ -46,24 +47,24 @@ def read(path):
 
 
 def show(engine, layer, picture):
-    """A picture that is not whole yet."""
+    """Shows an intermediate picture."""
     result = filled(engine, layer, picture)
     engine.update_result(result)
-    # It has gone over, and there is more to come.
+    # Blender has copied it, and more will come.
     engine.end_result(result, cancel=True)
 
 
 def hand_over(engine, layer, picture):
     engine.end_result(filled(engine, layer, picture))
     if picture.manifest is not None:
-        # Of the whole, as what a part says is not kept.
+        # Metadata of the whole result, as those of parts are not kept.
         whole = engine.get_result()
         for name, value in cryptomatte.metadata(f"{layer}.CryptoObject", picture.manifest):
             whole.stamp_data_add_field(name, value)
 
 
 def filled(engine, layer, picture):
-    """A result of Blender's with the passes that a picture has."""
+    """Blender's result with the passes of a picture."""
     rows, columns = picture.pixels.shape[:2]
     result = engine.begin_result(0, 0, columns, rows, layer=layer)
     for one in result.layers[0].passes:

@@ -1,11 +1,12 @@
-"""What has to happen before Blender renders.
+"""Preparation of Blender's graphs before a rendering.
 
-A graph that renders reads caches of simulations and steps nothing, so they are filled here. It gives its values to
-no material or world: those have what the viewport's graph was last shown. To make anything has Blender build all
-graphs anew, so what is asked in that way is asked here.
+A render graph reads caches of simulations without stepping them, so they are filled here. Materials and
+worlds have the animated values of the viewport's graph at its last frame. Creating a datablock rebuilds all
+graphs, so queries that need one are made here.
 
-Invariant: when a frame is rendered, the viewport's graph has been shown it; if anything is simulated, also all
-before it and those after it that the shutter or a motion pass reaches. What was hidden is hidden again afterwards.
+Invariant: before a frame is rendered, the viewport's graph has evaluated it. With simulations it has also
+evaluated all earlier frames, and later ones that the shutter or a motion pass reaches. Visibility is
+restored afterwards.
 """
 
 import math
@@ -21,12 +22,12 @@ from ..film import ENGINE
 from ..materials import blackbody, colours, inputs
 from . import passes
 
-# By the names of scenes that render.
+# Running renderings, by the names of their scenes.
 _running = {}
 
 
 class Running:
-    """How to undo what was made visible, and the last frame that was stepped."""
+    """Undo of changed visibility, and the last frame that was stepped."""
 
     def __init__(self, scene):
         self.stack, self.last = ExitStack(), scene.frame_start - 1
@@ -42,7 +43,7 @@ class Running:
 
 
 class Shown:
-    """The last frame that was shown, which of a frame rendered alone is the one at hand."""
+    """Last evaluated frame; for a single rendered frame it is the current one."""
 
     def __init__(self, scene):
         self.stack, self.last = ExitStack(), scene.frame_current
@@ -68,14 +69,14 @@ def begin(scene, *_):
 
 @persistent
 def step(scene, *_):
-    """To the frame that is rendered next."""
+    """Steps to the next frame to render."""
     running = _running.get(scene.name)
     if running is not None:
         running.step(scene, scene.frame_current)
 
 
 def frames_ahead(scene):
-    """How far behind a frame its shutter and its motion pass look."""
+    """Number of later frames that a frame's shutter and motion pass reach."""
     shutter = Shutter.of(scene)
     is_moving = any("motion" in passes.wanted(scene, layer) for layer in scene.view_layers if layer.use)
     return max(int(is_moving), math.ceil(shutter.opening + shutter.length))

@@ -1,7 +1,7 @@
-"""Pictures for a viewport: a part of the size first, then all of it, of a scene that stays loaded.
+"""Pictures for a viewport: first at reduced size, then at full size, of a scene that stays loaded.
 
-In go a graph that the viewport shows and how it is looked at, out come pictures, the last one finished at any
-time. Invariant: nothing waits; what has changed ends the picture under way. It draws nothing itself.
+In go a viewport's graph and view, out comes the last finished picture. Invariant: no call blocks; a change
+cancels the current picture. This module draws nothing.
 """
 
 import copy
@@ -16,13 +16,13 @@ from . import picture
 from . import patching
 from .exporting import Kept, folder, told
 
-# Share of the size and samples of each picture, until the view changes.
+# Share of the size, and samples, of successive pictures until the view changes.
 STAGES = ((0.25, 1), (0.5, 1), (1.0, 1), (1.0, 4), (1.0, 16))
 NAME = "viewport"
 
 
 class View:
-    """How a region looks at the scene: 4x4 matrices of the view and of its projection, as Blender has them."""
+    """View of a region: 4x4 matrices of view and projection, as in Blender."""
 
     def __init__(self, size, view_matrix, window_matrix, is_perspective):
         self.size, self.is_perspective = size, is_perspective
@@ -42,11 +42,11 @@ class View:
         )
 
     def camera(self):
-        """As the program is told of it."""
+        """Camera for the program."""
         return service.viewer(numpy.linalg.inv(self.from_world), self.lens())
 
     def lens(self):
-        """As a camera of glTF has it."""
+        """Lens of a glTF camera."""
         near, aspect, across = 1e-3, self.size[0] / self.size[1], 1.0 / self.projection[1, 1]
         if not self.is_perspective:
             lens = {"xmag": across * aspect, "ymag": across, "znear": near, "zfar": 1e6}
@@ -54,21 +54,22 @@ class View:
         else:
             lens = {"yfov": 2.0 * math.atan(across), "aspectRatio": aspect, "znear": near}
             said = {"type": "perspective", "perspective": lens}
-        # Where the middle of the picture lies beside the way that the camera looks, in halves of its sides.
+        # Offset of the picture's centre from the view axis, in halves of its sides.
         beside = self.projection[:2, 2] if self.is_perspective else -self.projection[:2, 3]
         shift = [0.5 * beside[axis] * self.size[axis] / max(self.size) for axis in (0, 1)]
         return {**said, "extras": {"sunfleck_camera": {"shift": shift}}} if any(shift) else said
 
 
 class Viewport:
-    """What one region shows; `poll` is called whenever it is drawn."""
+    """State of one region; `poll` is called whenever it is drawn."""
 
     def __init__(self):
         self.kept = self.view = self.service = self.run = self.shown = None
         self.stage, self.number, self.problem = 0, 0, ""
 
     def changed(self, graph):
-        """The file is written anew; meshes are looked at again unless things have only moved and lights changed."""
+        """Writes the file again; meshes are exported again unless objects have only moved and lights
+        changed."""
         self.close()
         self.view, kept = None, self.kept
         if kept is not None and told(graph.scene, graph.view_layer) == kept.told and patching.put(graph, kept):
@@ -85,7 +86,7 @@ class Viewport:
         return Kept(self.path, graph, made, [], said)
 
     def look(self, view):
-        """Starts again where the view is another."""
+        """Starts again if the view has changed."""
         if self.kept is None or view == self.view:
             return
         self.cancel()
@@ -105,12 +106,12 @@ class Viewport:
         flags = [f"--size={width}x{height}", f"--samples={samples}", "--passes=none"]
         flags.append(f"--frames={self.kept.frame}")
         flags.append(f"--out={self.path.with_suffix('.exr')}")
-        # A change shows before its light has been solved.
+        # A change shows before its indirect light is solved.
         flags += ["--bounces=0"] if is_new and self.stage == 0 else []
         self.run = self.service.render(flags, self.view.camera())
 
     def poll(self):
-        """Whether there is more to come."""
+        """Whether more pictures will come."""
         if self.run is None or not self.run.is_over():
             return self.run is not None
         code, self.problem = self.run.wait(), self.run.error()

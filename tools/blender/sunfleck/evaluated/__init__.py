@@ -1,6 +1,6 @@
-"""The evaluated scene, which is what Blender's own engines render, as a glTF file.
+"""Export of the evaluated scene, as Blender's own engines render it, to glTF.
 
-A `walk` of the dependency graph, moment by moment, gives instances. `record` keeps where each of them is and
-which geometry it shows. `tracks` makes keys of that, and `thinning` leaves out those that straight lines
-give. `shapes` says how meshes bend. `scenes` puts all of it together and `document` writes it.
+A `walk` of the dependency graph, moment by moment, gives instances. `record` stores the placement and
+geometry of each. `tracks` makes keys, and `thinning` drops those that interpolation gives. `shapes` finds
+morph targets. `scenes` combines all, and `document` writes the file.
 """

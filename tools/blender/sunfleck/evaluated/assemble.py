@@ -1,7 +1,7 @@
 """The record of a scene as a glTF document.
 
-In go a record, materials and values that change, out comes the document. Invariant: every thing that was seen
-at a frame is a node that shows at that frame, where it was, and at no other frame.
+In go a record, materials and values that change, out comes the document. Invariant: every object recorded
+at a frame is a node that is visible at that frame, with its placement, and at no other frame.
 """
 
 from collections import Counter
@@ -21,22 +21,22 @@ LOOKS = {"LIGHT", "CAMERA", "VOLUME"}
 
 
 def turned(matrices, things):
-    """Places of things in glTF's axes: one of each, or all of one."""
+    """Placements in glTF's axes: one for each object, or all of one object."""
     looks = numpy.array([thing.kind in LOOKS for thing in things], bool)[:, None, None]
     return numpy.where(looks, places.in_gltf(matrices, True), places.in_gltf(matrices, False))
 
 
 @dataclass
 class United:
-    """Shapes by moment, and what becomes of them."""
+    """Shapes by moment, and their conversion."""
 
     shapes: dict = field(default_factory=dict)
     bend: object = None
 
 
 class Assembly:
-    """Turns things into nodes, one after the other; `tracks.write` makes channels of what
-    moves at the end."""
+    """Makes nodes of objects, one after the other; `tracks.write` makes channels of their motion at the
+    end."""
 
     def __init__(self, record, frames, shutter, clock, layer):
         self.record, self.frames, self.shutter, self.clock = record, frames, shutter, clock
@@ -47,14 +47,14 @@ class Assembly:
         self.is_frame = numpy.array([offset == 0.0 for _, offset in record.moments])
         self.frame_of = numpy.array([frame for frame, _ in record.moments])
         self.names, self.bends, self.lamps, self.lenses = {}, {}, {}, {}
-        # Lights of the file that are no objects.
+        # Lights of the file that are not objects.
         self.nodes, self.suns_of_sky = {}, 0
-        # Things whose places shear, which takes two nodes, and names of lights that change while a shutter is
-        # open that is not open about the frame.
+        # Objects whose placements shear, which takes two nodes, and names of lights that change within a
+        # shutter that is not centred on the frame.
         self.sheared, self.uncentred = set(), set()
 
     def name(self, thing):
-        """Of an object its own; of an instance a number more."""
+        """Name of an object's node; instances get a number."""
         wanted = (
             thing.name
             if thing.instancer in (None, thing.object)
@@ -66,8 +66,8 @@ class Assembly:
         return f"{wanted} {count}"
 
     def add(self, materials, values, custom):
-        """All things, in the order in which they were first seen; objects before instances,
-        whose names give way."""
+        """Adds all objects, in the order of their appearance, objects before instances, which give way in
+        names."""
         self.meshes, self.materials = Meshes(self.document, materials, self.record.heed), materials
         materials.heed = self.record.heed
         things = sorted(self.record.things.items(), key=lambda item: item[1].instancer is not None)
@@ -168,7 +168,7 @@ class Assembly:
             found.shapes.update(group)
 
     def show(self, number, thing):
-        """One mesh, or several that take turns where the topology or the materials change."""
+        """Puts a mesh at a node, or several in turn where the topology or the materials change."""
         groups = self.groups(thing)
         name = self.document.lists["nodes"][number]["name"]
         rays = visibility.of_thing(thing.object, thing.instancer, self.layer)
@@ -202,7 +202,7 @@ class Assembly:
             self.document.node_channel(node, "weights", self.clock.seconds(times), weights.ravel())
 
     def bend(self, thing, key, group):
-        """How a thing's mesh bends; None if it keeps its shape."""
+        """Deformation of an object's mesh; None if its shape is constant."""
         if len(set(group.values())) == 1:
             return None
         fits = lambda one: all(one.shapes.get(moment) == shape for moment, shape in group.items())
@@ -214,7 +214,7 @@ class Assembly:
             )
         return united.bend
 
-    # What lights, and what looks.
+    # Lights and cameras.
 
     def shine(self, node, thing, said):
         if said.punctual is None:
@@ -225,7 +225,7 @@ class Assembly:
         node.setdefault("extensions", {})["KHR_lights_punctual"] = {"light": self.lamps[key]}
 
     def add_view(self, values):
-        """A camera that is at each moment the one that renders, if that is not one node all the time."""
+        """Adds a camera that follows the one that renders, unless that is always the same node."""
         views = sorted(values.views, key=lambda view: view.time)
         eyes = {view.eye for view in views}
         if not eyes or views[0].said.camera is None:

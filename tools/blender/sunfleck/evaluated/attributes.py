@@ -1,7 +1,7 @@
-"""Attributes of meshes by corner, as materials ask for them by name.
+"""Mesh attributes by corner, by the names that materials use.
 
 In go evaluated meshes, out come rows of one to four numbers a corner: what Blender's type has. Invariant:
-colours are linear; what a mesh lacks is Cycles' black, opaque.
+colours are linear; missing attributes are opaque black, as in Cycles.
 """
 
 from collections.abc import Mapping
@@ -13,22 +13,23 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 
-# By Blender's type: the field of its data, how many numbers, and what they are.
+# By Blender's type: the field of its data, the number of components, and their meaning.
 TYPES = {
     "FLOAT": ("value", 1, "f4"), "INT": ("value", 1, "i4"), "INT8": ("value", 1, "i1"), "BOOLEAN": ("value", 1, "?"),
     "FLOAT2": ("vector", 2, "f4"), "FLOAT_VECTOR": ("vector", 3, "f4"), "FLOAT_COLOR": ("color", 4, "f4"),
     "BYTE_COLOR": ("color", 4, "f4"), "QUATERNION": ("value", 4, "f4"), "FLOAT4": ("vector", 4, "f4"),
 }
-# What Blender calls these when they are made anew.
+# Blender's types for new attributes.
 MADE = {1: ("FLOAT", "value"), 2: ("FLOAT2", "vector"), 3: ("FLOAT_VECTOR", "vector"), 4: ("FLOAT_COLOR", "color")}
-# The name of the coordinates that Blender generates for a mesh, as an attribute.
+# Attribute name of Blender's generated coordinates.
 GENERATED = "sunfleck generated"
 NO_GROUPS: Mapping[str, int] = {}
 MISSING = (0.0, 0.0, 0.0, 1.0)
 
 
 def of_corners(mesh: bpy.types.Mesh, name: str, groups: Mapping[str, int] = NO_GROUPS) -> Array:
-    """The empty name is the colours that render. `groups` are vertex groups by name: their weights are attributes."""
+    """Values by corner. The empty name is the render colour attribute. `groups` are vertex groups by name,
+    whose weights are attributes."""
     if name == GENERATED:
         return generated(mesh)[numbers(mesh.loops, "vertex_index", len(mesh.loops), "i4")]
     name = name or mesh.attributes.default_color_name
@@ -49,7 +50,7 @@ def of_corners(mesh: bpy.types.Mesh, name: str, groups: Mapping[str, int] = NO_G
 
 
 def generated(mesh: bpy.types.Mesh) -> Array:
-    """From 0 to 1 in the mesh's texture space, of each vertex where it was before anything bent it."""
+    """Generated coordinates, 0 to 1 in the mesh's texture space, of each undeformed vertex."""
     size, middle = (numpy.array(of, "f4") for of in (mesh.texspace_size, mesh.texspace_location))
     scale = numpy.divide(0.5, size, out=numpy.zeros(3, "f4"), where=size != 0.0)
     found: Array = 0.5 + scale * (numbers(mesh.vertices, "undeformed_co", (len(mesh.vertices), 3), "f4") - middle)
@@ -57,7 +58,7 @@ def generated(mesh: bpy.types.Mesh) -> Array:
 
 
 def of_vertices(mesh: bpy.types.Mesh, of_edges: Array) -> Array:
-    """The means of the edges at each vertex, as Cycles has them."""
+    """Means over the edges at each vertex, as in Cycles."""
     ends = numbers(mesh.edges, "vertices", (len(mesh.edges), 2), "i4")
     sums = numpy.zeros((len(mesh.vertices), of_edges.shape[1]), "f4")
     numpy.add.at(sums, ends, of_edges[:, None])
@@ -67,13 +68,13 @@ def of_vertices(mesh: bpy.types.Mesh, of_edges: Array) -> Array:
 
 
 def weights(mesh: bpy.types.Mesh, group: int) -> Array:
-    """Of each vertex in a vertex group; nought of what is not in it."""
+    """Weight of each vertex in a group; 0 outside it."""
     found = (next((one.weight for one in vertex.groups if one.group == group), 0.0) for vertex in mesh.vertices)
     return numpy.fromiter(found, "f4", len(mesh.vertices))[:, None]
 
 
 def values_of(attribute: bpy.types.Attribute | None) -> Array | None:
-    """Rows of numbers; None of what Cycles knows nothing of."""
+    """Rows of numbers; None for types that Cycles does not support."""
     if attribute is None or attribute.data_type not in TYPES:
         return None
     field, width, kind = TYPES[attribute.data_type]
@@ -81,13 +82,13 @@ def values_of(attribute: bpy.types.Attribute | None) -> Array | None:
 
 
 def uv_of_corners(mesh: bpy.types.Mesh, name: str) -> Array:
-    """Texture coordinates that nodes stored in other ways than as a UV map."""
+    """Texture coordinates that nodes stored as another type than a UV map."""
     found = of_corners(mesh, name)
     return numpy.pad(found, ((0, 0), (0, max(0, 2 - found.shape[1]))))[:, :2]
 
 
 def four(values: Array) -> Array:
-    """As a colour: a number is grey."""
+    """Values as colours: a number is grey."""
     if values.shape[1] == 1:
         values = values.repeat(3, axis=1)
     missing = numpy.tile(numpy.array(MISSING, "f4"), (len(values), 1))
@@ -95,7 +96,7 @@ def four(values: Array) -> Array:
 
 
 def numbers(owner: bpy.types.bpy_prop_collection, name: str, shape: int | tuple[int, ...], kind: str) -> Array:
-    """All of a property of everything in a collection."""
+    """A property of all elements of a collection."""
     found: Array = numpy.empty(shape, kind)
     owner.foreach_get(name, found.ravel())
     return found

@@ -1,7 +1,7 @@
-"""Cameras of glTF from Blender's.
+"""Cameras of Blender as cameras of glTF.
 
-In goes an evaluated camera and the picture's shape, out comes glTF's. Invariant: angles are of the picture's
-height, whatever side Blender fits them to.
+In goes an evaluated camera and the picture's shape, out comes glTF's. Invariant: angles are of the
+picture's height, whatever side Blender fits them to.
 """
 
 import math
@@ -13,7 +13,7 @@ from .. import extras
 
 
 def camera(data: bpy.types.Camera, scene: bpy.types.Scene) -> dict[str, Any] | None:
-    """None for what glTF has no word for."""
+    """glTF camera; None for types that glTF lacks."""
     width, height = extras.picture_sides(scene)
     near, far = max(data.clip_start, 1e-9), data.clip_end
     if data.type == "PERSP":
@@ -27,7 +27,7 @@ def camera(data: bpy.types.Camera, scene: bpy.types.Scene) -> dict[str, Any] | N
 
 
 def field_of_view(data: bpy.types.Camera, scene: bpy.types.Scene) -> float:
-    """Of the picture's height, radians; tangents of half angles go with the sides."""
+    """Vertical field of view, radians; tangents of half angles are proportional to the sides."""
     _, height = extras.picture_sides(scene)
     sensor = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
     return 2.0 * math.atan(0.5 * sensor / data.lens * height / extras.fitted_side(data, scene))

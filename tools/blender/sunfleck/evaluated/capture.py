@@ -1,7 +1,7 @@
-"""Geometries of what the graph holds, each there once.
+"""Capture of the graph's geometries, each once.
 
-In go evaluated objects, out come numbers of geometries and the materials of their slots. Invariant: what
-cannot change is looked at once; what has no surface to see is None, and its name is kept.
+In go evaluated objects, out come numbers of geometries and the materials of their slots. Invariant:
+constant geometry is captured once; an object without a surface is None, and its name is kept.
 """
 
 import bpy
@@ -12,39 +12,41 @@ from . import geometry, strands
 from .attributes import GENERATED
 from .heeding import nobody
 
-# The attribute by which Cycles blurs what has it, metres a second.
+# Attribute by which Cycles computes motion blur, metres a second.
 VELOCITY = "velocity"
-# Radians between shading and faces from which on Cycles' shadow terminator shows: some half per cent of a
-# picture that is lit from the side. And those from which on custom normals are not of the faces at all.
+# Angles between shading and face normals, radians: above the first, Cycles' shadow terminator is visible
+# (some half per cent of a picture lit from the side); above the second, custom normals do not follow the
+# faces at all.
 COARSE, LEANING = 0.15, 0.5
 
 
 class Capture:
-    """Of a record."""
+    """Captures geometries for a record."""
 
     def __init__(self, library, seconds_a_frame):
-        # `library` knows what materials look at; velocities count for so many seconds a frame, 0 without blur.
+        # `library` knows the attributes of materials; velocities are scaled by the seconds a frame, 0 without
+        # blur.
         self.library, self.seconds_a_frame = library, seconds_a_frame
-        # Called again and again; raises if nobody wants to know any more.
+        # Called repeatedly; raises to cancel.
         self.heed = nobody
         self.geometries, self.known, self.reaches = [], {}, {}
-        # What was found in this moment, and what cannot change.
+        # Geometries of this moment, and constant ones.
         self.here, self.still = {}, {}
-        # Where the camera was at first, in the space of each object with hair.
+        # Initial position of the camera, in the space of each object with hair.
         self.eye, self.eyes = None, {}
-        # How much larger what is looked at stands in the world.
+        # Scale of the current object in the world.
         self.size = 1.0
-        # Names of what has no surface, and of what has hair that asks for attributes.
+        # Names of objects without a surface, and of those with hair that needs attributes.
         self.unseen, self.colorless = set(), set()
-        # Ids of losses and names of meshes that Cycles shades otherwise; each is judged once.
+        # Ids of losses and names of meshes that Cycles shades differently; each is checked once.
         self.otherwise, self.judged = set(), set()
-        # The view layer's own material, if any, which takes every slot.
+        # Material override of the view layer, if any, for all slots.
         self.override = None
-        # What has velocities is at all moments of a frame what it is at the frame.
+        # Objects with velocities have the frame's geometry at all moments of the frame.
         self.drifting, self.drifted, self.offset = {}, set(), 0.0
 
     def begin(self, graph, offset):
-        """A new moment."""
+        """Starts a new moment."""
         self.here, self.offset = {}, offset
         override = graph.view_layer.material_override
         self.override = override and override.original
@@ -56,7 +58,7 @@ class Capture:
             )
 
     def shown(self, thing, source, instance):
-        """Of an instance: parts, by name, and what they show. The object itself has the empty name, hair
+        """Parts of an instance, by name, with their geometries. The object itself has the empty name, hair
         that of its system."""
         self.size = abs(instance.matrix_world.determinant()) ** (1.0 / 3.0)
         if instance.show_self:
@@ -71,7 +73,7 @@ class Capture:
                         yield system.name, found
 
     def surface(self, thing, source):
-        """The number of what an object shows and its materials; None for nothing."""
+        """Index of an object's geometry and its materials; None for nothing."""
         data = thing.data
         key = (data, source)
         if key in self.here:
@@ -104,7 +106,7 @@ class Capture:
         return [self.override] * max(1, len(found)) if self.override else found
 
     def made(self, thing, source, materials):
-        """A geometry, and velocities of its corners if Cycles blurs it by those."""
+        """Geometry, and velocities of its corners if Cycles uses them for blur."""
         data = thing.data
         asked = {name for material in materials for name in self.library.colors_of(material)}
         has_velocities = self.seconds_a_frame and is_velocity(data.attributes.get(VELOCITY))
@@ -136,7 +138,7 @@ class Capture:
             self.otherwise.add(("shadow-terminator", original.name))
 
     def hair(self, thing, source, system):
-        """Of a particle system; strands that are not simulated keep still on a mesh that cannot change."""
+        """Hair of a particle system; unsimulated strands on a constant mesh are constant."""
         key = (source, system.name)
         if key in self.here:
             return self.here[key]
@@ -165,7 +167,7 @@ class Capture:
         return self.eyes[source.original]
 
     def kept(self, made, materials, source):
-        """The number of a geometry; None if there is nothing to see."""
+        """Index of a geometry; None if it has no faces."""
         if made is None:
             return None
         slots = (
@@ -188,7 +190,7 @@ class Capture:
         return number, tuple(materials)
 
     def reach(self, number):
-        """How far a geometry reaches from its origin."""
+        """Maximum distance of a geometry from its origin."""
         if number not in self.reaches:
             positions = self.geometries[number].positions
             self.reaches[number] = float(numpy.linalg.norm(positions, axis=1).max(initial=0.0))
@@ -200,8 +202,8 @@ def is_velocity(attribute):
 
 
 def cannot_change(original, data):
-    """A mesh that is neither keyed nor bent nor at some script's mercy is the same at every moment; one made
-    for instances may be any."""
+    """Whether a mesh is the same at every moment: not keyed, not deformed and not changed by scripts; one
+    made for instances may vary."""
     handlers = bpy.app.handlers
     return (
         original.type == "MESH"
@@ -215,7 +217,7 @@ def cannot_change(original, data):
 
 
 def own_materials(thing):
-    """Of the slots that are the object's and not the mesh's."""
+    """Materials of slots that are linked to the object."""
     return tuple(
         slot.material.name_full if slot.material else ""
         for slot in thing.material_slots
@@ -224,7 +226,7 @@ def own_materials(thing):
 
 
 def materials_of(thing, data):
-    """Of each slot: the object's own where it says so, else the mesh's."""
+    """Material of each slot: the object's own if it is linked so, else the mesh's."""
     slots, of_data = thing.material_slots, list(data.materials)
     found = []
     for index in range(max(len(slots), len(of_data))):

@@ -1,15 +1,14 @@
-"""What is visible at every frame, counted twice: as Blender's dependency graph has it, and as
-the written file says.
+"""Counts of visible geometry at every frame, from Blender's dependency graph and from the written file.
 
 In go a record and a file, out come counts by frame and every difference between the two. Invariant: the
-file's side knows the file alone (`readback`).
+file's counts depend on the file alone (`readback`).
 """
 
 from dataclasses import dataclass
 
 import numpy
 
-# Shares of areas, and metres beside shares of extents, that rounding and thinned keys may cost.
+# Tolerances for rounding and thinned keys: relative areas, relative extents, and metres.
 AREA = 1e-4
 BOUNDS_M = 1e-4
 BOUNDS = 1e-5
@@ -17,7 +16,7 @@ BOUNDS = 1e-5
 
 @dataclass
 class Counted:
-    """Of one frame; bounds are two corners in glTF's axes, of boxes around instances."""
+    """Counts of one frame; bounds are two corners in glTF's axes, of boxes around instances."""
 
     instances: int = 0
     area_m2: float = 0.0
@@ -35,7 +34,7 @@ def places(corner):
 
 
 class Extent:
-    """What of a geometry a linear map changes: areas of triangles as vectors, and the box around all."""
+    """Parts of a geometry that a linear map changes: vector areas of triangles, and the bounding box."""
 
     def __init__(self, corners):
         flat = corners.reshape(-1, 3)
@@ -47,7 +46,7 @@ class Extent:
         )
 
     def areas(self, linear):
-        """Under each of many maps, (maps, 3, 3)."""
+        """Areas under many maps, (maps, 3, 3)."""
         gram = numpy.swapaxes(linear, 1, 2) @ linear
         square = gram[:, 0, 0]
         off = numpy.abs(gram - square[:, None, None] * numpy.eye(3)).max(axis=(1, 2))
@@ -65,7 +64,7 @@ class Extent:
 
 
 class Counts:
-    """By frame."""
+    """Counts by frame."""
 
     def __init__(self, frames):
         self.numbers = {frame: number for number, frame in enumerate(frames)}
@@ -77,7 +76,7 @@ class Counts:
         self.lights = numpy.zeros(len(frames), int)
 
     def add(self, at, extent, matrices):
-        """A geometry as it is placed at some frames, by their numbers, one matrix each."""
+        """Adds a geometry with placements at frames, one matrix each."""
         lows, highs = extent.bounds(matrices)
         numpy.add.at(self.instances, at, 1)
         numpy.add.at(self.area_m2, at, extent.areas(matrices[:, :3, :3]))
@@ -86,7 +85,7 @@ class Counts:
 
     @property
     def of(self):
-        """By frame."""
+        """Counts by frame."""
         for frame, at in self.numbers.items():
             bounds = (self.lows[at], self.highs[at]) if self.instances[at] else (None, None)
             yield (
@@ -96,7 +95,7 @@ class Counts:
 
 
 def of_record(record, frames):
-    """As the graph was seen."""
+    """Counts of a record."""
     from .meshes import turned
     from .places import in_gltf
 
@@ -121,7 +120,7 @@ def of_record(record, frames):
 
 
 def of_file(file, frames):
-    """As the file says."""
+    """Counts of a file."""
     counts, extents = Counts(frames), {}
     seconds = file.seconds(frames)
     worlds, visible = file.worlds(seconds), file.visible(seconds)
@@ -146,7 +145,7 @@ def of_file(file, frames):
 
 
 def differences(expected, found):
-    """What differs, in words by frame: id, frame, what."""
+    """Differences, by frame: id, frame, sentence."""
     for (frame, should), (_, there) in zip(expected.of, found.of):
         if should.instances != there.instances:
             yield "count-instances", frame, f"{there.instances} instances, not {should.instances}"
@@ -165,7 +164,7 @@ def differences(expected, found):
 
 
 def different_materials(seen, file):
-    """Names of materials that things show, and that meshes of the file do."""
+    """Names of materials that differ between objects and the file's meshes."""
     used = {
         primitive.get("material") for mesh in file.said.get("meshes", ()) for primitive in mesh["primitives"]
     }

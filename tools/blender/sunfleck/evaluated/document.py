@@ -1,7 +1,6 @@
-"""A glTF file in the making: lists of things, and one buffer that they point into.
+"""glTF file under construction: its lists, and one buffer.
 
-Invariant: what an accessor says of its numbers (count, bounds) is what the buffer holds; equal
-arrays are there once.
+Invariant: counts and bounds of accessors are those of the buffer; equal arrays are stored once.
 """
 
 import json
@@ -22,7 +21,7 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 class Document:
-    """What the file will say."""
+    """Contents of the file."""
 
     def __init__(self):
         self.lists = {name: [] for name in ("nodes", "meshes", "materials", "textures", "images", "samplers", "cameras", "accessors")}
@@ -32,12 +31,12 @@ class Document:
         self.known = {}
 
     def add(self, kind, thing):
-        """The number of something new."""
+        """Appends an entry; returns its index."""
         self.lists[kind].append(thing)
         return len(self.lists[kind]) - 1
 
     def once(self, kind, thing):
-        """The number of something that may be there already."""
+        """Index of an entry, which is appended unless it exists."""
         key = (kind, json.dumps(thing, sort_keys=True))
         if key not in self.known:
             self.known[key] = self.add(kind, thing)
@@ -48,7 +47,7 @@ class Document:
         return len(self.lights) - 1
 
     def view(self, data, target=None):
-        """The number of a view of bytes."""
+        """Index of a buffer view of bytes."""
         gap = -self.size % 4
         self.pieces.append(b"\0" * gap)
         view = {"buffer": 0, "byteOffset": self.size + gap, "byteLength": len(data)}
@@ -58,7 +57,7 @@ class Document:
         return len(self.views) - 1
 
     def accessor(self, array, target=None, bounds=False, normalized=False):
-        """The number of an accessor of an array of rows."""
+        """Index of an accessor of an array of rows."""
         array = numpy.ascontiguousarray(array)
         width = 1 if array.ndim == 1 else array.shape[1]
         data = array.tobytes()
@@ -78,9 +77,9 @@ class Document:
         return self.known[key]
 
     def channel(self, target, times_s, values, interpolation="LINEAR"):
-        """Keys of something."""
+        """Adds a channel of keys."""
         times_s = numpy.asarray(times_s, "f4")
-        # Times so near that single precision does not tell them apart.
+        # Drops times that are equal in single precision.
         kept = numpy.concatenate([[True], numpy.diff(times_s) > 0.0])
         values = numpy.asarray(values, values.dtype if values.dtype == numpy.uint8 else "f4")
         a_time = len(values) // len(times_s)
@@ -101,13 +100,13 @@ class Document:
         self.channel({"node": node, "path": path}, times_s, values, interpolation)
 
     def pointer_channel(self, pointer, times_s, values, interpolation="LINEAR"):
-        """Keys of anything that a JSON pointer names."""
+        """Adds a channel of keys for the target of a JSON pointer."""
         self.extensions.add("KHR_animation_pointer")
         target = {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}
         self.channel(target, times_s, values, interpolation)
 
     def said(self):
-        """The JSON."""
+        """The file's JSON."""
         children = {child for node in self.lists["nodes"] for child in node.get("children", ())}
         roots = [index for index in range(len(self.lists["nodes"])) if index not in children]
         scene = {"name": "scene", "nodes": roots} if roots else {"name": "scene"}
@@ -130,7 +129,7 @@ class Document:
         return said
 
     def write(self, path):
-        """A .glb file."""
+        """Writes a .glb file."""
         text = json.dumps(self.said(), separators=(",", ":"), allow_nan=False).encode()
         text += b" " * (-len(text) % 4)
         rest = -self.size % 4

@@ -1,4 +1,4 @@
-"""An evaluated mesh as arrays, told apart from others by what it holds.
+"""Evaluated meshes as arrays, identified by their contents.
 
 In go Blender's meshes, out comes a `Geometry`. Invariant: two with the same `topology` have the same
 triangles, corners, texture coordinates, colours and material slots, and may differ in where their vertices
@@ -13,24 +13,24 @@ import numpy
 from .attributes import NO_GROUPS, numbers, of_corners, uv_of_corners
 from .heeding import heeding, nobody
 
-# The name of texture coordinates that are made for baking.
+# Name of the texture coordinates made for baking.
 ATLAS = "sunfleck bake"
-# The name of texture coordinates in place of those that render.
+# Name of texture coordinates in place of missing render ones.
 NONE_RENDERS = "sunfleck none renders"
-# By what share of its extent a side of a mesh stands before its middle.
+# Distance of the two sides of a mesh from its middle, relative to its extent.
 SIDES_APART = 3e-5
 
 
 @dataclass
 class Geometry:
-    """Corners are what Blender calls loops; all in Blender's axes."""
+    """Corners are Blender's loops; all in Blender's axes."""
 
     name: str
     positions: numpy.ndarray
     corner_vertices: numpy.ndarray
     triangles: numpy.ndarray
     slots: numpy.ndarray
-    # "FACE", "POINT" or "CORNER": what normals belong to; one a face, vertex or corner, none of faces.
+    # "FACE", "POINT" or "CORNER": domain of the normals, one a face, vertex or corner; none for faces.
     normals_of: str
     normals: numpy.ndarray
     uvs: dict = field(default_factory=dict)
@@ -38,14 +38,14 @@ class Geometry:
     colors: dict = field(default_factory=dict)
     topology: bytes = b""
     shape: bytes = b""
-    # By how much what showed it first makes it larger.
+    # Scale of the first object that shows it.
     size: float = 1.0
 
     def known_by(self):
         return self.topology + self.shape
 
     def fingerprint(self):
-        """Finds out what it is known by."""
+        """Computes its keys."""
         of_corners = [self.corner_vertices, self.triangles, self.slots]
         widths = {name: values.shape[1] for name, values in self.colors.items()}
         names = repr((len(self.positions), self.normals_of, list(self.uvs), widths))
@@ -54,7 +54,7 @@ class Geometry:
         return self
 
     def coarseness(self):
-        """How far shading is from its faces: the root of the mean square over the area, in radians."""
+        """Angle between shading and face normals: root mean square over the area, in radians."""
         if self.normals_of == "FACE":
             return 0.0
         vertices = self.corner_vertices[self.triangles]
@@ -66,14 +66,14 @@ class Geometry:
         return float(numpy.sqrt(max(0.0, 2.0 * (1.0 - cosines.sum() / max(areas.sum(), 1e-30)))))
 
     def sides_m(self, uv):
-        """What a unit of texture coordinates is long and high, in the mean, to two digits."""
+        """Mean length and height of a unit of texture coordinates, to two digits."""
         uvs = self.uvs.get(uv) if uv else next(iter(self.uvs.values()), None)
         if uvs is None or not len(self.triangles):
             return 1.0, 1.0
         corners, places = self.positions[self.corner_vertices[self.triangles]], uvs[self.triangles]
         x, y = (places[:, at] - places[:, 0] for at in (1, 2))
         a, b = (corners[:, at] - corners[:, 0] for at in (1, 2))
-        # Of each triangle twice its area in the picture, times the places that lie a unit apart.
+        # For each triangle, twice its area in texture space, times the positions a unit apart.
         areas = x[:, 0] * y[:, 1] - y[:, 0] * x[:, 1]
         along, up = a * y[:, 1:] - b * x[:, 1:], b * x[:, :1] - a * y[:, :1]
         whole = max(float(numpy.abs(areas).sum()), 1e-30)
@@ -81,13 +81,13 @@ class Geometry:
         return tuple(float(f"{min(max(length, 1e-6), 1e6):.2g}") for length in lengths)
 
     def drifted(self, velocities, seconds):
-        """The same after a while: velocities are of corners."""
+        """Geometry after some seconds; velocities are by corner."""
         positions = self.positions.copy()
         positions[self.corner_vertices] += numpy.float32(seconds) * velocities
         return replace(self, positions=positions).fingerprint()
 
     def sided(self, slots):
-        """The same twice, a little apart: what faces forwards, and what faces backwards in so many slots more."""
+        """Geometry doubled into two sides slightly apart: front faces, and back faces in additional slots."""
         corners = self.positions[self.corner_vertices[self.triangles]].astype(float)
         of_faces = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         forwards = numpy.zeros(self.positions.shape)
@@ -105,10 +105,9 @@ class Geometry:
         ).fingerprint()
 
     def unwrapped(self):
-        """The same with corners of their own for each triangle, and texture coordinates in which
-        none covers another."""
+        """Geometry with separate corners for each triangle, and texture coordinates without overlap."""
         corners = self.triangles.ravel()
-        # Two triangles to a square of a grid, a little apart.
+        # Two triangles to a square of a grid, with gaps.
         count = len(self.triangles)
         columns = max(1, int(numpy.ceil(numpy.sqrt(numpy.ceil(count / 2)))))
         cells = numpy.arange(count) // 2
@@ -127,7 +126,7 @@ class Geometry:
 
 
 def digest(*pieces):
-    """Of bytes and arrays."""
+    """Hash of bytes and arrays."""
     made = hashlib.blake2b(digest_size=16)
     for piece in pieces:
         made.update(
@@ -141,8 +140,8 @@ def digest(*pieces):
 
 
 def of_mesh(mesh, colors=(), uvs=(), groups=NO_GROUPS, heed=nobody):
-    """What there is to see of a mesh, with the attributes that its materials ask for as colours and as
-    texture coordinates; None without a face. `groups` are its vertex groups by name."""
+    """Geometry of a mesh, with the colours and texture coordinates that its materials use; None without
+    faces. `groups` are its vertex groups by name."""
     if not mesh.polygons:
         return None
     mesh.calc_loop_triangles()
@@ -153,7 +152,7 @@ def of_mesh(mesh, colors=(), uvs=(), groups=NO_GROUPS, heed=nobody):
     normals_of, normals = heeded(normals_and_owner, mesh)
     layers = {layer.name: heeded(numbers, layer.uv, "vector", (corners, 2), "f4") for layer in ordered_uvs(mesh)}
     if layers and not any(layer.active_render for layer in mesh.uv_layers):
-        # As of meshes that nodes make in Blender 5.0: Cycles takes the corner of pictures.
+        # As for meshes from nodes in Blender 5.0: Cycles uses the corner of pictures.
         layers = {NONE_RENDERS: numpy.zeros((corners, 2), "f4"), **layers}
     found = Geometry(
         name=mesh.name,
@@ -179,7 +178,7 @@ def normals_and_owner(mesh):
 
 
 def with_sharp_faces(mesh, normals):
-    """Of custom normals of points: Cycles has sharp faces flat all the same."""
+    """Custom normals by point: Cycles still shades sharp faces flat."""
     count = len(mesh.polygons)
     is_smooth = numbers(mesh.polygons, "use_smooth", count, "?")
     if is_smooth.all():
@@ -191,6 +190,6 @@ def with_sharp_faces(mesh, normals):
 
 
 def ordered_uvs(mesh):
-    """The one that renders first, which textures without a name of their own take."""
+    """UV maps, the render one first, which textures without a name use."""
     layers = list(mesh.uv_layers)
     return sorted(layers, key=lambda layer: not layer.active_render)

@@ -1,12 +1,12 @@
-"""Work on large arrays while somebody may lose interest in it.
+"""Cancellable work on large arrays.
 
-In goes a function of arrays, out comes what it gives; whoever is asked in between raises to end the waiting. The
-work then goes on unheard. Invariant: it is done elsewhere, so it asks Blender nothing and writes nothing.
+In goes a function of arrays, out comes its result; a callback that is polled raises to cancel. The work
+then ends by itself. Invariant: it runs on another thread, so it does not use Blender and writes nothing.
 """
 
 from concurrent.futures import ThreadPoolExecutor
 
-# How often one is asked, seconds; what has fewer rows is done before that.
+# Interval of polling, seconds; smaller arrays finish before that.
 LOOK_S = 0.02
 MANY_ROWS = 50_000
 
@@ -28,4 +28,4 @@ def heeding(heed, rows, work):
 
 
 def nobody():
-    """Nobody loses interest."""
+    """A callback that never cancels."""

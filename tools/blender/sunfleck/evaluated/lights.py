@@ -1,7 +1,7 @@
 """Lights in glTF's units: KHR_lights_punctual, an area light as a node with `sunfleck_light`.
 
-In go evaluated lights, out come numbers. Invariant: one W/m2 or W/sr is 683 lux or candela ("spec"), as
-Blender's exporter has it.
+In go evaluated lights, out come numbers. Invariant: one W/m2 or W/sr is 683 lux or candela ("spec"), as in
+Blender's exporter.
 """
 
 import math
@@ -14,13 +14,13 @@ from ..materials.colours import rec709
 from ..materials.sources import NotSimple
 
 LUMENS_PER_WATT = 683.0
-# Radians, the whole angle.
+# Minimum full angle, radians.
 NARROWEST_SPREAD = 0.01
 Scale = tuple[float, float, float]
 
 
 def power_w(light: bpy.types.Light, scale: Scale = (1.0, 1.0, 1.0)) -> float:
-    """Blender's watts, or of a sun W/m2, as if the light were normalised: exposure and size counted in."""
+    """Blender's watts, or for a sun W/m2, of an equivalent normalized light: exposure and size included."""
     power: float = light.energy * 2.0**light.exposure
     if light.type == "AREA" and extent(light, scale) == 0.0:
         return 0.0
@@ -28,15 +28,15 @@ def power_w(light: bpy.types.Light, scale: Scale = (1.0, 1.0, 1.0)) -> float:
 
 
 def extent(light: bpy.types.Light, scale: Scale) -> float:
-    """What the power of a light that is not normalised counts for: its area, m2, or of a sun's
-    disc as seen on what faces it."""
+    """Factor on the power of a light that is not normalized: its area, m2, or for a sun the projected
+    solid angle of its disc."""
     if light.type == "SUN":
         return math.pi * math.sin(0.5 * light.angle) ** 2 or 1.0
     if light.type == "AREA":
         width, height = area_size(light)
         shape = math.pi / 4.0 if light.shape in {"DISK", "ELLIPSE"} else 1.0
         return width * height * scale[0] * scale[1] * shape
-    # A sphere, or a disc that turns to what it lights.
+    # A sphere, or a disc that faces each lit point.
     faces = 1.0 if light.use_soft_falloff else 4.0
     return faces * (math.pi * float(light.shadow_soft_size) ** 2 or 1.0)
 
@@ -46,17 +46,17 @@ def area_size(light: bpy.types.Light) -> tuple[float, float]:
 
 
 def written_size(light: bpy.types.Light) -> list[float]:
-    """Of an area light; without a size, where it gives no light, next to nothing."""
+    """Size of an area light; next to nothing in place of 0, where it emits nothing."""
     return [max(1e-6, side) for side in area_size(light)]
 
 
 def spread(light: bpy.types.Light) -> float:
-    """The whole angle that the grid before an area light lets light through."""
+    """Full angle of the beam of an area light."""
     return max(NARROWEST_SPREAD, float(light.spread))
 
 
 def color(light: bpy.types.Light) -> tuple[float, ...]:
-    """With what its temperature and its nodes make of it, in linear Rec. 709."""
+    """Colour with temperature and nodes, in linear Rec. 709."""
     warmth = light.temperature_color if light.use_temperature else (1.0, 1.0, 1.0)
     factor = of_nodes(light) or (1.0, 1.0, 1.0)
     found: tuple[float, ...] = rec709(tuple(a * b * c for a, b, c in zip(light.color, warmth, factor)))
@@ -64,8 +64,7 @@ def color(light: bpy.types.Light) -> tuple[float, ...]:
 
 
 def of_nodes(light: bpy.types.Light) -> tuple[float, ...] | None:
-    """By what its own nodes multiply a light: one Emission of a colour and a strength. None for whatever
-    is more than that."""
+    """Factor of a light's nodes: one Emission with a colour and a strength. None for anything else."""
     if not (light.use_nodes and light.node_tree):
         return (1.0, 1.0, 1.0)
     output = principled.output_of(light.node_tree)
@@ -85,12 +84,12 @@ def of_nodes(light: bpy.types.Light) -> tuple[float, ...] | None:
 
 
 def punctual(light: bpy.types.Light, exposure: float = 1.0) -> dict[str, Any] | None:
-    """Of glTF, of which `exposure` is a factor; None for area lights."""
+    """glTF's light times `exposure`; None for area lights."""
     if light.type == "AREA":
         return None
     unit = LUMENS_PER_WATT if light.type == "SUN" else LUMENS_PER_WATT / (4.0 * math.pi)
     channels = [max(0.0, channel) for channel in color(light)]
-    # glTF's colours end at 1.
+    # glTF's colours are at most 1.
     largest = max(1.0, *channels)
     said = {
         "name": light.name,

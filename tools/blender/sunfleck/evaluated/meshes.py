@@ -1,8 +1,7 @@
-"""Geometries as meshes of the file: corners that are alike become one vertex, and each
-material slot a primitive.
+"""Geometries as meshes of the file: equal corners become one vertex, and each material slot a primitive.
 
-In go a geometry and how it bends, out comes the number of a glTF mesh. Invariant: vertices stand in
-the file's axes, y up.
+In go a geometry and its deformation, out comes the index of a glTF mesh. Invariant: vertices are in the
+file's axes, y up.
 """
 
 from functools import partial
@@ -16,18 +15,18 @@ from .heeding import heeding, nobody
 
 
 def turned(vectors):
-    """Blender's (x, y, z) in glTF's axes."""
+    """Vectors (x, y, z) of Blender in glTF's axes."""
     return numpy.stack([vectors[..., 0], vectors[..., 2], -vectors[..., 1]], axis=-1)
 
 
 class Layout:
-    """Which corners share a vertex, for every shape of a topology."""
+    """Vertices of corners, for every shape of a topology."""
 
     def __init__(self, geometry, is_bent):
         vertices = geometry.corner_vertices
         keys = [vertices.reshape(-1, 1), *geometry.uvs.values(), *geometry.colors.values()]
         if geometry.normals_of == "CORNER":
-            # Of what bends, normals that are alike now may not be so later.
+            # In a deforming mesh, equal normals may differ later.
             corners = numpy.arange(len(vertices), dtype="i4").reshape(-1, 1)
             keys.append(corners if is_bent else geometry.normals)
         rows = numpy.concatenate(
@@ -53,7 +52,7 @@ class Layout:
 
 
 def unique_rows(rows):
-    """The first of each kind of row, in their order, and of which kind each row is."""
+    """First index of each unique row, in order, and the unique row of each row."""
     if rows.shape[1] == 1:
         keys = rows[:, 0]
     else:
@@ -70,21 +69,21 @@ def unique_rows(rows):
 
 
 class Meshes:
-    """Meshes of a document, each there once. `materials` is a library; `heed` raises if nobody wants them."""
+    """Meshes of a document, each once. `materials` is a library; `heed` raises to cancel."""
 
     def __init__(self, document, materials, heed=nobody):
         self.document, self.materials, self.heed, self.known = document, materials, heed, {}
 
     def number(self, geometry, materials, bend=None):
-        """Of a geometry in these materials, one a slot. A mesh that bends has targets: differences of
-        positions and normals."""
+        """Index of a geometry's mesh with these materials, one a slot. A deforming mesh has targets:
+        displacements of positions and normals."""
         key = (geometry.known_by(), materials, None if bend is None else id(bend))
         if key not in self.known:
             self.known[key] = self.made(geometry, materials, bend), bend
         return self.known[key][0]
 
     def made(self, geometry, materials, bend):
-        """None if all of its materials let all light through."""
+        """Mesh; None if all its materials are fully transparent."""
         layout = bend.layout if bend else self.made_of(geometry, lambda: Layout(geometry, False))
         attributes, colors = self.attributes(geometry, layout), {}
         targets = bend.targets(self.document) if bend else []
@@ -124,7 +123,7 @@ class Meshes:
         return found
 
     def colors(self, geometry, layout, material, known):
-        """COLOR_0: what multiplies this material's base colour and alpha."""
+        """COLOR_0: factor on this material's base colour and alpha."""
         wanted = self.materials.color_attribute(material, geometry)
         if wanted is None:
             return {}

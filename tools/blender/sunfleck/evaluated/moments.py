@@ -1,4 +1,4 @@
-"""The moments that a render looks at: every frame, and while the shutter is open as many as motion asks for.
+"""Moments of a render: every frame, and as many within the open shutter as motion needs.
 
 In go Blender's settings, out come times in frames. Invariant: switches of visibility lie halfway between
 two frames' shutters.
@@ -11,15 +11,15 @@ from typing import Any
 
 import bpy
 
-# Halved so often at most: 33 moments.
+# Maximum number of halvings: 33 moments.
 MOST_HALVINGS = 4
-# Longer shutters overlap with those of the next frames.
+# Longer shutters overlap with those of other frames.
 OFFSETS = {"START": 0.0, "CENTER": -0.5, "END": -1.0}
 
 
 @dataclass(frozen=True)
 class Shutter:
-    """Both in frames; the opening counts from the frame."""
+    """Opening and length in frames, relative to the frame."""
 
     length: float
     opening: float
@@ -33,8 +33,7 @@ class Shutter:
         return cls(length, OFFSETS[render.motion_blur_position] * length)
 
     def rounds(self) -> Iterator[list[float]]:
-        """From the frame: the frame itself, the ends and the middle, then what lies halfway
-        between those before."""
+        """Offsets from the frame: the frame itself, the ends and the middle, then rounds of midpoints."""
         yield [0.0]
         if self.length == 0.0:
             return
@@ -56,13 +55,13 @@ class Shutter:
 
     @property
     def switch(self) -> float:
-        """Where, from a frame, what is seen from this frame on begins to be: between the shutters."""
+        """Offset from a frame at which visibility switches to it: between the shutters."""
         return self.opening + 0.5 * (self.length - 1.0)
 
 
 @dataclass(frozen=True)
 class Clock:
-    """Times of the file from frames. Files have no times before 0: `first` is the frame at 0, 0 unless some
+    """Times of the file. Files have no negative times: `first` is the frame at 0, and is 0 unless some
     moments are negative."""
 
     seconds_a_frame: float
@@ -75,16 +74,16 @@ class Clock:
         return cls(seconds_a_frame(scene.render), math.floor(earliest) if earliest < 0.0 else 0)
 
     def seconds(self, frames: Any) -> Any:
-        """Of a frame, or of an array of them."""
+        """Seconds of a frame, or of an array of them."""
         return (frames - self.first) * self.seconds_a_frame
 
 
 def seconds_a_frame(render: bpy.types.RenderSettings) -> float:
-    """Blender has 1.001 in single precision, and means it."""
+    """Blender stores 1.001 in single precision; it means the fraction."""
     base: float = render.fps_base
     return (1.001 if abs(base - 1.001) < 1e-6 else base) / float(render.fps)
 
 
 def frames(scene: bpy.types.Scene, only: int | None = None) -> range:
-    """All of them, whatever the step, as simulations want every one; or one alone."""
+    """All frames, whatever the step, as simulations need each; or one alone."""
     return range(scene.frame_start, scene.frame_end + 1) if only is None else range(only, only + 1)

@@ -1,25 +1,24 @@
-"""Where things are, as glTF says it: translation, rotation and scale.
+"""Placements as glTF's translation, rotation and scale.
 
-In go matrices of Blender, (rows, 4, 4), out come those of glTF and their parts. Invariant: the parts
-together give the matrix, to single precision; where a matrix shears, an inner rotation before the
-scale makes up for it.
+In go matrices of Blender, (rows, 4, 4), out come those of glTF and their parts. Invariant: the product of
+the parts is the matrix, to single precision; for a shear, there is an inner rotation before the scale.
 """
 
 from dataclasses import dataclass
 
 import numpy
 
-# glTF's axes from Blender's.
+# From Blender's axes to glTF's.
 TURN = numpy.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float)
-# Single precision leaves axes at right angles to within a few of these.
+# Tolerance of orthogonal axes, for single precision.
 SQUARE = 3e-6
-# Share of the largest scale that stands for one of 0.
+# Replacement of a scale of 0, relative to the largest scale.
 FLAT = 1e-6
 
 
 @dataclass
 class Places:
-    """Parts of matrices, a row each; `inner` is None where nothing shears."""
+    """Parts of matrices, a row each; `inner` is None without a shear."""
 
     translation: numpy.ndarray
     rotation: numpy.ndarray
@@ -28,13 +27,12 @@ class Places:
 
 
 def in_gltf(matrices, looks):
-    """The same places in glTF's axes. What looks along its -z (cameras, lights) does so in both; what has a
-    shape is turned with it."""
+    """Placements in glTF's axes. Cameras and lights look along -z in both; shapes are rotated."""
     return TURN @ matrices if looks else TURN @ matrices @ TURN.T
 
 
 def parts(matrices):
-    """Of the matrices of one thing as it moves, in the order of time."""
+    """Parts of the matrices of one moving object, in the order of time."""
     linear, translation = matrices[:, :3, :3], matrices[:, :3, 3]
     lengths = numpy.linalg.norm(linear, axis=1)
     axes = linear / numpy.where(lengths > 0.0, lengths, 1.0)[:, None, :]
@@ -49,7 +47,7 @@ def parts(matrices):
 
 
 def each(matrices):
-    """Of the matrices of things that keep still, one each: the same, all at once."""
+    """Parts of the matrices of constant objects, one each, all at once."""
     linear, translation = matrices[:, :3, :3], matrices[:, :3, 3]
     lengths = numpy.linalg.norm(linear, axis=1)
     axes = linear / numpy.where(lengths > 0.0, lengths, 1.0)[:, None, :]
@@ -66,13 +64,13 @@ def each(matrices):
 
 
 def shown(lengths):
-    """Scales of which one is 0: hardly anything instead, as what is flat shows and what has no room does not."""
+    """Scales with a very small value in place of 0, as flat objects are visible and points are not."""
     is_flat = (lengths <= 0.0) & ((lengths <= 0.0).sum(axis=1, keepdims=True) == 1)
     return numpy.where(is_flat, FLAT * lengths.max(axis=1, keepdims=True), lengths)
 
 
 def filled(axes, lengths):
-    """Axes at right angles also where a scale of 0 leaves none: what was there a row before, or any."""
+    """Orthogonal axes even for scales of 0: those of the previous row, or arbitrary ones."""
     flat = numpy.flatnonzero((lengths <= 0.0).any(axis=1))
     if len(flat) == 0:
         return axes
@@ -84,7 +82,7 @@ def filled(axes, lengths):
         if missing.all():
             axes[row] = axes[earlier[-1]] if len(earlier) else numpy.eye(3)
             continue
-        # What spans the rest, by Gram and Schmidt.
+        # Basis of the rest, by singular value decomposition.
         left, _, right = numpy.linalg.svd(numpy.where(missing, 0.0, axes[row]))
         nearest = left @ right
         axes[row][:, missing] = nearest[:, missing]
@@ -94,8 +92,8 @@ def filled(axes, lengths):
 
 
 def sheared(linear, translation):
-    """Left rotation, scales and right rotation (the singular values), each as near as can be to those
-    of the row before."""
+    """Left rotation, scales and right rotation (the singular values), each as near as possible to those of
+    the previous row."""
     left, scale, right = numpy.linalg.svd(linear)
     mirrored = numpy.linalg.det(left @ right) < 0.0
     for row in range(len(linear)):
@@ -108,8 +106,8 @@ def sheared(linear, translation):
 
 
 def nearest_to(before, left, scale, right):
-    """The same matrix with its singular vectors named and signed so that the right ones are
-    nearest to those before."""
+    """The same decomposition, with singular vectors ordered and signed so that the right ones are nearest
+    to the previous ones."""
     best = None
     for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
         rows = right[list(order)]
@@ -124,7 +122,7 @@ def nearest_to(before, left, scale, right):
 
 
 def quaternions(rotations):
-    """(x, y, z, w) of rotation matrices; by the largest of the four, after Shepperd (1978)."""
+    """Quaternions (x, y, z, w) of rotation matrices, by the largest component (Shepperd 1978)."""
     m = rotations
     trace = m[:, 0, 0] + m[:, 1, 1] + m[:, 2, 2]
     squares = numpy.stack([m[:, 0, 0], m[:, 1, 1], m[:, 2, 2], trace], axis=1)
@@ -148,7 +146,7 @@ def quaternions(rotations):
 
 
 def smooth(found):
-    """Of the two quaternions of each rotation the one nearer to the row before."""
+    """Signs of quaternions chosen nearest to the previous row."""
     if len(found) > 1:
         flips = numpy.where((found[1:] * found[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
         found[1:] *= numpy.cumprod(flips)[:, None]

@@ -1,8 +1,7 @@
-"""A .glb file read back, to know what it really says. This knows nothing of how it was written.
+"""Reader of .glb files for verification, independent of the writer.
 
-In goes a path. Out come worlds of nodes, what is visible, and vertices of meshes as they are bent, for times
-all at once. Invariant: interpolation is glTF's: steps, straight lines, shortest arcs. Times are compared in
-single precision, as files hold them.
+In goes a path, out come world matrices, visibility and deformed vertices for arrays of times. Invariant:
+interpolation is glTF's: steps, lines, shortest arcs. Times are compared in single precision, as in files.
 """
 
 import json
@@ -42,7 +41,7 @@ class File:
         return (int(pointer.split("/")[2]), "visible") if is_visible else (pointer, "pointer")
 
     def seconds(self, frames):
-        """Of frames, as keys have them."""
+        """Times of frames, as in keys."""
         said = self.settings
         frames = numpy.asarray(frames, float) - said.get("frame_at_zero", 0)
         base = said.get("fps_base", 1.0)
@@ -70,7 +69,7 @@ class File:
         )
 
     def worlds(self, seconds):
-        """(nodes, times, 4, 4)."""
+        """World matrices (nodes, times, 4, 4)."""
         found = {}
 
         def world(index):
@@ -95,7 +94,7 @@ class File:
         return made
 
     def visible(self, seconds):
-        """(nodes, times)."""
+        """Visibility (nodes, times)."""
         found = {}
 
         def shown(index):
@@ -113,13 +112,13 @@ class File:
         return [shown(index) for index in range(len(self.nodes))]
 
     def weights(self, index, seconds):
-        """Of a node's mesh, (times, targets)."""
+        """Weights of a node's mesh, (times, targets)."""
         node = self.nodes[index]
         still = node.get("weights", self.said["meshes"][node["mesh"]].get("weights", ()))
         return self.sampled(index, "weights", seconds, still)
 
     def triangles(self, mesh, weights=()):
-        """Places of the corners, (triangles, 3, 3), of a mesh so bent."""
+        """Corners (triangles, 3, 3) of a mesh with these weights."""
         found = []
         for primitive in self.said["meshes"][mesh]["primitives"]:
             positions = self.accessor(primitive["attributes"]["POSITION"]).astype(float)
@@ -147,7 +146,7 @@ def interpolated(times, values, seconds, interpolation, path):
 
 
 def arc(start, end, share):
-    """The shortest, at constant speed."""
+    """Shortest arc, at constant speed."""
     cosine = (start * end).sum(axis=1, keepdims=True)
     end = numpy.where(cosine < 0.0, -end, end)
     angle = numpy.arccos(numpy.clip(numpy.abs(cosine), 0.0, 1.0))

@@ -1,8 +1,7 @@
-"""What was seen at every moment: where each thing was and which geometry it showed.
+"""Record of the graph at every moment: placements and geometries.
 
-In go graphs, out comes a `Record` of things by key. Invariants: a thing is the same from moment to moment if
-Blender says so, by its object, what instances it, and its persistent id among the instances. A geometry that
-several things show is there once.
+In go graphs, out comes a `Record` of objects and instances by key. Invariants: an instance is identified
+by its object, its instancer, and its persistent id. A geometry that several show is stored once.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +13,7 @@ from ..materials import instances
 from .capture import Capture
 from .volumes import Volumes
 
-# Curves, texts and metaballs are among the instances a second time, as the meshes that they make.
+# Curves, texts and metaballs are also among the instances as meshes.
 KINDS = {
     "MESH": "SURFACE",
     "CURVES": "SURFACE",
@@ -24,30 +23,30 @@ KINDS = {
     "VOLUME": "VOLUME",
     "EMPTY": "EMPTY",
 }
-# What is said of these, which nodes of a mesh may make too.
+# Losses for these types, which nodes of a mesh may create too.
 SHAPES = {"GREASEPENCIL": "grease-pencil", "CURVES": "hair", "POINTCLOUD": "point-cloud"}
 
 
 @dataclass
 class Thing:
-    """Something that is placed; parallel lists tell of every moment at which it is there."""
+    """Object or instance; parallel lists have an entry for every moment of its existence."""
 
     name: str
     kind: str
-    # The object in the file, and the one that instances it, if any.
+    # Object in the file, and its instancer, if any.
     object: object
     instancer: object
     moments: list = field(default_factory=list)
     rows: list = field(default_factory=list)
-    # Numbers of geometries, with the materials of their slots.
+    # Indices of geometries, with the materials of their slots.
     shown: list = field(default_factory=list)
-    # What materials ask of it, at the frame of each moment.
+    # Facts for materials, at the frame of each moment.
     facts: list = field(default_factory=list)
 
 
 @dataclass(eq=False)
 class Source:
-    """What of an instance goes for all that share object and instancer: asking Blender takes its time."""
+    """Data shared by all instances of an object and instancer, as queries to Blender are slow."""
 
     kind: str | None
     original: object
@@ -58,16 +57,16 @@ class Source:
 
 
 class Here:
-    """What is known within one moment."""
+    """Data of one moment."""
 
     def __init__(self, graph, ids, names):
         self.scene, self.layer = graph.scene_eval, graph.view_layer_eval
         self.frame = self.scene.frame_current_final
         self.ids = numpy.ascontiguousarray(ids).view("V32").ravel().tolist()
         self.sources, self.shown = {}, {}
-        # Attributes of instances that materials ask for, and those of each instancer.
+        # Attributes of instances for materials, and those of each instancer.
         self.names, self.tables = names, {}
-        # How many have the same key, as realised groups may.
+        # Count for each key, as realised groups may repeat keys.
         self.seen, self.lamps = {}, 0
 
     def source(self, instance, thing):
@@ -81,7 +80,7 @@ class Here:
         return found
 
     def attributes(self, instance):
-        """Values of an instance's, by name."""
+        """Attribute values of an instance, by name."""
         if not self.names:
             return {}
         parent = instance.parent
@@ -97,7 +96,7 @@ class Here:
 
 
 class Seen(NamedTuple):
-    """An instance of the graph, while it is at hand."""
+    """Instance of the graph while it is valid."""
 
     row: int
     instance: object
@@ -107,7 +106,7 @@ class Seen(NamedTuple):
 
 
 def kind_of(thing):
-    """What becomes of an object: portals only tell Cycles where light comes from."""
+    """Kind of an object: portals only guide Cycles' sampling."""
     is_portal = (
         thing.type == "LIGHT"
         and thing.data.type == "AREA"
@@ -117,19 +116,20 @@ def kind_of(thing):
 
 
 class Record:
-    """Grows as the graph is walked."""
+    """Grows during the walk."""
 
     def __init__(self, library, watch, seconds_a_frame=0.0):
-        """`library` knows what materials look at; `watch` is told what is no surface; for the last see `Capture`."""
+        """`library` knows the attributes of materials; `watch` gets all objects without a surface; for the
+        last see `Capture`."""
         self.capture, self.watch, self.questions = Capture(library, seconds_a_frame), watch, library.questions()
-        # Names of attributes that materials ask instances for, and whether any answer may change.
+        # Attributes that materials read from instances, and whether any may change.
         self.attributes = {name for kind, of, name in self.questions if (kind, of) == ("ATTRIBUTE", "INSTANCER")}
         self.changes = not set(self.questions) <= instances.STILL
         self.things, self.volumes = {}, Volumes(seconds_a_frame > 0.0)
-        # Ids of losses and names of what is there in a shape that has none here, or another.
+        # Ids of losses and names of objects with unsupported or converted shapes.
         self.shapes = set()
-        # Of each moment: frame and offset, places of all instances, the first one's row, which rows show
-        # which geometry, and lights.
+        # For each moment: frame and offset, placements of all instances, first rows, rows by geometry, and
+        # lights.
         self.moments, self.matrices, self.first_rows, self.placed, self.lamps = [], [], [], [], []
 
     def heed(self):
@@ -168,14 +168,14 @@ class Record:
                 key = here.key(row, source, "")
                 self.add(key, Seen(row, instance, thing, source, here), None)
                 here.lamps += source.kind == "LIGHT"
-                # Zooms blur, all else is as at the frame.
+                # Zooms blur; other parameters are those of the frame.
                 if offset == 0.0 or source.kind == "CAMERA":
                     self.watch(key, thing, frame if offset == 0.0 else frame + offset)
         self.placed.append(numpy.array(rows, int).reshape(-1, 2).T)
         self.lamps.append(here.lamps)
 
     def add(self, key, seen, shown):
-        """Something is there at this moment."""
+        """Adds an instance at this moment."""
         found = self.things.get(key)
         if found is None:
             name, source = seen.thing.name, seen.source
@@ -192,15 +192,15 @@ class Record:
         found.shown.append(shown)
 
     def places(self, thing):
-        """Of each moment, (moments, 4, 4)."""
+        """Placements at each moment, (moments, 4, 4)."""
         return self.all_matrices[thing.rows].astype(float)
 
     def is_moving_light(self, thing):
         return thing.kind == "LIGHT" and float(numpy.ptp(self.places(thing), axis=0).max()) > 1e-6
 
     def finish(self):
-        """Puts the places of all moments together, and moments into the order of time: a frame
-        itself is seen first."""
+        """Joins the placements of all moments, and sorts moments by time; the frame itself is visited
+        first."""
         for thing in self.things.values() if any(offset for _, offset in self.moments) else ():
             order = sorted(range(len(thing.moments)), key=lambda at: sum(self.moments[thing.moments[at]]))
             for name in ("moments", "rows", "shown", "facts"):
@@ -213,7 +213,7 @@ class Record:
 
 
 def holds_fog(thing):
-    """Its mesh, if it has one, only shows its author where the fog is."""
+    """Whether an object is fog, whose mesh only shows its place to the author."""
     return thing.type in {"EMPTY", "MESH"} and (
         thing.sunfleck_settings.is_fog or "sunfleck_fog_volume" in thing
     )

@@ -1,7 +1,6 @@
-"""A scene to a .glb file: walked, recorded, put together, written.
+"""Export of a scene to a .glb file: walk, record, assembly, writing.
 
-In go a scene and a path, out come the file and what was found on the way. Invariant: the
-scene is left as it was.
+In go a scene and a path, out come the file and findings. Invariant: the scene is restored.
 """
 
 import bpy
@@ -18,12 +17,12 @@ from .values import Values, of_fog
 
 
 class Exported:
-    """What was exported, for whoever counts it."""
+    """Result of an export, for counts."""
 
     def __init__(self, wanted, record, assembly, library):
         self.frames, self.record, self.assembly, self.library = list(wanted), record, assembly, library
         self.materials = library.words()
-        # What only the export found out.
+        # Findings of the export itself.
         self.findings = [*library.findings(), *(Finding(id, f"`{name}`") for id, name in sorted(record.shapes))]
         self.findings += record.volumes.found
         self.findings += [Finding("hair-attributes", f"`{name}`") for name in sorted(record.capture.colorless)]
@@ -37,7 +36,7 @@ class Exported:
             self.findings += [Finding("velocity-blur", f"`{name}`") for name in sorted(record.capture.drifted)]
 
     def compared(self, file):
-        """What there should be by frame, and where the file differs."""
+        """Expected counts by frame, and differences in the file."""
         expected = counts.of_record(self.record, self.frames)
         expected.lights += self.assembly.suns_of_sky
         differences = list(counts.differences(expected, counts.of_file(file, self.frames)))
@@ -49,14 +48,14 @@ class Exported:
 
 
 def export(scene, path, only=None):
-    """Writes the file, of all frames or of one alone."""
+    """Writes the file, with all frames or a single one."""
     with Job(scene, only) as job:
         walk.walk(scene, job.frames, job.shutter, job)
         return job.written(path, walk.view_layer(scene), custom(scene))
 
 
 class Job:
-    """An export under way: `visit` is called with every moment, then `written`."""
+    """Export in progress: `visit` is called for every moment, then `written`."""
 
     def __init__(self, scene, only=None):
         self.scene, self.only, self.frames = scene, only, frames(scene, only)
@@ -67,7 +66,7 @@ class Job:
         self.is_smooth = Smoothness(self.record).is_enough
 
     def __enter__(self):
-        # Nothing is to be made while Blender steps through frames.
+        # No datablock may be created while Blender steps through frames.
         try:
             for material in list(bpy.data.materials):
                 self.library.look(material)
@@ -92,7 +91,7 @@ class Job:
             self.library.changes.see(graph, frame)
 
     def written(self, path, layer, scene_extras):
-        """The file of what was seen."""
+        """Writes the file of the record."""
         self.record.finish()
         clock = Clock.of(self.scene, self.frames)
         assembly = Assembly(self.record, self.frames, self.shutter, clock, layer)
@@ -104,7 +103,7 @@ class Job:
         return Exported(self.frames, self.record, assembly, self.library)
 
     def properties(self, key, thing, path):
-        """Of a thing's node; None if there is to be none."""
+        """Custom properties of an object's node; None if it gets no node."""
         found = properties(thing, self.scene, path, self.values.said.get(key, {}))
         if thing.kind != "VOLUME":
             return found
@@ -113,7 +112,7 @@ class Job:
 
 
 def finish(scene, assembly, library, values, only):
-    """What belongs to the scene, and keys of everything."""
+    """Adds the scene's properties, and all keys."""
     sun = world_sun.of(scene.world) if world.has_sun(scene) else None
     if sun:
         world_sun.add(assembly.document, sun, film.exposure(scene))
@@ -126,7 +125,7 @@ def finish(scene, assembly, library, values, only):
 
 
 def settle_frames(assembly, only):
-    """Which frames the file has, and which of them is at second 0."""
+    """Sets the frames of the file, and the one at second 0."""
     said = assembly.document.scene_extras.setdefault("sunfleck", {})
     if assembly.clock.first:
         said["frame_at_zero"] = assembly.clock.first
@@ -135,8 +134,9 @@ def settle_frames(assembly, only):
 
 
 def properties(thing, scene, path, evaluated):
-    """The custom properties of a thing's node: its own, and ours also where they could not be stored (linked
-    libraries, objects that only instances show). What changes is as evaluated. A portal is no light."""
+    """Custom properties of an object's node: its own, and the add-on's, even where they cannot be stored
+    (linked libraries, objects that only instances show). Changing ones are evaluated. A portal is not a
+    light."""
     found = {**custom(thing.object), **extras.of_object(thing.object, scene, path)}
     for name, said in evaluated.items():
         found[name] = {**found.get(name, {}), **said} if isinstance(said, dict) else said

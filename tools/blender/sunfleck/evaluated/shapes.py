@@ -1,8 +1,8 @@
-"""Meshes that bend: shapes over time as morph targets and their weights.
+"""Deforming meshes: shapes over time as morph targets with weights.
 
-In go shapes of one topology by time, out come few targets. Invariant: at every time each vertex is within the
-tolerance of where it was. Shapes that are mixtures of a few (shape keys, a hinge's small turn) need only
-those few; others are targets each.
+In go shapes of one topology by time, out come few targets. Invariant: at every time each vertex is within
+the tolerance of its position. Shapes that are linear combinations of a few (shape keys, a hinge's small
+rotation) need only those few; otherwise each shape is a target.
 """
 
 import numpy
@@ -11,13 +11,13 @@ from . import thinning
 from .meshes import Layout, turned
 
 TOLERANCE_M = 5e-6
-# Of more independent shapes than these, each is a target.
+# With more independent shapes, each shape becomes a target.
 MOST_MIXED = 24
 
 
 class Bend:
-    """Of one topology: `times` are frames with offset, `shapes` the number of the shape at each,
-    among `geometries`."""
+    """Deformation of one topology: `times` are frames with offset, `shapes` the index of the shape at
+    each, among `geometries`."""
 
     def __init__(self, times, shapes, geometries):
         self.times = numpy.asarray(times, float)
@@ -46,8 +46,7 @@ class Bend:
         return found
 
     def normals(self):
-        """Differences of normals, of each target, so that mixtures are as near as can be to what they
-        were at all times."""
+        """Displacements of normals of each target, by least squares over all times."""
         at_rest = self.layout.normals(self.base)
         if at_rest is None:
             return []
@@ -56,7 +55,7 @@ class Bend:
         return fitted.reshape(len(self.chosen), -1, 3)
 
     def keys(self):
-        """Times and weights of the targets there, those that straight lines give left out."""
+        """Times and weights of the targets, without keys that interpolation gives."""
         values = self.weights[self.of_time]
         largest = max(
             1e-9,
@@ -72,8 +71,7 @@ class Bend:
 
 
 def mixed_from(moved):
-    """Rows that all others are mixtures of: again and again the one that is farthest from any
-    mixture of those before."""
+    """Rows that span all others: repeatedly the one that is farthest from the span of those before."""
     left, chosen = moved.astype(float), []
     while len(chosen) < min(MOST_MIXED, len(moved)):
         farthest = numpy.abs(left).max(axis=1)
@@ -87,7 +85,7 @@ def mixed_from(moved):
 
 
 def weights(moved, chosen):
-    """How each row is mixed from those; None if it is not."""
+    """Weights of each row in terms of those; None if it is outside their span."""
     if not chosen:
         return None
     basis = moved[chosen].astype(float)

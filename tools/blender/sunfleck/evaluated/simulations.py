@@ -1,8 +1,8 @@
-"""Simulations: which scenes have any, and how their caches are filled.
+"""Simulations: detection, and filling of their caches.
 
-A graph of what renders reads the caches of simulations and never steps them; the viewport's graph steps them,
-frame by frame. So all frames are shown to it first, with what simulates made visible to it. Invariant: what
-was hidden is hidden again afterwards.
+A render graph reads the caches of simulations and never steps them; the viewport's graph steps them, frame
+by frame. So it evaluates all frames first, with simulated objects visible. Invariant: visibility is
+restored afterwards.
 """
 
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ def any_in(scene):
 
 
 def objects(scene):
-    """What simulates, in the scene and in the collections that it instances."""
+    """Simulated objects of the scene and its instanced collections."""
     seen = set()
     waiting = list(scene.objects)
     while waiting:
@@ -41,7 +41,7 @@ def is_stepped(modifier):
 
 
 def has_zone(tree, seen):
-    """Whether a tree of nodes, or one within, has a simulation zone."""
+    """Whether a node tree, or a group in it, has a simulation zone."""
     if tree in seen:
         return False
     seen.add(tree)
@@ -53,7 +53,7 @@ def has_zone(tree, seen):
 
 @contextmanager
 def run(scene, layer, frames):
-    """Caches are full within; whatever is shown again or hidden would have Blender empty them."""
+    """Caches stay full during the block; any change of visibility would empty them."""
     switched = []
 
     def switch(owner, name, value):
@@ -91,7 +91,7 @@ def forget_skipped(scene):
 
 
 def layer_collections(top):
-    """A layer's collection and all below it."""
+    """A layer collection and all its descendants."""
     yield top
     for child in top.children:
         yield from layer_collections(child)

@@ -1,8 +1,7 @@
-"""Whether straight lines between a frame's moments are near enough to what moves, or more moments are wanted.
+"""Decision whether linear interpolation between a frame's moments suffices, or more moments are needed.
 
-In goes a record that grows, out comes yes or no. Invariant: what halves its distance quarters its
-error, so a round of moments that lie within four times the tolerance of the lines before it leaves
-errors within the tolerance.
+In goes a growing record, out comes a boolean. Invariant: halving an interval quarters the error, so a
+round of moments within four times the tolerance of the previous lines leaves errors within the tolerance.
 """
 
 import numpy
@@ -11,13 +10,13 @@ TOLERANCE_M = 2e-4
 
 
 class Smoothness:
-    """Of the frame that was looked at last."""
+    """Smoothness of the last visited frame."""
 
     def __init__(self, record):
         self.record, self.judged = record, 0
 
     def is_enough(self):
-        """Whether what was looked at since the last question was to be expected."""
+        """Whether the moments since the last call were within tolerance."""
         moments, frame = self.record.moments, self.record.moments[-1][0]
         first = len(moments)
         while first and moments[first - 1][0] == frame:
@@ -28,7 +27,7 @@ class Smoothness:
         return all(self.deviation(*ordered[at - 1 : at + 2]) < 4.0 * TOLERANCE_M for at in new)
 
     def deviation(self, *indices):
-        """How far something is from the straight line between the moments before and after."""
+        """Distance from the line between the moments before and after."""
         offsets = [self.record.moments[index][1] for index in indices]
         share = (offsets[1] - offsets[0]) / (offsets[2] - offsets[0])
         before, here, after = (self.record.matrices[index] for index in indices)
@@ -36,7 +35,7 @@ class Smoothness:
         alike = all(numpy.array_equal(one[0], placed[1][0]) for one in placed)
         if not (len(before) == len(here) == len(after) and alike):
             return numpy.inf
-        # What shows nothing is a camera, a light or fog, a metre of which counts.
+        # Cameras, lights and fog have no geometry; a metre counts for them.
         reach = numpy.ones(len(here))
         reach[placed[1][0]] = [self.record.capture.reach(number) for number in placed[1][1]]
         off = numpy.abs(here - between(before, after, share))
@@ -44,7 +43,7 @@ class Smoothness:
         return max(float(farthest.max(initial=0.0)), self.bending(placed, here, share))
 
     def bending(self, placed, matrices, share):
-        """The same of vertices of meshes that bend."""
+        """Distances of vertices of deforming meshes."""
         worst = 0.0
         for at in numpy.flatnonzero(placed[0][1] != placed[2][1]):
             before, here, after = (self.record.geometries[rows[1][at]] for rows in placed)
@@ -58,7 +57,7 @@ class Smoothness:
 
 
 def between(before, after, share):
-    """Places on the way; what turns keeps its size, as on an arc."""
+    """Interpolated placements; rotating ones keep their size, as on an arc."""
     found = (1.0 - share) * before + share * after
     wanted = (1.0 - share) * sizes(before) + share * sizes(after)
     found[:, :3, :3] *= (wanted / numpy.maximum(sizes(found), 1e-12))[:, None, :]

@@ -1,9 +1,8 @@
-"""Hair as tubes, or as ribbons of what lets light through, and points as spheres: surfaces for what Cycles has
-shapes of its own for.
+"""Surfaces for Cycles' own primitives: hair as tubes, or with transmission as ribbons, and points as spheres.
 
-In go strands (points with radii), out come geometries. Invariant: from wherever it is seen a tube is in the
-mean as wide as its strand, and normals are those of a round one, as on Cycles' ribbons. A ribbon's flat side
-is towards `eye`, a place in the strand's own space. Texture coordinates are those of the root.
+In go strands (points with radii), out come geometries. Invariant: the mean projected width of a tube is
+that of its strand, and normals are round, as on Cycles' ribbons. A ribbon faces `eye`, a point in the
+strand's own space. Texture coordinates are those of the root.
 """
 
 from dataclasses import dataclass, field
@@ -13,21 +12,22 @@ import numpy
 from .attributes import MISSING, values_of
 from .geometry import Geometry
 
-# Cycles' own where curves have no radius.
+# Cycles' default for curves without a radius.
 DEFAULT_RADIUS = 0.005
-# Where curves say at which texture coordinates of a surface they stand.
+# Attribute of curves with the texture coordinates of their roots on a surface.
 OF_SURFACE = "surface_uv_coordinate"
-# Straight pieces from point to point of a curve, which Cycles takes for a Catmull-Rom spline.
+# Linear segments between two points of a curve, which Cycles treats as a Catmull-Rom spline.
 PIECES = 4
-# Of a tube, up to so many points, and of more. Light at 2 degrees to a row of tubes: 24 sides .973, 48 .996.
+# Sides of a tube by the number of points, and beyond. A row of tubes under light at 2 degrees has .973 with
+# 24 sides, .996 with 48.
 SIDES, FEWEST_SIDES = {20_000: 48, 40_000: 24}, 12
-# Lengthwise parts of a ribbon.
+# Columns of a ribbon.
 COLUMNS = 6
 
 
 @dataclass
 class Strand:
-    """One hair; `uvs` are texture coordinates of its root, by name, and `values` attributes, a row a point."""
+    """Hair; `uvs` are texture coordinates of its root, by name, and `values` attributes, a row a point."""
 
     points: numpy.ndarray
     radii: numpy.ndarray
@@ -36,7 +36,7 @@ class Strand:
 
 
 def of_curves(curves, eye, names=(), is_flat=False):
-    """Of hair curves with the attributes of these names; None without any."""
+    """Geometry of hair curves with these attributes; None without curves."""
     count = len(curves.points)
     if count == 0:
         return None
@@ -60,7 +60,7 @@ def of_curves(curves, eye, names=(), is_flat=False):
 
 
 def values_of_curves(curves, name):
-    """Of an attribute, a row a point; Cycles' black of what there is not."""
+    """Values of an attribute, a row a point; missing ones are black, as in Cycles."""
     attribute = curves.attributes.get(name)
     values = values_of(attribute)
     if values is None:
@@ -71,7 +71,7 @@ def values_of_curves(curves, name):
 
 
 def root_uvs(curves):
-    """Texture coordinates of each curve, by name."""
+    """Texture coordinates of each curve's root, by name."""
     attribute = curves.attributes.get(OF_SURFACE)
     if attribute is None or attribute.domain != "CURVE" or attribute.data_type != "FLOAT2":
         return {}
@@ -81,7 +81,7 @@ def root_uvs(curves):
 
 
 def smooth(points, radii, values=()):
-    """A Catmull-Rom spline through points, in straight pieces; values beside go straight from point to point."""
+    """Catmull-Rom spline in linear segments; `values` are interpolated linearly."""
     if len(points) < 3:
         return points, radii, *values
     rows = numpy.concatenate([points, radii[:, None]], axis=1).astype(float)
@@ -99,7 +99,7 @@ def straight(rows, share):
 
 
 def of_particles(thing, system, eye, is_flat=False):
-    """Of a particle system's hair, in the object's space; None without any."""
+    """Geometry of a particle system's hair, in the object's space; None without hair."""
     settings, modifier = (
         system.settings,
         next(one for one in thing.modifiers if getattr(one, "particle_system", None) == system),
@@ -114,14 +114,14 @@ def of_particles(thing, system, eye, is_flat=False):
         points = numpy.array(
             [system.co_hair(thing, particle_no=number, step=step) for step in range(steps + 1)], float
         )
-        # Short children have fewer steps, and Blender says zeros of the rest.
+        # Short children have fewer steps; Blender gives zeros for the rest.
         points = points[: 1 + int(numpy.flatnonzero(points.any(axis=1)).max(initial=0))]
         lengths = numpy.linalg.norm(numpy.diff(points, axis=0), axis=1)
         kept = numpy.concatenate([[True], lengths > 1e-9])
         if kept[1:].any():
             share = numpy.concatenate([[0.0], numpy.cumsum(lengths) / lengths.sum()])
             radii = tapered(settings, share)
-            # Of children Blender looks at the number alone.
+            # For children Blender only uses the index.
             parent = system.particles[min(number, parents - 1)]
             uvs = {
                 layer.name: system.uv_on_emitter(modifier, particle=parent, particle_no=number, uv_no=at)
@@ -132,7 +132,7 @@ def of_particles(thing, system, eye, is_flat=False):
 
 
 def tapered(settings, share):
-    """Radii at shares of a hair's length, as Cycles has them."""
+    """Radii at fractions of a hair's length, as in Cycles."""
     left = 1.0 - share
     shape = settings.shape
     left = left ** (1.0 + shape) if shape < 0.0 else left ** (1.0 / max(1e-6, 1.0 - shape))
@@ -146,7 +146,7 @@ def tapered(settings, share):
 
 
 def surface_of(name, strands, eye, is_flat):
-    """One geometry of all strands: tubes, or ribbons."""
+    """One geometry of all strands, as tubes or ribbons."""
     if not strands:
         return None
     counts = [len(strand.points) for strand in strands]
@@ -173,7 +173,7 @@ def surface_of(name, strands, eye, is_flat):
 
 
 def frames(strand, eye):
-    """At each point a direction across the strand and to the eye's left, and one towards the eye."""
+    """At each point a direction across the strand to the eye's left, and one towards the eye."""
     points = numpy.asarray(strand.points, float)
     along = numpy.gradient(points, axis=0)
     aside = numpy.cross(along, eye - points)
@@ -184,7 +184,7 @@ def frames(strand, eye):
 
 
 def tube(strand, eye, sides):
-    """(points, sides, 3) places and normals; a prism has the circumference of its strand."""
+    """Positions and normals (points, sides, 3); the prism has the circumference of its strand."""
     points, aside, towards = frames(strand, eye)
     angles = 2.0 * numpy.pi * numpy.arange(sides) / sides
     cosine, sine = (turn(angles)[None, :, None] for turn in (numpy.cos, numpy.sin))
@@ -194,17 +194,17 @@ def tube(strand, eye, sides):
 
 
 def ribbon(strand, eye):
-    """Flat, with the normals of a tube."""
+    """Flat ribbon with the normals of a tube."""
     points, aside, towards = frames(strand, eye)
     across = numpy.linspace(-1.0, 1.0, COLUMNS + 1)[None, :, None]
-    # Just within the edge, where a normal would lie in the ribbon.
+    # Just inside the edge, where a normal would lie in the ribbon.
     lean = 0.98 * across
     outwards = lean * aside[:, None] + numpy.sqrt(1.0 - lean**2) * towards[:, None]
     return points[:, None] + across * numpy.asarray(strand.radii, float)[:, None, None] * aside[:, None], outwards
 
 
 def walls(rings, around, is_closed):
-    """Triangles from ring to ring."""
+    """Triangles between consecutive rings."""
     sides = numpy.arange(around if is_closed else around - 1)
     ring, side = numpy.meshgrid(numpy.arange(rings - 1), sides, indexing="ij")
     a, b = ring * around + side, ring * around + (side + 1) % around
@@ -213,7 +213,8 @@ def walls(rings, around, is_closed):
 
 
 def of_points(cloud, names=()):
-    """An icosahedron for each point, that shows as much as its sphere, with attributes; None without any."""
+    """Icosahedron for each point with the sphere's mean projected area, and attributes; None without
+    points."""
     count = len(cloud.points)
     if count == 0:
         return None
@@ -236,8 +237,8 @@ def of_points(cloud, names=()):
 
 
 def icosahedron():
-    """Corners so far out that the mean of its shadows, a quarter of its surface, is that of a
-    sphere of radius 1."""
+    """Corners of an icosahedron whose mean projected area, a quarter of its surface, is that of the unit
+    sphere."""
     golden = 0.5 * (1.0 + 5.0**0.5)
     corners = numpy.array([(0, a, b * golden) for a in (-1, 1) for b in (-1, 1)], float)
     corners = numpy.concatenate([corners, corners[:, [2, 0, 1]], corners[:, [1, 2, 0]]])
@@ -256,7 +257,7 @@ def icosahedron():
 
 
 def made(name, vertices, triangles, normals=None, **of_corners):
-    """Normals are of vertices; without any, of faces. What else there is is of corners."""
+    """Geometry; normals are by vertex, or without any by face. Other values are by corner."""
     corners = triangles.ravel()
     is_smooth = normals is not None
     return Geometry(

@@ -1,9 +1,9 @@
-"""Keys that straight lines between others give are left out.
+"""Thinning of keys that interpolation between others gives.
 
-In go values at times, out come masks of those that stay. Invariant: at every time that went in, the line (or
-the arc of constant speed) through the keys that stay is within the tolerance. All tracks go along together, a
-key at a time. From the last key that stayed, the slopes that pass near enough to every key since are an
-interval. A key that lies beyond it ends the run before it.
+In go values at times, out come masks of the kept keys. Invariant: at every given time, the line (or the
+arc of constant speed) through the kept keys is within the tolerance. All tracks advance together, a key at
+a time. The slopes from the last kept key that pass near all later keys form an interval. A key outside it
+ends the run before it.
 """
 
 from collections.abc import Callable
@@ -14,23 +14,22 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 Between = Callable[[Array, Array], Array]
-# Arcs from key to key are less than half a turn.
+# Maximum arc between keys, below half a turn.
 LARGEST_ARC = 0.95 * numpy.pi
 
 
 def straight(times: Array, values: Array, lengths: Array, tolerance: Array | float) -> Array:
-    """Which keys stay, of tracks (tracks, keys, channels) of which each has so many keys."""
+    """Mask of kept keys, for tracks (tracks, keys, channels) with their numbers of keys."""
     return _thinned(times, values, lengths, tolerance, lambda start, end: end - start)
 
 
 def arcs(times: Array, quaternions: Array, lengths: Array, tolerance: Array | float) -> Array:
-    """The same of rotations (x, y, z, w), which turn at constant speed between keys."""
+    """The same for rotations (x, y, z, w), at constant speed between keys."""
     return _thinned(times, quaternions, lengths, tolerance, turn)
 
 
 def turn(start: Array, end: Array) -> Array:
-    """The rotation from one to the other as a vector in the start's space; half turns are too
-    long to be sure of."""
+    """Rotation between two as a vector in the space of the first; half turns are ambiguous."""
     x, y, z, w = (start * numpy.array([-1.0, -1.0, -1.0, 1.0])).T
     a, b, c, d = end.T
     relative = numpy.stack(
@@ -67,7 +66,7 @@ def _thinned(
         slope = moved / span
         fits = numpy.all(numpy.isfinite(moved) & (slope >= low[at]) & (slope <= high[at]), axis=1)
         ended = at[~fits]
-        # The run ends a key earlier, where the next begins.
+        # The run ends at the previous key, where the next begins.
         stays[ended, key - 1] = True
         anchor[ended] = key - 1
         low[ended], high[ended] = -numpy.inf, numpy.inf

@@ -1,7 +1,7 @@
-"""Keys of nodes: places, visibility and weights as channels of the file's animation.
+"""Keys of nodes: placements, visibility and weights as channels of the file's animation.
 
-In go nodes with their places at moments, out come node properties and channels. Invariant: at every moment a
-node is within 1e-5 m of where it was; what keeps still has no key.
+In go nodes with placements at moments, out come node properties and channels. Invariant: at every moment a
+node is within 1e-5 m of its placement; constant properties have no key.
 """
 
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ import numpy
 from . import thinning
 
 TOLERANCE_M = 1e-5
-# So many tracks go along together: memory.
+# Number of tracks processed together, to limit memory.
 TOGETHER = 1000
 
 
 @dataclass
 class Moving:
-    """Parts of a node's place: one of its paths over time."""
+    """One path of a node's transform over time."""
 
     node: int
     path: str
@@ -27,13 +27,14 @@ class Moving:
 
 
 class Tracks:
-    """Collects what moves; `write` makes channels of it."""
+    """Collects motions; `write` makes channels of them."""
 
     def __init__(self, document, clock):
         self.document, self.clock, self.moving = document, clock, []
 
     def place(self, node, times, places, reach_m):
-        """Gives a node its place; `reach_m` is how far from its origin it has anything, before its scale."""
+        """Sets a node's placement; `reach_m` is the maximum distance of its geometry from its origin,
+        before its scale."""
         reach_m = max(reach_m, 1e-3)
         largest = max(1.0, reach_m * float(numpy.abs(places.scale).max()))
         # Errors of the three parts add up.
@@ -55,7 +56,7 @@ class Tracks:
         self.moving.append(moving)
 
     def visible(self, node, frames, is_there, switch):
-        """Shows a node on those frames alone."""
+        """Shows a node only at these frames."""
         if all(is_there):
             return
         self.document.extensions.add("KHR_node_visibility")
@@ -71,7 +72,7 @@ class Tracks:
         self.document.pointer_channel(pointer, times, is_there[at].astype("u1"), "STEP")
 
     def write(self):
-        """Channels of everything that moves."""
+        """Writes the channels of all motions."""
         for path, thin in (
             ("translation", thinning.straight),
             ("rotation", thinning.arcs),

@@ -1,8 +1,7 @@
-"""Numbers that change: of lights, lenses, fog and the scene, frame by frame.
+"""Animated parameters of lights, lenses, fog and the scene, frame by frame.
 
-In go evaluated objects, out come values by what they belong to. Invariant: what is written once is the value
-at the first frame; what changes is carried by nodes `ctl_...` whose translation it is (docs/scene-format.md,
-"Values that change").
+In go evaluated objects, out come values by owner. Invariant: plain values are those of the first frame;
+animated ones are translations of nodes `ctl_...` (docs/scene-format.md, "Values that change").
 """
 
 from types import SimpleNamespace
@@ -13,13 +12,12 @@ from .. import extras, film, fog
 from ..materials.library import custom
 from . import cameras, lights, thinning
 
-# Share of a value, beside 6e-8 of single precision.
+# Tolerance relative to a value, above the 6e-8 of single precision.
 TOLERANCE = 1e-6
 
 
 class View:
-    """The camera that renders at a moment: markers switch between cameras, and what is hidden
-    renders all the same."""
+    """Camera that renders at a moment: markers switch between cameras, even hidden ones."""
 
     def __init__(self, time, eye, evaluated, scene):
         self.time, self.eye = time, eye
@@ -29,16 +27,16 @@ class View:
 
 
 class Values:
-    """What is seen of them, and when."""
+    """Values with their times."""
 
     def __init__(self, scene):
         self.scene, self.exposure = scene, film.exposure(scene)
         self.lights, self.cameras = {}, {}
-        # Custom properties of lights and fog, as they are first seen.
+        # Custom properties of lights and fog at their first appearance.
         self.said = {}
-        # What Blender renders through at each moment: see `View`.
+        # Rendering camera at each moment: see `View`.
         self.views = []
-        # Of owner (a thing's key, or "scene") and field: frames and values.
+        # By owner (an object's key, or "scene") and field: frames and values.
         self.tracks = {}
 
     def see_scene(self, graph, frame, offset):
@@ -52,7 +50,7 @@ class Values:
             )
 
     def watch(self, key, thing, frame):
-        """An evaluated object that is no surface."""
+        """Records an evaluated object without a surface."""
         own = thing.sunfleck_settings
         if (own.is_fog or thing.type == "LIGHT") and key not in self.said:
             self.said[key] = extras.of_object(thing, self.scene)
@@ -75,9 +73,9 @@ class Values:
             self.tracks.setdefault((owner, field), []).append((frame, value))
 
     def changing(self):
-        """Owner, field, frames and values (frames, 1 or 3) of what changes."""
+        """Owner, field, frames and values (frames, 1 or 3) of animated parameters."""
         for (owner, field), found in self.tracks.items():
-            # Open shutters are looked at from their ends inwards, and may overlap.
+            # Open shutters are visited from their ends inwards, and may overlap.
             track = sorted(dict(found).items())
             if any(value != track[0][1] for _, value in track):
                 frames = numpy.array([frame for frame, _ in track], float)
@@ -89,7 +87,7 @@ class Values:
                 )
 
     def write(self, assembly):
-        """Nodes that carry what changes."""
+        """Writes the nodes of animated values."""
         document = assembly.document
         for owner, field, frames, values in self.changing():
             name = owner if owner == "scene" else assembly.node_name(owner)
@@ -100,7 +98,7 @@ class Values:
             node = document.add("nodes", {"name": f"ctl_{name}.{field}", "extras": {"sunfleck_ctl": said}})
             places = values if values.shape[1] == 3 else numpy.pad(values, ((0, 0), (0, 2)))
             if assembly.shutter.length and field.startswith("sunfleck_light."):
-                # While the shutter is open Cycles has lights as they are in its middle.
+                # Within the shutter, Cycles keeps lights as at its middle.
                 assembly.uncentred |= set() if assembly.shutter.is_centred else {name}
                 document.node_channel(node, "translation", assembly.clock.seconds(frames + assembly.shutter.switch), places, "STEP")
                 continue
@@ -110,7 +108,7 @@ class Values:
 
 
 def lens(thing, scene):
-    """What glTF says of a camera, and the custom properties beside."""
+    """glTF's camera parameters, with the custom properties."""
     own = {**custom(thing.data), **extras.of_camera(thing.data, scene, thing)}
     return SimpleNamespace(camera=cameras.camera(thing.data, scene), extras=own)
 

@@ -1,7 +1,7 @@
-"""Which rays meet a thing, in the words of `sunfleck_object` (docs/scene-format.md).
+"""Ray visibility of objects, as the fields of `sunfleck_object` (docs/scene-format.md).
 
-In go Blender's objects, out comes a dictionary of what is unusual. Invariant: rays meet an instance if both it
-and its instancer let them. As in Cycles the rest is the instancer's alone.
+In go Blender's objects, out comes a dictionary of values other than the defaults. Invariant: a ray sees an
+instance if both it and its instancer allow that. As in Cycles, other flags are the instancer's alone.
 """
 
 import bpy
@@ -10,7 +10,7 @@ import bpy
 def of_thing(
     thing: bpy.types.Object, instancer: bpy.types.Object | None, layer: bpy.types.ViewLayer
 ) -> dict[str, bool]:
-    """Of an object, or of what an object instances, in a view layer."""
+    """Ray visibility of an object, or of an instance, in a view layer."""
     parent = instancer or thing
     said = {}
     if not (thing.visible_camera and parent.visible_camera) or parent.indirect_only_get(view_layer=layer):

@@ -1,8 +1,8 @@
 """Volumes as fog by OpenVDB files, frame by frame.
 
-In go evaluated volumes, out come custom properties. A file that Blender has read is named where it lies; what
-modifiers and nodes make is written beside the .glb file. Invariant: a file is named by the frame at which it
-shows, or it is the same at all frames.
+In go evaluated volumes, out come custom properties. A file that Blender has read is referenced in place;
+volumes from modifiers and nodes are written beside the .glb file. Invariant: a file has the number of its
+frame, or is the same at all frames.
 """
 
 import hashlib
@@ -19,9 +19,9 @@ import bpy
 from .. import volumes
 from ..losses import Finding
 
-# An OpenVDB file begins with a name of its own, that no other has.
+# Size of an OpenVDB file's header with its unique id.
 HEAD_BYTES = 57
-# Custom properties whose values may change.
+# Custom properties that may be animated.
 CHANGING = {"density", "albedo", "anisotropy", "emission"}
 
 
@@ -31,12 +31,12 @@ class Seen:
 
     name: str
     said: dict = None
-    # By frame.
+    # Files by frame.
     files: dict = field(default_factory=dict)
 
 
 class Volumes:
-    """Those of a scene, by key."""
+    """Volumes of a scene, by key."""
 
     def __init__(self, is_blurred=False):
         self.is_blurred = is_blurred
@@ -44,14 +44,14 @@ class Volumes:
         self.folder = None
 
     def is_there(self, thing):
-        """Whether there is anything of an evaluated volume at the moment."""
+        """Whether an evaluated volume has any grid at the moment."""
         grids = thing.data.grids
         if not grids.load():
             self.say("volume", thing.name, "its file cannot be read")
         return len(grids) > 0
 
     def see(self, key, thing, frame):
-        """At a frame: the numbers of its custom properties; none if it is not rendered."""
+        """Records a frame; returns the animated custom properties, none if it is not rendered."""
         try:
             said = self.looked_at(thing)
         except volumes.NotFog as problem:
@@ -68,7 +68,7 @@ class Volumes:
         if kinds.get(look.grid) != "FLOAT":
             raise volumes.NotFog(f"it has no grid of floats `{look.grid}`")
         for lost in look.lost:
-            # Only what is there is lost.
+            # Only existing grids can be lost.
             colors = re.search("`(.*)`", lost)
             if colors is None or colors[1] in kinds:
                 self.say("volume-lost", thing.name, lost)
@@ -80,7 +80,7 @@ class Volumes:
         self.found.setdefault(Finding(id, f"`{name}`", more))
 
     def file(self, thing):
-        """Of the frame at hand."""
+        """File of the current frame."""
         grids = thing.data.grids
         is_changed = any(modifier.show_render for modifier in thing.original.modifiers) or not grids.frame_filepath
         return self.written(grids) if is_changed else Path(bpy.path.abspath(grids.frame_filepath)).resolve()
@@ -97,7 +97,7 @@ class Volumes:
         return known
 
     def properties(self, key, path):
-        """What a node in the file at `path` says; None if there is no such fog."""
+        """Custom properties of a node in the file at `path`; None if there is no such fog."""
         seen = self.seen.get(key)
         if seen is None:
             return None
@@ -114,7 +114,7 @@ class Volumes:
         return quote(os.path.relpath(file, path.parent).replace(os.sep, "/"))
 
     def beside(self, path, name, number):
-        """A name that no other volume of this file has."""
+        """Unique name among the volumes of this file."""
         stem = re.sub(r"[^\w.-]+", "_", name)
         while (stem, path) in self.named:
             stem += "_"
@@ -122,7 +122,7 @@ class Volumes:
         return path.with_name(f"{path.name}.{stem}{number}.vdb")
 
     def laid_beside(self, seen, path):
-        """Files by frames: links where the disk has them, else copies. Between two frames stays what was there."""
+        """Files by frame: links if possible, else copies. A gap keeps the earlier file."""
         pattern = self.beside(path, seen.name, ".####")
         before, after = pattern.name.split("####")
         for old in path.parent.iterdir():
@@ -145,7 +145,7 @@ class Volumes:
 
 
 def numbered(files):
-    """The path with signs in the number's place, if files are called by their frames and none is missing."""
+    """Path with a placeholder for the number, if files are named by their frames without a gap."""
     frame, file = next(iter(files.items()))
     name = re.fullmatch(r"(.*?)(\d+)(\.vdb)", file.name)
     if name is None or int(name[2]) != frame:

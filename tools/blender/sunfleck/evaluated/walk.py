@@ -1,8 +1,8 @@
-"""The dependency graph as a render sees it, at every moment of every frame.
+"""Walk of the render's dependency graph, at every moment of every frame.
 
-Only a render engine is given a graph of what renders (not of what the viewport shows), so there is one here
-that renders nothing: it looks. In go a scene and a visitor, which is called with the graph at each moment.
-Invariant: afterwards the scene is as before.
+Blender gives only render engines a render graph (and not the viewport's), so this engine visits it and
+renders nothing. In go a scene and a visitor, which is called with the graph at each moment. Invariant: the
+scene is restored afterwards.
 """
 
 import math
@@ -15,29 +15,29 @@ import bpy
 from . import simulations
 from .moments import Shutter
 
-# What of Blender's render settings stands between a graph and whoever looks.
+# Render settings that interfere with the visit.
 ASIDE = {"engine": "SUNFLECK_WALK", "use_compositing": False, "use_sequencer": False, "use_multiview": False}
 
 
 class Stopped(Exception):
-    """Someone stopped Blender before it had been through all frames."""
+    """Blender was stopped before the last frame."""
 
 
 class Job(Protocol):
-    """What looks."""
+    """Visitor."""
 
     def visit(self, graph: bpy.types.Depsgraph, frame: int, moment: float) -> None:
-        """Sees the graph at a moment of a frame, which counts from that."""
+        """Visits the graph at a moment relative to a frame."""
 
     def is_smooth(self) -> bool:
-        """Whether no more moments of the last frame are wanted."""
+        """Whether the last frame needs no more moments."""
 
 
 def look(
     engine: bpy.types.RenderEngine, graph: bpy.types.Depsgraph, frames: Sequence[int], shutter: Shutter, job: Job
 ) -> Iterator[int]:
-    """Calls `job.visit(graph, frame, moment)` from within an engine, of every frame first the frame itself, in
-    order: simulations know no other. Further moments of an open shutter are looked at until `job.is_smooth()`."""
+    """Calls `job.visit(graph, frame, moment)` from within an engine. The frame itself comes first, in
+    order, as simulations require. Further moments of an open shutter follow until `job.is_smooth()`."""
     scene = graph.scene
     is_simulated = simulations.any_in(scene)
     for frame in frames:
@@ -45,7 +45,7 @@ def look(
             if number > 1 and job.is_smooth():
                 break
             for moment in moments:
-                # Before the first frame simulations know nothing.
+                # Simulations have no state before the first frame.
                 if is_simulated and frame + moment < scene.frame_start:
                     continue
                 whole = math.floor(frame + moment)
@@ -55,7 +55,7 @@ def look(
 
 
 def walk(scene: bpy.types.Scene, frames: Sequence[int], shutter: Shutter, job: Job) -> None:
-    """The same by an engine of its own."""
+    """The same with an engine of its own."""
     layer = view_layer(scene)
     is_simulated = simulations.any_in(scene)
     failed: list[Exception] = []
@@ -75,7 +75,7 @@ def walk(scene: bpy.types.Scene, frames: Sequence[int], shutter: Shutter, job: J
         stack.enter_context(settings_aside(scene))
         stack.enter_context(a_camera(scene))
         if is_simulated:
-            # As far as the last shutter reaches.
+            # To the end of the last shutter.
             last = frames[-1] + math.ceil(shutter.opening + shutter.length)
             stack.enter_context(simulations.run(scene, layer, range(scene.frame_start, last + 1)))
         have_rendered(scene, layer)
@@ -86,12 +86,12 @@ def walk(scene: bpy.types.Scene, frames: Sequence[int], shutter: Shutter, job: J
 
 
 def have_rendered(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
-    """Blender calls the engine."""
+    """Makes Blender call the engine."""
     bpy.ops.render.render(layer=layer.name, scene=scene.name)
 
 
 def view_layer(scene: bpy.types.Scene) -> bpy.types.ViewLayer:
-    """The layer that is exported: the one at hand if it renders, else the first that does."""
+    """View layer to export: the current one if it renders, else the first that does."""
     at_hand = bpy.context.view_layer
     rendered = [layer for layer in scene.view_layers if layer.use]
     if bpy.context.scene == scene and (at_hand in rendered or not rendered):
@@ -110,7 +110,7 @@ def registered(cls: type) -> Iterator[None]:
 
 @contextmanager
 def settings_aside(scene: bpy.types.Scene) -> Iterator[None]:
-    """Blender's own settings come back, and the frame."""
+    """Restores Blender's own settings and the frame afterwards."""
     render, frame = scene.render, (scene.frame_current, scene.frame_subframe)
     before = {name: getattr(render, name) for name in ASIDE}
     try:
@@ -125,7 +125,7 @@ def settings_aside(scene: bpy.types.Scene) -> Iterator[None]:
 
 @contextmanager
 def a_camera(scene: bpy.types.Scene) -> Iterator[None]:
-    """Blender renders nothing without one."""
+    """Adds a camera, without which Blender does not render."""
     if scene.camera:
         yield
         return
