@@ -12,6 +12,6 @@ try:
 except ProgramError as error:
     sys.exit(f"error: {error}")
 if os.name == "posix":
-    # This process becomes the program: signals and the exit code are its own.
+    # The program replaces this process, so signals and the exit code are its own.
     os.execv(command[0], command)
 sys.exit(subprocess.run(command).returncode)

@@ -1,6 +1,6 @@
-"""What the program says on its error stream, taken apart. In go lines, out come diagnostics.
+"""Parser of the program's standard error. In go lines, out come diagnostics.
 
-Invariant: no word is lost: the texts of all diagnostics together are what was said.
+Invariant: the texts of all diagnostics together are the whole output.
 """
 
 import re
@@ -13,7 +13,7 @@ FIELD = re.compile(r"\s+(?P<field>expected|remedy|tip): (?P<value>.*)")
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One thing that was found."""
+    """One diagnostic."""
 
     severity: str
     """`error`, `warning`, `note`; `line` of what is none of these."""
@@ -30,7 +30,7 @@ class Diagnostic:
 
 
 def diagnostics(said: str) -> tuple[Diagnostic, ...]:
-    """All that was said, in its order. A diagnostic goes on until the next line that begins one."""
+    """Diagnostics in the order of output. Each goes on until the next line that begins one."""
     blocks: list[list[str]] = []
     for line in said.splitlines():
         if not blocks or SEVERITY.fullmatch(line):

@@ -1,4 +1,4 @@
-"""What a call can end with, a class for each exit code of the program.
+"""Errors of calls, a class for each exit code of the program.
 
 Invariant: the text of an error is the program's own, with place, expectation and remedy.
 """
@@ -12,11 +12,11 @@ HELP = "`sunfleck render --help` has every setting and what it takes, with - for
 
 
 class SunfleckWarning(UserWarning):
-    """What a scene asks for and does not get, and frames on which next to nothing is seen."""
+    """A request of the scene that is not honoured, or a frame that looks black."""
 
 
 class SunfleckError(Exception):
-    """Why there is no frame. `diagnostics` has the parts of what was said, warnings before it included."""
+    """Reason why there is no frame. `diagnostics` has the parts of the message, earlier warnings included."""
 
     def __init__(self, message: str, exit_code: int | None = None, said: tuple[Diagnostic, ...] = ()):
         super().__init__(message)
@@ -25,12 +25,12 @@ class SunfleckError(Exception):
 
     @property
     def place(self) -> str:
-        """The file, and the place in it, of the first error; empty where there is none."""
+        """File and place of the first error; empty without one."""
         return self._first.place
 
     @property
     def remedy(self) -> str:
-        """What helps, in the words of the first error."""
+        """Remedy of the first error."""
         return self._first.remedy
 
     @property
@@ -40,33 +40,33 @@ class SunfleckError(Exception):
 
 
 class ProgramError(SunfleckError):
-    """There is no program, it is of another version, or it died."""
+    """The program is missing, of another version, or crashed."""
 
 
 class UsageError(SunfleckError):
-    """A setting cannot be used, or does not suit the input (exit code 2)."""
+    """A setting is invalid, or does not suit the input (exit code 2)."""
 
     @property
     def remedy(self) -> str:
         said = super().remedy
-        # What the parser of command lines says for want of a better word serves nobody here.
+        # The command line's generic hint does not apply here.
         return HELP if not said or said.startswith("to pass '") else said
 
 
 class WrongType(UsageError, TypeError):
-    """An argument has a type, or a value, that it cannot have; nothing was started."""
+    """An argument has an invalid type or value; nothing was started."""
 
     def __init__(self, found: str, remedy: str):
         text = f"error: {found}\n  remedy: {remedy}"
         super().__init__(text, 2, (Diagnostic("error", found, remedy=remedy, text=text),))
 
     def __reduce__(self) -> tuple[type["WrongType"], tuple[str, str]]:
-        # Of an exception that cannot be made anew a pool of processes waits for ever.
+        # A pool of processes waits forever for an exception that cannot be unpickled.
         return WrongType, (self.diagnostics[0].message, self.remedy)
 
 
 class SceneError(SunfleckError):
-    """The input can be read but not used (3)."""
+    """The input can be read but is invalid (3)."""
 
 
 class FileError(SunfleckError):
@@ -74,18 +74,18 @@ class FileError(SunfleckError):
 
 
 class FrameError(SunfleckError):
-    """A frame holds NaN or took too long, and was not written (5)."""
+    """A frame holds NaN or exceeded the time limit, and was not written (5)."""
 
 
 class Stopped(SunfleckError):
-    """Somebody ended the program by a signal (130, 143)."""
+    """A signal ended the program (130, 143)."""
 
 
 KINDS = {2: UsageError, 3: SceneError, 4: FileError, 5: FrameError, **dict.fromkeys(STOPPED, Stopped)}
 
 
 def error_of(exit_code: int, said: str) -> SunfleckError:
-    """What the program ended with, as subprocess has exit codes: below 0 is the signal that killed it."""
+    """Error for an exit code as of subprocess: below 0 is the signal that killed the program."""
     found = diagnostics(said)
     if exit_code in KINDS:
         errors = [diagnostic.text for diagnostic in found if diagnostic.severity == "error"]

@@ -1,6 +1,6 @@
-"""Settings to flags: `shutter_position=0.5` is `--shutter-position 0.5`.
+"""Flags from settings: `shutter_position=0.5` is `--shutter-position 0.5`.
 
-Invariant: no flag of the program is listed here; a name or value that it does not know is its own error.
+Invariant: no flag is listed here; the program itself reports unknown names and values.
 """
 
 import os
@@ -21,7 +21,8 @@ OWN = {
 
 
 def as_flags(settings: dict[str, object]) -> list[str]:
-    """The arguments. `True` is a flag alone, `None` and `False` are none; sizes are joined by `x`, other lists by commas."""
+    """Arguments of settings. `True` is a flag alone, `None` and `False` are none; sizes are joined by `x`,
+    other lists by commas."""
     flags: list[str] = []
     for name, value in settings.items():
         if name in OWN:
@@ -33,7 +34,7 @@ def as_flags(settings: dict[str, object]) -> list[str]:
 
 
 def path_text(name: str, value: Any) -> str:
-    """A path as the program takes it."""
+    """Path in the program's form."""
     try:
         text = os.fsdecode(value)
     except TypeError:
@@ -44,7 +45,7 @@ def path_text(name: str, value: Any) -> str:
 
 
 def frame_number(value: Any) -> int:
-    """The number of one frame."""
+    """Number of one frame."""
     try:
         return index(value)
     except TypeError:
@@ -53,7 +54,7 @@ def frame_number(value: Any) -> int:
 
 
 def joined(name: str, values: object) -> str:
-    """Frames or passes as the program takes them: a text as it is, a number, or a list."""
+    """Frames or passes in the program's form: a text as it is, a number, or a list."""
     if isinstance(values, Iterable) and not isinstance(values, (str, bytes, Mapping)):
         return ",".join(_word(name, each) for each in values) or "none"
     return _word(name, values)
@@ -63,7 +64,7 @@ def _word(name: str, value: object) -> str:
     """One number or text."""
     if isinstance(value, os.PathLike):
         return path_text(name, value)
-    # Numbers of numpy are of Python's kinds of numbers.
+    # Numbers of numpy are instances of Python's abstract numbers.
     if not isinstance(value, (str, Real)) or isinstance(value, bool) or "\0" in str(value):
         raise WrongType(
             f"{name} is or holds {_told(value)}",

@@ -1,7 +1,7 @@
-"""A frame as a program holds it. In goes an EXR file, out come arrays with names, units and metadata.
+"""Frames in memory. In goes an EXR file, out come arrays with names, units and metadata.
 
-Invariant: arrays are float32, rows from the top, `(height, width)` where a pass has one channel and `(height, width, channels)`
-where it has several; bits of ids are those of the file.
+Invariant: arrays are float32, rows from the top, `(height, width)` where a pass has one channel and
+`(height, width, channels)` where it has several; ids keep the file's bits.
 """
 
 import os
@@ -28,7 +28,7 @@ MATRICES = ("worldToCamera", "worldToNDC")
 
 @dataclass(frozen=True)
 class Pass:
-    """What a frame holds under one name."""
+    """Pass of a frame."""
 
     name: str
     """As `--passes` has it."""
@@ -53,7 +53,8 @@ class Frame:
 
     @property
     def window(self) -> tuple[int, int, int, int]:
-        """The part that there are pixels of, as `--crop` has it: x0, y0, x1, y1, the last two excluded. Arrays are of its size."""
+        """Window of the rendered pixels, as for `--crop`: x0, y0, x1, y1, the last two excluded. Arrays
+        have its size."""
         left, top, right, bottom = self._file.header.data_window
         return left, top, right + 1, bottom + 1
 
@@ -64,29 +65,29 @@ class Frame:
 
     @cached_property
     def passes(self) -> Mapping[str, Pass]:
-        """By name, the beauty first."""
+        """Passes by name, the beauty first."""
         return {name: self._pass(name, *row) for name, row in passes.held(self._file.channels).items()}
 
     @cached_property
     def metadata(self) -> Mapping[str, object]:
-        """The file's attributes by name: hashes of scene, settings and pixels, version, frame rate, camera (a 4x4 array that
-        multiplies columns) and so on."""
+        """Attributes of the file by name: hashes of scene, settings and pixels, version, frame rate,
+        camera (a 4x4 matrix for column vectors) and so on."""
         values = {name: value for name, value in self._file.header.values.items() if not isinstance(value, (bytes, tuple))}
         for name in MATRICES:
             stored = self._file.header.values.get(name)
             if isinstance(stored, bytes) and len(stored) == 64:
-                # EXR's matrices multiply rows from the left.
+                # EXR's matrices are for row vectors.
                 values[name] = np.frombuffer(stored, "<f4").reshape(4, 4).T.copy()
         return values
 
     def __getitem__(self, channel: str) -> Pixels:
-        """A channel by its name in the file. Raises `KeyError`."""
+        """Channel by its name in the file. Raises `KeyError`."""
         if channel not in self._file.channels:
             raise KeyError(f"there is no channel {channel}: the frame has {', '.join(self.channels)}")
         return self._file.float(channel)
 
     def __getattr__(self, name: str) -> Pixels:
-        """The array of a pass."""
+        """Array of a pass."""
         if name.startswith("_"):
             raise AttributeError(name)
         wanted = name.replace("_", "-")
@@ -111,7 +112,7 @@ class Frame:
 
 
 def read(path: str | os.PathLike[str]) -> Frame:
-    """A frame from a file of this renderer, or the channels of another's. Raises `FileError`, which says what is wrong with it."""
+    """Frame from a file of this renderer, or the channels of another's. Raises `FileError` with the fault."""
     name = path_text("path", path)
     file, frame = read_frame(0, name)
     if frame is None:

@@ -1,4 +1,4 @@
-"""What an input holds. In goes a path, out comes what `sunfleck inspect --json` says."""
+"""Contents of an input. In goes a path, out comes the JSON of `sunfleck inspect`."""
 
 import json
 import os
@@ -12,8 +12,9 @@ from .process import answer
 def inspect(
     scene: str | os.PathLike[str], frames: str | float | Iterable[float] | None = None, **settings: object
 ) -> dict[str, Any]:
-    """Frame range and rate, cameras, lights, matrices of all nodes at `frames` (the first; fractions are allowed), and what of the
-    input is not honoured. Every field is described in docs/inspect.schema.json. `settings` are flags of `sunfleck inspect`.
+    """Frame range and rate, cameras, lights, matrices of all nodes at `frames` (by default the first;
+    fractions are allowed), and losses. Every field is described in docs/inspect.schema.json. `settings` are
+    flags of `sunfleck inspect`.
 
     Raises a `SunfleckError`, as `render` does.
     """

@@ -1,4 +1,4 @@
-"""The passes by name: their channels and units, as `src/passes.rs` has them (a test compares the two)."""
+"""Passes by name, with channels and units as in `src/passes.rs` (a test compares the two)."""
 
 from collections.abc import Iterable
 
@@ -23,7 +23,7 @@ PASSES: dict[str, tuple[tuple[str, ...], str]] = {
 
 
 def held(names: Iterable[str]) -> dict[str, tuple[tuple[str, ...], str]]:
-    """The passes of which a file has all channels; a plate's beauty has no alpha."""
+    """Passes whose channels a file has completely; a plate's beauty has no alpha."""
     there = list(names)
     matte = sorted((name for name in there if name.startswith(MATTE_LAYER)), key=_layer_then_rgba)
     found = {name: (channels or tuple(matte), unit) for name, (channels, unit) in PASSES.items()}

@@ -1,6 +1,6 @@
-"""The program at work. In go its arguments, out comes what it tells.
+"""Running program. In go arguments, out come its events or output.
 
-Invariant: the program does not outlive the call, however that ends.
+Invariant: the program never outlives the call.
 """
 
 import json
@@ -27,7 +27,7 @@ log = logging.getLogger("sunfleck")
 
 
 def program() -> str:
-    """The path of the program, which is of this package's version. Raises `ProgramError`."""
+    """Path of the program of this package's version. Raises `ProgramError`."""
     found = find_program()
     if found is None:
         named = os.environ.get(VARIABLE)
@@ -56,8 +56,8 @@ def _need_this_version(path: str, _changed_ns: int) -> None:
 
 
 def events(arguments: Sequence[str]) -> Generator[Event, None, None]:
-    """Runs the program and yields what it tells: the objects of `--progress jsonl`, one a line. Raises what it failed of once it
-    has ended; its warnings become `SunfleckWarning`s, its notes go to the logger `sunfleck`."""
+    """Runs the program and yields its events: the objects of `--progress jsonl`, one a line. Raises its
+    error once it has ended; warnings become `SunfleckWarning`s, notes go to the logger `sunfleck`."""
     with closing(_lines([program(), *arguments])) as lines:
         for line in lines:
             try:
@@ -69,12 +69,12 @@ def events(arguments: Sequence[str]) -> Generator[Event, None, None]:
 
 
 def answer(arguments: Sequence[str]) -> bytes:
-    """Runs the program to its end and returns what it wrote to its output. Raises as `events` does."""
+    """Runs the program to its end and returns its output. Raises as `events` does."""
     return b"".join(_lines([program(), *arguments]))
 
 
 def _lines(command: Sequence[str]) -> Generator[bytes, None, None]:
-    # A file, not a pipe: it never is full, so that nobody has to read it meanwhile.
+    # A file in place of a pipe never fills up, so nobody has to read it meanwhile.
     with tempfile.TemporaryFile() as error_stream:
         process = _start(command, error_stream)
         assert process.stdout is not None
@@ -103,7 +103,7 @@ def _start(command: Sequence[str], error_stream: IO[bytes]) -> subprocess.Popen[
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Nobody waits for it any more: asks it to end, and sees that it does."""
+    """Terminates the program, and waits for its end."""
     if process.poll() is not None:
         return
     process.terminate()

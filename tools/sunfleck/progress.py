@@ -1,4 +1,4 @@
-"""How far a run is, for whoever waits. In go the program's events, out comes a bar, or calls of a function."""
+"""Progress of a run. In go the program's events, out comes a bar, or calls of a function."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +13,7 @@ Progress = Callable[[Event], None]
 
 
 class EventBar:
-    """A bar on the error stream, if that is a terminal."""
+    """Bar on standard error, if that is a terminal."""
 
     def __init__(self) -> None:
         self._bar = Bar()
@@ -21,12 +21,12 @@ class EventBar:
         self._fractions: dict[int, float] = {}
 
     def __call__(self, event: Event) -> None:
-        """The next event."""
+        """Handles an event."""
         kind = event["event"]
         if kind == "started":
             self._frames = event["frames"]
         elif kind == "frame_progress":
-            # Threads may tell of their shares out of order.
+            # Threads may report out of order.
             frame = event["frame"]
             self._fractions[frame] = max(self._fractions.get(frame, 0.0), event["fraction"])
         elif kind in ("frame_written", "frame_given_up", "frame_skipped"):
@@ -37,12 +37,12 @@ class EventBar:
         self._bar.show(share, f"frame {min(self._done + 1, self._frames)} of {self._frames}")
 
     def close(self) -> None:
-        """Takes the bar away."""
+        """Removes the bar."""
         self._bar.clear()
 
 
 def watcher(progress: Progress | bool | None) -> Progress:
-    """A function as it is; `None` and `True` a bar where there is a terminal; `False` silence."""
+    """The given function; a bar for `None` and `True`, if there is a terminal; silence for `False`."""
     if callable(progress):
         return progress
     if progress is not None and not isinstance(progress, bool):

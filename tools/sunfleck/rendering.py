@@ -1,4 +1,4 @@
-"""Frames by the program. In go an input, frames and settings, out come frames.
+"""Rendering by the program. In go an input, frames and settings, out come frames.
 
 Invariant: without `out` nothing is left on the disk.
 """
@@ -21,11 +21,13 @@ def render(
 ) -> Frame:
     """One frame of an input: a sequence or scene (`.ron`), glTF or OBJ.
 
-    `out` keeps the file as `--out` says. `progress` is a function that gets each event of `--progress jsonl`; by default a bar,
-    where the error stream is a terminal; `False` is silence. `settings` are all other flags of `sunfleck render`, `_` for `-`:
-    `size=(960, 540)` or `"50%"`, `passes=["depth", "normal"]`, `tolerance=0.01`, `camera="main"`, `strict=True`.
+    `out` keeps the file, as `--out` does. `progress` is a function that gets each event of `--progress
+    jsonl`; the default is a bar, if standard error is a terminal; `False` is silence. `settings` are all
+    other flags of `sunfleck render`, `_` for `-`: `size=(960, 540)` or `"50%"`, `passes=["depth", "normal"]`,
+    `tolerance=0.01`, `camera="main"`, `strict=True`.
 
-    Raises a `SunfleckError`: `UsageError`, `SceneError`, `FileError`, `FrameError`, `Stopped`, or `ProgramError`.
+    Raises a `SunfleckError`: `UsageError`, `SceneError`, `FileError`, `FrameError`, `Stopped`, or
+    `ProgramError`.
     """
     with closing(_rendered(scene, frame_number(frame), as_flags(settings), out, progress)) as frames:
         (found,) = frames
@@ -40,10 +42,11 @@ def render_frames(
     progress: Progress | bool | None = None,
     **settings: object,
 ) -> Iterator[Frame]:
-    """Frames in the order of the list, each as soon as it is written, while the program renders the next; otherwise as `render`.
+    """Frames in the order of the list, each as soon as it is written, while the program renders the next;
+    otherwise as `render`.
 
-    `frames` is a list as the command line has it (`"1-48x2"`), or of numbers. The program starts when the first frame is asked for,
-    and ends with the iterator: `close()` drops what is not rendered yet.
+    `frames` is a list in the command line's form (`"1-48x2"`), or of numbers. The program starts with the
+    first request of a frame, and ends with the iterator: `close()` cancels the rest.
     """
     return _rendered(scene, frames, as_flags(settings), out, progress)
 
@@ -51,7 +54,7 @@ def render_frames(
 def _rendered(
     scene: Path, frames: str | int | Iterable[int], flags: list[str], out: Path | None, progress: Progress | bool | None
 ) -> Generator[Frame, None, None]:
-    """Refuses at once what it cannot take; the iterator does the rest."""
+    """Checks arguments at once; the iterator does the rest."""
     folder = None if out is None else path_text("out", out)
     command = ["render", f"--frames={joined('frames', frames)}", "--progress=jsonl", *flags]
     return _frames(command, path_text("scene", scene), folder, watcher(progress))
@@ -72,7 +75,7 @@ def _frames(command: list[str], scene: str, out: str | None, watch: Progress) ->
 
 @contextmanager
 def _folder(out: str | None) -> Iterator[str]:
-    """Where frames go: as told, or a folder for the time being."""
+    """Folder of frames: the given one, or a temporary one."""
     if out is not None:
         yield out
         return

@@ -1,4 +1,4 @@
-"""A sequence of EXR frames as one multilayer image, with its passes."""
+"""Sequence of EXR frames as one multilayer image with passes."""
 
 import re
 from pathlib import Path
@@ -7,12 +7,12 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-# What precedes the frame's number, the number, the ending.
+# Text before the frame's number, the number, the extension.
 NUMBERED = re.compile(r"(.*?)(-?\d+)(\.exr)$", re.IGNORECASE)
 
 
 def siblings(path):
-    """The numbers of all frames of the sequence that `path` is one of."""
+    """Numbers of all frames in the sequence of `path`."""
     match = NUMBERED.match(path.name)
     if not match:
         return []
@@ -21,11 +21,11 @@ def siblings(path):
 
 
 def load(path):
-    """The image, and the number of its first frame and of its last."""
+    """Image of the sequence, with its first and last frame."""
     numbers = siblings(Path(path)) or [0]
     image = bpy.data.images.load(str(path), check_existing=True)
     image.reload()
-    # Asking for the size has Blender read the file and see its layers, which it does not do for sequences.
+    # Querying the size makes Blender read the file's layers, which it does not do for sequences.
     _ = image.size[:]
     if len(numbers) > 1:
         image.source = "SEQUENCE"
@@ -33,7 +33,7 @@ def load(path):
 
 
 def show(context, image, first, last):
-    """In every image editor of the window."""
+    """Shows an image in every image editor of the window."""
     areas = context.screen.areas if context.screen else ()
     for area in areas:
         if area.type == "IMAGE_EDITOR":

@@ -1,9 +1,9 @@
-"""A file that `sunfleck export` wrote, into the scene, at its own frame rate.
+"""Import of a file from `sunfleck export` into the scene, at its own frame rate.
 
-Blender's glTF importer multiplies seconds by `fps * fps_base`, where frames a second are `fps / fps_base`: at
-24000/1001 frames a second keys come out a thousandth apart from their frames, twice. So it is given a base
-that makes the product right, and the scene its own rate afterwards. Invariant: a key at a frame of the file
-is at that frame in Blender.
+Blender's glTF importer multiplies seconds by `fps * fps_base`, although the frame rate is `fps /
+fps_base`: at 24000/1001 frames a second keys are off by two thousandths. So the import runs with a base
+that corrects the product, and the scene gets its own rate afterwards. Invariant: a key at a frame of the
+file is at that frame in Blender.
 """
 
 import json
@@ -17,11 +17,11 @@ from bpy_extras.io_utils import ImportHelper
 
 
 class NotImportable(Exception):
-    """The file is no glTF; the message says why."""
+    """The file is not glTF; the message has the reason."""
 
 
 def load(scene, path):
-    """Imports the file; the scene then has its rate, frames, size and camera. Returns the objects."""
+    """Imports the file, and sets the scene's rate, frames, size and camera. Returns the objects."""
     said = settings(Path(path))
     numerator, denominator = float(said.get("fps", 24.0)), float(said.get("fps_base", 1.0))
     rate = numerator / denominator
@@ -44,7 +44,7 @@ def load(scene, path):
 
 
 def settings(path):
-    """What the scene's custom property `sunfleck` says, if it has one."""
+    """Custom property `sunfleck` of the file's scene, if it has one."""
     data = path.read_bytes()
     try:
         if data[:4] == b"glTF":

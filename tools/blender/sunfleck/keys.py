@@ -1,7 +1,7 @@
-"""What of Blender's data is keyed or driven.
+"""Keyed and driven properties of Blender's data.
 
-In goes an owner of animation data, out come curves: of drivers, of the action and of every strip of the NLA,
-in strips of strips too. Invariant: of what has nodes, those within groups are among them.
+In goes an owner of animation data, out come curves: of drivers, of the action and of every NLA strip,
+nested ones included. Invariant: nodes inside groups are included.
 """
 
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ import bpy
 
 
 def curves_of(owner: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
-    """The F-curves of what belongs to an owner itself, and its drivers."""
+    """F-curves and drivers of an owner itself."""
     data = getattr(owner, "animation_data", None)
     if data is None:
         return
@@ -23,7 +23,7 @@ def curves_of(owner: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
 
 
 def strips_of(owner: bpy.types.NlaTrack | bpy.types.NlaStrip) -> Iterator[bpy.types.NlaStrip]:
-    """Of a track, or of a strip that holds others."""
+    """Strips of a track, or of a strip that contains others."""
     for strip in owner.strips:
         yield strip
         yield from strips_of(strip)
@@ -41,7 +41,7 @@ def of_action(
 
 
 def trees_of(owner: bpy.types.ID) -> list[bpy.types.NodeTree]:
-    """The node tree of a material, light or world, and all groups within."""
+    """Node tree of a material, light or world, and all groups in it."""
     found: list[bpy.types.NodeTree] = []
     waiting = [getattr(owner, "node_tree", None)]
     while waiting:
@@ -53,5 +53,5 @@ def trees_of(owner: bpy.types.ID) -> list[bpy.types.NodeTree]:
 
 
 def changes(owner: bpy.types.ID) -> bool:
-    """Whether anything of a material, light or world is keyed or driven."""
+    """Whether any property of a material, light or world is keyed or driven."""
     return any(True for one in (owner, *trees_of(owner)) for _ in curves_of(one))

@@ -1,7 +1,7 @@
-"""What of a .blend is not honoured, or only nearly (docs/blender-scenes.md).
+"""Features of a .blend that are not honoured, or only approximated (docs/blender-scenes.md).
 
-Invariant: each loss has an id that never changes its meaning. An error stands in the way of export; of a
-warning something is lost; news (`INFO`) say what was done instead.
+Invariant: each loss has an id with a permanent meaning. An error prevents the export, a warning is a loss,
+and `INFO` reports a replacement.
 """
 
 from collections.abc import Iterable, Iterator
@@ -130,7 +130,7 @@ LOSSES = {
 
 @dataclass(frozen=True)
 class Finding:
-    """Of one thing, or of the scene if it has no name."""
+    """Loss of one object, or of the scene if it has no name."""
 
     id: str
     of: str = ""
@@ -150,12 +150,12 @@ class Finding:
         return f"[{self.id}] {self.message}"
 
 
-# So many things of a kind are named.
+# Maximum number of names in a message.
 MOST_NAMED = 3
 
 
 def by_kind(findings: Iterable[Finding]) -> Iterator[Finding]:
-    """One for each kind, of the first things of which it was found, and how many more."""
+    """One finding for each kind, with its first names and the number of others."""
     kinds: dict[str, list[Finding]] = {}
     for finding in findings:
         kinds.setdefault(finding.id, []).append(finding)
@@ -168,6 +168,6 @@ def by_kind(findings: Iterable[Finding]) -> Iterator[Finding]:
 
 
 def ordered(findings: Iterable[Finding]) -> list[Finding]:
-    """Errors first, each once."""
+    """Unique findings, errors first."""
     order = (ERROR, WARNING, INFO)
     return sorted(dict.fromkeys(findings), key=lambda finding: order.index(finding.severity))

@@ -1,7 +1,7 @@
-"""The add-on by its short name, whatever Blender calls it: as an extension it is `bl_ext.REPOSITORY.sunfleck`.
+"""Alias of the add-on's package: as an extension, Blender calls it `bl_ext.REPOSITORY.sunfleck`.
 
-Invariant: `import sunfleck.command` gives the add-on's own modules, none a second time; what has the name
-already keeps it.
+Invariant: `import sunfleck.command` gives the add-on's own modules, each loaded once; an existing package
+of that name stays.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""What lies so near to a lamp that its extent shows.
+"""Objects so near to a lamp that its extent is visible.
 
-In go a lamp and things, out comes whether one of them is there. Invariant: only what its own mesh tells is looked at,
-without modifiers, of many faces by its vertices.
+In go a lamp and objects, out comes whether any of them is near. Invariant: only unmodified meshes are
+checked, those with many faces by their vertices.
 """
 
 import numpy
@@ -17,7 +17,7 @@ def is_near_to_any(lamp, others):
 
 
 def distance(thing, place, reach):
-    """In the world; beyond a reach it may be any."""
+    """Distance in the world; beyond `reach` it is any larger value."""
     if thing.type != "MESH" or thing.hide_render or not thing.data.polygons:
         return numpy.inf
     world = thing.matrix_world

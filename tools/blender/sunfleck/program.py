@@ -1,7 +1,6 @@
-"""Where the program `sunfleck` is.
+"""Path of the program `sunfleck`.
 
-The preference says so, or the environment's SUNFLECK, or it came with the extension, or it is on the search path:
-the first of these that holds.
+It comes from the preference, the environment's SUNFLECK, the extension, or the search path, in this order.
 """
 
 import os
@@ -27,7 +26,7 @@ class SunfleckPreferences(bpy.types.AddonPreferences):
 
 
 def find():
-    """The program's path, or None."""
+    """Path of the program, or None."""
     addon = bpy.context.preferences.addons.get(__package__)
     named = addon.preferences.program if addon and addon.preferences else ""
     if named:
@@ -39,8 +38,8 @@ def find():
 
 
 def bundled():
-    """The program in the extension, ready to run; None in an add-on without one. Blender unpacks a zip without
-    the bits that say what can be run."""
+    """Executable program of the extension; None in an add-on without one. Blender unpacks a zip without
+    permissions to execute."""
     name = "sunfleck.exe" if os.name == "nt" else "sunfleck"
     inside = Path(__file__).parent / "bin" / name
     if not inside.is_file():
@@ -59,7 +58,7 @@ def make_runnable(path):
 
 
 def copied(inside):
-    """Of an extension that is not this user's to change: a copy that is."""
+    """Copy of an extension's program, if the user cannot change the original."""
     own = Path(bpy.utils.extension_path_user(__package__, path="bin", create=True)) / inside.name
     if not (own.is_file() and own.stat().st_mtime >= inside.stat().st_mtime):
         part = own.with_suffix(".part")

@@ -1,5 +1,4 @@
-"""What an artist sets for sunfleck and Blender has no place for. Everything else is taken from
-Blender's own settings."""
+"""Properties for sunfleck that Blender lacks. All other settings are Blender's own."""
 
 import bpy
 from bpy.props import (
@@ -59,8 +58,8 @@ def colour(name, description, default=(1.0, 1.0, 1.0)):
 
 
 def forgetting(*fields):
-    """What to do when the panel speaks: what an earlier export or a hand has written of
-    the same thing goes."""
+    """Update callback of a panel's property: it removes values for the same fields from earlier exports or
+    by hand."""
 
     def forget(own, _context):
         said = own.id_data.get("sunfleck_light", {})

@@ -1,5 +1,4 @@
-"""Exports a scene and calls `sunfleck render` on it, telling its progress; without a window it
-waits for the end."""
+"""Rendering of a scene by `sunfleck render`, with progress; without a window it blocks until the end."""
 
 import json
 import queue
@@ -13,14 +12,14 @@ from bpy.props import BoolProperty
 
 from . import export, extras, program
 
-# How often the window looks for news, seconds.
+# Interval of polling with a window, seconds.
 LOOK_S = 0.2
-# Behind the name of a file.
+# Warning after the name of a file.
 WARNING = re.compile(r"warning\[[a-z-]+\].*")
 
 
 class Process:
-    """The program at work, and threads that read what it says: `_read_events` is its heir's."""
+    """Running program, with threads that read its output; subclasses define `_read_events`."""
 
     def __init__(self, *command, stdin=None):
         self.process = subprocess.Popen(
@@ -37,7 +36,7 @@ class Process:
             self.complaints.append(line)
 
     def wait(self):
-        """The exit code."""
+        """Waits for the exit code."""
         code = self.process.wait()
         for reader in self.readers:
             reader.join()
@@ -47,10 +46,10 @@ class Process:
 
 
 class Run(Process):
-    """A run of `render`. `news` gives its events as they come."""
+    """Run of `render`, whose events `news` returns."""
 
     def __init__(self, executable, glb, out, arguments=()):
-        """`out` is a folder, or the one frame."""
+        """`out` is a folder, or the path of a single frame."""
         out = str(out) if str(out).endswith(".exr") else f"{out}/"
         self.events = queue.SimpleQueue()
         super().__init__(executable, "render", str(glb), "--progress", "jsonl", "--out", out, *arguments)
@@ -60,31 +59,30 @@ class Run(Process):
             self.events.put(json.loads(line))
 
     def news(self):
-        """Every event since the last call."""
+        """Events since the last call."""
         return drained(self.events)
 
     def is_over(self):
         return self.process.poll() is not None and not any(reader.is_alive() for reader in self.readers)
 
     def cancel(self):
-        """Frames that are whole are kept."""
+        """Stops the run; whole frames are kept."""
         if self.process.poll() is None:
             self.process.terminate()
         self.wait()
 
     def error(self):
-        """What the program said was wrong; empty if it ended well."""
+        """Error message of the program; empty if it succeeded."""
         return "" if self.process.poll() == 0 else "".join(self.complaints).strip() or "sunfleck failed"
 
     def warnings(self):
-        """What the program said though it ended well, one a kind: what it does not honour, and doubts of its
-        frames."""
+        """Warnings of a successful program, one a kind: losses, and doubtful frames."""
         found = (WARNING.search(line) for line in self.complaints if self.process.poll() == 0)
         return [warning[0] for warning in found if warning]
 
 
 def drained(events):
-    """What a queue holds now."""
+    """Current contents of a queue."""
     found = []
     while not events.empty():
         found.append(events.get())
@@ -92,7 +90,7 @@ def drained(events):
 
 
 def flags(scene, animation, size=None):
-    """What Blender renders of the file: this frame or those of the step, and within the border of a picture."""
+    """Flags for Blender's render settings: this frame or those of the step, and the border."""
     found = [f"--frames={scene.frame_current}"]
     if animation:
         found = (
@@ -105,7 +103,7 @@ def flags(scene, animation, size=None):
         return found
     width, height = size or extras.of_scene(scene)["sunfleck"]["resolution"]
     left, right = (int(width * edge) for edge in (render.border_min_x, render.border_max_x))
-    # Blender counts from the bottom, and leaves out what is no whole pixel there.
+    # Blender counts from the bottom, and drops partial pixels.
     top, bottom = (height - int(height * edge) for edge in (render.border_max_y, render.border_min_y))
     return [*found, f"--crop={left},{top},{max(right, left + 1)},{max(bottom, top + 1)}"]
 
@@ -171,7 +169,7 @@ class SUNFLECK_OT_render(bpy.types.Operator):
         return {"PASS_THROUGH"}
 
     def cancel(self, context):
-        """Blender closes."""
+        """Called when Blender closes."""
         self.run.cancel()
         self.put_away(context)
 
@@ -183,7 +181,7 @@ class SUNFLECK_OT_render(bpy.types.Operator):
             self.fractions.pop(news["frame"], None)
         elif news["event"] == "frame_progress":
             self.fractions[news["frame"]] = news["fraction"]
-        # Threads may tell of their shares out of order: what was shown once stays.
+        # Threads may report out of order; progress never goes back.
         done = self.done + sum(self.fractions.values())
         self.shown = max(self.shown, min(1.0, done / self.total))
         context.window_manager.progress_update(self.shown)

@@ -1,7 +1,7 @@
-"""The program with a scene that stays loaded: `sunfleck serve`, told by a pipe.
+"""Program with a loaded scene: `sunfleck serve`, through a pipe.
 
-In go pictures that are wanted, out come jobs, which one asks how they are as one asks a run of the program.
-Invariant: one scene a process; a newer picture ends the one under way.
+In go requests, out come jobs with the interface of a run. Invariant: one scene a process; a newer request
+cancels the current one.
 """
 
 import json
@@ -14,19 +14,19 @@ import numpy
 from .evaluated import places
 from .render import WARNING, Process, drained
 
-# So far away that nothing is behind it: JSON has no infinity.
+# Far clipping distance in place of infinity, which JSON lacks.
 FARTHEST_M = 1e30
 
 
 class Service(Process):
-    """The program, for as long as it is wanted."""
+    """Running program."""
 
     def __init__(self, executable, path, arguments=()):
         self.jobs, self.number = {}, 0
         super().__init__(executable, "serve", str(path), *arguments, stdin=subprocess.PIPE)
 
     def _read_events(self):
-        """Events are of the job that is answered next."""
+        """Events belong to the job that is answered next."""
         for line in self.process.stdout:
             news = json.loads(line)
             is_answer = news["event"] == "answered"
@@ -43,14 +43,14 @@ class Service(Process):
         return self.process.poll() is None
 
     def render(self, arguments, camera=None):
-        """A picture by flags of `render`; `camera` is of `viewer`, or the file's own."""
+        """Requests a picture by flags of `render`; `camera` is from `viewer`, or None for the file's."""
         self.number += 1
         job = self.jobs[self.number] = Job(self, self.number)
         self.say({"id": job.number, "render": [str(one) for one in arguments], **({"camera": camera} if camera else {})})
         return job
 
     def end(self):
-        """Nobody wants the picture under way."""
+        """Cancels the current picture."""
         self.say({})
 
     def say(self, request):
@@ -58,11 +58,11 @@ class Service(Process):
             self.process.stdin.write(json.dumps(request) + "\n")
             self.process.stdin.flush()
         except OSError:
-            # It has ended; jobs find that out.
+            # The program has ended; jobs will notice.
             pass
 
     def close(self):
-        """What is under way is ended too."""
+        """Ends the program, and the current picture."""
         try:
             self.process.stdin.close()
         except OSError:
@@ -72,7 +72,7 @@ class Service(Process):
 
 
 class Job:
-    """A picture that was asked for; see `render.Run`."""
+    """Requested picture; see `render.Run`."""
 
     def __init__(self, service, number):
         self.service, self.number, self.events, self.answer = service, number, queue.SimpleQueue(), None
@@ -89,7 +89,7 @@ class Job:
             self.service.end()
 
     def wait(self):
-        """Nought if there is a picture."""
+        """0 if there is a picture."""
         return 0 if self.answer is not None and self.answer["outcome"] == "rendered" else 1
 
     def error(self):
@@ -103,7 +103,7 @@ class Job:
 
 
 def viewer(world_from_camera, said):
-    """A camera for `Service.render`: a 4x4 matrix of Blender's, and its lens as a camera of glTF has it."""
+    """Camera for `Service.render`, from a 4x4 matrix of Blender and a lens of a glTF camera."""
     matrix = places.in_gltf(numpy.asarray(world_from_camera, float)[None], looks=True)[0]
     lens, own = said[said["type"]], said.get("extras", {}).get("sunfleck_camera", {})
     clip = [lens.get("znear", 0.0), lens.get("zfar", FARTHEST_M)]

@@ -1,7 +1,7 @@
-"""What a volume's material makes of its grids.
+"""Materials of volumes: coefficients and grids of fog.
 
-In go volumes, out come custom properties of fog. Invariant: what Cycles would show and sunfleck does not is
-told: as `NotFog` where nothing is left of it, else among what is lost.
+In go volumes, out come custom properties of fog. Invariant: features of Cycles that sunfleck lacks are
+reported: as `NotFog` if nothing is left, else as losses.
 """
 
 from dataclasses import dataclass, field, replace
@@ -14,12 +14,12 @@ from .materials.sources import NotSimple
 
 
 class NotFog(Exception):
-    """Why a volume is not rendered."""
+    """Reason why a volume is not rendered."""
 
 
 @dataclass
 class Glow:
-    """Light where a grid is 1, per unit of length."""
+    """Emission where a grid is 1, per unit of length."""
 
     color: numpy.ndarray
     grid: str
@@ -30,18 +30,18 @@ class Glow:
 
 @dataclass
 class Look:
-    """What is where a grid is 1, by Blender's units of the object."""
+    """Coefficients where a grid is 1, in Blender's units of the object."""
 
     coefficients: fog.Coefficients
     grid: str
-    # By name, of colours that its own is multiplied by.
+    # Name of the grid of colours that multiply its own.
     colors: str = ""
     glow: Glow | None = None
-    # What else the material shows, in words.
+    # Losses, in words.
     lost: list = field(default_factory=list)
 
     def fog(self, thing):
-        """Custom properties of an evaluated object, but for the file."""
+        """Custom properties of an evaluated object, without the file."""
         share = scale(thing)
         found = {**fog.said(self.coefficients.times(share)), "grid": self.grid}
         if self.colors:
@@ -49,10 +49,10 @@ class Look:
         return found | self.glow.said(share) if self.glow else found
 
     def within(self, kinds):
-        """What is left of it where a file has grids of these kinds, by name; what is lost by that is added."""
+        """Look with only the grids in a file, of these kinds by name; the losses are added."""
         glow, colors, lost = self.glow, self.colors, list(self.lost)
         if glow and kinds.get(glow.grid) != "FLOAT":
-            # Nothing glows by a grid that is not there.
+            # A missing grid has no emission.
             if glow.grid in kinds:
                 lost.append(LIGHT)
             glow = None
@@ -67,10 +67,10 @@ LIGHT = "the light that it gives off"
 
 
 def look(thing):
-    """Of an object, or of a volume that nodes made of one."""
+    """Look of an object, or of a volume that nodes made of one."""
     material = next((slot.material for slot in thing.material_slots), None)
     if material is None:
-        # As Cycles has it: a Principled Volume as it is new.
+        # As in Cycles: a new Principled Volume.
         return Look(fog.Coefficients(numpy.full(3, 0.5), numpy.full(3, 0.5)), "density")
     output = principled.output_of(material.node_tree) if material.node_tree else None
     link = output and links.link_to(output.inputs["Volume"])
@@ -86,10 +86,10 @@ def look(thing):
 
 
 class Reader:
-    """Reads shaders that are added up."""
+    """Reads shaders that are added."""
 
     def __init__(self):
-        # Coefficients, each with the name of the grid that they are multiplied by.
+        # Coefficients, each with the name of the grid that multiplies it.
         self.parts, self.glows, self.colors, self.lost = [], [], "", []
 
     def look(self, link):
@@ -138,7 +138,7 @@ class Reader:
         self.parts.append((fog.principled_numbers(node, density), grid))
 
     def shine(self, node, strength, color):
-        """Light by a grid; without one it shines everywhere alike, as far as there are voxels."""
+        """Emission by a grid; without one it is uniform over all voxels."""
         try:
             (number, grid), light = factor(node.inputs[strength]), fog.value(node, color)
         except NotSimple:
@@ -170,7 +170,7 @@ def factor(socket):
 
 
 def scale(thing):
-    """Blender keeps a volume as opaque when its object is scaled, unless told otherwise."""
+    """Blender keeps a volume's opacity when its object is scaled, by default."""
     if thing.data.render.space != "OBJECT":
         return 1.0
     across = numpy.array(thing.matrix_world, float)[:3, :3] @ numpy.full(3, 3.0 ** -0.5)
@@ -178,7 +178,8 @@ def scale(thing):
 
 
 def check(thing):
-    """Why a volume object is not rendered, as far as its settings tell; None if it is, or that is not known."""
+    """Reason why a volume object is not rendered, from its settings; None if it is rendered, or that is
+    unknown."""
     if not thing.data.filepath and not thing.modifiers:
         return "it has no file"
     try:

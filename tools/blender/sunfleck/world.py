@@ -1,8 +1,7 @@
-"""The world in, the custom property `sunfleck_env` out.
+"""World. In go its nodes, out comes the custom property `sunfleck_env`.
 
-A sky is a colour all around, or an environment texture, or a picture of whatever else its nodes show. The
-texture's image lies beside the exported file, as images on suns do. Invariant: the sky is the world as it is
-at the frame at hand.
+A sky is a uniform colour, an environment texture, or a baked picture of other nodes. Images are written
+beside the exported file, as those on suns. Invariant: the sky is the world at the current frame.
 """
 
 import math
@@ -22,29 +21,29 @@ from .materials.colours import rec709
 from .materials.links import link_to
 from .materials.pictures import is_moved
 
-# Blender has the middle of the image in the direction of +X, sunfleck in that of +Y (glTF's -Z).
+# Blender has +X in the centre of the image, sunfleck +Y (glTF's -Z).
 QUARTER_TURN = -0.5 * math.pi
-# Texels across from which on a bake would be coarser than a picture's squares.
+# Width in texels from which a bake would be coarser than the picture.
 FINE = 1024
 READ_AS_IT_IS = {".hdr", ".exr"}
 COLOURS_READ_AS_THEY_ARE = {".png", ".jpg", ".jpeg", ".webp"}
 
 
 def backgrounds(scene):
-    """The world's background shaders."""
+    """Background shaders of the world."""
     tree = scene.world and scene.world.node_tree
     return [node for node in tree.nodes if node.type == "BACKGROUND"] if tree else []
 
 
 def surface_link(scene):
-    """What gives the world's light; None for nothing."""
+    """Link to the world's surface; None without one."""
     tree = scene.world and scene.world.node_tree
     output = tree.get_output_node("CYCLES") if tree else None
     return link_to(output.inputs["Surface"]) if output else None
 
 
 def shines(scene):
-    """Whether the world sends any light."""
+    """Whether the world has any radiance."""
     return surface_link(scene) is not None and any(
         node.inputs["Strength"].default_value > 0.0
         and (node.inputs["Color"].is_linked or max(node.inputs["Color"].default_value[:3]) > 0.0)
@@ -53,14 +52,14 @@ def shines(scene):
 
 
 def volume_of(scene):
-    """The socket of what the world is full of, if anything is linked to it."""
+    """Volume socket of the world, if anything is linked to it."""
     tree = scene.world and scene.world.node_tree
     output = tree.get_output_node("CYCLES") if tree else None
     return output.inputs["Volume"] if output and output.inputs["Volume"].is_linked else None
 
 
 def is_plain(scene):
-    """Whether it is one colour or one environment texture all around, which needs no baking."""
+    """Whether it is one colour or one environment texture, which needs no baking."""
     shaders, link = backgrounds(scene), surface_link(scene)
     if link is None or [link.from_node] != shaders or shaders[0].inputs["Strength"].is_linked:
         return False
@@ -73,7 +72,7 @@ def is_plain(scene):
 
 
 def is_baked(scene):
-    """Whether its nodes are more than that."""
+    """Whether it needs baking."""
     return surface_link(scene) is not None and not is_plain(scene)
 
 
@@ -83,7 +82,7 @@ def changes(scene):
 
 
 def depends_on_rays(scene):
-    """Whether it is another for the camera than for what it lights, or goes along with the camera."""
+    """Whether the camera sees another world than surfaces, or it depends on the camera."""
     return any(map(tells_rays_apart, dependence.nodes_of(scene.world)))
 
 
@@ -92,7 +91,7 @@ def tells_rays_apart(node):
 
 
 def is_split(scene):
-    """Whether the camera sees another world than lights things, and that is all."""
+    """Whether the camera sees another world than surfaces, and that is the only dependence."""
     if not (scene.world and scene.world.node_tree and lights(scene) != "nothing" and world_rays.tells_camera_apart(scene.world)):
         return False
     asking = [node for node in dependence.nodes_of(scene.world) if tells_rays_apart(node)]
@@ -100,8 +99,8 @@ def is_split(scene):
 
 
 def of_world(scene, path):
-    """`sunfleck_env` without `lights`, its images written beside `path`; `None` if there is none or
-    nowhere to write them."""
+    """`sunfleck_env` without `lights`, with images written beside `path`; `None` without a world, or if
+    they cannot be written."""
     if not is_split(scene):
         return of_one(scene, path)
     found = []
@@ -114,7 +113,7 @@ def of_world(scene, path):
 
 
 def of_one(scene, path):
-    """The same of a world that is one for all rays."""
+    """The same for a world that is equal for all rays."""
     if not is_plain(scene):
         if path is None or not is_baked(scene):
             return None
@@ -135,12 +134,12 @@ def of_one(scene, path):
     }
 
 
-# While our engine is chosen, the world is the sky unless the panel says otherwise.
+# With the add-on's engine, the world is the sky unless the panel says otherwise.
 SAYS_SKY = ("use_world", "background_strength", "sky_lights")
 
 
 def is_left_to_blender(scene):
-    """Whether the sky is what the world shows and lights, as nothing was said of it."""
+    """Whether the sky follows the world by default."""
     own = scene.sunfleck_settings
     return scene.render.engine == ENGINE and not any(map(own.is_property_set, SAYS_SKY))
 
@@ -151,7 +150,7 @@ def is_sky(scene):
 
 
 def lights(scene):
-    """What the sky lights."""
+    """Contents of the scene that the sky lights."""
     return "surfaces_and_fog" if is_left_to_blender(scene) else scene.sunfleck_settings.sky_lights
 
 
@@ -168,7 +167,7 @@ def smears_disc(scene):
 
 
 def environment(background):
-    """The environment texture that a background shows, if that is what it shows."""
+    """Environment texture of a background, if it has only that."""
     links = background.inputs["Color"].links
     node = links[0].from_node if links else None
     return (
@@ -177,7 +176,7 @@ def environment(background):
 
 
 def turn(texture):
-    """How far the picture is turned anticlockwise as seen from above; `None` if otherwise mapped."""
+    """Rotation of the picture, anticlockwise from above; `None` for other mappings."""
     link = link_to(texture.inputs["Vector"])
     if link is None or is_direction(link):
         return 0.0
@@ -193,24 +192,24 @@ def turn(texture):
     location, scale = node.inputs["Location"].default_value, node.inputs["Scale"].default_value
     if max(abs(x), abs(y), *map(abs, location), *(abs(s - 1.0) for s in scale)) > 1e-6:
         return None
-    # Where a direction is looked up is turned one way, the picture the other.
+    # A rotation of directions is the inverse rotation of the picture.
     return z if node.vector_type == "TEXTURE" else -z
 
 
 def is_direction(link):
-    """Whether it gives the way that one looks."""
+    """Whether it gives the view direction."""
     return link.from_node.type == "TEX_COORD" and link.from_socket.name == "Generated"
 
 
 def copied(source, beside):
-    """The name of a copy."""
+    """Name of a copy of the file."""
     if not (beside.exists() and beside.samefile(source)):
         shutil.copyfile(source, beside)
     return beside.name
 
 
 def on_the_sun(image, path, name):
-    """The name of a file beside `path` with an image that the sun `name` shows, its colours as they are."""
+    """Name of a file beside `path` with the image of the sun `name`, unchanged."""
     stem = f"{path.stem}_{re.sub(r'[^A-Za-z0-9]+', '_', name)}"
     source = source_of(image)
     if source and source.suffix.lower() in COLOURS_READ_AS_THEY_ARE:
@@ -226,14 +225,14 @@ def on_the_sun(image, path, name):
 
 
 def source_of(image):
-    """The image's own file, if it shows that and nothing else."""
+    """The image's own file, if it holds the same pixels."""
     if image.source != "FILE" or image.packed_file or not image.filepath or image.is_dirty:
         return None
     return Path(image.filepath_from_user())
 
 
 def written(image, path):
-    """The name of a file beside `path` with the image, radiances as they are."""
+    """Name of a file beside `path` with the image's radiances."""
     source = source_of(image)
     if (
         source

@@ -1,7 +1,7 @@
-"""A world of any nodes as a picture of all directions: Cycles renders it, from where nothing else is.
+"""World of any nodes as an equirectangular picture, rendered by Cycles in an empty scene.
 
-In go a world and a path, out comes an EXR beside it. Invariant: its middle is +Y and its right +X, which is
-how sunfleck reads pictures that are not turned; radiances are in linear Rec. 709.
+In go a world and a path, out comes an EXR beside it. Invariant: +Y is in its centre and +X to the right,
+sunfleck's orientation; radiances are in linear Rec. 709.
 """
 
 import shutil
@@ -21,7 +21,7 @@ SAMPLES = 16
 
 @dataclass(frozen=True)
 class View:
-    """All directions, or a square about one, `angle` across."""
+    """All directions, or a square around one, `angle` across."""
 
     size: tuple = (1024, 512)
     samples: int = SAMPLES
@@ -30,13 +30,13 @@ class View:
 
 
 def key_of(world, view=View()):
-    """Changes whenever what it shows may."""
+    """Key that changes whenever the result may."""
     how = repr((view, colours.working_space(), bpy.app.version)).encode()
     return digest(fingerprint.of_tree(world.node_tree), how).hex()
 
 
 def beside(world, path):
-    """The name of the file; what was rendered of the same nodes is kept."""
+    """Name of the file; renderings of the same nodes are cached."""
     kept = bake.folder() / f"{key_of(world)}.exr"
     if not kept.is_file():
         with tempfile.TemporaryDirectory(dir=bake.folder()) as folder:
@@ -105,8 +105,8 @@ def render(world, target, view=View()):
 
 
 def in_rec709(target):
-    """Blender writes the working space, and says so in the file; whoever reads the file
-    need not know that."""
+    """Converts the file to Rec. 709: Blender writes its working space, with an attribute that readers may
+    ignore."""
     if colours.working_space() == "Linear Rec.709":
         return
     image = bpy.data.images.load(str(target))

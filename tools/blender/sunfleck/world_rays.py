@@ -1,6 +1,6 @@
-"""A world that the camera sees otherwise than it lights things, by *Is Camera Ray*: two worlds.
+"""Worlds with *Is Camera Ray*, which are split into one for the camera and one for lighting.
 
-In goes a world, out comes either of them, for a while. Invariant: whatever else tells rays apart is left as it is.
+In goes a world, out comes either of them, during a block. Invariant: other dependences on rays stay.
 """
 
 from contextlib import contextmanager
@@ -13,7 +13,7 @@ CAMERA = "Is Camera Ray"
 
 
 def tells_camera_apart(world):
-    """Whether its nodes ask for camera rays and for no others."""
+    """Whether its nodes depend on camera rays and on no others."""
     asked = [node for node in world.node_tree.nodes if node.type == "LIGHT_PATH"]
     outputs = {output.name for node in asked for output in node.outputs if output.is_linked}
     return outputs == {CAMERA}
@@ -30,7 +30,7 @@ def seen_by(world, is_camera):
 
 
 def settle(tree, is_camera):
-    """The answer takes the question's place, and of shaders mixed by it one is left."""
+    """Replaces the output by a constant, and a mix by it by one of its shaders."""
     answer = tree.nodes.new("ShaderNodeValue")
     answer.outputs[0].default_value = float(is_camera)
     for node in [one for one in tree.nodes if one.type == "LIGHT_PATH"]:

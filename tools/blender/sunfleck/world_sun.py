@@ -1,7 +1,7 @@
-"""The disc of a Sky Texture as a sun: a picture of the sky would smear half a degree over its texels.
+"""Disc of a Sky Texture as a sun, as a picture of the sky would blur half a degree over its texels.
 
-In goes a world, out come the world without its disc and the sun. Invariant: both together are the world; of a
-disc that is looked up in other than the usual way nothing is taken.
+In goes a world, out come the world without its disc, and the sun. Invariant: both together are the world;
+a disc with an unusual mapping stays in it.
 """
 
 import json
@@ -21,13 +21,13 @@ from .evaluated.lights import LUMENS_PER_WATT
 from .materials import bake, links
 
 NAME = "sun of the sky"
-# Pixels of a square picture about the disc, which is so many of its widths across.
+# Pixels of a square picture around the disc, its width in disc diameters, and samples.
 PIXELS, WIDTHS, SAMPLES = 64, 3.0, 64
 
 
 @dataclass
 class Sun:
-    """Where it stands, the whole angle of its disc, and what it sends, W/m2."""
+    """Direction, full angle of the disc, and irradiance, W/m2."""
 
     towards: tuple[float, float, float]
     angle: float
@@ -35,7 +35,7 @@ class Sun:
 
 
 def disc_of(world: bpy.types.World | None) -> bpy.types.Node | None:
-    """The node whose disc can be taken out; None if there is none, or more."""
+    """Node whose disc can be separated; None if there is none, or several."""
     discs = discs_in(world.node_tree) if world and world.node_tree else []
     if len(discs) != 1:
         return None
@@ -54,7 +54,7 @@ def has_disc(node: bpy.types.Node) -> bool:
 
 @contextmanager
 def without_disc(world: bpy.types.World) -> Iterator[bpy.types.World]:
-    """The world without its disc, for a while."""
+    """World without its disc, during a block."""
     disc = disc_of(world)
     if disc is None:
         yield world
@@ -68,7 +68,7 @@ def without_disc(world: bpy.types.World) -> Iterator[bpy.types.World]:
 
 
 def of(world: bpy.types.World | None) -> Sun | None:
-    """The sun in the sky; None without one. What was looked at is kept by content."""
+    """Sun in the sky; None without one. Results are cached by content."""
     disc = disc_of(world)
     if disc is None:
         return None
@@ -92,14 +92,14 @@ def looked_at(world: bpy.types.World, disc: bpy.types.Node) -> Sun | None:
         light = with_disc - world_picture.pixels(rest, view)
     across = (numpy.arange(PIXELS) + 0.5) / PIXELS * 2.0 - 1.0
     x, y = numpy.meshgrid(*2 * [across * math.tan(0.5 * WIDTHS * angle)])
-    # Of a pixel of a plane at distance 1, weighted as what falls on a surface that faces the sun.
+    # Solid angle of a pixel in a plane at distance 1, weighted by the cosine at a facing surface.
     solid_angle = (2.0 * math.tan(0.5 * WIDTHS * angle) / PIXELS) ** 2 / (1.0 + x**2 + y**2) ** 2
     irradiance = (numpy.maximum(light, 0.0) * solid_angle[..., None]).sum(axis=(0, 1))
     return Sun(tuple(towards), angle, tuple(irradiance.tolist())) if irradiance.max() > 0.0 else None
 
 
 def add(document: Document, sun: Sun, exposure: float) -> None:
-    """As a light of the file."""
+    """Adds the sun as a light of the file."""
     strength = exposure * max(sun.irradiance)
     color = [channel * exposure / strength for channel in sun.irradiance]
     light = {"name": NAME, "type": "directional", "color": color, "intensity": strength * LUMENS_PER_WATT}

@@ -1,6 +1,5 @@
-"""Materials by what they look like: node trees in, glTF materials out.
+"""Materials. In go node trees, out come glTF materials.
 
-`sockets` follows a socket to what gives its value, `principled` reads a Principled BSDF, `images`
-brings pictures into the file and `library` numbers materials for meshes. What is no Principled
-BSDF is baked (`bake`).
+`sockets` follows a socket to its source, `principled` reads a Principled BSDF, `images` adds pictures to
+the file and `library` numbers materials for meshes. Other trees are baked (`bake`).
 """

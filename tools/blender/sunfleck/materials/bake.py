@@ -1,8 +1,8 @@
-"""Materials that are no simple mixture, baked by Cycles to pictures of what they show.
+"""Baking of complex materials to pictures, by Cycles.
 
-In go a material and a mesh to bake it on, out comes a `Surface` of baked pictures. Invariant: nothing of the
-scene changes: all that is made for baking is removed. What was baked of the same material, on the same
-geometry, at the same size, is taken from the folder.
+In go a material and a mesh to bake it on, out comes a `Surface` of baked pictures. Invariant: the scene is
+restored: all temporary data are removed. Bakes of the same material on the same geometry at the same size
+come from the cache.
 """
 
 import os
@@ -27,12 +27,12 @@ from .written import DEFAULTS
 WAY = 7
 # An alpha is a mask if so few texels are in between.
 SOFT_SHARE = 0.02
-# Of what glows where nothing else is, so that 8 bits hold it: alpha counts for light too.
+# Minimum coverage of emission without a surface, for 8 bits, as alpha also scales light.
 LEAST_COVER = 1.0 / 255.0
 
 
 class Pixels:
-    """A picture that was baked: what a Blender image is asked for."""
+    """Baked picture, with the interface of a Blender image."""
 
     def __init__(self, name, values):
         self.name, self.values_of_texels = name, values
@@ -40,7 +40,7 @@ class Pixels:
 
 
 class Baker:
-    """Bakes a material; `heed` raises if nobody wants it."""
+    """Bakes a material; `heed` raises to cancel."""
 
     def __init__(self, material, canvas, heed=nobody):
         self.material, self.canvas, self.heed = material, canvas, heed
@@ -48,7 +48,7 @@ class Baker:
 
     def surface(self):
         copy = self.material.copy()
-        # Or Cycles would bend normals only as far as they mirror what is seen of them here.
+        # Otherwise Cycles would limit normals by reflections here.
         copy.cycles.use_bump_map_correction = False
         try:
             tree = copy.node_tree
@@ -67,7 +67,7 @@ class Baker:
                     bpy.data.node_groups.remove(tree)
 
     def pictures(self, copy, parts, bends):
-        """Of each part, constant or baked: (rows, columns, 3) or three numbers."""
+        """Pixels of each part, constant or baked: (rows, columns, 3) or three numbers."""
         numbers = [parts[name] for name in NUMBERS]
         wanted = {name: parts[name] for name in COLORS}
         found = {name: spread(part) for name, part in wanted.items() if not is_socket(part)}
@@ -82,7 +82,7 @@ class Baker:
         how = repr((WAY, SAMPLES, working_space(), bpy.app.version)).encode()
         key = digest(of_tree(self.material.node_tree), self.canvas.key(), how)
         kept = folder() / f"{key.hex()}.npz"
-        # Of pictures in several files the key knows one.
+        # A key identifies only one of several files of a picture.
         is_known = not dependence.is_of_film(self.material, {"SEQUENCE", "MOVIE", "TILED"})
         if is_known and kept.is_file():
             with numpy.load(kept) as file:
@@ -125,7 +125,7 @@ class Baker:
         return found
 
     def put_together(self, pictures, channels):
-        """The surface of the pictures; what shines of a Principled BSDF keeps its other numbers."""
+        """Surface of the pictures; an emissive Principled BSDF keeps its other parameters."""
         glows = pictures["emission"].max(axis=-1, keepdims=True) > 0.0
         cover = numpy.where(glows, numpy.maximum(pictures["cover"], LEAST_COVER), pictures["cover"])
         there = numpy.maximum(cover, 1e-4)
@@ -157,7 +157,8 @@ class Baker:
         return surface
 
     def shared(self, base, through):
-        """Both, cut off where the largest of each add up to more than 1: a file has one share of them for all texels."""
+        """Both, clamped where their largest channels add up to more than 1, as a file has one ratio for
+        all texels."""
         both = base.max() + through.max()
         if both <= 1.0:
             return base, through
@@ -186,7 +187,7 @@ class Baker:
                 self.losses.append(f"texture-of-{name.replace('_', '-')}")
 
     def source(self, name, values):
-        """A constant where all texels are alike."""
+        """Constant source if all texels are equal, else a picture."""
         if values.ndim == 1 or float(numpy.ptp(values, axis=(0, 1)).max()) < 1.0 / 512.0:
             return Source(
                 tuple(float(value) for value in (values if values.ndim == 1 else values.mean(axis=(0, 1))))
@@ -205,11 +206,11 @@ class Baker:
 
 
 def glazed_in_part(surface, channels, share):
-    """A leaf of one even glaze, through whose other share all light goes that does; None of whatever else there is."""
+    """Leaf with one uniform glaze, whose other share transmits all light; None for anything else."""
     is_leaf = len(channels.principled) == 1 and channels.mattes == {"BSDF_TRANSLUCENT"} and not (channels.metals or channels.adds)
     if not (is_leaf and 0.0 < share < 1.0 and closures.is_even_glaze(surface)):
         return None
-    # That of the glaze: Translucent BSDFs were counted as rough.
+    # The glaze's own, as Translucent BSDFs count as rough.
     rough, left = surface.sources["roughness"], 1.0 - share
     if rough.picture:
         texels = rough.factor[0] * rough.picture.image.values_of_texels
@@ -222,11 +223,12 @@ def glazed_in_part(surface, channels, share):
 
 
 def ask_for_alpha(tree, emission):
-    """Cycles shows other colours of a picture whose alpha is asked for: what asked may not be in what is baked."""
+    """Adds a node that reads a picture's alpha, as Cycles then shows other colours; the reader may not be
+    part of the bake."""
     before = None
     for node in [node for node in tree.nodes if node.type == "TEX_IMAGE" and node.outputs["Alpha"].is_linked]:
         asking = tree.nodes.new("ShaderNodeMath")
-        # As good as 1, and nothing that Cycles could leave out.
+        # Practically 1, but not a constant that Cycles could fold.
         asking.operation, asking.inputs[1].default_value, asking.inputs[2].default_value = "MULTIPLY_ADD", 1e-30, 1.0
         tree.links.new(node.outputs["Alpha"], asking.inputs[0])
         if before:
@@ -237,7 +239,7 @@ def ask_for_alpha(tree, emission):
 
 
 def mixes_shine(channels):
-    """Whether shaders shine each in a way of its own: one shine is left of them."""
+    """Whether shaders with different gloss are mixed, of which only one gloss remains."""
     shiny = [shader for shader in channels.principled if not all(sheets.is_zero(shader, name) for name in ("Specular IOR Level", "Metallic"))]
     told = {tuple(map(value_of, (shader.inputs["Metallic"], shader.inputs["Roughness"]))) for shader in channels.principled}
     kinds = len(channels.metals) + bool(channels.mattes) + bool(channels.principled)
@@ -251,7 +253,7 @@ def value_of(socket):
 
 
 def mean_of(surface):
-    """The same in the mean colours of its pictures, without a mask or a normal map."""
+    """Surface with the mean colours of its pictures, without mask and normal map."""
 
     def mean(source):
         if source.picture is None:
@@ -268,7 +270,7 @@ def spread(part):
 
 
 def inner_trees(tree):
-    """All groups below a tree."""
+    """All groups in a tree."""
     found = []
     for node in tree.nodes:
         inner = getattr(node, "node_tree", None)
@@ -278,7 +280,7 @@ def inner_trees(tree):
 
 
 def folder():
-    """Where what was baked is kept."""
+    """Folder of the cache."""
     named = os.environ.get("SUNFLECK_BAKES")
     base = (
         Path(named)
@@ -290,7 +292,7 @@ def folder():
 
 
 def keep(path, made):
-    """Whole or not there."""
+    """Writes a file, whole or not at all."""
     beside = path.with_name(f"{path.stem}.{os.getpid()}.tmp.npz")
     numpy.savez(beside, **made)
     beside.replace(path)

@@ -1,7 +1,7 @@
-"""The colour of a black body, as Blender's node has it.
+"""Blackbody colours, as of Blender's node.
 
-In goes a temperature, K, out come three numbers in the working space. Invariant: they are Blender's own, which tells
-them of lights.
+In goes a temperature, K, out come three numbers in the working space. Invariant: they are Blender's own,
+queried through lights.
 """
 
 from functools import cache
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .colours import working_space
 
-# Beyond these colours stay.
+# Colours are constant outside this range.
 LOWEST_K, HIGHEST_K, STEP_K = 800, 12000, 5
 
 

@@ -1,8 +1,7 @@
-"""What a tree of shaders shows, as colours that a node tree can compute: for baking.
+"""Parts of a shader tree as colours that nodes can compute, for baking.
 
 In go a copy of a node tree and a shader's output in it. Out come parts, each a constant or a socket.
-Invariant: parts are weighted by how much of the surface is there ("cover"). So mixtures of shaders
-are mixtures of parts.
+Invariant: parts are weighted by coverage ("cover"), so mixtures of shaders are mixtures of parts.
 """
 
 import math
@@ -14,11 +13,11 @@ from .sources import NotSimple
 COLORS = ("reflected", "through", "emission")
 NUMBERS = ("cover", "roughness", "metallic")
 NOTHING = {**dict.fromkeys(COLORS, (0.0, 0.0, 0.0)), **dict.fromkeys(NUMBERS, 0.0)}
-# Of what is there, the share of Principled BSDFs, where it is one number.
+# Share of Principled BSDFs in the surface, if it is a constant.
 SHINE, UNKNOWN = "shine", math.nan
-# Where nothing is linked to be mixed.
+# Part of an unlinked input of a mix.
 BLACK = {**NOTHING, "cover": 1.0}
-# Shaders of one colour: which part it is, and how rough and metallic they are (None: as their socket says).
+# Shaders of one colour: their part, roughness and metallic factor (None: by their socket).
 PLAIN = {
     "BSDF_DIFFUSE": ("reflected", 1.0, 0.0),
     "SUBSURFACE_SCATTERING": ("reflected", 1.0, 0.0),
@@ -38,16 +37,16 @@ class Channels:
 
     def __init__(self, tree):
         self.tree, self.bends, self.principled = tree, False, []
-        # Kinds of shaders that are metal alone, and that are matte; whether any are added up.
+        # Types of shaders that are only metal, and that are matte; whether any are added.
         self.metals, self.mattes, self.adds = set(), set(), False
 
     def of(self, output):
-        """The parts of a shader's output."""
+        """Parts of a shader's output."""
         node = output.node
         if node.mute:
             raise NotSimple(node)
         if output.type != "SHADER":
-            # A colour in a shader's place shines.
+            # A colour linked to a shader input is emission.
             return {**BLACK, "emission": output}
         if node.type == "GROUP":
             return self.of_group(node, output)
@@ -60,7 +59,7 @@ class Channels:
             self.adds |= not any(same(one["reflected"], 0.0) for one in (a, b))
             found = {name: self.sum(a[name], b[name]) for name in NOTHING}
             found[SHINE] = shine_of(0.5, a, b)
-            # What only shines lies upon what is there, and nowhere else.
+            # Emission is on top of the existing surface.
             covers = [one["cover"] for one in (a, b) if not is_light(one)] or [1.0]
             return {**found, "cover": covers[0] if len(covers) == 1 else self.most(*covers)}
         if node.type == "BSDF_TRANSPARENT":
@@ -111,7 +110,7 @@ class Channels:
         )
 
     def of_group(self, node, output):
-        """A group computes its parts within and gives them out."""
+        """Parts of a group, computed inside and output from it."""
         node.node_tree = inner = node.node_tree.copy()
         end = next((one for one in inner.nodes if one.type == "GROUP_OUTPUT" and one.is_active_output), None)
         within = Channels(inner)
@@ -144,7 +143,7 @@ class Channels:
         return tuple(value[:3]) if hasattr(value, "__len__") else float(value)
 
     def share(self, socket):
-        """A number that ends at 0 and at 1."""
+        """Number clamped to 0 and 1."""
         value = self.value(socket)
         if not is_socket(value):
             return min(1.0, max(0.0, value))
@@ -153,7 +152,7 @@ class Channels:
         return found
 
     def number(self, colour):
-        """As Blender makes a number of a colour, here as at the socket that it goes to."""
+        """Number from a colour, by the rule of the target socket."""
         made = self.tree.nodes.new("ShaderNodeMath")
         made.operation, made.inputs[1].default_value = "ADD", 0.0
         self.tree.links.new(colour, made.inputs[0])
@@ -195,7 +194,7 @@ class Channels:
         return next(socket for socket in made.outputs if socket.identifier == "Result_Color")
 
     def give(self, socket, value):
-        """Links a socket, or sets it."""
+        """Links a socket, or sets its value."""
         if is_socket(value):
             self.tree.links.new(value, socket)
         elif hasattr(socket.default_value, "__len__"):
@@ -206,7 +205,7 @@ class Channels:
 
 
 def shine_of(share, a, b):
-    """Of a mixture: what is not there has none."""
+    """Gloss share of a mixture; absent parts have none."""
     shines = [one.get(SHINE, 0.0) for one in (a, b) if not same(one["cover"], 0.0)] or [0.0]
     if min(shines) == max(shines):
         return shines[0]
@@ -223,7 +222,7 @@ def is_socket(value):
 
 
 def same(value, other):
-    """Whether a constant is a number, or two are the same."""
+    """Whether a constant is this number, or two constants are equal."""
     if is_socket(value) or is_socket(other):
         return value == other
     spread = lambda one: one if isinstance(one, tuple) else (one,) * 3

@@ -1,8 +1,7 @@
-"""Shaders that are mixed, where glTF can say the mixture exactly: with what is transparent, with what shines
-through, with light.
+"""Mixed shaders that glTF can represent exactly: with transparency, translucency or emission.
 
-In goes a shader node, out comes a `Surface`. Invariant: what cannot be said exactly raises
-`NotSimple`, and is baked.
+In goes a shader node, out comes a `Surface`. Invariant: any other mixture raises `NotSimple`, and is
+baked.
 """
 
 from dataclasses import replace
@@ -12,17 +11,17 @@ from .principled import WHITE, Surface
 from .sources import NotSimple, Source
 
 BLACK = Source((0.0, 0.0, 0.0))
-# From here on what bounces among facets shows.
+# Roughness from which interreflection of facets is visible.
 ROUGH = 0.3
 
 
 def read(link):
-    """The surface of a link to a shader."""
+    """Surface of a link to a shader."""
     node = link.from_node
     if node.mute:
         raise NotSimple(node)
     if link.from_socket.type != "SHADER":
-        # A colour in a shader's place shines.
+        # A colour linked to a shader input is emission.
         return principled.emission(sockets.of_output(link.from_socket))
     if node.type in {"GROUP", "GROUP_INPUT"}:
         with links.behind(link.from_socket) as socket:
@@ -50,7 +49,7 @@ def of_socket(node, socket):
 
 
 def transparent(node):
-    """Nothing, or what tints all that goes straight through it."""
+    """Nothing, or a tint on all light that passes through."""
     color = sockets.of(node.inputs["Color"])
     if not (color.is_constant() and 0.0 <= min(color.factor) <= max(color.factor) <= 1.0):
         raise NotSimple(node)
@@ -60,7 +59,7 @@ def transparent(node):
 
 
 def translucent(node):
-    """Lambert's surface from behind."""
+    """Lambertian transmission."""
     surface = Surface(
         {"base": BLACK, "specular": BLACK, "roughness": WHITE, "through": sockets.of(node.inputs["Color"])}
     )
@@ -78,7 +77,7 @@ def glows(surface):
 
 
 def is_matte(surface):
-    """Neither a shine nor a light, and opaque."""
+    """Neither glossy nor emissive, and opaque."""
     if {"thin", "filter"} & surface.sources.keys():
         return False
     specular, metallic = surface.sources.get("specular"), surface.sources.get("metallic", BLACK)
@@ -93,25 +92,25 @@ def is_matte(surface):
 
 
 def is_mirror(surface):
-    """Metal alone, of one colour."""
+    """Metal of one colour."""
     metallic, base = surface.sources.get("metallic", BLACK), surface.sources["base"]
     return metallic == WHITE and base.is_constant() and not glows(surface) and surface.alpha == WHITE and not surface.losses
 
 
 def is_glazed(surface):
-    """A Principled BSDF that is matte beneath an even shine, and nothing else."""
+    """Matte Principled BSDF under a uniform gloss."""
     return is_even_glaze(surface) and not glows(surface) and surface.alpha == WHITE and surface.cutoff is None
 
 
 def is_even_glaze(surface):
-    """Whether its shine is that of one dielectric."""
+    """Whether its gloss is that of one dielectric."""
     none = (surface.sources.get(name) for name in ("metallic", "coat", "sheen", "transmission"))
     is_plain = all(source == BLACK for source in none) and all(surface.sources.get(name, BLACK).is_constant() for name in ("specular", "ior"))
     return is_plain and "thin" not in surface.sources
 
 
 def half_glazed(node, share, glazed, matte):
-    """A share of a surface shines: so does all of it, by that share, and takes what it takes from that part alone."""
+    """Partly glossy surface: the gloss covers all with this weight, and only reduces that part."""
     beneath, made = ([one.sources.get(name, BLACK) for name in ("base", "through")] for one in (glazed, matte))
     mixed = [blended(node, 1.0 - share, *parts) for parts in zip(beneath, made)]
     takes = tuple(
@@ -121,7 +120,7 @@ def half_glazed(node, share, glazed, matte):
 
 
 def shining(node, share, matte, mirror):
-    """A share of a surface mirrors in a colour of its own."""
+    """Surface with a share of a mirror with its own colour."""
     if "metal" in matte.sources or "thin" in mirror.sources or max(mirror.sources["base"].factor) > 1.0:
         raise NotSimple(node)
     added = {"metallic": Source((share,) * 3), "roughness": mirror.sources["roughness"], "metal": mirror.sources["base"]}
@@ -129,7 +128,7 @@ def shining(node, share, matte, mirror):
 
 
 def shone_upon(node, matte, mirror):
-    """A mirror added: the mixture of both, each as much brighter as it has less of a share."""
+    """Matte surface plus a mirror: a mixture of both, brightened by the inverse shares."""
     base, color, roughness = matte.sources["base"], mirror.sources["base"], mirror.sources["roughness"]
     share = 1.0 - max(base.factor)
     if "through" in matte.sources or not max(color.factor) - 1e-6 <= share < 1.0:
@@ -137,7 +136,7 @@ def shone_upon(node, matte, mirror):
     matte = replace(matte, sources={**matte.sources, "base": principled.scaled(base, 1.0 / (1.0 - share))})
     color = replace(color, factor=tuple(min(1.0, channel / share) for channel in color.factor))
     found = shining(node, share, matte, replace(mirror, sources={**mirror.sources, "base": color}))
-    # Facets of a brighter colour give more light to one another.
+    # Interreflection grows with the facets' colour.
     is_smooth = roughness.is_constant() and roughness.number() <= ROUGH
     return found if is_smooth else replace(found, losses=[*found.losses, "mixed-shine"])
 
@@ -170,7 +169,7 @@ def mixed(node):
 
 
 def covered(node, share, a, b):
-    """One of both lets all light through: the share is coverage."""
+    """One shader is transparent: the share is coverage."""
     there = b if is_nothing(a) else a
     if is_nothing(there):
         return there
@@ -185,12 +184,12 @@ def covered(node, share, a, b):
 
 
 def inverted(node, share):
-    """1 - share, of a picture's alpha or channel: not without a picture of its own."""
+    """1 - share, of a constant; a picture would need a new one."""
     raise NotSimple(node)
 
 
 def matte(node, share, a, b):
-    """Two matte surfaces: what is reflected and what goes through each in one colour."""
+    """Two matte surfaces: reflection and transmission have one colour each."""
     parts = {
         name: blended(node, share, a.sources.get(name, BLACK), b.sources.get(name, BLACK)) for name in ("base", "through", "filter")
     }
@@ -209,14 +208,14 @@ def blended(node, share, a, b):
 
 
 def added(node):
-    """Light or a mirror upon a surface."""
+    """Emission or a mirror added to a surface."""
     a, b = of_input(node, 0), of_input(node, 1)
     for one, other in ((a, b), (b, a)):
         if is_matte(one) and is_mirror(other):
             return shone_upon(node, one, other)
     light, surface = (a, b) if is_light(a) else (b, a)
     if is_nothing(surface):
-        # A flame: all that is behind it shows through.
+        # A flame: its background shows fully.
         surface = replace(surface, sources={**surface.sources, "filter": WHITE}, alpha=WHITE)
     if not is_light(light) or glows(surface) or surface.alpha != WHITE:
         raise NotSimple(node)

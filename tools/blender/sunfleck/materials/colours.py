@@ -1,4 +1,4 @@
-"""Colours of the file's working space as linear Rec. 709, which is what glTF has."""
+"""Conversion of the working space to linear Rec. 709, glTF's space."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ REC709_FROM = {
 
 
 def working_space() -> str:
-    """Its name in Blender."""
+    """Blender's name of the working space."""
     return (
         getattr(bpy.data.colorspace, "working_space", "Linear Rec.709")
         if hasattr(bpy.data, "colorspace")
@@ -22,8 +22,8 @@ def working_space() -> str:
 
 
 def rec709(color: Any) -> Any:
-    """Of a colour, or of rows of colours, in the working space; what Rec. 709 lacks is negative
-    here and black there."""
+    """Colour, or rows of colours, from the working space; colours outside Rec. 709 are negative here, and
+    become black later."""
     matrix = REC709_FROM.get(working_space())
     if matrix is None:
         return color

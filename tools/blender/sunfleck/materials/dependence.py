@@ -1,11 +1,11 @@
-"""What a node tree looks at: texture coordinates alone, or the surface that it is on, or the instance.
+"""Dependencies of a node tree: texture coordinates, the surface, or the instance.
 
-In go trees, out come names. Invariant: only nodes that the output is made of count.
+In go trees, out come names. Invariant: only nodes that reach the output count.
 """
 
 from . import principled, sheets
 
-# Of these every texture without linked coordinates takes those that Blender generates for the mesh.
+# Textures that use generated coordinates unless others are linked.
 PROCEDURAL = {
     "TEX_NOISE", "TEX_VORONOI", "TEX_WAVE", "TEX_MAGIC", "TEX_CHECKER", "TEX_BRICK", "TEX_GRADIENT", "TEX_WHITE_NOISE", "TEX_GABOR",
     "TEX_MUSGRAVE", "TEX_ENVIRONMENT", "TEX_SKY", "TEX_IES",
@@ -23,7 +23,7 @@ OF_SURFACES = {
 }
 OF_INSTANCES = {"OBJECT_INFO", "PARTICLE_INFO"}
 OF_INSTANCERS = {"INSTANCER", "OBJECT", "VIEW_LAYER"}
-# What a bake cannot know: by kind of node, of all its outputs or of those.
+# Dependencies that a bake cannot represent: by type of node, all its outputs or some.
 VIEW, PLACE, SIDE, SURROUNDINGS, HAIR = (
     f"depends-on-{what}" for what in ("view", "place", "side", "surroundings", "hair")
 )
@@ -39,7 +39,7 @@ LOST_OUTPUTS = {
 }
 # Sources of images that change from frame to frame.
 FILMS = {"SEQUENCE", "MOVIE"}
-# Whatever else there is has not been compared with Cycles.
+# Nodes that were compared with Cycles.
 COMPARED = {
     *PROCEDURAL, *OF_SURFACES, *OF_INSTANCES, *LOST, *LOST_OUTPUTS, "TEX_IMAGE", "UVMAP", "ATTRIBUTE", "VERTEX_COLOR", "RGB",
     "VALUE", "MIX", "MIX_RGB", "MATH", "VECT_MATH", "SEPARATE_COLOR", "SEPRGB", "SEPXYZ", "SEPHSV", "COMBINE_COLOR", "COMBRGB",
@@ -52,7 +52,7 @@ COMPARED = {
 }
 
 def nodes_of(material):
-    """Those that the surface is made of, in groups too."""
+    """Nodes that reach the surface output, in groups too."""
     output = principled.output_of(material.node_tree) if material.node_tree else None
     found = []
 
@@ -74,7 +74,7 @@ def nodes_of(material):
 
 
 def is_of_surface(material):
-    """Whether it looks different from place to place of a surface that has the same texture coordinates."""
+    """Whether it varies over places with the same texture coordinates."""
     uvs = set()
     for node in nodes_of(material):
         if node.type in OF_SURFACES or (node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY"):
@@ -97,17 +97,17 @@ def is_of_surface(material):
 
 
 def uv_of(material):
-    """The one set of texture coordinates that it looks at."""
+    """Texture coordinates that it uses, if only one set."""
     return next((node.uv_map for node in nodes_of(material) if node.type == "UVMAP"), "")
 
 
 def uvs_of(material):
-    """Names of the texture coordinates that it looks at."""
+    """Names of the texture coordinates that it uses."""
     return {node.uv_map for node in nodes_of(material) if node.type == "UVMAP" and node.uv_map}
 
 
 def colors_of(material):
-    """Names of the attributes that it looks at."""
+    """Names of the attributes that it uses."""
     found = set()
     for node in nodes_of(material):
         if node.type == "VERTEX_COLOR":
@@ -118,17 +118,17 @@ def colors_of(material):
 
 
 def is_tangential(node):
-    """Whether it bends normals by texture coordinates."""
+    """Whether a node bends normals along texture coordinates."""
     return node.type == "NORMAL_MAP" and node.space == "TANGENT"
 
 
 def tangents_of(material):
-    """Names of the texture coordinates by which normals are bent."""
+    """Names of the texture coordinates along which normals are bent."""
     return {node.uv_map for node in nodes_of(material) if is_tangential(node)}
 
 
 def is_generated(material):
-    """Whether it looks at the coordinates that Blender generates."""
+    """Whether it uses generated coordinates."""
     return any(is_unplaced(node) or (node.type == "TEX_COORD" and is_asked(node, "Generated")) for node in nodes_of(material))
 
 
@@ -137,12 +137,12 @@ def is_asked(node, *names):
 
 
 def is_asked_of_view(node):
-    """Whether it gives coordinates of the picture or of the camera."""
+    """Whether a node outputs window or camera coordinates."""
     return node.type == "TEX_COORD" and is_asked(node, "Window", "Camera")
 
 
 def is_unplaced(node):
-    """Whether it is a texture that takes the coordinates that Blender generates."""
+    """Whether a texture uses generated coordinates by default."""
     return node.type in PROCEDURAL and "Vector" in node.inputs and not node.inputs["Vector"].is_linked
 
 
@@ -159,12 +159,12 @@ def has_lines(material):
 
 
 def has_bumps(material):
-    """Whether lengths in the world decide how normals are bent."""
+    """Whether normals depend on lengths in the world."""
     return any(node.type in {"BUMP", "DISPLACEMENT", "VECTOR_DISPLACEMENT"} for node in nodes_of(material))
 
 
 def questions(material):
-    """What it asks of each instance, and which of an answer's four numbers it looks at."""
+    """Its questions to each instance, and the components of the answers that it uses."""
     found = {}
     for node in nodes_of(material):
         for output, question in questions_of_node(node):
@@ -174,7 +174,7 @@ def questions(material):
 
 
 def questions_of_node(node):
-    """Outputs that are linked and differ from instance to instance, and the questions that they ask."""
+    """Linked outputs that vary by instance, with their questions."""
     for output in node.outputs:
         if not output.is_linked:
             continue
@@ -187,7 +187,7 @@ def questions_of_node(node):
 
 
 def parts_of(output):
-    """Of a vector that is only taken apart, the parts that are linked."""
+    """Linked components of a vector that is only separated."""
     ends = [link.to_node for link in output.links]
     if output.type != "VECTOR" or not all(end.type == "SEPXYZ" for end in ends):
         return (True,) * 4
@@ -195,8 +195,8 @@ def parts_of(output):
 
 
 def losses(material):
-    """What it looks at that a file cannot say: the view, where a thing is, on which of its sides, what is about
-    it; nodes that have not been compared."""
+    """Dependencies that a file cannot represent: the view, the placement, the side, the surroundings, and
+    nodes without a comparison."""
     found = set()
     for node in nodes_of(material):
         found.add(LOST.get(node.type))
@@ -218,31 +218,31 @@ def losses(material):
             # As a colour a normal is the world's.
             is_seen = any(link.to_socket.type in {"RGBA", "VALUE"} for link in node.outputs["Normal"].links)
             found.add(PLACE if is_seen or getattr(node, "space", "TANGENT") in {"WORLD", "BLENDER_WORLD"} else None)
-    # Opaque sheets have a mesh for each side.
+    # An opaque sheet gets a mesh for each side.
     return found - ({None, SIDE} if is_two_sided(material) and not is_transparent(material) else {None})
 
 
 def backfacing(node):
-    """Outputs that tell on which side a surface is seen."""
+    """Outputs that depend on the visible side."""
     outputs = node.outputs if node.type == "NEW_GEOMETRY" else ()
     return [output for output in outputs if output.name == "Backfacing" and output.is_linked]
 
 
 def is_two_sided(material):
-    """Whether each side looks otherwise, and no light comes out on the other."""
+    """Whether its sides differ, and it transmits no light."""
     nodes = nodes_of(material)
     return any(map(backfacing, nodes)) and not any(map(is_passing, nodes))
 
 
 def is_passing(node):
-    """Whether a shader lets light through, alpha aside."""
+    """Whether a shader transmits light, except by alpha."""
     if node.type == "BSDF_PRINCIPLED":
         return not sheets.is_zero(node, "Transmission Weight") or sheets.is_sheet(node)
     return node.type in {"BSDF_TRANSLUCENT", "BSDF_GLASS", "BSDF_REFRACTION"}
 
 
 def is_transparent(material):
-    """Whether anything of it may let light straight through."""
+    """Whether any part may transmit light unscattered."""
     for node in nodes_of(material):
         if node.type == "BSDF_TRANSPARENT":
             return True
@@ -254,14 +254,14 @@ def is_transparent(material):
 
 
 def lets_through(material):
-    """Whether any light comes out on its other side."""
+    """Whether any light is transmitted."""
     if material is None:
         return False
     return is_transparent(material) or any(map(is_passing, nodes_of(material)))
 
 
 def is_of_film(material, sources=FILMS):
-    """Whether an image of it changes from frame to frame, or has one of some sources."""
+    """Whether an image changes from frame to frame, or is from one of `sources`."""
     return any(getattr(node, "image", None) and node.image.source in sources for node in nodes_of(material))
 
 

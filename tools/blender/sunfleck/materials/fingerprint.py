@@ -1,7 +1,7 @@
-"""A node tree as bytes that change whenever what it shows may.
+"""Fingerprint of a node tree, which changes whenever its result may.
 
-In goes a tree, out come bytes. Invariant: all that is set in nodes, sockets, ramps, curves, links, groups and
-images is among them.
+In goes a tree, out come bytes. Invariant: they cover all settings of nodes, sockets, ramps, curves, links,
+groups and images.
 """
 
 from collections.abc import Iterator
@@ -30,7 +30,7 @@ def of_tree(tree: bpy.types.NodeTree, seen: tuple[bpy.types.NodeTree, ...] = ())
 
 
 def settings(node: bpy.types.Node, seen: tuple[bpy.types.NodeTree, ...]) -> Iterator[tuple[str, Any]]:
-    """What is set in a node."""
+    """Settings of a node."""
     for prop in node.bl_rna.properties:
         if prop.identifier in PASSED_OVER or prop.identifier.startswith("bl_"):
             continue

@@ -1,7 +1,8 @@
-"""Pictures of the file: Blender's images as they are where PNG, JPEG or WebP can say it, else written anew.
+"""Pictures of the file: Blender's own image files if they are PNG, JPEG or WebP with the right contents, else
+new files.
 
-In go images and channels of images, out come numbers of glTF images. Invariant: colours are in sRGB, numbers
-as they are; what is written anew has 16 bits a channel unless its source has 8.
+In go images and channels, out come indices of glTF images. Invariant: colours are in sRGB, data are
+linear; new files have 16 bits a channel unless the source has 8.
 """
 
 import struct
@@ -17,22 +18,22 @@ from . import sources
 from .colours import rec709
 
 KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
-# As Blender names them: what holds colours in sRGB's curve, and what holds plain numbers.
+# Blender's names of colour spaces: with sRGB's curve, and for data.
 IN_SRGB = {"sRGB"}
-# Of light: so little less is no reason to write a picture anew.
+# Difference of light that is not worth a new file.
 UNSEEN = 1e-3
 PLAIN = {"Non-Color"}
 
 
 class Images:
-    """Those of a document, each there once."""
+    """Images of a document, each once."""
 
     def __init__(self, document: Document):
         self.document, self.known, self.pixels_of = document, {}, {}
 
     def whole(self, picture, is_color, is_deep=False):
-        """An image with all its channels, colours or numbers; None if it cannot be read. What is baked has 8 bits,
-        or is deep."""
+        """Image with all its channels, colours or data; None if it cannot be read. Baked images have 8
+        bits, or 16 if `is_deep`."""
         image, is_as_it_is = picture.image, self.is_as_it_is(picture)
         key = (image, is_color, is_as_it_is or picture.by_alpha)
         if key not in self.known:
@@ -49,7 +50,7 @@ class Images:
         return self.known[key]
 
     def composed(self, name, pixels, is_deep=False):
-        """Pixels (rows from the bottom, columns, 3 or 4), in the values that the file is to hold."""
+        """Image of pixels (rows from the bottom, columns, 3 or 4), with the file's values."""
         return self.add(name, png(pixels, is_deep))
 
     def add(self, name, data):
@@ -63,7 +64,7 @@ class Images:
         return self.known[key]
 
     def own_bytes(self, image, is_color):
-        """The image's own file, if it holds what is wanted in the way that glTF reads it."""
+        """The image's own file, if glTF reads the right contents from it."""
         space = image.colorspace_settings.name
         if (
             image.is_dirty
@@ -79,7 +80,7 @@ class Images:
         return data if data and (any(map(data.startswith, KINDS)) or data[8:12] == b"WEBP") else None
 
     def is_as_it_is(self, picture):
-        """Whether alpha does nothing to its colours, or next to nothing to what is seen of them."""
+        """Whether alpha changes its colours nowhere, or invisibly."""
         if not picture.by_alpha:
             return True
         pixels = self.pixels(replace(picture, by_alpha=""))
@@ -106,7 +107,7 @@ class Images:
                 if image.alpha_mode == "NONE":
                     found[..., 3] = 1.0
                 found[..., :3] = by_alpha(found[..., :3], found[..., 3:], picture.by_alpha, image.is_float)
-                # Byte images are given as they are stored.
+                # Blender gives byte images as stored.
                 if not image.is_float and image.colorspace_settings.name in IN_SRGB:
                     found = numpy.concatenate([linear(found[..., :3]), found[..., 3:]], axis=-1)
                 elif image.is_float and image.colorspace_settings.name not in PLAIN:
@@ -123,25 +124,25 @@ def by_alpha(colors, alpha, way, is_float):
     """Colours as Blender gives them by what Cycles does to them (`pictures.by_alpha`)."""
     left = numpy.where(alpha > 0.0, alpha, 1.0)
     if way == "times" and is_float:
-        # Of 16 bits: Blender's have alpha in them, and Cycles multiplies as they are stored.
+        # With 16 bits, Blender's are premultiplied, while Cycles multiplies the stored ones.
         return linear(alpha * srgb(colors / left))
     found = colors
     if way in {"times", "there and back"}:
-        # Cycles drops what 8 bits do not hold; a little more is what single precision lacks.
+        # Cycles truncates to 8 bits; the tolerance covers single precision.
         found = numpy.floor(255.0 * alpha * colors + 1e-3) / 255.0
     if way in {"over", "there and back"}:
-        # Where nothing is to be seen colours stay, as what is smooth beside it has them in part.
+        # Invisible texels keep their colours, which interpolation mixes into neighbours.
         found = numpy.where(alpha > 0.0, found / left, colors)
     return found
 
 
 def is_plain(image):
-    """Whether its file holds numbers as they are."""
+    """Whether its file holds the numbers unchanged."""
     return not hasattr(image, "values_of_texels") and image.colorspace_settings.name in PLAIN
 
 
 def has_codes(picture):
-    """Whether Cycles smooths its colours as they are stored: in 8 bits."""
+    """Whether Cycles interpolates its colours as stored: in 8 bits."""
     image = picture and picture.image
     return image is not None and hasattr(image, "is_float") and not image.is_float and image.colorspace_settings.name in IN_SRGB
 
@@ -170,12 +171,12 @@ def linear(values):
 
 
 def png(pixels, is_deep):
-    """A PNG file of values from 0 to 1, rows from the bottom, with three or four channels of 8 or 16 bits."""
+    """PNG file of values from 0 to 1, rows from the bottom, with three or four channels of 8 or 16 bits."""
     height, width, channels = pixels.shape
     largest, kind = (65535.0, ">u2") if is_deep else (255.0, "u1")
     values = numpy.rint(numpy.clip(pixels[::-1], 0.0, 1.0) * largest).astype(kind)
     rows = values.reshape(height, -1).view("u1")
-    # Each row less the one above ("Up"): what pictures are made of compresses better so.
+    # Filter 2 ("Up"), the difference from the row above, compresses pictures better.
     above = numpy.concatenate([numpy.zeros((1, rows.shape[1]), "u1"), rows[:-1]])
     data = numpy.concatenate([numpy.full((height, 1), 2, "u1"), rows - above], axis=1).tobytes()
     header = struct.pack(">IIBBBBB", width, height, 16 if is_deep else 8, 6 if channels == 4 else 2, 0, 0, 0)

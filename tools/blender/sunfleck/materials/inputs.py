@@ -1,14 +1,14 @@
-"""What of shaders' inputs is lost.
+"""Losses of shaders' inputs.
 
-In goes a material, out come names of losses. Invariant: an input that is not known, and is linked or not as a
-new node has it, is among them: later Blenders have more.
+In goes a material, out come names of losses. Invariant: an unknown input that is linked or differs from
+its default is among them, as later Blenders have more inputs.
 """
 
 import bpy
 
 from . import closures, dependence, links, sheets
 
-# Inputs by what they do to whom: None is honoured, or does nothing alone.
+# Losses by input: None is honoured, or has no effect alone.
 OF_PRINCIPLED = {
     **dict.fromkeys((
         "Base Color", "Metallic", "Roughness", "IOR", "Alpha", "Normal", "Weight", "Subsurface Radius", "Subsurface Scale",
@@ -29,7 +29,7 @@ KNOWN = {
     "EMISSION": {**PLAIN, "Strength": None},
     "BSDF_GLOSSY": {**PLAIN, "Roughness": None, "Rotation": None, "Tangent": None, "Anisotropy": "anisotropy"},
 }
-# Of these the whole is said to be nearly what it is.
+# Shaders that are only approximated.
 NEARLY = {
     "SUBSURFACE_SCATTERING", "BSDF_SHEEN", "BSDF_VELVET", "BSDF_TOON", "BSDF_HAIR", "BSDF_METALLIC", "BSDF_GLASS",
 }
@@ -40,7 +40,7 @@ def losses(material):
 
 
 def losses_of(node):
-    # Of several distributions one scatters as our metal does.
+    # One of the distributions matches the renderer's metal.
     if node.type in NEARLY or getattr(node, "distribution", "MULTI_GGX") != "MULTI_GGX" and node.type == "BSDF_GLOSSY":
         yield f"nearly-{node.type}"
     if node.type == "BSDF_PRINCIPLED":
@@ -61,14 +61,14 @@ def losses_of_principled(node):
         yield "rough-coat"
     if not sheets.is_zero(node, "Metallic") and not is_white(node.inputs["Specular Tint"]):
         yield "metal-tint"
-    # Light that bounces among the facets of what is rough.
+    # Interreflection among facets of a rough surface.
     roughness = node.inputs["Roughness"]
     is_rough = links.link_to(roughness) is not None or roughness.default_value > closures.ROUGH
     if node.distribution != "MULTI_GGX" and is_rough and not all(sheets.is_zero(node, of) for of in ("Metallic", "Specular IOR Level")):
         yield "single-scattering"
 
 
-# Up to it one sees the shape of a light in a surface, which has points of it alone here.
+# Maximum roughness at which the shape of a light shows in a reflection, where lights are points here.
 SMOOTH = 0.1
 
 
@@ -77,18 +77,18 @@ def is_white(socket):
 
 
 def has_rough_coat(node):
-    """Whether it takes more from what lies beneath it than here, by up to 3 %: since Blender 5.3."""
+    """Whether the coat attenuates more than here, by up to 3 %: since Blender 5.3."""
     roughness = node.inputs["Coat Roughness"]
     is_rough = links.link_to(roughness) is not None or roughness.default_value > 0.5
     return bpy.app.version >= (5, 3) and is_rough and not sheets.is_zero(node, "Coat Weight")
 
 
 def does_nothing(node, loss):
-    """Whether an input does not count, or is honoured, as others stand."""
+    """Whether an input has no effect, or is honoured, given the others."""
     if loss == "subsurface":
         return sheets.is_sheet(node)
     if loss == "thin-wall":
-        # Metal has the base colour, of which the same share is left everywhere.
+        # Metal has the base colour, a uniform share of which remains.
         is_even = not node.inputs["Subsurface Weight"].is_linked
         is_exact = sheets.is_sheet(node) and (is_even or sheets.is_zero(node, "Metallic"))
         return sheets.is_zero(node, "Subsurface Weight") or is_exact
@@ -101,7 +101,7 @@ _as_new = {}
 
 
 def as_new(kind):
-    """Values of a new node's inputs, by name."""
+    """Default values of a new node's inputs, by name."""
     if kind not in _as_new:
         tree = bpy.data.node_groups.new("sunfleck as new", "ShaderNodeTree")
         try:
@@ -112,7 +112,7 @@ def as_new(kind):
 
 
 def know(owners, trees):
-    """Asks for all kinds of nodes in trees, those of owners and those by themselves: nothing is made for them later."""
+    """Queries all types of nodes in trees, as no node can be created later."""
     for tree in [*(owner.node_tree for owner in owners if owner.node_tree), *trees]:
         for node in tree.nodes:
             if node.type in KNOWN:

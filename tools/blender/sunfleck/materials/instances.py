@@ -1,10 +1,9 @@
-"""Materials that differ from instance to instance, or on one from frame to frame: by Cycles' random number,
-by what Blender knows of objects, particles and instancers, or by attributes.
+"""Materials that vary by instance, or by frame: by Cycles' random number, by data of objects, particles and
+instancers, or by attributes.
 
-In go a material and facts of an instance, out comes a copy of the material in which those are constants.
-Invariants: numbers are Cycles' own. No more copies are made than there are levels; beyond that facts are
-rounded. A question is the kind of a node, an output and, of attributes, a name; facts are answers by
-question, four numbers each.
+In go a material and facts of an instance, out comes a copy of the material with these as constants.
+Invariants: numbers are Cycles' own. The number of copies is limited, by rounding facts. A question is a
+type of node, an output and, for attributes, a name; facts are answers by question, four numbers each.
 """
 
 import bpy
@@ -12,17 +11,18 @@ import numpy
 
 from . import dependence, particles, properties
 
-# Of simple materials and of those that are baked.
+# Maximum copies of simple and of baked materials.
 MOST, MOST_BAKED = 256, 16
-# Of more changes than these, of all things over all frames, facts are rounded as those of baked materials are.
+# Maximum number of changes over all objects and frames, beyond which facts are rounded as for baked
+# materials.
 MOST_CHANGES = 20000
 WORD = 0xFFFFFFFF
-# Ends a `persistent_id`.
+# Terminator of `persistent_id`.
 NO_NUMBER = 0x7FFFFFFF
-# Of a mesh's copy for one side: 0 of the front, 1 of the back.
+# Question of a mesh's copy for one side: 0 is the front, 1 the back.
 SIDE = ("NEW_GEOMETRY", "Backfacing", "")
 UNKNOWN = (0.5, 0.5, 0.5, 1.0)
-# Answers that stay: the rest is asked for in every frame.
+# Constant answers; others are queried in every frame.
 STILL = {
     ("OBJECT_INFO", "Random", ""), ("OBJECT_INFO", "Material Index", ""), ("PARTICLE_INFO", "Random", ""),
     ("PARTICLE_INFO", "Index", ""), ("PARTICLE_INFO", "Lifetime", ""),
@@ -30,7 +30,7 @@ STILL = {
 
 
 def facts(instance, thing, questions, here):
-    """Of an instance in the graph; `here` knows its attributes and the moment."""
+    """Facts of an instance in the graph; `here` has its attributes and the moment."""
     return tuple((question, answer(question, instance, thing, here)) for question in questions)
 
 
@@ -49,7 +49,7 @@ def answer(question, instance, thing, here):
     if output == "Random":
         number = instance.random_id & WORD if instance.is_instance else hashed(thing.name)
         return (number / WORD,) * 3 + (1.0,)
-    # Cycles' own are those of the instancer where there is one.
+    # Cycles uses those of the instancer, if there is one.
     owner = instance.parent if instance.is_instance and instance.parent else thing
     return {
         "Color": lambda: tuple(owner.color), "Alpha": lambda: (owner.color[3],) * 3 + (1.0,),
@@ -59,7 +59,7 @@ def answer(question, instance, thing, here):
 
 
 def of_attribute(kind, name, instance, thing, here):
-    """As Blender looks it up: of the instance, what instances it, and the object itself."""
+    """Blender's lookup: in the instance, its instancer, and the object itself."""
     if kind == "VIEW_LAYER":
         return properties.first((here.layer, here.scene, here.scene.world), name)
     owners = (thing, thing.data)
@@ -73,7 +73,7 @@ def of_attribute(kind, name, instance, thing, here):
 
 
 def hashed(name):
-    """Cycles' number of an object by its name: `hash_uint2(hash_string(name), 0)`."""
+    """Cycles' number of an object from its name: `hash_uint2(hash_string(name), 0)`."""
     text = 0
     for letter in name.encode():
         text = (37 * text + letter) & WORD
@@ -81,8 +81,8 @@ def hashed(name):
 
 
 class Attributed:
-    """Attributes of what an object, a collection or a geometry instances, and of what that does, by the numbers that
-    lead there (`persistent_id`)."""
+    """Attributes of instancers (objects, collections, geometries), nested ones included, by
+    `persistent_id`."""
 
     def __init__(self, source, names):
         self.source, self.names, self.inner, self.values = source, names, {}, {}
@@ -100,8 +100,8 @@ class Attributed:
             self.rows = dict(enumerate(range(len(self.made))))
 
     def of(self, path, shown):
-        """The outermost number first; the innermost attribute counts. `shown` is the object that is instanced."""
-        # The number of a part of a geometry is the last.
+        """Outermost number first; the innermost attribute counts. `shown` is the instanced object."""
+        # The last number is that of a part of a geometry.
         path = path[:-1] if shown == self.source else path
         row = self.rows.get(path[0]) if path else None
         if row is None:
@@ -112,7 +112,7 @@ class Attributed:
 
 
 def geometry_of(thing):
-    """What nodes make of an object: others make no instances."""
+    """Geometry of an object from nodes; other objects have no instances."""
     has_nodes = any(one.type == "NODES" for one in getattr(thing, "modifiers", ()))
     return thing.evaluated_geometry() if has_nodes else None
 
@@ -128,7 +128,7 @@ def values_of(attribute):
 
 
 def used(facts, questions):
-    """What of the facts a material looks at: of each answer the parts that it takes apart, if it does."""
+    """Facts that a material uses, reduced to the components that it uses."""
     return tuple(
         (question, tuple(part if counts else 0.0 for part, counts in zip(value, questions[question])))
         for question, value in facts if question in questions
@@ -136,7 +136,7 @@ def used(facts, questions):
 
 
 class Levels:
-    """Facts are rounded to the middle of so many levels of what there is from the least to the most."""
+    """Rounds facts to the middle of equal levels between the minimum and the maximum."""
 
     def __init__(self, all_facts, most):
         rows = self.rows(all_facts)
@@ -167,7 +167,7 @@ class Levels:
 
 
 def copy(material, facts, name):
-    """The material as it is on an instance of these facts."""
+    """Copy of a material for an instance with these facts."""
     made = material.copy()
     made.name = name
     fixed(made.node_tree, dict(facts), float(material.pass_index))
@@ -175,12 +175,12 @@ def copy(material, facts, name):
 
 
 def fixed(tree, facts, index):
-    """Puts constants in the place of what asks for facts."""
+    """Replaces the nodes of questions by constants."""
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
             node.node_tree = node.node_tree.copy()
             fixed(node.node_tree, facts, index)
-        # Of a copy for one side the instances still ask.
+        # In a copy for one side, questions to instances remain.
         for output, question in dependence.questions_of_node(node) if SIDE not in facts else ():
             value = (index,) * 4 if output.name == "Material Index" else facts.get(question, UNKNOWN)
             replaced(tree, output, value)
@@ -189,7 +189,7 @@ def fixed(tree, facts, index):
 
 
 def replaced(tree, output, value):
-    """A number made of a colour is its brightness, of a vector or an attribute its mean."""
+    """A number from a colour is its luminance, from a vector or attribute its mean."""
     three = (value[3],) * 3 if output.name == "Alpha" and output.node.type == "ATTRIBUTE" else value[:3]
     weights = (0.2126, 0.7152, 0.0722) if output.type == "RGBA" else (1.0 / 3.0,) * 3
     for link in list(output.links):
@@ -205,7 +205,7 @@ def replaced(tree, output, value):
 
 
 def remove(material):
-    """With the groups that were copied for it."""
+    """Removes a copy with its groups."""
     from .bake import inner_trees
 
     trees = inner_trees(material.node_tree)

@@ -1,8 +1,7 @@
-"""Materials of the file by number, one for each of Blender's and each set of names that meshes have for its
-texture coordinates.
+"""Materials of the file by index, one for each of Blender's and each set of names of texture coordinates.
 
-In go materials and the geometries that show them, out come numbers. Invariant: of every material that was
-asked for there is a word: exact, or what of it is lost.
+In go materials and their geometries, out come indices. Invariant: every requested material has a sentence:
+exact, or its losses.
 """
 
 import json
@@ -24,24 +23,24 @@ from .principled import WHITE
 from .sources import NotSimple
 from .written import Writer, shines
 
-# On more meshes than these a material is baked no more, and is what it is in the mean: meshes whose faces
+# Maximum number of meshes for which a material is baked; then its mean is used, as for meshes whose faces
 # change in every frame.
 MOST_MESHES = 64
 
 
 class Library:
-    """Of a document."""
+    """Materials of a document."""
 
     def __init__(self, exposure=1.0, is_still=False):
-        # What materials emit is multiplied by the exposure. Of a still films are what they show at the frame at hand.
+        # Factor on emission. In a still, movies show their current frame.
         self.exposure, self.is_still = exposure, is_still
-        # Raises if nobody wants what is made any more.
+        # Raises to cancel.
         self.heed = nobody
         self.looks, self.numbers, self.changes = {}, {}, Changes(exposure)
         # Of materials that differ from instance to instance: copies by facts, and how many levels
         # facts are rounded to.
         self.of_instances, self.copies, self.levels = {}, {}, {}
-        # Of materials whose sides differ, those of both.
+        # Both copies of materials whose sides differ.
         self.sides = {}
 
     def start(self, document, clock, shutter):
@@ -52,7 +51,7 @@ class Library:
     def look(self, material):
         if material not in self.looks:
             if self.differs(material):
-                # As good as any instance's.
+                # As representative as any other.
                 one = self.copies[material, ()] = instances.copy(material, (), f"{material.name} 0")
                 self.looks[one] = self.looks[material] = looked_at(one, self.is_still)
             else:
@@ -62,7 +61,7 @@ class Library:
         return self.looks[material]
 
     def side(self, material, is_back):
-        """The material as it is on one side."""
+        """Copy of a material for one side."""
         facts = ((instances.SIDE, (float(is_back),) * 4),)
         name = f"{material.name} ({'back' if is_back else 'front'})"
         made = self.copies[material, facts] = instances.copy(material, facts, name)
@@ -73,19 +72,19 @@ class Library:
     # What differs from instance to instance.
 
     def differs(self, material):
-        """What it asks of each instance."""
+        """Questions of a material to each instance."""
         if material not in self.of_instances:
             self.of_instances[material] = {} if material is None else dependence.questions(material)
         return self.of_instances[material]
 
     def questions(self):
-        """What any material asks instances."""
+        """Questions of all materials to instances."""
         found = {question for material in bpy.data.materials for question in self.differs(material)}
         return tuple(sorted(found))
 
     def prepare(self, shown):
-        """Finds out into how many levels facts have to be rounded: `shown` counts materials and the facts of
-        each instance at each frame."""
+        """Finds the levels for rounding facts: `shown` counts materials and the facts of each instance at
+        each frame."""
         found, changes = {}, {}
         for (material, facts), count in shown.items():
             if self.differs(material):
@@ -98,7 +97,7 @@ class Library:
                 self.levels[material] = instances.Levels(all_facts, most)
 
     def on_instance(self, material, facts):
-        """The material as it is on one."""
+        """Copy of a material for an instance."""
         if not self.differs(material):
             return material
         own = instances.used(facts, self.differs(material))
@@ -112,7 +111,7 @@ class Library:
         return self.copies[key]
 
     def close(self):
-        """Takes away what was made."""
+        """Removes all copies."""
         for made in self.copies.values():
             instances.remove(made)
 
@@ -121,7 +120,7 @@ class Library:
         look.losses = sorted({*look.losses, what})
 
     def bend(self, material):
-        """It is on a mesh that bends, and is baked on one of its shapes."""
+        """Marks a material of a deforming mesh, which is baked on one of its shapes."""
         if self.look(material).baked and dependence.is_of_shape(material):
             self.lose(material, "depends-on-shape")
 
@@ -129,8 +128,7 @@ class Library:
         return self.look(material).surface is not None
 
     def attribute(self, material):
-        """The colour attribute that a material looks at and its part ("rgb", "rgba" or
-        "a"); None for none."""
+        """Colour attribute of a material and its part ("rgb", "rgba" or "a"); None without one."""
         surface = self.look(material).surface
         if surface is None:
             return None
@@ -140,14 +138,14 @@ class Library:
         return (alpha.attribute, "a") if alpha.attribute is not None else None
 
     def colors_of(self, material):
-        """The names of the colour attributes that meshes have to bring."""
+        """Names of the colour attributes that meshes need."""
         if self.look(material).baked:
             return sorted(dependence.colors_of(material) | ({GENERATED} if dependence.is_generated(material) else set()))
         found = self.attribute(material)
         return [] if found is None else [found[0]]
 
     def uvs_of(self, material):
-        """The names of texture coordinates that meshes have to bring."""
+        """Names of the texture coordinates that meshes need."""
         look = self.look(material)
         if look.baked:
             return dependence.uvs_of(material)
@@ -157,12 +155,12 @@ class Library:
         return {picture.uv for picture in pictures if picture.uv}
 
     def color_attribute(self, material, geometry):
-        """That attribute, if the geometry has it."""
+        """This attribute, if the geometry has it."""
         found = self.attribute(material)
         return found if found is not None and found[0] in geometry.colors else None
 
     def wants_atlas(self, material, geometry):
-        """Whether it is baked on the mesh itself, for which that needs coordinates of its own."""
+        """Whether it is baked on the mesh itself, which then needs coordinates without overlap."""
         look = self.look(material)
         if not look.baked:
             return False
@@ -176,7 +174,7 @@ class Library:
         )
 
     def number(self, material, geometry):
-        """Of the file's material."""
+        """Index of the file's material."""
         order = tuple(geometry.uvs)
         canvas = self.canvas(material, geometry) if self.look(material).baked else None
         key = (material, order, canvas and canvas.key())
@@ -185,7 +183,7 @@ class Library:
         return self.numbers[key]
 
     def canvas(self, material, geometry):
-        """What it is baked on: the mesh, or the unit square of its texture coordinates."""
+        """Target of baking: the mesh, or the unit square of its texture coordinates."""
         if self.wants_atlas(material, geometry):
             return stage.Canvas(geometry, ATLAS, stage.size_on(geometry, dependence.has_lines(material)))
         uv = dependence.uv_of(material)
@@ -244,7 +242,7 @@ class Library:
         return surface
 
     def words(self):
-        """A word on every material that is shown: exact, baked at so many texels, or not honoured."""
+        """Sentence for every visible material: exact, baked with a number of texels, or not honoured."""
         found = {}
         for material, look in self.looks.items():
             if material is None or not self.is_shown(material):
@@ -257,7 +255,7 @@ class Library:
         return found
 
     def findings(self):
-        """A word on every material that is not exact. Remembers the names of all."""
+        """Findings for every material that is not exact; keeps the names of all."""
         self.seen = {key[0].name if key[0] else "default" for key in self.numbers}
         yield from (
             Finding("instance-colors", f"the material `{material.name}`", f"{levels.count} levels")
@@ -287,7 +285,7 @@ class Library:
                 yield Finding("material-changes", f"the material `{material.name}`")
 
     def copies_of(self, material):
-        """For sides and instances, and those of these."""
+        """Copies for sides and instances, and their copies."""
         for made in [made for (one, _), made in self.copies.items() if one == material]:
             yield made
             yield from self.copies_of(made)
@@ -297,7 +295,7 @@ class Library:
 
 
 def custom(owner):
-    """Its custom properties that JSON can hold."""
+    """Custom properties that JSON can hold."""
     found = {}
     for name, value in owner.items():
         plain = getattr(value, "to_dict", None) or getattr(value, "to_list", None)

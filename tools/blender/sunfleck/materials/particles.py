@@ -1,7 +1,7 @@
-"""What Cycles tells materials of the particle that shows an instance.
+"""Particle info of instances, as in Cycles.
 
-In go an instance of the graph and a frame, out come four numbers. Invariant: what no particle shows has the
-answers of Cycles' first, empty particle.
+In go an instance of the graph and a frame, out come four numbers. Invariant: an instance without a
+particle has the values of Cycles' first, empty particle.
 """
 
 import bpy
@@ -12,7 +12,7 @@ WORD = 0xFFFFFFFF
 def answer(output: str, instance: bpy.types.DepsgraphObjectInstance, frame: float) -> tuple[float, ...]:
     system = instance.particle_system if instance.is_instance else None
     number = instance.persistent_id[0] if system else 0
-    # Cycles knows no children of particles.
+    # Cycles has no child particles.
     particle = system.particles[number] if system and 0 <= number < len(system.particles) else None
     if output == "Random":
         return (hash_of(number if particle else 0) / WORD,) * 3 + (1.0,)

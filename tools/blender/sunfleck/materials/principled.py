@@ -1,7 +1,7 @@
-"""A Principled BSDF as a glTF material says it.
+"""Principled BSDFs in glTF's terms.
 
-In goes a node tree, out comes a `Surface`: sources by what they are for. Invariant: what glTF has no word for
-is among `losses`, by an id; what a socket has that is no source raises `NotSimple`.
+In goes a node tree, out comes a `Surface`: sources by purpose. Invariant: features that glTF lacks are in
+`losses`, by id; a socket without a simple source raises `NotSimple`.
 """
 
 from dataclasses import dataclass, field, replace
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from . import links, sheets, sockets
 from .sources import NotSimple, Source
 
-# Blender's sockets by what we call them.
+# Blender's sockets by their names here.
 SOCKETS = {
     "base": "Base Color", "metallic": "Metallic", "roughness": "Roughness", "ior": "IOR", "specular": "Specular IOR Level",
     "specular_tint": "Specular Tint", "transmission": "Transmission Weight", "coat": "Coat Weight", "coat_roughness": "Coat Roughness",
@@ -21,25 +21,25 @@ WHITE = Source((1.0, 1.0, 1.0))
 
 @dataclass
 class Surface:
-    """Sources by name, and how alpha counts."""
+    """Sources by name, and the use of alpha."""
 
     sources: dict = field(default_factory=dict)
     alpha: Source = WHITE
-    # None is coverage; else what has less alpha is not there.
+    # None is coverage; otherwise the cutoff of a mask.
     cutoff: float | None = None
     # Picture and strength.
     normal: tuple | None = None
     coat_normal: tuple | None = None
-    # Whether metal reflects alike at all angles.
+    # Whether metal reflects equally at all angles.
     has_even_metal: bool = False
-    # Whether a dielectric is one face of a body, and no thin wall.
+    # Whether a dielectric is one face of a solid, and not a thin wall.
     has_one_face: bool = False
-    # How many times what its shine takes from beneath is taken from the base colour, and from what goes through.
+    # Factors on the light that the gloss removes from the base colour, and from transmission.
     shine_takes: tuple | None = None
     losses: list = field(default_factory=list)
 
     def share_through(self):
-        """Of the light that is not absorbed what goes through, so that both colours stay within 1."""
+        """Transmitted share of the light that is not absorbed, such that both colours stay within 1."""
         through = self.sources.get("through")
         if through is None or max(through.factor) == 0.0:
             return 0.0
@@ -48,18 +48,18 @@ class Surface:
 
 
 def output_of(tree):
-    """The node that renders: Cycles' own if there is one."""
+    """Output node that renders: Cycles' own if there is one."""
     return tree.get_output_node("CYCLES")
 
 
 def surface_link(material):
-    """What gives a material's surface; None for nothing."""
+    """Link to a material's surface; None without one."""
     output = output_of(material.node_tree) if material.node_tree else None
     return links.link_to(output.inputs["Surface"]) if output else None
 
 
 def read(shader):
-    """A Principled BSDF, or a bare diffuse one, as a surface."""
+    """Surface of a Principled BSDF, or of a plain diffuse one."""
     if shader.type == "BSDF_DIFFUSE":
         return diffuse(shader)
     if shader.type == "EMISSION":
@@ -90,7 +90,7 @@ def read(shader):
 
 
 def frost(surface, is_thin):
-    """What goes through a thin wall, or refracts at a face, that is rough, where numbers say how."""
+    """Rough transmission of a thin wall, or rough refraction at a face, with constant parameters."""
     transmission, ior, roughness, tint = (
         surface.sources[name] for name in ("transmission", "ior", "roughness", "specular_tint")
     )
@@ -103,8 +103,8 @@ def frost(surface, is_thin):
 
 
 def scatter(surface):
-    """What goes through a rough surface is scattered: of the share that its transmission says, as much as it is
-    rough comes out matte, and the rest goes straight on. This is nearly what Cycles has, with its light."""
+    """Rough transmission is scattered: of the transmitted share, the roughness is the diffuse part, and
+    the rest passes straight. This approximates Cycles, light included."""
     transmission, roughness = (surface.sources.get(name) for name in ("transmission", "roughness"))
     if not (transmission and transmission.is_constant() and roughness.is_constant()):
         return
@@ -123,7 +123,7 @@ def scaled(source, share):
 
 
 def diffuse(shader):
-    """Lambert's surface: a Principled BSDF without a reflection."""
+    """Lambertian surface: a Principled BSDF without specular reflection."""
     surface = Surface(
         {"base": sockets.of(shader.inputs["Color"]), "specular": Source((0.0,) * 3), "roughness": WHITE}
     )
@@ -144,7 +144,7 @@ def glossy(shader):
 
 
 def emission(color, strength=WHITE):
-    """Light alone, of a surface that reflects none."""
+    """Emission alone, without reflection."""
     black = Source((0.0,) * 3)
     return Surface({"emission": color, "emission_strength": strength, "base": black, "specular": black, "roughness": WHITE})
 

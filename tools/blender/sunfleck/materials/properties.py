@@ -1,7 +1,7 @@
-"""Properties of Blender's data by name, as Attribute nodes look them up.
+"""Properties of Blender's data by name, as for Attribute nodes.
 
-In go owners and a name, out come four numbers. Invariant: a custom property comes before a path, an earlier
-owner before a later one; what nobody has is black.
+In go owners and a name, out come four numbers. Invariant: custom properties take precedence over paths,
+and earlier owners over later ones; a missing property is black.
 """
 
 from collections.abc import Iterable
@@ -19,11 +19,11 @@ def first(owners: Iterable[Any], name: str) -> tuple[float, ...]:
 
 
 def of(owner: Any, name: str) -> tuple[float, ...] | None:
-    """None if it has none that is a number or up to four."""
+    """Value of a property; None unless it is a number or up to four."""
     value = owner.get(name) if hasattr(owner, "get") else None
     if value is None:
         try:
-            # Of a part of a property, like `location.x`, nobody knows.
+            # Components such as `location.x` are not found.
             is_whole = type(owner.path_resolve(name, False)).__name__ in {"bpy_prop", "bpy_prop_array"}
             value = owner.path_resolve(name) if is_whole else None
         except (ValueError, AttributeError):

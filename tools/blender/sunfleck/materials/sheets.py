@@ -1,7 +1,7 @@
-"""Principled BSDFs that are thin walls, as leaves are since Blender 5.2.
+"""Thin-walled Principled BSDFs, for leaves since Blender 5.2.
 
-In goes a shader, out comes the share of the light that its base scatters to the other side, and whether it is a
-thin dielectric. Invariant: what is said by other than numbers, but for the weight, is no sheet here.
+In goes a shader, out comes the share of the light that its base scatters to the other side, and whether it
+is a thin dielectric. Invariant: what is said by other than numbers, but for the weight, is no sheet here.
 """
 
 import bpy
@@ -22,18 +22,18 @@ def is_sheet(shader: bpy.types.ShaderNode) -> bool:
 
 
 def through(shader: bpy.types.ShaderNode) -> float:
-    """Of what is below the surface, by its anisotropy."""
+    """Transmitted share of subsurface scattering, from its anisotropy."""
     return unit(0.5 * (1.0 + shader.inputs["Subsurface Anisotropy"].default_value))
 
 
 def is_frosted(roughness: float, ior: float) -> bool:
-    """Whether a thin dielectric blurs what goes through it by more than the program's least roughness."""
+    """Whether a thin dielectric blurs transmission by more than the program's minimum roughness."""
     ior = max(1.0, ior)
     return roughness**2 * 3.4 * (ior - 1.0) * (ior - 0.5) ** 2 / ior**3 > 0.03**2
 
 
 def is_rough(roughness: float, ior: float) -> bool:
-    """Whether a face that refracts is rougher than the program's least roughness, and bends light at all."""
+    """Whether a refracting face is rougher than the program's minimum roughness, and refracts at all."""
     return roughness >= 0.03 and 1.0 + 1e-3 < ior <= 3.0
 
 

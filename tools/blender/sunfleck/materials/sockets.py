@@ -1,7 +1,7 @@
 """What gives a socket's value, where that is simple.
 
-In goes a socket, out comes a `Source`. Invariant: the source is exact; whatever is more involved is
-`NotSimple`, by the node's name. Groups are looked through.
+In goes a socket, out comes a `Source`. Invariant: the source is exact; anything more complex raises
+`NotSimple` with the node's name. Groups are followed.
 """
 
 import colorsys
@@ -16,7 +16,7 @@ CHANNELS = {"Red": 0, "Green": 1, "Blue": 2, "X": 0, "Y": 1, "Z": 2}
 
 
 def of(socket):
-    """What gives an input's value."""
+    """Source of an input."""
     link = link_to(socket)
     if link is None:
         return constant(socket)
@@ -32,7 +32,7 @@ def constant(socket):
 
 
 def constants(node, inputs):
-    """Of inputs that all have to be constant."""
+    """Values of inputs that all have to be constant."""
     sources = [of(socket) for socket in inputs]
     if not all(source.is_constant() for source in sources):
         raise NotSimple(node)
@@ -115,7 +115,7 @@ def read_ramp(node, output):
 
 
 def read_hue(node, output):
-    """Of constants alone."""
+    """Constants only."""
     names = ("Hue", "Saturation", "Value", "Fac" if "Fac" in node.inputs else "Factor", "Color")
     hue, saturation, value, share, color = constants(node, (node.inputs[name] for name in names))
     h, s, v = colorsys.rgb_to_hsv(*color.factor)
@@ -152,7 +152,7 @@ def read_combine(node, output):
 
 
 def read_attribute(node, output):
-    """Colours of vertices; which of them a mesh has is seen there."""
+    """Vertex colours; the mesh decides which of them it has."""
     if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
         raise NotSimple(node)
     name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
@@ -161,7 +161,7 @@ def read_attribute(node, output):
     return Source((1.0, 1.0, 1.0), attribute=name, attribute_channel=3 if output.name == "Alpha" else "rgb")
 
 
-# Inputs that the readers read: whatever else is linked, in later Blenders, is left to Cycles.
+# Inputs that the readers handle; any other linked input, as of later Blenders, is left to Cycles.
 KNOWN = {
     "Vector", "Factor", "Fac", "A", "B", "Color1", "Color2", "Color", "Image", "Value", "Hue", "Saturation", "From Min",
     "From Max", "To Min", "To Max", "Red", "Green", "Blue", "X", "Y", "Z", "Temperature",

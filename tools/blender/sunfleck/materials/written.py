@@ -1,7 +1,7 @@
-"""A `Surface` in glTF's words.
+"""Materials of glTF from a `Surface`.
 
 In go sources, out comes a material of the file. Invariant: factors lie in glTF's ranges; sources of one
-texture that stand in different pictures are put together in a new one, texel by texel.
+texture in different pictures are combined in a new one, texel by texel.
 """
 
 from dataclasses import replace
@@ -23,15 +23,15 @@ DEFAULTS = {
 
 
 class Writer:
-    """Writes materials of a document. `uv_number` gives the set of texture coordinates of a name. What
-    materials emit is multiplied by `exposure`."""
+    """Writes materials of a document. `uv_number` maps a name to its set of texture coordinates. Emission
+    is multiplied by `exposure`."""
 
     def __init__(self, document, images, uv_number, exposure):
         self.document, self.images, self.uv_number, self.exposure = document, images, uv_number, exposure
         self.losses = []
 
     def material(self, name, surface: Surface, is_still=True):
-        """The material, without extras; its numbers may be animated unless it keeps still."""
+        """Material without extras; its parameters may be animated unless `is_still`."""
         self.surface, self.is_still = surface, is_still
         self.losses = list(surface.losses)
         numbers = of_surface(surface, self.exposure)
@@ -67,7 +67,7 @@ class Writer:
         return self.surface.sources.get(name, DEFAULTS[name])
 
     def number(self, name):
-        """Of what glTF has one number for; a picture counts by its mean."""
+        """Parameter that is one number in glTF; a picture counts by its mean."""
         return number_of(self.flat(name))
 
     def flat(self, name):
@@ -84,7 +84,7 @@ class Writer:
     # Textures.
 
     def info(self, picture, image, **more):
-        """A texture info; None without an image."""
+        """Texture info; None without an image."""
         if image is None:
             self.losses.append("image-unreadable")
             return None
@@ -124,7 +124,7 @@ class Writer:
         return self.info(picture, self.images.composed("base", pixels if alpha.picture else pixels[..., :3]))
 
     def check_range(self, picture):
-        """Colours of floats may be above 1, where the file's end."""
+        """Reports colours above 1 in float images, as the file is limited to 1."""
         is_float = getattr(picture.image, "is_float", False)
         pixels = self.images.pixels(picture) if is_float else None
         if pixels is not None and pixels[..., :3].max() > 1.0 + 1e-4:
@@ -149,14 +149,14 @@ class Writer:
         return self.info(picture, self.images.composed("metallic roughness", pixels))
 
     def common_size(self, *sources):
-        """Of the pictures of sources that one texture is to hold."""
+        """Common size of the pictures for one texture."""
         pictures = [source.picture for source in sources if source.picture]
         return max(picture.image.size[0] for picture in pictures), max(
             picture.image.size[1] for picture in pictures
         )
 
     def texels(self, source, width, height, is_number=False):
-        """A source's picture at a size: each texel the nearest one."""
+        """Pixels of a source's picture at a size, by nearest neighbour."""
         pixels = self.images.pixels(source.picture)
         if pixels is None:
             return numpy.ones((height, width, 3), "f4")
@@ -175,12 +175,12 @@ class Writer:
         picture, strength = found
         pixels = self.images.pixels(picture) if 0.0 <= strength < 1.0 and self.is_still else None
         if pixels is not None:
-            # Cycles goes straight towards the unbent normal, glTF weakens x and y alone.
+            # Cycles interpolates towards the unbent normal; glTF scales x and y alone.
             weaker = 0.5 + 0.5 * (strength * (2.0 * pixels[..., :3] - 1.0) + (1.0 - strength) * numpy.array([0.0, 0.0, 1.0]))
             return self.info(picture, self.images.composed("normal", weaker, is_deep=True))
         return self.info(picture, self.images.whole(picture, is_color=False, is_deep=True), scale=strength)
 
-    # The rest.
+    # Other parts.
 
     def put_emission(self, said, numbers):
         emission, strength = numbers["emission"], numbers["emission_strength"]
@@ -202,7 +202,7 @@ class Writer:
             said["alphaMode"] = "BLEND"
 
     def extensions(self):
-        """Name and values of those that differ from what goes without saying."""
+        """Names and values of extensions that differ from the defaults."""
         yield from self.strong_emission()
         ior = self.number("ior")
         if abs(ior - 1.5) > 1e-6:
@@ -221,8 +221,8 @@ class Writer:
             yield "KHR_materials_emissive_strength", {"emissiveStrength": numbers["emission_strength"]}
 
     def specular(self):
-        """Cycles scales the reflectance along the normal by twice the level and by the tint, and at grazing
-        angles all is reflected; with the level 0 nothing is."""
+        """Specular extension. Cycles scales the reflectance along the normal by twice the level and by the
+        tint, and reflects everything at grazing angles; a level of 0 reflects nothing."""
         level, tint, share = self.number("specular"), rec709(self.flat("specular_tint").factor), self.number("shine")
         if level == 0.0:
             yield "KHR_materials_specular", {"specularFactor": 0.0}
@@ -264,8 +264,7 @@ class Writer:
             )
 
     def through(self):
-        """Light that comes out on the other side: glTF has a share of both, and for each a colour of what
-        is not that share."""
+        """Diffuse transmission: glTF has one share for both, and a colour for each side."""
         through, share = self.surface.sources.get("through"), self.surface.share_through()
         if through is None or share == 0.0:
             return
@@ -282,14 +281,14 @@ class Writer:
 
 
 def channel_of(pixels, channel):
-    """(rows, columns, 3), or 1 of a single channel."""
+    """Channel of pixels (rows, columns, 3), or 1 for a single channel."""
     if channel == "grey":
         return (pixels[..., :3] @ numpy.array(BRIGHTNESS, "f4"))[..., None]
     return pixels[..., :3] if channel == "rgb" else pixels[..., channel : channel + 1]
 
 
 def shines(surface):
-    """Whether it is more than matte: then its shine is Cycles', which differs from glTF's own."""
+    """Whether it is glossy: its gloss is then Cycles', which differs from glTF's own."""
     sources = (surface.sources.get(name, DEFAULTS[name]) for name in ("specular", "metallic", "coat"))
     return any(not source.is_constant() or source.number() > 0.0 for source in sources)
 
@@ -303,14 +302,14 @@ def unit(value):
 
 
 def of_surface(surface, exposure):
-    """The numbers of a material that may change; what it emits is multiplied by `exposure`."""
+    """Parameters of a material that may change; emission is multiplied by `exposure`."""
     source = lambda name: surface.sources.get(name, DEFAULTS[name])
-    # Of what goes through glTF takes its share from what is reflected.
+    # glTF subtracts the transmitted share from the reflected one.
     left = 1.0 - surface.share_through()
     color = [unit(channel / left) for channel in rec709(source("base").factor)]
     emission = [max(0.0, channel) for channel in rec709(source("emission").factor)]
     strength = exposure * max(0.0, number_of(source("emission_strength")))
-    # What glTF has a factor of at most 1 for is scaled down, its strength up; weak light needs no strength.
+    # Factors above 1 are scaled down and the strength up; weak emission needs no strength.
     largest = max(emission)
     if largest * strength <= 1.0:
         emission, strength = [channel * strength for channel in emission], 1.0 if strength else 0.0
