@@ -105,9 +105,9 @@ impl Seen {
     const NOTHING: Self =
         Self { sides: [f64::NEG_INFINITY; 4], low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
 
-    /// A point in the camera's axes. Its frustum, moved so that the apex is `a`, holds the point `p` if
-    /// |p.x - a.x| <= t.x (a.z - p.z), and likewise in y: so of all points count those that are farthest
-    /// across each of the four sides.
+    /// Bounds of a point in the camera's axes. A frustum with its apex at `a` contains the point `p` if
+    /// |p.x - a.x| <= t.x (a.z - p.z), and likewise in y. So only the points farthest across each of the
+    /// four sides matter.
     fn point(p: DVec3, tangents: DVec2) -> Self {
         let deep = tangents * p.z;
         Self { sides: [p.x + deep.x, -p.x + deep.x, p.y + deep.y, -p.y + deep.y], low: p, high: p }

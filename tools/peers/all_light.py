@@ -34,7 +34,7 @@ def floats(text: str) -> list[float]:
 
 
 class Scene:
-    """What is rendered, and its reference."""
+    """Scene with its reference."""
 
     def __init__(self, source: Path, size: str, window: str, samples: int):
         self.source, self.size = source, size
@@ -47,7 +47,7 @@ class Scene:
         self.noise = float(((0.5 * (one - other)) ** 2).mean())
 
     def by_sunfleck(self, flags: list) -> tuple[np.ndarray, float]:
-        """A picture, and CPU seconds of its process."""
+        """Picture, and CPU seconds of its process."""
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder, "picture.exr")
             given = ["--frames", 1, "--size", self.size, "--filter", "box", "--passes", "none", "--out", out]
@@ -55,12 +55,12 @@ class Scene:
             return colors(decode(out)), seconds
 
     def error(self, picture: np.ndarray) -> float:
-        """Of a picture within the window, without the reference's own."""
+        """Error of a picture within the window, without the reference's own noise."""
         return float(max(((picture[self.window] - self.truth) ** 2).mean() - self.noise, 0.0) ** 0.5 / self.truth.mean())
 
 
 def main() -> None:
-    """Prints all points, and what an error costs."""
+    """Prints all points, and the time for each error."""
     command = parser(__doc__)
     command.add_argument("source", type=Path)
     command.add_argument("--size", default="480x270")

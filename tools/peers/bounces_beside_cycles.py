@@ -48,7 +48,7 @@ def main():
 
 
 def measured(build, arguments, folder):
-    """Of each number of bounces: our pictures on the grid and by walks, and Cycles'."""
+    """For each number of bounces: sunfleck's pictures on the grid and by walks, and Cycles'."""
     scene, frame = build()
     size = (scene.render.resolution_x, scene.render.resolution_y)
     first = beside.Wish(arguments.sunfleck, frame, size, arguments.samples, arguments.cycles_samples)
@@ -80,7 +80,7 @@ def tell(name, bounces, pictures, folder):
 
 @contextlib.contextmanager
 def silent():
-    """Cycles talks of every sample."""
+    """Silences Cycles' messages about samples."""
     out = os.dup(1)
     with open(os.devnull, "w") as nothing:
         os.dup2(nothing.fileno(), 1)

@@ -14,17 +14,17 @@ BLOCK = 10
 
 
 def parser(doc: str) -> argparse.ArgumentParser:
-    """A command line that its script's own text describes."""
+    """Parser whose description is the script's docstring."""
     return argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
 def program() -> str:
-    """The renderer."""
+    """Path of the renderer."""
     return os.environ.get("SUNFLECK", "sunfleck")
 
 
 def cpu_seconds(command: list) -> float:
-    """Of a process from its start to its end; one that fails ends this one."""
+    """CPU seconds of a process; if it fails, this one exits."""
     with subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
         said = process.stderr.read()
         _, status, used = os.wait4(process.pid, 0)
@@ -35,7 +35,7 @@ def cpu_seconds(command: list) -> float:
 
 
 def rendered(scene: Path, size: str, flags: list[str], frame: int = 1) -> tuple[dict[str, np.ndarray], float, dict]:
-    """The channels of a frame; CPU seconds of the process; what `--stats` says."""
+    """Channels of a frame, CPU seconds of the process, and the frame's `--stats`."""
     from sunfleck_tools.exr.decode import decode
 
     with tempfile.TemporaryDirectory() as folder:
@@ -46,33 +46,33 @@ def rendered(scene: Path, size: str, flags: list[str], frame: int = 1) -> tuple[
 
 
 def told_of(stats: Path) -> dict:
-    """What `--stats` says of the first frame, behind the line of the input's losses."""
+    """`--stats` of the first frame, after the line of the input's losses."""
     return next(line for line in map(json.loads, stats.read_text().splitlines()) if "frame" in line)
 
 
 def colors(channels: dict[str, np.ndarray], prefix: str = "") -> np.ndarray:
-    """The beauty or a pass, height x width x 3, W m^-2 sr^-1."""
+    """Beauty or a pass, height x width x 3, W m^-2 sr^-1."""
     return np.stack([channels[prefix + color] for color in "RGB"], -1).astype(float)
 
 
 def picture(scene: Path, size: str, flags: list[str]) -> tuple[np.ndarray, float, dict]:
-    """As `rendered`, of the beauty alone."""
+    """As `rendered`, for the beauty alone."""
     channels, seconds, told = rendered(scene, size, flags)
     return colors(channels), seconds, told
 
 
 def blocks(picture: np.ndarray) -> np.ndarray:
-    """Means of blocks of a picture; rows and columns that fill none are left out."""
+    """Means of blocks of a picture, without incomplete blocks."""
     rows, columns = picture.shape[0] // BLOCK, picture.shape[1] // BLOCK
     inside = picture[: rows * BLOCK, : columns * BLOCK]
     return inside.reshape(rows, BLOCK, columns, BLOCK, 3).mean(axis=(1, 3))
 
 
 def truth_of(pictures: np.ndarray) -> tuple[np.ndarray, float]:
-    """The mean of independent pictures, and the mean variance that their noise leaves in it."""
+    """Mean of independent pictures, and the mean variance of its noise."""
     return pictures.mean(axis=0), float(pictures.var(axis=0, ddof=1).mean() / len(pictures))
 
 
 def error(ours: np.ndarray, theirs: np.ndarray, noise: float) -> float:
-    """The root mean square of what two differ by, as a share of the mean; the truth's own noise is taken out."""
+    """Root mean square difference relative to the mean, without the truth's own noise."""
     return float(np.sqrt(max(((ours - theirs) ** 2).mean() - noise, 0.0)) / theirs.mean())

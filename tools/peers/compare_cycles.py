@@ -29,7 +29,7 @@ SIZE = (160, 90)
 
 
 def fog(scene, density=0.15):
-    """A cube that is fog to Cycles by its material and to sunfleck by its setting."""
+    """Cube of fog, in Cycles by its material and in sunfleck by its setting."""
     corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     mesh = bpy.data.meshes.new("fog")
@@ -60,7 +60,7 @@ def rectangle(scene):
 
 
 def noisy(scene):
-    """A floor of nodes that are baked."""
+    """Floor with nodes that are baked."""
     tree = bpy.data.materials["floor"].node_tree
     noise, ramp = tree.nodes.new("ShaderNodeTexNoise"), tree.nodes.new("ShaderNodeValToRGB")
     noise.inputs["Scale"].default_value = 3.0
@@ -74,7 +74,7 @@ def noisy(scene):
 
 
 def lit_from_behind(scene):
-    """A wall of Diffuse and Translucent BSDF, mixed by a number, before a sun."""
+    """Wall of Diffuse and Translucent BSDF, mixed by a constant, in front of a sun."""
     tree = bpy.data.materials["wall"].node_tree
     mix = tree.nodes.new("ShaderNodeMixShader")
     mix.inputs[0].default_value = 0.4
@@ -90,7 +90,7 @@ def lit_from_behind(scene):
 
 
 def scattered(scene):
-    """Leaves of geometry nodes, each in its own random colour."""
+    """Leaves from geometry nodes, each with a random colour."""
     leaf = scenes.quad(scene, "leaf", 0.25, scenes.material("leaf", (0.5, 0.5, 0.1)))
     leaf.hide_render = True
     tree = leaf.data.materials[0].node_tree
@@ -115,7 +115,7 @@ SCENES = {
     "sun, a disc of 10 deg": lambda scene: scenes.sun(scene, angle=math.radians(10.0)),
     "sun, shifted lens": shifted,
     "point": lambda scene: lamp(scene, "POINT", energy=100.0, shadow_soft_size=0.0),
-    # With soft falloff Cycles takes a disc that turns to whatever it lights.
+    # With soft falloff Cycles uses a disc that faces each lit point.
     "sphere": lambda scene: lamp(scene, "POINT", energy=100.0, shadow_soft_size=0.2, use_soft_falloff=False),
     "spot": lambda scene: lamp(
         scene, "SPOT", energy=300.0, shadow_soft_size=0.0, spot_size=math.radians(70.0), spot_blend=0.4

@@ -60,7 +60,7 @@ def colors(path):
 
 
 def picture_by_cycles(arguments):
-    """What a process for one picture by Cycles does."""
+    """Renders one picture by Cycles, in a process of its own."""
     from sunfleck_tools.peers import cycles
 
     scene = read_scene(arguments.input)
@@ -71,22 +71,21 @@ def picture_by_cycles(arguments):
 
 
 class Renderer:
-    """Makes pictures, and knows what each took."""
+    """Renders pictures and measures their times."""
 
     def __init__(self, name, samples, command):
         self.name, self.samples, self.command = name, samples, command
 
     def cpu_s(self, source, size, samples, seed, target):
-        """Of a process that makes a picture, from its start to its end; and of that for
-        writing, if it tells."""
+        """CPU seconds of a process that renders a picture, and those for writing, if it reports them."""
         stats = target.with_suffix(".json")
         seconds = cpu_seconds(self.command(source, size, samples, seed, target))
         return seconds, told_of(stats)["write_seconds"] if stats.exists() else 0.0
 
 
 def seconds_to(target, points):
-    """Where a line through points (error, seconds) meets an error, both axes logarithmic; the seconds of the
-    first if it errs by less, not a number where all err by more."""
+    """Time at which a line through points (error, seconds), both axes logarithmic, has an error. It is the
+    first point's if that errs by less, and NaN if all err by more."""
     if points[0][0] <= target:
         return points[0][1]
     for (e0, t0), (e1, t1) in zip(points, points[1:]):
@@ -130,7 +129,7 @@ def parse():
 
 
 class View:
-    """The scene under one sun: measures pictures against its reference, and prints them."""
+    """Scene under one sun: compares pictures with its reference, and prints them."""
 
     def __init__(self, sun, source, reference, reference_noise, folder):
         self.sun, self.source, self.folder = sun, source, folder
@@ -138,7 +137,7 @@ class View:
 
     @classmethod
     def under(cls, sun, own, ours):
-        """Under another sun than that of `own`."""
+        """View under another sun than that of `own`."""
         target, (height, width) = own.folder / "reference.exr", own.reference.shape[:2]
         source = with_sun(own.source, sun, own.folder / f"{sun}.glb")
         found = []
@@ -150,7 +149,7 @@ class View:
         return cls(sun, source, 0.5 * (one + other), noise, own.folder)
 
     def point(self, renderer, samples, seed):
-        """Error, seconds of the whole process, and those without writing."""
+        """Error, seconds of the whole process, and seconds without writing."""
         target, (height, width) = self.folder / f"{renderer.name}.exr", self.reference.shape[:2]
         seconds, writing_s = renderer.cpu_s(self.source, f"{width}x{height}", samples, seed, target)
         square = numpy.mean((colors(target) - self.reference) ** 2)
@@ -159,12 +158,12 @@ class View:
         return error, seconds, seconds - writing_s
 
     def empty(self, renderer, seed):
-        """Seconds of a process that renders next to nothing."""
+        """Seconds of a process that renders almost nothing."""
         seconds, _ = renderer.cpu_s(self.source, EMPTY_SIZE, 1, seed, self.folder / f"{renderer.name}.exr")
         return seconds
 
     def round(self, ours, theirs, number):
-        """Of both: errors and seconds, of whole processes and of rendering."""
+        """Errors and seconds of both, for whole processes and for rendering."""
         points, mine, empty = [], {samples: [] for samples in ours.samples}, []
         for turn, samples in enumerate(theirs.samples):
             points.append(self.point(theirs, samples, number))
@@ -187,13 +186,13 @@ class View:
 
 
 def mean(found):
-    """Of points with one number of samples: the error is a root of squares."""
+    """Mean of points with one number of samples; errors are averaged as squares."""
     errors, *seconds = zip(*found)
     return statistics.fmean(error * error for error in errors) ** 0.5, *map(statistics.fmean, seconds)
 
 
 def renderers(arguments):
-    """Both."""
+    """Both renderers."""
     own_threads = arguments.sunfleck_threads or arguments.threads
 
     def by_sunfleck(source, size, samples, seed, target):
@@ -211,7 +210,7 @@ def renderers(arguments):
 
 
 def compare(arguments, folder):
-    """Prints what both take, in turns."""
+    """Prints the results of both, in turns."""
     ours, theirs = renderers(arguments)
     own = View(OWN_SUN, arguments.input, colors(arguments.reference), arguments.reference_noise, folder)
     views = [own if sun == OWN_SUN else View.under(sun, own, ours) for sun in arguments.suns]
@@ -241,7 +240,7 @@ def compare(arguments, folder):
 
 
 def told(pairs):
-    """Ratios of the second to the first: their median, and from the least to the greatest."""
+    """Ratios of the second to the first: median, minimum and maximum."""
     ratios = sorted(other / mine for mine, other in pairs)
     return f"{statistics.median(ratios):5.0f} ({ratios[0]:.0f} to {ratios[-1]:.0f})"
 

@@ -25,7 +25,7 @@ def passes(arguments: argparse.Namespace, scene: Path, flags: list[str]) -> dict
 
 
 def told(grid: dict[str, np.ndarray], walks: list[dict[str, np.ndarray]]) -> str:
-    """Ratios of means, and how blocks differ if there are several pictures by walks."""
+    """Ratios of means, and differences of blocks if there are several pictures by walks."""
     means = {name: np.mean([picture[name] for picture in walks], axis=0) for name in PASSES}
     ratios = {name: grid[name].mean(axis=(0, 1)) / means[name].mean(axis=(0, 1)) for name in PASSES}
     text = ", ".join(f"{name} {' '.join(f'{ratio:.3f}' for ratio in ratios[name])}" for name in PASSES)

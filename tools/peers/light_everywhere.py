@@ -27,7 +27,7 @@ MOST_CYCLES_SAMPLES = 16384
 
 
 def truth(scene: Path, size: str, samples: int) -> tuple[np.ndarray, float]:
-    """Blocks by random walks, and the mean variance that noise gives them; kept beside the scene."""
+    """Blocks by random walks, and the mean variance of their noise; cached beside the scene."""
     kept = scene.with_name(f"{scene.stem}.{size}.{samples}.npy")
     if not kept.exists():
         walks = ["--volume", "paths", "--samples", str(samples), "--seed"]
@@ -36,7 +36,7 @@ def truth(scene: Path, size: str, samples: int) -> tuple[np.ndarray, float]:
 
 
 def beside(ours: np.ndarray, theirs: np.ndarray, noise: float) -> tuple[str, float]:
-    """How blocks differ, in words; and the root mean square as a share of the mean."""
+    """Differences of blocks as text; and their root mean square relative to the mean."""
     difference, own = ours - theirs, theirs.mean(-1)
     found = error(ours, theirs, noise)
     worst = np.where(own > LEAST_LIGHT * own.mean(), difference.mean(-1) / np.maximum(own, 1e-30), 0.0)
@@ -46,7 +46,7 @@ def beside(ours: np.ndarray, theirs: np.ndarray, noise: float) -> tuple[str, flo
 
 
 def cycles_seconds(scene: Path, size: str, theirs: np.ndarray, noise: float, aim: float) -> str:
-    """CPU seconds of Cycles to blocks that are as good."""
+    """CPU seconds of Cycles for blocks with an equal error."""
     from sunfleck_tools.commands.peers import bounces
     from sunfleck_tools.peers import cycles
     from sunfleck_tools.peers.scene import read_scene

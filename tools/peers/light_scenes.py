@@ -35,7 +35,7 @@ BASE = {
 
 
 def scene(sky: str = SKY, /, **changed: dict[str, str] | None) -> str:
-    """The text of the base scene with some of its maps replaced, or left out where they are None."""
+    """Text of the base scene with some of its maps replaced, or left out if None."""
     parts = {name: entries for name, entries in {**BASE, **changed}.items() if entries}
     maps = "".join(
         f"    {name}: {{ " + ", ".join(f'"{key}": {value}' for key, value in entries.items()) + " },\n"
@@ -52,7 +52,7 @@ def block(low: tuple[float, float, float], high: tuple[float, float, float], mat
 
 
 def more(name: str, **entries: str) -> dict[str, dict[str, str]]:
-    """A map of the base scene with more entries."""
+    """Map of the base scene with additional entries."""
     return {name: {**BASE[name], **entries}}
 
 
@@ -127,7 +127,7 @@ def wall() -> str:
 
 
 def mist(scale_height_m: float, *, boxed: bool = False) -> str:
-    """Fog that thins with height over ground of 200 m, with a camera among the leaves' surroundings."""
+    """Fog that falls off with height over ground of 200 m, with a camera among leaves."""
     bounds = "min_m: (-30.0, 0.0, -30.0), max_m: (30.0, 20.0, 30.0), " if boxed else ""
     depth = 0.3 / scale_height_m
     return scene(
@@ -137,7 +137,7 @@ def mist(scale_height_m: float, *, boxed: bool = False) -> str:
 
 
 def dense(density_per_m: float) -> str:
-    """Even fog in the box."""
+    """Uniform fog in the box."""
     return scene(fog={"haze": BASE["fog"]["haze"].replace("0.15", f"{density_per_m}")})
 
 
@@ -208,7 +208,7 @@ def night() -> str:
 
 
 def lanterns(*, glowing: bool = False) -> str:
-    """Two lamps, or a cube that glows, beneath leaves in mist without bounds."""
+    """Two lamps, or an emissive cube, beneath leaves in unbounded mist."""
     lamps = {
         "lamp": "Point(position_m: (-1.0, 1.5, -1.0), intensity_w_per_sr: (3.0, 2.0, 1.0))",
         "lower": "Point(position_m: (1.8, 0.7, 0.5), intensity_w_per_sr: (1.0, 0.8, 0.6))",
@@ -225,7 +225,7 @@ def lanterns(*, glowing: bool = False) -> str:
 
 
 def two_rooms() -> str:
-    """A room that the next one lights through a door, and that one a window."""
+    """A room lit through a door by the next one, which has a window."""
     walls = {
         "floor": block((-4, -0.2, -2), (4, 0, 2)),
         "ceiling": block((-4, 2.8, -2), (4, 3, 2)),
@@ -320,7 +320,7 @@ def write_sky(path: Path) -> None:
 
 
 def moved(turn: str = "", at: str = "(0.0, 0.0, 0.0)", scale: float = 1.0) -> str:
-    """The base scene as a whole turned, moved or scaled, under an even sky, which no turn changes."""
+    """Base scene rotated, moved or scaled as a whole, under a uniform sky, which rotation does not change."""
     frame = f"translation_m: {at}{turn and f', rotation_deg: {turn}'}, scale: {scale}"
     return scene(
         "Constant(radiance_w_per_m2_sr: (0.5, 0.6, 0.8))",
@@ -375,7 +375,7 @@ SCENES["upright"] = moved
 
 
 def write(name: str, folder: Path) -> Path:
-    """The scene of a name as a file in a folder."""
+    """Writes the named scene as a file in a folder."""
     path = folder / f"{name.replace(' ', '_')}.ron"
     path.write_text(SCENES[name]() if name in SCENES else CHANGES[name][1]())
     if SUN_SKY in path.read_text():

@@ -40,7 +40,7 @@ CYCLES_SIZE = 240, 135
 
 
 def mist(voxels: int) -> np.ndarray:
-    """Octaves of noise, cut off, in [x, y, z], that end before the box does."""
+    """Octaves of noise above a threshold, in [x, y, z], that end inside the box."""
     rng, noise = np.random.default_rng(5), np.zeros((voxels,) * 3, np.float32)
     at = (np.arange(voxels, dtype=np.float32) + 0.5) / voxels
     for octave in range(5):
@@ -56,7 +56,7 @@ def mist(voxels: int) -> np.ndarray:
 
 
 def write_grid(path: Path, density: np.ndarray) -> int:
-    """Writes a file; how many voxels of it are active."""
+    """Writes a file; returns its number of active voxels."""
     size = BOX_M / density.shape
     rows = np.diag([*size, 1.0])
     rows[3, :3] = size / 2 - BOX_M * [0.5, 0, 0.5]
@@ -69,7 +69,7 @@ def write_grid(path: Path, density: np.ndarray) -> int:
 
 
 def write_scenes(folder: Path, voxels: int) -> tuple[Path, Path, int]:
-    """The scene with mist, that with even fog, and the number of active voxels."""
+    """Scene with mist, scene with uniform fog, and the number of active voxels."""
     density = mist(voxels)
     active = write_grid(folder / "mist.vdb", density)
     box = "min_m: (-3.0, 0.0, -3.0), max_m: (3.0, 3.0, 3.0)"
@@ -78,14 +78,14 @@ def write_scenes(folder: Path, voxels: int) -> tuple[Path, Path, int]:
         "even": f"({box}, {FOG.format(DENSITY_PER_M * density.mean())})",
     }
     for name, fog in fogs.items():
-        # Others' leaves let no light through.
+        # Leaves are opaque in the other renderers.
         opaque = more("materials", gold="(base_color: (0.5, 0.25, 0.02))")
         (folder / f"{name}.ron").write_text(scene("", **opaque, fog={"fog": fog}))
     return folder / "mist.ron", folder / "even.ron", active
 
 
 def beside_mitsuba(path: Path, bounces: int, pictures: int, samples: int) -> str:
-    """Our picture beside that of Mitsuba."""
+    """Comparison of sunfleck's picture with Mitsuba's."""
     read = read_scene(path)
     read.size, read.bounces = PIXELS, bounces
     render = mitsuba.prepare(read, "scalar_rgb")
@@ -100,7 +100,7 @@ def beside_mitsuba(path: Path, bounces: int, pictures: int, samples: int) -> str
 
 
 def by_even_fog(mist: Path, even: Path, bounces: str, rounds: int) -> tuple[float, int]:
-    """CPU seconds of a frame with mist by those with even fog; bytes of memory that it takes beyond."""
+    """CPU seconds of a frame with mist relative to uniform fog, and additional bytes of memory."""
     seconds, memory = {mist: [], even: []}, {}
     for _ in range(rounds):
         for path in seconds:
@@ -111,7 +111,7 @@ def by_even_fog(mist: Path, even: Path, bounces: str, rounds: int) -> tuple[floa
 
 
 def memory(path: Path) -> float:
-    """Bytes of a scene's grid as rays walk through it."""
+    """Bytes of a scene's grid in the form for traversal."""
     command = [program(), "inspect", str(path)]
     told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     found = re.search(r"by voxels, .* ([\d.]+) MB:", told)
@@ -120,8 +120,9 @@ def memory(path: Path) -> float:
 
 
 def beside_cycles(path: Path, denoiser: str | None, most: int) -> str:
-    """CPU seconds of Cycles by ours to the error that we have by 16 samples, direct light. Without a denoiser
-    its error falls as the root of samples, with one it is asked for more and more."""
+    """CPU seconds of Cycles relative to sunfleck's, at the error of sunfleck's 16 samples of direct light.
+    Without a denoiser Cycles' error falls as the root of samples; with one, samples are increased step by
+    step."""
     size = f"{CYCLES_SIZE[0]}x{CYCLES_SIZE[1]}"
     reference = picture(path, size, ["--samples", "512", "--seed", "9", "--bounces", "0"])[0]
     ours, seconds, _ = picture(path, size, ["--samples", "16", "--bounces", "0"])
@@ -141,7 +142,7 @@ def beside_cycles(path: Path, denoiser: str | None, most: int) -> str:
 
 
 def main() -> None:
-    """Prints a line a figure."""
+    """Prints each figure on a line."""
     command = parser(__doc__)
     command.add_argument("voxels", type=int, nargs="*", default=[64, 256], help="along a side")
     command.add_argument("--pictures", type=int, default=8, help="by Mitsuba")

@@ -33,7 +33,7 @@ from sunfleck_tools.peers.suns import changed
 
 
 def without_what_differs(document):
-    """Takes shine, sky, and a sun that the camera sees out of a glTF document."""
+    """Removes gloss, sky, and a sun visible to the camera from a glTF document."""
     document["scenes"][0]["extras"].pop("sunfleck_env", None)
     for material in document["materials"]:
         material.setdefault("extensions", {})["KHR_materials_specular"] = {"specularFactor": 0.0}
@@ -42,7 +42,7 @@ def without_what_differs(document):
 
 
 def scene_of(bare, frame, size):
-    """Blender's scene of a file: what other renderers get, with the light through leaves and the lens."""
+    """Blender scene of a file: that of other renderers, with transmission of leaves and the lens."""
     whole = {}
 
     def without_lens(document):
@@ -63,7 +63,7 @@ def scene_of(bare, frame, size):
 
 
 def let_light_through(material, color):
-    """Adds Lambert transmission: a colour times the picture that the reflection has."""
+    """Adds Lambert transmission: a colour times the picture of the reflection."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
     out = next(node for node in nodes if node.type == "OUTPUT_MATERIAL")
     through, both = nodes.new("ShaderNodeBsdfTranslucent"), nodes.new("ShaderNodeAddShader")
@@ -76,7 +76,7 @@ def let_light_through(material, color):
 
 
 def set_lens(data, described):
-    """Angle and aperture, as a file describes them."""
+    """Sets angle and aperture from a file's description."""
     perspective, ours = described["perspective"], described["extras"]["sunfleck_camera"]
     half = math.tan(perspective["yfov"] / 2.0) * perspective["aspectRatio"]
     data.sensor_fit, data.sensor_width = "HORIZONTAL", ours.get("sensor_width_mm", 36.0)

@@ -148,8 +148,8 @@ class Refinement:
         return np.bincount(self.cage.edges.ends.ravel(), values.ravel(), self.cage.vertices)
 
     def _rule(self, edge_sharpness: np.ndarray, vertex_sharpness: np.ndarray) -> "_Rule":
-        """Smooth (or dart), crease, or corner, by how many edges are sharp (DeRose, Kass and Truong
-        1998, section 3)."""
+        """Rule of each vertex by its number of sharp edges: smooth (or dart), crease, or corner (DeRose,
+        Kass and Truong 1998, section 3)."""
         is_sharp = np.repeat((edge_sharpness > 0)[:, None], 2, axis=1)
         sharp = self._at_ends(is_sharp)
         valence = self._at_ends(np.ones_like(is_sharp))
@@ -184,7 +184,7 @@ class Refinement:
         return np.concatenate([at_vertices, at_edges] + ([] if cage.is_loop else [centers]))
 
     def linear(self, values: np.ndarray) -> np.ndarray:
-        """Values of vertices, refined in straight lines: primvars of interpolation `varying`."""
+        """Values of vertices, refined linearly: primvars of interpolation `varying`."""
         ends = values[self.cage.edges.ends]
         middles = 0.5 * (ends[:, 0] + ends[:, 1])
         return np.concatenate([values, middles] + ([] if self.cage.is_loop else [self._centers(values)]))
@@ -195,14 +195,14 @@ class Refinement:
 
     @property
     def parents(self) -> np.ndarray:
-        """The face of the cage that each finer face is of."""
+        """Face of the cage for each finer face."""
         return (
             np.repeat(np.arange(len(self.cage.counts)), 4) if self.cage.is_loop else self.cage.face_of_corner
         )
 
     @cached_property
     def finer(self) -> Cage:
-        """The cage of the next level, of quads or of triangles."""
+        """Cage of the next level, of quads or triangles."""
         cage, edges = self.cage, self.cage.edges
         at_edge = cage.vertices + edges.of_corner
         before = np.empty(len(at_edge), np.int64)
@@ -229,7 +229,7 @@ class Refinement:
 
 @dataclass(frozen=True)
 class _Rule:
-    """Of each vertex what applies (0 smooth, 1 crease, 2 corner), and the weights."""
+    """Rule of each vertex (0 smooth, 1 crease, 2 corner), and the weights."""
 
     kind: np.ndarray
     own: np.ndarray
@@ -238,14 +238,14 @@ class _Rule:
 
 
 def sums(places: np.ndarray, rows: np.ndarray, count: int) -> np.ndarray:
-    """The sum of the rows of each place."""
+    """Sum of the rows with each index."""
     width = rows.shape[1]
     bins = (places[:, None] * width + np.arange(width)).ravel()
     return np.bincount(bins, rows.ravel(), count * width).reshape(count, width)
 
 
 def refined(cage: Cage, levels: int) -> list[Refinement]:
-    """As many levels, each of the one before."""
+    """Levels of refinement, each of the previous one."""
     found = []
     for _ in range(levels):
         found.append(Refinement(cage))

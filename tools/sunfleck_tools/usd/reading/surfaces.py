@@ -1,5 +1,5 @@
-"""Materials of a stage to those of glTF. Invariant: each is written once for each order of
-texture coordinates."""
+"""Materials of a stage as materials of glTF. Invariant: each is written once for each order of texture
+coordinates."""
 
 import copy
 import json
@@ -47,8 +47,8 @@ class Surfaces:
         colors: np.ndarray | None = None,
         glow: tuple[float, ...] | None = None,
     ) -> int | None:
-        """The glTF material of a material of the stage; without one, of a mesh's own `colors`
-        (rows of RGB or RGBA).
+        """Index of the glTF material for one of the stage; without one, for a mesh's own `colors` (rows of
+        RGB or RGBA).
 
         `glow` is the radiance of a mesh that is a light.
         """
@@ -61,7 +61,7 @@ class Surfaces:
         return self._written[key]
 
     def tinted(self, number: int | None, color: tuple[float, ...]) -> int | None:
-        """A material that shows a mesh's colours, in the colour of an instance: RGB and opacity."""
+        """Material with a mesh's colours, times an instance's RGB and opacity."""
         if number is None:
             return None
         key = number, color
@@ -119,7 +119,7 @@ class Surfaces:
 
 
 def _unbound(colors: np.ndarray | None) -> Looks:
-    """Of a mesh without a material."""
+    """Material of a mesh without one."""
     base = GREY if colors is None else (1.0,) * 3
     pbr = {"baseColorFactor": [*base, 1.0], "metallicFactor": 0.0}
     material = {"name": UNBOUND, "doubleSided": True, "pbrMetallicRoughness": pbr}
@@ -129,7 +129,7 @@ def _unbound(colors: np.ndarray | None) -> Looks:
 
 
 def _glowing(looks: Looks, glow: tuple[float, ...] | None) -> Looks:
-    """The same with a light's radiance, unless the material shines itself, which is what is seen of a light
+    """The same with a light's radiance, unless the material itself emits, which is then visible
     (`materialSyncMode`)."""
     material = looks.material
     shines = "emissiveFactor" in material or "emissiveTexture" in material
@@ -145,12 +145,12 @@ def _glowing(looks: Looks, glow: tuple[float, ...] | None) -> Looks:
 
 
 def _keep(material: dict, extras: dict) -> None:
-    """What export kept beside a material, as it was."""
+    """Restores the extras that the export stored beside a material."""
     kept = {key: extras[key] for key in OURS if key in extras}
     if kept:
         material["extras"] = kept
     for name in NOT_CARRIED:
-        # Textures of them have numbers of another file.
+        # Their textures have indices of another file.
         said = extras.get(name)
         numbers = (
             {key: value for key, value in said.items() if not isinstance(value, dict)}
@@ -162,15 +162,14 @@ def _keep(material: dict, extras: dict) -> None:
 
 
 def _keep_shares(base: list[float], ours: object) -> None:
-    """Rounds a base colour down so far that it does not add up to more than 1 with the other
-    shares of the light.
+    """Rounds a base colour down until its sum with the other shares is at most 1.
 
-    A stage has colours in single precision, and custom data in double: what added up to 1 may have
-    come to lie above it.
+    A stage has colours in single precision, and custom data in double, so a sum of 1 may have grown above
+    it.
     """
     others = [ours[name] for name in OTHER_SHARES if name in ours] if isinstance(ours, dict) else []
     for channel in range(3):
-        # What is no number is for the renderer to refuse.
+        # The renderer refuses values that are not numbers.
         shares = [each[channel % len(each)] if isinstance(each, list) and each else each for each in others]
         if all(isinstance(each, (int, float)) for each in shares):
             room = 1.0 - math.fsum(shares)

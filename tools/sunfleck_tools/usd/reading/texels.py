@@ -1,8 +1,8 @@
-"""Files of textures to texels, and back to PNG.
+"""Decoding of texture files, and encoding as PNG.
 
 In go bytes of PNG, JPEG, TGA, WebP, TIFF, BMP or OpenEXR, out come rows of red, green, blue and alpha.
-Invariant: nothing is decoded whose head claims more than it may; whatever else is wrong with a file is a
-`PictureError` in words.
+Invariant: an image whose header exceeds the limits is not decoded; any other fault of a file is a
+`PictureError` with a message.
 """
 
 import io
@@ -35,13 +35,13 @@ TAKEN = ("PNG", "JPEG", "TGA", "WEBP", "TIFF", "BMP")
 
 
 class PictureError(Exception):
-    """A file that is no picture that can be read; says why."""
+    """A picture cannot be read; the message has the reason."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A file, and what its head says: format as Pillow names it (or `EXR`), width and height,
-    channels, bits of each."""
+    """File with its header's data: Pillow's format name (or `EXR`), width and height, channels, bits of
+    each."""
 
     path: str
     data: bytes
@@ -52,11 +52,11 @@ class Picture:
     is_carried: bool
 
     def texels(self, size: tuple[int, int], is_srgb: bool) -> np.ndarray:
-        """Rows of linear RGBA at a width and height: 0 to 1 of whole numbers, anything of floats.
-        Raises `PictureError`."""
+        """Rows of linear RGBA at a width and height: 0 to 1 for integers, any value for floats. Raises
+        `PictureError`."""
         found = _exr_texels(self.data) if self.form == "EXR" else _pillow_texels(self.data, size)
         if found.dtype == np.uint8:
-            # There are but 256 of them: a look into a table for each texel.
+            # A table, as there are only 256 values.
             levels = np.arange(256, dtype=np.float32) / 255
             color = linear_from_srgb(levels) if is_srgb else levels
             found = np.concatenate([color[found[..., :3]], levels[found[..., 3:]]], axis=-1)
@@ -66,7 +66,7 @@ class Picture:
 
 
 def open_picture(resolved: str) -> Picture:
-    """Reads the head of a file, which may lie in a package. Raises `PictureError`."""
+    """Reads the header of a file, which may be in a package. Raises `PictureError`."""
     opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved)) if resolved else None
     if not opened:
         raise PictureError("there is no such file")
@@ -138,7 +138,7 @@ def _pillow_head(resolved: str, data: bytes) -> Picture:
 
 
 def _verify(data: bytes) -> None:
-    """That a file which is carried as it is can be decoded, as quickly as that can be said."""
+    """Checks quickly that an unchanged file can be decoded."""
     with _opened(data) as image:
         if image.format == "PNG":
             image.verify()
@@ -148,7 +148,7 @@ def _verify(data: bytes) -> None:
 
 
 def _pillow_texels(data: bytes, size: tuple[int, int]) -> np.ndarray:
-    """As stored: bytes, or floats from 0 to 1 of what has more bits."""
+    """Texels as stored: bytes, or floats from 0 to 1 for more bits."""
     with _opened(data) as image:
         if image.mode == "F":
             grey: np.ndarray = np.asarray(image, np.float32)
@@ -157,14 +157,14 @@ def _pillow_texels(data: bytes, size: tuple[int, int]) -> np.ndarray:
         else:
             colors = image.convert("RGBA")
             if size[0] * size[1] < image.width * image.height:
-                # Before bytes become floats: four times the memory.
+                # Resized as bytes, as floats take four times the memory.
                 colors = colors.resize(size, Image.Resampling.BILINEAR)
             return np.asarray(colors)
     return np.stack([grey, grey, grey, np.ones_like(grey)], axis=-1)
 
 
 class _opened:
-    """Pillow's image of bytes, with whatever it finds wrong as `PictureError`."""
+    """Pillow's image of bytes; its errors become `PictureError`."""
 
     def __init__(self, data: bytes):
         self.data = data
@@ -191,8 +191,7 @@ class _opened:
 
 
 def resized(texels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Texels at another width and height: averages where there are fewer, straight lines
-    where there are more."""
+    """Texels at another width and height: averages for fewer, linear interpolation for more."""
     if (texels.shape[1], texels.shape[0]) == size:
         return texels
     planes = [
@@ -203,7 +202,7 @@ def resized(texels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
 
 def png(texels: np.ndarray) -> bytes:
-    """RGB or RGBA from 0 to 1, to the nearest of 256 steps."""
+    """Encodes RGB or RGBA from 0 to 1, rounded to 256 levels."""
     file = io.BytesIO()
     Image.fromarray(np.round(np.clip(texels, 0, 1) * 255).astype(np.uint8)).save(
         file, "PNG", compress_level=QUICKLY
