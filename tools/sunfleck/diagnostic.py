@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 SEVERITY = re.compile(r"(?:(?P<place>.+?): )?(?P<severity>error|warning|note)(?:\[(?P<id>[\w-]+)\])?: (?P<message>.*)")
 FIELD = re.compile(r"\s+(?P<field>expected|remedy|tip): (?P<value>.*)")
-"""`tip` is what the parser of command lines calls a remedy."""
+"""`tip` is the command line parser's word for a remedy."""
 
 
 @dataclass(frozen=True)
@@ -16,17 +16,17 @@ class Diagnostic:
     """One diagnostic."""
 
     severity: str
-    """`error`, `warning`, `note`; `line` of what is none of these."""
+    """`error`, `warning`, `note`; `line` for any other line."""
     message: str
-    """What was found."""
+    """Finding."""
     place: str = ""
-    """The file and the place in it; empty where there is none."""
+    """File and place in it; empty without one."""
     expected: str = ""
     remedy: str = ""
     id: str = ""
-    """The kind of loss, as docs/losses.md lists them."""
+    """Id of the loss, as in docs/losses.md."""
     text: str = ""
-    """As the program said it."""
+    """Text as the program printed it."""
 
 
 def diagnostics(said: str) -> tuple[Diagnostic, ...]:

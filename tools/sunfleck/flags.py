@@ -17,7 +17,7 @@ OWN = {
     "help": "help(sunfleck.render) says what there is, and `sunfleck render --help` all flags",
     "version": "sunfleck.__version__ has it", "json": "it is always JSON that is read", "dependencies": "call the program itself",
 }  # fmt: skip
-"""Flags that are not for callers here, and why."""
+"""Flags that this package sets itself, with the reason."""
 
 
 def as_flags(settings: dict[str, object]) -> list[str]:

@@ -31,11 +31,11 @@ class Pass:
     """Pass of a frame."""
 
     name: str
-    """As `--passes` has it."""
+    """Name as in `--passes`."""
     channels: tuple[str, ...]
-    """Their names in the file, in the order of the array."""
+    """Names of the channels in the file, in the order of the array."""
     unit: str
-    """`1` if in nothing, `id` of numbers of things, `px` of pixels."""
+    """Unit: `1` without one, `id` for ids, `px` for pixels."""
     pixels: Pixels
 
 

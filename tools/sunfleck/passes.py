@@ -19,7 +19,8 @@ PASSES: dict[str, tuple[tuple[str, ...], str]] = {
     "motion": (("Vector.X", "Vector.Y", "Vector.Z", "Vector.W"), "px"),
     "cryptomatte": ((), "id"),
 }
-"""Channels in the order of the array, and what they are measured in: `1` if in nothing. Cryptomatte has as many as it needs."""
+"""Channels in the order of the array, and their unit, `1` without one. Cryptomatte has as many as it
+needs."""
 
 
 def held(names: Iterable[str]) -> dict[str, tuple[tuple[str, ...], str]]:

@@ -22,7 +22,7 @@ from .errors import ProgramError, SunfleckWarning, error_of
 from .progress import Event
 
 GRACE_S = 5.0
-"""Until a program that was asked to end is killed. It takes a tenth of a second."""
+"""Time until a program that was asked to end is killed. Ending takes a tenth of a second."""
 log = logging.getLogger("sunfleck")
 
 

@@ -9,7 +9,7 @@ from .errors import WrongType
 
 Event = dict[str, Any]
 Progress = Callable[[Event], None]
-"""Called with each event, as `--progress jsonl` in docs/command-line.md has them."""
+"""Called with each event of `--progress jsonl` (docs/command-line.md)."""
 
 
 class EventBar:

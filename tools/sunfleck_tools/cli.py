@@ -20,7 +20,7 @@ from .words import printable
 
 SEVERITY = re.compile(r"(^|: )(error|warning|note)(\[[\w-]+\])?: ")
 DISTRIBUTIONS = {"numpy": "numpy", "OpenEXR": "OpenEXR", "pxr": "usd-core", "PIL": "pillow"}
-"""What is installed to import a package that some commands need."""
+"""Distributions of packages that some commands import."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -14,17 +14,16 @@ from .exr.header import Header, window_size
 from .exr.lossy import rounding
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
-"""Rec. 709, which frames are in."""
+"""Weights of Rec. 709, the frames' primaries."""
 OWN = "sunfleck:"
-"""How the names of the renderer's own attributes begin."""
+"""Prefix of the renderer's own attributes."""
 
 MOST_EMPTY, LARGEST_EMPTY = 64, 1 << 25
-"""Times the data's pixels, or pixels, that a display window has at most to be shown: as many as a
-picture of 8K has."""
+"""Maximum size of a display window to show: this many times the data window's pixels, or the pixels of an
+8K picture."""
 Range = tuple[float, float]
 BLOCK_PIXELS = 1 << 15
-"""Temporaries of so many values stay in the cache and on the heap: fresh memory costs
-more than arithmetic."""
+"""Values a temporary, which then stays in the cache and on the heap: new memory is slower than arithmetic."""
 
 
 def row_blocks(shape: tuple[int, int], multiple: int = 1) -> Iterator[slice]:

@@ -15,7 +15,7 @@ COLOURS = (("R", "G", "B"), ("r", "g", "b"), ("red", "green", "blue"))
 PICTURES = ("", "rgba", "rgb", "beauty", "combined", "composite", "color", "colour", "ci", "c", "main")
 """Layers that hold the picture itself, the likeliest first."""
 LUMINANCE, CHROMA = "Y", ("RY", "BY")
-"""Luminance, and how far red and blue are from it (OpenEXR's luminance-chroma pictures)."""
+"""Luminance and chroma (OpenEXR's luminance-chroma pictures)."""
 
 
 class Kind(Enum):
@@ -37,7 +37,7 @@ PLACES = re.compile(
     r"_*(p|po|pw|pref|hitp|pworld|pcam\w*|st|uv\w*)|\w*position\w*|points?|texcoords?|disparity\w*"
 )
 MOTIONS = re.compile(r"\w*(motion|velocity|vector)\w*|mv|speed|forward|backward|(\w*_)?flow")
-"""Of names in small letters, whose words `_` joins."""
+"""Matches names in lower case, with `_` between words."""
 VECTOR_COMPONENTS = frozenset("XYZUVWxyzuvw")
 
 

@@ -10,9 +10,9 @@ TRIM_THRESHOLD, TOP_PAD, MMAP_THRESHOLD = -1, -2, -3
 """Parameters of glibc's `mallopt`, by its `malloc.h`."""
 KEPT_BYTES = (1 << 31) - 1
 KEPT_BYTES_AT_ONCE = 32 << 20
-"""The largest threshold that glibc before 2.35 takes."""
+"""Largest threshold of glibc before 2.35."""
 GROWTH_BYTES = 64 << 20
-"""Of the heap at a time: address space, taken only once it is written to."""
+"""Growth of the heap: address space, used once it is written to."""
 
 
 def keep_freed_memory() -> None:

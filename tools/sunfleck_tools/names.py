@@ -8,14 +8,14 @@ import re
 from typing import NamedTuple
 
 WHOLE = re.compile(r"(?:(?<=\.)|^)(-?\d+)(?=\.)")
-"""Between dots alone, as in `shot.1001.beauty.exr`; the last dot is that of the ending."""
+"""Number between dots, as in `shot.1001.beauty.exr`; the last dot is the extension's."""
 AT_END = re.compile(r"((?:(?:(?<=[._])|^)-)?\d+)(?=\.[^.]*$)")
-"""Before the ending, as in `leaf_0007.exr` and Blender's `render0007.exr`. A minus is a sign at the beginning
-and behind `.` or `_`; elsewhere (`take-0007.exr`) it is a dash."""
+"""Number before the extension, as in `leaf_0007.exr` and Blender's `render0007.exr`. A minus is a sign at
+the beginning and after `.` or `_`; elsewhere (`take-0007.exr`) it is a dash."""
 BETWEEN = re.compile(r"(?<=[._-])(\d+)(?=[._-])")
-"""Between separators of any kind, as in `shot_0007_left.exr`."""
+"""Number between any separators, as in `shot_0007_left.exr`."""
 VERSION = re.compile(r"(?:^|[^a-z])v$", re.IGNORECASE)
-"""What stands before a number that says the version."""
+"""Text before a version number."""
 MOST_DIGITS = 18
 
 

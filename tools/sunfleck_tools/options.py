@@ -10,10 +10,9 @@ class Options:
     """The defaults suit a sequence that one command rendered."""
 
     frames: tuple[int, ...] | None = None
-    """The frames that must be there; `None` is all from the first to the last found, and those that
-    `stats` tells of."""
+    """Expected frames; `None` is all from the first to the last found, and those in `stats`."""
     fps: Fraction | None = None
-    """The frame rate that every file must carry; `None` is the one that most of them carry."""
+    """Expected frame rate of every file; `None` is that of the majority."""
     reference: Path | None = None
     """A folder or pattern of reference frames to compare with, by number."""
     max_relmse: float = 0.01
@@ -21,13 +20,13 @@ class Options:
     max_flip: float | None = None
     """Largest mean FLIP against the reference; needs the extra `flip`."""
     stats: Path | None = None
-    """What `sunfleck render --stats` wrote, for render times in the report."""
+    """File of `sunfleck render --stats`, for render times in the report."""
     skip_checks: frozenset[str] = frozenset()
-    """Ids of checks that are not run."""
+    """Ids of checks to skip."""
     static: bool = False
-    """Nothing moves: frames may be equal to the ones before."""
+    """True if nothing moves: frames may equal their predecessors."""
     processes: int | None = None
-    """Processes that decode; `None` is one for each processor. 0 decodes in the caller's own: quicker for a
-    few small frames, but a decoder that crashes takes the caller along."""
+    """Number of decoding processes; `None` is one a processor. 0 decodes in the caller's process: faster
+    for a few small frames, but a crash of the decoder ends the caller."""
     thumbnails: bool = False
-    """Keep small pictures of the frames, for a report."""
+    """Whether to keep small pictures of the frames, for a report."""

@@ -17,9 +17,9 @@ PLACE = re.compile(r"#+|@+|%(\d*)[di]|\$\{?F(\d*)\}?|<F(\d*)>")
 PART_SUFFIX = ".sunfleck-part"
 STILL_NUMBER = 0
 NEARLY_TOGETHER = 10
-"""A tenth of a sequence's frames is what another may have beyond it, if the two belong together."""
+"""Two sequences belong together if one has at most this fraction of frames beyond the other."""
 MOST_NAMED = 3
-"""Sequences that a sentence names."""
+"""Maximum number of sequences in a message."""
 
 
 class SequenceError(ToolError):
@@ -48,10 +48,9 @@ class Listing:
     strangers: list[Path] = field(default_factory=list)
     leftovers: list[Path] = field(default_factory=list)
     elsewhere: dict[str, list[int]] = field(default_factory=dict)
-    """By pattern of another sequence in the folder, the frames that it has before the first or behind the
-    last of this one."""
+    """Frames of other sequences in the folder before the first or after the last of this one, by pattern."""
     is_still: bool = False
-    """True of a picture by itself, whose name has no number: it counts as frame 0."""
+    """True for a single picture without a number in its name, which counts as frame 0."""
 
     @property
     def key(self) -> tuple[str, str]:

@@ -26,7 +26,7 @@ class Suspicion:
     blocks: list[tuple[int, int, int, int]] = field(default_factory=list)
     """As `checks.blocks.Block`."""
     window: tuple[int, int, int, int] = (0, 0, 0, 0)
-    """Of the data."""
+    """Data window."""
 
     def __bool__(self) -> bool:
         return bool(self.fireflies or self.blocks)
@@ -76,7 +76,7 @@ class Rendered:
     frames: list[FrameSummary]
     options: Options
     is_still: bool = False
-    """True of a picture by itself: its name says no number."""
+    """True for a single picture without a number in its name."""
 
     @property
     def decoded(self) -> list[FrameSummary]:

@@ -17,7 +17,7 @@ from .sequence import Listing, SequenceError, list_sequence, list_sequences
 from .summary import FrameSummary, Rendered, Suspicion
 
 Progress = Callable[[int, int], None]
-"""Told how many frames are done, of how many."""
+"""Callback with the numbers of finished and of all frames."""
 
 
 @dataclass(frozen=True)

@@ -15,16 +15,15 @@ from ..frame import Frame, wide
 from ..summary import Rendered
 
 SMALLEST = 8
-"""Columns and rows; no renderer has smaller buckets."""
+"""Minimum columns and rows, those of the smallest buckets."""
 LIT_SHARE = 0.9
-"""Of what surrounds a block, and of its place in the frames before and after."""
+"""Minimum lit share of a block's surroundings, and of its place in neighbouring frames."""
 GRID = 8
-"""Where there is no other frame, a block has to have multiples of so many columns and rows, as those of
-renderers and files do."""
+"""Without neighbouring frames, a block's size has to be a multiple of this, as in renderers and files."""
 MOST = 64
 
 Block = tuple[int, int, int, int]
-"""First and last column and row, both included."""
+"""First and last column and row, both inclusive."""
 
 
 def candidates(frame: Frame) -> list[Block]:

@@ -17,11 +17,11 @@ REACH = 2
 DEVIATIONS = 20.0
 """Standard deviations (by the median absolute deviation of the neighbours) above the neighbours' median."""
 ISOLATION = 5.0
-"""How many times brighter than the brightest neighbour in space, and than the place in the frames
-before and after."""
+"""Minimum brightness relative to the brightest neighbour in space, and to the same place in neighbouring
+frames."""
 COMPANY = 2.0
-"""And how many times brighter than the brightest pixel of the picture that is no spike: a leaf too small for
-a pixel is a spike as well, and no brighter than the larger ones."""
+"""Minimum brightness relative to the brightest other pixel of the picture: a leaf smaller than a pixel is
+a spike too, but not brighter than larger leaves."""
 MOST = 200
 NORMAL_FROM_MAD = 1.4826
 

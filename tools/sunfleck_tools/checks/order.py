@@ -16,19 +16,19 @@ from ..summary import FrameSummary, Rendered
 from .constancy import number_said
 
 CELLS_ACROSS = 24
-"""Of a signature: coarse enough that what moves by a few pixels moves on."""
+"""Cells across a signature: coarse enough that a motion by a few pixels changes it gradually."""
 BACKWARDS = 0.75
-"""How far apart the outer two of three frames are at most, over what the middle one is from the farther of
-them, if they go back: 2 where all moves evenly, 1 in noise, 0 of a thing that comes and goes."""
+"""Maximum distance of the outer two of three frames, relative to the middle one's larger distance, in a
+reversal. It is 2 for uniform motion, 1 for noise, and 0 for an object that appears and vanishes."""
 ONWARDS = 1.2
-"""And at least, if they go on: 1.4 where a hard edge moves."""
+"""Minimum distance in ordered motion: 1.4 for a moving hard edge."""
 REACH = 3
-"""Frames to either side of a swapped one that have to be in order once it is back in its place."""
+"""Frames to either side that have to be in order after the exchange."""
 CALM_REACH = 12
-"""And frames to either side of which none goes back but for that one."""
+"""Frames to either side without any other reversal."""
 LEAST_TRIPLES = 4
 MOST_ROUGH = 40
-"""Frames out of order beyond which there is no order."""
+"""Maximum number of reversals in a sequence with an order."""
 
 
 def signature(frame: Frame, luminance: np.ndarray) -> np.ndarray:

@@ -10,23 +10,22 @@ from ..layers import Kind, holds_ids, is_cryptomatte, is_motion, kind
 from .values import first_bad
 
 FARTHEST = 1.0001e10
-"""Where a ray meets nothing, `Z` is 1e10."""
+"""Maximum depth, as `Z` of the background is 1e10."""
 HALF_ROUNDING = 2.0**-9
-"""Relative: two values, each rounded to half precision, and a sum in single precision."""
+"""Relative tolerance: two values, each rounded to half precision, and a sum in single precision."""
 HALF_SMALLEST = 2.0**-23
-"""Absolute: a step of the halves next to zero."""
+"""Absolute tolerance: a step of halves next to zero."""
 LARGEST_TRANSMITTANCE = 1 + 2.0**-10
 """One step of half precision above 1: averages of ones may round to it."""
 LONGEST_NORMAL = 1.001
 LARGEST_HALF_ID = 2048.0
-"""The last whole number that has its own half, as all before it."""
+"""Largest integer up to which all are exact in half precision."""
 LARGEST_MOTION = 100.0
-"""Pictures' widths beyond which a pixel that moves so alone is damage."""
+"""Picture widths beyond which the motion of an isolated pixel is damage."""
 LONE_MOTION = 1.0
-"""Pictures' widths that its fastest neighbour moves at least where it is no damage. What passes close by is
-many pixels wide; and where a camera that turns fast has points in its own plane before or afterwards, motion
-is without bound, but falls off from there as the inverse of the distance: to a quarter of a picture's width,
-in pictures' widths, one pixel on."""
+"""Minimum motion, in picture widths, of the fastest neighbour of an undamaged pixel. Near objects are many
+pixels wide. When a fast turning camera has points in its own plane, motion is unbounded, but falls with
+the inverse distance: to a quarter of a picture's width, in picture widths, one pixel away."""
 
 
 @check("beauty-sum", Severity.ERROR, Scope.FRAME, "shafts are brighter than the beauty that they are part of")

@@ -7,23 +7,21 @@ from ..findings import Found, Scope, Severity, check
 from ..summary import FrameSummary, Rendered
 
 NEIGHBOURS = 5
-"""Frames to either side that a median is taken of."""
+"""Frames to either side in a median."""
 SIZE_RATIO = 2.0
-"""How many times larger or smaller than the median a file may be."""
+"""Maximum ratio of a file's size to the median."""
 POP_RATIO = {"mean": 0.15, "p99": 0.5}
-"""Relative step, to one frame alone, that is taken for a pop; the brightest hundredth may be a
-single leaf that turns."""
+"""Minimum relative step of a pop, in one frame; the brightest hundredth may be a single turning leaf."""
 POP_DEVIATIONS = 6.0
-"""And how many times the usual step it has to be."""
+"""Minimum step relative to the usual one."""
 REST_FRAMES = 3
-"""Equal frames at the beginning or end that are a rest; fewer are a frame written twice,
-or one that failed."""
+"""Number of equal frames at the beginning or end that count as a rest; fewer are an error."""
 FADED_RATIO = 0.1
-"""Of the usual mean of frames that are not black: as dark is the last frame of a slow fade."""
+"""Share of the usual mean at which the last frame of a slow fade may be."""
 FADE_STEPS = 2.0
-"""Steps like the one before that the last frame of a quick fade is from black."""
+"""Maximum distance from black of the last frame of a quick fade, in steps like the previous one."""
 FLICKER_FRAMES = 8
-"""Steps in turns up and down, without a break, that are no chance: 2^-7."""
+"""Consecutive alternating steps that are not chance: 2^-7."""
 FLICKER_RATIO = 0.02
 """Median relative step of such a run."""
 

@@ -11,7 +11,7 @@ from ..layers import Kind, kind, split
 
 LARGEST_HALF = 65504.0
 NEGATIVE_ROUNDING = 2.0**-16
-"""Below 0 other renderers' filters and denoisers round to so much."""
+"""Rounding below 0 of other renderers' filters and denoisers."""
 ALPHA_ROUNDING = 2.0**-10
 """One step of half precision above 1: averages of ones may round to it."""
 

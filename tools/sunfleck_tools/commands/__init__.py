@@ -9,8 +9,8 @@ SUCCESSORS = {
     "movie": "sunfleck preview DIR --out OUT.webp",
     "farm-simulation": "sunfleck farm INPUT --chunk auto",
 }
-"""Commands that are gone, and what does their work."""
+"""Removed commands, and their replacements."""
 
 OK, FINDINGS, USAGE, SCENE, IO = 0, 1, 2, 3, 4
 INTERRUPTED, TERMINATED = 130, 143
-"""Exit codes; the last two as shells have them of signals: 128 and the signal's number."""
+"""Exit codes; the last two are a shell's for signals: 128 plus the signal's number."""

@@ -15,9 +15,9 @@ HELP = "writes a USD stage as glTF that sunfleck renders"
 PURPOSES = ("render", "proxy", "guide")
 VARIANT = re.compile(r"(/[^{}]+)((?:\{[^{}=]+=[^{}=]*\})+)")
 MOST_SAID = 20
-"""Losses of a kind in words."""
+"""Maximum number of messages for a kind of loss."""
 REPORT_VERSION = 1
-"""Of `--report`; another number where a field changes its meaning."""
+"""Version of `--report`, which changes when a field changes its meaning."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

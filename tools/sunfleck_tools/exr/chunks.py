@@ -14,8 +14,7 @@ ROWS_OF_COMPRESSION = {0: 1, 1: 1, 2: 1, 3: 16, 4: 32, 5: 16, 6: 32, 7: 32, 8: 3
 PIZ = 4
 ONE_LEVEL = 0
 LONGEST_ZEROS = 32
-"""Bytes of zeros in a row that entropy coding does not make: runs of a symbol are coded as a
-symbol and a count."""
+"""Length of a run of zero bytes that entropy coding never produces, as runs are coded as symbol and count."""
 
 
 def chunk_faults(header: Header, data: bytes | mmap, part: int = 0) -> Iterator[str]:
@@ -40,8 +39,7 @@ def chunk_faults(header: Header, data: bytes | mmap, part: int = 0) -> Iterator[
 
 
 Place = tuple[int, ...]
-"""What a chunk says of its own place: its first row; or column and row of the tile, and
-level in x and in y."""
+"""Place in a chunk's leader: its first row; or column and row of the tile, and level in x and y."""
 
 
 def _places(header: Header) -> list[Place] | None:

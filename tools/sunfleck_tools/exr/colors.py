@@ -22,12 +22,12 @@ PRIMARIES = {
     "adobergb": (0.64, 0.33, 0.21, 0.71, 0.15, 0.06, *D65),
 }
 XYZ = "ciexyzd65"
-"""CIE XYZ as it is, not scaled so that white is 1, 1, 1."""
+"""CIE XYZ, not scaled so that white is 1, 1, 1."""
 CURVES: dict[str, float | str] = {"lin": 1.0, "srgb": "srgb", "srgbe": "srgb", "g18": 1.8, "g22": 2.2, "g24": 2.4, "g26": 2.6}
 CONE_FROM_XYZ = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
 """Bradford's (ICC.1:2022, annex E)."""
 SAME = 1e-3
-"""Chromaticities that differ by less are the same, but for the digits that files give."""
+"""Tolerance of equal chromaticities, for rounded digits in files."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ class ColorSpace:
     """Meaning of a picture's numbers. Two are equal if their colours are."""
 
     primaries: str | tuple[float, ...] = "rec709"
-    """The name of known ones, or x and y of red, green, blue and white."""
+    """Name of known primaries, or x and y of red, green, blue and white."""
     curve: float | str = 1.0
     name: str = field(default="linear Rec. 709", compare=False)
     doubt: str | None = field(default=None, compare=False)
-    """What of the file's words is not honoured."""
+    """Attribute that is not honoured."""
 
     def __str__(self) -> str:
         return self.name

@@ -19,18 +19,18 @@ import OpenEXR
 from .header import Channel, Header
 
 LARGEST_COMPRESSION = 4096
-"""Pixels' bytes per byte of file, as the renderer has it: deflate reaches 1032."""
+"""Maximum bytes of pixels per byte of file, as in the renderer: deflate reaches 1032."""
 LARGEST_PICTURE = 4 << 30
-"""Bytes of pixels that are decoded at all."""
+"""Maximum bytes of decoded pixels."""
 
 
 OUT_OF_MEMORY = ("bad_alloc", "EXR_ERR_OUT_OF_MEMORY", "MemoryError", "Unable to allocate")
-"""How the library says it."""
+"""Texts in the library's messages."""
 COPIES, SPARE_BYTES = 2, 64 << 20
-"""What decoding takes: the pixels as the library and as numpy has them, and buffers."""
+"""Memory for decoding: copies of the pixels in the library and in numpy, and buffers."""
 NOT_READ = "Exception raised reading pixel data"
 ONE_AT_A_TIME = threading.Lock()
-"""The process has one output: threads that took it at the same time would not give it back."""
+"""Captures standard output of the process, which only one thread may do at a time."""
 
 
 class DecodeError(Exception):

@@ -9,7 +9,7 @@ from mmap import mmap
 NAME = "sunfleck:fileHash"
 DIGITS = 64
 HEAD = NAME.encode() + b"\0string\0" + DIGITS.to_bytes(4, "little")
-"""Name, type and size: what stands before an attribute's value."""
+"""Bytes before the attribute's value: name, type and size."""
 
 
 def file_hash(data: mmap | bytes) -> tuple[str, str] | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 INFINITY, NEGATIVE = 0x7C00, 0x8000
 EXPONENT_STEP = np.float32(2.0**112)
-"""Between the biases of the two formats' exponents, 127 and 15."""
+"""Scale between the two formats' exponent biases, 127 and 15."""
 
 
 def widened(stored: np.ndarray) -> np.ndarray:

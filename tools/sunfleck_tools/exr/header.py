@@ -19,7 +19,7 @@ COMPRESSIONS = (
 )  # fmt: skip
 LONGEST_NAME = 255
 STILL_TYPES = ("scanlineimage", "tiledimage")
-"""Of parts whose pixels have one value a channel; the others are deep."""
+"""Types of flat parts; the others are deep."""
 
 
 class HeaderError(ValueError):

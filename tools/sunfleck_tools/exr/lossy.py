@@ -7,9 +7,9 @@ from .header import COMPRESSIONS, Header
 
 LOSSY = frozenset({"b44", "b44a", "dwaa", "dwab", "lj2k"})
 ROUNDING = 2.0**-12
-"""Some five times as far as B44, DWA of level 45 and JPEG 2000 go, beside pixels of any brightness."""
+"""Five times the largest error of B44, DWA of level 45 and JPEG 2000, beside pixels of any brightness."""
 USUAL_LEVEL, GAMMA = 45.0, 2.2
-"""DWA rounds in steps that grow with its level, of values that it has encoded with this exponent."""
+"""DWA's error grows with its level, for values encoded with this exponent."""
 MOST = 2.0**-5
 
 

@@ -15,7 +15,7 @@ COMPONENTS = {
 }
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 MOST_ZEROS = 2**24
-"""Numbers that an accessor without bytes may claim."""
+"""Maximum numbers of an accessor without a buffer."""
 
 
 class Accessors:

@@ -28,7 +28,7 @@ class Settings:
     camera: str
     light_units: str
     shutter: tuple[float, float]
-    """Opening and closing, frames from the frame; equal if it takes no time."""
+    """Opening and closing of the shutter, in frames from the frame; equal for an instant."""
 
     @property
     def frames(self) -> range:

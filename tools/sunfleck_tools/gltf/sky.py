@@ -9,7 +9,7 @@ from .scene import Gltf
 from .values import Value
 
 ROWS, COLUMNS = 1024, 4
-"""Of a gradient's picture: a row for every sixth of a degree, and columns that are all the same."""
+"""Size of a gradient's picture: a row for every sixth of a degree, and equal columns."""
 
 
 @dataclass(frozen=True)

@@ -19,16 +19,16 @@ from ..exr.write import write_colors
 from .scene import PeerScene
 
 Render = Callable[[int, int], tuple[np.ndarray, float]]
-"""Samples a pixel and a seed to a picture, and the seconds that it took."""
+"""Function of samples a pixel and a seed that returns the picture and its seconds."""
 RENDERERS = {
     "mitsuba-llvm": ("Mitsuba llvm", "mitsuba", ("llvm_ad_rgb",)),
     "mitsuba-scalar": ("Mitsuba scalar", "mitsuba", ("scalar_rgb",)),
     "cycles": ("Cycles", "cycles", ()),
     "cycles-denoised": ("Cycles, denoised", "cycles", ("OPENIMAGEDENOISE",)),
 }
-"""Name, module here, and what it is told."""
+"""Name, module, and its argument."""
 DISTRIBUTIONS = {"mitsuba": "mitsuba", "cycles": "bpy"}
-"""What is installed for a module."""
+"""Distributions of modules."""
 COLUMNS = ("renderer", "version", "spp", "cpu_s", "rmse", "date", "machine")
 
 

@@ -14,9 +14,9 @@ from .mitsuba_pictures import colors
 from .pictures import PeerSky
 
 SUN_DISTANCE = 1e3
-"""In radii of the scene: the disc is seen from everywhere in it within a thousandth of the same direction."""
+"""Distance in radii of the scene: the disc's direction is constant in the scene to a thousandth."""
 HARDEST_BLEND = 1e-5
-"""Of spots that Mitsuba gets: its two angles must differ, and glTF's are in single precision."""
+"""Minimum blend of Mitsuba's spots, whose two angles must differ; glTF's are in single precision."""
 # Mitsuba's rectangles, discs and spots emit along +z.
 TURNED = numpy.diag([-1.0, 1.0, -1.0, 1.0])
 

@@ -18,7 +18,7 @@ from ..gltf.values import Value
 
 KINDS = {b"\x89PNG": ".png", b"\xff\xd8\xff": ".jpg", b"\x76\x2f\x31\x01": ".exr", b"#?": ".hdr"}
 MOST_TEXELS = 1 << 26
-"""As the renderer has it."""
+"""Maximum number of texels, as in the renderer."""
 WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
 
 

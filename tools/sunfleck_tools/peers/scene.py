@@ -25,8 +25,8 @@ from .pictures import PeerSky, Texture, read_background, read_texture
 
 DEFAULT_SIZE = (960, 540)
 FOG_GROWTH = np.diag([1 + 3e-5] * 3 + [1.0])
-"""So that a ground in the face of a box of fog is inside it: others' rays that come to the face first go on
-below the ground."""
+"""Enlarges a fog box so that a ground in its face is inside: rays of other renderers that hit the face
+first would continue below the ground."""
 THINNING = ("height_falloff", "scale_height")
 SURFACE_BEYOND = ("normalTexture", "emissiveTexture")
 

@@ -76,7 +76,7 @@ def _text(text: str) -> str:
 
 
 MOST_MISSING = 1000
-"""Missing frames that have a place in the contact sheet."""
+"""Maximum number of missing frames in the contact sheet."""
 
 
 def _worst(checked: Checked) -> dict[int, str]:

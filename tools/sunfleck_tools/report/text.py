@@ -8,7 +8,7 @@ from ..validation import Checked, Report
 from ..words import printable
 
 MOST_OF_A_KIND = 8
-"""Findings of one check that are printed before the rest is counted."""
+"""Maximum number of printed findings of one check."""
 
 
 def text_report(report: Report) -> str:

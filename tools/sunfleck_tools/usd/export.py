@@ -31,7 +31,7 @@ from .volumes import write_volume
 
 ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
 MOST_SAMPLES = 30_000_000
-"""About 100 bytes each while they are written."""
+"""Maximum number of samples, of about 100 bytes each during writing."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class ExportOptions:
     fps: Fraction | None = None
     program: str | None = None
     allowed: tuple[Path, ...] = ()
-    """Folders beside the input's own that are read from."""
+    """Folders beside the input's own from which files may be read."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from .prims import Names, Prim, Types
 from .samples import Sampler, thinned
 
 MOST_BYTES = 2**28
-"""Of the points of a mesh that bends, over all frames."""
+"""Maximum bytes of a deforming mesh's points over all frames."""
 
 
 class Geometry:

@@ -10,8 +10,8 @@ from .samples import JUMP, Sampler
 from .turns import steadied
 
 HIDDEN_SCALE = 1e-4
-"""To which hidden things shrink for Blender, which reads no animated visibility: a matrix of
-zeros has no inverse."""
+"""Scale of hidden objects for Blender, which ignores animated visibility; a matrix of zeros has no
+inverse."""
 OPERATIONS = {
     "translation": ("xformOp:translate", Types.Double3, lambda rows: vectors(Vt.Vec3dArray, rows)),
     "rotation": ("xformOp:orient", Types.Quatd, quaternions),

@@ -12,9 +12,9 @@ from ..gltf.curves import Curve
 from ..gltf.scene import Control, Settings
 
 WHOLE = 1e-3
-"""Keys as near to a whole frame lie on it: they are stored in single precision."""
+"""Tolerance of a whole frame in frames, as keys are stored in single precision."""
 JUMP = 1e-3
-"""Frames before a step, where the value before it is written again."""
+"""Distance in frames before a step at which the old value is repeated."""
 
 
 class Sampler:

@@ -11,9 +11,9 @@ import numpy as np
 
 CHORD_BELOW = 1e-5
 GOOD_ENOUGH = 2e-6
-"""Radians."""
+"""Maximum error, radians."""
 HALF_TURNS = np.eye(4)[:3]
-"""About x, y and z, as x, y, z, w."""
+"""Half turns about x, y and z, as x, y, z, w."""
 
 
 def steadied(turns: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:

@@ -13,18 +13,18 @@ import numpy as np
 from ...errors import SceneError
 
 MOST_VALUES = 2**26
-"""Coordinates of a mesh over all codes: 256 MiB in single precision, and as much again as targets."""
+"""Maximum coordinates of a mesh over all codes: 256 MiB in single precision, and as much again as targets."""
 COLUMNS_A_TIME = 2**14
-"""In double precision."""
+"""Columns in a block, in double precision."""
 SMALLEST = 1e-6
-"""Of the size of a mesh: how far points may lie from where they should."""
+"""Tolerance of points, relative to the size of a mesh."""
 SAMPLED = 512
-"""Coordinates from which the number of components is found."""
+"""Coordinates in the sample that determines the number of components."""
 MOST_TARGETS = 128
 LEAST_NORMALS = 32
-"""Codes at which normals are read, if there are as many."""
+"""Minimum number of codes at which normals are read, if there are as many."""
 FEW = 16
-"""Of rows: as many components as there are rows are no more than those."""
+"""Number of rows up to which each row is a target."""
 
 
 @dataclass

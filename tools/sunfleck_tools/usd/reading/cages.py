@@ -21,7 +21,7 @@ MOST_REFINED = 2**21
 MOST_OF_ONE = 2**19
 """Faces of a mesh after refining: they take most memory while they are numbered, half a gigabyte."""
 MOST_KEPT = 200_000
-"""Corners of cages of which the levels are kept for the next mesh."""
+"""Maximum corners of cages whose levels are cached."""
 WORDS = (
     "subdivisionScheme",
     "faceVaryingLinearInterpolation",
@@ -29,9 +29,9 @@ WORDS = (
     "triangleSubdivisionRule",
 )
 SHARP = {"creaseLengths", "creaseIndices", "creaseSharpnesses", "cornerIndices", "cornerSharpnesses"}
-"""All that a mesh may say of its subdivision."""
+"""Attributes of subdivision."""
 MOST_SUBDIVIDED, MOST_SHARED = 32, 2048
-"""Of how many different meshes all that is refined is kept for the next one, and of how many corners each."""
+"""Number of cached refined meshes, and maximum corners of each."""
 SEAM_RULES = ("none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all")
 
 

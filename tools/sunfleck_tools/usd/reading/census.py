@@ -12,9 +12,9 @@ from .losses import TooMuch
 from .source import Source
 
 MOST_INSTANCES = 1_000_000
-"""Of a stage: as many leaves as a scene may have. They take half a minute, and up to 2 gigabytes."""
+"""Maximum instances of a stage, as for leaves of a scene. They take half a minute, and up to 2 gigabytes."""
 DEEPEST = 64
-"""Instancers within instancers."""
+"""Maximum depth of nested instancers."""
 
 
 class Census:

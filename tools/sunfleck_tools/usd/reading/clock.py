@@ -12,9 +12,9 @@ from .losses import Losses
 
 MOST_FRAMES = 100_000
 USUAL_RATE = 24.0
-"""Time codes a second of a layer that does not say (SdfLayer)."""
+"""Default time codes a second of a layer (SdfLayer)."""
 NEAR_TELEVISION = 0.005
-"""Frames a second: 23.98 and 23.976 both stand for 24000/1001."""
+"""Tolerance of broadcast rates: 23.98 and 23.976 both mean 24000/1001."""
 
 
 def exact_rate(rate: float) -> Fraction:

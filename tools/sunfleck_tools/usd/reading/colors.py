@@ -11,9 +11,10 @@ from .shaders import surface_of
 from .source import Source
 
 Spread = Callable[[object, str, int], "np.ndarray | None"]
-"""Values, their interpolation and width to a row a corner; None where they do not fit the mesh."""
+"""Function of values, their interpolation and width that returns a row a corner; None if they do not match
+the mesh."""
 GREY = (0.18,) * 3
-"""Of what has neither material nor colour: the diffuse colour that UsdPreviewSurface has by default."""
+"""Colour without a material or colours: the default diffuse colour of UsdPreviewSurface."""
 ROUNDING = 1e-4
 READERS = {"diffuseColor": "displayColor", "opacity": "displayOpacity"}
 

@@ -41,9 +41,9 @@ class Imported:
     frames: tuple[int, int]
     fps: Fraction
     lost: list[Loss] = field(default_factory=list)
-    """One a kind, with how many there are of it."""
+    """Losses, one a kind, with counts."""
     every: list[Loss] = field(default_factory=list)
-    """Each by itself."""
+    """Losses one by one."""
 
 
 def import_usd(source: str | Path, target: str | Path, options: ImportOptions = ImportOptions()) -> Imported:

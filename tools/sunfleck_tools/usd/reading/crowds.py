@@ -19,7 +19,7 @@ from .properties import SPACE
 from .source import Source
 
 MOST_MOMENTS = 10_000_000
-"""Instances of an instancer times codes: 160 bytes each while they are sorted."""
+"""Maximum instances of an instancer times codes: 160 bytes each during sorting."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Member:
     shown_codes: np.ndarray
     shown: np.ndarray
     color: tuple[float, ...] | None = None
-    """Of the instance, RGB and opacity, as it comes."""
+    """Colour of the instance, RGB and opacity."""
 
 
 def read_crowd(prim: Usd.Prim, source: Source, lost: Losses) -> list[Member]:

@@ -21,12 +21,13 @@ from .source import Source
 from .texels import PictureError, open_picture
 
 MOST_BYTES = 2**28
-"""Of a picture's file."""
+"""Maximum bytes of a picture's file."""
 UPRIGHT = 1e-4
-"""Radians, about."""
+"""Tolerance of an upright axis, radians."""
 DOMES = (UsdLux.DomeLight, UsdLux.DomeLight_1)
 Y_FROM_Z = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-"""The dome whose pole is z from the one whose pole is y: longitude 0, +z of that, is -y of this."""
+"""Transform from a dome with pole z to one with pole y: longitude 0 is +z of the former, and -y of the
+latter."""
 
 
 def is_dome(prim: Usd.Prim) -> bool:

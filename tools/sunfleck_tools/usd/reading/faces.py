@@ -11,9 +11,9 @@ from .rows import different_numbers
 from .triangles import fans_of
 
 MOST_KEPT = 2**13
-"""Corners of a mesh whose faces are kept for the next mesh."""
+"""Maximum corners of a mesh whose faces are cached."""
 KEPT = 64
-"""Different faces that are kept: 50 MB at most, with what follows from them."""
+"""Number of cached faces: at most 50 MB, with derived data."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,4 +118,4 @@ def _faces(counts: bytes, corners: bytes, holes: bytes, flips: bool) -> Faces:
 
 
 _known_faces = lru_cache(maxsize=KEPT)(_faces)
-"""Stages have many meshes of the same faces: copies, and things that were made by rows and columns."""
+"""Cached, as stages have many meshes with equal faces: copies, and regular grids."""

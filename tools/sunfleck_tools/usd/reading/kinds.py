@@ -9,9 +9,9 @@ from .shapes import is_shape
 from .volumes import FIELDS
 
 NOWHERE = (UsdShade.Material, UsdShade.Shader, UsdGeom.Subset)
-"""What stands nowhere itself."""
+"""Types without a place in the scene."""
 NOTHING = ("HoudiniLayerInfo",)
-"""Types that USD does not know, of prims that hold no part of a picture."""
+"""Types unknown to USD without any effect on pictures."""
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,11 @@ from .texels import PictureError, open_picture
 
 BRIGHTEST = 1e15
 COLDEST, HOTTEST = 1000.0, 10000.0
-"""Kelvin, between which UsdLux defines colours."""
+"""Range of UsdLux's colour temperatures, kelvin."""
 RESTS = {
     "diffuse": 1.0, "specular": 1.0, "shaping:focus": 0.0, "shadow:enable": 1.0, "shadow:color": 0.0, "shadow:distance": -1.0,
 }  # fmt: skip
-"""Inputs that are not carried, and the values at which nobody misses them."""
+"""Unsupported inputs, and their neutral values."""
 NAMES = (
     "intensity",
     "exposure",

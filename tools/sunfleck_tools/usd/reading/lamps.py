@@ -22,11 +22,11 @@ from .source import Source
 
 NARROWEST_EDGE = 1e-6
 WIDEST_SUN = math.radians(179.0)
-"""Across, where the renderer's end, below 180 degrees."""
+"""Maximum full angle: the renderer's limit, below 180 degrees."""
 SMALLEST_AREA = 1e-30
-"""In units of the stage squared: what has none still emits what it does when normalised."""
+"""Minimum area in stage units squared: a normalized light without area still has its power."""
 EVEN = 1e-4
-"""How much longer one axis of a sphere may be than another that still counts as one."""
+"""Tolerance of the axes of a sphere."""
 
 
 @dataclass

@@ -14,7 +14,7 @@ from .source import Source
 
 TENTHS = 0.1
 NEAREST, FARTHEST = 1e-4, 1e9
-"""Clipping planes of cameras that have none, metres: glTF has no word for that."""
+"""Clipping distances in place of none, metres, as glTF needs some."""
 
 
 @dataclass

@@ -51,12 +51,12 @@ KINDS = {
     "usd-unit": "a unit of length, or an axis that points up, that is none",
     "usd-volume": "a field or the material of a volume, or another volume than one with a density",
 }
-"""Ids and what they stand for; docs/usd.md lists them for users."""
+"""Ids and their meanings; docs/usd.md lists them for users."""
 
 
 UNREADABLE = (SceneError, Tf.ErrorException, TypeError, ValueError, OverflowError)
-"""What reading a prim may raise: attributes may have any type and any value; what USD, numpy and Python make
-of those is one fault."""
+"""Exceptions of reading a prim: attributes may have any type and value; errors of USD, numpy and Python
+about them are one fault."""
 
 
 class TooMuch(SceneError):

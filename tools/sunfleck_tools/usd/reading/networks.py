@@ -15,7 +15,7 @@ from .shaders import Dialect
 from .textures import Texture, Textures, file_input
 
 COLORS_OF_MESH = {"diffuseColor": "displayColor", "opacity": "displayOpacity"}
-"""Inputs that vertex colours can feed, and by which primvar."""
+"""Inputs that vertex colours can feed, with the primvar."""
 
 SHARES = frozenset(
     {"diffuseColor", "specularColor", "opacity", "metallic", "roughness", "clearcoat", "clearcoatRoughness"}
@@ -33,7 +33,7 @@ class Fed:
     is_of_mesh: bool = False
     """Whether the mesh's colours multiply the numbers."""
     changing: Usd.Attribute | None = None
-    """What the numbers come from, where they change over time."""
+    """Animated attribute of the numbers."""
 
     @property
     def map(self) -> Texture:

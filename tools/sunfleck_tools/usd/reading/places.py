@@ -7,11 +7,11 @@ from ...errors import SceneError
 from .source import Source
 
 LARGEST = 1e15
-"""Of all elements of matrices, as in the renderer."""
+"""Maximum element of matrices, as in the renderer."""
 SHEAR = 1e-5
-"""Cosine between axes that still counts as none."""
+"""Tolerance of the cosine between orthogonal axes."""
 RESET = "!resetXformStack!"
-"""Among the operations that place a prim."""
+"""Operation that resets the parent's transform."""
 STILL = np.eye(4)[None]
 STILL.setflags(write=False)
 

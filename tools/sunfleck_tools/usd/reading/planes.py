@@ -13,10 +13,10 @@ from .texels import PictureError
 from .textures import Placement, Texture, Textures
 
 MOST_BAKED = 2**24
-"""Texels of a picture that is made: 4096 x 4096."""
+"""Maximum texels of a baked picture: 4096 x 4096."""
 CLAMP = 33071
 LARGEST = np.float32(1e6)
-"""Of scales: beyond it there is no picture left."""
+"""Maximum scale of a texture."""
 
 
 class Planes:

@@ -14,15 +14,15 @@ from .source import Source
 
 KIND = "usd-render-settings"
 LARGEST = 65536
-"""Pixels along a side."""
+"""Maximum pixels along a side."""
 NEARLY = 0.01
-"""Of a ratio, by which two count as the same."""
+"""Tolerance of equal ratios."""
 READ = {"camera", "resolution", "pixelAspectRatio", "includedPurposes", "disableMotionBlur", "instantaneousShutter",
         "aspectRatioConformPolicy", "products", "materialBindingPurposes", "renderingColorSpace", "dataWindowNDC"}  # fmt: skip
 
 
 Lenses = dict[str, tuple[str, float | None]]
-"""Of each camera, by its path, its node's name and its exposure as a power of two."""
+"""For each camera, by its path: its node's name and its exposure in stops."""
 
 
 def take_render_settings(

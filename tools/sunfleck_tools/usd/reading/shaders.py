@@ -14,7 +14,7 @@ DEFAULTS = {
     "metallic": (0.0,), "roughness": (0.5,), "clearcoat": (0.0,), "clearcoatRoughness": (0.01,), "opacity": (1.0,),
     "opacityThreshold": (0.0,), "ior": (1.5,), "normal": (0.0, 0.0, 1.0), "displacement": (0.0,), "occlusion": (1.0,),
 }  # fmt: skip
-"""Of UsdPreviewSurface."""
+"""Defaults of UsdPreviewSurface."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ DIALECTS = {
     "ND_gltf_pbr_surfaceshader": GLTF, "OmniPBR": OMNI_PBR, "PxrDisneyBsdf": DISNEY, "PxrDisney": DISNEY,
 }  # fmt: skip
 CONTEXTS = ["mtlx", "arnold", "mdl", "ri"]
-"""Of other programs' surfaces, in the order in which they are taken where a material has none for all."""
+"""Render contexts of other programs, by priority, if a material has no universal surface."""
 
 
 def surface_of(material: UsdShade.Material) -> tuple[UsdShade.Shader | None, str, Dialect | None]:

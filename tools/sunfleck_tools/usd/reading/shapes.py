@@ -34,12 +34,12 @@ class Shape:
     material: Usd.Prim | None
     layers: list[str]
     glow: tuple[float, float, float] | None = None
-    """Of a mesh that is a light: its radiance."""
+    """Radiance of a mesh that is a light."""
     corner_of_row: np.ndarray | None = None
     takes_tint: bool = False
-    """Whether a colour of the instance shows."""
+    """Whether an instance's colour is used."""
     normal_targets: np.ndarray | None = None
-    """Of what bends: what is added to each row's normal, times the weights."""
+    """Displacements of each row's normal, for the weights of a deforming mesh."""
 
 
 @dataclass
@@ -75,7 +75,7 @@ class _Outline:
 
 
 Masked = tuple[Usd.Prim | None, np.ndarray | None]
-"""A material and a mask of its faces; None for all."""
+"""Material and a mask of its faces; None for all."""
 
 
 def is_shape(prim: Usd.Prim) -> bool:

@@ -19,7 +19,7 @@ from .source import Source
 A_SET = 4
 """Joints a vertex in each pair of glTF's attributes."""
 SUM_TOLERANCE = 1e-3
-"""How far from 1 weights may add up to: UsdSkel takes them as they are, renderers of glTF make them 1."""
+"""Tolerance of a weight sum of 1: UsdSkel uses weights as they are, glTF renderers normalize them."""
 PREDICATE = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 
 

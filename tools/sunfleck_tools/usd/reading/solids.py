@@ -19,8 +19,7 @@ AROUND = 48
 ALONG = 24
 """Faces from pole to pole."""
 TURNS = {"X": [2, 0, 1], "Y": [1, 2, 0], "Z": [0, 1, 2]}
-"""Where x, y and z come from if that axis takes the place of z; their order goes round, so
-fronts stay fronts."""
+"""Permutation of x, y and z that moves the axis to z; it is cyclic, so orientation is kept."""
 
 
 @dataclass(frozen=True)

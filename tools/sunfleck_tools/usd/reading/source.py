@@ -21,9 +21,9 @@ from .losses import Losses
 from .options import ImportOptions
 
 MOST_CLIPS = 100_000
-"""Of a set."""
+"""Maximum clips of a set."""
 MOST_NAMED = 10
-"""Of errors of one kind."""
+"""Maximum errors of one kind in a message."""
 ENDLESS = (Pcp.ErrorArcCycle, Pcp.ErrorSublayerCycle, Pcp.ErrorCapacityExceeded)
 MISSING = (
     Pcp.ErrorInvalidAssetPath,

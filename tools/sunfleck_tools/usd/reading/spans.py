@@ -16,7 +16,7 @@ from .solids import sizes_of
 from .source import Source
 
 BEFORE_THE_NEXT = 1e-3
-"""Of a frame: when points that move by their velocities are written for the last time."""
+"""Distance from the next sample, in frames, at which points moved by velocities are last written."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 SHARPEST = 10.0
-"""What is as sharp stays sharp at every level (OpenSubdiv's SHARPNESS_INFINITE)."""
+"""Sharpness that never decays (OpenSubdiv's SHARPNESS_INFINITE)."""
 SMOOTH_TRIANGLE = 0.470
 """Weight of a triangle's centre by the rule `smooth` (Stam and Loop 2003, as in
 OpenSubdiv); a quad's is 1/4."""

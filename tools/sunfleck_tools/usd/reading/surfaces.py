@@ -21,11 +21,11 @@ from .source import Source
 from .textures import Textures
 
 OTHER_SHARES = ("transmission", "mirror", "filter_color")
-"""Of `sunfleck_material`, beside the base colour's."""
+"""Fields of `sunfleck_material` that are shares, beside the base colour."""
 UNBOUND = "displayColor"
-"""What the material of meshes without one is called."""
+"""Name of the material of meshes without one."""
 SINGLE_PRECISION = 1e-6
-"""By which a sum of rounded shares may be off."""
+"""Tolerance of a sum of rounded shares."""
 
 
 class Surfaces:

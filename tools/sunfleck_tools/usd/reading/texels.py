@@ -20,17 +20,17 @@ from ...exr.header import MAGIC, HeaderError, parse_headers
 from ...srgb import linear_from_srgb
 
 MOST_BYTES = 2**29
-"""Of one file."""
+"""Maximum bytes of a file."""
 MOST_TEXELS = 2**27
-"""That a head may claim: 16384 x 8192."""
+"""Maximum texels in a header: 16384 x 8192."""
 MOST_FLOATS = 2**25
-"""The same of OpenEXR: 8192 x 4096."""
+"""Maximum texels of OpenEXR: 8192 x 4096."""
 CARRIED = ("PNG", "JPEG")
-"""Formats that glTF takes as they are."""
+"""Formats that glTF supports."""
 CARRIED_MODES = ("1", "L", "LA", "P", "RGB", "RGBA", "I;16", "I")
-"""Pillow's names of layouts that any reader of those formats knows: not CMYK."""
+"""Pillow's modes that every reader of these formats supports: not CMYK."""
 QUICKLY = 1
-"""Of zlib's levels: a fifth of the time of its usual one, for an eighth more bytes."""
+"""Level of zlib: a fifth of the default's time, for an eighth more bytes."""
 TAKEN = ("PNG", "JPEG", "TGA", "WEBP", "TIFF", "BMP")
 
 

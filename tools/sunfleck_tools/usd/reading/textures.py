@@ -15,16 +15,16 @@ from .texels import Picture, PictureError, open_picture
 WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648, "black": 33071}
 SRGB = ("srgb", "g22_rec709", "gamma22")
 LINEAR = ("raw", "data", "identity", "none", "unknown", "lin_rec709", "lin_srgb", "linear")
-"""How names of colour spaces begin, in small letters."""
+"""Prefixes of names of linear colour spaces, in lower case."""
 FIRST_TILE = 1001
 MOVES = {"rotation": 0.0, "scale": (1.0, 1.0), "translation": (0.0, 0.0)}
-"""Inputs of UsdTransform2d, and what they are by themselves."""
+"""Inputs of UsdTransform2d, and their defaults."""
 UDIM_COLUMNS = 10
 COORDINATE_NODES = ("UsdPrimvarReader_", "ND_UsdPrimvarReader_", "ND_geompropvalue_", "ND_texcoord_")
 INPUTS = {"file", "filename", "st", "texcoord", "wrapS", "wrapT", "fallback", "default", "scale", "bias",
           "sourceColorSpace", "uaddressmode", "vaddressmode", "filtertype", "uvtiling", "uvoffset",
           "realworldimagesize", "realworldtilesize"}  # fmt: skip
-"""Of a texture node: what is read here, and how it is filtered, which is the renderer's own."""
+"""Inputs of a texture node that are read, and its filters, which are the renderer's own."""
 READERS = {
     "UsdUVTexture": "file",
     "ND_UsdUVTexture": "file",

@@ -6,12 +6,12 @@ from functools import lru_cache
 import numpy as np
 
 MOST_CORNERS = 1000
-"""Of a face that is not convex: clipping takes the square of that."""
+"""Maximum corners of a face that is not convex, as clipping takes quadratic time."""
 AROUND = np.array([0, 1, 2, 3, 0, 1])
 """The corners of a quadrangle, and the first two once more."""
 TURNED, TURNED_TWICE = np.array([1, 2, 0]), np.array([2, 0, 1])
 MOST_KNOWN = 4096
-"""Faces of a mesh whose fans are kept for the next one of as many."""
+"""Maximum faces of a mesh whose fans are cached."""
 
 
 def triangulate(counts: np.ndarray, points: np.ndarray, corners: np.ndarray) -> np.ndarray:

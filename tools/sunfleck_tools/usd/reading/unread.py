@@ -11,13 +11,13 @@ from .losses import Losses
 from .source import Source
 
 BLUR = {"motion:blurScale": 1.0, "motion:velocityScale": 1.0}
-"""Words on how far things move while a shutter is open, and what they are by themselves."""
+"""Attributes of motion blur, and their neutral values."""
 DRAWN_AS_IT_IS = (None, "", UsdGeom.Tokens.default_, UsdGeom.Tokens.inherited)
-"""Values of `model:drawMode`, others of which have cards or boxes stand for a model."""
+"""Values of `model:drawMode` that draw the model itself; others replace it by cards or boxes."""
 OF_CAMERAS = {"focalLength", "horizontalAperture", "verticalAperture", "fStop", "focusDistance", "projection",
               "clippingRange", "horizontalApertureOffset", "verticalApertureOffset", "shutter:open", "shutter:close",
               "purpose", "visibility", "xformOpOrder", "proxyPrim"}  # fmt: skip
-"""What is read, with what prims have that are no cameras."""
+"""Attributes of cameras that are read, with those of other prims."""
 READ_ONCE = ("projection", "clippingRange", "horizontalApertureOffset", "verticalApertureOffset",
              "shutter:open", "shutter:close")  # fmt: skip
 EXPOSURE = ("exposure", "exposure:time", "exposure:iso", "exposure:fStop", "exposure:responsivity")

@@ -17,7 +17,7 @@ from .places import is_placed, local_matrices
 from .source import Source
 
 FIELDS = ("OpenVDBAsset", "Field3DAsset")
-"""Types of what a volume is made of."""
+"""Types of a volume's fields."""
 
 
 @dataclass(frozen=True)
