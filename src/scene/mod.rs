@@ -103,7 +103,7 @@ pub struct Scene {
     pub background: Rgb,
     /// Sky behind the scene, added to the background; it lights the scene.
     pub sky: Option<Sky>,
-    /// What the camera sees in the sky's place; mirrors see the sky.
+    /// Sky for the camera alone, in place of the sky; mirrors see the sky.
     pub backdrop: Option<Sky>,
     /// Animations of a glTF file, whether or not they play.
     pub animations: Vec<Animation>,

@@ -29,7 +29,7 @@ struct Environment {
     lights: SkyLight,
     #[serde(default = "seen")]
     visible_to_camera: bool,
-    /// What the camera sees in place of the sky; its `lights` and its visibility are ignored.
+    /// Environment for the camera alone; its `lights` and its visibility are ignored.
     backdrop: Option<Box<Environment>>,
 }
 

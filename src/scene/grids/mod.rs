@@ -41,7 +41,7 @@ pub struct GridFrames {
 /// State between two files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Between {
-    /// That of the nearer file.
+    /// Voxels of the nearer file.
     Held,
     /// Advected from both files by their velocities.
     Carried,
