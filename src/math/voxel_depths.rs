@@ -26,9 +26,9 @@ pub struct VoxelDepths {
     /// Number of lines along the second axis for each step along the first.
     columns: usize,
     lines: Vec<Line>,
-    /// Depths at the nodes of one line after the other, in parts of the line's whole depth, from the last node
-    /// before the fog to the first behind it. That one is stored twice, as depths stay the same on the rest of
-    /// a line.
+    /// Depths at the nodes of one line after the other, in parts of the line's whole depth: from the last
+    /// node before the fog to the first behind it. That one is stored twice, as depths stay the same on the
+    /// rest of a line.
     parts: Vec<u16>,
 }
 

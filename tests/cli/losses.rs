@@ -48,6 +48,31 @@ fn strict_refuses_every_loss_and_writes_nothing() {
     studio.succeed("render tiny.ron --strict --frames 1 --out a/");
 }
 
+/// A cube has no texture coordinates: it has the corner's colour, as its glTF file has.
+#[test]
+fn textures_of_shapes_without_coordinates_are_told() {
+    let studio = Studio::new();
+    let corner = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb([if x + y == 0 { 255 } else { 0 }, 0, 0]));
+    corner.save(studio.path("t.png")).unwrap();
+    let scene = r#"Scene(version: 1, meshes: { "cube": Cube(size_m: 1.0) }, materials: { "m": (texture: "t.png") },
+        objects: { "a": (mesh: "cube", material: "m"), "b": (mesh: "cube", material: "m", translation_m: (2.0, 0.0, 0.0)) },
+        cameras: { "main": (position_m: (0.0, 0.0, 4.0)) },
+        lights: { "sun": Sun(to_sun: (0.0, 0.0, 1.0), irradiance_w_per_m2: 3.14159265) })"#;
+    std::fs::write(studio.path("cube.ron"), scene).unwrap();
+    let flags = "--frames 1 --size 8x4 --samples 1 --bounces 0";
+    let told = studio.succeed(&format!("render cube.ron {flags} --out a.exr")).err;
+    assert_eq!(told.matches("warning[texture-coordinates-missing]: ").count(), 1, "{told}");
+    assert!(told.contains("meshes.cube"), "{told}");
+    studio.succeed("export cube.ron cube.glb");
+    studio.succeed(&format!("render cube.glb {flags} --out b.exr"));
+    for name in ["a.exr", "b.exr"] {
+        let frame = studio.frame(name).frame;
+        let [red, green] = ["R", "G"].map(|name| frame.channel(name).unwrap().pixels[2 * 8 + 4]);
+        assert!((red - 1.0).abs() < 0.01 && green < 0.01, "{name}: {red} {green}");
+    }
+    studio.fail(&format!("render cube.ron --strict {flags} --out c.exr"), SCENE);
+}
+
 /// What a damaged OBJ file leaves is drawn, unless all is wanted.
 #[test]
 fn damaged_meshes_are_drawn_with_a_word_and_refused_by_strict() {

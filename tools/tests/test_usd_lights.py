@@ -16,6 +16,7 @@ from sunfleck_tools.usd import import_usd
 
 from .test_usd_export import needs_program
 from .test_usd_import import ImportCase, program, quad
+from .test_validation import run
 
 CASES = Path(__file__).parent / "data/usd"
 
@@ -200,6 +201,23 @@ class Suns(LookCase):
             found = punctual(self.load(stage))["sun"]["intensity"] / LUMENS_PER_WATT
             self.assertAlmostEqual(found / expected, 1.0, 6)
             self.assertEqual("usd-light-shape" in self.said(), angle == 360)
+
+
+class Kept(LookCase):
+    @needs_program
+    def test_suns_keep_their_discs_and_what_the_renderer_leaves_out_is_a_note(self):
+        """Of a scene of our own there and back: UsdLux has no limb, glTF no mist."""
+        source, stage, back = (self.folder / name for name in ("sun.ron", "sun.usda", "back.glb"))
+        sun = "to_sun: (0, 0.2, -1), irradiance_w_per_m2: 3.0, angular_diameter_deg: 20, limb_darkening: 0.6"
+        fog = "min_m: (-3, 0, -3), max_m: (3, 3, 3), density_per_m: 0.2, mist: (size_m: 2)"
+        source.write_text(
+            f'Scene(version: 1, meshes: {{ "q": Quad(size_m: 4) }}, objects: {{ "q": (mesh: "q") }}, '
+            f'lights: {{ "sun": Sun({sun}) }}, fog: {{ "bank": ({fog}) }})'
+        )
+        code, _, err = run("export-usd", source, stage)
+        self.assertEqual((code, err.count("mist is not carried by glTF")), (0, 1), err)
+        import_usd(stage, back)
+        self.assertEqual(of_node(Gltf(Container(back)), "sun")["limb_darkening"], 0.6)
 
 
 class Inputs(LookCase):

@@ -22,6 +22,7 @@ mod suns;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;
+mod texture_coordinates;
 mod tints;
 mod tracks;
 mod voxel_fogs;

@@ -24,9 +24,11 @@ impl Resolver<'_> {
         let Some(material) = bent.map(|material| &materials[material]) else { return };
         let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|triangle| triangle.vertices).collect();
         let vertices = Vertices { positions: &mesh.positions, normals: &mesh.normals, uvs: &mesh.uvs };
-        let made = if mesh.uvs.is_empty() { None } else { tangents::generate(vertices, &mut triangles) };
+        // Coordinates of one texel have no tangents.
+        let is_plain = mesh.uvs.iter().all(|uv| *uv == mesh.uvs[0]);
+        let made = if is_plain { None } else { tangents::generate(vertices, &mut triangles) };
         let Some(made) = made else {
-            let why = match mesh.uvs.is_empty() {
+            let why = match is_plain {
                 true => "it has no texture coordinates",
                 false => "thousands of its triangles meet in one place",
             };

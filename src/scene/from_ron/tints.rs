@@ -54,6 +54,7 @@ impl Resolver<'_> {
         (shaped, shown): (Option<MaterialIndex>, Option<MaterialIndex>),
     ) {
         self.make_tangents(mesh, shaped);
+        self.add_texture_coordinates(mesh, shaped);
         let Some(mesh) = self.cut_out(mesh, shaped) else { return };
         let deformation = self.moving.get(&mesh).cloned();
         self.scene.instances.push(Instance { node, mesh, material: shown, leaf_id, deformation });

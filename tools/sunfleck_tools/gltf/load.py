@@ -4,6 +4,7 @@ Other formats, and glTF with compression, instancing or animated properties, are
 export`; so there is only one reader of RON.
 """
 
+import re
 import subprocess
 import tempfile
 from collections.abc import Sequence
@@ -23,6 +24,8 @@ READ_HERE = {
 }  # fmt: skip
 UNREADABLE = 4
 """Exit code of the program."""
+WARNING = re.compile(r"^(?:.*: )?(?:warning\[[\w-]+\]: )(.*)$", re.MULTILINE)
+"""A loss in what the program says."""
 READ_BY_PROGRAM = {
     "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_animation_pointer",
     "KHR_draco_mesh_compression", "KHR_meshopt_compression",
@@ -60,7 +63,9 @@ def load(
         if result.returncode != 0:
             said = result.stderr.strip() or f"{source}: sunfleck export failed"
             raise ToolError(said, is_usage=False) if result.returncode == UNREADABLE else SceneError(said)
-        return Gltf(Container(exported))
+        gltf = Gltf(Container(exported))
+        gltf.warnings = WARNING.findall(result.stderr)
+        return gltf
 
 
 def beyond(document: Value) -> list[str]:

@@ -47,6 +47,8 @@ class Gltf:
         self, container: Container, fps: Fraction | None = None, frames: tuple[int, int] | None = None
     ):
         self.container = container
+        self.warnings: list[str] = []
+        """Losses of the program that wrote the file."""
         self.document = container.document
         self.accessors = Accessors(self.container)
         scenes = self.document.items("scenes")

@@ -87,7 +87,7 @@ def read_scene(
 class _Reader:
     def __init__(self, gltf: Gltf, frame: float):
         self.gltf = gltf
-        self.notes: list[str] = []
+        self.notes: list[str] = [*gltf.warnings]
         self.time_s = gltf.settings.seconds(np.array([frame]))
         self.materials = gltf.document.items("materials")
 

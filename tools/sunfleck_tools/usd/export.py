@@ -105,7 +105,7 @@ class _Export:
                 f"{said}: would have {samples} time samples, of at most {MOST_SAMPLES}: export fewer --frames"
             )
         self.names = Names()
-        self.lost: list[str] = []
+        self.lost: list[str] = [*gltf.warnings]
         self.layer = Sdf.Layer.CreateAnonymous(".usda")
         self.textures = textures
         # Folder of the stage; None for a package, which contains its files.

@@ -17,7 +17,7 @@ from .census import Census
 from .crowds import Member, place_crowd, read_crowd
 from .domes import is_dome, picture_uri, read_dome
 from .kinds import Kinds
-from .lamps import read_lamp
+from .lamps import kept_of_lamp, read_lamp
 from .lenses import read_camera
 from .losses import Loss, Losses
 from .meshes import Meshes, Piece
@@ -307,9 +307,7 @@ class _Import:
             self.lights.append({"name": self.nodes.of(node)["name"], **lamp.light})
             extension = {"light": len(self.lights) - 1}
             self.nodes.of(node).setdefault("extensions", {})["KHR_lights_punctual"] = extension
-        kept = custom_data(prim).get("sunfleck_light")
-        if isinstance(kept, dict) and kept.get("visible_to_camera") is True:
-            lamp.extras["visible_to_camera"] = True
+        lamp.extras |= kept_of_lamp(prim, "angle" in lamp.extras, self.lost)
         if lamp.extras:
             self.nodes.extra(node, "sunfleck_light", lamp.extras)
         for name, (codes, rows) in lamp.carried.items():

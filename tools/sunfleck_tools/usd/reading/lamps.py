@@ -18,6 +18,7 @@ from .lamp_inputs import LampInputs
 from .lamp_sizes import ball_area, instance_linears, moving_scales
 from .losses import Losses
 from .places import codes_of
+from .properties import custom_data
 from .source import Source
 
 NARROWEST_EDGE = 1e-6
@@ -27,6 +28,8 @@ SMALLEST_AREA = 1e-30
 """Minimum area in stage units squared: a normalized light without area still has its power."""
 EVEN = 1e-4
 """Tolerance of the axes of a sphere."""
+ON_DISC = ("image", "fractal", "limb_darkening", "picture_rotation")
+"""Fields of the radiance on a sun's disc."""
 
 
 @dataclass
@@ -36,6 +39,20 @@ class Lamp:
     light: dict | None
     extras: dict
     carried: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+
+def kept_of_lamp(prim: Usd.Prim, has_disc: bool, lost: Losses) -> dict:
+    """Fields of `sunfleck_light` that UsdLux has no attributes for, from the custom data of `export-usd`."""
+    kept = custom_data(prim).get("sunfleck_light")
+    if not isinstance(kept, dict):
+        return {}
+    fields = {name: kept[name] for name in ON_DISC if has_disc and name in kept}
+    if "image" in fields and not str(fields["image"]).startswith("data:"):
+        lost.add("usd-light-input", prim, "its picture is a file beside another: it is not carried")
+        del fields["image"]
+    if kept.get("visible_to_camera") is True:
+        fields["visible_to_camera"] = True
+    return fields
 
 
 def read_lamp(prim: Usd.Prim, source: Source, still: np.ndarray, lost: Losses) -> Lamp | None:
