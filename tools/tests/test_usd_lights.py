@@ -212,7 +212,7 @@ class Kept(LookCase):
         fog = "min_m: (-3, 0, -3), max_m: (3, 3, 3), density_per_m: 0.2, mist: (size_m: 2)"
         source.write_text(
             f'Scene(version: 1, meshes: {{ "q": Quad(size_m: 4) }}, objects: {{ "q": (mesh: "q") }}, '
-            f'lights: {{ "sun": Sun({sun}) }}, fog: {{ "bank": ({fog}) }})'
+            f'cameras: {{ "main": () }}, lights: {{ "sun": Sun({sun}) }}, fog: {{ "bank": ({fog}) }})'
         )
         code, _, err = run("export-usd", source, stage)
         self.assertEqual((code, err.count("mist is not carried by glTF")), (0, 1), err)
