@@ -86,8 +86,8 @@ fn spacing(of_voxel: f64) -> f64 {
     SPACING * wanted.log2().floor().clamp(-8.0, 0.0).exp2()
 }
 
-/// Depth that counts as all, in voxels of the densest. Where nodes lie nearer than `SPACING`, each of those has
-/// an optical depth of `8 TOLERANCE / spacing^2` at most, and of a fourth of that at least.
+/// Depth at which a lattice is cut off, in voxels of maximum density. Where nodes are closer than `SPACING`,
+/// such a voxel has an optical depth of at most `8 TOLERANCE / spacing^2`, and at least a fourth of it.
 fn deepest(spacing: f64) -> f64 {
     if spacing < SPACING { DEEPEST * spacing.powi(2) / (8.0 * TOLERANCE) } else { f64::INFINITY }
 }
