@@ -3,9 +3,9 @@
 //! lamp's rays have weights that add up to 1, by the balance heuristic (see `connection.rs`).
 //!
 //! A leg hardly ever crosses a narrow beam. One that passes a lamp at a distance h has light in proportion to
-//! 1 / h, with infinite variance. So direction and distance to a point near the lamp are sampled jointly, on a
-//! ray of the lamp (Georgiev, Křivánek, Hachisuka, Nowrouzezahrai & Jarosz 2013, "Joint importance sampling of
-//! low-order volumetric scattering").
+//! 1 / h, with infinite variance. So direction and distance to a point near the lamp are sampled jointly, on
+//! a ray of the lamp (Georgiev, Křivánek, Hachisuka, Nowrouzezahrai & Jarosz 2013, "Joint importance sampling
+//! of low-order volumetric scattering").
 
 use super::connection::Receiver;
 use super::equiangular;

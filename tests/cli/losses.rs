@@ -52,11 +52,10 @@ fn strict_refuses_every_loss_and_writes_nothing() {
 #[test]
 fn textures_of_shapes_without_coordinates_are_told() {
     let studio = Studio::new();
-    let corner = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb([if x + y == 0 { 255 } else { 0 }, 0, 0]));
-    corner.save(studio.path("t.png")).unwrap();
+    image::RgbImage::from_pixel(1, 1, image::Rgb([255, 0, 0])).save(studio.path("t.png")).unwrap();
     let scene = r#"Scene(version: 1, meshes: { "cube": Cube(size_m: 1.0) }, materials: { "m": (texture: "t.png") },
         objects: { "a": (mesh: "cube", material: "m"), "b": (mesh: "cube", material: "m", translation_m: (2.0, 0.0, 0.0)) },
-        cameras: { "main": (position_m: (0.0, 0.0, 4.0)) },
+        cameras: { "main": (position_m: (0.0, 0.0, 1.0)) },
         lights: { "sun": Sun(to_sun: (0.0, 0.0, 1.0), irradiance_w_per_m2: 3.14159265) })"#;
     std::fs::write(studio.path("cube.ron"), scene).unwrap();
     let flags = "--frames 1 --size 8x4 --samples 1 --bounces 0";

@@ -1,5 +1,5 @@
-//! Texture coordinates of meshes that have none. In go meshes and materials, out come coordinates of the corner
-//! texel where a material has textures, as of glTF and OBJ files. Invariant: a mesh is reported once.
+//! Texture coordinates of meshes without any. In go meshes and materials, out come coordinates of the corner
+//! texel where a material has textures, as for glTF and OBJ files. Invariant: a mesh is reported once.
 
 use super::{MaterialIndex, MeshIndex, Resolver};
 use crate::diagnostic::{Diagnostic, Loss};
