@@ -258,8 +258,8 @@ fn a_lamp_next_to_a_board_lights_a_wall_by_its_spot() {
     assert_is("a spot by a lamp", &scene, Bounces::UpTo(1), 16, expected, 2e-3 * expected);
 }
 
-/// Fog about a lamp lights a wall: a point of the fog sends `a / pi sigma / (4 pi) I cos / (r d)^2` to a point
-/// of the wall. Most of that light is close to the lamp, and hardly any leg passes there.
+/// Fog about a lamp lights a wall: a point of the fog sends `a / pi sigma / (4 pi) I cos / (r d)^2` to a
+/// point of the wall. Most of that light is close to the lamp, and hardly any leg passes there.
 #[test]
 fn fog_about_a_lamp_lights_a_wall() {
     const SIGMA_PER_M: f64 = 1e-3;
