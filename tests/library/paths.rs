@@ -263,19 +263,21 @@ fn a_lamp_next_to_a_board_lights_a_wall_by_its_spot() {
 #[test]
 fn fog_about_a_lamp_lights_a_wall() {
     const SIGMA_PER_M: f64 = 1e-3;
+    // The camera does not see it.
+    const HALF_M: f64 = 0.5;
     const DIRECTIONS: u32 = 256;
     const STEPS: u32 = 8;
     let middle = DVec3::new(0.0, 3.0, -2.0);
     let mut scene = camera_at(DVec3::ZERO);
     add_box(&mut scene, DVec3::new(-8.0, -8.0, -4.1), DVec3::new(8.0, 8.0, -4.0), matte(0.5, 0.0));
     add_light(&mut scene, LightKind::Point, middle, DVec3::Z, Rgb::splat(3.0));
-    add_fog(&mut scene, middle - 1.0, middle + 1.0, Rgb::splat(SIGMA_PER_M), Rgb::ONE, 0.0);
+    add_fog(&mut scene, middle - HALF_M, middle + HALF_M, Rgb::splat(SIGMA_PER_M), Rgb::ONE, 0.0);
     let along = |number: u32| -> f64 {
         let z = 1.0 - 2.0 * (f64::from(number) + 0.5) / f64::from(DIRECTIONS);
         let (sin, cos) = (2.0 * PI * (0.618_034 * f64::from(number)).fract()).sin_cos();
         let across = (1.0 - z * z).sqrt();
         let direction = DVec3::new(across * cos, across * sin, z);
-        let step_m = 1.0 / direction.abs().max_element() / f64::from(STEPS);
+        let step_m = HALF_M / direction.abs().max_element() / f64::from(STEPS);
         let lit = |step: u32| {
             let place = middle + (f64::from(step) + 0.5) * step_m * direction;
             step_m * mean_on_wall(&scene, |cos, distance| cos / (distance * distance), place)
