@@ -6,10 +6,14 @@ use std::path::Path;
 
 /// Peak memory of the process so far, on Linux (proc(5), `VmHWM`).
 pub(super) fn peak_memory_bytes() -> Option<u64> {
-    let status = read_to_string("/proc/self/status").ok()?;
-    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = peak.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    let kibibytes: u64 = status("VmHWM:")?.strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kibibytes)
+}
+
+/// A field of proc(5), `status`, by its name.
+fn status(name: &str) -> Option<String> {
+    let status = read_to_string("/proc/self/status").ok()?;
+    status.lines().find_map(|line| Some(line.strip_prefix(name)?.trim().to_owned()))
 }
 
 /// Number of further units of `peak_bytes` that fit into memory: within half of the free memory (proc(5),
@@ -80,8 +84,6 @@ fn limit(name: &str) -> Option<u64> {
 /// Whether the process was started with a signal ignored (proc(5), `SigIgn`).
 #[cfg(unix)]
 pub(super) fn is_ignored(signal: i32) -> bool {
-    let status = read_to_string("/proc/self/status").unwrap_or_default();
-    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    let ignored = status("SigIgn:").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
     ignored.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
