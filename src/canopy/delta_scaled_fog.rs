@@ -56,14 +56,21 @@ pub(crate) struct DeltaScaledFog<'a> {
     pub(crate) dimming: Medium,
     /// Medium with the extinction of a sun's light before its first collision.
     dimming_of_suns: Medium,
-    has_peaks: bool,
+    is_delta_scaled: bool,
 }
 
 impl<'a> DeltaScaledFog<'a> {
     pub(crate) fn new(medium: &'a Medium, eye: DVec3, bounces: Bounces) -> Self {
-        let has_peaks = bounces != Bounces::All;
-        let without = |degrees: i32| if has_peaks { medium.clone() } else { medium.without_peaks(degrees) };
-        Self { medium, eye, dimming: without(DEGREES), dimming_of_suns: without(BEAM_DEGREES), has_peaks }
+        let is_delta_scaled = bounces == Bounces::All;
+        let without =
+            |degrees: i32| if is_delta_scaled { medium.without_peaks(degrees) } else { medium.clone() };
+        Self {
+            medium,
+            eye,
+            dimming: without(DEGREES),
+            dimming_of_suns: without(BEAM_DEGREES),
+            is_delta_scaled,
+        }
     }
 
     /// Medium with the extinction of a sun's or of a lamp's light before its first collision.
@@ -79,10 +86,8 @@ impl<'a> DeltaScaledFog<'a> {
     /// Coefficients at a point.
     pub(crate) fn at(&self, point: DVec3) -> FogCoefficients {
         let (_, of_degrees) = self.medium.coefficients_at::<FIRST_DEGREES>(point);
-        let peak = |degrees: i32| match self.has_peaks {
-            true => Rgb::ZERO,
-            false => self.medium.peak_at(point, degrees),
-        };
+        let peak =
+            |degrees: i32| if self.is_delta_scaled { self.medium.peak_at(point, degrees) } else { Rgb::ZERO };
         let (of_orders, first_peak) = (peak(DEGREES), peak(BEAM_DEGREES));
         FogCoefficients {
             extinction: self.dimming.extinction_at(point),

@@ -139,8 +139,9 @@ impl Heights {
     /// Layers with fog, and the suns that shine through it.
     pub(super) fn filled(&self, snapshot: &Snapshot, bounces: Bounces) -> Filled {
         let medium = snapshot.medium.without_bounds();
-        let has_peaks = bounces != Bounces::All;
-        let without = |degree: i32| if has_peaks { medium.clone() } else { medium.without_peaks(degree) };
+        let is_delta_scaled = bounces == Bounces::All;
+        let without =
+            |degree: i32| if is_delta_scaled { medium.without_peaks(degree) } else { medium.clone() };
         let (swept, of_suns) = (without(DEGREES as i32), without(BEAM_DEGREES));
         let eye = snapshot.view.eye;
         let points: Vec<DVec3> =
@@ -155,7 +156,7 @@ impl Heights {
             }
         };
         let levels = points.iter().enumerate().map(level).collect();
-        let species = medium.banks().iter().map(|bank| species(bank.g, has_peaks)).collect();
+        let species = medium.banks().iter().map(|bank| species(bank.g, is_delta_scaled)).collect();
         let (mut beams, mut peaks) = (Vec::new(), Vec::new());
         for light in &snapshot.lights {
             let FrozenLight::Sun { to_light, .. } = light.centre() else { continue };
@@ -190,8 +191,8 @@ fn per(color: Rgb, extinction: Rgb) -> Rgb {
 }
 
 /// Henyey-Greenstein phase function, with delta-M where all orders are computed.
-fn species(g: f64, has_peaks: bool) -> Species {
-    let peak = |degrees: usize| if has_peaks { 0.0 } else { g.max(0.0).powi(degrees as i32) };
+fn species(g: f64, is_delta_scaled: bool) -> Species {
+    let peak = |degrees: usize| if is_delta_scaled { g.max(0.0).powi(degrees as i32) } else { 0.0 };
     let kept = |degree: usize, degrees: usize| {
         if degree < degrees { g.powi(degree as i32) - peak(degrees) } else { 0.0 }
     };
