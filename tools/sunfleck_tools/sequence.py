@@ -80,6 +80,12 @@ class Listing:
             chosen.setdefault(file.number, file)
         return list(chosen.values())
 
+    @property
+    def asked(self) -> list[Named]:
+        """Frames that are expected; others are only named."""
+        expected = set(self.expected)
+        return [file for file in self.frames if file.number in expected]
+
     def expect(self, numbers: Iterable[int]) -> None:
         """Adds expected frames."""
         if not self.is_still:

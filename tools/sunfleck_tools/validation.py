@@ -82,7 +82,7 @@ def validate(
     listings = list_sequences(target, options.frames)
     if options.frames is None and seconds:
         listings[0].expect(seconds)
-    of, done = sum(len(listing.frames) for listing in listings), 0
+    of, done = sum(len(listing.asked) for listing in listings), 0
     sequences = []
     for listing in listings:
         checked = _check(listing, options, seconds, lambda now: progress(done + now, of))
@@ -120,7 +120,7 @@ def _jobs(listing: Listing, options: Options) -> list[Job]:
         references = {file.number: str(file.path) for file in list_sequence(options.reference).frames}
     width = 0
     if options.thumbnails:
-        width = 96 if len(listing.frames) <= 200 else 48
+        width = 96 if len(listing.asked) <= 200 else 48
     return [
         Job(
             number=file.number,
@@ -131,7 +131,7 @@ def _jobs(listing: Listing, options: Options) -> list[Job]:
             thumbnail_width=width,
             skip_checks=options.skip_checks,
         )
-        for file in listing.frames
+        for file in listing.asked
     ]
 
 

@@ -138,6 +138,15 @@ class CommandLine(WithSequence):
         self.assertEqual([f.frame for f in report.findings if f.check == "unexpected-frame"], [1, 2])
         self.assertIn("[frame-rate]", run("validate", self.folder, "--fps", "25")[1])
 
+    def test_frames_that_nobody_asked_for_are_only_named(self):
+        """So a smaller job in the folder of a larger one can succeed."""
+        frame_path(self.folder, 1).write_bytes(b"")
+        code, out, _ = run("validate", self.folder, "--frames", "2-12")
+        self.assertEqual(code, 0, out)
+        self.assertIn("frame 1: it is none of 2-12, and was not looked at [unexpected-frame]", out)
+        out = run("validate", self.folder, "--frames", "20,21")[1]
+        self.assertIn("0 frames: 2 errors, 12 warnings; render again: 20-21", out)
+
     def test_json_follows_its_schema(self):
         frame_path(self.folder, 4).write_bytes(b"")
         rewrite(frame_path(self.folder, 7), set_value("R", np.inf))

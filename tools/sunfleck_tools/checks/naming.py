@@ -35,7 +35,8 @@ def unexpected_frame(listing: Listing) -> Iterator[Found]:
     expected = set(listing.expected)
     for file in listing.frames:
         if file.number not in expected:
-            yield Found(f"it is none of {format_frames(expected) or 'no frame'}", frame=file.number, path=str(file.path))
+            message = f"it is none of {format_frames(expected) or 'no frame'}, and was not looked at"
+            yield Found(message, frame=file.number, path=str(file.path))
 
 
 @check("duplicate-frame", Severity.ERROR, Scope.LISTING, "two files have one frame's number")

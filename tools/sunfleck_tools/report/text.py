@@ -1,6 +1,7 @@
 """Report for the terminal: the worst frame of each sequence first, the verdict in the last line."""
 
 from collections import Counter
+from collections.abc import Collection
 
 from ..findings import Severity
 from ..frame_list import format_frames
@@ -30,24 +31,25 @@ def _lines(checked: Checked) -> list[str]:
                 for finding in checked.findings
                 if finding.check == check and finding.frame is not None
             }
-            lines.append(
-                f"... {count - MOST_OF_A_KIND} more [{check}], in all frames {format_frames(frames)}"
-            )
+            lines.append(f"... {count - MOST_OF_A_KIND} more [{check}]{_named(', in all frames ', frames)}")
     return [*lines, verdict(checked)]
 
 
 def verdict(checked: Checked) -> str:
     """One line: the subject, and the verdict."""
-    numbers = (
-        "" if checked.listing.is_still else f", {format_frames(frame.number for frame in checked.frames)}"
-    )
+    seen = [] if checked.listing.is_still else [frame.number for frame in checked.frames]
+    numbers = _named(", ", seen)
     looked = f"{checked.listing.pattern}: {_counted(len(checked.frames), 'frame')}{numbers}"
     errors = _counted(checked.count(Severity.ERROR), "error")
     warnings = _counted(checked.count(Severity.WARNING), "warning")
     if not checked.findings:
         return f"{looked}: nothing found"
-    again = f"; render again: {format_frames(checked.rerender)}" if checked.rerender else ""
+    again = _named("; render again: ", checked.rerender)
     return f"{looked}: {errors}, {warnings}{again}"
+
+
+def _named(before: str, frames: Collection[int]) -> str:
+    return before + format_frames(frames) if frames else ""
 
 
 def _counted(count: int, what: str) -> str:
