@@ -235,11 +235,9 @@ impl Outputs {
     fn new(out: Option<&Path>, name: &str, frames: usize) -> Result<Self, CliError> {
         let Some(out) = out else {
             let folder = Path::new("out").join(format!("{name}.preview"));
-            let pattern = folder.join(format!("{name}.####.png"));
-            let pictures =
-                OutputPattern::parse_as(&pattern, name, "png", "--out").map_err(CliError::Usage)?;
             let sheet = Some(folder.join(format!("{name}.sheet.png")));
-            return Ok(Self { pictures: Some(pictures), sheet, animation: None });
+            let pictures = Some(OutputPattern::in_folder(folder, name, "png", "--out"));
+            return Ok(Self { pictures, sheet, animation: None });
         };
         if Animation::is_named(out) {
             return Ok(Self { pictures: None, sheet: None, animation: Some(out.to_owned()) });

@@ -101,7 +101,8 @@ impl OutputPattern {
         }
     }
 
-    fn in_folder(folder: PathBuf, sequence_name: &str, extension: &str, option: &'static str) -> Self {
+    /// Pattern of files in a folder of any name, `NAME.0007.EXTENSION`.
+    pub fn in_folder(folder: PathBuf, sequence_name: &str, extension: &str, option: &'static str) -> Self {
         let (before, after) = (format!("{sequence_name}.").into(), format!(".{extension}").into());
         Self { folder, before, digits: Some(4), after, option }
     }
@@ -274,6 +275,7 @@ mod tests {
                 .contains(".png")
         );
         assert_eq!(OutputPattern::default_for("fall").path(3), Path::new("out/fall/fall.0003.exr"));
+        assert_eq!(OutputPattern::default_for("a#%d").path(3), Path::new("out/a#%d/a#%d.0003.exr"));
     }
 
     #[test]
