@@ -78,7 +78,8 @@ fn parse_item(item: &str, all: &RangeInclusive<i64>) -> Result<(RangeInclusive<i
     if item == "all" {
         return Ok((all.clone(), 1));
     }
-    let (first, rest) = split_number(item).ok_or_else(|| error(item, "it is no frame number"))?;
+    let none = if item.is_empty() { "nothing is there" } else { "it is no frame number" };
+    let (first, rest) = split_number(item).ok_or_else(|| unread(item, item, none))?;
     if rest.is_empty() {
         return Ok((first..=first, 1));
     }
@@ -86,7 +87,7 @@ fn parse_item(item: &str, all: &RangeInclusive<i64>) -> Result<(RangeInclusive<i
         .strip_prefix("..")
         .or_else(|| rest.strip_prefix('-'))
         .ok_or_else(|| error(item, "what follows the first number is no range"))?;
-    let (last, rest) = split_number(rest).ok_or_else(|| error(item, "the range has no end"))?;
+    let (last, rest) = split_number(rest).ok_or_else(|| unread(item, rest, "the range has no end"))?;
     if last < first {
         let found = "the range ends before it begins";
         return Err(error(item, found).remedy(format!("write {last}..{first}{rest}")));
@@ -110,6 +111,15 @@ fn split_number(text: &str) -> Option<(i64, &str)> {
     let (number, rest) = text.split_at(digits_at + digits);
     let number: i32 = number.parse().ok()?;
     Some((i64::from(number), rest.trim_start()))
+}
+
+/// Error of an item without a frame number at the start of `text`: too large a one, or as `none` says.
+fn unread(item: &str, text: &str, none: &str) -> Diagnostic {
+    let digits = text.trim_start().trim_start_matches('-');
+    if digits.starts_with(|first: char| first.is_ascii_digit()) {
+        return error(item, &format!("a number is beyond {}", i32::MAX));
+    }
+    error(item, none)
 }
 
 fn error(found: &str, why: &str) -> Diagnostic {
@@ -182,6 +192,16 @@ mod tests {
         ] {
             let error = FrameList::parse(text, 1..=9).unwrap_err();
             assert!(error.remedy.is_some() && error.expected.is_some(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        for (text, why) in
+            [("", "nothing"), ("1-99999999999", "beyond 2147483647"), ("1-", "no end"), ("x", "no frame")]
+        {
+            let error = FrameList::parse(text, 1..=9).unwrap_err();
+            assert!(error.found.contains(why), "{text}: {}", error.found);
         }
     }
 
