@@ -2,6 +2,7 @@
 //! diagnostic in the format's terms. Invariant: keys in a wrong form give an error that shows the right one.
 
 use super::meant::{is_word, tokens};
+use super::suggest;
 use crate::diagnostic::{Diagnostic, Place};
 use ::ron::error::{Error, SpannedError};
 use std::ops::Range;
@@ -26,10 +27,26 @@ pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Opt
                 .expected("`material`, for all of the mesh, or other materials where the mesh is")
                 .remedy("write `ObjWith(file: \"tree.obj\", materials: { \"leaf\": .. })` in `meshes`")
         }
+        Error::NoSuchEnumVariant { expected, found, outer: Some(outer) }
+            if outer == "Pass" && found.eq_ignore_ascii_case("all") =>
+        {
+            Diagnostic::error(place.clone(), "a file names its passes one by one")
+                .expected(format!("some of {}", suggest::list(expected.iter().copied())))
+                .remedy("name them, or take `passes` out and render with `--passes all`")
+        }
+        Error::ExpectedComma if at(text, error).starts_with('.') => {
+            told(place, word(text, error), "a whole number")
+        }
         Error::ExpectedComma => told_unit(place, text, error)?,
+        Error::IntegerOutOfBounds | Error::InvalidIntegerDigit { .. } => {
+            told(place, word(text, error), "a whole number in the field's range")
+        }
         Error::ExpectedFloat | Error::ExpectedInteger => told(place, at(text, error), "a number"),
+        Error::ExpectedArray => told(place, at(text, error), "a list in square brackets, `[.., ..]`"),
+        Error::ExpectedString => told(place, at(text, error), "a text in double quotes"),
+        Error::ExpectedIdentifier => told(place, at(text, error), "a name without quotes"),
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
-            told(place, at(text, error), "fields in round brackets, `(field: value, ..)`")
+            told(place, at(text, error), "values in round brackets, `(.., ..)` or `(field: .., ..)`")
         }
         Error::ExpectedDifferentStructName { found, .. } if found == "Keyed" => {
             told(place, "Keyed", "fields in round brackets, `(field: value, ..)`")
@@ -42,6 +59,12 @@ pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Opt
         }
         Error::InvalidValueForType { expected, found } if found == "a map" || found == "a sequence" => {
             told(place, at(text, error), if expected == "f64" { "a number" } else { expected })
+        }
+        // A word that is no value, and a number too large for any.
+        Error::InvalidValueForType { expected, found }
+            if found == "a unit value" || found.ends_with("inf`") =>
+        {
+            told(place, word(text, error), expected)
         }
         _ => return None,
     })
@@ -89,11 +112,22 @@ fn told_unit(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnost
 
 /// Text from an error on.
 fn at<'a>(text: &'a str, error: &SpannedError) -> &'a str {
+    text[offset(text, error)..].trim_start()
+}
+
+/// The word or number in which an error lies, or at whose end.
+fn word<'a>(text: &'a str, error: &SpannedError) -> &'a str {
+    let (before, after) = text.split_at(offset(text, error));
+    let ahead = before.bytes().rev().take_while(|&byte| is_word(byte)).count();
+    let behind = after.bytes().take_while(|&byte| is_word(byte)).count();
+    &text[before.len() - ahead..before.len() + behind]
+}
+
+fn offset(text: &str, error: &SpannedError) -> usize {
     let start = error.span.start;
     let before: usize = text.split_inclusive('\n').take(start.line.saturating_sub(1)).map(str::len).sum();
-    let line = &text[before..];
-    let column = line.char_indices().nth(start.col.saturating_sub(1));
-    column.map_or("", |(column, _)| line[column..].trim_start())
+    let column = text[before..].char_indices().nth(start.col.saturating_sub(1));
+    column.map_or(text.len(), |(column, _)| before + column)
 }
 
 /// Diagnostic of the text in a value's place.
@@ -114,7 +148,10 @@ fn told(place: &Place, text: &str, expected: &str) -> Diagnostic {
         }
         _ => match text.split([',', ':', '(', ')', ']', '}', ' ', '\n']).next().unwrap_or_default() {
             "" => (String::from("there is no value here"), "write one, or take the field out"),
-            word => (format!("`{word}` does not belong here"), "change the value"),
+            word => (
+                format!("`{word}` does not belong here"),
+                "change the value; docs/scene-format.md says what it may be",
+            ),
         },
     };
     Diagnostic::error(place.clone(), found).expected(expected).remedy(remedy)

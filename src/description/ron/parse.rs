@@ -99,9 +99,9 @@ fn diagnostic(path: &Path, text: &str, error: &SpannedError) -> Diagnostic {
                 .remedy("change the value; docs/scene-format.md has every field's unit and range")
         }
         Error::ExpectedDifferentLength { expected, found } => {
-            Diagnostic::error(place, format!("{found} values are too many or too few here"))
-                .expected(expected.clone())
-                .remedy("count the values between the brackets")
+            Diagnostic::error(place, format!("the number of values here, {found}, is wrong"))
+                .expected(expected.replace("a tuple of size", "as many as"))
+                .remedy("count the values between the brackets; one alone stands without them")
         }
         Error::ExceededRecursionLimit => Diagnostic::error(place, "the brackets are nested too deeply")
             .expected("at most 128 brackets within each other")
@@ -130,7 +130,8 @@ fn is_of_keys(error: &Error) -> bool {
 
 /// Names the kind of number in place of its Rust type.
 fn plain(found: &str) -> String {
-    let kinds = ["the unsigned integer ", "the integer ", "the floating point number "];
+    let kinds =
+        ["the unsigned integer ", "the signed integer ", "the integer ", "the floating point number "];
     let number = kinds.iter().find_map(|kind| found.strip_prefix(kind));
     number.map_or_else(|| found.to_owned(), |number| format!("the number {number}"))
 }
