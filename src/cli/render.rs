@@ -206,7 +206,7 @@ fn too_late(frames: &[i64]) -> CliError {
     let frames: Vec<String> = frames.iter().map(ToString::to_string).collect();
     let frames = frames.join(",");
     CliError::Frame(format!(
-        "error: frames {frames} took longer than --frame-timeout and are not written\n  expected: frames within it\n  \
+        "error: not written, for it took longer than --frame-timeout: {frames}\n  expected: every frame within it\n  \
          remedy: `--frames {frames}` with a longer time or a larger --tolerance renders them alone"
     ))
 }

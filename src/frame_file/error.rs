@@ -140,7 +140,7 @@ impl FrameFileError {
     /// Remedy for the user.
     pub fn remedy(&self) -> &str {
         match self {
-            Self::IsFolder { .. } => "end --out with / to write into the folder, or give a file name",
+            Self::IsFolder { .. } => "move the folder away, or end --out with / to write into it",
             Self::CreateFolder { source, .. } | Self::Write { source, .. } => match source.kind() {
                 io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
                     "free some space or choose another place (`--out`), then run the command again; `render --skip valid` keeps whole frames"
