@@ -9,7 +9,52 @@ use std::ops::Range;
 
 /// Diagnostic of an error about a value's form; `None` for others.
 pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Option<Diagnostic> {
+    let (rest, word) = (at(text, error), word(text, error));
     Some(match &error.code {
+        Error::ExpectedComma if rest.starts_with('.') => told(place, word, "a whole number"),
+        Error::ExpectedComma => told_unit(place, text, error)?,
+        Error::IntegerOutOfBounds | Error::InvalidIntegerDigit { .. } => {
+            told(place, word, "a whole number in the field's range")
+        }
+        Error::ExpectedFloat | Error::ExpectedInteger => told(place, rest, "a number"),
+        // A bracket may be missing before such a place.
+        Error::ExpectedArray | Error::ExpectedIdentifier | Error::ExpectedString
+            if rest.is_empty() || rest.starts_with([')', ']', '}', ',', ':']) =>
+        {
+            return None;
+        }
+        Error::ExpectedArray => told(place, rest, "a list in square brackets, `[.., ..]`"),
+        Error::ExpectedIdentifier => told(place, rest, "a name without quotes"),
+        Error::ExpectedString => told(place, rest, "a text in double quotes")
+            .remedy("write it in double quotes, or look for a missing bracket just before it"),
+        Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
+            told(place, rest, "values in round brackets, `(.., ..)` or `(field: .., ..)`")
+        }
+        Error::ExpectedDifferentStructName { found, .. } if found == "Keyed" => {
+            told(place, "Keyed", "fields in round brackets, `(field: value, ..)`")
+                .remedy("give keys to its fields one by one; docs/scene-format.md says which may be keyed")
+        }
+        Error::SuggestRawIdentifier(name) | Error::InvalidIdentifier(name) => {
+            Diagnostic::error(place.clone(), format!("`{name}` does not belong here"))
+                .expected("the name of a field, or a value without names")
+                .remedy("write `field: value`; keys are `Keyed(keys: [(at_s: 0.0, value: ..), ..])`")
+        }
+        Error::InvalidValueForType { expected, found } if found == "a map" || found == "a sequence" => {
+            told(place, rest, if expected == "f64" { "a number" } else { expected })
+        }
+        // A word that is no value, and a number too large for any.
+        Error::InvalidValueForType { expected, found }
+            if found == "a unit value" || found.ends_with("inf`") =>
+        {
+            told(place, word, expected)
+        }
+        code => return misplaced_name(place, code),
+    })
+}
+
+/// Diagnostic of a name that is right elsewhere; `None` for others.
+fn misplaced_name(place: &Place, error: &Error) -> Option<Diagnostic> {
+    Some(match error {
         Error::NoSuchStructField { found, outer: Some(outer), .. }
             if found == "motion" && outer == "Leaves" =>
         {
@@ -33,38 +78,6 @@ pub(super) fn diagnostic(place: &Place, text: &str, error: &SpannedError) -> Opt
             Diagnostic::error(place.clone(), "a file names its passes one by one")
                 .expected(format!("some of {}", suggest::list(expected.iter().copied())))
                 .remedy("name them, or take `passes` out and render with `--passes all`")
-        }
-        Error::ExpectedComma if at(text, error).starts_with('.') => {
-            told(place, word(text, error), "a whole number")
-        }
-        Error::ExpectedComma => told_unit(place, text, error)?,
-        Error::IntegerOutOfBounds | Error::InvalidIntegerDigit { .. } => {
-            told(place, word(text, error), "a whole number in the field's range")
-        }
-        Error::ExpectedFloat | Error::ExpectedInteger => told(place, at(text, error), "a number"),
-        Error::ExpectedArray => told(place, at(text, error), "a list in square brackets, `[.., ..]`"),
-        Error::ExpectedString => told(place, at(text, error), "a text in double quotes"),
-        Error::ExpectedIdentifier => told(place, at(text, error), "a name without quotes"),
-        Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => {
-            told(place, at(text, error), "values in round brackets, `(.., ..)` or `(field: .., ..)`")
-        }
-        Error::ExpectedDifferentStructName { found, .. } if found == "Keyed" => {
-            told(place, "Keyed", "fields in round brackets, `(field: value, ..)`")
-                .remedy("give keys to its fields one by one; docs/scene-format.md says which may be keyed")
-        }
-        Error::SuggestRawIdentifier(word) | Error::InvalidIdentifier(word) => {
-            Diagnostic::error(place.clone(), format!("`{word}` does not belong here"))
-                .expected("the name of a field, or a value without names")
-                .remedy("write `field: value`; keys are `Keyed(keys: [(at_s: 0.0, value: ..), ..])`")
-        }
-        Error::InvalidValueForType { expected, found } if found == "a map" || found == "a sequence" => {
-            told(place, at(text, error), if expected == "f64" { "a number" } else { expected })
-        }
-        // A word that is no value, and a number too large for any.
-        Error::InvalidValueForType { expected, found }
-            if found == "a unit value" || found.ends_with("inf`") =>
-        {
-            told(place, word(text, error), expected)
         }
         _ => return None,
     })
