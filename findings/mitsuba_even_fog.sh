@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Fog of one density and a grid of colours is there only from 0 to 1 m in Mitsuba, whatever the shape that holds it.
+# Even fog in Mitsuba's medium `heterogeneous` is there only from 0 to 1 m, whatever the shape that holds it.
 #
-# Expected: `sigma_t` of the medium `heterogeneous` may be a number, by its documentation, and then is the same
-# throughout the shape that has the medium inside; its `albedo` may be a grid, so that even mist has colours that
-# change. A box of 4 m with a density of 1 lets exp(-4) = 0.018 of the light through. What happens: Mitsuba 3.9.1 makes
-# a `constvolume` of the number, and the medium looks for fog within the bounds of that volume alone, which are the
-# cube from 0 to 1 on each axis. A ray through the rest of the box meets nothing: all light comes through; one through
-# that cube meets 1 m of fog, 0.37. So a box that is no larger than the cube and within it is right. `homogeneous` is
-# right everywhere, but takes no grid as `albedo`. `volpath` and `volpathmis` agree. Nothing is said.
-# Remedy: `sigma_t` as a `constvolume` with a `to_world` that takes the cube from 0 to 1 to the bounds of the shape,
-# which its documentation does not name; a `gridvolume` of one value has one too.
+# Expected: `sigma_t` of the medium `heterogeneous` may be a number, by its documentation, and has one where nothing is
+# said; it is then the same throughout the shape that has the medium inside. So even mist may have a grid of colours as
+# its `albedo`. A box of 4 m with a density of 1 lets exp(-4) = 0.018 of the light through. What happens: Mitsuba 3.9.1
+# makes a `constvolume` of the number, and the medium looks for fog within the bounds of that volume alone, which are
+# the cube from 0 to 1 on each axis. A ray through the rest of the box meets nothing: all light comes through; one
+# through that cube meets 1 m of fog, 0.37. So a box within that cube is right. `volpath` and `volpathmis` agree.
+# Nothing is said.
+# Remedy: `homogeneous`, which is right everywhere, and whose `albedo` may be a grid too; or `sigma_t` as a
+# `constvolume` with a `to_world` that takes the cube from 0 to 1 to the bounds of the shape.
 # Versions: Mitsuba 3.9.1 with numpy 2.5.5 (PyPI). Source: measured here;
 # https://mitsuba.readthedocs.io/en/stable/src/generated/plugins_media.html (heterogeneous: sigma_t);
 # https://github.com/mitsuba-renderer/mitsuba3 (src/media/heterogeneous.cpp, intersect_aabb; src/volumes/const.cpp)
@@ -44,6 +44,8 @@ def let_through(x, medium, integrator):
 
 for name, medium, wanted in [
     ("homogeneous", {"type": "homogeneous", "sigma_t": 1.0, "albedo": 0.0}, (np.exp(-4), np.exp(-4))),
+    ("homogeneous, and a grid of colours", {"type": "homogeneous", "sigma_t": 1.0, "albedo": COLOURS},
+     (np.exp(-4), np.exp(-4))),
     ("a number", {"type": "heterogeneous", "sigma_t": 1.0, "albedo": 0.0}, (1, np.exp(-1))),
     ("a number, and a grid of colours", {"type": "heterogeneous", "sigma_t": 1.0, "albedo": COLOURS}, (1, np.exp(-1))),
     ("constvolume with to_world", {"type": "heterogeneous", "albedo": COLOURS, "sigma_t": {
