@@ -28,7 +28,10 @@ def shorter_sequence(listing: Listing) -> Iterator[Found]:
 
 
 @check(
-    "unexpected-frame", Severity.WARNING, Scope.LISTING, "a file's number lies outside of the range asked for"
+    "unexpected-frame",
+    Severity.WARNING,
+    Scope.LISTING,
+    "a file's number lies outside of the range asked for; nothing else of it is checked",
 )
 def unexpected_frame(listing: Listing) -> Iterator[Found]:
     """Only with a requested range; otherwise every frame is expected."""
