@@ -461,8 +461,9 @@ class Engine(unittest.TestCase):
 
     def test_what_stands_in_the_way_is_an_error_of_blenders(self):
         self.scene.objects["sun"].data.energy = -1.0
-        with self.assertRaisesRegex(RuntimeError, "power is negative"):
+        with self.assertRaisesRegex(RuntimeError, "power is negative") as told:
             bpy.ops.render.render()
+        self.assertEqual(str(told.exception).count("power is negative"), 1)
         self.scene.objects["sun"].data.energy = 1.0
         with mock.patch.dict(os.environ, {"SUNFLECK": "/nowhere/sunfleck"}), self.assertRaisesRegex(RuntimeError, "not found"):
             bpy.ops.render.render()

@@ -40,9 +40,9 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
         except walk.Stopped:
             pass
         except exporting.NotRendered as problem:
-            self.fail(str(problem))
+            self.report({"ERROR"}, str(problem))
         except Exception as problem:
-            self.fail(f"{type(problem).__name__}: {problem}")
+            self.report({"ERROR"}, f"{type(problem).__name__}: {problem}")
 
     def rendered(self, graph):
         executable = program.find()
@@ -134,10 +134,6 @@ class SUNFLECK_RENDER_engine(bpy.types.RenderEngine):
     def shown_in_viewport(self):
         self.viewport = getattr(self, "viewport", None) or Viewport()
         return self.viewport
-
-    def fail(self, words):
-        self.report({"ERROR"}, words)
-        self.error_set(words)
 
 
 def register():
